@@ -1,0 +1,231 @@
+#include "baker/bake.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "baker/parallel.h"
+#include "baker/write.h"
+
+namespace fjell::baker {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+Tree tiling(const Dem& dem, const BakeOptions& options) {
+    const int log2 = options.tile_log2 ? options.tile_log2 : auto_tile_log2(dem.columns, dem.rows);
+    const Tree tree{log2, (dem.columns - 1) >> log2, (dem.rows - 1) >> log2};
+    if (tree.tiles_x < 1 || tree.tiles_y < 1)
+        throw Failure(1, fmt::format("the height field has {} x {} samples, too few for a tile of {} cells; give a smaller "
+                                     "--tile or a larger height field (at least 3 x 3)",
+                                     dem.columns, dem.rows, 1 << log2));
+    const double extent =
+        std::max((tree.columns() - 1) * dem.spacing_m[0], (tree.rows() - 1) * dem.spacing_m[1]);
+    if (extent > max_extent_m)
+        throw Failure(1, fmt::format("the terrain would be {:.3g} m wide, more than {:.0e} m; give a smaller --spacing",
+                                     extent, max_extent_m));
+    return tree;
+}
+
+void crop(Dem& dem, const Tree& tree) {
+    if (dem.columns == tree.columns() && dem.rows == tree.rows()) return;
+    const auto from = static_cast<std::size_t>(dem.columns), to = static_cast<std::size_t>(tree.columns());
+    for (std::size_t y = 1; y < static_cast<std::size_t>(tree.rows()); ++y)
+        std::copy_n(dem.heights_m.begin() + static_cast<std::ptrdiff_t>(y * from), to,
+                    dem.heights_m.begin() + static_cast<std::ptrdiff_t>(y * to));
+    dem.columns = tree.columns();
+    dem.rows = tree.rows();
+    dem.heights_m.resize(to * static_cast<std::size_t>(dem.rows));
+}
+
+// Six planes of bytes in planar order; see runtime/src/pack/terrain.cpp, which undoes it.
+std::vector<std::byte> geometry_bytes(const Tree& tree, const std::vector<std::uint16_t>& steps,
+                                      const VertexErrors& errors, std::uint32_t tile) {
+    const PlanarOrder order{tree.tile_log2};
+    const std::uint32_t count = order.vertex_count(), n = static_cast<std::uint32_t>(tree.side()) + 1;
+    const std::size_t columns = static_cast<std::size_t>(tree.columns());
+    const std::size_t x0 = tile % static_cast<std::uint32_t>(tree.tiles_x) * std::size_t{n - 1};
+    const std::size_t y0 = tile / static_cast<std::uint32_t>(tree.tiles_x) * std::size_t{n - 1};
+    std::vector<std::byte> planes(std::size_t{count} * 6);
+    for (std::uint32_t y = 0; y < n; ++y)
+        for (std::uint32_t x = 0; x < n; ++x) {
+            const std::uint32_t to = order.index(x, y);
+            const std::size_t from = (y0 + y) * columns + x0 + x;
+            const std::uint16_t words[3] = {steps[from], errors.error[from], errors.radius[from]};
+            for (std::size_t k = 0; k < 3; ++k) {
+                planes[(2 * k) * count + to] = static_cast<std::byte>(words[k] & 0xff);
+                planes[(2 * k + 1) * count + to] = static_cast<std::byte>(words[k] >> 8);
+            }
+        }
+    return planes;
+}
+
+// Everything a bake holds on its way to the file.
+struct Bake {
+    const BakeOptions& options;
+    Dem dem;
+    Tree tree;
+    Lattice lattice;
+    std::vector<std::uint16_t> steps;
+    VertexErrors errors;
+    std::optional<Image> image;
+    std::optional<Ramp> ramp;
+    std::uint32_t colour_log2 = 0, normal_log2 = 0;
+    int threads = 1;
+
+    [[nodiscard]] MapBuilder maps() const { return {dem, tree, colour_log2, normal_log2}; }
+};
+
+// Meadows, forest edge, rock, snow: for height fields that come without colours.
+Ramp default_ramp() {
+    return {{{0.0, {92, 112, 66}}, {0.35, {128, 126, 84}}, {0.6, {140, 124, 104}}, {0.8, {150, 144, 138}}, {1.0, {240, 242, 246}}},
+            true};
+}
+
+void prepare_colour(Bake& b) {
+    const double side = b.tree.side();
+    const std::uint32_t most = std::min(b.options.max_texture_log2, max_texture_log2);
+    b.normal_log2 = fitting_log2(side, most);
+    if (!b.options.texture_path.empty()) {
+        b.image = read_image(b.options.texture_path);
+        const double per_tile = std::max(static_cast<double>(b.image->width) / b.tree.tiles_x,
+                                         static_cast<double>(b.image->height) / b.tree.tiles_y);
+        b.colour_log2 = fitting_log2(per_tile, most);
+        return;
+    }
+    b.ramp = b.options.ramp_path.empty() ? default_ramp() : read_ramp(b.options.ramp_path);
+    b.colour_log2 = fitting_log2(side, most);
+}
+
+PackHeader header_of(const Bake& b) {
+    PackHeader h{};
+    h.columns = static_cast<std::uint32_t>(b.tree.columns());
+    h.rows = static_cast<std::uint32_t>(b.tree.rows());
+    h.tiles_x = static_cast<std::uint32_t>(b.tree.tiles_x);
+    h.tiles_y = static_cast<std::uint32_t>(b.tree.tiles_y);
+    h.tile_log2 = static_cast<std::uint32_t>(b.tree.tile_log2);
+    h.order = Order::planar;
+    h.estimate = b.options.estimate;
+    h.nesting = static_cast<float>(b.options.nesting);
+    std::copy_n(b.dem.spacing_m, 2, h.spacing_m);
+    std::copy_n(b.dem.origin_m, 2, h.origin_m);
+    h.base_m = b.lattice.base_m;
+    h.quantum_m = b.lattice.quantum_m;
+    const auto [least, most] = std::minmax_element(b.steps.begin(), b.steps.end());
+    h.min_m = b.lattice.height_m(*least);
+    h.max_m = b.lattice.height_m(*most);
+    h.max_error_m = b.errors.max_error_m;
+    h.colour_log2 = b.colour_log2;
+    h.normal_log2 = b.normal_log2;
+    h.crs_bytes = static_cast<std::uint32_t>(b.dem.crs_wkt.size());
+    return h;
+}
+
+// Makes chunks [0, count) on all threads, a batch at a time so that few wait in memory, and writes them in order.
+template <typename Make>
+std::uint64_t write_chunks(PackWriter& writer, const Bake& b, const char* stage, std::uint64_t count, const Make& make) {
+    std::uint64_t bytes = 0;
+    const std::uint64_t batch = static_cast<std::uint64_t>(b.threads) * 4;
+    for (std::uint64_t first = 0; first < count; first += batch) {
+        const std::uint64_t n = std::min(batch, count - first);
+        std::vector<Chunk> chunks(n);
+        parallel_for(static_cast<std::int64_t>(n), b.threads,
+                     [&](std::int64_t i) { chunks[static_cast<std::size_t>(i)] = make(first + static_cast<std::uint64_t>(i)); });
+        for (const Chunk& chunk : chunks) {
+            writer.add(chunk);
+            bytes += chunk.stored.size();
+        }
+        if (b.options.progress) b.options.progress(stage, first + n, count);
+    }
+    return bytes;
+}
+
+std::uint64_t write_geometry(PackWriter& writer, const Bake& b) {
+    const auto tiles = static_cast<std::uint64_t>(b.tree.tiles_x) * static_cast<std::uint64_t>(b.tree.tiles_y);
+    return write_chunks(writer, b, "tiles", tiles, [&](std::uint64_t tile) {
+        const auto raw = geometry_bytes(b.tree, b.steps, b.errors, static_cast<std::uint32_t>(tile));
+        return compress_chunk(ChunkKind::geometry, static_cast<std::uint32_t>(tile), 0, raw, b.options.compression);
+    });
+}
+
+std::uint64_t write_maps(PackWriter& writer, const Bake& b, ChunkKind kind) {
+    const bool colour = kind == ChunkKind::colour;
+    const std::uint64_t mips = mip_count(colour ? b.colour_log2 : b.normal_log2);
+    const auto tiles = static_cast<std::uint64_t>(b.tree.tiles_x) * static_cast<std::uint64_t>(b.tree.tiles_y);
+    return write_chunks(writer, b, colour ? "colours" : "normals", tiles * mips, [&](std::uint64_t i) {
+        const auto tile = static_cast<std::uint32_t>(i / mips), mip = static_cast<std::uint32_t>(i % mips);
+        const auto texels =
+            colour ? colour_mip(b.maps(), b.image ? &*b.image : nullptr, b.ramp ? &*b.ramp : nullptr, tile, mip)
+                   : normal_mip(b.maps(), tile, mip);
+        return compress_chunk(kind, tile, mip, std::as_bytes(std::span(texels)), b.options.compression);
+    });
+}
+
+void check(const BakeOptions& options) {
+    if (!(options.nesting >= 0.001 && options.nesting <= 1))
+        throw Failure(2, "--nesting must lie in 0.001..1: with less, spheres that touch do not nest in float arithmetic "
+                         "and the mesh cracks");
+    if (options.tile_log2 && (options.tile_log2 < min_tile_log2 || options.tile_log2 > max_tile_log2))
+        throw Failure(2, "--tile must be a power of two from 2 to 4096, or auto");
+    if (!options.texture_path.empty() && !options.ramp_path.empty())
+        throw Failure(2, "give --texture or --ramp, not both");
+}
+
+} // namespace
+
+int auto_tile_log2(std::int32_t columns, std::int32_t rows) {
+    const std::int32_t shorter = std::min(columns, rows) - 1;
+    int log2 = 9;
+    while (log2 > min_tile_log2 && (1 << log2) > shorter) --log2;
+    const auto tiles = [&] { return static_cast<std::int64_t>(columns >> log2) * (rows >> log2); };
+    while (tiles() > 1024 && log2 < max_tile_log2 && (2 << log2) <= shorter) ++log2;
+    return log2;
+}
+
+BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_path) {
+    check(options);
+    const auto start = Clock::now();
+    PackWriter writer(out_path); // first: a missing folder should not cost an hour
+    BakeSummary summary;
+    summary.source_columns = dem.columns;
+    summary.source_rows = dem.rows;
+    Bake b{options, std::move(dem), {}, {}, {}, {}, {}, {}, 0, 0, resolve_threads(options.threads)};
+    b.tree = tiling(b.dem, options);
+    crop(b.dem, b.tree);
+    prepare_colour(b);
+    b.lattice = choose_lattice(b.dem);
+    b.steps = quantise(b.dem, b.lattice);
+    const auto errors_start = Clock::now();
+    // The stored float is what readers test against.
+    const double nesting = static_cast<float>(options.nesting);
+    b.errors = compute_errors({b.dem, b.steps, b.lattice, b.tree, options.estimate, nesting, b.threads}, options.progress);
+    summary.seconds_errors = seconds_since(errors_start);
+
+    PackHeader header = header_of(b);
+    header.source_columns = static_cast<std::uint32_t>(summary.source_columns);
+    header.source_rows = static_cast<std::uint32_t>(summary.source_rows);
+    writer.begin(header);
+    summary.geometry_bytes = write_geometry(writer, b);
+    const auto textures_start = Clock::now();
+    summary.texture_bytes = write_maps(writer, b, ChunkKind::colour) + write_maps(writer, b, ChunkKind::normal);
+    summary.seconds_textures = seconds_since(textures_start);
+    if (header.crs_bytes)
+        writer.add(compress_chunk(ChunkKind::crs, 0, 0, std::as_bytes(std::span(b.dem.crs_wkt)), options.compression));
+    summary.file_bytes = writer.finish();
+
+    summary.columns = b.dem.columns;
+    summary.rows = b.dem.rows;
+    summary.tree = b.tree;
+    summary.quantum_m = b.lattice.quantum_m;
+    summary.max_error_m = b.errors.max_error_m;
+    summary.seconds_total = seconds_since(start);
+    return summary;
+}
+
+} // namespace fjell::baker

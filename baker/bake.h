@@ -1,0 +1,70 @@
+// From heights to a pack: quantise -> errors and radii -> tiles -> textures -> write (thesis 5.3, DESIGN section 5).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "baker/colour.h"
+#include "baker/dem.h"
+#include "fjell/pack.h"
+#include "fjell/record.h"
+#include "fjell/tree.h"
+
+namespace fjell::baker {
+
+// stage: what is being done; done, total: in units of the stage (samples or tiles).
+using Progress = std::function<void(const char* stage, std::uint64_t done, std::uint64_t total)>;
+
+struct BakeOptions {
+    int tile_log2 = 0;            // 0: auto, the largest of 64..512 cells that fits the DEM with at most ~1,024 tiles
+    Estimate estimate = Estimate::max;
+    double nesting = 0.05;        // mu, 0.001..1
+    int threads = 0;              // 0: all cores; the pack does not depend on it
+    std::string texture_path;     // an image over the whole DEM; empty: none
+    std::string ramp_path;        // colours by height; empty: a grey-free default ramp when there is no texture
+    std::uint32_t max_texture_log2 = 10;
+    int compression = 6;          // zstd level
+    Progress progress;
+};
+
+struct BakeSummary {
+    std::int32_t columns = 0, rows = 0;               // baked
+    std::int32_t source_columns = 0, source_rows = 0; // of the DEM
+    Tree tree;
+    float quantum_m = 0;
+    float max_error_m = 0;
+    std::uint64_t file_bytes = 0, geometry_bytes = 0, texture_bytes = 0;
+    double seconds_errors = 0, seconds_textures = 0, seconds_total = 0;
+};
+
+// The vertical lattice for a DEM: the source's own step when 65,536 steps of it span the heights (lossless), otherwise
+// the smallest that do.
+[[nodiscard]] Lattice choose_lattice(const Dem& dem);
+[[nodiscard]] std::vector<std::uint16_t> quantise(const Dem& dem, const Lattice& lattice);
+
+// Error and radius of every vertex, one global row-major array each, bfloat16 (fjell/record.h). Corners of tiles: zero.
+struct VertexErrors {
+    std::vector<std::uint16_t> error, radius;
+    float max_error_m = 0;
+};
+struct ErrorInput {
+    const Dem& dem; // cropped: dem.columns == tree.columns()
+    const std::vector<std::uint16_t>& steps;
+    Lattice lattice;
+    Tree tree;
+    Estimate estimate = Estimate::max;
+    double nesting = 0.05;
+    int threads = 1;
+};
+[[nodiscard]] VertexErrors compute_errors(const ErrorInput& input, const Progress& progress = {});
+
+// Bakes to OUT beside its place and renames; nothing is left behind on failure. Throws Failure. The DEM is cropped to
+// whole tiles around nothing: the surplus columns (east) and rows (south) go, and the summary says how many.
+BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_path);
+
+// Picks a tile size for `auto`.
+[[nodiscard]] int auto_tile_log2(std::int32_t columns, std::int32_t rows);
+
+} // namespace fjell::baker

@@ -1,0 +1,264 @@
+// fjell-bake: IN -o OUT.fjell, info, verify, synth. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the machine is.
+#include <cstdio>
+#include <fstream>
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "baker/bake.h"
+#include "baker/progress.h"
+#include "baker/read.h"
+#include "baker/verify.h"
+#include "host/file.h"
+#include "host/load.h"
+
+namespace {
+
+using namespace fjell;
+using namespace fjell::baker;
+using namespace fjell::host;
+using nlohmann::json;
+
+// Shared by bake and verify --against: how a file becomes heights in metres.
+struct ReadFlags {
+    double spacing_m = 0, zscale = 1, zoffset_m = 0;
+    std::string nodata = "refuse";
+
+    void add_to(CLI::App& app) {
+        app.add_option("--spacing", spacing_m, "metres between samples; needed where the file has degrees or nothing");
+        app.add_option("--zscale", zscale, "multiplies heights (after the file's own scale)");
+        app.add_option("--zoffset", zoffset_m, "metres added to heights after --zscale");
+        app.add_option("--nodata", nodata, "what to do with samples without a height: refuse, or fill from their neighbours")
+            ->check(CLI::IsMember({"refuse", "fill"}));
+    }
+    [[nodiscard]] ReadOptions options(const CLI::App& app, std::size_t memory_mb) const {
+        ReadOptions o;
+        if (app.count("--spacing")) o.spacing_m = spacing_m;
+        o.zscale = zscale;
+        o.zoffset_m = zoffset_m;
+        o.nodata = nodata == "fill" ? NoData::fill : NoData::refuse;
+        o.memory_bytes = memory_mb << 20;
+        return o;
+    }
+};
+
+struct Arguments {
+    std::vector<std::string> inputs;
+    std::string output, tile = "auto", estimate = "max", order = "planar", json_path;
+    BakeOptions bake;
+    ReadFlags read;
+    std::size_t memory_mb = 8192;
+    bool quiet = false;
+
+    std::string pack, against, recipe, dem_out;
+    ReadFlags verify_read;
+    bool info_json = false;
+};
+
+void write_json(const std::string& path, const json& value) {
+    if (path == "-") {
+        fmt::print("{}\n", value.dump(2));
+        return;
+    }
+    const std::string text = value.dump(2) + "\n";
+    AtomicFile file(path);
+    file.write(std::as_bytes(std::span(text)));
+    file.commit();
+}
+
+// "512" or "auto" to log2; 0 for auto.
+int tile_log2(const std::string& text) {
+    if (text == "auto") return 0;
+    for (int log2 = min_tile_log2; log2 <= max_tile_log2; ++log2)
+        if (text == std::to_string(1 << log2)) return log2;
+    throw Failure(2, fmt::format("--tile {}: must be auto or a power of two from 2 to 4096 (cells a side)", text));
+}
+
+json summary_json(const BakeSummary& s) {
+    return {{"columns", s.columns},
+            {"rows", s.rows},
+            {"source_columns", s.source_columns},
+            {"source_rows", s.source_rows},
+            {"tiles", {s.tree.tiles_x, s.tree.tiles_y}},
+            {"tile_cells", s.tree.side()},
+            {"quantum_m", s.quantum_m},
+            {"max_error_m", s.max_error_m},
+            {"file_bytes", s.file_bytes},
+            {"geometry_bytes", s.geometry_bytes},
+            {"texture_bytes", s.texture_bytes},
+            {"seconds_errors", s.seconds_errors},
+            {"seconds_textures", s.seconds_textures},
+            {"seconds_total", s.seconds_total}};
+}
+
+int run_bake(Arguments& a, const CLI::App& app) {
+    if (a.inputs.empty()) throw Failure(2, "no height field given; see fjell-bake --help");
+    if (a.inputs.size() > 1)
+        throw Failure(2, "more than one height field given; make one of them first (gdalbuildvrt mosaic.vrt A B ...)");
+    if (a.output.empty()) throw Failure(2, "no output given; add -o OUT.fjell");
+    a.bake.tile_log2 = tile_log2(a.tile);
+    a.bake.estimate = a.estimate == "max" ? Estimate::max : Estimate::midpoint;
+    ProgressBar bar(a.quiet);
+    bar("read", 0, 1);
+    Dem dem = read_dem(a.inputs[0], a.read.options(app, a.memory_mb));
+    bar("read", 1, 1);
+    a.bake.progress = std::ref(bar);
+    const BakeSummary s = bake(std::move(dem), a.bake, a.output);
+    if (!a.json_path.empty()) write_json(a.json_path, summary_json(s));
+    if (a.quiet) return 0;
+    fmt::print("{}: {} x {} samples in {} x {} tiles of {} cells, quantum {:.4g} m, largest error {:.1f} m\n", a.output,
+               s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(), s.quantum_m, s.max_error_m);
+    if (s.columns != s.source_columns || s.rows != s.source_rows)
+        fmt::print("cropped from {} x {}: {} columns in the east and {} rows in the south did not fill a tile\n",
+                   s.source_columns, s.source_rows, s.source_columns - s.columns, s.source_rows - s.rows);
+    const double samples = static_cast<double>(s.columns) * s.rows;
+    fmt::print("{:.1f} MB ({:.2f} bytes a sample of geometry) in {:.1f} s ({:.1f} M samples/s; errors {:.1f} s)\n",
+               static_cast<double>(s.file_bytes) / 1e6, static_cast<double>(s.geometry_bytes) / samples, s.seconds_total,
+               samples / s.seconds_total / 1e6, s.seconds_errors);
+    return 0;
+}
+
+json info_json(const LoadedPack& loaded) {
+    const PackHeader& h = loaded.pack.header;
+    return {{"version", h.version},
+            {"columns", h.columns},
+            {"rows", h.rows},
+            {"source_columns", h.source_columns},
+            {"source_rows", h.source_rows},
+            {"tiles", {h.tiles_x, h.tiles_y}},
+            {"tile_cells", 1u << h.tile_log2},
+            {"order", "planar"},
+            {"estimate", h.estimate == Estimate::max ? "max" : "midpoint"},
+            {"nesting", h.nesting},
+            {"spacing_m", {h.spacing_m[0], h.spacing_m[1]}},
+            {"origin_m", {h.origin_m[0], h.origin_m[1]}},
+            {"crs", loaded.crs.empty() ? json() : json(loaded.crs)},
+            {"height_m", {h.min_m, h.max_m}},
+            {"quantum_m", h.quantum_m},
+            {"max_error_m", h.max_error_m},
+            {"colour_texels", h.colour_log2 ? 1u << h.colour_log2 : 0},
+            {"normal_texels", h.normal_log2 ? 1u << h.normal_log2 : 0},
+            {"chunks", h.directory_count},
+            {"file_bytes", h.file_bytes},
+            {"pack_hash", fmt::format("{:016x}", h.directory_hash)},
+            {"required_bytes", terrain_bytes(h)}};
+}
+
+int run_info(const Arguments& a) {
+    const LoadedPack loaded = load_pack(a.pack, LoadTerrain::no);
+    const json info = info_json(loaded);
+    if (a.info_json) {
+        fmt::print("{}\n", info.dump(2));
+        return 0;
+    }
+    for (const auto& [key, value] : info.items()) {
+        if (key == "crs" && value.is_string()) fmt::print("{:<16} {:.60}\n", key, value.get<std::string>());
+        else fmt::print("{:<16} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+    }
+    return 0;
+}
+
+int run_verify(const Arguments& a, const CLI::App& app) {
+    const LoadedPack loaded = load_pack(a.pack, LoadTerrain::yes);
+    std::optional<Dem> against;
+    if (!a.against.empty()) against = read_dem(a.against, a.verify_read.options(app, a.memory_mb));
+    VerifyReport r = verify(loaded.terrain, against ? &*against : nullptr);
+    r.chunks = check_all_chunks(loaded);
+    fmt::print("{} vertices: {} nesting, {} sphere, {} border violations\n", r.vertices, r.nesting_violations,
+               r.sphere_violations, r.border_mismatches);
+    fmt::print("{} chunks: checksums hold\n", r.chunks);
+    if (against) fmt::print("heights against {}: {} off by more than half a quantum\n", a.against, r.height_mismatches);
+    if (r.true_error_checked)
+        fmt::print("{} comparisons of samples with triangles: {} above the vertex' error\n", r.samples_compared,
+                   r.true_error_violations);
+    else fmt::print("true error: not promised by the mid-point estimate, not checked\n");
+    if (!r.ok()) throw Failure(1, fmt::format("{}: {}; bake it again", a.pack, r.first));
+    fmt::print("ok\n");
+    return 0;
+}
+
+int run_synth(const Arguments& a) {
+    write_dem(synthesise(a.recipe), a.dem_out);
+    return 0;
+}
+
+struct Commands {
+    CLI::App* info;
+    CLI::App* verify;
+    CLI::App* synth;
+};
+
+Commands declare(CLI::App& app, Arguments& a) {
+    app.set_version_flag("--version", fmt::format("fjell-bake, pack version {}", pack_version));
+    app.add_option("IN", a.inputs, "the height field: GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, ...");
+    app.add_option("-o,--output", a.output, "the pack to write");
+    app.add_option("--tile", a.tile, "cells a side of a tile, a power of two, or auto");
+    app.add_option("--estimate", a.estimate, "world-space error: max (true, default) or midpoint")
+        ->check(CLI::IsMember({"max", "midpoint"}));
+    app.add_option("--nesting", a.bake.nesting, "mu: how much larger a parent's error is, 0.001 to 1 (default 0.05)");
+    app.add_option("--order", a.order, "how vertices lie in a tile: planar")->check(CLI::IsMember({"planar"}));
+    app.add_option("--texture", a.bake.texture_path, "an image over the whole height field");
+    app.add_option("--ramp", a.bake.ramp_path, "colours by height (JSON, content/ramps)");
+    app.add_option("--threads", a.bake.threads, "0: all cores")->check(CLI::Range(0, 1024));
+    app.add_option("--memory", a.memory_mb, "MB the bake may use; larger height fields are refused")->check(CLI::Range(16, 1 << 24));
+    app.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
+    app.add_flag("--quiet", a.quiet, "no progress, no summary");
+    a.read.add_to(app);
+
+    Commands c{};
+    c.info = app.add_subcommand("info", "what a pack holds");
+    c.info->add_option("PACK", a.pack)->required();
+    c.info->add_flag("--json", a.info_json);
+    c.verify = app.add_subcommand("verify", "check a pack's promises over every vertex and sample");
+    c.verify->add_option("PACK", a.pack)->required();
+    c.verify->add_option("--against", a.against, "the height field it was baked from (give the same read options)");
+    a.verify_read.add_to(*c.verify);
+    c.synth = app.add_subcommand("synth", "make a height field from a recipe");
+    c.synth->add_option("RECIPE", a.recipe)->required();
+    c.synth->add_option("-o,--output", a.dem_out, "the GeoTIFF to write")->required();
+    app.require_subcommand(0, 1);
+    return c;
+}
+
+int run(int argc, char** argv) {
+    Arguments a;
+    CLI::App app{"Bakes a height field into a Fjell pack."};
+    const Commands commands = declare(app, a);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& e) {
+        return app.exit(e); // --help, --version
+    } catch (const CLI::ParseError& e) {
+        throw Failure(2, fmt::format("{}; see fjell-bake --help", e.what()));
+    }
+    catch_interrupts();
+    if (commands.info->parsed()) return run_info(a);
+    if (commands.verify->parsed()) return run_verify(a, *commands.verify);
+    if (commands.synth->parsed()) return run_synth(a);
+    return run_bake(a, app);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    const auto say = [](int code, std::string text) {
+        for (char& c : text)
+            if (c == '\n') c = ' '; // one line, whatever a library said
+        fmt::print(stderr, "fjell-bake: {}\n", text);
+        return code;
+    };
+    try {
+        return run(argc, argv);
+    } catch (const Failure& failure) {
+        return say(failure.exit_code, failure.what());
+    } catch (const std::bad_alloc&) {
+        return say(3, "out of memory; give a smaller --memory or a smaller height field");
+    } catch (const std::exception& error) {
+        return say(3, fmt::format("internal error: {}", error.what()));
+    }
+}

@@ -1,0 +1,31 @@
+// Does a pack keep its promises? Invariants 2 and 3 over every vertex and sample.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "baker/dem.h"
+#include "fjell/terrain.h"
+
+namespace fjell::baker {
+
+struct VerifyReport {
+    std::uint64_t vertices = 0, samples_compared = 0, chunks = 0;
+    std::uint64_t nesting_violations = 0;    // error_m(parent) < (1 + mu) error_m(child)
+    std::uint64_t sphere_violations = 0;     // the parent's sphere does not contain the child's with its margin
+    std::uint64_t border_mismatches = 0;     // a vertex with different bits in two tiles
+    std::uint64_t true_error_violations = 0; // a sample off by more than error_m + half a quantum
+    std::uint64_t height_mismatches = 0;     // against a DEM: stored height off by more than half a quantum
+    double worst_excess_m = 0;               // of true_error_violations
+    bool true_error_checked = true;          // false with the mid-point estimate, which does not promise it
+    std::string first;                       // the first violation, in words
+    [[nodiscard]] bool ok() const {
+        return nesting_violations + sphere_violations + border_mismatches + true_error_violations + height_mismatches == 0;
+    }
+};
+
+// against: the original heights (cropped or not); null: the pack's own full resolution. Independent of the baker's error
+// stage: it walks explicit triangles by bisection. O(samples * levels).
+[[nodiscard]] VerifyReport verify(const Terrain& terrain, const Dem* against);
+
+} // namespace fjell::baker

@@ -1,0 +1,67 @@
+#include "baker/write.h"
+
+#include <cstring>
+
+#include <fmt/format.h>
+#include <xxhash.h>
+#include <zstd.h>
+
+#include "baker/dem.h"
+
+namespace fjell::baker {
+
+Chunk compress_chunk(ChunkKind kind, std::uint32_t tile, std::uint32_t level, std::span<const std::byte> raw,
+                     int zstd_level) {
+    Chunk chunk{kind, tile, level, static_cast<std::uint32_t>(raw.size()), {}};
+    chunk.stored.resize(ZSTD_compressBound(raw.size()));
+    const std::size_t size =
+        ZSTD_compress(chunk.stored.data(), chunk.stored.size(), raw.data(), raw.size(), zstd_level);
+    if (ZSTD_isError(size)) throw Failure(3, fmt::format("cannot compress: {}", ZSTD_getErrorName(size)));
+    chunk.stored.resize(size);
+    return chunk;
+}
+
+PackWriter::PackWriter(const std::string& path) : file_(path) {
+    const PackHeader empty{}; // no magic number until the pack is complete
+    file_.write(std::as_bytes(std::span(&empty, 1)));
+}
+
+void PackWriter::begin(const PackHeader& header) {
+    header_ = header;
+    std::memcpy(header_.magic, pack_magic, sizeof pack_magic);
+    header_.version = pack_version;
+    header_.header_bytes = sizeof(PackHeader);
+    header_.layout_hash = pack_layout_hash;
+    directory_.reserve(chunk_count(header_));
+}
+
+void PackWriter::add(const Chunk& chunk) {
+    if (chunk_index(header_, chunk.kind, chunk.tile, chunk.level) != directory_.size())
+        throw std::logic_error("chunks must come in directory order");
+    ChunkEntry entry{};
+    entry.offset = file_.size();
+    entry.hash = XXH3_64bits(chunk.stored.data(), chunk.stored.size());
+    entry.stored_bytes = static_cast<std::uint32_t>(chunk.stored.size());
+    entry.raw_bytes = chunk.raw_bytes;
+    entry.kind = chunk.kind;
+    entry.tile = chunk.tile;
+    entry.level = chunk.level;
+    directory_.push_back(entry);
+    file_.write(chunk.stored);
+}
+
+std::uint64_t PackWriter::finish() {
+    const auto bytes = std::as_bytes(std::span(directory_));
+    header_.directory_offset = file_.size();
+    header_.directory_count = directory_.size();
+    header_.directory_hash = XXH3_64bits(bytes.data(), bytes.size());
+    file_.write(bytes);
+    header_.file_bytes = file_.size();
+    header_.header_hash = XXH3_64bits(&header_, offsetof(PackHeader, header_hash));
+    file_.write_at(0, std::as_bytes(std::span(&header_, 1)));
+    const std::uint64_t size = file_.size();
+    file_.commit();
+    return size;
+}
+
+} // namespace fjell::baker

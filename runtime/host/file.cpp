@@ -1,0 +1,96 @@
+#include "host/file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "host/failure.h"
+
+namespace fjell::host {
+
+std::vector<std::byte> read_file(const std::string& path) {
+    const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0) throw Failure(1, fmt::format("{}: {}; give an existing file", path, std::strerror(errno)));
+    const struct Closer {
+        int fd;
+        ~Closer() { close(fd); }
+    } closer{fd};
+    struct stat info {};
+    if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode))
+        throw Failure(1, fmt::format("{}: not a file; give a regular file", path));
+    std::vector<std::byte> bytes(static_cast<std::size_t>(info.st_size));
+    for (std::size_t at = 0; at < bytes.size();) {
+        const ssize_t n = read(fd, bytes.data() + at, bytes.size() - at);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) throw Failure(3, fmt::format("{}: cannot read: {}; check the disk", path, std::strerror(errno)));
+        if (n == 0) throw Failure(1, fmt::format("{}: shrank while it was read; try again", path));
+        at += static_cast<std::size_t>(n);
+    }
+    return bytes;
+}
+
+AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(fmt::format("{}.{}.tmp", path, getpid())) {
+    struct stat info {};
+    if (stat(path.c_str(), &info) == 0 && S_ISDIR(info.st_mode))
+        throw Failure(1, fmt::format("{}: is a folder; give the output a file name", path));
+    // A device such as /dev/full cannot be renamed over: it is written in place.
+    if (stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) temporary_ = path;
+    fd_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (fd_ >= 0) return;
+    if (errno == ENOENT || errno == ENOTDIR)
+        throw Failure(1, fmt::format("{}: the output folder does not exist; create it or choose another", path));
+    fail("open");
+}
+
+AtomicFile::~AtomicFile() {
+    if (fd_ < 0) return;
+    close(fd_);
+    if (temporary_ != path_) unlink(temporary_.c_str());
+}
+
+void AtomicFile::fail(const char* doing) const {
+    const int error = errno;
+    const char* remedy = error == ENOSPC || error == EDQUOT ? "free some space or choose another disk"
+                         : error == EACCES || error == EROFS ? "choose a folder you may write to"
+                                                             : "check the disk";
+    throw Failure(3, fmt::format("{}: cannot {}: {}; {}", path_, doing, std::strerror(error), remedy));
+}
+
+void AtomicFile::write(std::span<const std::byte> bytes) {
+    write_at(size_, bytes);
+    size_ += bytes.size();
+}
+
+void AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+        ssize_t n = pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+        if (n < 0 && errno == ESPIPE) n = ::write(fd_, bytes.data(), bytes.size()); // a device without places
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) fail("write");
+        bytes = bytes.subspan(static_cast<std::size_t>(n));
+        offset += static_cast<std::uint64_t>(n);
+    }
+}
+
+void AtomicFile::commit() {
+    if (fsync(fd_) != 0 && errno != EINVAL && errno != EROFS) fail("flush");
+    const int fd = std::exchange(fd_, -1);
+    const bool closed = close(fd) == 0;
+    if (temporary_ == path_) {
+        if (!closed) fail("close");
+        return;
+    }
+    if (closed && rename(temporary_.c_str(), path_.c_str()) == 0) return;
+    const int error = errno;
+    unlink(temporary_.c_str());
+    errno = error;
+    fail("rename");
+}
+
+} // namespace fjell::host

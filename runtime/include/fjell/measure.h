@@ -1,0 +1,21 @@
+// The true error of a mesh: every triangle against every full-resolution sample under it.
+#pragma once
+
+#include "fjell/mesh.h"
+#include "fjell/terrain.h"
+#include "fjell/view.h"
+
+namespace fjell {
+
+struct MeasuredError {
+    double max_px = 0;      // largest |height - surface| * lambda / distance(eye, sample)
+    double max_m = 0;       // largest |height - surface|
+    Coord sample_px, sample_m; // where
+    std::uint64_t samples = 0; // visited, shared edges counted once a triangle
+};
+
+// mesh: list or strips. frustum: when given, only samples inside it count. O(samples), for tests and tools.
+[[nodiscard]] MeasuredError measure_error(const Terrain& terrain, const MeshView& mesh, const View& view,
+                                          const Frustum* frustum = nullptr);
+
+} // namespace fjell

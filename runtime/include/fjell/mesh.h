@@ -1,0 +1,38 @@
+// What a method hands to a renderer or an exporter: vertices, indices and one range a tile.
+//
+// Indices are either an indexed triangle list (three a triangle, counter-clockwise seen from above) or one triangle
+// strip a tile (with degenerate triangles where the strip turns; same winding rule as OpenGL strips).
+// Ownership: spans point into the method's block and are valid until its next update.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace fjell {
+
+struct MeshVertex {
+    std::uint16_t column, row; // samples from the tile's corner with the smallest coordinates
+    float height_m;
+};
+static_assert(sizeof(MeshVertex) == 8, "MeshVertex is uploaded: change the renderer's vertex format with it");
+
+enum class Topology : std::uint8_t { triangles, strip };
+
+struct TileRange {
+    std::uint32_t tile;        // row-major
+    std::uint32_t first_index; // into MeshView::indices
+    std::uint32_t index_count;
+    std::uint32_t triangles;   // degenerate ones not counted
+};
+
+struct MeshView {
+    Topology topology = Topology::triangles;
+    std::span<const MeshVertex> vertices; // the whole vertex buffer, used slots or not
+    std::span<const std::uint32_t> indices;
+    std::span<const TileRange> tiles;
+    // The slots written since the previous update: upload [begin, end).
+    std::uint32_t dirty_begin = 0, dirty_end = 0;
+};
+
+} // namespace fjell

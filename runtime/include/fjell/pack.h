@@ -1,0 +1,108 @@
+// The pack: one file, little-endian. Header, chunks, directory. Format description: docs/pack-format.md.
+//
+// `open_pack` checks the header and the directory of bytes the host has read or mapped; it touches no chunk. Each
+// chunk can then be found in O(1), checked and decoded on its own.
+// Ownership: `Pack` points into the host's bytes, which must outlive it. Thread: a Pack is immutable and shareable.
+// Failure: a Status that names the field; never undefined behaviour, whatever the bytes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "fjell/status.h"
+#include "fjell/tree.h"
+
+namespace fjell {
+
+inline constexpr char pack_magic[8] = {'F', 'J', 'E', 'L', 'L', 'P', 'K', '\n'};
+inline constexpr std::uint32_t pack_version = 1;
+// Changes with every stored layout; also tells a byte-swapped file from ours.
+inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0001'0008'0b16ull;
+inline constexpr std::uint32_t max_texture_log2 = 12;
+inline constexpr double min_spacing_m = 1e-3, max_spacing_m = 1e6;
+inline constexpr double max_extent_m = 1e8; // squares of distances must stay far from float's largest value
+
+enum class Estimate : std::uint32_t { max = 0, midpoint = 1 };
+enum class Order : std::uint32_t { planar = 0 };
+enum class ChunkKind : std::uint32_t { geometry = 0, colour = 1, normal = 2, crs = 3 };
+
+struct PackHeader {
+    char magic[8];
+    std::uint32_t version;
+    std::uint32_t header_bytes;
+    std::uint64_t layout_hash;
+    std::uint64_t file_bytes;
+    std::uint64_t directory_offset;
+    std::uint64_t directory_count; // chunks
+    std::uint64_t directory_hash;  // XXH3 of the directory; with the chunk hashes in it, it names the pack's content
+    std::uint32_t columns, rows;   // samples: tiles * 2^tile_log2 + 1
+    std::uint32_t tiles_x, tiles_y;
+    std::uint32_t tile_log2;
+    Order order;
+    Estimate estimate;
+    float nesting;               // mu
+    double spacing_m[2];         // along columns (x) and rows (y)
+    double origin_m[2];          // of sample (0, 0), in CRS axes
+    float base_m, quantum_m;     // the vertical lattice
+    float min_m, max_m;          // heights that occur
+    float max_error_m;           // the largest world-space error of any vertex
+    std::uint32_t colour_log2;   // texels a side of mip 0; 0: no colour
+    std::uint32_t normal_log2;   // texels a side of mip 0; 0: no normal map
+    std::uint32_t crs_bytes;     // of the WKT; 0: no CRS
+    std::uint32_t source_columns, source_rows; // the DEM before it was cropped to whole tiles
+    std::uint64_t reserved[11]; // zero
+    std::uint64_t header_hash;   // XXH3 of all bytes before this one
+};
+static_assert(sizeof(PackHeader) == 256 && offsetof(PackHeader, header_hash) == 248,
+              "PackHeader is stored: change pack_version and pack_layout_hash with it");
+
+struct ChunkEntry {
+    std::uint64_t offset;       // from the file's beginning
+    std::uint64_t hash;         // XXH3 of the stored bytes
+    std::uint32_t stored_bytes; // zstd frame
+    std::uint32_t raw_bytes;    // after decoding
+    ChunkKind kind;
+    std::uint32_t tile; // row-major
+    std::uint32_t level; // mip
+    std::uint32_t reserved;
+};
+static_assert(sizeof(ChunkEntry) == 40, "ChunkEntry is stored: change pack_version and pack_layout_hash with it");
+
+// Textures. Mip m of a map with 2^k texels a side has 2^(k-m); the smallest has 4 (or all of it, when k < 2). The first
+// and last texel centre of *every* mip lie on the tile's border, and both neighbours store the same values there: no
+// seam under clamp-to-edge. Colour is RGB, 8 bits, sRGB. Normal is two signed-normalised bytes: east and south slope
+// components of the unit normal; up follows.
+inline constexpr std::uint32_t colour_texel_bytes = 3;
+inline constexpr std::uint32_t normal_texel_bytes = 2;
+[[nodiscard]] constexpr std::uint32_t mip_count(std::uint32_t log2_side) {
+    return log2_side == 0 ? 0 : log2_side < 2 ? 1 : log2_side - 1;
+}
+
+struct Pack {
+    PackHeader header{};
+    std::span<const std::byte> bytes;      // the whole file
+    const std::byte* directory = nullptr;  // directory_count entries, unaligned
+
+    [[nodiscard]] Tree tree() const {
+        return {static_cast<int>(header.tile_log2), static_cast<std::int32_t>(header.tiles_x),
+                static_cast<std::int32_t>(header.tiles_y)};
+    }
+    [[nodiscard]] std::uint32_t tile_count() const { return header.tiles_x * header.tiles_y; }
+    [[nodiscard]] ChunkEntry entry(std::uint64_t chunk) const;
+};
+
+// Checks magic, version, layout, hashes, ranges and the whole directory. O(directory). Allocates nothing.
+Status open_pack(std::span<const std::byte> file, Pack& pack);
+
+// Where a chunk stands in the directory. tile < tile_count(); level < mip_count() of its map.
+[[nodiscard]] std::uint64_t chunk_index(const PackHeader& header, ChunkKind kind, std::uint32_t tile, std::uint32_t level);
+[[nodiscard]] std::uint64_t chunk_count(const PackHeader& header);
+// The exact size of a decoded chunk.
+[[nodiscard]] std::size_t chunk_raw_bytes(const PackHeader& header, ChunkKind kind, std::uint32_t level);
+
+// Checks the chunk's hash and decodes it into `out`, which must have exactly raw_bytes. zstd may allocate: not for the
+// frame's thread.
+Status read_chunk(const Pack& pack, ChunkKind kind, std::uint32_t tile, std::uint32_t level, std::span<std::byte> out);
+
+} // namespace fjell

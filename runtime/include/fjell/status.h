@@ -1,0 +1,32 @@
+// What a call can answer: a code, the field or place at fault, and one table of messages with remedies.
+//
+// Ownership: `field` always points to a string with static lifetime. Thread: any. Allocates nothing, throws nothing.
+#pragma once
+
+#include <cstdint>
+
+namespace fjell {
+
+enum class Code : std::uint8_t {
+    ok,
+    truncated,       // the bytes end before the pack does
+    not_a_pack,      // the magic number is missing
+    wrong_version,   // written by another version of the baker
+    wrong_layout,    // same version, another record layout or byte order
+    corrupt,         // a checksum or a cross-check fails
+    out_of_range,    // a number lies outside what the format or the call allows
+    block_too_small, // the host's block is smaller than required_bytes said
+    budget_too_small // a capacity cannot even hold the coarsest mesh
+};
+
+struct [[nodiscard]] Status {
+    Code code = Code::ok;
+    const char* field = ""; // the field, argument or section at fault; static storage
+
+    [[nodiscard]] constexpr bool ok() const { return code == Code::ok; }
+};
+
+// One line: what happened and what to do about it. Static storage.
+[[nodiscard]] const char* message(Code code);
+
+} // namespace fjell

@@ -1,0 +1,148 @@
+// The vertex tree of right isosceles triangles, without pointers (DESIGN section 3; thesis 2.5.1 and 3.4).
+//
+// Coordinates are whole samples. Inside a tile of side 2^l cells, x and y run 0..2^l. A vertex that is not a tile
+// corner has step s = 2^min(ctz x, ctz y) and lies in one of three planes of that step:
+//   centre: the middle of a square of side 2s; side_x: the middle of a side that runs along x; side_y: along y.
+// Levels count from the root: level 2k holds the centres and level 2k+1 the sides of step 2^(l-1-k).
+// The same arithmetic holds over a whole terrain of tiles, with the one exception that `Tree` takes care of:
+// every tile's own root square has its diagonal from (0,0) to (2^l,2^l).
+//
+// Everything here is O(1), pure and thread-safe. Shared by the baker, the runtime and the tests.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+namespace fjell {
+
+inline constexpr int min_tile_log2 = 1;
+inline constexpr int max_tile_log2 = 12; // tile-local coordinates must fit 16 bits twice over
+
+struct Coord {
+    std::int32_t x = 0, y = 0;
+    friend constexpr bool operator==(Coord, Coord) = default;
+    friend constexpr Coord operator+(Coord a, Coord b) { return {a.x + b.x, a.y + b.y}; }
+    friend constexpr Coord operator-(Coord a, Coord b) { return {a.x - b.x, a.y - b.y}; }
+};
+
+enum class PlaneKind : std::uint8_t { centre, side_x, side_y };
+
+// A terrain of tiles_x by tiles_y tiles of side 2^tile_log2 cells.
+struct Tree {
+    int tile_log2 = 0;
+    std::int32_t tiles_x = 0, tiles_y = 0;
+
+    [[nodiscard]] constexpr std::int32_t side() const { return std::int32_t{1} << tile_log2; }
+    [[nodiscard]] constexpr std::int32_t columns() const { return tiles_x * side() + 1; }
+    [[nodiscard]] constexpr std::int32_t rows() const { return tiles_y * side() + 1; }
+    [[nodiscard]] constexpr bool contains(Coord c) const {
+        return c.x >= 0 && c.y >= 0 && c.x < columns() && c.y < rows();
+    }
+    // A corner of a tile: always active, outside the tree.
+    [[nodiscard]] constexpr bool is_corner(Coord c) const { return ((c.x | c.y) & (side() - 1)) == 0; }
+    // log2 of the step of a vertex that is not a corner.
+    [[nodiscard]] static constexpr int step_log2(Coord c) {
+        return std::countr_zero(static_cast<std::uint32_t>(c.x | c.y));
+    }
+    [[nodiscard]] static constexpr PlaneKind kind(Coord c) {
+        const int z = step_log2(c);
+        const bool odd_x = (c.x >> z) & 1, odd_y = (c.y >> z) & 1;
+        return odd_x && odd_y ? PlaneKind::centre : odd_x ? PlaneKind::side_x : PlaneKind::side_y;
+    }
+    [[nodiscard]] constexpr int level(Coord c) const {
+        return 2 * (tile_log2 - 1 - step_log2(c)) + (kind(c) == PlaneKind::centre ? 0 : 1);
+    }
+};
+
+// The diamond that a vertex splits: its hypotenuse runs between ends[0] and ends[1], its right angles are at apexes[].
+// On the domain's rim one apex lies outside; ends never do. The apexes are the vertex' parents (or tile corners).
+struct Diamond {
+    Coord ends[2];
+    Coord apexes[2];
+};
+
+[[nodiscard]] constexpr Diamond diamond(const Tree& tree, Coord v) {
+    const int z = Tree::step_log2(v);
+    const std::int32_t s = std::int32_t{1} << z;
+    switch (Tree::kind(v)) {
+    case PlaneKind::side_x: return {{{v.x - s, v.y}, {v.x + s, v.y}}, {{v.x, v.y - s}, {v.x, v.y + s}}};
+    case PlaneKind::side_y: return {{{v.x, v.y - s}, {v.x, v.y + s}}, {{v.x - s, v.y}, {v.x + s, v.y}}};
+    case PlaneKind::centre: break;
+    }
+    // The square's corner (x-s, y-s), in units of 2s: an even sum ends the hypotenuse, an odd sum is a parent. A
+    // tile's root square counts from its own tile, so its sum is 0.
+    const bool odd = z != tree.tile_log2 - 1 && ((((v.x - s) >> (z + 1)) + ((v.y - s) >> (z + 1))) & 1);
+    const Coord nw{v.x - s, v.y - s}, ne{v.x + s, v.y - s}, sw{v.x - s, v.y + s}, se{v.x + s, v.y + s};
+    if (odd) return {{sw, ne}, {nw, se}};
+    return {{nw, se}, {ne, sw}};
+}
+
+// The four children; those outside the domain do not exist. A leaf (a side of step 1) has none: count is 0.
+struct Children {
+    Coord at[4];
+    int count = 0; // 0 or 4
+};
+
+[[nodiscard]] constexpr Children children(Coord v) {
+    const int z = Tree::step_log2(v);
+    const std::int32_t s = std::int32_t{1} << z;
+    if (Tree::kind(v) == PlaneKind::centre)
+        return {{{v.x - s, v.y}, {v.x + s, v.y}, {v.x, v.y - s}, {v.x, v.y + s}}, 4};
+    if (s == 1) return {};
+    const std::int32_t h = s / 2;
+    return {{{v.x - h, v.y - h}, {v.x + h, v.y - h}, {v.x - h, v.y + h}, {v.x + h, v.y + h}}, 4};
+}
+
+// Planar order inside one tile: the four corners, then step by step from the coarsest the planes centre, side_x,
+// side_y, each row by row. A bijection from (x, y) in 0..2^l onto 0..(2^l+1)^2 - 1. With n = 2^(l-z-1) the planes are
+// n x n, n x (n+1) and (n+1) x n (columns x rows).
+struct PlanarOrder {
+    int tile_log2 = 0;
+
+    [[nodiscard]] constexpr std::uint32_t vertex_count() const {
+        const std::uint32_t n = (1u << tile_log2) + 1;
+        return n * n;
+    }
+    // Vertices stored before the planes of step 2^z: the (2^(l-z-1) + 1)^2 grid of all coarser ones.
+    [[nodiscard]] constexpr std::uint32_t step_offset(int z) const {
+        const std::uint32_t n = (1u << (tile_log2 - z - 1)) + 1;
+        return n * n;
+    }
+    struct Plane {
+        std::uint32_t offset, stride, columns, rows;
+    };
+    [[nodiscard]] constexpr Plane plane(int z, PlaneKind kind) const {
+        const std::uint32_t n = 1u << (tile_log2 - z - 1), first = step_offset(z);
+        switch (kind) {
+        case PlaneKind::centre: return {first, n, n, n};
+        case PlaneKind::side_x: return {first + n * n, n, n, n + 1};
+        case PlaneKind::side_y: break;
+        }
+        return {first + n * n + n * (n + 1), n + 1, n + 1, n};
+    }
+    [[nodiscard]] constexpr std::uint32_t index(std::uint32_t x, std::uint32_t y) const {
+        const std::uint32_t side = 1u << tile_log2;
+        if (((x | y) & (side - 1)) == 0) return (x >> tile_log2) + 2 * (y >> tile_log2);
+        const Coord c{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+        const int z = Tree::step_log2(c);
+        const Plane p = plane(z, Tree::kind(c));
+        return p.offset + (y >> (z + 1)) * p.stride + (x >> (z + 1));
+    }
+    [[nodiscard]] constexpr Coord coord(std::uint32_t index) const {
+        const std::int32_t side = std::int32_t{1} << tile_log2;
+        if (index < 4) return {static_cast<std::int32_t>(index & 1) * side, static_cast<std::int32_t>(index >> 1) * side};
+        int z = tile_log2 - 1;
+        while (z > 0 && index >= step_offset(z - 1)) --z;
+        for (const PlaneKind kind : {PlaneKind::side_y, PlaneKind::side_x, PlaneKind::centre}) {
+            const Plane p = plane(z, kind);
+            if (index < p.offset) continue;
+            const auto i = static_cast<std::int32_t>((index - p.offset) % p.stride);
+            const auto j = static_cast<std::int32_t>((index - p.offset) / p.stride);
+            const std::int32_t s = std::int32_t{1} << z;
+            return {2 * i * s + (kind == PlaneKind::side_y ? 0 : s), 2 * j * s + (kind == PlaneKind::side_x ? 0 : s)};
+        }
+        return {};
+    }
+};
+
+} // namespace fjell

@@ -1,0 +1,148 @@
+// Opening a pack never trusts a number it has not checked: sizes are compared in 64 bits before anything is read, and
+// the header's and directory's hashes are checked before their fields are used.
+#include "fjell/pack.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include <xxhash.h>
+#include <zstd.h>
+
+namespace fjell {
+
+static_assert(std::endian::native == std::endian::little,
+              "packs are read in place: a big-endian build needs a byte-swapping reader");
+
+namespace {
+
+Status failed(Code code, const char* field) { return {code, field}; }
+
+bool in_range(double value, double least, double most) { return value >= least && value <= most; } // false for NaN
+
+Status check_numbers(const PackHeader& h) {
+    const auto bad = [](const char* field) { return failed(Code::out_of_range, field); };
+    if (h.tile_log2 < min_tile_log2 || h.tile_log2 > max_tile_log2) return bad("tile_log2");
+    if (h.tiles_x < 1 || h.tiles_x > 65536) return bad("tiles_x");
+    if (h.tiles_y < 1 || h.tiles_y > 65536) return bad("tiles_y");
+    const std::uint64_t side = std::uint64_t{1} << h.tile_log2;
+    if (h.tiles_x * side + 1 != h.columns || h.columns > (1u << 20)) return bad("columns");
+    if (h.tiles_y * side + 1 != h.rows || h.rows > (1u << 20)) return bad("rows");
+    if (h.order != Order::planar) return bad("order");
+    if (h.estimate != Estimate::max && h.estimate != Estimate::midpoint) return bad("estimate");
+    if (!in_range(h.nesting, 0.0009, 1.0001)) return bad("nesting");
+    for (const double spacing : h.spacing_m)
+        if (!in_range(spacing, min_spacing_m, max_spacing_m)) return bad("spacing_m");
+    if (std::max((h.columns - 1) * h.spacing_m[0], (h.rows - 1) * h.spacing_m[1]) > max_extent_m) return bad("spacing_m");
+    for (const double origin : h.origin_m)
+        if (!std::isfinite(origin)) return bad("origin_m");
+    if (!in_range(h.quantum_m, 1e-9, 1e4)) return bad("quantum_m");
+    for (const float height : {h.base_m, h.min_m, h.max_m})
+        if (!in_range(height, -1e7, 1e7)) return bad("heights");
+    if (!in_range(h.max_error_m, 0, 1e9)) return bad("max_error_m");
+    if (h.colour_log2 > max_texture_log2) return bad("colour_log2");
+    if (h.normal_log2 > max_texture_log2) return bad("normal_log2");
+    if (h.crs_bytes > (1u << 20)) return bad("crs_bytes");
+    return {};
+}
+
+Status check_entry(const Pack& pack, std::uint64_t chunk, ChunkKind kind, std::uint32_t tile, std::uint32_t level) {
+    const ChunkEntry e = pack.entry(chunk);
+    if (e.kind != kind || e.tile != tile || e.level != level) return failed(Code::corrupt, "directory order");
+    if (e.raw_bytes != chunk_raw_bytes(pack.header, kind, level)) return failed(Code::corrupt, "directory sizes");
+    if (e.offset < pack.header.header_bytes || e.offset > pack.header.directory_offset ||
+        e.stored_bytes > pack.header.directory_offset - e.offset)
+        return failed(Code::corrupt, "directory offsets");
+    return {};
+}
+
+Status check_directory(const Pack& pack) {
+    const PackHeader& h = pack.header;
+    const auto check_map = [&](ChunkKind kind, std::uint32_t log2_side) -> Status {
+        for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile)
+            for (std::uint32_t mip = 0; mip < mip_count(log2_side); ++mip)
+                if (Status s = check_entry(pack, chunk_index(h, kind, tile, mip), kind, tile, mip); !s.ok()) return s;
+        return {};
+    };
+    for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile)
+        if (Status s = check_entry(pack, tile, ChunkKind::geometry, tile, 0); !s.ok()) return s;
+    if (Status s = check_map(ChunkKind::colour, h.colour_log2); !s.ok()) return s;
+    if (Status s = check_map(ChunkKind::normal, h.normal_log2); !s.ok()) return s;
+    if (h.crs_bytes == 0) return {};
+    return check_entry(pack, chunk_index(h, ChunkKind::crs, 0, 0), ChunkKind::crs, 0, 0);
+}
+
+} // namespace
+
+ChunkEntry Pack::entry(std::uint64_t chunk) const {
+    ChunkEntry e;
+    std::memcpy(&e, directory + chunk * sizeof(ChunkEntry), sizeof e);
+    return e;
+}
+
+std::uint64_t chunk_index(const PackHeader& h, ChunkKind kind, std::uint32_t tile, std::uint32_t level) {
+    const std::uint64_t tiles = std::uint64_t{h.tiles_x} * h.tiles_y;
+    const std::uint64_t colours = tiles * mip_count(h.colour_log2), normals = tiles * mip_count(h.normal_log2);
+    switch (kind) {
+    case ChunkKind::geometry: return tile;
+    case ChunkKind::colour: return tiles + std::uint64_t{tile} * mip_count(h.colour_log2) + level;
+    case ChunkKind::normal: return tiles + colours + std::uint64_t{tile} * mip_count(h.normal_log2) + level;
+    case ChunkKind::crs: break;
+    }
+    return tiles + colours + normals;
+}
+
+std::uint64_t chunk_count(const PackHeader& h) { return chunk_index(h, ChunkKind::crs, 0, 0) + (h.crs_bytes ? 1 : 0); }
+
+std::size_t chunk_raw_bytes(const PackHeader& h, ChunkKind kind, std::uint32_t level) {
+    const auto texels = [&](std::uint32_t log2_side) { return std::size_t{1} << (2 * (log2_side - level)); };
+    switch (kind) {
+    case ChunkKind::geometry: return std::size_t{PlanarOrder{static_cast<int>(h.tile_log2)}.vertex_count()} * 6;
+    case ChunkKind::colour: return texels(h.colour_log2) * colour_texel_bytes;
+    case ChunkKind::normal: return texels(h.normal_log2) * normal_texel_bytes;
+    case ChunkKind::crs: break;
+    }
+    return h.crs_bytes;
+}
+
+Status open_pack(std::span<const std::byte> file, Pack& pack) {
+    if (file.size() < sizeof pack_magic || std::memcmp(file.data(), pack_magic, sizeof pack_magic) != 0)
+        return failed(Code::not_a_pack, "magic");
+    if (file.size() < sizeof(PackHeader)) return failed(Code::truncated, "header");
+    Pack opened;
+    std::memcpy(&opened.header, file.data(), sizeof(PackHeader));
+    const PackHeader& h = opened.header;
+    if (h.version != pack_version) return failed(Code::wrong_version, "version");
+    if (h.layout_hash != pack_layout_hash || h.header_bytes != sizeof(PackHeader))
+        return failed(Code::wrong_layout, "layout_hash");
+    if (h.header_hash != XXH3_64bits(file.data(), offsetof(PackHeader, header_hash)))
+        return failed(Code::corrupt, "header");
+    if (file.size() < h.file_bytes) return failed(Code::truncated, "file_bytes");
+    if (file.size() > h.file_bytes) return failed(Code::corrupt, "file_bytes");
+    if (Status s = check_numbers(h); !s.ok()) return s;
+    if (h.directory_offset < h.header_bytes || h.directory_offset > h.file_bytes ||
+        h.directory_count != chunk_count(h) ||
+        h.directory_count != (h.file_bytes - h.directory_offset) / sizeof(ChunkEntry) ||
+        (h.file_bytes - h.directory_offset) % sizeof(ChunkEntry) != 0)
+        return failed(Code::corrupt, "directory");
+    opened.bytes = file;
+    opened.directory = file.data() + h.directory_offset;
+    if (h.directory_hash != XXH3_64bits(opened.directory, h.directory_count * sizeof(ChunkEntry)))
+        return failed(Code::corrupt, "directory");
+    if (Status s = check_directory(opened); !s.ok()) return s;
+    pack = opened;
+    return {};
+}
+
+Status read_chunk(const Pack& pack, ChunkKind kind, std::uint32_t tile, std::uint32_t level, std::span<std::byte> out) {
+    const ChunkEntry e = pack.entry(chunk_index(pack.header, kind, tile, level));
+    if (out.size() != e.raw_bytes) return failed(Code::block_too_small, "out");
+    const std::byte* stored = pack.bytes.data() + e.offset;
+    if (XXH3_64bits(stored, e.stored_bytes) != e.hash) return failed(Code::corrupt, "chunk");
+    const std::size_t written = ZSTD_decompress(out.data(), out.size(), stored, e.stored_bytes);
+    if (ZSTD_isError(written) || written != e.raw_bytes) return failed(Code::corrupt, "chunk");
+    return {};
+}
+
+} // namespace fjell

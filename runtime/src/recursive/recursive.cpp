@@ -1,0 +1,449 @@
+// Thesis 5.4 (figures 5.4, 5.6, 5.8), after Lindstrom and Pascucci, "Visualization of Large Terrains Made Easy" (2001).
+// Departures are listed in fjell/recursive.h.
+//
+// Order of a strip. A triangle (apex, left, right), counter-clockwise from above, is entered at one end of its hypotenuse
+// and left at the other: at `left` on even levels, at `right` on odd ones. The vertex m in the middle of the hypotenuse
+// splits it into (m, apex, left) and (m, right, apex); the first of the two on the way is the one that holds the end we
+// came in by, and both are entered from the opposite kind of end. So the two orders of figure 5.5 alternate by level, and
+// vertices of alternating level parity alternate in the strip, which fixes the winding.
+#include "fjell/recursive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "tree/wanted.h"
+
+namespace fjell {
+
+namespace {
+
+constexpr std::uint32_t no_slot = 0xffffffff;
+constexpr std::uint32_t no_owner = 0xffffffff;
+constexpr std::size_t alignment = 64;
+
+struct VertexState {
+    std::uint32_t status; // frame * 3 + {0: not selected, 1: selected, sphere partly inside, 2: completely inside}
+    std::uint32_t slot;   // in the vertex buffer, or no_slot
+};
+
+constexpr std::size_t aligned(std::size_t bytes) { return (bytes + alignment - 1) / alignment * alignment; }
+
+} // namespace
+
+struct RecursiveState {
+    const Terrain* terrain;
+    RecursiveBudget budget;
+    VertexState* states;   // one a terrain vertex, in the terrain's order
+    MeshVertex* vertices;  // budget.vertices
+    std::uint32_t* owners; // terrain vertex of each slot, or no_owner
+    std::uint32_t* free_slots;
+    std::uint32_t free_count;
+    std::uint32_t* indices; // budget.indices
+    std::uint32_t index_count;
+    TileRange* tiles;
+    std::uint32_t tile_count;
+    Topology topology;
+    std::uint32_t pass; // status base is pass * 3
+    std::uint64_t frame;
+    std::uint32_t dirty_begin, dirty_end;
+    double effective_px;     // 0 before the first frame
+    std::uint32_t exhausted; // BudgetBits that keep effective_px above the asked one
+    std::uint32_t last_selected, last_indices;
+};
+
+namespace {
+
+// Where the block's parts lie; one function for the size and for the placement, so they cannot disagree.
+struct Layout {
+    std::size_t states, vertices, owners, free_slots, indices, tiles, end;
+};
+
+Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
+    Layout l{};
+    std::size_t at = aligned(sizeof(RecursiveState));
+    const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
+    l.states = place(std::size_t{terrain.tile_count()} * terrain.vertices_per_tile * sizeof(VertexState));
+    l.vertices = place(std::size_t{budget.vertices} * sizeof(MeshVertex));
+    l.owners = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
+    l.free_slots = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
+    l.indices = place(std::size_t{budget.indices} * sizeof(std::uint32_t));
+    l.tiles = place(std::size_t{terrain.tile_count()} * sizeof(TileRange));
+    l.end = at;
+    return l;
+}
+
+// A vertex as the recursion carries it: x in the low and y in the high 16 bits, so that the middle of two is
+// (a + b) >> 1 in one operation (sums of coordinates are even there and stay below 2^14).
+struct Corner {
+    std::uint32_t xy, slot;
+};
+
+constexpr std::uint32_t pack_xy(std::uint32_t x, std::uint32_t y) { return x | y << 16; }
+
+// Index arithmetic of one level inside a tile.
+struct LevelPlane {
+    std::uint32_t offset[2], stride[2]; // [0]: centre or side_x, [1]: side_y
+    std::uint32_t shift;
+};
+
+constexpr std::uint32_t completely_inside = 2;
+
+// Beyond this threshold only spheres that hold the eye select anything; a pass above it draws base triangles only, which
+// every budget can hold.
+constexpr double hopeless_px = 1e7;
+constexpr double step_up = 1.25, step_down = 1 / 1.05;
+
+// What one pass over all tiles found out.
+struct PassResult {
+    std::uint32_t selected = 0, triangles = 0, tiles = 0, written = 0, clearings = 0;
+    std::uint32_t exhausted = 0; // BudgetBits; when set, the mesh is not usable
+};
+
+template <bool Cull, Metric M, Topology T>
+class Pass {
+public:
+    Pass(RecursiveState& state, const View& the_view, double threshold_px)
+        : s(state), terrain(*state.terrain), view(the_view), frustum(make_frustum(the_view)),
+          reach(make_reach(the_view, threshold_px)), base(state.pass * 3), last_level(2 * terrain.order.tile_log2 - 1), base_only(threshold_px > hopeless_px) {
+        for (int z = 0; z < terrain.order.tile_log2; ++z) {
+            const int level = 2 * (terrain.order.tile_log2 - 1 - z);
+            const auto c = terrain.order.plane(z, PlaneKind::centre), h = terrain.order.plane(z, PlaneKind::side_x),
+                       v = terrain.order.plane(z, PlaneKind::side_y);
+            const auto shift = static_cast<std::uint32_t>(z + 1);
+            levels[level] = {{c.offset, c.offset}, {c.stride, c.stride}, shift};
+            levels[level + 1] = {{h.offset, v.offset}, {h.stride, v.stride}, shift};
+        }
+    }
+
+    PassResult run() {
+        s.tile_count = 0;
+        const Tree& tree = terrain.tree;
+        for (std::int32_t ty = 0; ty < tree.tiles_y && !result.exhausted; ++ty)
+            for (std::int32_t tx = 0; tx < tree.tiles_x && !result.exhausted; ++tx) tessellate(tx, ty);
+        s.index_count = cursor;
+        return result;
+    }
+
+private:
+    void tessellate(std::int32_t tx, std::int32_t ty) {
+        const std::int32_t side = terrain.tree.side();
+        const auto tile = static_cast<std::uint32_t>(ty * terrain.tree.tiles_x + tx);
+        column0 = tx * side;
+        row0 = ty * side;
+        first_vertex = tile * terrain.vertices_per_tile;
+        records = terrain.tile_records(tile);
+        states = s.states + first_vertex;
+        if (Cull && root_outside()) return;
+
+        const auto n = static_cast<std::uint32_t>(side);
+        const std::uint32_t first_index = cursor, triangles_before = result.triangles;
+        const Corner nw = corner(0, 0, 0), ne = corner(1, n, 0), sw = corner(2, 0, n), se = corner(3, n, n);
+        if constexpr (T == Topology::strip) {
+            push(nw.slot);
+            push(nw.slot);
+            last_parity = 0;
+        }
+        refine(ne, nw, se, 0, 0);
+        if constexpr (T == Topology::strip) {
+            // Three times the far corner: only degenerate triangles, and the second half starts at an odd place as
+            // the first one did, so that the winding stays.
+            append(se.slot, 0);
+            push(se.slot);
+            push(se.slot);
+        }
+        refine(sw, se, nw, 0, 0);
+        if constexpr (T == Topology::strip) append(nw.slot, 0);
+        s.tiles[s.tile_count++] = {tile, first_index, cursor - first_index, result.triangles - triangles_before};
+        ++result.tiles;
+    }
+
+    // meshRefine: splits the triangle when the vertex in the middle of its hypotenuse is selected. parent: how far the
+    // parent's sphere lies inside the frustum (a status of 0..2).
+    void refine(Corner apex, Corner left, Corner right, int level, std::uint32_t parent) {
+        const std::uint32_t xy = (left.xy + right.xy) >> 1;
+        const std::uint32_t x = xy & 0xffff, y = xy >> 16;
+        const LevelPlane& plane = levels[level];
+        // On odd levels the side runs along y when its ends share x.
+        const std::uint32_t along_y = ((left.xy ^ right.xy) & 0xffff) == 0;
+        const std::uint32_t index =
+            plane.offset[along_y] + (y >> plane.shift) * plane.stride[along_y] + (x >> plane.shift);
+        const std::uint32_t status = eval(index, x, y, parent);
+        if (status == 0) return leaf(apex, left, right, level);
+
+        const Corner m{xy, slot_of(index, x, y)};
+        const bool enter_left = (level & 1) == 0;
+        if (level == last_level) {
+            if (enter_left) leaf(m, apex, left, level + 1);
+            else leaf(m, right, apex, level + 1);
+            if constexpr (T == Topology::strip) append(apex.slot, (level + 1) & 1);
+            if (enter_left) leaf(m, right, apex, level + 1);
+            else leaf(m, apex, left, level + 1);
+            return;
+        }
+        if (enter_left) refine(m, apex, left, level + 1, status);
+        else refine(m, right, apex, level + 1, status);
+        if constexpr (T == Topology::strip) append(apex.slot, (level + 1) & 1);
+        if (enter_left) refine(m, right, apex, level + 1, status);
+        else refine(m, apex, left, level + 1, status);
+    }
+
+    void leaf(Corner apex, Corner left, Corner right, int level) {
+        ++result.triangles;
+        if constexpr (T == Topology::strip) {
+            append(apex.slot, (level + 1) & 1);
+        } else {
+            if (cursor + 3 > s.budget.indices) return give_up(budget_indices);
+            std::uint32_t* out = s.indices + cursor;
+            out[0] = apex.slot;
+            out[1] = left.slot;
+            out[2] = right.slot;
+            cursor += 3;
+        }
+    }
+
+    // tStripAppend. parity: of the vertex' level; parities alternate along the strip, or the older vertex is repeated.
+    void append(std::uint32_t slot, int parity) {
+        if (cursor < 2) return; // only after the indices ran out at the very beginning
+        const std::uint32_t older = s.indices[cursor - 2];
+        if (slot == s.indices[cursor - 1] || slot == older) return;
+        if (parity == last_parity) push(older);
+        push(slot);
+        last_parity = parity;
+    }
+
+    void push(std::uint32_t slot) {
+        if (cursor == s.budget.indices) return give_up(budget_indices);
+        s.indices[cursor++] = slot;
+    }
+
+    // evalTriangle: looks the status up, or works it out and stores it.
+    std::uint32_t eval(std::uint32_t index, std::uint32_t x, std::uint32_t y, std::uint32_t parent) {
+        VertexState& state = states[index];
+        if (state.status >= base) return state.status - base;
+        const std::uint32_t status = select(index, x, y, parent);
+        state.status = base + status;
+        result.selected += status != 0;
+        return status;
+    }
+
+    std::uint32_t select(std::uint32_t index, std::uint32_t x, std::uint32_t y, std::uint32_t parent) {
+        if (base_only) return 0;
+        const VertexRecord& record = records[index];
+        const float radius = from_bfloat16(record.radius), error = from_bfloat16(record.error);
+        const float px = terrain.x_m(column0 + static_cast<std::int32_t>(x));
+        const float py = terrain.lattice.height_m(record.height);
+        const float pz = terrain.z_m(row0 + static_cast<std::int32_t>(y));
+        std::uint32_t status = completely_inside;
+        if (Cull && parent != completely_inside) {
+            status = inside({px, py, pz}, radius);
+            if (status == 0) return 0;
+        }
+        if constexpr (M == Metric::isotropic) {
+            if (!wanted(reach, px, py, pz, error, radius)) return 0;
+        } else {
+            // Depth of the sphere's nearest point; a sphere that reaches the near plane is refined (thesis 5.4.1).
+            const double depth = dot(view.forward, Vec3{px, py, pz} - view.eye_m) - radius;
+            if (!(depth < std::max(double{error} * reach.q, view.near_m))) return 0;
+        }
+        return status;
+    }
+
+    // 0: outside, 1: partly, 2: completely inside.
+    std::uint32_t inside(Vec3 centre, double radius) const {
+        const Vec3 p = centre - view.eye_m;
+        std::uint32_t status = completely_inside;
+        for (int i = 0; i < 6; ++i) {
+            const double d = dot(frustum.normal[i], p) - frustum.offset[i];
+            if (d < -radius) return 0;
+            if (d < radius) status = 1;
+        }
+        return status;
+    }
+
+    // The root's sphere holds all of the tile. (Its place in planar order is right behind the corners.)
+    bool root_outside() const {
+        const std::int32_t half = terrain.tree.side() / 2;
+        const VertexRecord& root = records[4];
+        return inside({terrain.x_m(column0 + half), terrain.lattice.height_m(root.height), terrain.z_m(row0 + half)},
+                      from_bfloat16(root.radius)) == 0;
+    }
+
+    Corner corner(std::uint32_t index, std::uint32_t x, std::uint32_t y) {
+        states[index].status = base + 1; // always selected
+        ++result.selected;
+        return {pack_xy(x, y), slot_of(index, x, y)};
+    }
+
+    std::uint32_t slot_of(std::uint32_t index, std::uint32_t x, std::uint32_t y) {
+        const std::uint32_t slot = states[index].slot;
+        return slot != no_slot ? slot : insert(index, x, y);
+    }
+
+    // A new entry in the vertex buffer; clears it of vertices that this frame has not used when it is full.
+    std::uint32_t insert(std::uint32_t index, std::uint32_t x, std::uint32_t y) {
+        if (s.free_count == 0) clear_unused();
+        if (s.free_count == 0) {
+            give_up(budget_vertices);
+            return 0;
+        }
+        const std::uint32_t slot = s.free_slots[--s.free_count];
+        s.vertices[slot] = {static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
+                            terrain.lattice.height_m(records[index].height)};
+        s.owners[slot] = first_vertex + index;
+        states[index].slot = slot;
+        s.dirty_begin = std::min(s.dirty_begin, slot);
+        s.dirty_end = std::max(s.dirty_end, slot + 1);
+        ++result.written;
+        return slot;
+    }
+
+    void clear_unused() {
+        if (result.clearings) return; // what is left is all of this frame
+        ++result.clearings;
+        for (std::uint32_t slot = s.budget.vertices; slot-- > 0;) {
+            if (s.owners[slot] == no_owner) continue;
+            VertexState& owner = s.states[s.owners[slot]];
+            if (owner.status > base) continue;
+            owner.slot = no_slot;
+            s.owners[slot] = no_owner;
+            s.free_slots[s.free_count++] = slot;
+        }
+    }
+
+    // From here on nothing is selected, so the recursion folds up quickly.
+    void give_up(BudgetBit bit) {
+        result.exhausted |= bit;
+        base_only = true;
+    }
+
+    RecursiveState& s;
+    const Terrain& terrain;
+    const View& view;
+    Frustum frustum;
+    Reach reach;
+    std::uint32_t base;
+    int last_level;
+    bool base_only; // select nothing but corners
+    LevelPlane levels[2 * max_tile_log2];
+    PassResult result;
+    // The tile in work.
+    std::int32_t column0 = 0, row0 = 0;
+    std::uint32_t first_vertex = 0;
+    const VertexRecord* records = nullptr;
+    VertexState* states = nullptr;
+    std::uint32_t cursor = 0; // into the indices
+    int last_parity = 0;
+};
+
+template <bool Cull, Metric M>
+PassResult run_topology(RecursiveState& s, const View& view, double threshold_px) {
+    if (s.topology == Topology::strip) return Pass<Cull, M, Topology::strip>(s, view, threshold_px).run();
+    return Pass<Cull, M, Topology::triangles>(s, view, threshold_px).run();
+}
+
+PassResult run_pass(RecursiveState& s, const View& view, const RefineSettings& settings, double threshold_px) {
+    // Status numbers of an earlier pass must never look like this one's.
+    if (++s.pass > std::numeric_limits<std::uint32_t>::max() / 3 - 1) {
+        const std::size_t count = std::size_t{s.terrain->tile_count()} * s.terrain->vertices_per_tile;
+        for (std::size_t i = 0; i < count; ++i) s.states[i].status = 0;
+        s.pass = 1;
+    }
+    if (settings.metric == Metric::depth) return run_topology<true, Metric::depth>(s, view, threshold_px);
+    if (settings.cull) return run_topology<true, Metric::isotropic>(s, view, threshold_px);
+    return run_topology<false, Metric::isotropic>(s, view, threshold_px);
+}
+
+// Where to start: where the last frame ended, a step finer when it had room to spare.
+double first_threshold(const RecursiveState& s, double asked_px) {
+    if (!s.exhausted || s.effective_px <= asked_px) return asked_px;
+    const bool room = s.last_selected < s.budget.vertices / 5 * 4 && s.last_indices < s.budget.indices / 5 * 4;
+    return std::max(asked_px, room ? s.effective_px * step_down : s.effective_px);
+}
+
+} // namespace
+
+std::size_t recursive_bytes(const Terrain& terrain, const RecursiveBudget& budget) {
+    return layout_of(terrain, budget).end;
+}
+
+Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, std::span<std::byte> block,
+                        RecursiveMethod& method) {
+    const std::uint64_t tiles = terrain.tile_count(), count = tiles * terrain.vertices_per_tile;
+    if (count >= no_owner) return {Code::out_of_range, "terrain: more than 4,294,967,294 vertices"};
+    if (budget.vertices < tiles * 4) return {Code::budget_too_small, "RecursiveBudget::vertices (4 a tile)"};
+    if (budget.indices < tiles * 9) return {Code::budget_too_small, "RecursiveBudget::indices (9 a tile)"};
+    const Layout l = layout_of(terrain, budget);
+    if (block.size() < l.end) return {Code::block_too_small, "block"};
+    std::byte* at = block.data();
+    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "block alignment"};
+    std::memset(at, 0, l.end); // touches every page now rather than in a frame
+
+    auto& s = *reinterpret_cast<RecursiveState*>(at);
+    s.terrain = &terrain;
+    s.budget = budget;
+    s.states = reinterpret_cast<VertexState*>(at + l.states);
+    s.vertices = reinterpret_cast<MeshVertex*>(at + l.vertices);
+    s.owners = reinterpret_cast<std::uint32_t*>(at + l.owners);
+    s.free_slots = reinterpret_cast<std::uint32_t*>(at + l.free_slots);
+    s.indices = reinterpret_cast<std::uint32_t*>(at + l.indices);
+    s.tiles = reinterpret_cast<TileRange*>(at + l.tiles);
+    for (std::uint64_t i = 0; i < count; ++i) s.states[i].slot = no_slot;
+    for (std::uint32_t i = 0; i < budget.vertices; ++i) {
+        s.owners[i] = no_owner;
+        s.free_slots[i] = budget.vertices - 1 - i;
+    }
+    s.free_count = budget.vertices;
+    method.state = &s;
+    return {};
+}
+
+Status update_recursive(RecursiveMethod method, const View& view, const RefineSettings& settings, FrameReport& report) {
+    if (Status v = validate(view); !v.ok()) return v;
+    if (!(settings.error_px >= 1e-3 && settings.error_px <= 1e6)) return {Code::out_of_range, "RefineSettings::error_px"};
+    if (settings.metric == Metric::depth && !settings.cull)
+        return {Code::out_of_range, "RefineSettings::cull (the depth metric needs it: behind the eye depth means nothing)"};
+    RecursiveState& s = *method.state;
+    s.topology = settings.topology;
+    s.dirty_begin = s.budget.vertices;
+    s.dirty_end = 0;
+    report = {};
+    report.frame = ++s.frame;
+    report.error_px_asked = settings.error_px;
+
+    const double corner = settings.corner_safe ? corner_factor(view) : 1;
+    double threshold_px = first_threshold(s, settings.error_px);
+    std::uint32_t exhausted = threshold_px > settings.error_px ? s.exhausted : 0;
+    PassResult result;
+    for (;; threshold_px *= step_up, ++report.restarts) {
+        result = run_pass(s, view, settings, threshold_px / corner);
+        report.vertices_written += result.written;
+        report.buffer_clearings += result.clearings;
+        exhausted |= result.exhausted;
+        if (!result.exhausted) break;
+    }
+    s.effective_px = threshold_px;
+    s.exhausted = report.exhausted = exhausted;
+    s.last_selected = result.selected;
+    s.last_indices = s.index_count;
+    report.vertices = result.selected;
+    report.triangles = result.triangles;
+    report.tiles = result.tiles;
+    report.error_px_effective = threshold_px;
+    report.converged = threshold_px <= settings.error_px;
+    return {};
+}
+
+MeshView recursive_mesh(RecursiveMethod method) {
+    const RecursiveState& s = *method.state;
+    return {s.topology,
+            {s.vertices, s.budget.vertices},
+            {s.indices, s.index_count},
+            {s.tiles, s.tile_count},
+            s.dirty_begin < s.dirty_end ? s.dirty_begin : 0,
+            s.dirty_end};
+}
+
+} // namespace fjell

@@ -1,0 +1,114 @@
+// What a pack promises, checked by the verifier, and the verifier checked by planted faults.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "baker/verify.h"
+#include "support/terrain_fixture.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+VertexRecord& record_of(host::LoadedPack& pack, Coord c) { return const_cast<VertexRecord&>(pack.terrain.record(c)); }
+
+} // namespace
+
+TEST_CASE("errors and spheres nest and bound the original heights, whatever the terrain and tiling") {
+    Random random(11);
+    for (int round = 0; round < 120; ++round) {
+        const int log2 = pick(random, 1, 6);
+        const std::int32_t tx = pick(random, 1, std::max(1, 96 >> log2)), ty = pick(random, 1, std::max(1, 96 >> log2));
+        const auto shape = static_cast<Shape>(round % static_cast<int>(Shape::count));
+        const baker::Dem dem = random_dem(random, (tx << log2) + 1, (ty << log2) + 1, shape);
+        baker::BakeOptions options = small_bake(log2, std::pow(10.0, uniform(random, -3, 0)));
+        options.estimate = pick(random, 0, 3) ? Estimate::max : Estimate::midpoint;
+        const auto pack = bake_and_load(dem, options);
+        const baker::VerifyReport report = baker::verify(pack.terrain, &dem);
+        CAPTURE(round, log2, tx, ty, static_cast<int>(shape), report.first);
+        REQUIRE(report.ok());
+        REQUIRE(report.true_error_checked == (options.estimate == Estimate::max));
+        REQUIRE(report.vertices == dem.heights_m.size());
+    }
+}
+
+TEST_CASE("a pack does not depend on the number of threads") {
+    Random random(12);
+    const baker::Dem dem = random_dem(random, 129, 129, Shape::fractal);
+    baker::BakeOptions options = small_bake(5);
+    const auto one = bake_and_load(dem, options);
+    options.threads = 7;
+    const auto seven = bake_and_load(dem, options);
+    REQUIRE(one.file == seven.file);
+}
+
+TEST_CASE("integer heights are stored without loss") {
+    Random random(13);
+    baker::Dem dem = random_dem(random, 65, 65, Shape::noise);
+    for (float& h : dem.heights_m) h = static_cast<float>(pick(random, -400, 8848));
+    dem.native_quantum_m = 1;
+    const auto pack = bake_and_load(dem, small_bake(4));
+    for (std::int32_t y = 0; y < 65; ++y)
+        for (std::int32_t x = 0; x < 65; ++x) REQUIRE(pack.terrain.height_m({x, y}) == dem.at(x, y));
+}
+
+TEST_CASE("heights that no lattice can hold exactly are off by at most half a quantum") {
+    Random random(14);
+    const baker::Dem dem = random_dem(random, 65, 65, Shape::noise);
+    const auto pack = bake_and_load(dem, small_bake(4));
+    const double half = pack.terrain.lattice.quantum_m * 0.5;
+    const auto [least, most] = std::minmax_element(dem.heights_m.begin(), dem.heights_m.end());
+    // Half a quantum, and the rounding of a float of this size.
+    const double ulp = std::max(std::abs(*least), std::abs(*most)) * 0x1p-23;
+    for (std::int32_t y = 0; y < 65; ++y)
+        for (std::int32_t x = 0; x < 65; ++x)
+            REQUIRE(std::abs(static_cast<double>(pack.terrain.height_m({x, y})) - dem.at(x, y)) <= half + ulp);
+}
+
+TEST_CASE("the mid-point estimate is never above the true one, and breaks the true bound somewhere") {
+    Random random(15);
+    const baker::Dem dem = random_dem(random, 129, 129, Shape::fractal);
+    baker::BakeOptions options = small_bake(6);
+    const auto full = bake_and_load(dem, options);
+    options.estimate = Estimate::midpoint;
+    auto middle = bake_and_load(dem, options);
+    for (std::int32_t y = 0; y < 129; ++y)
+        for (std::int32_t x = 0; x < 129; ++x)
+            REQUIRE(middle.terrain.record({x, y}).error <= full.terrain.record({x, y}).error);
+    middle.terrain.header.estimate = Estimate::max; // claim what does not hold
+    REQUIRE(baker::verify(middle.terrain, nullptr).true_error_violations > 0);
+}
+
+TEST_CASE("the verifier notices every kind of fault") {
+    Random random(16);
+    const baker::Dem dem = random_dem(random, 65, 65, Shape::fractal);
+    const auto fresh = [&] { return bake_and_load(dem, small_bake(4)); };
+    {
+        auto pack = fresh();
+        record_of(pack, {8, 8}).error = 0; // a root
+        const auto report = baker::verify(pack.terrain, nullptr);
+        CHECK(report.nesting_violations > 0);
+        CHECK(report.true_error_violations > 0);
+        CHECK(report.first.find("(8, 8)") != std::string::npos);
+    }
+    {
+        auto pack = fresh();
+        VertexRecord& r = record_of(pack, {20, 20});
+        r.radius = static_cast<std::uint16_t>(r.radius - 40);
+        CHECK(baker::verify(pack.terrain, nullptr).sphere_violations > 0);
+    }
+    {
+        auto pack = fresh();
+        VertexRecord& r = record_of(pack, {7, 7});
+        r.height = static_cast<std::uint16_t>(r.height ^ 0x4000);
+        CHECK(baker::verify(pack.terrain, &dem).height_mismatches == 1);
+    }
+    {
+        auto pack = fresh();
+        VertexRecord& r = record_of(pack, {16, 5}); // on a border: found in the western tile only
+        r.error = static_cast<std::uint16_t>(r.error + 1);
+        CHECK(baker::verify(pack.terrain, nullptr).border_mismatches > 0);
+    }
+    CHECK(baker::verify(fresh().terrain, &dem).ok());
+}

@@ -1,0 +1,287 @@
+// DESIGN invariants 1 to 4 on the recursive method, over random terrains, tilings, cameras, thresholds and budgets.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "fjell/measure.h"
+#include "support/mesh_check.h"
+#include "support/terrain_fixture.h"
+#include "tree/wanted.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+struct Tiling {
+    int tile_log2;
+    std::int32_t tiles_x, tiles_y;
+};
+constexpr Tiling tilings[] = {{1, 1, 1}, {1, 5, 3}, {2, 4, 4}, {3, 1, 1}, {3, 3, 2}, {4, 2, 5},
+                              {5, 3, 2}, {6, 1, 1}, {6, 2, 1}, {3, 32, 16}, {2, 32, 16}};
+
+host::LoadedPack random_terrain(Random& random, const Tiling& t, double nesting) {
+    const auto shape = static_cast<Shape>(pick(random, 0, static_cast<int>(Shape::count) - 1));
+    return bake_and_load(random_dem(random, (t.tiles_x << t.tile_log2) + 1, (t.tiles_y << t.tile_log2) + 1, shape),
+                         small_bake(t.tile_log2, nesting));
+}
+
+double random_threshold(Random& random) { return std::pow(10.0, uniform(random, -1.5, 2)); }
+
+// The bound a measured error must keep: the threshold, and nothing else: the mesh and the measure use the same heights.
+// Float rounding is inside the method's own margin.
+bool within(double measured_px, double threshold_px) { return measured_px <= threshold_px * (1 + 1e-9); }
+
+} // namespace
+
+TEST_CASE("without culling every mesh is crack-free, covers the terrain and keeps the screen bound") {
+    Random random(1);
+    for (const Tiling& tiling : tilings)
+        for (int terrain_number = 0; terrain_number < 8; ++terrain_number) {
+            const double nesting = pick(random, 0, 2) ? 0.05 : 0.001;
+            const auto pack = random_terrain(random, tiling, nesting);
+            Recursive method(pack.terrain, ample_budget(pack.terrain));
+            for (int frame = 0; frame < 8; ++frame) {
+                const View view = random_view(random, pack.terrain);
+                RefineSettings settings;
+                settings.error_px = random_threshold(random);
+                settings.cull = false;
+                const FrameReport report = method.update(view, settings);
+                CAPTURE(tiling.tile_log2, tiling.tiles_x, tiling.tiles_y, terrain_number, frame, settings.error_px);
+                REQUIRE(report.converged);
+                REQUIRE(report.tiles == pack.terrain.tile_count());
+                REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
+                const MeasuredError error = measure_error(pack.terrain, method.mesh(), view);
+                REQUIRE(within(error.max_px, settings.error_px));
+            }
+        }
+}
+
+TEST_CASE("with culling the mesh stays crack-free and keeps the bound inside the frustum, for both metrics") {
+    Random random(2);
+    for (const Tiling& tiling : tilings)
+        for (int terrain_number = 0; terrain_number < 6; ++terrain_number) {
+            const auto pack = random_terrain(random, tiling, 0.05);
+            Recursive method(pack.terrain, ample_budget(pack.terrain));
+            for (int frame = 0; frame < 8; ++frame) {
+                const View view = random_view(random, pack.terrain);
+                const Frustum frustum = make_frustum(view);
+                for (const Metric metric : {Metric::isotropic, Metric::depth}) {
+                    RefineSettings settings;
+                    settings.error_px = random_threshold(random);
+                    settings.metric = metric;
+                    (void)method.update(view, settings);
+                    CAPTURE(tiling.tile_log2, tiling.tiles_x, tiling.tiles_y, terrain_number, frame, settings.error_px);
+                    REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
+                    REQUIRE(within(measure_error(pack.terrain, method.mesh(), view, &frustum).max_px, settings.error_px));
+                }
+            }
+        }
+}
+
+TEST_CASE("no sample inside the frustum belongs to a tile that is not drawn") {
+    Random random(3);
+    for (int round = 0; round < 40; ++round) {
+        const auto pack = random_terrain(random, {3, 8, 8}, 0.05);
+        const Terrain& terrain = pack.terrain;
+        Recursive method(terrain, ample_budget(terrain));
+        const View view = random_view(random, terrain);
+        const Frustum frustum = make_frustum(view);
+        (void)method.update(view, {});
+        std::vector<bool> drawn(terrain.tile_count());
+        for (const TileRange& range : method.mesh().tiles) drawn[range.tile] = true;
+        for (std::int32_t y = 0; y < terrain.tree.rows(); ++y)
+            for (std::int32_t x = 0; x < terrain.tree.columns(); ++x) {
+                const Vec3 p = Vec3{terrain.x_m(x), terrain.height_m({x, y}), terrain.z_m(y)} - view.eye_m;
+                bool inside = true;
+                for (int i = 0; i < 6; ++i) inside = inside && dot(frustum.normal[i], p) >= frustum.offset[i];
+                if (inside) REQUIRE(drawn[static_cast<std::size_t>(std::min(y / 8, 7) * 8 + std::min(x / 8, 7))]);
+            }
+    }
+}
+
+TEST_CASE("strip and list describe the same triangles with the same winding") {
+    Random random(4);
+    for (const Tiling& tiling : tilings)
+        for (int frame = 0; frame < 10; ++frame) {
+            const auto pack = random_terrain(random, tiling, 0.05);
+            Recursive lists(pack.terrain, ample_budget(pack.terrain)), strips(pack.terrain, ample_budget(pack.terrain));
+            const View view = random_view(random, pack.terrain);
+            RefineSettings settings;
+            settings.error_px = random_threshold(random);
+            settings.cull = pick(random, 0, 1) == 1;
+            const FrameReport list_report = lists.update(view, settings);
+            settings.topology = Topology::strip;
+            const FrameReport strip_report = strips.update(view, settings);
+            REQUIRE(strip_report.triangles == list_report.triangles);
+            REQUIRE(strip_report.vertices == list_report.vertices);
+            REQUIRE(check_mesh(pack.terrain, strips.mesh()) == "");
+            REQUIRE(triangles_of(pack.terrain, strips.mesh()) == triangles_of(pack.terrain, lists.mesh()));
+            // One strip a tile, and not much longer than its triangles (L&P: about 1.3 to 1.6 indices a triangle).
+            REQUIRE(strips.mesh().indices.size() <= lists.mesh().indices.size() + 9 * strips.mesh().tiles.size());
+        }
+}
+
+TEST_CASE("spheres that touch nest: an eye on a decision surface makes no crack, even with the smallest nesting") {
+    Random random(5);
+    for (int round = 0; round < 12; ++round) {
+        const auto pack = random_terrain(random, {4, 3, 3}, 0.001);
+        const Terrain& terrain = pack.terrain;
+        Recursive method(terrain, ample_budget(terrain));
+        const auto position = [&](Coord c) { return Vec3{terrain.x_m(c.x), terrain.height_m(c), terrain.z_m(c.y)}; };
+        for (int sample = 0; sample < 60; ++sample) {
+            const Coord v{pick(random, 0, terrain.tree.columns() - 1), pick(random, 0, terrain.tree.rows() - 1)};
+            if (terrain.tree.is_corner(v)) continue;
+            const Diamond d = diamond(terrain.tree, v);
+            const Coord parent = d.apexes[pick(random, 0, 1)];
+            if (!terrain.tree.contains(parent) || terrain.tree.is_corner(parent)) continue;
+            RefineSettings settings;
+            settings.cull = false;
+            settings.error_px = random_threshold(random);
+            View view = make_view({}, {0, -1, 0.1}, {0, 1, 0}, 1, 1280, 720, 1, 1e6);
+            const double q = view.lambda_px / settings.error_px;
+            const double reach = from_bfloat16(terrain.record(v).radius) + from_bfloat16(terrain.record(v).error) * q;
+            // From the parent through the child to where the child is just not wanted: there the two are closest.
+            const Vec3 away = normalised(position(v) - position(parent));
+            if (length(away) == 0) continue;
+            const double nudge = 1 + pick(random, -3, 3) * 0x1p-23;
+            view.eye_m = position(v) + away * (reach * nudge);
+            if (!validate(view).ok()) continue;
+            (void)method.update(view, settings);
+            REQUIRE(check_mesh(terrain, method.mesh()) == "");
+        }
+    }
+}
+
+TEST_CASE("what is selected is exactly what is wanted (invariant 7)") {
+    Random random(6);
+    for (int round = 0; round < 40; ++round) {
+        const auto pack = random_terrain(random, tilings[pick(random, 0, 8)], 0.05);
+        const Terrain& terrain = pack.terrain;
+        Recursive method(terrain, ample_budget(terrain));
+        const View view = random_view(random, terrain);
+        RefineSettings settings;
+        settings.error_px = random_threshold(random);
+        settings.cull = false;
+        (void)method.update(view, settings);
+        const Reach reach = make_reach(view, settings.error_px);
+        std::vector<bool> used(static_cast<std::size_t>(terrain.tree.columns()) * static_cast<std::size_t>(terrain.tree.rows()));
+        const auto at = [&](Coord c) { return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(terrain.tree.columns()) + static_cast<std::size_t>(c.x); };
+        for (const Triangle& t : triangles_of(terrain, method.mesh()))
+            for (const Coord c : t) used[at(c)] = true;
+        for (std::int32_t y = 0; y < terrain.tree.rows(); ++y)
+            for (std::int32_t x = 0; x < terrain.tree.columns(); ++x) {
+                const Coord c{x, y};
+                const VertexRecord& r = terrain.record(c);
+                const bool expected = terrain.tree.is_corner(c) ||
+                                      wanted(reach, terrain.x_m(x), terrain.height_m(c), terrain.z_m(y),
+                                             from_bfloat16(r.error), from_bfloat16(r.radius));
+                REQUIRE(used[at(c)] == expected);
+            }
+    }
+}
+
+TEST_CASE("a budget that is too small lowers quality, names itself and breaks nothing") {
+    Random random(7);
+    for (int round = 0; round < 60; ++round) {
+        const auto pack = random_terrain(random, {4, 3, 3}, 0.05);
+        const Terrain& terrain = pack.terrain;
+        const bool vertices = pick(random, 0, 1) == 0;
+        RecursiveBudget budget = ample_budget(terrain);
+        if (vertices) budget.vertices = static_cast<std::uint32_t>(pick(random, 4 * 9, 500));
+        else budget.indices = static_cast<std::uint32_t>(pick(random, 9 * 9, 3000));
+        Recursive method(terrain, budget), free(terrain, ample_budget(terrain));
+        RefineSettings settings;
+        settings.error_px = 0.05;
+        settings.cull = pick(random, 0, 1) == 1;
+        settings.topology = pick(random, 0, 1) ? Topology::strip : Topology::triangles;
+        for (int frame = 0; frame < 4; ++frame) {
+            const View view = random_view(random, terrain);
+            const FrameReport report = method.update(view, settings);
+            const FrameReport wish = free.update(view, settings);
+            REQUIRE(check_mesh(terrain, method.mesh()) == "");
+            REQUIRE(report.error_px_asked == settings.error_px);
+            REQUIRE(report.converged == (report.error_px_effective <= report.error_px_asked));
+            if (report.converged) REQUIRE(report.triangles == wish.triangles);
+            else REQUIRE(report.exhausted == (vertices ? budget_vertices : budget_indices));
+            if (vertices && wish.vertices > budget.vertices) REQUIRE_FALSE(report.converged);
+        }
+    }
+}
+
+TEST_CASE("quality comes back in full when the camera leaves") {
+    Random random(8);
+    const auto pack = bake_and_load(random_dem(random, 129, 129, Shape::fractal), small_bake(5));
+    Recursive method(pack.terrain, {600, 4000});
+    const double extent = pack.terrain.x_m(128);
+    const auto at_height = [&](double h) {
+        return make_view({extent / 2, pack.terrain.header.max_m + h, extent / 2}, {0, -1, 0.01}, {0, 1, 0}, 1, 800, 600,
+                         extent * 1e-4, extent * 1e4);
+    };
+    REQUIRE_FALSE(method.update(at_height(extent * 0.01), {}).converged);
+    FrameReport report;
+    int frames = 0;
+    do report = method.update(at_height(extent * 300), {});
+    while (!report.converged && ++frames < 1000);
+    REQUIRE(report.converged);
+    REQUIRE(report.exhausted == 0);
+}
+
+TEST_CASE("a copy of the vertex buffer that only takes over what was written stays equal to it") {
+    Random random(9);
+    const auto pack = bake_and_load(random_dem(random, 129, 65, Shape::fractal), small_bake(5));
+    // Small enough to be cleared often, large enough to converge.
+    Recursive method(pack.terrain, {3000, 40000});
+    std::vector<MeshVertex> copy(3000);
+    RefineSettings settings;
+    settings.error_px = 4;
+    std::uint32_t clearings = 0;
+    for (int frame = 0; frame < 300; ++frame) {
+        const FrameReport report = method.update(random_view(random, pack.terrain), settings);
+        clearings += report.buffer_clearings;
+        const MeshView mesh = method.mesh();
+        for (std::uint32_t i = mesh.dirty_begin; i < mesh.dirty_end; ++i) copy[i] = mesh.vertices[i];
+        for (const std::uint32_t i : mesh.indices) {
+            REQUIRE(copy[i].column == mesh.vertices[i].column);
+            REQUIRE(copy[i].row == mesh.vertices[i].row);
+            REQUIRE(copy[i].height_m == mesh.vertices[i].height_m);
+        }
+        REQUIRE(check_mesh(pack.terrain, mesh) == "");
+    }
+    REQUIRE(clearings > 0);
+}
+
+TEST_CASE("a bad view or setting is refused by name and leaves the mesh as it was") {
+    Random random(10);
+    const auto pack = bake_and_load(random_dem(random, 33, 33, Shape::fractal), small_bake(4));
+    Recursive method(pack.terrain, ample_budget(pack.terrain));
+    const View good = random_view(random, pack.terrain);
+    (void)method.update(good, {});
+    const auto before = triangles_of(pack.terrain, method.mesh());
+    FrameReport report;
+    const auto refused = [&](const View& view, const RefineSettings& settings, const std::string& field) {
+        const Status s = update_recursive(method.method, view, settings, report);
+        CHECK(s.code == Code::out_of_range);
+        CHECK(std::string(s.field).rfind(field, 0) == 0);
+        CHECK(triangles_of(pack.terrain, method.mesh()) == before);
+    };
+    View bad = good;
+    bad.eye_m.x = std::nan("");
+    refused(bad, {}, "View::eye_m");
+    bad = good;
+    bad.forward = {0, 0, 0};
+    refused(bad, {}, "View::forward");
+    bad = good;
+    bad.near_m = bad.far_m;
+    refused(bad, {}, "View::near_m");
+    bad = good;
+    bad.lambda_px = 0;
+    refused(bad, {}, "View::lambda_px");
+    RefineSettings settings;
+    settings.error_px = 0;
+    refused(good, settings, "RefineSettings::error_px");
+    settings = {};
+    settings.metric = Metric::depth;
+    settings.cull = false;
+    refused(good, settings, "RefineSettings::cull");
+}

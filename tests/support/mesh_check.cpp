@@ -1,0 +1,137 @@
+#include "support/mesh_check.h"
+
+#include <algorithm>
+#include <sstream>
+#include <unordered_map>
+
+namespace fjell::test {
+
+namespace {
+
+std::int64_t doubled_area_up(const Triangle& t) {
+    // x east, y (rows) south: counter-clockwise from above turns the other way round in (x, y).
+    const Coord a = t[1] - t[0], b = t[2] - t[0];
+    return std::int64_t{a.y} * b.x - std::int64_t{a.x} * b.y;
+}
+
+Triangle rotated(Triangle t) {
+    const auto less = [](Coord a, Coord b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end(), less), t.end());
+    return t;
+}
+
+Coord tile_corner(const Terrain& terrain, std::uint32_t tile) {
+    return {static_cast<std::int32_t>(tile % terrain.header.tiles_x) * terrain.tree.side(),
+            static_cast<std::int32_t>(tile / terrain.header.tiles_x) * terrain.tree.side()};
+}
+
+// Calls visit(triangle) for every triangle of a range; strips flip every other one, as OpenGL does.
+template <typename Visit>
+void for_each_triangle(const Terrain& terrain, const MeshView& mesh, const TileRange& range, const Visit& visit) {
+    const Coord corner = tile_corner(terrain, range.tile);
+    const auto at = [&](std::uint32_t i) {
+        const MeshVertex& v = mesh.vertices[mesh.indices[range.first_index + i]];
+        return corner + Coord{v.column, v.row};
+    };
+    const bool strip = mesh.topology == Topology::strip;
+    for (std::uint32_t i = 0; i + 3 <= range.index_count; i += strip ? 1 : 3) {
+        Triangle t{at(i), at(i + 1), at(i + 2)};
+        if (strip && (i & 1)) std::swap(t[1], t[2]);
+        visit(t);
+    }
+}
+
+std::string say(const char* what, const Triangle& t) {
+    std::ostringstream text;
+    text << what;
+    for (const Coord c : t) text << " (" << c.x << ", " << c.y << ")";
+    return text.str();
+}
+
+std::uint64_t key(Coord a, Coord b, std::int32_t columns) {
+    const auto index = [&](Coord c) { return static_cast<std::uint64_t>(c.y) * static_cast<std::uint64_t>(columns) + static_cast<std::uint64_t>(c.x); };
+    return index(a) << 32 | index(b);
+}
+
+// Is the edge on the rim of the drawn part of the terrain?
+bool may_be_open(const Terrain& terrain, const std::vector<bool>& drawn, Coord a, Coord b) {
+    const std::int32_t side = terrain.tree.side();
+    const auto is_drawn = [&](std::int32_t tx, std::int32_t ty) {
+        return tx >= 0 && ty >= 0 && tx < terrain.tree.tiles_x && ty < terrain.tree.tiles_y &&
+               drawn[static_cast<std::size_t>(ty * terrain.tree.tiles_x + tx)];
+    };
+    if (a.x == b.x && a.x % side == 0) {
+        const std::int32_t ty = std::min(a.y, b.y) / side;
+        return is_drawn(a.x / side - 1, ty) != is_drawn(a.x / side, ty);
+    }
+    if (a.y == b.y && a.y % side == 0) {
+        const std::int32_t tx = std::min(a.x, b.x) / side;
+        return is_drawn(tx, a.y / side - 1) != is_drawn(tx, a.y / side);
+    }
+    return false;
+}
+
+std::string check_edges(const Terrain& terrain, const std::vector<bool>& drawn, const std::vector<Triangle>& triangles) {
+    std::unordered_map<std::uint64_t, int> edges;
+    edges.reserve(triangles.size() * 4);
+    const std::int32_t columns = terrain.tree.columns();
+    for (const Triangle& t : triangles)
+        for (std::size_t i = 0; i < 3; ++i)
+            if (++edges[key(t[i], t[(i + 1) % 3], columns)] > 1) return say("an edge is used twice in one direction by", t);
+    for (const Triangle& t : triangles)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Coord a = t[i], b = t[(i + 1) % 3];
+            if (!edges.contains(key(b, a, columns)) && !may_be_open(terrain, drawn, a, b))
+                return say("an inner edge has no neighbour: a crack or T-junction beside", t);
+        }
+    return {};
+}
+
+} // namespace
+
+std::vector<Triangle> triangles_of(const Terrain& terrain, const MeshView& mesh) {
+    std::vector<Triangle> all;
+    for (const TileRange& range : mesh.tiles)
+        for_each_triangle(terrain, mesh, range, [&](const Triangle& t) {
+            if (doubled_area_up(t) != 0) all.push_back(rotated(t));
+        });
+    std::sort(all.begin(), all.end(), [](const Triangle& a, const Triangle& b) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (a[i].y != b[i].y) return a[i].y < b[i].y;
+            if (a[i].x != b[i].x) return a[i].x < b[i].x;
+        }
+        return false;
+    });
+    return all;
+}
+
+std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
+    std::vector<bool> drawn(terrain.tile_count());
+    for (const TileRange& range : mesh.tiles) {
+        if (range.tile >= terrain.tile_count()) return "a range names no tile";
+        if (drawn[range.tile]) return "a tile is drawn twice";
+        drawn[range.tile] = true;
+        const Coord corner = tile_corner(terrain, range.tile);
+        std::string wrong;
+        std::int64_t area = 0;
+        std::uint32_t count = 0;
+        for (std::uint32_t i = 0; i < range.index_count; ++i) {
+            const MeshVertex& v = mesh.vertices[mesh.indices[range.first_index + i]];
+            if (v.column > terrain.tree.side() || v.row > terrain.tree.side()) return "a vertex lies outside its tile";
+            if (v.height_m != terrain.height_m(corner + Coord{v.column, v.row})) return "a vertex has not its sample's height";
+        }
+        for_each_triangle(terrain, mesh, range, [&](const Triangle& t) {
+            const std::int64_t doubled = doubled_area_up(t);
+            if (doubled < 0) wrong = say("faces down:", t);
+            if (doubled == 0 && mesh.topology == Topology::triangles) wrong = say("degenerate:", t);
+            area += doubled;
+            count += doubled != 0;
+        });
+        if (!wrong.empty()) return wrong;
+        if (area != 2 * std::int64_t{terrain.tree.side()} * terrain.tree.side()) return "a tile is not covered exactly";
+        if (count != range.triangles) return "a range counts its triangles wrongly";
+    }
+    return check_edges(terrain, drawn, triangles_of(terrain, mesh));
+}
+
+} // namespace fjell::test

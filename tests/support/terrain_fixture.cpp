@@ -1,0 +1,120 @@
+#include "support/terrain_fixture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <unistd.h>
+
+namespace fjell::test {
+
+TemporaryFolder::TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "fjell-test-XXXXXX").string();
+    if (!mkdtemp(name.data())) throw std::runtime_error("cannot make a temporary folder");
+    path = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+}
+
+double uniform(Random& random, double least, double most) {
+    return std::uniform_real_distribution<double>(least, most)(random);
+}
+int pick(Random& random, int least, int most) { return std::uniform_int_distribution<int>(least, most)(random); }
+
+namespace {
+
+// Sum of random value-noise octaves, coarse to fine.
+float fractal(Random& random, std::vector<float>& lattice, double x, double y) {
+    constexpr int side = 32;
+    if (lattice.empty())
+        for (int i = 0; i < side * side; ++i) lattice.push_back(static_cast<float>(uniform(random, -1, 1)));
+    double sum = 0, size = 1, frequency = 1.0 / 64;
+    for (int octave = 0; octave < 6; ++octave, size *= 0.5, frequency *= 2) {
+        const double u = x * frequency + octave * 7.3, v = y * frequency + octave * 3.1;
+        const int i = static_cast<int>(std::floor(u)), j = static_cast<int>(std::floor(v));
+        const auto at = [&](int a, int b) { return lattice[static_cast<std::size_t>((b & 31) * side + (a & 31))]; };
+        const double s = u - i, t = v - j;
+        sum += size * ((at(i, j) * (1 - s) + at(i + 1, j) * s) * (1 - t) + (at(i, j + 1) * (1 - s) + at(i + 1, j + 1) * s) * t);
+    }
+    return static_cast<float>(sum);
+}
+
+} // namespace
+
+baker::Dem random_dem(Random& random, std::int32_t columns, std::int32_t rows, Shape shape) {
+    baker::Dem dem;
+    dem.columns = columns;
+    dem.rows = rows;
+    const double spacing = std::pow(10.0, uniform(random, -1, 3));
+    dem.spacing_m[0] = spacing;
+    dem.spacing_m[1] = pick(random, 0, 1) ? spacing : spacing * uniform(random, 0.5, 2);
+    const double relief = spacing * std::pow(10.0, uniform(random, -1, 1.5)), base = uniform(random, -4000, 4000);
+    std::vector<float> lattice;
+    for (std::int32_t y = 0; y < rows; ++y)
+        for (std::int32_t x = 0; x < columns; ++x) {
+            double h = 0;
+            switch (shape) {
+            case Shape::fractal: h = fractal(random, lattice, x, y) * 4; break;
+            case Shape::noise: h = uniform(random, -1, 1); break;
+            case Shape::spikes: h = pick(random, 0, 60) == 0 ? uniform(random, -3, 3) : 0; break;
+            case Shape::steps: h = ((x / 5) + (y / 7)) % 3; break;
+            case Shape::ramp: h = 0.3 * x - 0.2 * y; break;
+            case Shape::flat:
+            case Shape::count: break;
+            }
+            dem.heights_m.push_back(static_cast<float>(base + relief * h));
+        }
+    return dem;
+}
+
+host::LoadedPack bake_and_load(baker::Dem dem, baker::BakeOptions options) {
+    const TemporaryFolder folder;
+    (void)baker::bake(std::move(dem), options, folder / "pack.fjell");
+    return host::load_pack(folder / "pack.fjell", host::LoadTerrain::yes);
+}
+
+baker::BakeOptions small_bake(int tile_log2, double nesting) {
+    baker::BakeOptions options;
+    options.tile_log2 = tile_log2;
+    options.nesting = nesting;
+    options.threads = 1;
+    options.max_texture_log2 = 2; // textures are not what these tests are about
+    options.compression = 1;
+    return options;
+}
+
+View random_view(Random& random, const Terrain& terrain) {
+    const double wx = terrain.x_m(terrain.tree.columns() - 1), wz = terrain.z_m(terrain.tree.rows() - 1);
+    const double extent = std::max(wx, wz);
+    Vec3 eye{uniform(random, -0.3, 1.3) * wx, 0, uniform(random, -0.3, 1.3) * wz};
+    const double above = extent * std::pow(10.0, uniform(random, -4, 0.5));
+    eye.y = terrain.ground_m(eye.x, eye.z) + (pick(random, 0, 9) == 0 ? -above : above);
+    const Vec3 at{uniform(random, 0, 1) * wx, terrain.header.min_m, uniform(random, 0, 1) * wz};
+    const double fov = uniform(random, 0.2, 2.0);
+    return make_view(eye, at - eye, {uniform(random, -0.3, 0.3), 1, uniform(random, -0.3, 0.3)}, fov,
+                     static_cast<std::uint32_t>(pick(random, 64, 3840)), static_cast<std::uint32_t>(pick(random, 64, 2160)),
+                     extent * 1e-5, extent * 8);
+}
+
+RecursiveBudget ample_budget(const Terrain& terrain) {
+    const std::uint32_t vertices = terrain.tile_count() * terrain.vertices_per_tile;
+    return {vertices, vertices * 8 + terrain.tile_count() * 16};
+}
+
+Recursive::Recursive(const Terrain& terrain, const RecursiveBudget& budget)
+    : block(host::make_block(recursive_bytes(terrain, budget))) {
+    const Status s = create_recursive(terrain, budget, {block.get(), recursive_bytes(terrain, budget)}, method);
+    if (!s.ok()) throw std::runtime_error(std::string(s.field) + ": " + message(s.code));
+}
+
+FrameReport Recursive::update(const View& view, const RefineSettings& settings) {
+    FrameReport report;
+    const Status s = update_recursive(method, view, settings, report);
+    if (!s.ok()) throw std::runtime_error(std::string(s.field) + ": " + message(s.code));
+    return report;
+}
+
+} // namespace fjell::test

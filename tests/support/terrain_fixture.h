@@ -1,0 +1,51 @@
+// Terrains for tests: made, baked, loaded, thrown away.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "baker/bake.h"
+#include "fjell/recursive.h"
+#include "host/load.h"
+
+namespace fjell::test {
+
+// A folder of this test's own, removed with it.
+class TemporaryFolder {
+public:
+    TemporaryFolder();
+    ~TemporaryFolder();
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    [[nodiscard]] std::string operator/(const std::string& name) const { return (path / name).string(); }
+    std::filesystem::path path;
+};
+
+using Random = std::mt19937;
+[[nodiscard]] double uniform(Random& random, double least, double most);
+[[nodiscard]] int pick(Random& random, int least, int most);
+
+enum class Shape { fractal, noise, spikes, steps, ramp, flat, count };
+[[nodiscard]] baker::Dem random_dem(Random& random, std::int32_t columns, std::int32_t rows, Shape shape);
+
+// Baked to a file and loaded back.
+[[nodiscard]] host::LoadedPack bake_and_load(baker::Dem dem, baker::BakeOptions options = {});
+// A random tiling of at most about `most_samples` samples.
+[[nodiscard]] baker::BakeOptions small_bake(int tile_log2, double nesting = 0.05);
+
+// A view that looks at the terrain from somewhere, often low and near.
+[[nodiscard]] View random_view(Random& random, const Terrain& terrain);
+
+// A recursive method with its block.
+struct Recursive {
+    Recursive(const Terrain& terrain, const RecursiveBudget& budget);
+    FrameReport update(const View& view, const RefineSettings& settings);
+    [[nodiscard]] MeshView mesh() const { return recursive_mesh(method); }
+    host::AlignedBlock block;
+    RecursiveMethod method;
+};
+[[nodiscard]] RecursiveBudget ample_budget(const Terrain& terrain);
+
+} // namespace fjell::test
