@@ -10,6 +10,9 @@
 
 namespace fjell::baker {
 
+// Voids are samples that the file marks as no-data, that are no numbers, or that lie outside -12000..30000 m both as
+// the file has them and after zscale (undeclared -32767 and the like). refuse: a Failure that counts them. fill: a
+// smooth continuation of the ground around them, on the source's own step (fill.h).
 enum class NoData : std::uint8_t { refuse, fill };
 
 struct ReadOptions {
@@ -21,8 +24,11 @@ struct ReadOptions {
 };
 
 // GeoTIFF, PNG (8 and 16 bits), BMP, ASCII grid, HGT, USGS DEM, netCDF: whatever GDAL's raster drivers open, band 1.
-// Throws Failure: missing file, directory, not a raster, truncated data, fewer than 2x2 samples, NaN or infinite heights
-// or all no-data, heights or spacing out of range, degrees without a spacing.
+// Pixels are samples; the band's scale, offset and unit and the CRS' unit are applied; row 0 becomes north, column 0
+// west. Throws Failure, one line with the path and the remedy. 1: missing file, folder, not a raster, an image,
+// truncated data, fewer than 2x2 samples, rotated, voids (above) or nothing else, degrees or no georeference without a
+// spacing, a spacing out of range. 2: an option out of range. 3: more samples than memory_bytes allows. O(samples), one
+// thread; 4 bytes a sample, 5.4 while voids are filled.
 [[nodiscard]] Dem read_dem(const std::string& path, const ReadOptions& options);
 
 // Deterministic mountains of any size from a recipe (JSON, content/terrain/*.json; fields in content/README.md): same

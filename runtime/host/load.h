@@ -16,7 +16,7 @@ struct AlignedDelete {
     void operator()(std::byte* block) const;
 };
 using AlignedBlock = std::unique_ptr<std::byte[], AlignedDelete>;
-[[nodiscard]] AlignedBlock make_block(std::size_t bytes); // aligned to 64, uninitialised
+[[nodiscard]] AlignedBlock make_block(std::size_t bytes); // aligned to 2 MB, uninitialised, on huge pages if it may
 
 struct LoadedPack {
     std::vector<std::byte> file;

@@ -9,6 +9,7 @@
 #include "fjell/recursive.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -83,13 +84,13 @@ struct Corner {
 
 constexpr std::uint32_t pack_xy(std::uint32_t x, std::uint32_t y) { return x | y << 16; }
 
-// Index arithmetic of one level inside a tile.
+// Index arithmetic of one plane inside a tile.
 struct LevelPlane {
-    std::uint32_t offset[2], stride[2]; // [0]: centre or side_x, [1]: side_y
-    std::uint32_t shift;
+    std::uint32_t offset, stride, shift;
 };
 
-constexpr std::uint32_t completely_inside = 2;
+constexpr std::uint32_t all_planes = 0b111111; // of the frustum
+constexpr std::uint32_t not_selected = 0xffffffff;
 
 // Beyond this threshold only spheres that hold the eye select anything; a pass above it draws base triangles only, which
 // every budget can hold.
@@ -107,15 +108,15 @@ class Pass {
 public:
     Pass(RecursiveState& state, const View& the_view, double threshold_px)
         : s(state), terrain(*state.terrain), view(the_view), frustum(make_frustum(the_view)),
-          reach(make_reach(the_view, threshold_px)), base(state.pass * 3), last_level(2 * terrain.order.tile_log2 - 1), base_only(threshold_px > hopeless_px) {
-        for (int z = 0; z < terrain.order.tile_log2; ++z) {
-            const int level = 2 * (terrain.order.tile_log2 - 1 - z);
-            const auto c = terrain.order.plane(z, PlaneKind::centre), h = terrain.order.plane(z, PlaneKind::side_x),
-                       v = terrain.order.plane(z, PlaneKind::side_y);
-            const auto shift = static_cast<std::uint32_t>(z + 1);
-            levels[level] = {{c.offset, c.offset}, {c.stride, c.stride}, shift};
-            levels[level + 1] = {{h.offset, v.offset}, {h.stride, v.stride}, shift};
-        }
+          reach(make_reach(the_view, threshold_px)), base(state.pass * 3), nearest_m(the_view.near_m) {
+        LevelPlane* to = levels; // three a step: centre, side_x, side_y
+        for (int z = terrain.order.tile_log2; z-- > 0;)
+            for (const PlaneKind kind : {PlaneKind::centre, PlaneKind::side_x, PlaneKind::side_y}) {
+                const PlanarOrder::Plane plane = terrain.order.plane(z, kind);
+                *to++ = {plane.offset, plane.stride, static_cast<std::uint32_t>(z + 1)};
+            }
+        last_planes = to;
+        if (threshold_px > hopeless_px) select_none();
     }
 
     PassResult run() {
@@ -146,7 +147,7 @@ private:
             push(nw.slot);
             last_parity = 0;
         }
-        refine(ne, nw, se, 0, 0);
+        root(ne, nw, se);
         if constexpr (T == Topology::strip) {
             // Three times the far corner: only degenerate triangles, and the second half starts at an odd place as
             // the first one did, so that the winding stays.
@@ -154,46 +155,73 @@ private:
             push(se.slot);
             push(se.slot);
         }
-        refine(sw, se, nw, 0, 0);
+        root(sw, se, nw);
         if constexpr (T == Topology::strip) append(nw.slot, 0);
         s.tiles[s.tile_count++] = {tile, first_index, cursor - first_index, result.triangles - triangles_before};
         ++result.tiles;
     }
 
-    // meshRefine: splits the triangle when the vertex in the middle of its hypotenuse is selected. parent: how far the
-    // parent's sphere lies inside the frustum (a status of 0..2).
-    void refine(Corner apex, Corner left, Corner right, int level, std::uint32_t parent) {
-        const std::uint32_t xy = (left.xy + right.xy) >> 1;
-        const std::uint32_t x = xy & 0xffff, y = xy >> 16;
-        const LevelPlane& plane = levels[level];
-        // On odd levels the side runs along y when its ends share x.
-        const std::uint32_t along_y = ((left.xy ^ right.xy) & 0xffff) == 0;
-        const std::uint32_t index =
-            plane.offset[along_y] + (y >> plane.shift) * plane.stride[along_y] + (x >> plane.shift);
-        const std::uint32_t status = eval(index, x, y, parent);
-        if (status == 0) return leaf(apex, left, right, level);
+    // A vertex on its way through meshRefine: where it lies and what became of it.
+    struct Node {
+        std::uint32_t xy, index;
+        std::uint32_t planes; // not_selected, or the frustum planes that its sphere may still cross
+    };
 
-        const Corner m{xy, slot_of(index, x, y)};
-        const bool enter_left = (level & 1) == 0;
-        if (level == last_level) {
-            if (enter_left) leaf(m, apex, left, level + 1);
-            else leaf(m, right, apex, level + 1);
-            if constexpr (T == Topology::strip) append(apex.slot, (level + 1) & 1);
-            if (enter_left) leaf(m, right, apex, level + 1);
-            else leaf(m, apex, left, level + 1);
-            return;
-        }
-        if (enter_left) refine(m, apex, left, level + 1, status);
-        else refine(m, right, apex, level + 1, status);
-        if constexpr (T == Topology::strip) append(apex.slot, (level + 1) & 1);
-        if (enter_left) refine(m, right, apex, level + 1, status);
-        else refine(m, apex, left, level + 1, status);
+    // The vertex in the middle of a triangle's hypotenuse, evaluated (evalTriangle). A hypotenuse whose ends share x is a
+    // side that runs along y. planes: those the parent's sphere may cross.
+    template <bool Centre>
+    [[gnu::always_inline]] Node evaluate(std::uint32_t end, std::uint32_t other_end, const LevelPlane* at,
+                                         std::uint32_t planes) {
+        const std::uint32_t xy = (end + other_end) >> 1;
+        const LevelPlane& plane = Centre || ((end ^ other_end) & 0xffff) != 0 ? *at : at[1];
+        const std::uint32_t x = xy & 0xffff, y = xy >> 16;
+        const std::uint32_t index = plane.offset + (y >> plane.shift) * plane.stride + (x >> plane.shift);
+        return {xy, index, eval(index, x, y, planes)};
     }
 
-    void leaf(Corner apex, Corner left, Corner right, int level) {
+    // meshRefine of a triangle whose middle vertex m is selected. Both halves are evaluated before either is entered:
+    // their memory is fetched side by side, and leaves cost no call. Even levels split at a centre. at: the planes of the
+    // next level.
+    template <bool Even>
+    void refine(Corner apex, Corner left, Corner right, Corner m, const LevelPlane* at, std::uint32_t planes) {
+        ++result.triangles; // one has become two
+        const Corner first_end = Even ? left : right, second_end = Even ? right : left;
+        if (!Even && at == last_planes) {
+            leaf<!Even>(m, right, apex);
+            if constexpr (T == Topology::strip) append(apex.slot, Even);
+            leaf<!Even>(m, apex, left);
+            return;
+        }
+        const Node first = evaluate<!Even>(apex.xy, first_end.xy, at, planes);
+        const Node second = evaluate<!Even>(apex.xy, second_end.xy, at, planes);
+        half<Even, Even>(m, apex, first_end, at, first);
+        if constexpr (T == Topology::strip) append(apex.slot, Even);
+        half<Even, !Even>(m, apex, second_end, at, second);
+    }
+
+    // The half of a split triangle beside `end`, which was its parent's left end or its right one.
+    template <bool ParentEven, bool LeftEnd>
+    [[gnu::always_inline]] void half(Corner m, Corner apex, Corner end, const LevelPlane* at, const Node& node) {
+        const Corner left = LeftEnd ? apex : end, right = LeftEnd ? end : apex;
+        if (node.planes == not_selected) return leaf<!ParentEven>(m, left, right);
+        const Corner next{node.xy, slot_of(node.index, node.xy & 0xffff, node.xy >> 16)};
+        refine<!ParentEven>(m, left, right, next, at + (ParentEven ? 2 : 1), node.planes);
+    }
+
+    // One of a tile's two base triangles.
+    void root(Corner apex, Corner left, Corner right) {
         ++result.triangles;
+        const Node node = evaluate<true>(left.xy, right.xy, levels, Cull ? all_planes : 0);
+        if (node.planes == not_selected) return leaf<true>(apex, left, right);
+        const Corner m{node.xy, slot_of(node.index, node.xy & 0xffff, node.xy >> 16)};
+        refine<true>(apex, left, right, m, levels + 1, node.planes);
+    }
+
+    // Even: of the level of the vertex that could split it.
+    template <bool Even>
+    [[gnu::always_inline]] void leaf(Corner apex, Corner left, Corner right) {
         if constexpr (T == Topology::strip) {
-            append(apex.slot, (level + 1) & 1);
+            append(apex.slot, Even);
         } else {
             if (cursor + 3 > s.budget.indices) return give_up(budget_indices);
             std::uint32_t* out = s.indices + cursor;
@@ -219,56 +247,57 @@ private:
         s.indices[cursor++] = slot;
     }
 
-    // evalTriangle: looks the status up, or works it out and stores it.
-    std::uint32_t eval(std::uint32_t index, std::uint32_t x, std::uint32_t y, std::uint32_t parent) {
+    // evalTriangle: looks the status up, or works it out and stores it. Answers with the planes left, or not_selected.
+    [[gnu::always_inline]] std::uint32_t eval(std::uint32_t index, std::uint32_t x, std::uint32_t y, std::uint32_t planes) {
         VertexState& state = states[index];
-        if (state.status >= base) return state.status - base;
-        const std::uint32_t status = select(index, x, y, parent);
-        state.status = base + status;
-        result.selected += status != 0;
-        return status;
+        if (state.status >= base) return state.status == base ? not_selected : planes;
+        planes = select(index, x, y, planes);
+        const bool selected = planes != not_selected;
+        state.status = base + (selected ? planes == 0 ? 2u : 1u : 0u);
+        result.selected += selected;
+        return planes;
     }
 
-    std::uint32_t select(std::uint32_t index, std::uint32_t x, std::uint32_t y, std::uint32_t parent) {
-        if (base_only) return 0;
+    [[gnu::always_inline]] std::uint32_t select(std::uint32_t index, std::uint32_t x, std::uint32_t y,
+                                                std::uint32_t planes) {
         const VertexRecord& record = records[index];
         const float radius = from_bfloat16(record.radius), error = from_bfloat16(record.error);
         const float px = terrain.x_m(column0 + static_cast<std::int32_t>(x));
         const float py = terrain.lattice.height_m(record.height);
         const float pz = terrain.z_m(row0 + static_cast<std::int32_t>(y));
-        std::uint32_t status = completely_inside;
-        if (Cull && parent != completely_inside) {
-            status = inside({px, py, pz}, radius);
-            if (status == 0) return 0;
+        if (Cull && planes != 0) {
+            planes = crossed({px, py, pz}, radius, planes);
+            if (planes == not_selected) return not_selected;
         }
         if constexpr (M == Metric::isotropic) {
-            if (!wanted(reach, px, py, pz, error, radius)) return 0;
+            if (!wanted(reach, px, py, pz, error, radius)) return not_selected;
         } else {
             // Depth of the sphere's nearest point; a sphere that reaches the near plane is refined (thesis 5.4.1).
             const double depth = dot(view.forward, Vec3{px, py, pz} - view.eye_m) - radius;
-            if (!(depth < std::max(double{error} * reach.q, view.near_m))) return 0;
+            if (!(depth < std::max(double{error} * reach.q, nearest_m))) return not_selected;
         }
-        return status;
+        return planes;
     }
 
-    // 0: outside, 1: partly, 2: completely inside.
-    std::uint32_t inside(Vec3 centre, double radius) const {
+    // Figure 5.8, a plane at a time: of the planes given, those the sphere crosses; not_selected when it lies outside one.
+    [[gnu::noinline]] std::uint32_t crossed(Vec3 centre, double radius, std::uint32_t planes) const {
         const Vec3 p = centre - view.eye_m;
-        std::uint32_t status = completely_inside;
-        for (int i = 0; i < 6; ++i) {
+        std::uint32_t left = 0;
+        for (; planes != 0; planes &= planes - 1) {
+            const auto i = static_cast<std::size_t>(std::countr_zero(planes));
             const double d = dot(frustum.normal[i], p) - frustum.offset[i];
-            if (d < -radius) return 0;
-            if (d < radius) status = 1;
+            if (d < -radius) return not_selected;
+            if (d < radius) left |= 1u << i;
         }
-        return status;
+        return left;
     }
 
     // The root's sphere holds all of the tile. (Its place in planar order is right behind the corners.)
     bool root_outside() const {
         const std::int32_t half = terrain.tree.side() / 2;
         const VertexRecord& root = records[4];
-        return inside({terrain.x_m(column0 + half), terrain.lattice.height_m(root.height), terrain.z_m(row0 + half)},
-                      from_bfloat16(root.radius)) == 0;
+        return crossed({terrain.x_m(column0 + half), terrain.lattice.height_m(root.height), terrain.z_m(row0 + half)},
+                       from_bfloat16(root.radius), all_planes) == not_selected;
     }
 
     Corner corner(std::uint32_t index, std::uint32_t x, std::uint32_t y) {
@@ -283,7 +312,7 @@ private:
     }
 
     // A new entry in the vertex buffer; clears it of vertices that this frame has not used when it is full.
-    std::uint32_t insert(std::uint32_t index, std::uint32_t x, std::uint32_t y) {
+    [[gnu::noinline]] std::uint32_t insert(std::uint32_t index, std::uint32_t x, std::uint32_t y) {
         if (s.free_count == 0) clear_unused();
         if (s.free_count == 0) {
             give_up(budget_vertices);
@@ -316,7 +345,13 @@ private:
     // From here on nothing is selected, so the recursion folds up quickly.
     void give_up(BudgetBit bit) {
         result.exhausted |= bit;
-        base_only = true;
+        select_none();
+    }
+
+    void select_none() {
+        reach.eye_x = std::numeric_limits<float>::infinity();
+        reach.q = -std::numeric_limits<float>::infinity();
+        nearest_m = -std::numeric_limits<double>::infinity();
     }
 
     RecursiveState& s;
@@ -325,9 +360,9 @@ private:
     Frustum frustum;
     Reach reach;
     std::uint32_t base;
-    int last_level;
-    bool base_only; // select nothing but corners
-    LevelPlane levels[2 * max_tile_log2];
+    double nearest_m; // depth at which everything is refined
+    LevelPlane levels[3 * max_tile_log2];
+    const LevelPlane* last_planes; // one past them
     PassResult result;
     // The tile in work.
     std::int32_t column0 = 0, row0 = 0;

@@ -1,0 +1,89 @@
+// fjell-fly: flies a camera over a pack, in a window or headless. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the
+// machine (disk, memory, GPU) is.
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "fly/options.h"
+#include "fly/outputs.h"
+#include "fly/pictures.h"
+#include "fly/session.h"
+#include "fly/window.h"
+#include "gltf/snapshot.h"
+#include "host/failure.h"
+
+namespace {
+
+using namespace fjell;
+using namespace fjell::fly;
+using host::Failure;
+
+void export_frame(const Export& e, const Session& session, const View& view, double error_px) {
+    const gltf::SnapshotResult result = gltf::export_snapshot(session.loaded.pack, session.terrain(), view, error_px, e.path);
+    if (!result.ok()) throw Failure(result.exit_code, result.message);
+}
+
+void fly_headless(const Options& options, Session& session, std::span<const Pose> poses, FlightLog& log,
+                  Verification& verification) {
+    std::optional<Pictures> pictures;
+    if (!options.render_folder.empty()) pictures.emplace(options, session);
+    const RefineSettings& settings = options.profile.refine;
+    for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+        check_interrupt();
+        const View view = view_of(poses[frame], session.terrain(), options.profile);
+        FrameEntry entry = update_frame(session, view, settings);
+        if (options.verify_every && frame % options.verify_every == 0)
+            verify_frame(session, view, settings, frame, entry, verification);
+        if (pictures && frame % options.render_every == 0) pictures->write(session, view, frame);
+        for (const Export& e : options.exports)
+            if (e.frame == frame) export_frame(e, session, view, settings.error_px);
+        log.frames.push_back(entry);
+    }
+}
+
+int run(int argc, char** argv) {
+    Options options;
+    if (!parse_options(argc, argv, options)) return 0;
+    catch_interrupts();
+    const CameraPath path = path_of(options);
+    Outputs outputs(options);
+    Session session;
+    open_session(options, session);
+    const std::size_t frames = options.frames ? options.frames : default_frames;
+    const std::vector<Pose> poses = resample(path, ground_of(session.terrain()), frames);
+    FlightLog log;
+    log.frames.reserve(frames);
+    Verification verification;
+    if (options.headless) fly_headless(options, session, poses, log, verification);
+    else fly_in_window(options, session, poses, log, verification);
+    outputs.finish(options, session, path, log, verification);
+    if (verification.exceeded)
+        throw Failure(1, fmt::format("{}: frame {}: {:.4f} px measured where {:.4f} are allowed; check the pack with fjell-bake verify",
+                                     options.pack, verification.frame, verification.max_px, verification.limit_px));
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    const auto say = [](int code, std::string text) {
+        for (char& c : text)
+            if (c == '\n') c = ' '; // one line, whatever a library said
+        fmt::print(stderr, "fjell-fly: {}\n", text);
+        return code;
+    };
+    try {
+        return run(argc, argv);
+    } catch (const Failure& failure) {
+        return say(failure.exit_code, failure.what());
+    } catch (const std::bad_alloc&) {
+        return say(3, "out of memory; lower the budgets in the profile, or --frames");
+    } catch (const std::exception& error) {
+        return say(3, fmt::format("internal error: {}", error.what()));
+    }
+}

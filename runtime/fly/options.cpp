@@ -1,0 +1,162 @@
+#include "fly/options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <string_view>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "fjell/pack.h"
+#include "fly/path.h"
+#include "host/failure.h"
+
+namespace fjell::fly {
+
+namespace {
+
+using host::Failure;
+
+constexpr std::size_t most_frames = 10'000'000;
+
+// CLI::Range lets NaN through: it is neither below nor above.
+CLI::Validator within(double least, double most) {
+    const auto check = [=](const std::string& text) -> std::string {
+        double value = 0;
+        if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most) return {};
+        return fmt::format("{}: must be a number from {} to {}", text, least, most);
+    };
+    return {check, fmt::format("{} to {}", least, most)};
+}
+
+// Flags as they were typed; empty where they were not, so that the profile can stand.
+struct Flags {
+    std::optional<double> error_px, fov_deg;
+    std::string method, metric, topology, cull, size, mode = "shaded";
+    bool corner_safe = false;
+    std::vector<std::string> exports;
+    std::optional<std::uint64_t> seed;
+};
+
+void declare_flight(CLI::App& app, Options& o, Flags& f) {
+    app.add_option("PACK", o.pack, "the terrain, from fjell-bake")->required();
+    app.add_option("--profile", o.profile_path, "budgets and thresholds (profiles/*.toml); flags win over it");
+    app.add_option("--path", o.path, "camera path (content/paths/*.json); default: an orbit");
+    app.add_option("--frames", o.frames, "frames to resample the path to (default 840); a window closes after them")
+        ->check(CLI::Range(std::size_t{1}, most_frames));
+    app.add_option("--hz", o.hz, "path frames a second in the window (default 60)")->check(within(0.1, 10000));
+    app.add_option("--seed", f.seed, "fly a random path with this seed instead of --path");
+    app.add_flag("--headless", o.headless, "no window");
+    app.add_option("--error-px", f.error_px, "threshold: largest error on screen, in pixels")
+        ->check(within(min_error_px, max_error_px));
+    app.add_option("--method", f.method, "recursive")->check([](const std::string& name) -> std::string {
+        if (name == "recursive") return {};
+        return name == "incremental" ? "incremental is not in this version; use recursive" : "must be recursive";
+    });
+    app.add_option("--metric", f.metric, "distance to the eye (isotropic, default) or depth along the view")
+        ->check(CLI::IsMember({"isotropic", "depth"}));
+    app.add_option("--topology", f.topology, "triangle list (default), or one strip a tile")
+        ->check(CLI::IsMember({"list", "strip"}));
+    app.add_option("--cull", f.cull, "leave out what the frustum does not see (default on)")->check(CLI::IsMember({"on", "off"}));
+    app.add_flag("--corner-safe", f.corner_safe, "hold the threshold in the image's corners too");
+    app.add_option("--fov", f.fov_deg, "vertical field of view in degrees")->check(within(min_fov_deg, max_fov_deg));
+    app.add_option("--size", f.size, "picture in pixels, WIDTHxHEIGHT");
+}
+
+void declare_outputs(CLI::App& app, Options& o, Flags& f) {
+    app.add_option("--csv", o.csv, "one line a frame; - for standard output");
+    app.add_option("--json", o.json, "a summary for scripts; - for standard output");
+    app.add_option("--export", f.exports, "FRAME:OUT.glb, the whole terrain as that frame sees it; may be repeated")
+        ->allow_extra_args(false);
+    app.add_option("--render", o.render_folder, "write frame_NNNNN.png into this folder");
+    app.add_option("--render-every", o.render_every, "only every N-th frame")->check(CLI::Range(std::size_t{1}, most_frames));
+    app.add_option("--mode", f.mode, "pictures shaded (default), with wireframe, or coloured by tree level")
+        ->check(CLI::IsMember({"shaded", "wire", "levels"}));
+    app.add_option("--verify", o.verify_every, "every N frames, measure the error at every sample")
+        ->check(CLI::Range(std::size_t{1}, most_frames));
+}
+
+// A whole number that fills the text, or nothing.
+std::optional<std::size_t> whole(std::string_view text) {
+    std::size_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) return {};
+    return value;
+}
+
+void parse_size(const std::string& text, Profile& profile) {
+    const std::size_t x = std::min(text.find('x'), text.size());
+    const auto width = whole(std::string_view(text).substr(0, x));
+    const auto height = whole(std::string_view(text).substr(std::min(x + 1, text.size())));
+    if (!width || !height || *width < 1 || *height < 1 || *width > max_size_px || *height > max_size_px)
+        throw Failure(2, fmt::format("--size {}: must be WIDTHxHEIGHT in pixels, 1 to {} each", text, max_size_px));
+    profile.width_px = static_cast<std::uint32_t>(*width);
+    profile.height_px = static_cast<std::uint32_t>(*height);
+}
+
+Export parse_export(const std::string& text, std::size_t frames) {
+    const std::size_t colon = std::min(text.find(':'), text.size());
+    const auto frame = whole(std::string_view(text).substr(0, colon));
+    if (!frame || colon + 1 >= text.size())
+        throw Failure(2, fmt::format("--export {}: must be FRAME:OUT.glb, e.g. 0:terrain.glb", text));
+    if (*frame >= frames)
+        throw Failure(2, fmt::format("--export {}: the flight has frames 0 to {}", text, frames - 1));
+    return {*frame, text.substr(colon + 1)};
+}
+
+void apply(const Flags& f, Options& o) {
+    RefineSettings& refine = o.profile.refine;
+    if (f.error_px) refine.error_px = *f.error_px;
+    if (f.fov_deg) o.profile.fov_deg = *f.fov_deg;
+    if (!f.metric.empty()) refine.metric = f.metric == "depth" ? Metric::depth : Metric::isotropic;
+    if (!f.topology.empty()) refine.topology = f.topology == "strip" ? Topology::strip : Topology::triangles;
+    if (!f.cull.empty()) refine.cull = f.cull == "on";
+    if (f.corner_safe) refine.corner_safe = true;
+    if (!f.size.empty()) parse_size(f.size, o.profile);
+    o.mode = f.mode == "wire" ? PictureMode::wire : f.mode == "levels" ? PictureMode::levels : PictureMode::shaded;
+    o.seeded = f.seed.has_value();
+    o.seed = f.seed.value_or(0);
+    for (const std::string& text : f.exports) o.exports.push_back(parse_export(text, o.frames ? o.frames : default_frames));
+}
+
+void check_together(const Options& o) {
+    if (o.profile.refine.metric == Metric::depth && !o.profile.refine.cull)
+        throw Failure(2, "--metric depth needs --cull on: behind the eye there is no depth");
+    if (o.seeded && !o.path.empty()) throw Failure(2, "--seed and --path exclude each other; give one of them");
+    if (!o.headless && !o.render_folder.empty()) throw Failure(2, "--render needs --headless");
+    if (!o.headless && !o.exports.empty()) throw Failure(2, "--export needs --headless");
+    if (o.render_folder.empty() && o.render_every != 1) throw Failure(2, "--render-every needs --render DIR");
+    std::vector<std::string> outputs;
+    for (const std::string* path : {&o.csv, &o.json})
+        if (!path->empty()) outputs.push_back(*path);
+    for (const Export& e : o.exports) outputs.push_back(e.path);
+    std::sort(outputs.begin(), outputs.end());
+    const auto twice = std::adjacent_find(outputs.begin(), outputs.end());
+    if (twice != outputs.end() && !twice->starts_with("/dev/"))
+        throw Failure(2, fmt::format("{}: given for two outputs; choose another name for one", *twice));
+}
+
+} // namespace
+
+bool parse_options(int argc, char** argv, Options& options) {
+    Flags flags;
+    CLI::App app{"Flies a camera over a Fjell pack, in a window or --headless."};
+    app.set_version_flag("--version", fmt::format("fjell-fly, pack version {}", pack_version));
+    declare_flight(app, options, flags);
+    declare_outputs(app, options, flags);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& e) {
+        app.exit(e); // prints help or version
+        return false;
+    } catch (const CLI::ParseError& e) {
+        throw Failure(2, fmt::format("{}; see fjell-fly --help", e.what()));
+    }
+    if (!options.profile_path.empty()) options.profile = read_profile(options.profile_path);
+    apply(flags, options);
+    check_together(options);
+    return true;
+}
+
+} // namespace fjell::fly

@@ -1,0 +1,38 @@
+// fjell-fly's command line.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "fly/profile.h"
+
+namespace fjell::fly {
+
+enum class PictureMode : std::uint8_t { shaded, wire, levels };
+
+struct Export {
+    std::size_t frame = 0;
+    std::string path;
+};
+
+struct Options {
+    std::string pack, path, profile_path;
+    std::size_t frames = 0; // 0: not given
+    double hz = 60;         // path frames a second, in the window
+    Profile profile;        // with the flags applied
+    bool headless = false;
+    std::string csv, json;
+    std::vector<Export> exports;
+    std::string render_folder;
+    std::size_t render_every = 1;
+    PictureMode mode = PictureMode::shaded;
+    std::size_t verify_every = 0; // 0: never
+    bool seeded = false;
+    std::uint64_t seed = 0;
+};
+
+// Returns false when there is nothing left to do (--help, --version). Throws Failure: 2 for usage, 1 for a bad profile.
+[[nodiscard]] bool parse_options(int argc, char** argv, Options& options);
+
+} // namespace fjell::fly

@@ -1,0 +1,69 @@
+#include "fly/pictures.h"
+
+#include <fmt/format.h>
+
+#include "gl/context.h"
+#include "gl/image.h"
+#include "gl/target.h"
+#include "host/failure.h"
+
+namespace fjell::fly {
+
+namespace {
+
+using host::Failure;
+
+constexpr std::uint32_t samples_a_pixel = 4;
+
+void require(bool made, const std::string& error) {
+    if (!made) throw Failure(3, error);
+}
+
+} // namespace
+
+struct Pictures::State { // in the order of destruction, last first
+    std::unique_ptr<gl::Headless> context;
+    std::unique_ptr<gl::Target> target;
+    std::unique_ptr<gl::Renderer> renderer;
+    gl::DrawOptions draw;
+    std::string folder;
+    gl::Image image;
+    std::size_t written = 0;
+};
+
+gl::DrawOptions draw_options(PictureMode mode) {
+    gl::DrawOptions draw;
+    draw.mode = mode == PictureMode::levels ? gl::Mode::levels : gl::Mode::shaded;
+    draw.wireframe = mode == PictureMode::wire;
+    return draw;
+}
+
+Pictures::Pictures(const Options& options, const Session& session) : state_(std::make_unique<State>()) {
+    std::string error;
+    state_->context = gl::Headless::create({}, error);
+    require(state_->context != nullptr, error);
+    state_->target = gl::Target::create({options.profile.width_px, options.profile.height_px, samples_a_pixel}, error);
+    require(state_->target != nullptr, error);
+    const RecursiveBudget& budget = options.profile.budget;
+    state_->renderer = gl::Renderer::create(session.terrain(), session.loaded.pack, {budget.vertices, budget.indices, 0}, error);
+    require(state_->renderer != nullptr, error);
+    state_->draw = draw_options(options.mode);
+    state_->folder = options.render_folder;
+}
+
+Pictures::~Pictures() = default;
+
+void Pictures::write(const Session& session, const View& view, std::size_t frame) {
+    // Frames in between were not uploaded, so what has changed since the last picture is not known.
+    state_->renderer->invalidate();
+    std::string error = state_->renderer->draw(recursive_mesh(session.method), view, state_->draw, *state_->target);
+    require(error.empty(), error);
+    state_->target->read_colour(state_->image);
+    error = gl::write_png(state_->image, fmt::format("{}/frame_{:05}.png", state_->folder, frame));
+    require(error.empty(), error);
+    ++state_->written;
+}
+
+std::size_t Pictures::written() const { return state_->written; }
+
+} // namespace fjell::fly

@@ -1,0 +1,31 @@
+// Profiles: what one kind of machine can afford, as TOML (profiles/*.toml).
+//
+// Every key has a default, a unit and a range; the shipped profiles say what each costs. Command-line flags win over the
+// profile, the profile over the defaults. Failure: host::Failure with exit code 1 naming file, line and key.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "fjell/recursive.h"
+
+namespace fjell::fly {
+
+struct Profile {
+    RefineSettings refine;  // [refine] method, error_px, metric, cull, corner_safe, topology
+    RecursiveBudget budget; // [budget] vertices, indices
+    std::uint32_t width_px = 1280, height_px = 720; // [view] width_px, height_px
+    double fov_deg = 45;                            // [view] fov_deg: vertical
+};
+
+// Ranges, for the command line too.
+inline constexpr double min_error_px = 0.01, max_error_px = 1000;
+inline constexpr double min_fov_deg = 1, max_fov_deg = 150;
+inline constexpr std::uint32_t max_size_px = 16384;
+inline constexpr std::uint32_t min_budget = 16, max_vertices = 1u << 27, max_indices = 1u << 30;
+
+[[nodiscard]] Profile read_profile(const std::string& file);
+[[nodiscard]] Profile parse_profile(std::string_view text, const std::string& name);
+
+} // namespace fjell::fly

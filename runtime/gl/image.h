@@ -1,0 +1,28 @@
+// Pictures as files: 8-bit RGB PNG.
+//
+// Thread: any. Failure: one line in the returned string, empty when all went well; a failed write leaves nothing behind
+// and an older file of that name untouched.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace fjell::gl {
+
+struct Image {
+    std::uint32_t width = 0, height = 0;
+    std::vector<std::uint8_t> rgb; // width * height * 3, top row first, sRGB
+
+    [[nodiscard]] const std::uint8_t* pixel(std::uint32_t x, std::uint32_t y) const {
+        return rgb.data() + (std::size_t{y} * width + x) * 3;
+    }
+};
+
+// Writes beside the place and renames, so a reader never sees half a picture.
+[[nodiscard]] std::string write_png(const Image& image, const std::string& path);
+// Any 8-bit PNG, converted to RGB.
+[[nodiscard]] std::string read_png(const std::string& path, Image& image);
+
+} // namespace fjell::gl

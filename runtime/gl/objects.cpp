@@ -1,0 +1,77 @@
+#include "gl/objects.h"
+
+#include <vector>
+
+#include <epoxy/gl.h>
+
+namespace fjell::gl {
+
+void delete_buffer(unsigned name) {
+    glDeleteBuffers(1, &name);
+}
+void delete_texture(unsigned name) {
+    glDeleteTextures(1, &name);
+}
+void delete_vertex_array(unsigned name) {
+    glDeleteVertexArrays(1, &name);
+}
+void delete_framebuffer(unsigned name) {
+    glDeleteFramebuffers(1, &name);
+}
+void delete_renderbuffer(unsigned name) {
+    glDeleteRenderbuffers(1, &name);
+}
+void delete_program(unsigned name) {
+    glDeleteProgram(name);
+}
+
+namespace {
+
+// Attaches one compiled stage; false with the log on failure.
+bool attach(unsigned program, GLenum stage, const std::string& defines, const std::string& text, std::string& log) {
+    const std::string whole = "#version 450 core\n" + defines + text;
+    const char* pointer = whole.c_str();
+    const unsigned shader = glCreateShader(stage);
+    glShaderSource(shader, 1, &pointer, nullptr);
+    glCompileShader(shader);
+    int compiled = 0, length = 0;
+    glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+    if (!compiled) {
+        glGetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
+        std::vector<char> buffer(static_cast<std::size_t>(length) + 1);
+        glGetShaderInfoLog(shader, length, nullptr, buffer.data());
+        log = buffer.data();
+    } else {
+        glAttachShader(program, shader);
+    }
+    glDeleteShader(shader); // lives on while attached
+    return compiled != 0;
+}
+
+} // namespace
+
+Program make_program(const ProgramSource& source, std::string& error) {
+    Program program(glCreateProgram());
+    std::string log;
+    bool good = attach(program.get(), GL_VERTEX_SHADER, source.defines, source.vertex, log) &&
+                attach(program.get(), GL_FRAGMENT_SHADER, source.defines, source.fragment, log);
+    if (good && !source.geometry.empty())
+        good = attach(program.get(), GL_GEOMETRY_SHADER, source.defines, source.geometry, log);
+    if (good) {
+        int linked = 0, length = 0;
+        glLinkProgram(program.get());
+        glGetProgramiv(program.get(), GL_LINK_STATUS, &linked);
+        if (!linked) {
+            glGetProgramiv(program.get(), GL_INFO_LOG_LENGTH, &length);
+            std::vector<char> buffer(static_cast<std::size_t>(length) + 1);
+            glGetProgramInfoLog(program.get(), length, nullptr, buffer.data());
+            log = buffer.data();
+            good = false;
+        }
+    }
+    if (good) return program;
+    error = std::string("the driver rejects shader '") + source.name + "': " + log;
+    return {};
+}
+
+} // namespace fjell::gl

@@ -1,0 +1,26 @@
+#include "gl/palette.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fjell::gl {
+
+Rgb8 level_rgb(int level, int tile_log2) {
+    const int deepest = std::max(1, 2 * tile_log2);
+    const double t = std::clamp(static_cast<double>(level) / deepest, 0.0, 1.0);
+    const double hue = 4.7 * (1 - t); // sixths of the colour circle: 4.7 violet ... 0 red
+    const double value = level % 2 == 0 ? 1.0 : 0.68;
+    const double saturation = level % 2 == 0 ? 0.62 : 0.85;
+    Rgb8 rgb{};
+    for (int channel = 0; channel < 3; ++channel) {
+        // The usual hue ramp: red peaks at 0, green at 2, blue at 4 sixths; full within 1, none beyond 2.
+        double away = std::abs(hue - 2.0 * channel);
+        away = std::min(away, 6 - away);
+        const double pure = std::clamp(2 - away, 0.0, 1.0);
+        rgb[static_cast<std::size_t>(channel)] =
+            static_cast<std::uint8_t>(std::lround(255 * value * (1 - saturation * (1 - pure))));
+    }
+    return rgb;
+}
+
+} // namespace fjell::gl

@@ -1,0 +1,79 @@
+// Draws a terrain mesh with OpenGL 4.5: textured and lit, by tree level, as distances; wireframe over any of them.
+//
+// One multi-draw for all tiles. Positions are counted from the eye in whole samples, so coordinates far from the origin
+// do not shake and tiles meet bit for bit. Depth is reversed and float: distant ridges do not fight.
+// Units: metres and pixels; angles in degrees where the name says so. Colours in files and pictures are sRGB.
+// Ownership: the renderer owns its buffers and textures; the Pack's bytes are read only in create(), the mesh's spans
+// only in draw(). Thread: the context's. Memory: 8 bytes a vertex, 4 an index, and the textures; all at creation.
+// Complexity of draw: uploads the dirty vertices and all indices, then one draw call and the sky.
+// Failure: one line with the number to change; the target keeps its former picture.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "fjell/mesh.h"
+#include "fjell/pack.h"
+#include "fjell/terrain.h"
+#include "fjell/view.h"
+#include "gl/target.h"
+
+namespace fjell::gl {
+
+struct RendererOptions {
+    std::uint32_t vertices = 1u << 18; // slots, as in the method's budget; 8 bytes each
+    std::uint32_t indices = 1u << 20;  // 4 bytes each
+    float anisotropy = 0;              // texture samples along the steep direction; 0: 8. Ignored in software: too dear
+};
+
+enum class Mode : std::uint8_t {
+    shaded,
+    levels,  // every triangle in its level's colour (gl/palette.h)
+    distance // logarithmic: white at the near plane, black beyond the terrain
+};
+
+struct DrawOptions {
+    Mode mode = Mode::shaded;
+    bool wireframe = false;      // the triangles' edges over the picture
+    bool sky = true;             // false: black
+    bool lit = true;             // false: bare colours, to compare
+    float sun_azimuth_deg = 315; // clockwise from north: from the upper left, as maps are lit
+    float sun_elevation_deg = 40;
+    float haze_m = 0; // distance at which haze hides 63%; 0: one and a half times the terrain's diagonal; < 0: none
+};
+
+struct DrawStats {
+    std::uint64_t frames = 0;
+    std::uint64_t bytes_uploaded = 0;       // by the last draw, vertices and indices
+    std::uint64_t texture_bytes = 0;        // resident
+    std::uint32_t tiles = 0, triangles = 0; // of the last draw
+};
+
+class Renderer {
+public:
+    // The terrain must be the pack's. O(texels).
+    [[nodiscard]] static std::unique_ptr<Renderer> create(const Terrain& terrain, const Pack& pack,
+                                                          const RendererOptions& options, std::string& error);
+    ~Renderer();
+    Renderer(const Renderer&) = delete;
+    Renderer& operator=(const Renderer&) = delete;
+
+    // Takes over what the last update wrote. draw() does it too; call it yourself after updates that are not drawn, or
+    // their dirty ranges are lost. Another mesh than last time (by address or size) is uploaded whole.
+    [[nodiscard]] std::string upload(const MeshView& mesh);
+    // Makes the next upload a whole one.
+    void invalidate();
+
+    // view.width_px and height_px give the aspect; the picture fills the target.
+    [[nodiscard]] std::string draw(const MeshView& mesh, const View& view, const DrawOptions& options,
+                                   const Target& target);
+    [[nodiscard]] const DrawStats& stats() const;
+
+private:
+    Renderer();
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace fjell::gl

@@ -1,0 +1,211 @@
+#include "gl/shaders.h"
+
+namespace fjell::gl {
+
+// Linear light. The haze takes the sky's colour at the horizon, so distant ridges fade into what is behind them.
+const char* common_shader() {
+    return R"(
+layout(std140, binding = 0) uniform Frame {
+    mat4 view_projection;
+    vec4 eye;
+    vec4 grid;
+    vec4 grid2;
+    vec4 sun;
+    vec4 haze;
+    vec4 ray_x;
+    vec4 ray_y;
+    vec4 line;
+    ivec4 tile;
+    vec4 level[25];
+};
+
+const vec3 horizon = vec3(0.56, 0.68, 0.80), zenith = vec3(0.09, 0.22, 0.52);
+
+vec3 sun_glow(vec3 direction) {
+    float glow = max(dot(direction, sun.xyz), 0.0);
+    glow *= glow;
+    glow *= glow;
+    return vec3(0.20, 0.15, 0.08) * (glow * glow);
+}
+
+vec3 sky_colour(vec3 direction) {
+    vec3 colour = mix(zenith, horizon, exp(-3.5 * max(direction.y, 0.0)));
+    colour *= 0.55 + 0.45 * exp(-4.0 * max(-direction.y, 0.0));
+    return colour + sun_glow(direction);
+}
+)";
+}
+
+// Why no far-away origin shakes, and no crack opens between tiles: a vertex' position is counted in whole samples from
+// the sample nearest to the eye - exact in integers and, below 2^24, in floats - and only then scaled to metres. What
+// rounding remains is relative to the distance from the eye, some 1e-7 of it; and the two tiles that share a border
+// vertex compute the same integer, hence the same position bit for bit. (Adding a float tile origin to a float local
+// position would not give that.) Heights subtract the eye's in two parts for the same reason.
+const char* terrain_vertex_shader() {
+    return R"(
+layout(location = 0) in uvec2 a_cell;
+layout(location = 1) in float a_height;
+layout(location = 2) in ivec4 a_tile;
+out Surface {
+    vec3 position;   // metres from the eye
+    vec2 sample_at;  // samples from the tile's first
+    flat int layer;
+} surface;
+invariant gl_Position;
+void main() {
+    vec2 cells = vec2(a_tile.xy + ivec2(a_cell));
+    precise vec3 p = vec3(cells.x * grid.x - eye.x, (a_height - eye.z) - eye.w, cells.y * grid.y - eye.y);
+    gl_Position = view_projection * vec4(p, 1.0);
+    surface.position = p;
+    surface.sample_at = vec2(a_cell);
+    surface.layer = a_tile.z;
+}
+)";
+}
+
+// For level colours and wireframe. A leaf triangle's bounding rectangle names its level: a square of side w holds a
+// triangle whose hypotenuse is its diagonal (levels 2k), a rectangle of w x w/2 one whose hypotenuse is the long side
+// (levels 2k + 1).
+const char* terrain_geometry_shader() {
+    return R"(
+layout(triangles) in;
+layout(triangle_strip, max_vertices = 3) out;
+in Surface {
+    vec3 position;
+    vec2 sample_at;
+    flat int layer;
+} corner[];
+out Surface {
+    vec3 position;
+    vec2 sample_at;
+    flat int layer;
+} surface;
+flat out int triangle_level;
+out vec3 corner_weight; // 1 at one corner, 0 along the edge across: what wireframe measures
+invariant gl_Position;
+void main() {
+    ivec2 a = ivec2(corner[0].sample_at), b = ivec2(corner[1].sample_at), c = ivec2(corner[2].sample_at);
+    ivec2 extent = max(max(a, b), c) - min(min(a, b), c);
+    int longest = max(extent.x, extent.y);
+    int name = 2 * (tile.x - findMSB(longest)) + (extent.x == extent.y ? 0 : 1);
+    for (int i = 0; i < 3; ++i) {
+        gl_Position = gl_in[i].gl_Position;
+        surface.position = corner[i].position;
+        surface.sample_at = corner[i].sample_at;
+        surface.layer = corner[i].layer;
+        triangle_level = name;
+        corner_weight = vec3(i == 0, i == 1, i == 2);
+        EmitVertex();
+    }
+    EndPrimitive();
+}
+)";
+}
+
+const char* terrain_fragment_shader() {
+    return R"(
+in Surface {
+    vec3 position;
+    vec2 sample_at;
+    flat int layer;
+} surface;
+#ifdef LEVELS
+flat in int triangle_level;
+#endif
+#ifdef WIREFRAME
+in vec3 corner_weight;
+#endif
+layout(location = 0) out vec4 out_colour;
+layout(binding = 0) uniform sampler2DArray colour_map;
+layout(binding = 1) uniform sampler2DArray normal_map;
+
+// x east, y up, z south. The map stores east and south; up follows, because the terrain has no overhangs.
+vec3 world_normal() {
+#ifdef NORMAL_MAP
+    vec2 slope = texture(normal_map, vec3(surface.sample_at * grid2.x + grid2.y, surface.layer)).rg;
+    return vec3(slope.x, sqrt(max(1.0 - dot(slope, slope), 0.0)), slope.y);
+#else
+    vec3 n = normalize(cross(dFdx(surface.position), dFdy(surface.position)));
+    return n.y < 0.0 ? -n : n;
+#endif
+}
+
+vec3 albedo(vec3 normal) {
+#if defined(LEVELS)
+    return level[triangle_level].rgb;
+#elif defined(COLOUR_MAP)
+    return texture(colour_map, vec3(surface.sample_at * grid.z + grid.w, surface.layer)).rgb;
+#else
+    // Neutral rock: lighter where debris can lie, darker where it cannot.
+    return mix(vec3(0.17, 0.15, 0.13), vec3(0.36, 0.33, 0.28), smoothstep(0.62, 0.95, normal.y));
+#endif
+}
+
+// Sun, and a hemisphere from the bounce of the ground to the blue of the sky. Level ground under a sun at 40 degrees
+// comes out close to its own colour, so that ortho-images look like themselves.
+vec3 light(vec3 normal) {
+    float sunlight = max(dot(normal, sun.xyz), 0.0);
+    vec3 ambient = mix(vec3(0.16, 0.14, 0.12), vec3(0.24, 0.30, 0.40), 0.5 + 0.5 * normal.y);
+    return vec3(1.28, 1.20, 1.05) * sunlight + ambient;
+}
+
+vec3 through_haze(vec3 colour) {
+    float squared = dot(surface.position, surface.position), inverse = inversesqrt(squared);
+    vec3 direction = surface.position * inverse;
+    // Blue light is scattered first: transmittances to the powers 3/4, 1 and 3/2 from one exponential.
+    float a = exp(-0.25 * haze.x * squared * inverse), a2 = a * a, a3 = a2 * a;
+    return mix(horizon + sun_glow(vec3(direction.x, 0.0, direction.z)), colour, vec3(a3, a2 * a2, a3 * a3));
+}
+
+#ifdef WIREFRAME
+// Half a line on this side of each edge, 0.9 pixels wide; the neighbour draws the other half. Measured by how fast the
+// weights change from pixel to pixel, so it is right in perspective and needs no second pass that fights for depth.
+// Where triangles shrink to a few pixels lines pale, or they would blacken the distance.
+float wire_opacity() {
+    vec3 change = max(fwidth(corner_weight), 1e-6);
+    vec3 pixels = corner_weight / change;
+    float altitude = 1.0 / max(max(change.x, change.y), change.z);
+    return 0.7 * clamp(1.4 - min(min(pixels.x, pixels.y), pixels.z), 0.0, 1.0) * clamp(altitude / 8.0, 0.15, 1.0);
+}
+#endif
+
+void main() {
+#if defined(DISTANCE)
+    // Logarithmic, so that the near and the far both show; squared, because the file's numbers are sRGB.
+    vec3 colour = vec3(clamp(1.0 - log2(length(surface.position) / grid2.z) * grid2.w, 0.0, 1.0));
+    colour *= colour;
+#else
+    vec3 normal = world_normal();
+    vec3 colour = albedo(normal);
+    if (sun.w > 0.0) colour *= light(normal);
+    if (haze.x > 0.0) colour = through_haze(colour);
+#endif
+#ifdef WIREFRAME
+    colour = mix(colour, line.rgb, wire_opacity());
+#endif
+    out_colour = vec4(colour, 1.0);
+}
+)";
+}
+
+// One triangle over the whole picture at depth 0, the farthest: it passes only where nothing was drawn.
+const char* sky_vertex_shader() {
+    return R"(
+out vec3 v_ray;
+void main() {
+    vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+    v_ray = haze.yzw + corner.x * ray_x.xyz + corner.y * ray_y.xyz;
+    gl_Position = vec4(corner, 0.0, 1.0);
+}
+)";
+}
+
+const char* sky_fragment_shader() {
+    return R"(
+in vec3 v_ray;
+layout(location = 0) out vec4 out_colour;
+void main() { out_colour = vec4(sky_colour(normalize(v_ray)), 1.0); }
+)";
+}
+
+} // namespace fjell::gl

@@ -1,0 +1,76 @@
+#include <epoxy/gl.h>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include "gl/context.h"
+
+namespace fjell::gl {
+namespace {
+
+int open_windows = 0; // GLFW is process-wide and main-thread only, so a plain counter suffices
+
+std::string glfw_reason() {
+    const char* text = nullptr;
+    if (glfwGetError(&text) == GLFW_NO_ERROR || text == nullptr) return "no reason given";
+    return text;
+}
+
+} // namespace
+
+std::unique_ptr<Window> Window::create(const WindowOptions& options, std::string& error) {
+    if (open_windows == 0 && !glfwInit()) {
+        error = "no window: " + glfw_reason() + "; start it under a display, or use --headless";
+        return nullptr;
+    }
+    glfwDefaultWindowHints();
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, options.debug ? GLFW_TRUE : GLFW_FALSE);
+    glfwWindowHint(GLFW_DEPTH_BITS, 0); // pictures are drawn into a Target and copied; its depth is 32-bit float
+    glfwWindowHint(GLFW_STENCIL_BITS, 0);
+    GLFWwindow* window = glfwCreateWindow(static_cast<int>(options.width), static_cast<int>(options.height),
+                                          options.title.c_str(), nullptr, nullptr);
+    if (window == nullptr) {
+        error = "no window with OpenGL 4.5 core: " + glfw_reason() + "; update the driver, or use --headless";
+        if (open_windows == 0) glfwTerminate();
+        return nullptr;
+    }
+    ++open_windows;
+    std::unique_ptr<Window> result(new Window);
+    result->window_ = window;
+    glfwMakeContextCurrent(window);
+    glfwSwapInterval(options.vsync ? 1 : 0);
+    attach_debug_log(*result->log_);
+    return result;
+}
+
+Window::~Window() {
+    if (window_ == nullptr) return;
+    glfwDestroyWindow(window_);
+    if (--open_windows == 0) glfwTerminate();
+}
+
+bool Window::should_close() const {
+    return glfwWindowShouldClose(window_) == GLFW_TRUE;
+}
+
+void Window::framebuffer_size(std::uint32_t& width, std::uint32_t& height) const {
+    int w = 0, h = 0;
+    glfwGetFramebufferSize(window_, &w, &h);
+    width = static_cast<std::uint32_t>(w);
+    height = static_cast<std::uint32_t>(h);
+}
+
+void Window::poll() {
+    glfwPollEvents();
+}
+void Window::swap() {
+    glfwSwapBuffers(window_);
+}
+std::string Window::description() const {
+    return describe_current();
+}
+
+} // namespace fjell::gl

@@ -1,0 +1,64 @@
+// A budget that fits is found by trying: the mesh' size is known only once it is made, a pass costs tens of nanoseconds
+// a vertex, and a capacity for every sample of a large terrain would cost more than the passes that failed.
+#include "gltf/snapshot.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <new>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "fjell/recursive.h"
+#include "gltf/refused.h"
+#include "host/load.h"
+
+namespace fjell::gltf {
+
+namespace {
+
+constexpr std::uint32_t capacity(std::uint64_t wanted) {
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, 0xffff'ffff));
+}
+
+// What full resolution takes, and so the most that can ever be used.
+RecursiveBudget largest_budget(const Terrain& terrain) {
+    const std::uint64_t side = static_cast<std::uint64_t>(terrain.tree.side()), tiles = terrain.tile_count();
+    return {capacity(tiles * (side + 1) * (side + 1)),
+            capacity(std::max<std::uint64_t>(tiles * side * side * 6, tiles * 9))};
+}
+
+} // namespace
+
+SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const View& view, double error_px,
+                               const std::string& path, const SnapshotOptions& options) {
+    const RecursiveBudget largest = largest_budget(terrain);
+    const RefineSettings settings{
+        .error_px = error_px, .metric = Metric::isotropic, .cull = false, .topology = Topology::triangles};
+    for (std::uint64_t vertices = 1u << 20;; vertices *= 4) {
+        const RecursiveBudget budget{std::min(capacity(vertices), largest.vertices),
+                                     std::min(capacity(vertices * 6), largest.indices)};
+        const bool all = budget.vertices == largest.vertices && budget.indices == largest.indices;
+        const std::size_t bytes = recursive_bytes(terrain, budget);
+        host::AlignedBlock block;
+        try {
+            block = host::make_block(bytes);
+        } catch (const std::bad_alloc&) {
+            return refused(
+                3, fmt::format("not enough memory to refine the whole terrain ({} bytes); ask for a larger error_px",
+                               bytes));
+        }
+        RecursiveMethod method;
+        Status status = create_recursive(terrain, budget, {block.get(), bytes}, method);
+        if (status.code == Code::budget_too_small && !all) continue;
+        FrameReport report;
+        if (status.ok()) status = update_recursive(method, view, settings, report);
+        if (!status.ok()) return refused(2, fmt::format("{}: {}", status.field, message(status.code)));
+        if (!report.converged && !all) continue;
+        return write_snapshot(pack, terrain, recursive_mesh(method),
+                              {view, report.error_px_asked, report.error_px_effective, report.converged}, path,
+                              options);
+    }
+}
+
+} // namespace fjell::gltf

@@ -1,0 +1,107 @@
+#include "gltf/geometry.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/failure.h"
+
+namespace fjell::gltf {
+
+namespace {
+
+constexpr std::uint32_t none = 0xffff'ffff;
+
+// Central differences of the full-resolution heights, one-sided on the domain's rim.
+void normal_at(const Terrain& terrain, Coord sample, float* normal) {
+    const Coord west{std::max(sample.x - 1, 0), sample.y},
+        east{std::min(sample.x + 1, terrain.tree.columns() - 1), sample.y};
+    const Coord north{sample.x, std::max(sample.y - 1, 0)},
+        south{sample.x, std::min(sample.y + 1, terrain.tree.rows() - 1)};
+    const auto rise = [&](Coord from, Coord to) {
+        return static_cast<double>(terrain.height_m(to)) - static_cast<double>(terrain.height_m(from));
+    };
+    const double slope_x = rise(west, east) / ((east.x - west.x) * terrain.header.spacing_m[0]);
+    const double slope_z = rise(north, south) / ((south.y - north.y) * terrain.header.spacing_m[1]);
+    const double scale = 1 / std::sqrt(slope_x * slope_x + slope_z * slope_z + 1);
+    normal[0] = static_cast<float>(-slope_x * scale);
+    normal[1] = static_cast<float>(scale);
+    normal[2] = static_cast<float>(-slope_z * scale);
+}
+
+bool is_degenerate(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c) {
+    const std::int64_t bx = b.column - a.column, by = b.row - a.row, cx = c.column - a.column, cy = c.row - a.row;
+    return bx * cy == by * cx;
+}
+
+} // namespace
+
+TileCollector::TileCollector(const Terrain& the_terrain, std::uint32_t texture_px)
+    : terrain(the_terrain), side(static_cast<std::uint32_t>(the_terrain.tree.side())),
+      slots(std::size_t{side + 1} * (side + 1), none) {
+    const double texels = std::max(texture_px, 1u);
+    uv_first = 0.5 / texels;
+    uv_step = (texels - 1) / texels / side;
+}
+
+double TileCollector::tile_x_m(std::uint32_t tile) const {
+    return (tile % terrain.header.tiles_x) *
+           static_cast<double>(static_cast<float>(side * terrain.header.spacing_m[0]));
+}
+
+double TileCollector::tile_z_m(std::uint32_t tile) const {
+    return (tile / terrain.header.tiles_x) *
+           static_cast<double>(static_cast<float>(side * terrain.header.spacing_m[1]));
+}
+
+SnapshotVertex TileCollector::make_vertex(std::uint32_t tile, const MeshVertex& vertex) const {
+    const auto tx = static_cast<std::int32_t>(tile % terrain.header.tiles_x),
+               ty = static_cast<std::int32_t>(tile / terrain.header.tiles_x);
+    SnapshotVertex made{};
+    made.position_m[0] = static_cast<float>(vertex.column * terrain.header.spacing_m[0]);
+    made.position_m[1] = vertex.height_m;
+    made.position_m[2] = static_cast<float>(vertex.row * terrain.header.spacing_m[1]);
+    normal_at(terrain, {tx * terrain.tree.side() + vertex.column, ty * terrain.tree.side() + vertex.row}, made.normal);
+    made.uv[0] = static_cast<float>(uv_first + uv_step * vertex.column);
+    made.uv[1] = static_cast<float>(uv_first + uv_step * vertex.row);
+    return made;
+}
+
+std::uint32_t TileCollector::slot(TileGeometry& geometry, std::uint32_t tile, const MeshVertex& vertex) {
+    std::uint32_t& found = slots[std::size_t{vertex.row} * (side + 1) + vertex.column];
+    if (found == none) {
+        found = static_cast<std::uint32_t>(geometry.vertices.size());
+        geometry.vertices.push_back(make_vertex(tile, vertex));
+        const float* at = geometry.vertices.back().position_m;
+        for (int axis = 0; axis < 3; ++axis) {
+            geometry.low_m[axis] = found == 0 ? at[axis] : std::min(geometry.low_m[axis], at[axis]);
+            geometry.high_m[axis] = found == 0 ? at[axis] : std::max(geometry.high_m[axis], at[axis]);
+        }
+    }
+    return found;
+}
+
+TileGeometry TileCollector::collect(const MeshView& mesh, const TileRange& range) {
+    if (range.tile >= terrain.tile_count() || range.index_count % 3 != 0 || range.first_index > mesh.indices.size() ||
+        range.index_count > mesh.indices.size() - range.first_index)
+        throw host::Failure(
+            2, "MeshView::tiles: a range lies outside the indices or the terrain; hand over a mesh of this terrain");
+    TileGeometry geometry{};
+    const auto corner = [&](std::uint32_t index) -> const MeshVertex& {
+        const std::uint32_t vertex = mesh.indices[index];
+        if (vertex >= mesh.vertices.size() || mesh.vertices[vertex].column > side || mesh.vertices[vertex].row > side)
+            throw host::Failure(
+                2, "MeshView::indices: an index or a vertex is out of range; hand over a mesh of this terrain");
+        return mesh.vertices[vertex];
+    };
+    for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; i += 3) {
+        const MeshVertex &a = corner(i), &b = corner(i + 1), &c = corner(i + 2);
+        if (is_degenerate(a, b, c)) continue;
+        for (const MeshVertex* v : {&a, &b, &c}) geometry.indices.push_back(slot(geometry, range.tile, *v));
+    }
+    // Only the used entries are cleared: a tile of few triangles costs no pass over its samples.
+    for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; ++i)
+        slots[std::size_t{corner(i).row} * (side + 1) + corner(i).column] = none;
+    return geometry;
+}
+
+} // namespace fjell::gltf

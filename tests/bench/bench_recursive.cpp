@@ -1,0 +1,124 @@
+// The yardstick: what the recursive method costs a selected vertex. Everything later is measured against it in the same
+// run, so it has to be an honest one: the same compiler flags, the same records, and its own nanoseconds printed.
+//
+// Names: stage/scene/parameter. Scenes: the mountains of content/terrain (4097 x 4097, 60 m), in 8 x 8 tiles and in one.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "baker/bake.h"
+#include "baker/read.h"
+#include "fjell/recursive.h"
+#include "host/load.h"
+
+namespace {
+
+using namespace fjell;
+
+const std::string recipe = FJELL_SOURCE_DIR "/content/terrain/mountains.json";
+
+// Baked once a build folder: the pack's name says everything it depends on but the code; `./dev clean` forgets it.
+std::string pack_path(int tile_log2) {
+    const std::string folder = FJELL_BENCH_DIR;
+    std::filesystem::create_directories(folder);
+    const std::string path = folder + "/mountains-" + std::to_string(1 << tile_log2) + ".fjell";
+    if (std::filesystem::exists(path) &&
+        std::filesystem::last_write_time(path) > std::filesystem::last_write_time(recipe))
+        return path;
+    baker::BakeOptions options;
+    options.tile_log2 = tile_log2;
+    options.max_texture_log2 = 4;
+    options.compression = 1;
+    (void)baker::bake(baker::synthesise(recipe), options, path);
+    return path;
+}
+
+struct Scene {
+    host::LoadedPack pack;
+    std::vector<View> views;
+};
+
+// A flight 400 m above ground, straight over the middle, 64 frames one cell apart; 1280 x 960 as in the thesis.
+const Scene& scene(int tile_log2) {
+    static std::map<int, Scene> scenes;
+    Scene& s = scenes[tile_log2];
+    if (!s.views.empty()) return s;
+    s.pack = host::load_pack(pack_path(tile_log2), host::LoadTerrain::yes);
+    const Terrain& t = s.pack.terrain;
+    const double cell = t.header.spacing_m[0], width = cell * (t.tree.columns() - 1), depth = cell * (t.tree.rows() - 1);
+    const Vec3 step{cell * 0.8, 0, -cell * 0.6};
+    Vec3 eye{width * 0.4, 0, depth * 0.6};
+    for (int frame = 0; frame < 64; ++frame, eye = eye + step) {
+        eye.y = t.ground_m(eye.x, eye.z) + 400;
+        s.views.push_back(make_view(eye, step + Vec3{0, -0.15 * cell, 0}, {0, 1, 0}, 0.7853981633974483, 1280, 960, 10,
+                                    2 * width));
+    }
+    return s;
+}
+
+void recursive(benchmark::State& state, int tile_log2, double error_px, bool cull, Topology topology, Metric metric) {
+    const Scene& s = scene(tile_log2);
+    const RecursiveBudget budget{1u << 22, 1u << 25};
+    const std::size_t bytes = recursive_bytes(s.pack.terrain, budget);
+    const host::AlignedBlock block = host::make_block(bytes);
+    RecursiveMethod method;
+    if (!create_recursive(s.pack.terrain, budget, {block.get(), bytes}, method).ok()) return state.SkipWithError("budget");
+    RefineSettings settings;
+    settings.error_px = error_px;
+    settings.cull = cull;
+    settings.topology = topology;
+    settings.metric = metric;
+    FrameReport report;
+    double vertices = 0, triangles = 0, frames = 0;
+    std::size_t at = 0;
+    // Once over the whole flight, so that buffers are warm, as after the first second of any flight.
+    for (const View& view : s.views) (void)update_recursive(method, view, settings, report);
+    for (auto _ : state) {
+        (void)update_recursive(method, s.views[at], settings, report);
+        at = (at + 1) % s.views.size();
+        vertices += report.vertices;
+        triangles += report.triangles;
+        ++frames;
+        if (!report.converged) return state.SkipWithError("a budget did not suffice");
+    }
+    state.counters["vertices"] = vertices / frames;
+    state.counters["triangles"] = triangles / frames;
+    state.counters["ns_per_vertex"] =
+        benchmark::Counter(vertices * 1e-9, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    state.counters["ns_per_triangle"] =
+        benchmark::Counter(triangles * 1e-9, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    state.counters["MB"] = static_cast<double>(bytes + terrain_bytes(s.pack.pack.header)) / 1e6;
+}
+
+void declare(const std::string& name, int tile_log2, double error_px, bool cull, Topology topology, Metric metric) {
+    benchmark::RegisterBenchmark(name.c_str(),
+                                 [=](benchmark::State& state) { recursive(state, tile_log2, error_px, cull, topology, metric); })
+        ->Unit(benchmark::kMillisecond)
+        ->MinTime(0.5);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    for (const int log2 : {9, 12}) {
+        const std::string scene_name = log2 == 9 ? "mountains-8x8" : "mountains-1x1";
+        for (const double px : {0.5, 1.0, 2.0, 4.0}) {
+            const std::string at = "/" + scene_name + "/" + (px < 1 ? "0.5" : std::to_string(static_cast<int>(px))) + "px";
+            declare("recursive" + at + "/list", log2, px, true, Topology::triangles, Metric::isotropic);
+            declare("recursive" + at + "/strip", log2, px, true, Topology::strip, Metric::isotropic);
+            if (px != 1.0) continue;
+            declare("recursive" + at + "/list-all-around", log2, px, false, Topology::triangles, Metric::isotropic);
+            declare("recursive" + at + "/list-depth", log2, px, true, Topology::triangles, Metric::depth);
+        }
+    }
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+    benchmark::RunSpecifiedBenchmarks();
+    benchmark::Shutdown();
+    return 0;
+}

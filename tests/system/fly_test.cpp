@@ -1,0 +1,280 @@
+// The built programs, as a user or a script runs them: bake a small terrain, fly it, read what they write, and give them
+// every wrong thing.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::string slurp(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+void spit(const fs::path& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+
+struct Run {
+    int code = -1;
+    std::string out, err;
+};
+
+// One folder for the whole program, with a terrain of 4 x 4 tiles of 64 cells in it.
+class Place {
+public:
+    Place() {
+        char name[] = "/tmp/fjell-fly-XXXXXX";
+        REQUIRE(mkdtemp(name) != nullptr);
+        folder = name;
+        spit(folder / "recipe.json", R"({"columns": 257, "rows": 257, "spacing_m": 60, "seed": 7, "relief_m": 2500, "feature_m": 6000})");
+        const std::string bake = FJELL_BIN_DIR "/fjell-bake";
+        REQUIRE(run(bake + " synth recipe.json -o dem.tif").code == 0);
+        REQUIRE(run(bake + " dem.tif -o small.fjell --tile 64 --quiet").code == 0);
+    }
+    ~Place() { fs::remove_all(folder); }
+    Place(const Place&) = delete;
+    Place& operator=(const Place&) = delete;
+
+    Run run(const std::string& command) const {
+        const std::string shell = "cd '" + folder.string() + "' && " + command + " >out.txt 2>err.txt";
+        const int status = std::system(shell.c_str());
+        Run result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(folder / "out.txt"), slurp(folder / "err.txt")};
+        fs::remove(folder / "out.txt");
+        fs::remove(folder / "err.txt");
+        return result;
+    }
+    Run fly(const std::string& arguments) const { return run(FJELL_BIN_DIR "/fjell-fly " + arguments); }
+    [[nodiscard]] std::vector<std::string> files() const {
+        std::vector<std::string> names;
+        for (const auto& entry : fs::recursive_directory_iterator(folder)) names.push_back(entry.path().filename());
+        std::sort(names.begin(), names.end());
+        return names;
+    }
+
+    fs::path folder;
+};
+
+const Place& place() {
+    static const Place one;
+    return one;
+}
+
+// Fails with this code and one line that holds this text; leaves nothing behind.
+void refuses(const std::string& arguments, int code, const std::string& part) {
+    const auto before = place().files();
+    const Run r = place().fly(arguments);
+    INFO(arguments << "\n" << r.err);
+    CHECK(r.code == code);
+    CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+    CHECK(r.err.starts_with("fjell-fly: "));
+    CHECK(r.err.find(part) != std::string::npos);
+    CHECK(r.out.empty());
+    CHECK(place().files() == before);
+}
+
+std::vector<std::string> lines(const std::string& text) {
+    std::istringstream stream(text);
+    std::vector<std::string> result;
+    for (std::string line; std::getline(stream, line);) result.push_back(line);
+    return result;
+}
+
+} // namespace
+
+TEST_CASE("a headless flight measures its own error and finds it within the threshold") {
+    for (const char* flags : {"", "--topology strip", "--cull off", "--metric depth", "--corner-safe --fov 90", "--seed 3"}) {
+        const Run r = place().fly(std::string("small.fjell --headless --frames 40 --error-px 2 --verify 10 --json - ") + flags);
+        INFO(flags << "\n" << r.err);
+        REQUIRE(r.code == 0);
+        const json j = json::parse(r.out);
+        CHECK(j["frames"] == 40);
+        CHECK(j["converged_frames"] == 40);
+        CHECK(j["verified_frames"] == 4);
+        CHECK(j["verified_ok"] == true);
+        CHECK(j["verified_error_px_max"].get<double>() > 0.2); // the corner-safe one at 90 degrees refines to 2 / 5.2
+        CHECK(j["verified_error_px_max"].get<double>() < 2.1);
+        CHECK(j["vertices_mean"].get<double>() > 100);
+    }
+}
+
+TEST_CASE("the JSON of a flight has every key that scripts rely on") {
+    REQUIRE(place().fly("small.fjell --headless --frames 10 --json flight.json --csv flight.csv --size 640x480 --fov 60").code == 0);
+    const json j = json::parse(slurp(place().folder / "flight.json"));
+    for (const char* key :
+         {"frames", "vertices_mean", "triangles_mean", "triangles_drawn_mean", "changes_mean", "update_us", "overruns",
+          "allocations", "converged_frames", "verified_error_px_max", "bytes_uploaded_mean", "pages_loaded", "textures_loaded",
+          "pack", "error_px", "error_px_effective_max", "exhausted", "selected_ns_per_vertex", "viewport", "fov_y_deg"})
+        CHECK(j.contains(key));
+    for (const char* key : {"p50", "p99", "p9999", "max"}) CHECK(j["update_us"][key].get<double>() > 0);
+    CHECK(j["allocations"].is_null());
+    CHECK(j["verified_error_px_max"].is_null());
+    CHECK(j["viewport"] == json::array({640, 480}));
+    CHECK(j["pack"]["columns"] == 257);
+    CHECK(j["pack"]["tiles"] == json::array({4, 4}));
+
+    const auto rows = lines(slurp(place().folder / "flight.csv"));
+    REQUIRE(rows.size() == 11);
+    CHECK(rows[0] == "frame,update_us,vertices,triangles,tiles,written,error_px_asked,error_px_effective,exhausted,converged,verified_px");
+    CHECK(rows[10].starts_with("9,"));
+    for (const std::string& row : rows) CHECK(std::count(row.begin(), row.end(), ',') == 10);
+    fs::remove(place().folder / "flight.json");
+    fs::remove(place().folder / "flight.csv");
+}
+
+TEST_CASE("two flights of one path select the same vertices in every frame") {
+    const auto columns = [](const std::string& csv) { // without the times
+        std::string kept;
+        for (const std::string& row : lines(csv)) kept += row.substr(row.find(',', row.find(',') + 1)) + "\n";
+        return kept;
+    };
+    const std::string flight = "small.fjell --headless --frames 30 --seed 11 --csv -";
+    CHECK(columns(place().fly(flight).out) == columns(place().fly(flight).out));
+}
+
+TEST_CASE("a small budget is named, raises the threshold and keeps the measured error within it") {
+    spit(place().folder / "mean.toml", "[budget]\nvertices = 300\nindices = 1500\n");
+    const Run r = place().fly("small.fjell --headless --frames 20 --error-px 0.5 --profile mean.toml --verify 5 --json -");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const json j = json::parse(r.out);
+    CHECK_FALSE(j["exhausted"].empty());
+    CHECK(j["converged_frames"].get<int>() < 20);
+    CHECK(j["error_px_effective_max"].get<double>() > 0.5);
+    CHECK(j["verified_ok"] == true);
+    fs::remove(place().folder / "mean.toml");
+}
+
+TEST_CASE("pictures and snapshots of a flight are written where they were asked for") {
+    const fs::path pictures = place().folder / "pictures";
+    for (const char* mode : {"shaded", "wire", "levels"}) {
+        fs::create_directory(pictures);
+        const Run r = place().fly(std::string("small.fjell --headless --frames 9 --render pictures --render-every 4 --size 160x120 "
+                                              "--export 3:snap.glb --export 8:last.glb --mode ") + mode);
+        INFO(r.err);
+        REQUIRE(r.code == 0);
+        CHECK(slurp(place().folder / "snap.glb").starts_with("glTF"));
+        CHECK(slurp(place().folder / "last.glb").starts_with("glTF"));
+        int count = 0;
+        for (const auto& entry : fs::directory_iterator(pictures)) {
+            ++count;
+            CHECK(slurp(entry).starts_with("\x89PNG"));
+        }
+        CHECK(count == 3);
+        CHECK(fs::exists(pictures / "frame_00008.png"));
+        fs::remove_all(pictures);
+        fs::remove(place().folder / "snap.glb");
+        fs::remove(place().folder / "last.glb");
+    }
+}
+
+TEST_CASE("a bad pack is refused with what is wrong about it") {
+    const fs::path& folder = place().folder;
+    const std::string pack = slurp(folder / "small.fjell");
+    fs::create_directory(folder / "directory");
+    spit(folder / "cut.fjell", pack.substr(0, pack.size() / 2));
+    spit(folder / "head.fjell", pack.substr(0, 100));
+    spit(folder / "empty.fjell", "");
+    spit(folder / "text.fjell", std::string(5000, 'x'));
+    std::string other = pack;
+    other[8] = 99; // PackHeader::version
+    spit(folder / "version.fjell", other);
+    std::string flipped = pack;
+    flipped[400] = static_cast<char>(flipped[400] ^ 1);
+    spit(folder / "flipped.fjell", flipped);
+
+    refuses("nowhere.fjell --headless", 1, "nowhere.fjell: No such file");
+    refuses("directory --headless", 1, "directory: not a file");
+    for (const char* name : {"cut", "head", "empty", "text", "version", "flipped"})
+        refuses(std::string(name) + ".fjell --headless", 1, std::string(name) + ".fjell: ");
+    refuses("version.fjell --headless", 1, "version");
+    refuses("cut.fjell --headless --json j.json --csv c.csv", 1, "cut.fjell: ");
+}
+
+TEST_CASE("wrong usage is one line and exit code 2") {
+    refuses("", 2, "PACK");
+    refuses("small.fjell --headless --unknown", 2, "--unknown");
+    refuses("small.fjell other.fjell --headless", 2, "other.fjell");
+    refuses("small.fjell --headless --method incremental", 2, "not in this version");
+    refuses("small.fjell --headless --metric manhattan", 2, "--metric");
+    refuses("small.fjell --headless --metric depth --cull off", 2, "--cull on");
+    refuses("small.fjell --headless --error-px 0", 2, "--error-px");
+    refuses("small.fjell --headless --error-px nan", 2, "--error-px");
+    refuses("small.fjell --headless --frames 0", 2, "--frames");
+    refuses("small.fjell --headless --frames -3", 2, "--frames");
+    refuses("small.fjell --headless --size 640", 2, "--size 640: must be WIDTHxHEIGHT");
+    refuses("small.fjell --headless --size 0x10", 2, "--size");
+    refuses("small.fjell --headless --fov 180", 2, "--fov");
+    refuses("small.fjell --headless --hz nan", 2, "--hz");
+    refuses("small.fjell --headless --export out.glb", 2, "FRAME:OUT.glb");
+    refuses("small.fjell --headless --frames 10 --export 10:out.glb", 2, "frames 0 to 9");
+    refuses("small.fjell --headless --csv same --json same", 2, "two outputs");
+    refuses("small.fjell --headless --seed 1 --path p.json", 2, "exclude each other");
+    refuses("small.fjell --headless --mode shiny", 2, "--mode");
+    refuses("small.fjell --render .", 2, "--headless");
+}
+
+TEST_CASE("a bad path or profile is one line and exit code 1") {
+    spit(place().folder / "bad.json", "{\"points\": [}");
+    spit(place().folder / "bad.toml", "[refine]\nerror = 1\n");
+    refuses("small.fjell --headless --path nowhere.json", 1, "nowhere.json: No such file");
+    refuses("small.fjell --headless --path bad.json", 1, "bad.json: not JSON");
+    refuses("small.fjell --headless --profile bad.toml", 1, "bad.toml:2: refine.error: unknown key");
+    spit(place().folder / "less.toml", "[budget]\nvertices = 16\nindices = 16\n");
+    refuses("small.fjell --headless --profile less.toml", 1, "RecursiveBudget");
+}
+
+TEST_CASE("an output that cannot be written is found before the flight, and nothing is left behind") {
+    // A flight of ten million frames would not end within the test's time.
+    const std::string flight = "small.fjell --headless --frames 10000000 ";
+    refuses(flight + "--json nowhere/j.json", 1, "the output folder does not exist");
+    refuses(flight + "--csv c.csv --json nowhere/j.json", 1, "the output folder does not exist");
+    refuses(flight + "--export 0:nowhere/o.glb", 1, "the output folder does not exist");
+    refuses(flight + "--json j.json --render nowhere", 1, "the output folder does not exist");
+    refuses(flight + "--json .", 1, "is a folder");
+    refuses(flight + "--export 0:.", 1, "is a folder");
+}
+
+TEST_CASE("a full disk is told from the input's faults") {
+    refuses("small.fjell --headless --frames 3 --csv /dev/full", 3, "No space left");
+    refuses("small.fjell --headless --frames 3 --json /dev/full", 3, "No space left");
+    refuses("small.fjell --headless --frames 3 --export 1:/dev/full", 3, "No space left");
+    const Run r = place().run("(" FJELL_BIN_DIR "/fjell-fly small.fjell --headless --frames 3 > /dev/full)");
+    CHECK(r.code == 3);
+    CHECK(r.err.find("standard output: cannot write") != std::string::npos);
+}
+
+TEST_CASE("an interrupted flight leaves nothing behind") {
+    const auto before = place().files();
+    const Run r = place().run("timeout -s INT 1 " FJELL_BIN_DIR "/fjell-fly small.fjell --headless --frames 10000000 --json j.json --csv c.csv");
+    CHECK(r.err.find("interrupted") != std::string::npos);
+    CHECK(place().files() == before);
+}
+
+TEST_CASE("without a display a window is refused, not crashed into") {
+    const Run r = place().run("env -u DISPLAY -u WAYLAND_DISPLAY " FJELL_BIN_DIR "/fjell-fly small.fjell --frames 2");
+    CHECK(r.code == 3);
+    CHECK(r.err.find("--headless") != std::string::npos);
+    CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+}
+
+TEST_CASE("a window flies the asked number of frames and closes") {
+    if (!std::getenv("DISPLAY")) {
+        WARN("skipped: no display");
+        return;
+    }
+    const Run r = place().fly("small.fjell --frames 5 --size 320x240 --json -");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(json::parse(r.out)["frames"] == 5);
+}

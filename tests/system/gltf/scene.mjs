@@ -1,0 +1,182 @@
+// The file's frame: what it says about itself, its tiles and its camera.
+import {readAccessor} from './glb.mjs';
+
+// Problems by kind: how many, and the first of each.
+export class Problems {
+    #kinds = new Map();
+    add(kind, text) {
+        const known = this.#kinds.get(kind);
+        if (known)
+            ++known.count;
+        else
+            this.#kinds.set(kind, {count: 1, first: text});
+    }
+    require(condition, kind, text) {
+        if (!condition) this.add(kind, typeof text === 'function' ? text() : text);
+        return condition;
+    }
+    kinds() { return [...this.#kinds.keys()]; }
+    empty() { return this.#kinds.size === 0; }
+    lines() {
+        return [...this.#kinds].map(
+            ([kind, {count, first}]) => `${kind}: ${first}${count > 1 ? ` (and ${count - 1} more)` : ''}`);
+    }
+}
+
+const isNumber = (v) => typeof v === 'number' && Number.isFinite(v);
+const isPositive = (v) => isNumber(v) && v > 0;
+const isCount = (v) => Number.isInteger(v) && v > 0;
+const list = (length, one) => (v) => Array.isArray(v) && v.length === length && v.every(one);
+const isFlag = (v) => typeof v === 'boolean';
+
+const fields = {
+    error_px: isPositive,
+    error_px_effective: isPositive,
+    quantum_m: isPositive,
+    viewport: list(2, isCount),
+    fov_y_deg: (v) => isPositive(v) && v < 180,
+    eye: list(3, isNumber),
+    spacing_m: list(2, isPositive),
+    origin_m: list(2, isNumber),
+    crs: (v) => v === null || (typeof v === 'string' && v.length > 0),
+    size: list(2, (v) => isCount(v) && v >= 2),
+    converged: isFlag,
+    morphed: isFlag,
+    vertices: isCount,
+    triangles: isCount,
+    pack_hash: (v) => typeof v === 'string' && /^[0-9a-f]{16}$/.test(v),
+};
+
+export function checkExtras({json}, problems) {
+    problems.require(
+        json.asset?.version === '2.0' && /Fjell/.test(json.asset?.generator ?? ''), 'extras', 'asset is not ours');
+    const extras = json.scenes?.[json.scene]?.extras?.fjell ?? {};
+    problems.require(json.scene === 0, 'extras', 'the scene is not scenes[0]');
+    for (const [name, holds] of Object.entries(fields))
+        problems.require(
+            name in extras && holds(extras[name]), 'extras', () => `${name} is ${JSON.stringify(extras[name])}`);
+    for (const name of Object.keys(extras)) problems.require(name in fields, 'extras', `${name} is unknown`);
+    if (extras.converged)
+        problems.require(
+            extras.error_px === extras.error_px_effective, 'extras', 'converged, but the thresholds differ');
+    return extras;
+}
+
+function isLeaf(node) {
+    return !node.children && !node.matrix && !node.scale && Array.isArray(node.translation)
+        && node.translation.length === 3;
+}
+
+// Tiles with their vertices as samples: columns[], rows[], world positions x, y, z in doubles.
+export function readTiles(glb, extras, problems) {
+    const {json} = glb, tiles = [], materials = new Set(), meshes = new Set();
+    for (const index of json.scenes[0].nodes) {
+        const node = json.nodes[index];
+        problems.require(isLeaf(node), 'place', `node ${index} is not a translated leaf`);
+        if (node.camera !== undefined) continue;
+        const primitives = json.meshes[node.mesh].primitives;
+        problems.require(primitives.length === 1 && (primitives[0].mode ?? 4) === 4, 'place',
+            `node ${index}: not one triangle list`);
+        problems.require(!node.rotation, 'place', `node ${index} is rotated`);
+        materials.add(primitives[0].material);
+        meshes.add(node.mesh);
+        tiles.push(readTile(glb, node, primitives[0], extras, problems));
+    }
+    problems.require(materials.size === tiles.length && meshes.size === tiles.length && !materials.has(undefined),
+        'place', `${tiles.length} tiles have ${materials.size} materials and ${meshes.size} meshes`);
+    const sum = (key) => tiles.reduce((total, tile) => total + tile[key], 0);
+    problems.require(
+        sum('count') === extras.vertices, 'counts', `${sum('count')} vertices, extras say ${extras.vertices}`);
+    problems.require(sum('triangles') === extras.triangles, 'counts',
+        `${sum('triangles')} triangles, extras say ${extras.triangles}`);
+    return tiles;
+}
+
+function readTile(glb, node, primitive, extras, problems) {
+    const positions = readAccessor(glb, primitive.attributes.POSITION), {count, values, accessor} = positions;
+    const indices = readAccessor(glb, primitive.indices).values;
+    const read = (name) =>
+        (primitive.attributes[name] === undefined ? null : readAccessor(glb, primitive.attributes[name]).values);
+    const tile = {
+        name: node.name,
+        node,
+        primitive,
+        count,
+        triangles: indices.length / 3,
+        indices,
+        local: values,
+        normals: read('NORMAL'),
+        uvs: read('TEXCOORD_0'),
+        columns: new Int32Array(count),
+        rows: new Int32Array(count),
+        x: new Float64Array(count),
+        y: new Float64Array(count),
+        z: new Float64Array(count)
+    };
+    problems.require(
+        Number.isInteger(tile.triangles) && indices.every((i) => i < count), 'accessor', `${node.name}: indices`);
+    checkBounds(node.name, values, accessor, problems);
+    const used = new Uint8Array(count);
+    indices.forEach((i) => {
+        used[i] = 1;
+    });
+    problems.require(!used.includes(0), 'accessor', `${node.name}: a vertex that no triangle uses`);
+    for (let i = 0; i < count; ++i) placeVertex(tile, i, extras, problems);
+    return tile;
+}
+
+function checkBounds(name, values, accessor, problems) {
+    for (let axis = 0; axis < 3; ++axis) {
+        let low = Infinity, high = -Infinity;
+        for (let i = axis; i < values.length; i += 3)
+            [low, high] = [Math.min(low, values[i]), Math.max(high, values[i])];
+        problems.require(accessor.min[axis] === low && accessor.max[axis] === high, 'accessor',
+            () => `${name}: axis ${axis} spans ${low}..${high}, not ${accessor.min[axis]}..${accessor.max[axis]}`);
+    }
+}
+
+// A position must be that of a sample; floats carry 24 bits, so the further out, the less exact.
+function placeVertex(tile, i, {spacing_m, size}, problems) {
+    const [tx, ty, tz] = tile.node.translation;
+    tile.x[i] = tx + tile.local[3 * i];
+    tile.y[i] = ty + tile.local[3 * i + 1];
+    tile.z[i] = tz + tile.local[3 * i + 2];
+    const column = tile.x[i] / spacing_m[0], row = tile.z[i] / spacing_m[1];
+    tile.columns[i] = Math.round(column);
+    tile.rows[i] = Math.round(row);
+    const slack = 1e-6 + Math.max(...size) * 2 ** -22;
+    const inside = tile.columns[i] >= 0 && tile.rows[i] >= 0 && tile.columns[i] < size[0] && tile.rows[i] < size[1];
+    problems.require(inside && Math.abs(column - tile.columns[i]) < slack && Math.abs(row - tile.rows[i]) < slack,
+        'place', () => `${tile.name}: vertex ${i} at (${tile.x[i]}, ${tile.z[i]}) is not on a sample`);
+}
+
+// Rotates v by the unit quaternion (x, y, z, w).
+function rotate([x, y, z, w], v) {
+    const t = [2 * (y * v[2] - z * v[1]), 2 * (z * v[0] - x * v[2]), 2 * (x * v[1] - y * v[0])];
+    return [
+        v[0] + w * t[0] + y * t[2] - z * t[1], v[1] + w * t[1] + z * t[0] - x * t[2],
+        v[2] + w * t[2] + x * t[1] - y * t[0]
+    ];
+}
+
+export function checkCamera({json}, extras, axes, problems) {
+    const nodes = json.scenes[0].nodes.map((i) => json.nodes[i]).filter((node) => node.camera !== undefined);
+    if (!problems.require(nodes.length === 1 && json.cameras?.length === 1, 'camera', `${nodes.length} camera nodes`))
+        return;
+    const [node] = nodes, {type, perspective} = json.cameras[node.camera];
+    problems.require(type === 'perspective', 'camera', `type ${type}`);
+    problems.require(node.translation.every((v, i) => v === extras.eye[i]), 'camera', 'the camera is not at the eye');
+    problems.require(
+        Math.abs(perspective.yfov * 180 / Math.PI - extras.fov_y_deg) < 1e-9, 'camera', `yfov ${perspective.yfov}`);
+    const aspect = extras.viewport[0] / extras.viewport[1];
+    problems.require(Math.abs(perspective.aspectRatio - aspect) < 1e-9, 'camera', `aspect ${perspective.aspectRatio}`);
+    problems.require(perspective.znear > 0 && perspective.znear < perspective.zfar, 'camera', 'near and far');
+    problems.require(Math.abs(Math.hypot(...node.rotation) - 1) < 1e-9, 'camera', 'rotation is not unit length');
+    const along = (axis, wanted, name) => {
+        const scale = wanted ? Math.hypot(...wanted) : 1, is = rotate(node.rotation, axis);
+        problems.require(
+            !wanted || is.every((v, i) => Math.abs(v - wanted[i] / scale) < 1e-6), 'camera', `${name} is ${is}`);
+    };
+    along([0, 0, -1], axes.forward, 'forward');
+    along([0, 1, 0], axes.up, 'up');
+}

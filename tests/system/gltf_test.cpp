@@ -1,0 +1,179 @@
+// The snapshot, seen by two strangers: Khronos' validator and a checker that knows only DESIGN section 7 (gltf/*.mjs).
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <iostream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tiny_gltf.h>
+
+#include "baker/read.h"
+#include "gltf/baked.h"
+#include "gltf/snapshot.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+std::string quoted(const std::string& path) {
+    return "'" + path + "'";
+}
+
+std::string vector_argument(const char* option, Vec3 v) {
+    return std::string(" ") + option + " " + std::to_string(v.x) + " " + std::to_string(v.y) + " " +
+           std::to_string(v.z);
+}
+
+void require_valid(const std::string& glb) {
+    const NodeResult result = node("validate.mjs", quoted(glb));
+    INFO(result.output);
+    REQUIRE(result.exit_code == 0);
+    CHECK(result.output.find(" 0 errors, 0 warnings, 0 infos, 0 hints") != std::string::npos);
+}
+
+void require_sound(const std::string& glb, const std::string& arguments) {
+    const NodeResult result = node("check.mjs", quoted(glb) + arguments);
+    INFO(result.output);
+    REQUIRE(result.exit_code == 0);
+}
+
+gltf::SnapshotResult require_export(const BakedTerrain& baked, const View& view, double error_px,
+                                    const std::string& glb, const gltf::SnapshotOptions& options = {}) {
+    const gltf::SnapshotResult result = gltf::export_snapshot(baked.pack, baked.terrain, view, error_px, glb, options);
+    INFO(result.message);
+    REQUIRE(result.ok());
+    CHECK(result.converged);
+    CHECK(result.file_bytes == std::filesystem::file_size(glb));
+    return result;
+}
+
+baker::BakeOptions options_with(int tile_log2, std::uint32_t max_texture_log2) {
+    baker::BakeOptions options;
+    options.tile_log2 = tile_log2;
+    options.max_texture_log2 = max_texture_log2;
+    return options;
+}
+
+} // namespace
+
+TEST_CASE("a snapshot of several textured tiles is valid, sound and within the asked error", "[gltf]") {
+    const Folder folder;
+    // Neither spacing is a float, and the DEM is larger than its whole tiles.
+    const BakedTerrain baked(folder, hills(3 * 64 + 8, 2 * 64 + 5, 29.7, 31.3), options_with(6, 6));
+    const View view = view_of(baked.terrain);
+    for (const double error_px : {0.25, 1.0, 8.0, 200.0}) {
+        const auto result = require_export(baked, view, error_px, folder / "out.glb");
+        CHECK(result.tiles == 6);
+        require_valid(folder / "out.glb");
+        require_sound(folder / "out.glb", baked.heights_argument + vector_argument("--forward", view.forward) +
+                                              vector_argument("--up", view.up));
+    }
+}
+
+TEST_CASE("a camera that rolls, looks straight down or backwards keeps its axes", "[gltf]") {
+    const Folder folder;
+    const BakedTerrain baked(folder, hills(129, 129, 10, 10), options_with(6, 4));
+    const Vec3 eye{640, 3000, 640};
+    const Vec3 axes[][2] = {{{0, -1, 0}, {0, 0, -1}},     {{0, 0, 1}, {0, 1, 0}},    {{0, 0, 1}, {0, -1, 0}},
+                            {{1, 0, 0}, {0, 1, 0}},       {{-1, 0, 0}, {0, 0, 1}},   {{0, 1, 0}, {1, 0, 0}},
+                            {{0, 0, -1}, {0, -1, 0}},     {{1, -2, 3}, {1, 1, 0.5}}, {{0, 0, -1}, {1, 0, 0}},
+                            {{0.1, -0.9, 0.2}, {1, 0, 1}}};
+    for (const auto& [forward, up] : axes) {
+        const View view = make_view(eye, forward, up, 1.2, 640, 480, 0.5, 5000);
+        CHECK(require_export(baked, view, 4, folder / "out.glb").tiles == 4);
+        require_sound(folder / "out.glb",
+                      vector_argument("--forward", view.forward) + vector_argument("--up", view.up));
+    }
+}
+
+TEST_CASE("a tile of more than 65,535 vertices gets wide indices", "[gltf]") {
+    const Folder folder;
+    const BakedTerrain baked(folder, hills(513, 513, 30, 30), options_with(9, 4));
+    const auto result = require_export(baked, view_of(baked.terrain), 0.01, folder / "out.glb");
+    CHECK(result.vertices > 0xffff);
+    require_valid(folder / "out.glb");
+    require_sound(folder / "out.glb", baked.heights_argument);
+}
+
+TEST_CASE("a mesh larger than the first budget converges too", "[gltf]") {
+    const Folder folder;
+    const BakedTerrain baked(folder, hills(1537, 1537, 30, 30), options_with(9, 2));
+    CHECK(require_export(baked, view_of(baked.terrain), 0.002, folder / "out.glb").vertices > 1u << 20);
+}
+
+TEST_CASE("the colour in the file is the pack's, texel for texel", "[gltf]") {
+    const Folder folder;
+    const BakedTerrain baked(folder, hills(97, 65, 30, 30), options_with(5, 5));
+    CHECK(require_export(baked, view_of(baked.terrain), 4, folder / "out.glb").tiles == 6);
+    tinygltf::Model model;
+    std::string errors, warnings;
+    REQUIRE(tinygltf::TinyGLTF().LoadBinaryFromFile(&model, &errors, &warnings, folder / "out.glb"));
+    CHECK(errors + warnings == "");
+    REQUIRE(model.images.size() == baked.pack.tile_count());
+    std::vector<std::uint8_t> texels(chunk_raw_bytes(baked.pack.header, ChunkKind::colour, 0));
+    for (std::uint32_t tile = 0; tile < baked.pack.tile_count(); ++tile) {
+        REQUIRE(read_chunk(baked.pack, ChunkKind::colour, tile, 0, std::as_writable_bytes(std::span(texels))).ok());
+        const tinygltf::Image& image = model.images[tile];
+        const auto components = static_cast<std::size_t>(image.component);
+        REQUIRE(image.image.size() / components == texels.size() / colour_texel_bytes);
+        std::size_t different = 0;
+        for (std::size_t i = 0; i < texels.size(); ++i)
+            different += texels[i] != image.image[i / colour_texel_bytes * components + i % colour_texel_bytes];
+        CHECK(different == 0);
+    }
+}
+
+TEST_CASE("a pack without colour gives tiles without texture coordinates", "[gltf]") {
+    const Folder folder;
+    const BakedTerrain baked(folder, hills(65, 65, 30, 30), options_with(5, 4));
+    Pack plain = baked.pack;
+    plain.header.colour_log2 = plain.header.crs_bytes = 0;
+    const auto result = gltf::export_snapshot(plain, baked.terrain, view_of(baked.terrain), 1, folder / "out.glb");
+    REQUIRE(result.ok());
+    CHECK(result.texture_px == 0);
+    require_valid(folder / "out.glb");
+    require_sound(folder / "out.glb", baked.heights_argument);
+}
+
+TEST_CASE("the largest mip that fits is embedded", "[gltf]") {
+    const Folder folder;
+    const BakedTerrain baked(folder, hills(129, 65, 30, 30), options_with(6, 6));
+    const std::uint32_t full = 1u << baked.pack.header.colour_log2;
+    const View view = view_of(baked.terrain);
+    CHECK(require_export(baked, view, 4, folder / "out.glb").texture_px == full);
+    CHECK(require_export(baked, view, 4, folder / "out.glb", {.max_texture_px = full - 1}).texture_px == full / 2);
+    CHECK(require_export(baked, view, 4, folder / "out.glb", {.max_texture_px = 0}).texture_px == 4);
+    require_sound(folder / "out.glb", "");
+}
+
+TEST_CASE("the checker notices every way to spoil a snapshot", "[gltf]") {
+    const Folder folder;
+    const BakedTerrain baked(folder, hills(3 * 32 + 1, 2 * 32 + 1, 30, 30), options_with(5, 5));
+    CHECK(require_export(baked, view_of(baked.terrain), 1, folder / "out.glb").tiles == 6);
+    const NodeResult result = node("selftest.mjs", quoted(folder / "out.glb") + baked.heights_argument);
+    INFO(result.output);
+    CHECK(result.exit_code == 0);
+}
+
+TEST_CASE("a frame of the Grand Canyon is valid, sound and within the asked error", "[gltf][canyon]") {
+    const std::string given = FJELL_DATA_DIR;
+    const std::string data = given.empty() ? std::string(FJELL_SOURCE_DIR) + "/../shared/data" : given;
+    const std::string dem_path = data + "/dem/grand_canyon_60m_4097x2049_u8.png";
+    if (!std::filesystem::exists(dem_path)) {
+        std::cout << "skipped: no Grand Canyon DEM in " << data << "; set FJELL_DATA to the folder of real DEMs\n";
+        return;
+    }
+    const Folder folder;
+    baker::ReadOptions reading;
+    reading.spacing_m = 60;
+    reading.zscale = 14.4;
+    reading.zoffset_m = 127;
+    const BakedTerrain baked(folder, baker::read_dem(dem_path, reading), options_with(9, 8));
+    const auto result = require_export(baked, view_of(baked.terrain), 2, folder / "out.glb");
+    CHECK(result.tiles == 32);
+    require_valid(folder / "out.glb");
+    require_sound(folder / "out.glb", baked.heights_argument);
+}

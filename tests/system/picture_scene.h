@@ -1,0 +1,157 @@
+// What the picture tests share: a baked terrain, its meshes, and a renderer that shows them.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <unistd.h>
+
+#include "baker/bake.h"
+#include "fjell/recursive.h"
+#include "gl/context.h"
+#include "gl/renderer.h"
+#include "host/load.h"
+
+namespace pictures {
+
+using namespace fjell;
+
+constexpr double pi = 3.14159265358979323846;
+constexpr std::uint32_t width_px = 1280, height_px = 960;
+
+// A mesh whose spans it owns itself.
+struct OwnMesh {
+    std::vector<MeshVertex> vertices;
+    std::vector<std::uint32_t> indices;
+    std::vector<TileRange> tiles;
+    Topology topology = Topology::triangles;
+
+    [[nodiscard]] MeshView view() const {
+        return {topology, vertices, indices, tiles, 0, static_cast<std::uint32_t>(vertices.size())};
+    }
+};
+
+inline OwnMesh copy_of(const MeshView& mesh) {
+    return {{mesh.vertices.begin(), mesh.vertices.end()},
+            {mesh.indices.begin(), mesh.indices.end()},
+            {mesh.tiles.begin(), mesh.tiles.end()},
+            mesh.topology};
+}
+
+// Every sample active: each cell is cut along the diagonal that longest-edge bisection ends with. Cell (x, y) of a tile
+// with x + y even: from its north-west to its south-east sample; odd: the other one (DESIGN section 3, one step below
+// the finest centres).
+inline OwnMesh full_resolution(const Terrain& terrain) {
+    OwnMesh mesh;
+    const auto side = static_cast<std::uint32_t>(terrain.tree.side()), n = side + 1;
+    for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) {
+        const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+        const auto first_index = static_cast<std::uint32_t>(mesh.indices.size());
+        const VertexRecord* records = terrain.tile_records(tile);
+        for (std::uint32_t y = 0; y < n; ++y)
+            for (std::uint32_t x = 0; x < n; ++x)
+                mesh.vertices.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
+                                         terrain.lattice.height_m(records[terrain.order.index(x, y)].height)});
+        for (std::uint32_t y = 0; y < side; ++y)
+            for (std::uint32_t x = 0; x < side; ++x) {
+                const std::uint32_t nw = first + y * n + x, ne = nw + 1, sw = nw + n, se = sw + 1;
+                // Counter-clockwise from above: east is right, south is down.
+                if ((x + y) % 2 == 0)
+                    mesh.indices.insert(mesh.indices.end(), {nw, sw, se, nw, se, ne});
+                else
+                    mesh.indices.insert(mesh.indices.end(), {nw, sw, ne, ne, sw, se});
+            }
+        mesh.tiles.push_back({tile, first_index, 6 * side * side, 2 * side * side});
+    }
+    return mesh;
+}
+
+struct Picture {
+    gl::Image colour;
+    std::vector<float> depth;      // as stored
+    std::vector<float> distance_m; // along forward; infinity: sky
+};
+
+// One headless context for the whole program: creating it is the dear part.
+inline gl::Headless& context() {
+    static std::string error;
+    static const auto headless = gl::Headless::create({.debug = true, .device = -1}, error);
+    if (!headless) FAIL(error);
+    return *headless;
+}
+
+// A terrain baked in this process, with a renderer large enough for its full resolution.
+struct Scene {
+    host::LoadedPack loaded;
+    host::AlignedBlock block;
+    RecursiveMethod method;
+    std::unique_ptr<gl::Target> target;
+    std::unique_ptr<gl::Renderer> renderer;
+
+    Scene(baker::Dem dem, int tile_log2) {
+        context();
+        char path[] = "/tmp/fjell-picture-XXXXXX";
+        const int fd = mkstemp(path);
+        REQUIRE(fd >= 0);
+        close(fd);
+        baker::BakeOptions options;
+        options.tile_log2 = tile_log2;
+        options.compression = 1;
+        baker::bake(std::move(dem), options, path);
+        loaded = host::load_pack(path, host::LoadTerrain::yes);
+        unlink(path);
+
+        const Terrain& terrain = loaded.terrain;
+        const RecursiveBudget budget{terrain.tile_count() * terrain.vertices_per_tile + 1024,
+                                     terrain.tile_count() * terrain.vertices_per_tile * 6 + 1024};
+        const std::size_t bytes = recursive_bytes(terrain, budget);
+        block = host::make_block(bytes);
+        REQUIRE(create_recursive(terrain, budget, {block.get(), bytes}, method).ok());
+        std::string error;
+        target = gl::Target::create({width_px, height_px, 1}, error);
+        INFO(error);
+        REQUIRE(target);
+        renderer = gl::Renderer::create(terrain, loaded.pack, {budget.vertices, budget.indices, 0}, error);
+        INFO(error);
+        REQUIRE(renderer);
+    }
+
+    // The recursive method's mesh of a view; valid until the next call.
+    MeshView refined(const View& view, double error_px, Topology topology = Topology::triangles) {
+        RefineSettings settings;
+        settings.error_px = error_px;
+        settings.topology = topology;
+        FrameReport report;
+        REQUIRE(update_recursive(method, view, settings, report).ok());
+        REQUIRE(report.converged);
+        return recursive_mesh(method);
+    }
+
+    Picture draw(const MeshView& mesh, const View& view, const gl::DrawOptions& options = {}) {
+        const std::string error = renderer->draw(mesh, view, options, *target);
+        INFO(error);
+        REQUIRE(error.empty());
+        Picture picture;
+        target->read_colour(picture.colour);
+        target->read_depth(picture.depth);
+        picture.distance_m = picture.depth;
+        gl::depth_to_metres(picture.distance_m, view);
+        REQUIRE(context().log().messages == std::vector<std::string>{});
+        return picture;
+    }
+
+    // A camera at a share of the terrain's extents, some metres above ground, heading clockwise from north.
+    [[nodiscard]] View camera(double east, double south, double above_m, double heading_deg, double pitch_deg) const {
+        const Terrain& terrain = loaded.terrain;
+        const double x = east * terrain.x_m(static_cast<std::int32_t>(terrain.header.columns) - 1);
+        const double z = south * terrain.z_m(static_cast<std::int32_t>(terrain.header.rows) - 1);
+        const double h = heading_deg * pi / 180, p = pitch_deg * pi / 180;
+        const Vec3 forward{std::sin(h) * std::cos(p), std::sin(p), -std::cos(h) * std::cos(p)};
+        const Vec3 up{-std::sin(h) * std::sin(p), std::cos(p), std::cos(h) * std::sin(p)};
+        return make_view({x, terrain.ground_m(x, z) + above_m, z}, forward, up, pi / 4, width_px, height_px, 5, 1e6);
+    }
+};
+
+} // namespace pictures

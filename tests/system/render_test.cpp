@@ -1,0 +1,366 @@
+// Pictures: what is drawn is what was refined, and what was refined looks like the terrain.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <set>
+
+#include <sys/resource.h>
+
+#include <csignal>
+
+#include "baker/read.h"
+#include "gl/image.h"
+#include "gl/palette.h"
+#include "picture_scene.h"
+
+using namespace pictures;
+
+namespace {
+
+baker::Dem mountains(int samples) {
+    const std::string n = std::to_string(samples);
+    return baker::synthesise_text(
+        R"({"columns": )" + n + R"(, "rows": )" + n +
+        R"(, "spacing_m": 30, "seed": 7, "base_m": 0, "relief_m": 2500, "feature_m": 12000})");
+}
+
+// --- 1 px of displacement
+// ---------------------------------------------------------------------------------------------
+//
+// A pixel p of picture A *agrees* with picture B of the same view when what A shows at p lies within one pixel of
+// something that B shows, across the screen and in depth:
+//   - A shows sky at p: some pixel of B in the 3 x 3 around p is sky;
+//   - A shows terrain at p, d metres away: B shows terrain somewhere in the 3 x 3 around p, and
+//       least - t <= d <= most + t,
+//     with least and most the nearest and farthest terrain in those 9 pixels, and t = d / lambda + d / 2^20.
+// d / lambda is the size of a pixel at distance d: the same one pixel, in the direction across which the 3 x 3 cannot
+// look (seen from above, a vertical error moves nothing on the screen but changes the depth). d / 2^20 bounds rounding:
+// a stored depth z = near (far - d) / (d (far - near)) off by k ulps is a distance off by at most k d / 2^24 (when far
+// >> d), and the vertex' position, the two products of clip space and the rasteriser's interpolation take fewer
+// than 16. A pixel within one pixel of displacement agrees in both directions. The share is of the pixels that are
+// terrain in either picture; sky alone would only flatter it.
+bool agrees(const Picture& a, const Picture& b, std::int32_t x, std::int32_t y, double lambda_px) {
+    const auto at = [](std::int32_t px, std::int32_t py) {
+        return static_cast<std::size_t>(py) * width_px + static_cast<std::size_t>(px);
+    };
+    bool sky = false, terrain = false;
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    for (std::int32_t j = std::max(0, y - 1); j <= std::min<std::int32_t>(height_px - 1, y + 1); ++j)
+        for (std::int32_t i = std::max(0, x - 1); i <= std::min<std::int32_t>(width_px - 1, x + 1); ++i) {
+            const double d = b.distance_m[at(i, j)];
+            if (std::isinf(d)) {
+                sky = true;
+                continue;
+            }
+            terrain = true;
+            least = std::min(least, d);
+            most = std::max(most, d);
+        }
+    const double d = a.distance_m[at(x, y)];
+    if (std::isinf(d)) return sky;
+    const double tolerance = d / lambda_px + d / (1 << 20);
+    return terrain && d >= least - tolerance && d <= most + tolerance;
+}
+
+struct Agreement {
+    std::uint64_t pixels = 0, within = 0;
+    [[nodiscard]] double share() const { return static_cast<double>(within) / static_cast<double>(pixels); }
+};
+
+Agreement compare(const Picture& a, const Picture& b, double lambda_px) {
+    Agreement result;
+    for (std::int32_t y = 0; y < static_cast<std::int32_t>(height_px); ++y)
+        for (std::int32_t x = 0; x < static_cast<std::int32_t>(width_px); ++x) {
+            const std::size_t p = static_cast<std::size_t>(y) * width_px + static_cast<std::size_t>(x);
+            if (std::isinf(a.distance_m[p]) && std::isinf(b.distance_m[p])) continue;
+            ++result.pixels;
+            if (agrees(a, b, x, y, lambda_px) && agrees(b, a, x, y, lambda_px)) ++result.within;
+        }
+    return result;
+}
+
+struct NamedView {
+    const char* name;
+    View view;
+    bool has_sky;
+};
+
+// At 0.5 px nearly everything agrees; at 20 px it must not, or the measure could not tell.
+void check_against_full_resolution(Scene& scene, const char* terrain, const std::vector<NamedView>& views) {
+    const OwnMesh full = full_resolution(scene.loaded.terrain);
+    for (const NamedView& v : views) {
+        const Picture reference = scene.draw(full.view(), v.view);
+        const MeshView fine = scene.refined(v.view, 0.5);
+        const std::size_t triangles = fine.indices.size() / 3;
+        const Agreement good = compare(scene.draw(fine, v.view), reference, v.view.lambda_px);
+        const Agreement bad = compare(scene.draw(scene.refined(v.view, 20), v.view), reference, v.view.lambda_px);
+        std::printf("%s, %s: %zu triangles at 0.5 px; within 1 px of full resolution: %.4f%% of %llu terrain pixels "
+                    "(at 20 px: %.2f%%)\n",
+                    terrain, v.name, triangles, 100 * good.share(), static_cast<unsigned long long>(good.pixels),
+                    100 * bad.share());
+        INFO(terrain << ", " << v.name);
+        const bool sky = std::any_of(reference.depth.begin(), reference.depth.end(), [](float d) { return d == 0; });
+        CHECK(sky == v.has_sky);
+        REQUIRE(good.pixels > std::uint64_t{width_px} * height_px / 4);
+        CHECK(good.share() >= 0.999);
+        CHECK(bad.share() < 0.999);
+    }
+}
+
+std::string data_folder() {
+    const std::string given = FJELL_DATA_DIR;
+    return given.empty() ? std::string(FJELL_SOURCE_DIR) + "/../shared/data" : given;
+}
+
+baker::Dem crop(const baker::Dem& dem, std::int32_t x0, std::int32_t y0, std::int32_t columns, std::int32_t rows) {
+    baker::Dem part = dem;
+    part.columns = columns;
+    part.rows = rows;
+    part.heights_m.clear();
+    for (std::int32_t y = 0; y < rows; ++y)
+        for (std::int32_t x = 0; x < columns; ++x) part.heights_m.push_back(dem.at(x0 + x, y0 + y));
+    return part;
+}
+
+} // namespace
+
+TEST_CASE("a frame at half a pixel shows synthetic mountains within one pixel of full resolution", "[picture]") {
+    Scene scene(mountains(1025), 8);
+    check_against_full_resolution(scene, "mountains",
+                                  {{"low, into the ranges", scene.camera(0.5, 0.9, 150, 0, -2), true},
+                                   {"low, along a ridge", scene.camera(0.2, 0.5, 60, 80, 3), true},
+                                   {"high, looking down", scene.camera(0.5, 0.95, 5000, 10, -40), false},
+                                   {"straight down", scene.camera(0.5, 0.5, 9000, 0, -90), false}});
+}
+
+TEST_CASE("a frame at half a pixel shows the Grand Canyon within one pixel of full resolution", "[picture]") {
+    const std::string path = data_folder() + "/dem/grand_canyon_60m_4097x2049_u8.png";
+    if (!std::filesystem::exists(path)) {
+        WARN("skipped: there is no " << path << " (set FJELL_DATA to the folder of real height fields)");
+        return;
+    }
+    baker::ReadOptions options;
+    options.spacing_m = 60;
+    options.zscale = 14.4;
+    options.zoffset_m = 127;
+    Scene scene(crop(baker::read_dem(path, options), 1024, 512, 1025, 1025), 8);
+    check_against_full_resolution(scene, "Grand Canyon",
+                                  {{"low, over the plateau", scene.camera(0.5, 0.9, 200, 0, -3), true},
+                                   {"high, looking down", scene.camera(0.5, 0.95, 8000, 0, -35), false}});
+}
+
+TEST_CASE("the strip and the list of one frame give the same picture", "[picture]") {
+    Scene scene(mountains(513), 6);
+    for (const View& view : {scene.camera(0.5, 0.9, 150, 0, -5), scene.camera(0.3, 0.6, 3000, 40, -45)})
+        for (const gl::Mode mode : {gl::Mode::shaded, gl::Mode::levels}) {
+            const gl::DrawOptions drawing{.mode = mode};
+            const Picture list = scene.draw(scene.refined(view, 2), view, drawing);
+            const MeshView mesh = scene.refined(view, 2, Topology::strip);
+            REQUIRE(mesh.topology == Topology::strip);
+            const Picture strip = scene.draw(mesh, view, drawing);
+            // A strip names a triangle's corners from another one than a list does, so its planes of interpolation are
+            // rounded elsewhere: one step of a colour, and some ulps of depth - more where a triangle is seen edge-on,
+            // so depth is held to the measure above instead. What is covered must not differ at all.
+            std::size_t coverage = 0, colour = 0;
+            for (std::size_t i = 0; i < list.depth.size(); ++i)
+                coverage += (list.depth[i] == 0) != (strip.depth[i] == 0);
+            for (std::size_t i = 0; i < list.colour.rgb.size(); ++i)
+                colour += std::abs(list.colour.rgb[i] - strip.colour.rgb[i]) > 1;
+            CHECK(coverage == 0);
+            CHECK(colour == 0);
+            const Agreement agreement = compare(strip, list, view.lambda_px);
+            CHECK(agreement.within == agreement.pixels);
+        }
+}
+
+TEST_CASE("no background shows between or inside tiles", "[picture]") {
+    Scene scene(mountains(513), 5); // 16 x 16 tiles
+    const auto holes = [](const Picture& picture) {
+        return std::count(picture.depth.begin(), picture.depth.end(), 0.0f);
+    };
+    std::vector<View> views;
+    for (int i = 0; i < 12; ++i) // all rays end inside the terrain
+        views.push_back(scene.camera(0.4 + 0.017 * i, 0.45 + 0.011 * i, 300 + 170.0 * i, 31.0 * i, -60 - 2.5 * i));
+    std::int64_t with_a_crack = 0;
+    for (const View& view : views)
+        for (const double error_px : {0.5, 3.0, 15.0}) {
+            const MeshView mesh = scene.refined(view, error_px);
+            INFO("error_px " << error_px << ", eye " << view.eye_m.x << ' ' << view.eye_m.y << ' ' << view.eye_m.z);
+            CHECK(holes(scene.draw(mesh, view)) == 0);
+            if (error_px != 3.0) continue;
+            // The same with one tile's border 30 m lower than its neighbours': the test must see that.
+            OwnMesh cracked = copy_of(mesh);
+            const auto side = static_cast<std::uint16_t>(scene.loaded.terrain.tree.side());
+            for (const TileRange& range : cracked.tiles) {
+                if (range.tile % 2) continue;
+                std::set<std::uint32_t> used(cracked.indices.begin() + range.first_index,
+                                             cracked.indices.begin() + range.first_index + range.index_count);
+                for (const std::uint32_t v : used)
+                    if (cracked.vertices[v].column == side) cracked.vertices[v].height_m -= 30;
+            }
+            with_a_crack += holes(scene.draw(cracked.view(), view));
+        }
+    CHECK(with_a_crack > 100);
+}
+
+TEST_CASE("every triangle has the colour of its level", "[picture]") {
+    Scene scene(mountains(257), 6);
+    const Terrain& terrain = scene.loaded.terrain;
+    const View view = scene.camera(0.5, 0.5, 7000, 0, -90);
+    const MeshView mesh = scene.refined(view, 4);
+    const Picture picture =
+        scene.draw(mesh, view, {.mode = gl::Mode::levels, .sky = false, .lit = false, .haze_m = -1});
+    const Vec3 right = cross(view.forward, view.up);
+    std::set<int> seen;
+    std::size_t looked_at = 0, wrong = 0;
+    for (const TileRange& range : mesh.tiles)
+        for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; i += 3) {
+            Coord corner[3];
+            Vec3 centre;
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const MeshVertex& v = mesh.vertices[mesh.indices[i + k]];
+                corner[k] = {v.column, v.row};
+                const std::uint32_t side = 1u << terrain.header.tile_log2, tiles_x = terrain.header.tiles_x;
+                const Vec3 p{terrain.x_m(static_cast<std::int32_t>(range.tile % tiles_x * side + v.column)), v.height_m,
+                             terrain.z_m(static_cast<std::int32_t>(range.tile / tiles_x * side + v.row))};
+                centre = centre + (p - view.eye_m) * (1.0 / 3);
+            }
+            // How often a base triangle, of half a tile's area, was halved.
+            const Coord a = corner[1] - corner[0], b = corner[2] - corner[0];
+            const int doubled_area = std::abs(a.x * b.y - a.y * b.x);
+            const int level =
+                2 * static_cast<int>(terrain.header.tile_log2) - static_cast<int>(std::lround(std::log2(doubled_area)));
+            const double d = dot(centre, view.forward);
+            const double x = width_px / 2.0 + view.lambda_px * dot(centre, right) / d;
+            const double y = height_px / 2.0 - view.lambda_px * dot(centre, view.up) / d;
+            if (doubled_area < 4 || x < 1 || y < 1 || x >= width_px - 1 || y >= height_px - 1) continue;
+            const std::uint8_t* pixel =
+                picture.colour.pixel(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+            const gl::Rgb8 expected = gl::level_rgb(level, static_cast<int>(terrain.header.tile_log2));
+            ++looked_at;
+            seen.insert(level);
+            for (std::size_t k = 0; k < 3; ++k)
+                if (std::abs(pixel[k] - expected[k]) > 1) { // sRGB -> linear -> sRGB may round once
+                    ++wrong;
+                    break;
+                }
+        }
+    CHECK(looked_at > 500);
+    CHECK(seen.size() >= 5);
+    CHECK(wrong == 0);
+    // Neighbouring levels must be told apart at a glance.
+    for (int level = 1; level <= 2 * 9; ++level) {
+        const gl::Rgb8 a = gl::level_rgb(level - 1, 9), b = gl::level_rgb(level, 9);
+        CHECK(std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]) > 60);
+    }
+}
+
+TEST_CASE("a picture far from the origin is bit for bit the one near it", "[picture]") {
+    // Pyramids that repeat every 8 samples, so that the eye can move by whole periods.
+    baker::Dem dem;
+    dem.columns = 8193;
+    dem.rows = 17;
+    dem.spacing_m[0] = dem.spacing_m[1] = 1000;
+    for (std::int32_t y = 0; y < dem.rows; ++y)
+        for (std::int32_t x = 0; x < dem.columns; ++x)
+            dem.heights_m.push_back(static_cast<float>(100 * std::min({x & 7, 8 - (x & 7), y & 7, 8 - (y & 7)})));
+    Scene scene(std::move(dem), 4);
+    const OwnMesh mesh = full_resolution(scene.loaded.terrain);
+    const auto look = [&](double column) {
+        const View view =
+            make_view({column * 1000, 2000, 9250}, {0.8, -0.6, 0}, {0.6, 0.8, 0}, pi / 8, width_px, height_px, 1, 1e5);
+        return scene.draw(mesh.view(), view, {.haze_m = -1});
+    };
+    const Picture near_by = look(16.125), far_away = look(16.125 + 8 * 1016);
+    CHECK(std::count(near_by.depth.begin(), near_by.depth.end(), 0.0f) == 0);
+    CHECK(near_by.depth == far_away.depth);
+    CHECK(look(16.125 + 0.000001).depth != near_by.depth); // one millimetre is seen
+}
+
+TEST_CASE("every mode draws, multisampled too, and the driver reports no error", "[picture]") {
+    Scene scene(mountains(257), 6);
+    const View view = scene.camera(0.5, 0.9, 150, 0, -5);
+    const MeshView mesh = scene.refined(view, 2);
+    std::vector<gl::Image> images;
+    for (const gl::Mode mode : {gl::Mode::shaded, gl::Mode::levels, gl::Mode::distance})
+        for (const bool wireframe : {false, true})
+            images.push_back(scene.draw(mesh, view, {.mode = mode, .wireframe = wireframe}).colour);
+    for (std::size_t i = 0; i < images.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) CHECK(images[i].rgb != images[j].rgb);
+
+    std::string error;
+    scene.target = gl::Target::create({width_px, height_px, 4}, error);
+    REQUIRE(scene.target);
+    const Picture smooth = scene.draw(mesh, view);
+    std::size_t far_off = 0;
+    for (std::size_t i = 0; i < smooth.colour.rgb.size(); ++i)
+        far_off += std::abs(smooth.colour.rgb[i] - images[0].rgb[i]) > 64;
+    CHECK(far_off < smooth.colour.rgb.size() / 100);
+    CHECK(context().log().errors == 0);
+}
+
+TEST_CASE("what cannot be drawn is refused with the number to change", "[picture]") {
+    Scene scene(mountains(129), 5);
+    const View view = scene.camera(0.5, 0.9, 150, 0, -5);
+    OwnMesh mesh = copy_of(scene.refined(view, 2));
+    std::string error;
+    const auto small = gl::Renderer::create(scene.loaded.terrain, scene.loaded.pack, {16, 16, 0}, error);
+    REQUIRE(small);
+    CHECK_THAT(small->draw(mesh.view(), view, {}, *scene.target), Catch::Contains("RendererOptions::vertices"));
+    CHECK_FALSE(gl::Target::create({0, 10, 1}, error));
+    CHECK_THAT(error, Catch::Contains("each side must be"));
+    CHECK_FALSE(gl::Target::create({10, 1u << 24, 1}, error));
+    View broken = view;
+    broken.fov_y_rad = 0;
+    CHECK_FALSE(scene.renderer->draw(mesh.view(), broken, {}, *scene.target).empty());
+    mesh.tiles[0].index_count = 1u << 30;
+    CHECK_FALSE(scene.renderer->draw(mesh.view(), view, {}, *scene.target).empty());
+    CHECK(context().log().errors == 0);
+    CHECK_FALSE(gl::Headless::create({.debug = false, .device = 999}, error));
+    CHECK_THAT(error, Catch::Contains("device") && !Catch::Contains("\n"));
+    REQUIRE(context().make_current());
+
+    const char* display = std::getenv("DISPLAY");
+    const std::string before = display ? display : "";
+    unsetenv("DISPLAY");
+    CHECK_FALSE(gl::Window::create({}, error));
+    CHECK_THAT(error, Catch::Contains("--headless") && !Catch::Contains("\n"));
+    if (display) setenv("DISPLAY", before.c_str(), 1);
+}
+
+TEST_CASE("a PNG is complete or absent", "[picture]") {
+    namespace fs = std::filesystem;
+    const fs::path folder = fs::temp_directory_path() / ("fjell-png-" + std::to_string(getpid()));
+    fs::create_directory(folder);
+    gl::Image image{61, 37, {}};
+    for (std::uint32_t i = 0; i < 61 * 37 * 3; ++i)
+        image.rgb.push_back(static_cast<std::uint8_t>(i * 2654435761u >> 24));
+    const std::string path = folder / "picture.png";
+    CHECK(gl::write_png(image, path).empty());
+    gl::Image back;
+    CHECK(gl::read_png(path, back).empty());
+    CHECK(back.width == 61);
+    CHECK(back.rgb == image.rgb);
+    CHECK_THAT(gl::write_png(image, folder / "no" / "such.png"), Catch::Contains("no/such.png"));
+    CHECK_FALSE(gl::write_png(image, folder).empty()); // a folder has that name
+    CHECK_FALSE(gl::write_png({10, 10, {}}, folder / "empty.png").empty());
+
+    // A disk that fills up: writes beyond a kilobyte fail.
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit tight{1024, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &tight);
+    image.rgb[0] ^= 0xff;
+    const std::string error = gl::write_png(image, path);
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+    CHECK_FALSE(error.empty());
+    CHECK(gl::read_png(path, back).empty()); // the older picture is still there
+    CHECK(back.rgb[0] == (image.rgb[0] ^ 0xff));
+    CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
+    fs::remove_all(folder);
+}
