@@ -79,7 +79,11 @@ struct Bake {
     std::uint32_t colour_log2 = 0, normal_log2 = 0;
     int threads = 1;
 
-    [[nodiscard]] MapBuilder maps() const { return {dem, tree, colour_log2, normal_log2}; }
+    std::int32_t source_columns = 0, source_rows = 0; // before the crop: what an image covers
+
+    [[nodiscard]] MapBuilder maps() const {
+        return {dem, tree, colour_log2, normal_log2, source_columns, source_rows};
+    }
 };
 
 // Meadows, forest edge, rock, snow: for height fields that come without colours.
@@ -94,12 +98,12 @@ void prepare_colour(Bake& b) {
     b.normal_log2 = fitting_log2(side, most);
     if (!b.options.texture_path.empty()) {
         b.image = read_image(b.options.texture_path);
-        const double per_tile = std::max(static_cast<double>(b.image->width) / b.tree.tiles_x,
-                                         static_cast<double>(b.image->height) / b.tree.tiles_y);
+        const double per_tile = side * std::max(b.image->width / (b.source_columns - 1.0),
+                                                b.image->height / (b.source_rows - 1.0));
         b.colour_log2 = fitting_log2(per_tile, most);
         return;
     }
-    b.ramp = b.options.ramp_path.empty() ? default_ramp() : read_ramp(b.options.ramp_path);
+    b.ramp = absolute(b.options.ramp_path.empty() ? default_ramp() : read_ramp(b.options.ramp_path), b.dem);
     b.colour_log2 = fitting_log2(side, most);
 }
 
@@ -196,6 +200,8 @@ BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_pat
     summary.source_columns = dem.columns;
     summary.source_rows = dem.rows;
     Bake b{options, std::move(dem), {}, {}, {}, {}, {}, {}, 0, 0, resolve_threads(options.threads)};
+    b.source_columns = summary.source_columns;
+    b.source_rows = summary.source_rows;
     b.tree = tiling(b.dem, options);
     crop(b.dem, b.tree);
     prepare_colour(b);

@@ -95,7 +95,7 @@ json flight_json(const Options& o, const Session& session, const CameraPath& pat
 std::string table(const Options& o, const Summary& s, const Verification& v) {
     std::string text;
     const auto row = [&](const char* name, const std::string& value) { text += fmt::format("{:<22} {}\n", name, value); };
-    row("frames", fmt::format("{}, {} of them within {:g} px", s.frames, s.converged, o.profile.refine.error_px));
+    row("frames", fmt::format("{}, {} of them converged; threshold {:g} px", s.frames, s.converged, o.profile.refine.error_px));
     row("update [us]", fmt::format("{:.0f} mean, {:.0f} p50, {:.0f} p99, {:.0f} max", s.update_us_mean, s.update_us.p50,
                                    s.update_us.p99, s.update_us.max));
     row("selected vertices", fmt::format("{:.0f} mean, {} max, {:.1f} ns each", s.vertices_mean, s.vertices_max, s.ns_per_vertex));

@@ -1,0 +1,195 @@
+// The pack as a file: what goes in comes out, and nothing that is not a pack gets in.
+#include <catch2/catch.hpp>
+
+#include <cstring>
+#include <fstream>
+
+#include <xxhash.h>
+
+#include "fjell/terrain.h"
+#include "host/failure.h"
+#include "host/file.h"
+#include "support/terrain_fixture.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+std::vector<std::byte> small_pack() {
+    Random random(21);
+    baker::Dem dem = random_dem(random, 25, 17, Shape::fractal);
+    dem.crs_wkt = "LOCAL_CS[\"test\"]";
+    return bake_and_load(std::move(dem), small_bake(3)).file;
+}
+
+// Opens and reads everything, as a reader would; returns the first error.
+Status read_all(std::span<const std::byte> bytes) {
+    Pack pack;
+    if (Status s = open_pack(bytes, pack); !s.ok()) return s;
+    std::vector<std::byte> raw;
+    for (std::uint64_t i = 0; i < pack.header.directory_count; ++i) {
+        const ChunkEntry e = pack.entry(i);
+        raw.resize(e.raw_bytes);
+        if (Status s = read_chunk(pack, e.kind, e.tile, e.level, raw); !s.ok()) return s;
+    }
+    const std::size_t size = terrain_bytes(pack.header);
+    const host::AlignedBlock block = host::make_block(size);
+    Terrain terrain;
+    return load_terrain(pack, {block.get(), size}, terrain);
+}
+
+// Changes a header and makes its hash right again: only the cross-checks are left to notice.
+template <typename Change>
+Status with_header(std::vector<std::byte> bytes, const Change& change) {
+    PackHeader h;
+    std::memcpy(&h, bytes.data(), sizeof h);
+    change(h);
+    h.header_hash = XXH3_64bits(&h, offsetof(PackHeader, header_hash));
+    std::memcpy(bytes.data(), &h, sizeof h);
+    return read_all(bytes);
+}
+
+} // namespace
+
+TEST_CASE("a pack that was read back holds every sample, map and the CRS") {
+    Random random(22);
+    baker::Dem dem = random_dem(random, 33, 25, Shape::fractal);
+    dem.crs_wkt = "LOCAL_CS[\"test\"]";
+    dem.origin_m[0] = 432000.25;
+    const auto pack = bake_and_load(dem, small_bake(3));
+    REQUIRE(pack.crs == dem.crs_wkt);
+    REQUIRE(pack.terrain.header.origin_m[0] == 432000.25);
+    const Lattice lattice = baker::choose_lattice(dem);
+    const auto steps = baker::quantise(dem, lattice);
+    for (std::int32_t y = 0; y < 25; ++y)
+        for (std::int32_t x = 0; x < 33; ++x)
+            REQUIRE(pack.terrain.record({x, y}).height == steps[static_cast<std::size_t>(y * 33 + x)]);
+    REQUIRE(read_all(pack.file).ok());
+    REQUIRE(host::check_all_chunks(pack) == pack.pack.header.directory_count);
+}
+
+TEST_CASE("a height field that does not fill its tiles is cropped in the east and south, and the pack says so") {
+    Random random(23);
+    const baker::Dem dem = random_dem(random, 39, 20, Shape::noise);
+    const auto pack = bake_and_load(dem, small_bake(3));
+    REQUIRE(pack.terrain.header.columns == 33);
+    REQUIRE(pack.terrain.header.rows == 17);
+    REQUIRE(pack.terrain.header.source_columns == 39);
+    REQUIRE(pack.terrain.header.source_rows == 20);
+    const Lattice lattice = pack.terrain.lattice;
+    REQUIRE(std::abs(pack.terrain.height_m({32, 16}) - dem.at(32, 16)) <= lattice.quantum_m);
+}
+
+TEST_CASE("every truncation of a pack is refused") {
+    const auto whole = small_pack();
+    REQUIRE(read_all(whole).ok());
+    for (std::size_t size = 0; size < whole.size(); ++size) {
+        const Status s = read_all(std::span(whole).first(size));
+        CAPTURE(size, s.field);
+        REQUIRE((s.code == Code::truncated || (size < 8 && s.code == Code::not_a_pack)));
+    }
+    auto longer = whole;
+    longer.push_back(std::byte{0});
+    REQUIRE(read_all(longer).code == Code::corrupt);
+}
+
+TEST_CASE("every single flipped bit is refused") {
+    const auto whole = small_pack();
+    auto bytes = whole;
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+        for (int bit = 0; bit < 8; bit += i < 512 ? 1 : 5) {
+            bytes[i] = whole[i] ^ std::byte{static_cast<unsigned char>(1u << bit)};
+            CAPTURE(i, bit);
+            REQUIRE_FALSE(read_all(bytes).ok());
+            bytes[i] = whole[i];
+        }
+}
+
+TEST_CASE("a header whose hash is right is still not believed") {
+    const auto whole = small_pack();
+    REQUIRE(with_header(whole, [](PackHeader&) {}).ok());
+    const auto code = [&](auto change) { return with_header(whole, change).code; };
+    CHECK(code([](PackHeader& h) { h.version = 99; }) == Code::wrong_version);
+    CHECK(code([](PackHeader& h) { h.layout_hash ^= 1; }) == Code::wrong_layout);
+    CHECK(code([](PackHeader& h) { h.tile_log2 = 31; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.tile_log2 = 0; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.tiles_x = 0xffffffff; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.columns = 7; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.tiles_x = 2, h.columns = 17; }) == Code::corrupt);
+    CHECK(code([](PackHeader& h) { h.spacing_m[0] = 0; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.spacing_m[1] = std::numeric_limits<double>::quiet_NaN(); }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.quantum_m = -1; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.nesting = 0; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.colour_log2 = 32; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.normal_log2 = 3; }) == Code::corrupt);
+    CHECK(code([](PackHeader& h) { h.directory_offset = ~0ull; }) == Code::corrupt);
+    CHECK(code([](PackHeader& h) { h.directory_count = 1ull << 61; }) == Code::corrupt);
+    CHECK(code([](PackHeader& h) { h.file_bytes = ~0ull; }) == Code::truncated);
+    CHECK(code([](PackHeader& h) { h.crs_bytes = 0xffffffff; }) == Code::out_of_range);
+}
+
+TEST_CASE("every error has a message with a remedy and names its field") {
+    for (const Code c : {Code::truncated, Code::not_a_pack, Code::wrong_version, Code::wrong_layout, Code::corrupt,
+                         Code::out_of_range, Code::block_too_small, Code::budget_too_small}) {
+        const std::string text = message(c);
+        CHECK(text.find(';') != std::string::npos);
+        CHECK(text.find('\n') == std::string::npos);
+    }
+    const auto whole = small_pack();
+    REQUIRE(std::string(with_header(whole, [](PackHeader& h) { h.tile_log2 = 31; }).field) == "tile_log2");
+}
+
+TEST_CASE("a block that is too small or a budget below the coarsest mesh is refused before anything is written") {
+    Random random(24);
+    const auto pack = bake_and_load(random_dem(random, 33, 33, Shape::noise), small_bake(3));
+    Terrain terrain;
+    const std::size_t size = terrain_bytes(pack.pack.header);
+    const host::AlignedBlock block = host::make_block(size);
+    CHECK(load_terrain(pack.pack, {block.get(), size - 1}, terrain).code == Code::block_too_small);
+    RecursiveMethod method;
+    const RecursiveBudget least{16 * 4, 16 * 9};
+    const std::size_t bytes = recursive_bytes(pack.terrain, least);
+    const host::AlignedBlock room = host::make_block(bytes);
+    CHECK(create_recursive(pack.terrain, {16 * 4 - 1, 1000}, {room.get(), bytes}, method).code == Code::budget_too_small);
+    CHECK(create_recursive(pack.terrain, {1000, 16 * 9 - 1}, {room.get(), bytes}, method).code == Code::budget_too_small);
+    CHECK(create_recursive(pack.terrain, least, {room.get(), bytes - 1}, method).code == Code::block_too_small);
+    CHECK(create_recursive(pack.terrain, least, {room.get(), bytes}, method).ok());
+}
+
+TEST_CASE("a bake that fails leaves no file, and an old pack stays as it was") {
+    Random random(25);
+    const TemporaryFolder folder;
+    const std::string out = folder / "pack.fjell";
+    const auto bake_once = [&](const baker::BakeOptions& options) {
+        return baker::bake(random_dem(random, 33, 33, Shape::noise), options, out);
+    };
+    const auto files = [&] { return std::distance(std::filesystem::directory_iterator(folder.path), {}); };
+    baker::BakeOptions fails = small_bake(3);
+    fails.progress = [](const char*, std::uint64_t, std::uint64_t) { throw host::Failure(130, "interrupted"); };
+    REQUIRE_THROWS_AS(bake_once(fails), host::Failure);
+    REQUIRE(files() == 0);
+    (void)bake_once(small_bake(3));
+    const auto before = host::read_file(out);
+    REQUIRE_THROWS_AS(bake_once(fails), host::Failure);
+    REQUIRE(host::read_file(out) == before);
+    REQUIRE(files() == 1);
+}
+
+TEST_CASE("an output that cannot be written is refused with the right exit code and a remedy") {
+    Random random(26);
+    const TemporaryFolder folder;
+    const auto exit_code = [&](const std::string& out, const std::string& says) {
+        try {
+            (void)baker::bake(random_dem(random, 33, 33, Shape::noise), small_bake(3), out);
+        } catch (const host::Failure& f) {
+            CHECK(std::string(f.what()).find(says) != std::string::npos);
+            CHECK(std::string(f.what()).find('\n') == std::string::npos);
+            return f.exit_code;
+        }
+        return 0;
+    };
+    CHECK(exit_code(folder / "missing/pack.fjell", "does not exist") == 1);
+    CHECK(exit_code(folder.path.string(), "is a folder") == 1);
+    CHECK(exit_code("/dev/full", "free some space") == 3);
+}

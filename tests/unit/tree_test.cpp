@@ -1,0 +1,131 @@
+// The vertex tree against explicit bisection: the arithmetic of fjell/tree.h must describe the very triangles that
+// splitting produces.
+#include <catch2/catch.hpp>
+
+#include <map>
+#include <set>
+#include <vector>
+
+#include "fjell/record.h"
+#include "fjell/tree.h"
+
+using namespace fjell;
+
+namespace {
+
+struct Less {
+    bool operator()(Coord a, Coord b) const { return a.y != b.y ? a.y < b.y : a.x < b.x; }
+};
+
+// What bisection knows of a vertex: who was at the right angles of the triangles it split.
+struct Seen {
+    std::set<Coord, Less> apexes, ends;
+    int level = 0;
+};
+using Book = std::map<Coord, Seen, Less>;
+
+void bisect(Book& book, Coord apex, Coord left, Coord right, int level) {
+    if (((left.x + right.x) | (left.y + right.y)) & 1) return;
+    const Coord m{(left.x + right.x) / 2, (left.y + right.y) / 2};
+    Seen& seen = book[m];
+    seen.apexes.insert(apex);
+    seen.ends.insert(left);
+    seen.ends.insert(right);
+    seen.level = level;
+    bisect(book, m, apex, left, level + 1);
+    bisect(book, m, right, apex, level + 1);
+}
+
+Book bisect_all(const Tree& tree) {
+    Book book;
+    const std::int32_t n = tree.side();
+    for (std::int32_t ty = 0; ty < tree.tiles_y; ++ty)
+        for (std::int32_t tx = 0; tx < tree.tiles_x; ++tx) {
+            const Coord nw{tx * n, ty * n}, ne{nw.x + n, nw.y}, sw{nw.x, nw.y + n}, se{nw.x + n, nw.y + n};
+            bisect(book, ne, nw, se, 0);
+            bisect(book, sw, se, nw, 0);
+        }
+    return book;
+}
+
+} // namespace
+
+TEST_CASE("levels, diamonds and children are those of explicit bisection, across tile borders too") {
+    for (int log2 = 1; log2 <= 7; ++log2)
+        for (const auto& [tiles_x, tiles_y] : {std::pair{1, 1}, {3, 2}, {2, 3}}) {
+            if (log2 == 7 && tiles_x > 1) continue;
+            const Tree tree{log2, tiles_x, tiles_y};
+            const Book book = bisect_all(tree);
+            std::size_t corners = 0;
+            std::map<Coord, std::set<Coord, Less>, Less> parents_of;
+            for (std::int32_t y = 0; y < tree.rows(); ++y)
+                for (std::int32_t x = 0; x < tree.columns(); ++x) {
+                    const Coord v{x, y};
+                    if (tree.is_corner(v)) {
+                        ++corners;
+                        REQUIRE_FALSE(book.contains(v));
+                        continue;
+                    }
+                    const Seen& seen = book.at(v);
+                    REQUIRE(tree.level(v) == seen.level);
+                    const Diamond d = diamond(tree, v);
+                    std::set<Coord, Less> apexes;
+                    for (const Coord a : d.apexes)
+                        if (tree.contains(a)) apexes.insert(a);
+                    REQUIRE(apexes == seen.apexes);
+                    REQUIRE(std::set<Coord, Less>{d.ends[0], d.ends[1]} == seen.ends);
+                    const Children kids = children(v);
+                    REQUIRE(kids.count == (seen.level == 2 * log2 - 1 ? 0 : 4));
+                    for (int k = 0; k < kids.count; ++k)
+                        if (tree.contains(kids.at[k])) parents_of[kids.at[k]].insert(v);
+                }
+            REQUIRE(corners == static_cast<std::size_t>((tiles_x + 1) * (tiles_y + 1)));
+            // Children are the reverse of parents; only roots have corners instead.
+            for (const auto& [v, seen] : book) {
+                std::set<Coord, Less> expected;
+                for (const Coord a : seen.apexes)
+                    if (!tree.is_corner(a)) expected.insert(a);
+                REQUIRE(parents_of[v] == expected);
+            }
+        }
+}
+
+TEST_CASE("planar order is a bijection that stores every step after the coarser ones") {
+    for (int log2 = 1; log2 <= 11; ++log2) {
+        const PlanarOrder order{log2};
+        const std::uint32_t n = (1u << log2) + 1;
+        std::vector<bool> taken(order.vertex_count());
+        std::uint32_t wrong = 0;
+        for (std::uint32_t y = 0; y < n; ++y)
+            for (std::uint32_t x = 0; x < n; ++x) {
+                const std::uint32_t i = order.index(x, y);
+                if (i >= taken.size() || taken[i]) ++wrong;
+                else taken[i] = true;
+                const Coord back = order.coord(i);
+                wrong += back.x != static_cast<std::int32_t>(x) || back.y != static_cast<std::int32_t>(y);
+                const Coord c{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+                if (i >= 4) {
+                    const int z = Tree::step_log2(c);
+                    wrong += i < order.step_offset(z) || (z > 0 && i >= order.step_offset(z - 1));
+                }
+            }
+        REQUIRE(wrong == 0);
+    }
+}
+
+TEST_CASE("the root follows the four corners in planar order") {
+    for (int log2 = 1; log2 <= 12; ++log2) REQUIRE(PlanarOrder{log2}.index(1u << (log2 - 1), 1u << (log2 - 1)) == 4);
+}
+
+TEST_CASE("bfloat16 rounds up, never to nearest, and by less than one part in 128") {
+    REQUIRE(to_bfloat16_up(0) == 0);
+    for (double v = 1e-30; v < 1e30; v *= 1.00371) {
+        const double stored = from_bfloat16(to_bfloat16_up(v));
+        REQUIRE(stored >= v);
+        REQUIRE(stored <= v * (1 + 1.0 / 128) * (1 + 1e-7));
+        // The next smaller one would be too small.
+        REQUIRE(static_cast<double>(from_bfloat16(static_cast<std::uint16_t>(to_bfloat16_up(v) - 1))) < v);
+    }
+    for (std::uint32_t bits = 0; bits < 0x7f80; ++bits) // what can be stored is stored as it is
+        REQUIRE(to_bfloat16_up(from_bfloat16(static_cast<std::uint16_t>(bits))) == bits);
+}
