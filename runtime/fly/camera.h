@@ -23,7 +23,8 @@ struct FreeCamera {
 };
 
 [[nodiscard]] FreeCamera free_camera(const Pose& pose, double speed_m_s);
-// Moves for `seconds`. Never sinks below `least_above_m` over the ground, nor strays farther than ten times its extents.
+// Moves for `seconds`. Never sinks below `least_above_m` over the ground, nor strays farther than ten times its
+// extents.
 void steer(FreeCamera& camera, const Steering& steering, double seconds, const Ground& ground, double least_above_m);
 // Looks elsewhere; pitch stops short of straight up and down.
 void look(FreeCamera& camera, double right_rad, double up_rad);

@@ -72,8 +72,8 @@ std::string csv(const FlightLog& log) {
     for (std::size_t i = 0; i < log.frames.size(); ++i) {
         const FrameEntry& f = log.frames[i];
         const FrameReport& r = f.report;
-        fmt::format_to(out, "{},{:.1f},{},{},{},{},{:.6g},{:.6g},{},{},", i, f.update_us, r.vertices, r.triangles, r.tiles,
-                       r.vertices_written, r.error_px_asked, r.error_px_effective,
+        fmt::format_to(out, "{},{:.1f},{},{},{},{},{:.6g},{:.6g},{},{},", i, f.update_us, r.vertices, r.triangles,
+                       r.tiles, r.vertices_written, r.error_px_asked, r.error_px_effective,
                        fmt::join(budget_names(r.exhausted), "+"), r.converged ? 1 : 0);
         if (f.verified_px) fmt::format_to(out, "{:.6g}", *f.verified_px);
         text += '\n';

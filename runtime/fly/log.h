@@ -1,4 +1,5 @@
-// What every frame of a flight cost and gave, and what scripts read of it: one CSV line a frame, one JSON object a flight.
+// What every frame of a flight cost and gave, and what scripts read of it: one CSV line a frame, one JSON object a
+// flight.
 //
 // Thread: one. Memory: about 100 bytes a frame, reserved at the start, so that nothing is allocated between frames.
 #pragma once

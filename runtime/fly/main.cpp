@@ -1,5 +1,5 @@
-// fjell-fly: flies a camera over a pack, in a window or headless. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the
-// machine (disk, memory, GPU) is.
+// fjell-fly: flies a camera over a pack, in a window or headless. Exit codes: 0 done, 1 the input is at fault, 2 usage,
+// 3 the machine (disk, memory, GPU) is.
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -24,7 +24,8 @@ using namespace fjell::fly;
 using host::Failure;
 
 void export_frame(const Export& e, const Session& session, const View& view, double error_px) {
-    const gltf::SnapshotResult result = gltf::export_snapshot(session.loaded.pack, session.terrain(), view, error_px, e.path);
+    const gltf::SnapshotResult result =
+        gltf::export_snapshot(session.loaded.pack, session.terrain(), view, error_px, e.path);
     if (!result.ok()) throw Failure(result.exit_code, result.message);
 }
 
@@ -59,12 +60,16 @@ int run(int argc, char** argv) {
     FlightLog log;
     log.frames.reserve(frames);
     Verification verification;
-    if (options.headless) fly_headless(options, session, poses, log, verification);
-    else fly_in_window(options, session, poses, log, verification);
+    if (options.headless)
+        fly_headless(options, session, poses, log, verification);
+    else
+        fly_in_window(options, session, poses, log, verification);
     outputs.finish(options, session, path, log, verification);
     if (verification.exceeded)
-        throw Failure(1, fmt::format("{}: frame {}: {:.4f} px measured where {:.4f} are allowed; check the pack with fjell-bake verify",
-                                     options.pack, verification.frame, verification.max_px, verification.limit_px));
+        throw Failure(
+            1, fmt::format(
+                   "{}: frame {}: {:.4f} px measured where {:.4f} are allowed; check the pack with fjell-bake verify",
+                   options.pack, verification.frame, verification.max_px, verification.limit_px));
     return 0;
 }
 

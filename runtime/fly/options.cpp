@@ -58,7 +58,8 @@ void declare_flight(CLI::App& app, Options& o, Flags& f) {
         ->check(CLI::IsMember({"isotropic", "depth"}));
     app.add_option("--topology", f.topology, "triangle list (default), or one strip a tile")
         ->check(CLI::IsMember({"list", "strip"}));
-    app.add_option("--cull", f.cull, "leave out what the frustum does not see (default on)")->check(CLI::IsMember({"on", "off"}));
+    app.add_option("--cull", f.cull, "leave out what the frustum does not see (default on)")
+        ->check(CLI::IsMember({"on", "off"}));
     app.add_flag("--corner-safe", f.corner_safe, "hold the threshold in the image's corners too");
     app.add_option("--fov", f.fov_deg, "vertical field of view in degrees")->check(within(min_fov_deg, max_fov_deg));
     app.add_option("--size", f.size, "picture in pixels, WIDTHxHEIGHT");
@@ -70,7 +71,8 @@ void declare_outputs(CLI::App& app, Options& o, Flags& f) {
     app.add_option("--export", f.exports, "FRAME:OUT.glb, the whole terrain as that frame sees it; may be repeated")
         ->allow_extra_args(false);
     app.add_option("--render", o.render_folder, "write frame_NNNNN.png into this folder");
-    app.add_option("--render-every", o.render_every, "only every N-th frame")->check(CLI::Range(std::size_t{1}, most_frames));
+    app.add_option("--render-every", o.render_every, "only every N-th frame")
+        ->check(CLI::Range(std::size_t{1}, most_frames));
     app.add_option("--mode", f.mode, "pictures shaded (default), with wireframe, or coloured by tree level")
         ->check(CLI::IsMember({"shaded", "wire", "levels"}));
     app.add_option("--verify", o.verify_every, "every N frames, measure the error at every sample")
@@ -100,8 +102,7 @@ Export parse_export(const std::string& text, std::size_t frames) {
     const auto frame = whole(std::string_view(text).substr(0, colon));
     if (!frame || colon + 1 >= text.size())
         throw Failure(2, fmt::format("--export {}: must be FRAME:OUT.glb, e.g. 0:terrain.glb", text));
-    if (*frame >= frames)
-        throw Failure(2, fmt::format("--export {}: the flight has frames 0 to {}", text, frames - 1));
+    if (*frame >= frames) throw Failure(2, fmt::format("--export {}: the flight has frames 0 to {}", text, frames - 1));
     return {*frame, text.substr(colon + 1)};
 }
 
@@ -117,7 +118,8 @@ void apply(const Flags& f, Options& o) {
     o.mode = f.mode == "wire" ? PictureMode::wire : f.mode == "levels" ? PictureMode::levels : PictureMode::shaded;
     o.seeded = f.seed.has_value();
     o.seed = f.seed.value_or(0);
-    for (const std::string& text : f.exports) o.exports.push_back(parse_export(text, o.frames ? o.frames : default_frames));
+    for (const std::string& text : f.exports)
+        o.exports.push_back(parse_export(text, o.frames ? o.frames : default_frames));
 }
 
 void check_together(const Options& o) {

@@ -29,7 +29,8 @@ void check_folder(const std::string& folder, const std::string& output) {
     if (stat(folder.c_str(), &info) != 0 || !S_ISDIR(info.st_mode))
         throw Failure(1, fmt::format("{}: the output folder does not exist; create it or choose another", output));
     if (access(folder.c_str(), W_OK | X_OK) != 0)
-        throw Failure(3, fmt::format("{}: cannot write there: {}; choose a folder you may write to", output, std::strerror(errno)));
+        throw Failure(3, fmt::format("{}: cannot write there: {}; choose a folder you may write to", output,
+                                     std::strerror(errno)));
 }
 
 std::string folder_of(const std::string& path) {
@@ -51,8 +52,12 @@ void write_all(std::unique_ptr<AtomicFile>& file, const std::string& path, const
     file->commit();
 }
 
-const char* name_of(Metric metric) { return metric == Metric::depth ? "depth" : "isotropic"; }
-const char* name_of(Topology topology) { return topology == Topology::strip ? "strip" : "list"; }
+const char* name_of(Metric metric) {
+    return metric == Metric::depth ? "depth" : "isotropic";
+}
+const char* name_of(Topology topology) {
+    return topology == Topology::strip ? "strip" : "list";
+}
 
 json pack_json(const Session& session) {
     const PackHeader& h = session.loaded.pack.header;
@@ -94,11 +99,15 @@ json flight_json(const Options& o, const Session& session, const CameraPath& pat
 
 std::string table(const Options& o, const Summary& s, const Verification& v) {
     std::string text;
-    const auto row = [&](const char* name, const std::string& value) { text += fmt::format("{:<22} {}\n", name, value); };
-    row("frames", fmt::format("{}, {} of them converged; threshold {:g} px", s.frames, s.converged, o.profile.refine.error_px));
+    const auto row = [&](const char* name, const std::string& value) {
+        text += fmt::format("{:<22} {}\n", name, value);
+    };
+    row("frames",
+        fmt::format("{}, {} of them converged; threshold {:g} px", s.frames, s.converged, o.profile.refine.error_px));
     row("update [us]", fmt::format("{:.0f} mean, {:.0f} p50, {:.0f} p99, {:.0f} max", s.update_us_mean, s.update_us.p50,
                                    s.update_us.p99, s.update_us.max));
-    row("selected vertices", fmt::format("{:.0f} mean, {} max, {:.1f} ns each", s.vertices_mean, s.vertices_max, s.ns_per_vertex));
+    row("selected vertices",
+        fmt::format("{:.0f} mean, {} max, {:.1f} ns each", s.vertices_mean, s.vertices_max, s.ns_per_vertex));
     row("triangles", fmt::format("{:.0f} mean, {} max", s.triangles_mean, s.triangles_max));
     row("tiles drawn", fmt::format("{:.0f} mean", s.tiles_mean));
     row("uploaded [kB/frame]", fmt::format("{:.0f} mean", s.upload_mean / 1000));
@@ -106,10 +115,10 @@ std::string table(const Options& o, const Summary& s, const Verification& v) {
         row("budgets exhausted", fmt::format("{}; the threshold rose to {:.3g} px; raise them in the profile",
                                              fmt::join(budget_names(s.exhausted), " and "), s.effective_px_max));
     if (s.verified)
-        row("verified error [px]", fmt::format("{:.4f} largest of {} frames, threshold {:g}; nearest to its limit: {:.4f} of {:.4f} "
-                                               "with half a quantum, frame {}",
-                                               *s.verified_px_max, s.verified, o.profile.refine.error_px, v.max_px,
-                                               v.limit_px, v.frame));
+        row("verified error [px]",
+            fmt::format("{:.4f} largest of {} frames, threshold {:g}; nearest to its limit: {:.4f} of {:.4f} "
+                        "with half a quantum, frame {}",
+                        *s.verified_px_max, s.verified, o.profile.refine.error_px, v.max_px, v.limit_px, v.frame));
     return text;
 }
 

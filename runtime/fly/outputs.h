@@ -1,5 +1,5 @@
-// Everything a flight writes, opened or checked before the first frame: nobody flies for an hour to learn that a folder is
-// missing.
+// Everything a flight writes, opened or checked before the first frame: nobody flies for an hour to learn that a folder
+// is missing.
 #pragma once
 
 #include <memory>

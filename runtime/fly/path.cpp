@@ -17,9 +17,15 @@ using host::Failure;
 
 constexpr double farthest_m = 1e8; // as fjell::validate(View) limits the eye
 
-Vec3 position_of(const ControlPoint& p) { return {p[0], p[1], p[2]}; }
-Vec3 direction_of(const ControlPoint& p) { return {p[3], p[4], p[5]}; }
-Vec3 up_of(const ControlPoint& p) { return {p[6], p[7], p[8]}; }
+Vec3 position_of(const ControlPoint& p) {
+    return {p[0], p[1], p[2]};
+}
+Vec3 direction_of(const ControlPoint& p) {
+    return {p[3], p[4], p[5]};
+}
+Vec3 up_of(const ControlPoint& p) {
+    return {p[6], p[7], p[8]};
+}
 
 // What a camera flies over: the ground's highest point near each of a row of stations along the path, smoothed.
 //
@@ -135,7 +141,8 @@ std::vector<Pose> resample_orbit(const CameraPath& path, const Orbit& orbit, con
                                  std::span<const double> share) {
     const bool metres = path.units == Units::metres;
     const double unit = metres ? 1 : ground.longer_m();
-    Vec3 centre{orbit.centre_x * (metres ? 1 : ground.extent_x_m), 0, orbit.centre_z * (metres ? 1 : ground.extent_z_m)};
+    Vec3 centre{orbit.centre_x * (metres ? 1 : ground.extent_x_m), 0,
+                orbit.centre_z * (metres ? 1 : ground.extent_z_m)};
     centre.y = ground.height_m(centre.x, centre.z);
     // The first frame looks north; then the camera goes round clockwise, seen from above.
     const auto on_circle = [&](double s) {
@@ -226,15 +233,18 @@ std::vector<double> chord_knots(std::span<const ControlPoint> points, const std:
 CameraPath random_path(std::uint64_t seed) {
     Random random(seed);
     std::vector<ControlPoint> points;
-    double x = random.between(0.2, 0.8), z = random.between(0.2, 0.8), heading = random.between(0, 2 * std::numbers::pi);
+    double x = random.between(0.2, 0.8), z = random.between(0.2, 0.8),
+           heading = random.between(0, 2 * std::numbers::pi);
     for (int i = 0; i < 10; ++i) {
         const Vec3 forward{std::sin(heading), random.between(-0.35, -0.05), -std::cos(heading)};
         points.push_back({x, random.between(0.002, 0.02), z, forward.x, forward.y, forward.z, 0, 1, 0});
         x += 0.1 * forward.x;
         z += 0.1 * forward.z;
         // Near the rim turn back to the middle, otherwise wander.
-        if (std::min({x, z, 1 - x, 1 - z}) < 0.15) heading = std::atan2(0.5 - x, z - 0.5);
-        else heading += random.between(-0.8, 0.8);
+        if (std::min({x, z, 1 - x, 1 - z}) < 0.15)
+            heading = std::atan2(0.5 - x, z - 0.5);
+        else
+            heading += random.between(-0.8, 0.8);
     }
     CameraPath path;
     path.name = fmt::format("random path {}", seed);

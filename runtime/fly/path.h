@@ -7,13 +7,13 @@
 //   recorded  frames that another program wrote down (lines `F level 3x4-matrix zoom`).
 // It is resampled regularly to as many frames as asked for; direction and up are made orthonormal.
 //
-// Axes as everywhere: x east, y up, z south, metres, from sample (0, 0). Units of a file: "metres" takes them as they are.
-// "terrain" makes a path that flies over any pack: x and z are shares 0..1 of the terrain's extents, lengths and heights
-// shares of the longer extent, and heights count from the ground: along points from a smooth envelope over it, so
-// that the camera glides over peaks between control points too; for orbit and straight from the highest ground on the
-// way, so that the flight is level. Directions are metric in both.
-// File formats: content/README.md. Thread: immutable, shareable. Failure: host::Failure with exit code 1, which names the
-// file, the point and what to give instead.
+// Axes as everywhere: x east, y up, z south, metres, from sample (0, 0). Units of a file: "metres" takes them as they
+// are. "terrain" makes a path that flies over any pack: x and z are shares 0..1 of the terrain's extents, lengths and
+// heights shares of the longer extent, and heights count from the ground: along points from a smooth envelope over it,
+// so that the camera glides over peaks between control points too; for orbit and straight from the highest ground on
+// the way, so that the flight is level. Directions are metric in both. File formats: content/README.md. Thread:
+// immutable, shareable. Failure: host::Failure with exit code 1, which names the file, the point and what to give
+// instead.
 #pragma once
 
 #include <array>
@@ -90,6 +90,7 @@ struct CameraPath {
 [[nodiscard]] std::vector<double> chord_knots(std::span<const ControlPoint> points, const std::string& name);
 
 // frames >= 1. Throws Failure where direction and up cannot be made orthonormal, and when a position leaves 1e8 m.
-[[nodiscard]] std::vector<Pose> resample(const CameraPath& path, const Ground& ground, std::size_t frames = default_frames);
+[[nodiscard]] std::vector<Pose> resample(const CameraPath& path, const Ground& ground,
+                                         std::size_t frames = default_frames);
 
 } // namespace fjell::fly

@@ -149,23 +149,29 @@ CameraPath parse_json(std::string_view text, const std::string& name) {
     CameraPath path;
     path.name = name;
     if (const json* units = fields.find("units")) {
-        if (*units == "metres") path.units = Units::metres;
-        else if (*units == "terrain") path.units = Units::terrain;
-        else fields.bad("units", "must be \"metres\" or \"terrain\"");
+        if (*units == "metres")
+            path.units = Units::metres;
+        else if (*units == "terrain")
+            path.units = Units::terrain;
+        else
+            fields.bad("units", "must be \"metres\" or \"terrain\"");
     }
     const json *points = fields.find("points"), *around = fields.find("orbit"), *line = fields.find("straight");
     if ((points != nullptr) + (around != nullptr) + (line != nullptr) != 1)
         fields.bad("a path has exactly one of points, orbit and straight");
     fields.refuse_others();
-    if (points) path.kind = spline_path(*points, name);
-    else if (around) path.kind = orbit(*around, name, path.units);
-    else path.kind = straight(*line, name);
+    if (points)
+        path.kind = spline_path(*points, name);
+    else if (around)
+        path.kind = orbit(*around, name, path.units);
+    else
+        path.kind = straight(*line, name);
     return path;
 }
 
-// The recording's frame has x east, y north, z up, in multiples of the DEM's width, from its south-west corner. It says so
-// itself: view x left = up makes it right-handed with z up, its speed along the view is even, and the camera then follows
-// the valleys, which no other placing of the rectangle gives.
+// The recording's frame has x east, y north, z up, in multiples of the DEM's width, from its south-west corner. It says
+// so itself: view x left = up makes it right-handed with z up, its speed along the view is even, and the camera then
+// follows the valleys, which no other placing of the rectangle gives.
 ControlPoint recorded_frame(const std::array<double, 14>& f) {
     return {f[10], f[12], -f[11], f[1], f[3], -f[2], f[7], f[9], -f[8]};
 }

@@ -45,7 +45,8 @@ Pictures::Pictures(const Options& options, const Session& session) : state_(std:
     state_->target = gl::Target::create({options.profile.width_px, options.profile.height_px, samples_a_pixel}, error);
     require(state_->target != nullptr, error);
     const RecursiveBudget& budget = options.profile.budget;
-    state_->renderer = gl::Renderer::create(session.terrain(), session.loaded.pack, {budget.vertices, budget.indices, 0}, error);
+    state_->renderer =
+        gl::Renderer::create(session.terrain(), session.loaded.pack, {budget.vertices, budget.indices, 0}, error);
     require(state_->renderer != nullptr, error);
     state_->draw = draw_options(options.mode);
     state_->folder = options.render_folder;
@@ -64,6 +65,8 @@ void Pictures::write(const Session& session, const View& view, std::size_t frame
     ++state_->written;
 }
 
-std::size_t Pictures::written() const { return state_->written; }
+std::size_t Pictures::written() const {
+    return state_->written;
+}
 
 } // namespace fjell::fly

@@ -40,7 +40,8 @@ template <typename T, typename Part>
 Setter whole(Part Profile::*part, T Part::*field, std::uint32_t least, std::uint32_t most) {
     return [=](const toml::node& node, Profile& profile) -> Problem {
         const auto value = node.value_exact<std::int64_t>();
-        if (!value || *value < least || *value > most) return fmt::format("must be a whole number from {} to {}", least, most);
+        if (!value || *value < least || *value > most)
+            return fmt::format("must be a whole number from {} to {}", least, most);
         (profile.*part).*field = static_cast<T>(*value);
         return {};
     };
@@ -49,7 +50,8 @@ Setter whole(Part Profile::*part, T Part::*field, std::uint32_t least, std::uint
 Setter pixels(std::uint32_t Profile::*field) {
     return [=](const toml::node& node, Profile& profile) -> Problem {
         const auto value = node.value_exact<std::int64_t>();
-        if (!value || *value < 1 || *value > max_size_px) return fmt::format("must be a whole number from 1 to {}", max_size_px);
+        if (!value || *value < 1 || *value > max_size_px)
+            return fmt::format("must be a whole number from 1 to {}", max_size_px);
         profile.*field = static_cast<std::uint32_t>(*value);
         return {};
     };
@@ -99,10 +101,12 @@ const std::vector<Key>& keys() {
     static const std::vector<Key> all{
         {"refine", "method", set_method},
         {"refine", "error_px", set_error_px},
-        {"refine", "metric", choice<Metric>(&RefineSettings::metric, {{"isotropic", Metric::isotropic}, {"depth", Metric::depth}})},
+        {"refine", "metric",
+         choice<Metric>(&RefineSettings::metric, {{"isotropic", Metric::isotropic}, {"depth", Metric::depth}})},
         {"refine", "cull", flag(&RefineSettings::cull)},
         {"refine", "corner_safe", flag(&RefineSettings::corner_safe)},
-        {"refine", "topology", choice<Topology>(&RefineSettings::topology, {{"list", Topology::triangles}, {"strip", Topology::strip}})},
+        {"refine", "topology",
+         choice<Topology>(&RefineSettings::topology, {{"list", Topology::triangles}, {"strip", Topology::strip}})},
         {"budget", "vertices", whole(&Profile::budget, &RecursiveBudget::vertices, min_budget, max_vertices)},
         {"budget", "indices", whole(&Profile::budget, &RecursiveBudget::indices, min_budget, max_indices)},
         {"view", "width_px", pixels(&Profile::width_px)},
@@ -112,7 +116,8 @@ const std::vector<Key>& keys() {
     return all;
 }
 
-[[noreturn]] void fail(const std::string& name, const toml::node& node, const std::string& key, const std::string& what) {
+[[noreturn]] void fail(const std::string& name, const toml::node& node, const std::string& key,
+                       const std::string& what) {
     throw Failure(1, fmt::format("{}:{}: {}: {}", name, node.source().begin.line, key, what));
 }
 
@@ -147,7 +152,8 @@ Profile parse_profile(std::string_view text, const std::string& name) {
     Profile profile;
     for (const auto& [key, node] : root) {
         const std::string table_name(key.str());
-        if (known_keys(table_name).empty()) fail(name, node, table_name, "unknown table; a profile has refine, budget and view");
+        if (known_keys(table_name).empty())
+            fail(name, node, table_name, "unknown table; a profile has refine, budget and view");
         const toml::table* table = node.as_table();
         if (!table) fail(name, node, table_name, fmt::format("must be a table; write [{}]", table_name));
         read_table(*table, table_name, profile, name);

@@ -1,7 +1,7 @@
 // Profiles: what one kind of machine can afford, as TOML (profiles/*.toml).
 //
-// Every key has a default, a unit and a range; the shipped profiles say what each costs. Command-line flags win over the
-// profile, the profile over the defaults. Failure: host::Failure with exit code 1 naming file, line and key.
+// Every key has a default, a unit and a range; the shipped profiles say what each costs. Command-line flags win over
+// the profile, the profile over the defaults. Failure: host::Failure with exit code 1 naming file, line and key.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 namespace fjell::fly {
 
 struct Profile {
-    RefineSettings refine;  // [refine] method, error_px, metric, cull, corner_safe, topology
-    RecursiveBudget budget; // [budget] vertices, indices
+    RefineSettings refine;                          // [refine] method, error_px, metric, cull, corner_safe, topology
+    RecursiveBudget budget;                         // [budget] vertices, indices
     std::uint32_t width_px = 1280, height_px = 720; // [view] width_px, height_px
     double fov_deg = 45;                            // [view] fov_deg: vertical
 };

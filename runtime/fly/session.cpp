@@ -18,13 +18,17 @@ using host::Failure;
 using Clock = std::chrono::steady_clock;
 
 volatile std::sig_atomic_t interrupted = 0;
-void on_signal(int) { interrupted = 1; }
+void on_signal(int) {
+    interrupted = 1;
+}
 
 void require(const Status& status) {
     if (!status.ok()) throw Failure(1, fmt::format("{}: {}", status.field, message(status.code)));
 }
 
-double microseconds(Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); }
+double microseconds(Clock::duration d) {
+    return std::chrono::duration<double, std::micro>(d).count();
+}
 
 } // namespace
 
@@ -67,7 +71,8 @@ FrameEntry update_frame(Session& session, const View& view, const RefineSettings
     entry.update_us = microseconds(Clock::now() - start);
     require(status);
     const MeshView mesh = recursive_mesh(session.method);
-    entry.upload_bytes = std::uint64_t{mesh.dirty_end - mesh.dirty_begin} * sizeof(MeshVertex) + mesh.indices.size_bytes();
+    entry.upload_bytes =
+        std::uint64_t{mesh.dirty_end - mesh.dirty_begin} * sizeof(MeshVertex) + mesh.indices.size_bytes();
     return entry;
 }
 
@@ -75,9 +80,11 @@ void verify_frame(const Session& session, const View& view, const RefineSettings
                   FrameEntry& entry, Verification& verification) {
     const Frustum frustum = make_frustum(view);
     const Terrain& terrain = session.terrain();
-    const MeasuredError e = measure_error(terrain, recursive_mesh(session.method), view, settings.cull ? &frustum : nullptr);
+    const MeasuredError e =
+        measure_error(terrain, recursive_mesh(session.method), view, settings.cull ? &frustum : nullptr);
     const Vec3 sample{terrain.x_m(e.sample_px.x), terrain.height_m(e.sample_px), terrain.z_m(e.sample_px.y)};
-    const double quantum_px = 0.5 * terrain.lattice.quantum_m * view.lambda_px / std::max(length(sample - view.eye_m), 1e-9);
+    const double quantum_px =
+        0.5 * terrain.lattice.quantum_m * view.lambda_px / std::max(length(sample - view.eye_m), 1e-9);
     const double limit_px = entry.report.error_px_effective + quantum_px;
     entry.verified_px = e.max_px;
     verification.exceeded = verification.exceeded || e.max_px > limit_px;

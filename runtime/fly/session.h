@@ -1,7 +1,7 @@
 // A loaded terrain with a method that refines it, and one frame of a flight over it.
 //
-// Ownership: a Session owns the file's bytes, the records and the method's block. Thread: one. Failure: host::Failure, 1
-// for a pack, a view or a budget that does not do, 3 when memory is short.
+// Ownership: a Session owns the file's bytes, the records and the method's block. Thread: one. Failure: host::Failure,
+// 1 for a pack, a view or a budget that does not do, 3 when memory is short.
 #pragma once
 
 #include <cstddef>
@@ -31,8 +31,8 @@ void open_session(const Options& options, Session& session);
 // The path the options ask for: a file, a seed's, or an orbit.
 [[nodiscard]] CameraPath path_of(const Options& options);
 
-// The far plane lies behind the terrain's farthest corner; the near one a twentieth of a cell ahead: depth is reversed and
-// float, so their ratio costs nothing.
+// The far plane lies behind the terrain's farthest corner; the near one a twentieth of a cell ahead: depth is reversed
+// and float, so their ratio costs nothing.
 [[nodiscard]] View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile);
 
 // Times one update.
@@ -41,7 +41,7 @@ void open_session(const Options& options, Session& session);
 // What --verify found so far. A sample may be off by the threshold and half a quantum: heights are known no better.
 struct Verification {
     bool exceeded = false;
-    std::size_t frame = 0;   // of the frame that came nearest to its limit, or exceeded it most
+    std::size_t frame = 0; // of the frame that came nearest to its limit, or exceeded it most
     double max_px = 0, limit_px = 0;
 };
 // Measures the mesh of the last update at every sample (inside the frustum, when it was culled) against the effective
@@ -49,7 +49,8 @@ struct Verification {
 void verify_frame(const Session& session, const View& view, const RefineSettings& settings, std::size_t frame,
                   FrameEntry& entry, Verification& verification);
 
-// SIGINT and SIGTERM become a Failure at the next call of check_interrupt, so that destructors remove what is half-written.
+// SIGINT and SIGTERM become a Failure at the next call of check_interrupt, so that destructors remove what is
+// half-written.
 void catch_interrupts();
 void check_interrupt();
 

@@ -1,7 +1,8 @@
-// A natural cubic spline through points of any dimension: passes through every one, and its first and second derivatives
-// are continuous (thesis 6.2 uses nine dimensions for a camera).
+// A natural cubic spline through points of any dimension: passes through every one, and its first and second
+// derivatives are continuous (thesis 6.2 uses nine dimensions for a camera).
 //
-// Between knots i and i + 1, h apart, with a = (t[i+1] - t) / h and b = 1 - a, and m the second derivatives at the knots,
+// Between knots i and i + 1, h apart, with a = (t[i+1] - t) / h and b = 1 - a, and m the second derivatives at the
+// knots,
 //   s(t) = a p[i] + b p[i+1] + h^2 / 6 ((a^3 - a) m[i] + (b^3 - b) m[i+1]).
 // Equal slopes on both sides of every inner knot give one equation each,
 //   h[i-1] m[i-1] + 2 (h[i-1] + h[i]) m[i] + h[i] m[i+1] = 6 ((p[i+1] - p[i]) / h[i] - (p[i] - p[i-1]) / h[i-1]),
@@ -34,8 +35,8 @@ public:
             const double pivot = 2 * (before + after) - before * upper[i - 1];
             upper[i] = after / pivot;
             for (std::size_t d = 0; d < D; ++d) {
-                const double turn = 6 * ((points_[i + 1][d] - points_[i][d]) / after -
-                                         (points_[i][d] - points_[i - 1][d]) / before);
+                const double turn =
+                    6 * ((points_[i + 1][d] - points_[i][d]) / after - (points_[i][d] - points_[i - 1][d]) / before);
                 second_[i][d] = (turn - before * second_[i - 1][d]) / pivot;
             }
         }
@@ -54,7 +55,8 @@ public:
         if (derivative == 2) w = {0, 0, a, b};
         Point result{};
         for (std::size_t d = 0; d < D; ++d)
-            result[d] = w[0] * points_[i][d] + w[1] * points_[i + 1][d] + w[2] * second_[i][d] + w[3] * second_[i + 1][d];
+            result[d] =
+                w[0] * points_[i][d] + w[1] * points_[i + 1][d] + w[2] * second_[i][d] + w[3] * second_[i + 1][d];
         return result;
     }
     [[nodiscard]] const std::vector<double>& knots() const { return knots_; }

@@ -42,7 +42,9 @@ struct Input {
     bool toggle_path = false, dragging = false;
 };
 
-Input& input_of(GLFWwindow* window) { return *static_cast<Input*>(glfwGetWindowUserPointer(window)); }
+Input& input_of(GLFWwindow* window) {
+    return *static_cast<Input*>(glfwGetWindowUserPointer(window));
+}
 
 void on_key(GLFWwindow* window, int key, int, int action, int) {
     Input& input = input_of(window);
@@ -78,7 +80,8 @@ void on_move(GLFWwindow* window, double x, double y) {
 
 Steering steering_of(GLFWwindow* window) {
     const auto axis = [&](int plus, int minus) {
-        return (glfwGetKey(window, plus) == GLFW_PRESS ? 1.0 : 0.0) - (glfwGetKey(window, minus) == GLFW_PRESS ? 1.0 : 0.0);
+        return (glfwGetKey(window, plus) == GLFW_PRESS ? 1.0 : 0.0) -
+               (glfwGetKey(window, minus) == GLFW_PRESS ? 1.0 : 0.0);
     };
     return {axis(GLFW_KEY_W, GLFW_KEY_S), axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q),
             axis(GLFW_KEY_RIGHT, GLFW_KEY_LEFT), axis(GLFW_KEY_UP, GLFW_KEY_DOWN)};
@@ -102,13 +105,17 @@ public:
     Flight(const Options& options, Session& session, std::span<const Pose> poses)
         : options_(options), session_(session), profile_(options.profile), mode_(options.mode),
           ground_(ground_of(session.terrain())),
-          camera_(free_camera(poses.front(), ground_.longer_m() / 60)),
-          playback_{poses, options.hz, 0, options.frames == 0, options.frames > 0 || !options.path.empty() || options.seeded} {
+          camera_(free_camera(poses.front(), ground_.longer_m() / 60)), playback_{poses, options.hz, 0,
+                                                                                  options.frames == 0,
+                                                                                  options.frames > 0 ||
+                                                                                      !options.path.empty() ||
+                                                                                      options.seeded} {
         std::string error;
         window_ = gl::Window::create({profile_.width_px, profile_.height_px, "Fjell"}, error);
         require(window_ != nullptr, error);
         const RecursiveBudget& budget = profile_.budget;
-        renderer_ = gl::Renderer::create(session.terrain(), session.loaded.pack, {budget.vertices, budget.indices, 0}, error);
+        renderer_ =
+            gl::Renderer::create(session.terrain(), session.loaded.pack, {budget.vertices, budget.indices, 0}, error);
         require(renderer_ != nullptr, error);
         GLFWwindow* window = window_->handle();
         glfwSetWindowUserPointer(window, &input_);
@@ -139,11 +146,11 @@ public:
 
 private:
     void take_input() {
-        const Input input = std::exchange(input_, Input{.mouse_x = input_.mouse_x, .mouse_y = input_.mouse_y,
-                                                        .dragging = input_.dragging});
+        const Input input = std::exchange(
+            input_, Input{.mouse_x = input_.mouse_x, .mouse_y = input_.mouse_y, .dragging = input_.dragging});
         mode_ = static_cast<PictureMode>((static_cast<int>(mode_) + input.mode_steps) % 3);
-        profile_.refine.error_px = std::clamp(profile_.refine.error_px * std::pow(1.25, input.threshold_steps),
-                                              min_error_px, max_error_px);
+        profile_.refine.error_px =
+            std::clamp(profile_.refine.error_px * std::pow(1.25, input.threshold_steps), min_error_px, max_error_px);
         camera_.speed_m_s = std::clamp(camera_.speed_m_s * std::pow(1.25, input.wheel), 0.01, 1e6);
         look(camera_, input.drag_x * radians_a_pixel, -input.drag_y * radians_a_pixel);
         if (input.toggle_path) playback_.on = !playback_.on;
@@ -193,8 +200,8 @@ private:
         if (shown_seconds_ < title_seconds) return;
         const FrameReport& r = entry.report;
         const std::string text =
-            fmt::format("Fjell - update {:.0f} us - {} vertices - {} triangles - {:.0f} fps - {:.3g} px{}", entry.update_us,
-                        r.vertices, r.triangles, shown_frames_ / shown_seconds_, r.error_px_effective,
+            fmt::format("Fjell - update {:.0f} us - {} vertices - {} triangles - {:.0f} fps - {:.3g} px{}",
+                        entry.update_us, r.vertices, r.triangles, shown_frames_ / shown_seconds_, r.error_px_effective,
                         r.converged ? "" : " (budget exhausted)");
         glfwSetWindowTitle(window_->handle(), text.c_str());
         shown_seconds_ = 0;

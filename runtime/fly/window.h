@@ -9,8 +9,8 @@
 
 namespace fjell::fly {
 
-// Returns when the window is closed, or after options.frames frames when they were given. Throws Failure 3 when there is
-// no display or no OpenGL 4.5. poses: the path, resampled; not empty.
+// Returns when the window is closed, or after options.frames frames when they were given. Throws Failure 3 when there
+// is no display or no OpenGL 4.5. poses: the path, resampled; not empty.
 void fly_in_window(const Options& options, Session& session, std::span<const Pose> poses, FlightLog& log,
                    Verification& verification);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include <epoxy/gl.h>
@@ -116,9 +117,12 @@ std::string Renderer::State::make_programs() {
     for (int mode = 0; mode < 3; ++mode)
         for (int wire = 0; wire < 2 && error.empty(); ++wire) {
             const bool per_triangle = wire != 0 || mode == static_cast<int>(Mode::levels);
-            const std::string defines = maps + modes[mode] + (wire ? "#define WIREFRAME\n" : "") + common;
+            std::string before = maps;
+            before += modes[mode];
+            before += wire ? "#define WIREFRAME\n" : "";
+            before += common;
             terrain[mode][wire] =
-                make_program({"terrain", defines, terrain_vertex_shader(),
+                make_program({"terrain", std::move(before), terrain_vertex_shader(),
                               per_triangle ? terrain_geometry_shader() : "", terrain_fragment_shader()},
                              error);
         }

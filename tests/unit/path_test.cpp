@@ -49,16 +49,21 @@ std::string refusal(const std::string& text) {
     return "accepted";
 }
 
-double distance(Vec3 a, Vec3 b) { return length(a - b); }
+double distance(Vec3 a, Vec3 b) {
+    return length(a - b);
+}
 
 void check_orthonormal(const std::vector<Pose>& poses) {
     double worst = 0;
     for (const Pose& p : poses)
-        worst = std::max({worst, std::abs(length(p.direction) - 1), std::abs(length(p.up) - 1), std::abs(dot(p.direction, p.up))});
+        worst = std::max(
+            {worst, std::abs(length(p.direction) - 1), std::abs(length(p.up) - 1), std::abs(dot(p.direction, p.up))});
     CHECK(worst < 1e-14);
 }
 
-NaturalSpline<9> spline_of(const CameraPath& path) { return std::get<SplinePath>(path.kind).spline; }
+NaturalSpline<9> spline_of(const CameraPath& path) {
+    return std::get<SplinePath>(path.kind).spline;
+}
 
 } // namespace
 
@@ -106,7 +111,8 @@ TEST_CASE("position, first and second derivative of a path are continuous at eve
     for (const double t : {0.05, 0.31, 0.66, 0.93})
         for (int derivative = 0; derivative <= 1; ++derivative) {
             constexpr double e = 1e-5;
-            const ControlPoint a = s.at(t - e, derivative), b = s.at(t + e, derivative), slope = s.at(t, derivative + 1);
+            const ControlPoint a = s.at(t - e, derivative), b = s.at(t + e, derivative),
+                               slope = s.at(t, derivative + 1);
             for (std::size_t d = 0; d < 9; ++d)
                 CHECK((b[d] - a[d]) / (2 * e) == Approx(slope[d]).epsilon(1e-4).margin(1e-3));
         }
@@ -127,12 +133,14 @@ TEST_CASE("a path is resampled to as many orthonormal frames as asked, from its 
 TEST_CASE("resampling finer visits the same places") {
     const CameraPath path = parse_path(points(four), "p.json");
     const std::vector<Pose> coarse = resample(path, ridges(), 11), fine = resample(path, ridges(), 101);
-    for (std::size_t i = 0; i < coarse.size(); ++i) CHECK(distance(coarse[i].position_m, fine[10 * i].position_m) < 1e-9);
+    for (std::size_t i = 0; i < coarse.size(); ++i)
+        CHECK(distance(coarse[i].position_m, fine[10 * i].position_m) < 1e-9);
 }
 
 TEST_CASE("a camera that only turns moves on at an even pace") {
     const CameraPath path = parse_path(points(R"({"position": [5, 5, 5], "direction": [0, 0, -1]},
-        {"position": [5, 5, 5], "direction": [1, 0, 0]}, {"position": [5, 5, 5], "direction": [0, 0, 1]})"), "p.json");
+        {"position": [5, 5, 5], "direction": [1, 0, 0]}, {"position": [5, 5, 5], "direction": [0, 0, 1]})"),
+                                       "p.json");
     const std::vector<Pose> poses = resample(path, flat(), 101);
     check_orthonormal(poses);
     CHECK(poses[50].direction.x == Approx(1));
@@ -142,7 +150,9 @@ TEST_CASE("a camera that only turns moves on at an even pace") {
 TEST_CASE("in units of the terrain a path keeps its height above the ground, between control points too") {
     // From valley to valley straight over the ridges, one hundredth of 40 km above them.
     const CameraPath path = parse_path(points(R"({"position": [0.05, 0.01, 0.5], "direction": [1, 0, 0]},
-        {"position": [0.95, 0.01, 0.5], "direction": [1, 0, 0]})", "terrain"), "p.json");
+        {"position": [0.95, 0.01, 0.5], "direction": [1, 0, 0]})",
+                                              "terrain"),
+                                       "p.json");
     const Ground ground = ridges();
     double lowest = 1e9, roughest = 0;
     const std::vector<Pose> poses = resample(path, ground);
@@ -159,7 +169,8 @@ TEST_CASE("in units of the terrain a path keeps its height above the ground, bet
 }
 
 TEST_CASE("an orbit keeps its distance and looks at the middle of the ground") {
-    const CameraPath path = parse_path(R"({"units": "terrain", "orbit": {"radius": 0.25, "height": 0.1, "turns": 2}})", "p.json");
+    const CameraPath path =
+        parse_path(R"({"units": "terrain", "orbit": {"radius": 0.25, "height": 0.1, "turns": 2}})", "p.json");
     const std::vector<Pose> poses = resample(path, flat(1000), 81);
     check_orthonormal(poses);
     for (const Pose& p : poses) {
@@ -167,13 +178,15 @@ TEST_CASE("an orbit keeps its distance and looks at the middle of the ground") {
         const Vec3 to_centre = normalised(Vec3{20000, 1000, 10000} - p.position_m);
         CHECK(distance(to_centre, p.direction) < 1e-12);
     }
-    CHECK(distance(poses[0].position_m, {20000, 5000, 20000}) < 1e-6); // south, looking north
+    CHECK(distance(poses[0].position_m, {20000, 5000, 20000}) < 1e-6);  // south, looking north
     CHECK(distance(poses[10].position_m, {10000, 5000, 10000}) < 1e-6); // then west: clockwise
     CHECK(distance(poses[40].position_m, poses[0].position_m) < 1e-6);
 }
 
 TEST_CASE("a straight flight goes at the asked number of cells a frame") {
-    const CameraPath path = parse_path(R"({"straight": {"from": [0, 900, 100], "to": [300, 900, 500], "cells_per_frame": 3.3, "pitch_deg": -10}})", "p.json");
+    const CameraPath path = parse_path(
+        R"({"straight": {"from": [0, 900, 100], "to": [300, 900, 500], "cells_per_frame": 3.3, "pitch_deg": -10}})",
+        "p.json");
     const std::vector<Pose> poses = resample(path, ridges(), 50);
     check_orthonormal(poses);
     for (std::size_t i = 1; i < poses.size(); ++i)
@@ -201,7 +214,8 @@ TEST_CASE("recorded frames are placed by the terrain's width, from its south-wes
 TEST_CASE("a seed's random path is the same every time, over the terrain and above the ground") {
     const Ground ground = ridges();
     for (const std::uint64_t seed : {0u, 1u, 2002u}) {
-        const std::vector<Pose> once = resample(random_path(seed), ground, 200), again = resample(random_path(seed), ground, 200);
+        const std::vector<Pose> once = resample(random_path(seed), ground, 200),
+                                again = resample(random_path(seed), ground, 200);
         check_orthonormal(once);
         for (std::size_t i = 0; i < once.size(); ++i) {
             const Vec3 p = once[i].position_m;
@@ -210,7 +224,8 @@ TEST_CASE("a seed's random path is the same every time, over the terrain and abo
             CHECK((p.x > -0.1 * ground.extent_x_m && p.x < 1.1 * ground.extent_x_m));
         }
     }
-    CHECK(distance(resample(random_path(1), ground, 2)[0].position_m, resample(random_path(2), ground, 2)[0].position_m) > 1);
+    CHECK(distance(resample(random_path(1), ground, 2)[0].position_m,
+                   resample(random_path(2), ground, 2)[0].position_m) > 1);
 }
 
 TEST_CASE("a bad path is refused in one line that names the place") {
@@ -232,24 +247,31 @@ TEST_CASE("a bad path is refused in one line that names the place") {
     says(points(good, "feet"), "units: must be \"metres\" or \"terrain\"");
     says(points(good + R"(, {"direction": [1, 0, 0]})"), "points[1].position: is missing");
     says(points(good + R"(, {"position": [1, 2], "direction": [1, 0, 0]})"), "points[1].position: must be 3 numbers");
-    says(points(good + R"(, {"position": [1, 2, "3"], "direction": [1, 0, 0]})"), "points[1].position: must be 3 numbers");
+    says(points(good + R"(, {"position": [1, 2, "3"], "direction": [1, 0, 0]})"),
+         "points[1].position: must be 3 numbers");
     says(points(good + R"(, {"position": [1, 2, NaN], "direction": [1, 0, 0]})"), "not JSON");
     says(points(good + R"(, {"position": [1, 2, 1e999], "direction": [1, 0, 0]})"), "not JSON");
     says(points(good + R"(, {"position": [1, 2, 1e9], "direction": [1, 0, 0]})"), "within 1e8");
     says(points(good + R"(, {"position": [1, 2, 3], "direction": [0, 0, 0]})"), "points[1].direction: is zero");
-    says(points(good + R"(, {"position": [1, 2, 3], "direction": [0, 3, 0]})"), "points[1].up: is parallel to direction");
-    says(points(good + R"(, {"position": [1, 2, 3], "direction": [1, 0, 0], "up": [0, 0, 0]})"), "points[1].up: is zero");
-    says(points(good + R"(, {"position": [1, 2, 3], "direction": [1, 0, 0], "roll": 3})"), "points[1].roll: unknown key");
+    says(points(good + R"(, {"position": [1, 2, 3], "direction": [0, 3, 0]})"),
+         "points[1].up: is parallel to direction");
+    says(points(good + R"(, {"position": [1, 2, 3], "direction": [1, 0, 0], "up": [0, 0, 0]})"),
+         "points[1].up: is zero");
+    says(points(good + R"(, {"position": [1, 2, 3], "direction": [1, 0, 0], "roll": 3})"),
+         "points[1].roll: unknown key");
     says(R"({"orbit": {"radius": 3}})", "orbit.centre: is missing");
     says(R"({"units": "terrain", "orbit": {"radius": -3}})", "orbit.radius: must be from");
     says(R"({"straight": {"from": [0, 0, 0], "to": [0, 5, 0]}})", "straight.to: must lie");
-    CHECK_THROWS_WITH(read_path("/nowhere/p.json"), Catch::Contains("/nowhere/p.json") && Catch::Contains("No such file"));
+    CHECK_THROWS_WITH(read_path("/nowhere/p.json"),
+                      Catch::Contains("/nowhere/p.json") && Catch::Contains("No such file"));
 }
 
 TEST_CASE("directions that cancel between two control points are refused, not divided by") {
     const CameraPath path = parse_path(points(R"({"position": [0, 0, 0], "direction": [1, 0, 0]},
-        {"position": [10, 0, 0], "direction": [-1, 0, 0]})"), "p.json");
-    CHECK_THROWS_WITH(resample(path, flat(), 3), "p.json: frame 1: the direction vanishes between two points; add a point between them");
+        {"position": [10, 0, 0], "direction": [-1, 0, 0]})"),
+                                       "p.json");
+    CHECK_THROWS_WITH(resample(path, flat(), 3),
+                      "p.json: frame 1: the direction vanishes between two points; add a point between them");
 }
 
 TEST_CASE("every shipped path flies over any ground without diving into it") {
@@ -259,7 +281,8 @@ TEST_CASE("every shipped path flies over any ground without diving into it") {
         double lowest = 1e9;
         const std::vector<Pose> poses = resample(path, ground);
         check_orthonormal(poses);
-        for (const Pose& p : poses) lowest = std::min(lowest, p.position_m.y - ground.height_m(p.position_m.x, p.position_m.z));
+        for (const Pose& p : poses)
+            lowest = std::min(lowest, p.position_m.y - ground.height_m(p.position_m.x, p.position_m.z));
         INFO(name);
         CHECK(lowest > 0);
     }

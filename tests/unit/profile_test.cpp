@@ -50,10 +50,11 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     const Profile d = parse_profile("", "p.toml");
     CHECK(d.refine.error_px == RefineSettings{}.error_px);
     CHECK(d.budget.vertices == RecursiveBudget{}.vertices);
-    const Profile p = parse_profile("[refine]\nmethod = \"recursive\"\nerror_px = 3\nmetric = \"depth\"\ncull = true\ncorner_safe = true\n"
-                                    "topology = \"strip\"\n[budget]\nvertices = 1_000\nindices = 9_000\n"
-                                    "[view]\nwidth_px = 640\nheight_px = 480\nfov_deg = 60.5\n",
-                                    "p.toml");
+    const Profile p = parse_profile(
+        "[refine]\nmethod = \"recursive\"\nerror_px = 3\nmetric = \"depth\"\ncull = true\ncorner_safe = true\n"
+        "topology = \"strip\"\n[budget]\nvertices = 1_000\nindices = 9_000\n"
+        "[view]\nwidth_px = 640\nheight_px = 480\nfov_deg = 60.5\n",
+        "p.toml");
     CHECK(p.refine.error_px == 3);
     CHECK(p.refine.metric == Metric::depth);
     CHECK(p.refine.corner_safe);
@@ -67,7 +68,8 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
 }
 
 TEST_CASE("a bad profile is refused in one line with file, line and key") {
-    refuses("[refine]\n\nerror_pixels = 1\n", "p.toml:3: refine.error_pixels: unknown key; [refine] has method, error_px");
+    refuses("[refine]\n\nerror_pixels = 1\n",
+            "p.toml:3: refine.error_pixels: unknown key; [refine] has method, error_px");
     refuses("[budgets]\nvertices = 5000\n", "p.toml:1: budgets: unknown table");
     refuses("error_px = 1\n", "p.toml:1: error_px: unknown table");
     refuses("refine = 1\n", "p.toml:1: refine: must be a table");
@@ -114,7 +116,8 @@ TEST_CASE("a flight's CSV names exhausted budgets and leaves unmeasured errors e
     b.report.converged = true;
     b.verified_px = 0.25;
     log.frames = {a, b};
-    CHECK(csv(log) == "frame,update_us,vertices,triangles,tiles,written,error_px_asked,error_px_effective,exhausted,converged,verified_px\n"
+    CHECK(csv(log) == "frame,update_us,vertices,triangles,tiles,written,error_px_asked,error_px_effective,exhausted,"
+                      "converged,verified_px\n"
                       "0,12.3,5,0,0,0,1,1.5,vertices+indices,0,\n"
                       "1,0.0,0,0,0,0,0,0,,1,0.25\n");
     const Summary s = summarise(log);
