@@ -19,29 +19,12 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 Tree tiling(const Dem& dem, const BakeOptions& options) {
-    const int log2 = options.tile_log2 ? options.tile_log2 : auto_tile_log2(dem.columns, dem.rows);
-    const Tree tree{log2, (dem.columns - 1) >> log2, (dem.rows - 1) >> log2};
-    if (tree.tiles_x < 1 || tree.tiles_y < 1)
-        throw Failure(1, fmt::format("the height field has {} x {} samples, too few for a tile of {} cells; give a smaller "
-                                     "--tile or a larger height field (at least 3 x 3)",
-                                     dem.columns, dem.rows, 1 << log2));
-    const double extent =
-        std::max((tree.columns() - 1) * dem.spacing_m[0], (tree.rows() - 1) * dem.spacing_m[1]);
+    const double extent = std::max((dem.columns - 1) * dem.spacing_m[0], (dem.rows - 1) * dem.spacing_m[1]);
     if (extent > max_extent_m)
         throw Failure(1, fmt::format("the terrain would be {:.3g} m wide, more than {:.0e} m; give a smaller --spacing",
                                      extent, max_extent_m));
-    return tree;
-}
-
-void crop(Dem& dem, const Tree& tree) {
-    if (dem.columns == tree.columns() && dem.rows == tree.rows()) return;
-    const auto from = static_cast<std::size_t>(dem.columns), to = static_cast<std::size_t>(tree.columns());
-    for (std::size_t y = 1; y < static_cast<std::size_t>(tree.rows()); ++y)
-        std::copy_n(dem.heights_m.begin() + static_cast<std::ptrdiff_t>(y * from), to,
-                    dem.heights_m.begin() + static_cast<std::ptrdiff_t>(y * to));
-    dem.columns = tree.columns();
-    dem.rows = tree.rows();
-    dem.heights_m.resize(to * static_cast<std::size_t>(dem.rows));
+    return Tree::covering(dem.columns, dem.rows,
+                          options.tile_log2 ? options.tile_log2 : auto_tile_log2(dem.columns, dem.rows));
 }
 
 // Six planes of bytes in planar order; see runtime/src/pack/terrain.cpp, which undoes it.
@@ -49,15 +32,19 @@ std::vector<std::byte> geometry_bytes(const Tree& tree, const std::vector<std::u
                                       const VertexErrors& errors, std::uint32_t tile) {
     const PlanarOrder order{tree.tile_log2};
     const std::uint32_t count = order.vertex_count(), n = static_cast<std::uint32_t>(tree.side()) + 1;
-    const std::size_t columns = static_cast<std::size_t>(tree.columns());
-    const std::size_t x0 = tile % static_cast<std::uint32_t>(tree.tiles_x) * std::size_t{n - 1};
-    const std::size_t y0 = tile / static_cast<std::uint32_t>(tree.tiles_x) * std::size_t{n - 1};
+    const auto tiles_x = static_cast<std::uint32_t>(tree.tiles_x);
+    const Coord corner{static_cast<std::int32_t>(tile % tiles_x * (n - 1)), static_cast<std::int32_t>(tile / tiles_x * (n - 1))};
+    const auto at = [](Coord c, std::int32_t columns) {
+        return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(c.x);
+    };
     std::vector<std::byte> planes(std::size_t{count} * 6);
     for (std::uint32_t y = 0; y < n; ++y)
         for (std::uint32_t x = 0; x < n; ++x) {
             const std::uint32_t to = order.index(x, y);
-            const std::size_t from = (y0 + y) * columns + x0 + x;
-            const std::uint16_t words[3] = {steps[from], errors.error[from], errors.radius[from]};
+            const Coord v = corner + Coord{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+            const std::size_t from = at(v, tree.lattice_columns());
+            const std::uint16_t words[3] = {steps[at(tree.sample(v), tree.columns())], errors.error[from],
+                                            errors.radius[from]};
             for (std::size_t k = 0; k < 3; ++k) {
                 planes[(2 * k) * count + to] = static_cast<std::byte>(words[k] & 0xff);
                 planes[(2 * k + 1) * count + to] = static_cast<std::byte>(words[k] >> 8);
@@ -79,11 +66,8 @@ struct Bake {
     std::uint32_t colour_log2 = 0, normal_log2 = 0;
     int threads = 1;
 
-    std::int32_t source_columns = 0, source_rows = 0; // before the crop: what an image covers
 
-    [[nodiscard]] MapBuilder maps() const {
-        return {dem, tree, colour_log2, normal_log2, source_columns, source_rows};
-    }
+    [[nodiscard]] MapBuilder maps() const { return {dem, tree, colour_log2, normal_log2}; }
 };
 
 // Meadows, forest edge, rock, snow: for height fields that come without colours.
@@ -98,8 +82,7 @@ void prepare_colour(Bake& b) {
     b.normal_log2 = fitting_log2(side, most);
     if (!b.options.texture_path.empty()) {
         b.image = read_image(b.options.texture_path);
-        const double per_tile = side * std::max(b.image->width / (b.source_columns - 1.0),
-                                                b.image->height / (b.source_rows - 1.0));
+        const double per_tile = side * std::max(b.image->width / (b.dem.columns - 1.0), b.image->height / (b.dem.rows - 1.0));
         b.colour_log2 = fitting_log2(per_tile, most);
         return;
     }
@@ -184,11 +167,13 @@ void check(const BakeOptions& options) {
 } // namespace
 
 int auto_tile_log2(std::int32_t columns, std::int32_t rows) {
-    const std::int32_t shorter = std::min(columns, rows) - 1;
     int log2 = 9;
-    while (log2 > min_tile_log2 && (1 << log2) > shorter) --log2;
-    const auto tiles = [&] { return static_cast<std::int64_t>(columns >> log2) * (rows >> log2); };
-    while (tiles() > 1024 && log2 < max_tile_log2 && (2 << log2) <= shorter) ++log2;
+    while (log2 > min_tile_log2 && (1 << (log2 - 1)) >= std::max(columns, rows) - 1) --log2;
+    const auto tiles = [&] {
+        const Tree tree = Tree::covering(columns, rows, log2);
+        return static_cast<std::int64_t>(tree.tiles_x) * tree.tiles_y;
+    };
+    while (log2 < max_tile_log2 && tiles() > 1024) ++log2;
     return log2;
 }
 
@@ -197,13 +182,8 @@ BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_pat
     const auto start = Clock::now();
     PackWriter writer(out_path); // first: a missing folder should not cost an hour
     BakeSummary summary;
-    summary.source_columns = dem.columns;
-    summary.source_rows = dem.rows;
     Bake b{options, std::move(dem), {}, {}, {}, {}, {}, {}, 0, 0, resolve_threads(options.threads)};
-    b.source_columns = summary.source_columns;
-    b.source_rows = summary.source_rows;
     b.tree = tiling(b.dem, options);
-    crop(b.dem, b.tree);
     prepare_colour(b);
     b.lattice = choose_lattice(b.dem);
     b.steps = quantise(b.dem, b.lattice);
@@ -214,8 +194,8 @@ BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_pat
     summary.seconds_errors = seconds_since(errors_start);
 
     PackHeader header = header_of(b);
-    header.source_columns = static_cast<std::uint32_t>(summary.source_columns);
-    header.source_rows = static_cast<std::uint32_t>(summary.source_rows);
+    header.source_columns = header.columns;
+    header.source_rows = header.rows;
     writer.begin(header);
     summary.geometry_bytes = write_geometry(writer, b);
     const auto textures_start = Clock::now();

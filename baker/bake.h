@@ -18,7 +18,7 @@ namespace fjell::baker {
 using Progress = std::function<void(const char* stage, std::uint64_t done, std::uint64_t total)>;
 
 struct BakeOptions {
-    int tile_log2 = 0;            // 0: auto, the largest of 64..512 cells that fits the DEM with at most ~1,024 tiles
+    int tile_log2 = 0;            // 0: auto
     Estimate estimate = Estimate::max;
     double nesting = 0.05;        // mu, 0.001..1
     int threads = 0;              // 0: all cores; the pack does not depend on it
@@ -30,8 +30,7 @@ struct BakeOptions {
 };
 
 struct BakeSummary {
-    std::int32_t columns = 0, rows = 0;               // baked
-    std::int32_t source_columns = 0, source_rows = 0; // of the DEM
+    std::int32_t columns = 0, rows = 0;
     Tree tree;
     float quantum_m = 0;
     float max_error_m = 0;
@@ -44,13 +43,14 @@ struct BakeSummary {
 [[nodiscard]] Lattice choose_lattice(const Dem& dem);
 [[nodiscard]] std::vector<std::uint16_t> quantise(const Dem& dem, const Lattice& lattice);
 
-// Error and radius of every vertex, one global row-major array each, bfloat16 (fjell/record.h). Corners of tiles: zero.
+// Error and radius of every vertex, also beyond the rim: row-major over tree.lattice_columns() x lattice_rows(), bfloat16
+// (fjell/record.h). Corners of tiles: zero.
 struct VertexErrors {
     std::vector<std::uint16_t> error, radius;
     float max_error_m = 0;
 };
 struct ErrorInput {
-    const Dem& dem; // cropped: dem.columns == tree.columns()
+    const Dem& dem; // dem.columns == tree.columns(), dem.rows == tree.rows()
     const std::vector<std::uint16_t>& steps;
     Lattice lattice;
     Tree tree;
@@ -60,11 +60,10 @@ struct ErrorInput {
 };
 [[nodiscard]] VertexErrors compute_errors(const ErrorInput& input, const Progress& progress = {});
 
-// Bakes to OUT beside its place and renames; nothing is left behind on failure. Throws Failure. The DEM is cropped to
-// whole tiles around nothing: the surplus columns (east) and rows (south) go, and the summary says how many.
+// Bakes to OUT beside its place and renames; nothing is left behind on failure. Throws Failure.
 BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_path);
 
-// Picks a tile size for `auto`.
+// Tile size for `auto`: 512 cells, more when the terrain would have over 1,024 tiles, fewer when one tile covers it.
 [[nodiscard]] int auto_tile_log2(std::int32_t columns, std::int32_t rows);
 
 } // namespace fjell::baker

@@ -96,11 +96,9 @@ Footprint over_samples(const MapBuilder& maps, std::uint32_t tile, std::int32_t 
 
 Footprint over_image(const MapBuilder& maps, const Image& image, std::uint32_t tile, std::int32_t texels) {
     Footprint at = over_samples(maps, tile, texels);
-    const std::int32_t columns = maps.image_columns > 0 ? maps.image_columns : maps.dem.columns;
-    const std::int32_t rows = maps.image_rows > 0 ? maps.image_rows : maps.dem.rows;
     // Edges on the outermost samples: pixel k's middle is at k + 1/2.
-    at.x = {at.x.first, texels, at.x.step * image.width / (columns - 1), -0.5, image.width};
-    at.y = {at.y.first, texels, at.y.step * image.height / (rows - 1), -0.5, image.height};
+    at.x = {at.x.first, texels, at.x.step * image.width / (maps.dem.columns - 1), -0.5, image.width};
+    at.y = {at.y.first, texels, at.y.step * image.height / (maps.dem.rows - 1), -0.5, image.height};
     return at;
 }
 

@@ -39,11 +39,9 @@ struct Ramp {
 [[nodiscard]] Ramp absolute(const Ramp& ramp, const Dem& dem);
 
 struct MapBuilder {
-    const Dem& dem; // cropped to whole tiles: columns == tree.columns()
+    const Dem& dem; // columns == tree.columns(), rows == tree.rows(); texels beyond take the nearest
     Tree tree;
     std::uint32_t colour_log2 = 0, normal_log2 = 0;
-    // Samples of the DEM that the image lies over, when dem was cropped from a larger one; 0: dem's own.
-    std::int32_t image_columns = 0, image_rows = 0;
 };
 
 // Every texel is a tent over the source, as wide as its mip's texels are apart (never narrower than the source's own),

@@ -22,7 +22,8 @@ constexpr double sphere_margin = 1 + 0x1p-16;
 class ErrorStage {
 public:
     ErrorStage(const ErrorInput& input, VertexErrors& out)
-        : in(input), tree(input.tree), columns(input.dem.columns), errors(out), surface(input.steps.size()) {
+        : in(input), tree(input.tree), columns(input.dem.columns), rows(input.dem.rows), errors(out),
+          surface(input.steps.size()) {
         const std::size_t count = input.steps.size();
         double off = 0;
         for (std::size_t i = 0; i < count; ++i) {
@@ -40,9 +41,9 @@ public:
     }
 
     void run(const Progress& progress) {
-        const auto total = static_cast<std::uint64_t>(columns) * static_cast<std::uint64_t>(tree.rows());
+        const auto total = static_cast<std::uint64_t>(errors.error.size());
         for (int z = 0; z < tree.tile_log2; ++z) {
-            const std::int32_t nx = (columns - 1) >> (z + 1), ny = (tree.rows() - 1) >> (z + 1);
+            const std::int32_t nx = (tree.lattice_columns() - 1) >> (z + 1), ny = (tree.lattice_rows() - 1) >> (z + 1);
             const std::int32_t s = 1 << z;
             plane(nx, ny + 1, z, {s, 0});
             plane(nx + 1, ny, z, {0, s});
@@ -61,19 +62,21 @@ private:
     }
 
     void vertex(Coord v) {
-        double error = in.estimate == Estimate::max ? diamond_error(v) : midpoint_error(v);
+        double error = straddles_rim(v)                 ? rim_error(v)
+                       : in.estimate == Estimate::max ? diamond_error(v)
+                                                      : midpoint_error(v);
         double radius = 0;
         const Children kids = children(v);
         for (int k = 0; k < kids.count; ++k) {
             const Coord c = kids.at[k];
             if (!tree.contains(c)) continue;
-            const std::size_t at = index(c);
+            const std::size_t at = place(c);
             error = std::max(error, (1 + in.nesting) * from_bfloat16(errors.error[at]));
             radius = std::max(radius, distance(v, c) + from_bfloat16(errors.radius[at]));
         }
         if (kids.count == 0) radius = leaf_radius(v);
-        errors.error[index(v)] = to_bfloat16_up(error);
-        errors.radius[index(v)] = to_bfloat16_up(radius * sphere_margin);
+        errors.error[place(v)] = to_bfloat16_up(error);
+        errors.radius[place(v)] = to_bfloat16_up(radius * sphere_margin);
     }
 
     // A leaf's sphere holds the corners of its triangles.
@@ -83,6 +86,43 @@ private:
         for (const Coord corner : {d.ends[0], d.ends[1], d.apexes[0], d.apexes[1]})
             if (tree.contains(corner)) radius = std::max(radius, distance(v, corner));
         return radius + position_pad;
+    }
+
+    // Does the diamond reach beyond the last column or row?
+    [[nodiscard]] bool straddles_rim(Coord v) const {
+        const std::int32_t s = 1 << Tree::step_log2(v);
+        return (v.x + s >= columns && tree.cut_x != 0) || (v.y + s >= rows && tree.cut_y != 0);
+    }
+
+    // Both estimates, at the rim: the diamond's triangles with their corners where they stand, any samples under them.
+    double rim_error(Coord v) const {
+        const Diamond d = diamond(tree, v);
+        double worst = 0;
+        for (const Coord apex : d.apexes)
+            if (tree.contains(apex))
+                worst = std::max(worst, triangle_error(tree.sample(apex), tree.sample(d.ends[0]), tree.sample(d.ends[1])));
+        return worst;
+    }
+
+    double triangle_error(Coord a, Coord b, Coord c) const {
+        const auto turn = [](Coord p, Coord q, Coord r) { // twice the area, signed
+            return std::int64_t{q.x - p.x} * (r.y - p.y) - std::int64_t{q.y - p.y} * (r.x - p.x);
+        };
+        const std::int64_t area = turn(a, b, c), sign = area < 0 ? -1 : 1;
+        if (area == 0) return 0; // never drawn
+        const auto [x0, x1] = std::minmax({a.x, b.x, c.x});
+        const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
+        double worst = 0;
+        for (std::int32_t y = y0; y <= y1; ++y)
+            for (std::int32_t x = x0; x <= x1; ++x) {
+                const Coord p{x, y};
+                const std::int64_t wa = turn(b, c, p) * sign, wb = turn(c, a, p) * sign, wc = turn(a, b, p) * sign;
+                if (wa < 0 || wb < 0 || wc < 0) continue;
+                const double on = (static_cast<double>(wa) * h(a) + static_cast<double>(wb) * h(b) +
+                                   static_cast<double>(wc) * h(c)) / static_cast<double>(area * sign);
+                worst = std::max(worst, row_error(p, 1, on, 0));
+            }
+        return worst;
     }
 
     // Estimate 2: the surface's jump when the vertex comes in.
@@ -176,12 +216,18 @@ private:
         return worst;
     }
 
+    // Of a vertex among all of them, and of a sample of the terrain.
+    [[nodiscard]] std::size_t place(Coord c) const {
+        return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(tree.lattice_columns()) +
+               static_cast<std::size_t>(c.x);
+    }
     [[nodiscard]] std::size_t index(Coord c) const {
         return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(c.x);
     }
     [[nodiscard]] double h(Coord c) const { return surface[index(c)]; }
     // Between vertices as the runtime places them: float products, then exact differences.
-    [[nodiscard]] double distance(Coord a, Coord b) const {
+    [[nodiscard]] double distance(Coord v, Coord w) const {
+        const Coord a = tree.sample(v), b = tree.sample(w);
         const auto sx = static_cast<float>(in.dem.spacing_m[0]), sz = static_cast<float>(in.dem.spacing_m[1]);
         const double dx = static_cast<double>(static_cast<float>(a.x) * sx) - static_cast<float>(b.x) * sx;
         const double dz = static_cast<double>(static_cast<float>(a.y) * sz) - static_cast<float>(b.y) * sz;
@@ -191,7 +237,7 @@ private:
 
     const ErrorInput& in;
     const Tree tree;
-    const std::int32_t columns;
+    const std::int32_t columns, rows; // samples
     VertexErrors& errors;
     std::vector<float> surface; // quantised heights
     bool lossless = false;
@@ -202,8 +248,10 @@ private:
 
 VertexErrors compute_errors(const ErrorInput& input, const Progress& progress) {
     VertexErrors out;
-    out.error.assign(input.steps.size(), 0);
-    out.radius.assign(input.steps.size(), 0);
+    const auto vertices = static_cast<std::size_t>(input.tree.lattice_columns()) *
+                          static_cast<std::size_t>(input.tree.lattice_rows());
+    out.error.assign(vertices, 0);
+    out.radius.assign(vertices, 0);
     ErrorStage(input, out).run(progress);
     return out;
 }

@@ -82,8 +82,6 @@ int tile_log2(const std::string& text) {
 json summary_json(const BakeSummary& s) {
     return {{"columns", s.columns},
             {"rows", s.rows},
-            {"source_columns", s.source_columns},
-            {"source_rows", s.source_rows},
             {"tiles", {s.tree.tiles_x, s.tree.tiles_y}},
             {"tile_cells", s.tree.side()},
             {"quantum_m", s.quantum_m},
@@ -113,9 +111,6 @@ int run_bake(Arguments& a, const CLI::App& app) {
     if (a.quiet) return 0;
     fmt::print("{}: {} x {} samples in {} x {} tiles of {} cells, quantum {:.4g} m, largest error {:.1f} m\n", a.output,
                s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(), s.quantum_m, s.max_error_m);
-    if (s.columns != s.source_columns || s.rows != s.source_rows)
-        fmt::print("cropped from {} x {}: {} columns in the east and {} rows in the south did not fill a tile\n",
-                   s.source_columns, s.source_rows, s.source_columns - s.columns, s.source_rows - s.rows);
     const double samples = static_cast<double>(s.columns) * s.rows;
     fmt::print("{:.1f} MB ({:.2f} bytes a sample of geometry) in {:.1f} s ({:.1f} M samples/s; errors {:.1f} s)\n",
                static_cast<double>(s.file_bytes) / 1e6, static_cast<double>(s.geometry_bytes) / samples, s.seconds_total,
@@ -128,8 +123,6 @@ json info_json(const LoadedPack& loaded) {
     return {{"version", h.version},
             {"columns", h.columns},
             {"rows", h.rows},
-            {"source_columns", h.source_columns},
-            {"source_rows", h.source_rows},
             {"tiles", {h.tiles_x, h.tiles_y}},
             {"tile_cells", 1u << h.tile_log2},
             {"order", "planar"},

@@ -23,13 +23,13 @@ constexpr double sphere_margin = 1 + 0x1p-17;
 class Verifier {
 public:
     Verifier(const Terrain& the_terrain, const Dem* against)
-        : terrain(the_terrain), tree(the_terrain.tree), columns(the_terrain.tree.columns()) {
-        const auto count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(tree.rows());
+        : terrain(the_terrain), tree(the_terrain.tree), columns(the_terrain.tree.lattice_columns()) {
+        const auto count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(tree.lattice_rows());
         records.resize(count);
         for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) gather(tile);
         original.resize(count);
         for (std::int32_t y = 0; y < tree.rows(); ++y)
-            for (std::int32_t x = 0; x < columns; ++x)
+            for (std::int32_t x = 0; x < tree.columns(); ++x)
                 original[at({x, y})] = against ? against->at(x, y) : terrain.lattice.height_m(records[at({x, y})].height);
         // base + steps * quantum in float: one rounding of the product, one of the sum.
         const double largest = std::max(std::abs(terrain.header.min_m), std::abs(terrain.header.max_m));
@@ -40,7 +40,7 @@ public:
 
     VerifyReport run() {
         report.vertices = records.size();
-        parallel_for(tree.rows(), resolve_threads(0), [&](std::int64_t y) { check_row(static_cast<std::int32_t>(y)); });
+        parallel_for(tree.lattice_rows(), resolve_threads(0), [&](std::int64_t y) { check_row(static_cast<std::int32_t>(y)); });
         const std::int64_t tiles = terrain.tile_count();
         if (report.true_error_checked)
             parallel_for(tiles, resolve_threads(0), [&](std::int64_t tile) { check_tile(static_cast<std::int32_t>(tile)); });
@@ -68,9 +68,10 @@ private:
         const double nesting = 1 + static_cast<double>(terrain.header.nesting);
         for (std::int32_t x = 0; x < columns; ++x) {
             const Coord v{x, y};
-            if (std::abs(original[at(v)] - height(v)) > allowed_m)
+            const Coord sample = tree.sample(v);
+            if (std::abs(original[at(sample)] - height(v)) > allowed_m)
                 note(report.height_mismatches, fmt::format("sample ({}, {}): height {} m is stored as {} m", x, y,
-                                                           original[at(v)], height(v)));
+                                                           original[at(sample)], height(v)));
             if (tree.is_corner(v)) continue;
             const Children kids = children(v);
             for (int k = 0; k < kids.count; ++k)
@@ -123,7 +124,7 @@ private:
     void bisect(Coord apex, Coord left, Coord right, Excess& worst, std::uint64_t& compared) const {
         if (((left.x + right.x) | (left.y + right.y)) & 1) return; // a triangle of the full resolution
         const Coord middle{(left.x + right.x) / 2, (left.y + right.y) / 2};
-        compare(apex, left, right, middle, worst, compared);
+        compare(tree.sample(apex), tree.sample(left), tree.sample(right), middle, worst, compared);
         bisect(middle, apex, left, worst, compared);
         bisect(middle, right, apex, worst, compared);
     }
@@ -133,6 +134,7 @@ private:
         // Height as h(a) + gx dx + gy dy, solved from the three corners.
         const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
         const double hb = height(b) - height(a), hc = height(c) - height(a), area = bx * cy - by * cx;
+        if (area == 0) return; // beyond the rim
         const double gx = (hb * cy - hc * by) / area, gy = (hc * bx - hb * cx) / area;
         const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
         for (std::int32_t y = y0; y <= y1; ++y) {
@@ -144,26 +146,28 @@ private:
                 ++worst.count;
                 if (off - bound > worst.excess_m) worst = {worst.count, off - bound, {x, y}, middle};
             }
-            compared += static_cast<std::uint64_t>(x1 - x0 + 1);
+            compared += static_cast<std::uint64_t>(std::max(x1 - x0 + 1, 0));
         }
     }
 
-    // Edges of a right isosceles triangle run along an axis or a diagonal, so rows meet them at whole samples.
+    // The samples of a row inside the triangle. Edges run along an axis or a diagonal and meet rows at whole samples,
+    // except beside the rim, where triangles are squeezed: there the row's ends are rounded inwards.
     static std::pair<std::int32_t, std::int32_t> row_of(Coord a, Coord b, Coord c, std::int32_t y) {
-        std::int32_t least = INT32_MAX, most = INT32_MIN;
+        double least = HUGE_VAL, most = -HUGE_VAL;
         const Coord edges[3][2] = {{a, b}, {b, c}, {c, a}};
         for (const auto& [p, q] : edges) {
             if (y < std::min(p.y, q.y) || y > std::max(p.y, q.y)) continue;
             if (p.y == q.y) {
-                least = std::min({least, p.x, q.x});
-                most = std::max({most, p.x, q.x});
+                least = std::min<double>({least, static_cast<double>(p.x), static_cast<double>(q.x)});
+                most = std::max<double>({most, static_cast<double>(p.x), static_cast<double>(q.x)});
                 continue;
             }
-            const std::int32_t x = p.x + (y - p.y) * (q.x - p.x) / (q.y - p.y);
+            // An exact product over a small whole number: exact where the quotient is whole.
+            const double x = p.x + static_cast<double>(y - p.y) * (q.x - p.x) / (q.y - p.y);
             least = std::min(least, x);
             most = std::max(most, x);
         }
-        return {least, most};
+        return {static_cast<std::int32_t>(std::ceil(least)), static_cast<std::int32_t>(std::floor(most))};
     }
 
     void note(std::uint64_t& counter, const std::string& what) {
@@ -178,7 +182,8 @@ private:
     [[nodiscard]] double height(Coord c) const { return terrain.lattice.height_m(records[at(c)].height); }
     [[nodiscard]] double error(Coord c) const { return from_bfloat16(records[at(c)].error); }
     [[nodiscard]] double radius(Coord c) const { return from_bfloat16(records[at(c)].radius); }
-    [[nodiscard]] double distance(Coord a, Coord b) const {
+    [[nodiscard]] double distance(Coord v, Coord w) const {
+        const Coord a = tree.sample(v), b = tree.sample(w);
         const double dx = static_cast<double>(terrain.x_m(a.x)) - terrain.x_m(b.x);
         const double dz = static_cast<double>(terrain.z_m(a.y)) - terrain.z_m(b.y);
         return std::sqrt(dx * dx + dz * dz + (height(a) - height(b)) * (height(a) - height(b)));
@@ -186,8 +191,8 @@ private:
 
     const Terrain& terrain;
     const Tree tree;
-    const std::int32_t columns;
-    std::vector<VertexRecord> records; // the whole terrain, row by row
+    const std::int32_t columns; // of vertices
+    std::vector<VertexRecord> records; // all vertices, row by row; original is laid out alike
     std::vector<float> original;
     double allowed_m = 0;
     std::mutex lock;
@@ -197,7 +202,7 @@ private:
 } // namespace
 
 VerifyReport verify(const Terrain& terrain, const Dem* against) {
-    if (against && (against->columns < terrain.tree.columns() || against->rows < terrain.tree.rows()))
+    if (against && (against->columns != terrain.tree.columns() || against->rows != terrain.tree.rows()))
         throw Failure(1, fmt::format("the height field has {} x {} samples, the pack {} x {}: this is not the one it was "
                                      "baked from",
                                      against->columns, against->rows, terrain.tree.columns(), terrain.tree.rows()));

@@ -24,7 +24,7 @@ struct VerifyReport {
     }
 };
 
-// against: the original heights (cropped or not); null: the pack's own full resolution. Independent of the baker's error
+// against: the original heights; null: the pack's own full resolution. Independent of the baker's error
 // stage: it walks explicit triangles by bisection. O(samples * levels).
 [[nodiscard]] VerifyReport verify(const Terrain& terrain, const Dem* against);
 

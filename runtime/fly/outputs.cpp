@@ -21,7 +21,8 @@ using host::Failure;
 using nlohmann::json;
 
 std::unique_ptr<AtomicFile> open_output(const std::string& path) {
-    return path.empty() || path == "-" ? nullptr : std::make_unique<AtomicFile>(path);
+    if (path.empty() || path == "-") return {};
+    return std::make_unique<AtomicFile>(path);
 }
 
 void check_folder(const std::string& folder, const std::string& output) {

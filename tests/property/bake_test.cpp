@@ -19,17 +19,17 @@ TEST_CASE("errors and spheres nest and bound the original heights, whatever the 
     Random random(11);
     for (int round = 0; round < 120; ++round) {
         const int log2 = pick(random, 1, 6);
-        const std::int32_t tx = pick(random, 1, std::max(1, 96 >> log2)), ty = pick(random, 1, std::max(1, 96 >> log2));
+        const std::int32_t columns = pick(random, 2, 100), rows = pick(random, 2, 100);
         const auto shape = static_cast<Shape>(round % static_cast<int>(Shape::count));
-        const baker::Dem dem = random_dem(random, (tx << log2) + 1, (ty << log2) + 1, shape);
+        const baker::Dem dem = random_dem(random, columns, rows, shape);
         baker::BakeOptions options = small_bake(log2, std::pow(10.0, uniform(random, -3, 0)));
         options.estimate = pick(random, 0, 3) ? Estimate::max : Estimate::midpoint;
         const auto pack = bake_and_load(dem, options);
         const baker::VerifyReport report = baker::verify(pack.terrain, &dem);
-        CAPTURE(round, log2, tx, ty, static_cast<int>(shape), report.first);
+        CAPTURE(round, log2, columns, rows, static_cast<int>(shape), report.first);
         REQUIRE(report.ok());
         REQUIRE(report.true_error_checked == (options.estimate == Estimate::max));
-        REQUIRE(report.vertices == dem.heights_m.size());
+        REQUIRE(report.vertices >= dem.heights_m.size());
     }
 }
 

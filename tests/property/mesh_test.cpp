@@ -79,6 +79,34 @@ TEST_CASE("with culling the mesh stays crack-free and keeps the bound inside the
         }
 }
 
+TEST_CASE("any extents: the same holds for terrains that end inside their last tiles, strips too") {
+    Random random(12);
+    for (int round = 0; round < 300; ++round) {
+        const std::int32_t columns = pick(random, 2, round % 3 ? 90 : 9), rows = pick(random, 2, round % 3 ? 70 : 9);
+        const auto shape = static_cast<Shape>(round % static_cast<int>(Shape::count));
+        const int log2 = pick(random, 1, 6);
+        const auto pack = bake_and_load(random_dem(random, columns, rows, shape), small_bake(log2));
+        Recursive method(pack.terrain, ample_budget(pack.terrain)), strips(pack.terrain, ample_budget(pack.terrain));
+        for (int frame = 0; frame < 6; ++frame) {
+            const View view = random_view(random, pack.terrain);
+            const Frustum frustum = make_frustum(view);
+            RefineSettings settings;
+            settings.error_px = random_threshold(random);
+            settings.cull = frame % 2 == 1;
+            (void)method.update(view, settings);
+            CAPTURE(round, columns, rows, log2, frame, settings.error_px);
+            REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
+            const MeasuredError error =
+                measure_error(pack.terrain, method.mesh(), view, settings.cull ? &frustum : nullptr);
+            REQUIRE(within(error.max_px, settings.error_px));
+            settings.topology = Topology::strip;
+            (void)strips.update(view, settings);
+            REQUIRE(check_mesh(pack.terrain, strips.mesh()) == "");
+            REQUIRE(triangles_of(pack.terrain, strips.mesh()) == triangles_of(pack.terrain, method.mesh()));
+        }
+    }
+}
+
 TEST_CASE("no sample inside the frustum belongs to a tile that is not drawn") {
     Random random(3);
     for (int round = 0; round < 40; ++round) {

@@ -53,9 +53,11 @@ std::uint64_t key(Coord a, Coord b, std::int32_t columns) {
     return index(a) << 32 | index(b);
 }
 
-// Is the edge on the rim of the drawn part of the terrain?
+// Is the edge on the rim of the terrain, or of the drawn part of it?
 bool may_be_open(const Terrain& terrain, const std::vector<bool>& drawn, Coord a, Coord b) {
     const std::int32_t side = terrain.tree.side();
+    if (a.x == b.x && (a.x == 0 || a.x == terrain.tree.columns() - 1)) return true;
+    if (a.y == b.y && (a.y == 0 || a.y == terrain.tree.rows() - 1)) return true;
     const auto is_drawn = [&](std::int32_t tx, std::int32_t ty) {
         return tx >= 0 && ty >= 0 && tx < terrain.tree.tiles_x && ty < terrain.tree.tiles_y &&
                drawn[static_cast<std::size_t>(ty * terrain.tree.tiles_x + tx)];
@@ -118,6 +120,8 @@ std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
         for (std::uint32_t i = 0; i < range.index_count; ++i) {
             const MeshVertex& v = mesh.vertices[mesh.indices[range.first_index + i]];
             if (v.column > terrain.tree.side() || v.row > terrain.tree.side()) return "a vertex lies outside its tile";
+            if (corner.x + v.column >= terrain.tree.columns() || corner.y + v.row >= terrain.tree.rows())
+                return "a vertex lies outside the terrain";
             if (v.height_m != terrain.height_m(corner + Coord{v.column, v.row})) return "a vertex has not its sample's height";
         }
         for_each_triangle(terrain, mesh, range, [&](const Triangle& t) {
@@ -128,7 +132,8 @@ std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
             count += doubled != 0;
         });
         if (!wrong.empty()) return wrong;
-        if (area != 2 * std::int64_t{terrain.tree.side()} * terrain.tree.side()) return "a tile is not covered exactly";
+        const Coord end = terrain.tree.sample(corner + Coord{terrain.tree.side(), terrain.tree.side()});
+        if (area != 2 * std::int64_t{end.x - corner.x} * (end.y - corner.y)) return "a tile is not covered exactly";
         if (count != range.triangles) return "a range counts its triangles wrongly";
     }
     return check_edges(terrain, drawn, triangles_of(terrain, mesh));

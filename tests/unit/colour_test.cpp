@@ -141,16 +141,16 @@ TEST_CASE("a mirrored image gives mirrored mips") {
     }
 }
 
-TEST_CASE("an image over a DEM that was cropped keeps its place") {
-    const Tree tree{4, 1, 1};
+TEST_CASE("an image covers the terrain, not its tiles; texels beyond the rim take the nearest colour") {
+    const Tree tree = Tree::covering(9, 17, 4); // the eastern half of the tile lies beyond
     const Dem dem = dem_of(tree, bumps);
+    REQUIRE(dem.columns == 9);
     Image image{330, 330, {}};
     for (int i = 0; i < 330 * 330; ++i)
         for (const int c : {i % 330 * 255 / 329, 0, 0}) image.rgb.push_back(static_cast<std::uint8_t>(c));
-    MapBuilder maps{dem, tree, 4, 4};
-    maps.image_columns = maps.image_rows = 33;
-    const auto rgb = colour_mip(maps, &image, nullptr, 0, 0);
-    CHECK(std::abs(rgb[15 * 3] - 127) <= 8); // the tile's eastern edge is the image's middle
+    const auto rgb = colour_mip({dem, tree, 4, 4}, &image, nullptr, 0, 0);
+    CHECK(std::abs(rgb[4 * 3] - 255 * 4 * 16 / 15 / 8) <= 12); // texel 4 of 0..15 over 16 cells of which 8 carry the image
+    for (std::size_t x = 9; x < 16; ++x) CHECK(rgb[x * 3] == 255);
 }
 
 TEST_CASE("a ramp colours heights between its stops, and holds beyond them") {

@@ -69,16 +69,32 @@ TEST_CASE("a pack that was read back holds every sample, map and the CRS") {
     REQUIRE(host::check_all_chunks(pack) == pack.pack.header.directory_count);
 }
 
-TEST_CASE("a height field that does not fill its tiles is cropped in the east and south, and the pack says so") {
+TEST_CASE("a height field of any extents is kept whole, in the fewest tiles that cover it") {
     Random random(23);
-    const baker::Dem dem = random_dem(random, 39, 20, Shape::noise);
-    const auto pack = bake_and_load(dem, small_bake(3));
-    REQUIRE(pack.terrain.header.columns == 33);
-    REQUIRE(pack.terrain.header.rows == 17);
-    REQUIRE(pack.terrain.header.source_columns == 39);
-    REQUIRE(pack.terrain.header.source_rows == 20);
-    const Lattice lattice = pack.terrain.lattice;
-    REQUIRE(std::abs(pack.terrain.height_m({32, 16}) - dem.at(32, 16)) <= lattice.quantum_m);
+    for (const auto& [columns, rows, tiles_x, tiles_y] :
+         {std::tuple{2, 2, 1, 1}, {9, 9, 1, 1}, {10, 9, 2, 1}, {39, 20, 5, 3}, {2, 100, 1, 13}}) {
+        const baker::Dem dem = random_dem(random, columns, rows, Shape::noise);
+        const auto pack = bake_and_load(dem, small_bake(3));
+        REQUIRE(pack.terrain.tree.columns() == columns);
+        REQUIRE(pack.terrain.tree.rows() == rows);
+        REQUIRE(pack.terrain.tree.tiles_x == tiles_x);
+        REQUIRE(pack.terrain.tree.tiles_y == tiles_y);
+        const auto steps = baker::quantise(dem, baker::choose_lattice(dem));
+        for (std::int32_t y = 0; y < rows; ++y)
+            for (std::int32_t x = 0; x < columns; ++x)
+                REQUIRE(pack.terrain.record({x, y}).height == steps[static_cast<std::size_t>(y * columns + x)]);
+    }
+}
+
+TEST_CASE("automatic tiles: 512 cells, more for more than 1,024 tiles, fewer when one covers the terrain") {
+    CHECK(baker::auto_tile_log2(2, 2) == 1);
+    CHECK(baker::auto_tile_log2(3, 3) == 1);
+    CHECK(baker::auto_tile_log2(4, 2) == 2);
+    CHECK(baker::auto_tile_log2(512, 512) == 9);
+    CHECK(baker::auto_tile_log2(4320, 2161) == 9);
+    CHECK(baker::auto_tile_log2(16385, 16385) == 9);
+    CHECK(baker::auto_tile_log2(16386, 16385) == 10);
+    CHECK(baker::auto_tile_log2(65537, 65537) == 11);
 }
 
 TEST_CASE("every truncation of a pack is refused") {
@@ -116,6 +132,8 @@ TEST_CASE("a header whose hash is right is still not believed") {
     CHECK(code([](PackHeader& h) { h.tile_log2 = 0; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.tiles_x = 0xffffffff; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.columns = 7; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.columns = 1; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.rows = 0xffffffff; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.tiles_x = 2, h.columns = 17; }) == Code::corrupt);
     CHECK(code([](PackHeader& h) { h.spacing_m[0] = 0; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.spacing_m[1] = std::numeric_limits<double>::quiet_NaN(); }) == Code::out_of_range);

@@ -20,6 +20,7 @@ inline constexpr std::uint32_t pack_version = 1;
 // Changes with every stored layout; also tells a byte-swapped file from ours.
 inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0001'0008'0b16ull;
 inline constexpr std::uint32_t max_texture_log2 = 12;
+inline constexpr std::uint32_t max_columns = 1u << 20;
 inline constexpr double min_spacing_m = 1e-3, max_spacing_m = 1e6;
 inline constexpr double max_extent_m = 1e8; // squares of distances must stay far from float's largest value
 
@@ -36,8 +37,8 @@ struct PackHeader {
     std::uint64_t directory_offset;
     std::uint64_t directory_count; // chunks
     std::uint64_t directory_hash;  // XXH3 of the directory; with the chunk hashes in it, it names the pack's content
-    std::uint32_t columns, rows;   // samples: tiles * 2^tile_log2 + 1
-    std::uint32_t tiles_x, tiles_y;
+    std::uint32_t columns, rows;   // samples, at least 2
+    std::uint32_t tiles_x, tiles_y; // the fewest that cover them
     std::uint32_t tile_log2;
     Order order;
     Estimate estimate;
@@ -85,8 +86,8 @@ struct Pack {
     const std::byte* directory = nullptr;  // directory_count entries, unaligned
 
     [[nodiscard]] Tree tree() const {
-        return {static_cast<int>(header.tile_log2), static_cast<std::int32_t>(header.tiles_x),
-                static_cast<std::int32_t>(header.tiles_y)};
+        return Tree::covering(static_cast<std::int32_t>(header.columns), static_cast<std::int32_t>(header.rows),
+                              static_cast<int>(header.tile_log2));
     }
     [[nodiscard]] std::uint32_t tile_count() const { return header.tiles_x * header.tiles_y; }
     [[nodiscard]] ChunkEntry entry(std::uint64_t chunk) const;

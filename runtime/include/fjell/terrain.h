@@ -31,7 +31,8 @@ struct Terrain {
     // Position of a sample, one fixed float expression: the baker measures radii with the very same one.
     [[nodiscard]] float x_m(std::int32_t column) const { return static_cast<float>(column) * spacing_x_m; }
     [[nodiscard]] float z_m(std::int32_t row) const { return static_cast<float>(row) * spacing_z_m; }
-    [[nodiscard]] const VertexRecord& record(Coord sample) const;
+    // Of any vertex, also beyond the terrain's rim.
+    [[nodiscard]] const VertexRecord& record(Coord vertex) const;
     [[nodiscard]] float height_m(Coord sample) const { return lattice.height_m(record(sample).height); }
     // Bilinear height of the full-resolution grid; positions outside are clamped to the rim.
     [[nodiscard]] double ground_m(double x, double z) const;

@@ -7,9 +7,13 @@
 // The same arithmetic holds over a whole terrain of tiles, with the one exception that `Tree` takes care of:
 // every tile's own root square has its diagonal from (0,0) to (2^l,2^l).
 //
+// Any extents: whole tiles cover the terrain, and a vertex beyond its last column or row *stands at* that one (`sample`).
+// The map is monotone, so no triangle flips; those beyond the rim shrink to nothing and are dropped.
+//
 // Everything here is O(1), pure and thread-safe. Shared by the baker, the runtime and the tests.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 
@@ -27,16 +31,31 @@ struct Coord {
 
 enum class PlaneKind : std::uint8_t { centre, side_x, side_y };
 
-// A terrain of tiles_x by tiles_y tiles of side 2^tile_log2 cells.
+// A terrain covered by tiles_x by tiles_y tiles of side 2^tile_log2 cells.
 struct Tree {
     int tile_log2 = 0;
     std::int32_t tiles_x = 0, tiles_y = 0;
+    std::int32_t cut_x = 0, cut_y = 0; // cells of the last tiles that lie beyond the terrain, 0..side - 1
 
+    // The fewest tiles that cover columns x rows samples, both at least 2.
+    [[nodiscard]] static constexpr Tree covering(std::int32_t columns, std::int32_t rows, int tile_log2) {
+        const std::int32_t side = std::int32_t{1} << tile_log2;
+        const std::int32_t tiles_x = (columns - 2) / side + 1, tiles_y = (rows - 2) / side + 1;
+        return {tile_log2, tiles_x, tiles_y, tiles_x * side + 1 - columns, tiles_y * side + 1 - rows};
+    }
     [[nodiscard]] constexpr std::int32_t side() const { return std::int32_t{1} << tile_log2; }
-    [[nodiscard]] constexpr std::int32_t columns() const { return tiles_x * side() + 1; }
-    [[nodiscard]] constexpr std::int32_t rows() const { return tiles_y * side() + 1; }
+    // Samples of the terrain.
+    [[nodiscard]] constexpr std::int32_t columns() const { return lattice_columns() - cut_x; }
+    [[nodiscard]] constexpr std::int32_t rows() const { return lattice_rows() - cut_y; }
+    // Places of vertices: of the terrain and beyond, to the end of the last tiles.
+    [[nodiscard]] constexpr std::int32_t lattice_columns() const { return tiles_x * side() + 1; }
+    [[nodiscard]] constexpr std::int32_t lattice_rows() const { return tiles_y * side() + 1; }
     [[nodiscard]] constexpr bool contains(Coord c) const {
-        return c.x >= 0 && c.y >= 0 && c.x < columns() && c.y < rows();
+        return c.x >= 0 && c.y >= 0 && c.x < lattice_columns() && c.y < lattice_rows();
+    }
+    // Where a vertex stands, and whose height it has.
+    [[nodiscard]] constexpr Coord sample(Coord c) const {
+        return {std::min(c.x, columns() - 1), std::min(c.y, rows() - 1)};
     }
     // A corner of a tile: always active, outside the tree.
     [[nodiscard]] constexpr bool is_corner(Coord c) const { return ((c.x | c.y) & (side() - 1)) == 0; }

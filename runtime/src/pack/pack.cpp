@@ -24,11 +24,12 @@ bool in_range(double value, double least, double most) { return value >= least &
 Status check_numbers(const PackHeader& h) {
     const auto bad = [](const char* field) { return failed(Code::out_of_range, field); };
     if (h.tile_log2 < min_tile_log2 || h.tile_log2 > max_tile_log2) return bad("tile_log2");
-    if (h.tiles_x < 1 || h.tiles_x > 65536) return bad("tiles_x");
-    if (h.tiles_y < 1 || h.tiles_y > 65536) return bad("tiles_y");
-    const std::uint64_t side = std::uint64_t{1} << h.tile_log2;
-    if (h.tiles_x * side + 1 != h.columns || h.columns > (1u << 20)) return bad("columns");
-    if (h.tiles_y * side + 1 != h.rows || h.rows > (1u << 20)) return bad("rows");
+    if (h.columns < 2 || h.columns > max_columns) return bad("columns");
+    if (h.rows < 2 || h.rows > max_columns) return bad("rows");
+    const Tree covering = Tree::covering(static_cast<std::int32_t>(h.columns), static_cast<std::int32_t>(h.rows),
+                                         static_cast<int>(h.tile_log2));
+    if (static_cast<std::uint32_t>(covering.tiles_x) != h.tiles_x) return bad("tiles_x");
+    if (static_cast<std::uint32_t>(covering.tiles_y) != h.tiles_y) return bad("tiles_y");
     if (h.order != Order::planar) return bad("order");
     if (h.estimate != Estimate::max && h.estimate != Estimate::midpoint) return bad("estimate");
     if (!in_range(h.nesting, 0.0009, 1.0001)) return bad("nesting");

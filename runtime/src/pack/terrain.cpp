@@ -58,12 +58,12 @@ Status load_terrain(const Pack& pack, std::span<std::byte> block, Terrain& terra
     return {};
 }
 
-const VertexRecord& Terrain::record(Coord sample) const {
+const VertexRecord& Terrain::record(Coord vertex) const {
     const std::int32_t side = tree.side();
-    const std::int32_t tx = std::min(sample.x / side, tree.tiles_x - 1), ty = std::min(sample.y / side, tree.tiles_y - 1);
+    const std::int32_t tx = std::min(vertex.x / side, tree.tiles_x - 1), ty = std::min(vertex.y / side, tree.tiles_y - 1);
     const auto tile = static_cast<std::uint32_t>(ty * tree.tiles_x + tx);
-    return tile_records(tile)[order.index(static_cast<std::uint32_t>(sample.x - tx * side),
-                                          static_cast<std::uint32_t>(sample.y - ty * side))];
+    return tile_records(tile)[order.index(static_cast<std::uint32_t>(vertex.x - tx * side),
+                                          static_cast<std::uint32_t>(vertex.y - ty * side))];
 }
 
 double Terrain::ground_m(double x, double z) const {

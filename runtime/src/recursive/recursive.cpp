@@ -137,6 +137,9 @@ private:
         first_vertex = tile * terrain.vertices_per_tile;
         records = terrain.tile_records(tile);
         states = s.states + first_vertex;
+        limit_x = terrain.tree.columns() - 1 - column0;
+        limit_y = terrain.tree.rows() - 1 - row0;
+        cut = limit_x < side || limit_y < side;
         if (Cull && root_outside()) return;
 
         const auto n = static_cast<std::uint32_t>(side);
@@ -220,6 +223,10 @@ private:
     // Even: of the level of the vertex that could split it.
     template <bool Even>
     [[gnu::always_inline]] void leaf(Corner apex, Corner left, Corner right) {
+        if (cut && beyond_rim(apex.xy, left.xy, right.xy)) {
+            --result.triangles;
+            if constexpr (T == Topology::triangles) return; // a strip needs the vertex, and its area is zero anyway
+        }
         if constexpr (T == Topology::strip) {
             append(apex.slot, Even);
         } else {
@@ -230,6 +237,18 @@ private:
             out[2] = right.slot;
             cursor += 3;
         }
+    }
+
+    // Where a vertex stands, in samples of the tile.
+    [[nodiscard]] Coord place(std::uint32_t xy) const {
+        return {std::min(static_cast<std::int32_t>(xy & 0xffff), limit_x),
+                std::min(static_cast<std::int32_t>(xy >> 16), limit_y)};
+    }
+
+    // Has the triangle shrunk to nothing, because its vertices stand at the terrain's rim?
+    [[gnu::noinline]] bool beyond_rim(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+        const Coord from = place(a), ab = place(b) - from, ac = place(c) - from;
+        return ab.x * ac.y == ab.y * ac.x;
     }
 
     // tStripAppend. parity: of the vertex' level; parities alternate along the strip, or the older vertex is repeated.
@@ -262,9 +281,9 @@ private:
                                                 std::uint32_t planes) {
         const VertexRecord& record = records[index];
         const float radius = from_bfloat16(record.radius), error = from_bfloat16(record.error);
-        const float px = terrain.x_m(column0 + static_cast<std::int32_t>(x));
+        const float px = terrain.x_m(column0 + std::min(static_cast<std::int32_t>(x), limit_x));
         const float py = terrain.lattice.height_m(record.height);
-        const float pz = terrain.z_m(row0 + static_cast<std::int32_t>(y));
+        const float pz = terrain.z_m(row0 + std::min(static_cast<std::int32_t>(y), limit_y));
         if (Cull && planes != 0) {
             planes = crossed({px, py, pz}, radius, planes);
             if (planes == not_selected) return not_selected;
@@ -296,7 +315,8 @@ private:
     bool root_outside() const {
         const std::int32_t half = terrain.tree.side() / 2;
         const VertexRecord& root = records[4];
-        return crossed({terrain.x_m(column0 + half), terrain.lattice.height_m(root.height), terrain.z_m(row0 + half)},
+        return crossed({terrain.x_m(column0 + std::min(half, limit_x)), terrain.lattice.height_m(root.height),
+                        terrain.z_m(row0 + std::min(half, limit_y))},
                        from_bfloat16(root.radius), all_planes) == not_selected;
     }
 
@@ -319,7 +339,8 @@ private:
             return 0;
         }
         const std::uint32_t slot = s.free_slots[--s.free_count];
-        s.vertices[slot] = {static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
+        const Coord at = place(pack_xy(x, y));
+        s.vertices[slot] = {static_cast<std::uint16_t>(at.x), static_cast<std::uint16_t>(at.y),
                             terrain.lattice.height_m(records[index].height)};
         s.owners[slot] = first_vertex + index;
         states[index].slot = slot;
@@ -366,6 +387,8 @@ private:
     PassResult result;
     // The tile in work.
     std::int32_t column0 = 0, row0 = 0;
+    std::int32_t limit_x = 0, limit_y = 0; // the terrain's last column and row, counted from the tile's first
+    bool cut = false;                      // they lie inside it
     std::uint32_t first_vertex = 0;
     const VertexRecord* records = nullptr;
     VertexState* states = nullptr;

@@ -97,11 +97,21 @@ export function checkShading(tiles, extras, problems) {
     }
 }
 
+const range = (values) => values.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
+
+// Cells a side: what the widest tile has. A terrain that ends inside its only tile is taken to have the smallest tile, a
+// power of two, that holds it.
+function tileSide(tiles) {
+    const widest = Math.max(...tiles.flatMap(({columns, rows}) => [columns, rows].map((places) => {
+        const [low, high] = range(places);
+        return high - low;
+    })));
+    return 2 ** Math.ceil(Math.log2(widest));
+}
+
 // The first and last texel centre lie on the tile's border.
-function checkUvs(tile, texels, problems) {
-    let [low, high] = [Infinity, 0];
-    for (const column of tile.columns) [low, high] = [Math.min(low, column), Math.max(high, column)];
-    const side = high - low, top = tile.rows.reduce((least, row) => Math.min(least, row), Infinity);
+function checkUvs(tile, side, texels, problems) {
+    const low = range(tile.columns)[0], top = range(tile.rows)[0];
     for (let i = 0; i < tile.count; ++i) {
         const [u, v] = tile.uvs.subarray(2 * i, 2 * i + 2);
         const expected =
@@ -141,11 +151,11 @@ function checkSeam(png, other, along, name, problems) {
 }
 
 export function checkTextures(glb, tiles, problems) {
-    const placed = new Map();
+    const placed = new Map(), side = tileSide(tiles);
     for (const tile of tiles) {
         const png = decodeTexture(glb, tile, problems);
         if (!png) continue;
-        const corner = checkUvs(tile, png.size[0], problems);
+        const corner = checkUvs(tile, side, png.size[0], problems);
         placed.set(`${corner.column / corner.side} ${corner.row / corner.side}`, {...corner, png, name: tile.name});
     }
     for (const {column, row, side, png, name} of placed.values()) {
