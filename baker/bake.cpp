@@ -193,9 +193,7 @@ BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_pat
     b.errors = compute_errors({b.dem, b.steps, b.lattice, b.tree, options.estimate, nesting, b.threads}, options.progress);
     summary.seconds_errors = seconds_since(errors_start);
 
-    PackHeader header = header_of(b);
-    header.source_columns = header.columns;
-    header.source_rows = header.rows;
+    const PackHeader header = header_of(b);
     writer.begin(header);
     summary.geometry_bytes = write_geometry(writer, b);
     const auto textures_start = Clock::now();

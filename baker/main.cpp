@@ -1,7 +1,5 @@
 // fjell-bake: IN -o OUT.fjell, info, verify, synth. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the machine is.
 #include <cstdio>
-#include <fstream>
-#include <new>
 #include <optional>
 #include <string>
 #include <vector>
@@ -239,19 +237,5 @@ int run(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    const auto say = [](int code, std::string text) {
-        for (char& c : text)
-            if (c == '\n') c = ' '; // one line, whatever a library said
-        fmt::print(stderr, "fjell-bake: {}\n", text);
-        return code;
-    };
-    try {
-        return run(argc, argv);
-    } catch (const Failure& failure) {
-        return say(failure.exit_code, failure.what());
-    } catch (const std::bad_alloc&) {
-        return say(3, "out of memory; give a smaller --memory or a smaller height field");
-    } catch (const std::exception& error) {
-        return say(3, fmt::format("internal error: {}", error.what()));
-    }
+    return run_tool("fjell-bake", [&] { return run(argc, argv); });
 }

@@ -1,24 +1,16 @@
 #include "baker/progress.h"
 
-#include <csignal>
 #include <cstdio>
 #include <unistd.h>
 
 #include <fmt/format.h>
 
-#include "baker/dem.h"
+#include "host/failure.h"
 
 namespace fjell::baker {
 
 namespace {
-volatile std::sig_atomic_t interrupted = 0;
-void on_signal(int) { interrupted = 1; }
 constexpr int bar_cells = 30;
-} // namespace
-
-void catch_interrupts() {
-    std::signal(SIGINT, on_signal);
-    std::signal(SIGTERM, on_signal);
 }
 
 ProgressBar::ProgressBar(bool quiet) : draws_(!quiet && isatty(STDERR_FILENO)) {}
@@ -28,7 +20,7 @@ ProgressBar::~ProgressBar() {
 }
 
 void ProgressBar::operator()(const char* stage, std::uint64_t done, std::uint64_t total) {
-    if (interrupted) throw Failure(130, "interrupted; nothing was changed");
+    host::check_interrupt();
     if (!draws_ || total == 0) return;
     const auto now = std::chrono::steady_clock::now();
     if (stage_ != stage) {

@@ -21,7 +21,4 @@ private:
     std::chrono::steady_clock::time_point start_, last_;
 };
 
-// SIGINT and SIGTERM become a flag that the next progress call turns into a Failure.
-void catch_interrupts();
-
 } // namespace fjell::baker

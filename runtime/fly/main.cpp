@@ -1,8 +1,5 @@
 // fjell-fly: flies a camera over a pack, in a window or headless. Exit codes: 0 done, 1 the input is at fault, 2 usage,
 // 3 the machine (disk, memory, GPU) is.
-#include <cstdio>
-#include <exception>
-#include <new>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,7 +32,7 @@ void fly_headless(const Options& options, Session& session, std::span<const Pose
     if (!options.render_folder.empty()) pictures.emplace(options, session);
     const RefineSettings& settings = options.profile.refine;
     for (std::size_t frame = 0; frame < poses.size(); ++frame) {
-        check_interrupt();
+        host::check_interrupt();
         const View view = view_of(poses[frame], session.terrain(), options.profile);
         FrameEntry entry = update_frame(session, view, settings);
         if (options.verify_every && frame % options.verify_every == 0)
@@ -50,7 +47,7 @@ void fly_headless(const Options& options, Session& session, std::span<const Pose
 int run(int argc, char** argv) {
     Options options;
     if (!parse_options(argc, argv, options)) return 0;
-    catch_interrupts();
+    host::catch_interrupts();
     const CameraPath path = path_of(options);
     Outputs outputs(options);
     Session session;
@@ -76,19 +73,5 @@ int run(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    const auto say = [](int code, std::string text) {
-        for (char& c : text)
-            if (c == '\n') c = ' '; // one line, whatever a library said
-        fmt::print(stderr, "fjell-fly: {}\n", text);
-        return code;
-    };
-    try {
-        return run(argc, argv);
-    } catch (const Failure& failure) {
-        return say(failure.exit_code, failure.what());
-    } catch (const std::bad_alloc&) {
-        return say(3, "out of memory; lower the budgets in the profile, or --frames");
-    } catch (const std::exception& error) {
-        return say(3, fmt::format("internal error: {}", error.what()));
-    }
+    return host::run_tool("fjell-fly", [&] { return run(argc, argv); });
 }

@@ -117,8 +117,7 @@ std::string table(const Options& o, const Summary& s, const Verification& v) {
                                              fmt::join(budget_names(s.exhausted), " and "), s.effective_px_max));
     if (s.verified)
         row("verified error [px]",
-            fmt::format("{:.4f} largest of {} frames, threshold {:g}; nearest to its limit: {:.4f} of {:.4f} "
-                        "with half a quantum, frame {}",
+            fmt::format("{:.4f} largest of {} frames, threshold {:g}; nearest to its limit: {:.4f} of {:g}, frame {}",
                         *s.verified_px_max, s.verified, o.profile.refine.error_px, v.max_px, v.limit_px, v.frame));
     return text;
 }

@@ -113,7 +113,7 @@ std::vector<Pose> resample_spline(const CameraPath& path, const SplinePath& kind
     switch (path.units) {
     case Units::metres: add([](Vec3 p, double) { return p; }); break;
     case Units::recorded:
-        add([&](Vec3 p, double) { return Vec3{0, 0, ground.source_z_m} + p * ground.source_x_m; });
+        add([&](Vec3 p, double) { return Vec3{0, 0, ground.extent_z_m} + p * ground.extent_x_m; });
         break;
     case Units::terrain: {
         const Envelope envelope(spline, ground);
@@ -203,8 +203,6 @@ Ground ground_of(const Terrain& terrain) {
     Ground ground;
     ground.extent_x_m = (h.columns - 1) * h.spacing_m[0];
     ground.extent_z_m = (h.rows - 1) * h.spacing_m[1];
-    ground.source_x_m = (std::max(h.source_columns, h.columns) - 1) * h.spacing_m[0];
-    ground.source_z_m = (std::max(h.source_rows, h.rows) - 1) * h.spacing_m[1];
     ground.cell_m = std::min(h.spacing_m[0], h.spacing_m[1]);
     ground.height_m = [&terrain](double x_m, double z_m) { return terrain.ground_m(x_m, z_m); };
     return ground;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -16,11 +15,6 @@ namespace {
 
 using host::Failure;
 using Clock = std::chrono::steady_clock;
-
-volatile std::sig_atomic_t interrupted = 0;
-void on_signal(int) {
-    interrupted = 1;
-}
 
 void require(const Status& status) {
     if (!status.ok()) throw Failure(1, fmt::format("{}: {}", status.field, message(status.code)));
@@ -79,28 +73,15 @@ FrameEntry update_frame(Session& session, const View& view, const RefineSettings
 void verify_frame(const Session& session, const View& view, const RefineSettings& settings, std::size_t frame,
                   FrameEntry& entry, Verification& verification) {
     const Frustum frustum = make_frustum(view);
-    const Terrain& terrain = session.terrain();
     const MeasuredError e =
-        measure_error(terrain, recursive_mesh(session.method), view, settings.cull ? &frustum : nullptr);
-    const Vec3 sample{terrain.x_m(e.sample_px.x), terrain.height_m(e.sample_px), terrain.z_m(e.sample_px.y)};
-    const double quantum_px =
-        0.5 * terrain.lattice.quantum_m * view.lambda_px / std::max(length(sample - view.eye_m), 1e-9);
-    const double limit_px = entry.report.error_px_effective + quantum_px;
+        measure_error(session.terrain(), recursive_mesh(session.method), view, settings.cull ? &frustum : nullptr);
+    const double limit_px = entry.report.error_px_effective;
     entry.verified_px = e.max_px;
     verification.exceeded = verification.exceeded || e.max_px > limit_px;
     if (verification.limit_px > 0 && e.max_px / limit_px <= verification.max_px / verification.limit_px) return;
     verification.frame = frame;
     verification.max_px = e.max_px;
     verification.limit_px = limit_px;
-}
-
-void catch_interrupts() {
-    std::signal(SIGINT, on_signal);
-    std::signal(SIGTERM, on_signal);
-}
-
-void check_interrupt() {
-    if (interrupted) throw Failure(130, "interrupted; nothing was written");
 }
 
 } // namespace fjell::fly

@@ -38,7 +38,7 @@ void open_session(const Options& options, Session& session);
 // Times one update.
 [[nodiscard]] FrameEntry update_frame(Session& session, const View& view, const RefineSettings& settings);
 
-// What --verify found so far. A sample may be off by the threshold and half a quantum: heights are known no better.
+// What --verify found so far. Samples are the pack's: errors bound those as well as the original heights.
 struct Verification {
     bool exceeded = false;
     std::size_t frame = 0; // of the frame that came nearest to its limit, or exceeded it most
@@ -48,10 +48,5 @@ struct Verification {
 // threshold, which is the asked one in a converged frame. O(samples).
 void verify_frame(const Session& session, const View& view, const RefineSettings& settings, std::size_t frame,
                   FrameEntry& entry, Verification& verification);
-
-// SIGINT and SIGTERM become a Failure at the next call of check_interrupt, so that destructors remove what is
-// half-written.
-void catch_interrupts();
-void check_interrupt();
 
 } // namespace fjell::fly

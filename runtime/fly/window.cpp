@@ -128,7 +128,7 @@ public:
     void run(FlightLog& log, Verification& verification) {
         auto last = Clock::now();
         while (!window_->should_close() && (options_.frames == 0 || log.frames.size() < options_.frames)) {
-            check_interrupt();
+            host::check_interrupt();
             window_->poll();
             const auto now = Clock::now();
             const double seconds = std::min(std::chrono::duration<double>(now - last).count(), 0.25);

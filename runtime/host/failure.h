@@ -1,6 +1,7 @@
-// The one exception tools may throw.
+// The one exception tools may throw, where it ends, and how Ctrl-C becomes one.
 #pragma once
 
+#include <functional>
 #include <stdexcept>
 #include <string>
 
@@ -12,5 +13,14 @@ struct Failure : std::runtime_error {
     Failure(int code, const std::string& what) : std::runtime_error(what), exit_code(code) {}
     int exit_code;
 };
+
+// Runs a program's body at the edge: whatever it throws becomes one line on stderr, headed by the program's name, and an
+// exit code.
+[[nodiscard]] int run_tool(const char* name, const std::function<int()>& body);
+
+// From here on SIGINT and SIGTERM become a Failure with exit code 130 at the next check_interrupt(), so that destructors
+// remove what is half-written.
+void catch_interrupts();
+void check_interrupt();
 
 } // namespace fjell::host

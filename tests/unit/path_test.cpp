@@ -17,8 +17,8 @@ namespace {
 // Three ridges across; the extents differ, as do the metres of a cell along them.
 Ground ridges() {
     Ground g;
-    g.extent_x_m = g.source_x_m = 40000;
-    g.extent_z_m = g.source_z_m = 20000;
+    g.extent_x_m = 40000;
+    g.extent_z_m = 20000;
     g.cell_m = 50;
     g.height_m = [](double x, double z) { return 800 + 700 * std::sin(x / 2000) + 100 * std::cos(z / 700); };
     return g;

@@ -51,8 +51,7 @@ struct PackHeader {
     std::uint32_t colour_log2;   // texels a side of mip 0; 0: no colour
     std::uint32_t normal_log2;   // texels a side of mip 0; 0: no normal map
     std::uint32_t crs_bytes;     // of the WKT; 0: no CRS
-    std::uint32_t source_columns, source_rows; // the DEM before it was cropped to whole tiles
-    std::uint64_t reserved[11]; // zero
+    std::uint64_t reserved[12]; // zero
     std::uint64_t header_hash;   // XXH3 of all bytes before this one
 };
 static_assert(sizeof(PackHeader) == 256 && offsetof(PackHeader, header_hash) == 248,
