@@ -1,0 +1,112 @@
+// The baker's stages and the way back, in samples a second, beside what this machine copies.
+//
+// Names: stage/scene/parameter. Scene: the north-west 2049 x 2049 samples of content/terrain/mountains.json.
+#include <benchmark/benchmark.h>
+
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "baker/bake.h"
+#include "baker/read.h"
+#include "baker/verify.h"
+#include "fjell/terrain.h"
+#include "host/load.h"
+
+namespace {
+
+using namespace fjell;
+
+const std::string folder = FJELL_BENCH_DIR;
+
+const baker::Dem& dem() {
+    static const baker::Dem made = baker::synthesise_text(
+        R"({"columns": 2049, "rows": 2049, "spacing_m": 60, "seed": 1, "relief_m": 3000})");
+    return made;
+}
+
+double samples() { return static_cast<double>(dem().heights_m.size()); }
+
+void rate(benchmark::State& state) {
+    state.counters["samples/s"] =
+        benchmark::Counter(samples() * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+
+void copy(benchmark::State& state) {
+    std::vector<float> to(dem().heights_m.size());
+    for (auto _ : state) {
+        std::memcpy(to.data(), dem().heights_m.data(), to.size() * sizeof(float));
+        benchmark::ClobberMemory();
+    }
+    state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(2 * to.size() * sizeof(float)));
+    rate(state);
+}
+
+void errors(benchmark::State& state, Estimate estimate, int threads) {
+    const Lattice lattice = baker::choose_lattice(dem());
+    const auto steps = baker::quantise(dem(), lattice);
+    const Tree tree = Tree::covering(dem().columns, dem().rows, 9);
+    for (auto _ : state)
+        benchmark::DoNotOptimize(baker::compute_errors({dem(), steps, lattice, tree, estimate, 0.05, threads}));
+    rate(state);
+}
+
+std::string bake_once(int threads) {
+    std::filesystem::create_directories(folder);
+    const std::string path = folder + "/bake.fjell";
+    baker::BakeOptions options;
+    options.tile_log2 = 9;
+    options.threads = threads;
+    const auto summary = baker::bake(dem(), options, path);
+    benchmark::DoNotOptimize(summary);
+    return path;
+}
+
+void whole_bake(benchmark::State& state, int threads) {
+    for (auto _ : state) (void)bake_once(threads);
+    rate(state);
+    const host::LoadedPack pack = host::load_pack(folder + "/bake.fjell", host::LoadTerrain::no);
+    double geometry = 0;
+    for (std::uint32_t tile = 0; tile < pack.pack.tile_count(); ++tile) geometry += pack.pack.entry(tile).stored_bytes;
+    state.counters["geometry_bytes_per_sample"] = geometry / samples();
+    state.counters["file_MB"] = static_cast<double>(pack.file.size()) / 1e6;
+}
+
+void load(benchmark::State& state) {
+    const host::LoadedPack pack = host::load_pack(bake_once(0), host::LoadTerrain::no);
+    const std::size_t bytes = terrain_bytes(pack.pack.header);
+    const host::AlignedBlock block = host::make_block(bytes);
+    Terrain terrain;
+    for (auto _ : state)
+        if (!load_terrain(pack.pack, {block.get(), bytes}, terrain).ok()) return state.SkipWithError("damaged");
+    rate(state);
+    state.counters["MB"] = static_cast<double>(bytes) / 1e6;
+}
+
+void verify(benchmark::State& state) {
+    const host::LoadedPack pack = host::load_pack(bake_once(0), host::LoadTerrain::yes);
+    for (auto _ : state) benchmark::DoNotOptimize(baker::verify(pack.terrain, nullptr));
+    rate(state);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    const auto declare = [](const char* name, auto run) {
+        benchmark::RegisterBenchmark(name, run)->Unit(benchmark::kMillisecond)->UseRealTime();
+    };
+    declare("copy/mountains-2049/floats", copy);
+    declare("errors/mountains-2049/max-1-thread", [](auto& s) { errors(s, fjell::Estimate::max, 1); });
+    declare("errors/mountains-2049/max-2-threads", [](auto& s) { errors(s, fjell::Estimate::max, 2); });
+    declare("errors/mountains-2049/midpoint-1-thread", [](auto& s) { errors(s, fjell::Estimate::midpoint, 1); });
+    declare("bake/mountains-2049/1-thread", [](auto& s) { whole_bake(s, 1); });
+    declare("bake/mountains-2049/2-threads", [](auto& s) { whole_bake(s, 2); });
+    declare("load/mountains-2049/decode", load);
+    declare("verify/mountains-2049/all-cores", verify);
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+    benchmark::RunSpecifiedBenchmarks();
+    benchmark::Shutdown();
+    return 0;
+}
