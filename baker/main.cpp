@@ -58,16 +58,24 @@ struct Arguments {
     bool info_json = false;
 };
 
-void write_json(const std::string& path, const json& value) {
-    if (path == "-") {
-        fmt::print("{}\n", value.dump(2));
-        return;
+// A summary for scripts, opened before the work so that a missing folder does not cost a bake.
+class JsonOutput {
+public:
+    explicit JsonOutput(const std::string& path) : to_stdout_(path == "-") {
+        if (!path.empty() && !to_stdout_) file_.emplace(path);
     }
-    const std::string text = value.dump(2) + "\n";
-    AtomicFile file(path);
-    file.write(std::as_bytes(std::span(text)));
-    file.commit();
-}
+    void write(const json& value) {
+        const std::string text = value.dump(2) + "\n";
+        if (to_stdout_) fmt::print("{}", text);
+        if (!file_) return;
+        file_->write(std::as_bytes(std::span(text)));
+        file_->commit();
+    }
+
+private:
+    bool to_stdout_;
+    std::optional<AtomicFile> file_;
+};
 
 // "512" or "auto" to log2; 0 for auto.
 int tile_log2(const std::string& text) {
@@ -99,13 +107,14 @@ int run_bake(Arguments& a, const CLI::App& app) {
     if (a.output.empty()) throw Failure(2, "no output given; add -o OUT.fjell");
     a.bake.tile_log2 = tile_log2(a.tile);
     a.bake.estimate = a.estimate == "max" ? Estimate::max : Estimate::midpoint;
+    JsonOutput summary(a.json_path);
     ProgressBar bar(a.quiet);
     bar("read", 0, 1);
     Dem dem = read_dem(a.inputs[0], a.read.options(app, a.memory_mb));
     bar("read", 1, 1);
     a.bake.progress = std::ref(bar);
     const BakeSummary s = bake(std::move(dem), a.bake, a.output);
-    if (!a.json_path.empty()) write_json(a.json_path, summary_json(s));
+    summary.write(summary_json(s));
     if (a.quiet) return 0;
     fmt::print("{}: {} x {} samples in {} x {} tiles of {} cells, quantum {:.4g} m, largest error {:.1f} m\n", a.output,
                s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(), s.quantum_m, s.max_error_m);

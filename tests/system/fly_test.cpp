@@ -1,36 +1,25 @@
 // The built programs, as a user or a script runs them: bake a small terrain, fly it, read what they write, and give
 // them every wrong thing.
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 #include <unistd.h>
+
+#include "support/program.h"
+
+using namespace fjell;
 
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-std::string slurp(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
-void spit(const fs::path& path, const std::string& text) {
-    std::ofstream(path, std::ios::binary) << text;
-}
-
-struct Run {
-    int code = -1;
-    std::string out, err;
-};
+using test::Run;
+using test::slurp;
+using test::spit;
 
 // One folder for the whole program, with a terrain of 4 x 4 tiles of 64 cells in it.
 class Place {
@@ -50,12 +39,7 @@ public:
     Place& operator=(const Place&) = delete;
 
     Run run(const std::string& command) const {
-        const std::string shell = "cd '" + folder.string() + "' && " + command + " >out.txt 2>err.txt";
-        const int status = std::system(shell.c_str());
-        Run result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(folder / "out.txt"), slurp(folder / "err.txt")};
-        fs::remove(folder / "out.txt");
-        fs::remove(folder / "err.txt");
-        return result;
+        return test::run_in(folder, command);
     }
     Run fly(const std::string& arguments) const { return run(FJELL_BIN_DIR "/fjell-fly " + arguments); }
     // In a sanitized build Mesa's own 128 bytes would count as a leak of ours.

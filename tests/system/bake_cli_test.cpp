@@ -1,0 +1,174 @@
+// fjell-bake as a user meets it: what it does with good input, and with everything else.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "support/program.h"
+#include "support/terrain_fixture.h"
+
+using namespace fjell::test;
+
+namespace {
+
+const std::string bake = FJELL_BIN_DIR "/fjell-bake ";
+
+std::vector<std::string> files_of(const TemporaryFolder& folder) {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path)) names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+// The command fails with this code and one line that says this, and leaves the folder as it was.
+void refused(const TemporaryFolder& folder, const std::string& command, int code, const std::string& says) {
+    const auto before = files_of(folder);
+    const Run r = run_in(folder.path, command);
+    CAPTURE(command, r.err);
+    CHECK(r.code == code);
+    CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+    CHECK(r.err.rfind("fjell-bake: ", 0) == 0);
+    CHECK(r.err.find(says) != std::string::npos);
+    CHECK(files_of(folder) == before);
+}
+
+std::string ascii_grid(int columns, int rows, const std::string& value, const std::string& header = "") {
+    std::string text = "ncols " + std::to_string(columns) + "\nnrows " + std::to_string(rows) +
+                       "\nxllcorner 1000\nyllcorner 1000\ncellsize 30\n" + header;
+    for (int y = 0; y < rows; ++y) {
+        for (int x = 0; x < columns; ++x) text += value + " ";
+        text += "\n";
+    }
+    return text;
+}
+
+} // namespace
+
+TEST_CASE("synth, bake, info and verify, one after the other") {
+    const TemporaryFolder folder;
+    spit(folder / "recipe.json", R"({"columns": 200, "rows": 130, "spacing_m": 60})");
+    REQUIRE(run_in(folder.path, bake + "synth recipe.json -o dem.tif").code == 0);
+    const Run baked = run_in(folder.path, bake + "dem.tif -o out.fjell --tile 32 --json bake.json");
+    REQUIRE(baked.code == 0);
+    CHECK(baked.out.find("200 x 130 samples in 7 x 5 tiles of 32 cells") != std::string::npos);
+    const auto summary = nlohmann::json::parse(slurp(folder / "bake.json"));
+    CHECK(summary["columns"] == 200);
+    CHECK(summary["file_bytes"] == std::filesystem::file_size(folder / "out.fjell"));
+    const auto info = nlohmann::json::parse(run_in(folder.path, bake + "info out.fjell --json").out);
+    CHECK(info["rows"] == 130);
+    CHECK(info["spacing_m"][0] == 60);
+    CHECK(run_in(folder.path, bake + "info out.fjell").out.find("pack_hash") != std::string::npos);
+    const Run verified = run_in(folder.path, bake + "verify out.fjell --against dem.tif");
+    CHECK(verified.code == 0);
+    CHECK(verified.out.find("0 off by more than half a quantum") != std::string::npos);
+    // Another height field is not what this pack was baked from.
+    spit(folder / "recipe.json", R"({"columns": 200, "rows": 130, "spacing_m": 60, "seed": 5})");
+    REQUIRE(run_in(folder.path, bake + "synth recipe.json -o other.tif").code == 0);
+    refused(folder, bake + "verify out.fjell --against other.tif", 1, "bake it again");
+    CHECK(files_of(folder) == std::vector<std::string>{"bake.json", "dem.tif", "other.tif", "out.fjell", "recipe.json"});
+}
+
+TEST_CASE("height fields that are not are refused in one line with a remedy, and nothing is left") {
+    const TemporaryFolder folder;
+    refused(folder, bake + "missing.tif -o out.fjell", 1, "missing.tif");
+    refused(folder, bake + ". -o out.fjell", 1, "folder");
+    spit(folder / "text.tif", "this is not a picture\n");
+    refused(folder, bake + "text.tif -o out.fjell", 1, "text.tif");
+    spit(folder / "empty.png", "");
+    refused(folder, bake + "empty.png -o out.fjell", 1, "empty.png");
+    spit(folder / "one.asc", ascii_grid(1, 1, "5"));
+    refused(folder, bake + "one.asc -o out.fjell", 1, "one.asc");
+    spit(folder / "nan.asc", ascii_grid(9, 9, "nan"));
+    refused(folder, bake + "nan.asc -o out.fjell", 1, "nan.asc");
+    spit(folder / "void.asc", ascii_grid(9, 9, "-9999", "NODATA_value -9999\n"));
+    refused(folder, bake + "void.asc -o out.fjell", 1, "void.asc");
+    refused(folder, bake + "void.asc -o out.fjell --nodata fill", 1, "void.asc");
+    spit(folder / "high.asc", ascii_grid(9, 9, "1e30"));
+    refused(folder, bake + "high.asc -o out.fjell", 1, "high.asc");
+}
+
+TEST_CASE("the smallest height field has two by two samples") {
+    const TemporaryFolder folder;
+    spit(folder / "two.asc", ascii_grid(2, 2, "5"));
+    REQUIRE(run_in(folder.path, bake + "two.asc -o out.fjell").code == 0);
+    CHECK(run_in(folder.path, bake + "verify out.fjell --against two.asc").code == 0);
+}
+
+TEST_CASE("wrong usage is one line and exit code 2") {
+    const TemporaryFolder folder;
+    spit(folder / "dem.asc", ascii_grid(9, 9, "5"));
+    refused(folder, bake, 2, "no height field");
+    refused(folder, bake + "dem.asc", 2, "-o OUT.fjell");
+    refused(folder, bake + "dem.asc -o out.fjell --no-such-option", 2, "--help");
+    refused(folder, bake + "dem.asc dem.asc -o out.fjell", 2, "more than one");
+    for (const char* spacing : {"0", "-1", "nan", "inf", "1e9", "x"})
+        refused(folder, bake + "dem.asc -o out.fjell --spacing " + spacing, 2, "");
+    for (const char* tile : {"3", "0", "-2", "8192", "big"})
+        refused(folder, bake + "dem.asc -o out.fjell --tile " + tile, 2, "--tile");
+    for (const char* nesting : {"0", "-1", "2", "nan"})
+        refused(folder, bake + "dem.asc -o out.fjell --nesting " + nesting, 2, "--nesting");
+    refused(folder, bake + "dem.asc -o out.fjell --zscale 0", 2, "");
+    refused(folder, bake + "dem.asc -o out.fjell --estimate best", 2, "--estimate");
+    refused(folder, bake + "synth", 2, "--help");
+}
+
+TEST_CASE("an output that cannot be written is refused with the right exit code, and an old pack survives") {
+    const TemporaryFolder folder;
+    spit(folder / "dem.asc", ascii_grid(65, 65, "5"));
+    refused(folder, bake + "dem.asc -o missing/out.fjell", 1, "folder does not exist");
+    refused(folder, bake + "dem.asc -o .", 1, "folder");
+    refused(folder, bake + "dem.asc -o /dev/full", 3, "space");
+    refused(folder, bake + "dem.asc -o out.fjell --json missing/x.json", 1, "folder does not exist");
+    REQUIRE(run_in(folder.path, bake + "dem.asc -o out.fjell").code == 0);
+    const std::string before = slurp(folder / "out.fjell");
+    refused(folder, "ulimit -f 1; " + bake + "dem.asc -o out.fjell --texture dem.asc", 1, "");
+    refused(folder, "ulimit -f 1; " + bake + "dem.asc -o out.fjell", 3, "");
+    CHECK(slurp(folder / "out.fjell") == before);
+}
+
+TEST_CASE("packs of another version, cut or damaged are refused by info and verify") {
+    const TemporaryFolder folder;
+    spit(folder / "dem.asc", ascii_grid(17, 17, "5"));
+    REQUIRE(run_in(folder.path, bake + "dem.asc -o good.fjell").code == 0);
+    const std::string good = slurp(folder / "good.fjell");
+    std::string bytes = good;
+    bytes[8] = 99;
+    spit(folder / "version.fjell", bytes);
+    spit(folder / "cut.fjell", good.substr(0, good.size() / 2));
+    bytes = good;
+    bytes[300] = static_cast<char>(bytes[300] ^ 1);
+    spit(folder / "flipped.fjell", bytes);
+    spit(folder / "empty.fjell", "");
+    refused(folder, bake + "info version.fjell", 1, "another version");
+    refused(folder, bake + "info cut.fjell", 1, "too early");
+    refused(folder, bake + "verify flipped.fjell", 1, "damaged");
+    refused(folder, bake + "verify empty.fjell", 1, "not a Fjell pack");
+    refused(folder, bake + "verify missing.fjell", 1, "missing.fjell");
+    refused(folder, bake + "info dem.asc", 1, "not a Fjell pack");
+}
+
+TEST_CASE("the Grand Canyon is baked, verified and flown for 840 frames within two pixels") {
+    const char* data = std::getenv("FJELL_DATA");
+    const std::string dem = std::string(data ? data : FJELL_SOURCE_DIR "/../shared/data") +
+                            "/dem/grand_canyon_60m_4097x2049_u8.png";
+    if (!std::filesystem::exists(dem)) {
+        WARN("skipped: there is no " << dem << " (set FJELL_DATA to the folder of real height fields)");
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string read = " --spacing 60 --zscale 14.4 --zoffset 127";
+    REQUIRE(run_in(folder.path, bake + dem + read + " --tile 512 -o canyon.fjell").code == 0);
+    CHECK(run_in(folder.path, bake + "verify canyon.fjell --against " + dem + read).code == 0);
+    REQUIRE(run_in(folder.path, FJELL_BIN_DIR "/fjell-fly canyon.fjell --headless --frames 840 --error-px 2 --verify 60 "
+                                "--json flight.json --path " FJELL_SOURCE_DIR "/content/paths/canyon.json")
+                .code == 0);
+    const auto flight = nlohmann::json::parse(slurp(folder / "flight.json"));
+    CHECK(flight["frames"] == 840);
+    CHECK(flight["converged_frames"] == 840);
+    CHECK(flight["verified_error_px_max"] <= 2.0);
+    CHECK(flight["verified_error_px_max"] > 0.5);
+    CHECK(flight["pack"]["tiles"] == nlohmann::json{8, 4});
+}
