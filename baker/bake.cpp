@@ -16,7 +16,9 @@ namespace fjell::baker {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 Tree tiling(const Dem& dem, const BakeOptions& options) {
     const double extent = std::max((dem.columns - 1) * dem.spacing_m[0], (dem.rows - 1) * dem.spacing_m[1]);
@@ -33,7 +35,8 @@ std::vector<std::byte> geometry_bytes(const Tree& tree, const std::vector<std::u
     const PlanarOrder order{tree.tile_log2};
     const std::uint32_t count = order.vertex_count(), n = static_cast<std::uint32_t>(tree.side()) + 1;
     const auto tiles_x = static_cast<std::uint32_t>(tree.tiles_x);
-    const Coord corner{static_cast<std::int32_t>(tile % tiles_x * (n - 1)), static_cast<std::int32_t>(tile / tiles_x * (n - 1))};
+    const Coord corner{static_cast<std::int32_t>(tile % tiles_x * (n - 1)),
+                       static_cast<std::int32_t>(tile / tiles_x * (n - 1))};
     const auto at = [](Coord c, std::int32_t columns) {
         return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(c.x);
     };
@@ -66,13 +69,16 @@ struct Bake {
     std::uint32_t colour_log2 = 0, normal_log2 = 0;
     int threads = 1;
 
-
     [[nodiscard]] MapBuilder maps() const { return {dem, tree, colour_log2, normal_log2}; }
 };
 
 // Meadows, forest edge, rock, snow: for height fields that come without colours.
 Ramp default_ramp() {
-    return {{{0.0, {92, 112, 66}}, {0.35, {128, 126, 84}}, {0.6, {140, 124, 104}}, {0.8, {150, 144, 138}}, {1.0, {240, 242, 246}}},
+    return {{{0.0, {92, 112, 66}},
+             {0.35, {128, 126, 84}},
+             {0.6, {140, 124, 104}},
+             {0.8, {150, 144, 138}},
+             {1.0, {240, 242, 246}}},
             true};
 }
 
@@ -82,7 +88,8 @@ void prepare_colour(Bake& b) {
     b.normal_log2 = fitting_log2(side, most);
     if (!b.options.texture_path.empty()) {
         b.image = read_image(b.options.texture_path);
-        const double per_tile = side * std::max(b.image->width / (b.dem.columns - 1.0), b.image->height / (b.dem.rows - 1.0));
+        const double per_tile =
+            side * std::max(b.image->width / (b.dem.columns - 1.0), b.image->height / (b.dem.rows - 1.0));
         b.colour_log2 = fitting_log2(per_tile, most);
         return;
     }
@@ -116,14 +123,16 @@ PackHeader header_of(const Bake& b) {
 
 // Makes chunks [0, count) on all threads, a batch at a time so that few wait in memory, and writes them in order.
 template <typename Make>
-std::uint64_t write_chunks(PackWriter& writer, const Bake& b, const char* stage, std::uint64_t count, const Make& make) {
+std::uint64_t write_chunks(PackWriter& writer, const Bake& b, const char* stage, std::uint64_t count,
+                           const Make& make) {
     std::uint64_t bytes = 0;
     const std::uint64_t batch = static_cast<std::uint64_t>(b.threads) * 4;
     for (std::uint64_t first = 0; first < count; first += batch) {
         const std::uint64_t n = std::min(batch, count - first);
         std::vector<Chunk> chunks(n);
-        parallel_for(static_cast<std::int64_t>(n), b.threads,
-                     [&](std::int64_t i) { chunks[static_cast<std::size_t>(i)] = make(first + static_cast<std::uint64_t>(i)); });
+        parallel_for(static_cast<std::int64_t>(n), b.threads, [&](std::int64_t i) {
+            chunks[static_cast<std::size_t>(i)] = make(first + static_cast<std::uint64_t>(i));
+        });
         for (const Chunk& chunk : chunks) {
             writer.add(chunk);
             bytes += chunk.stored.size();
@@ -156,8 +165,9 @@ std::uint64_t write_maps(PackWriter& writer, const Bake& b, ChunkKind kind) {
 
 void check(const BakeOptions& options) {
     if (!(options.nesting >= 0.001 && options.nesting <= 1))
-        throw Failure(2, "--nesting must lie in 0.001..1: with less, spheres that touch do not nest in float arithmetic "
-                         "and the mesh cracks");
+        throw Failure(2,
+                      "--nesting must lie in 0.001..1: with less, spheres that touch do not nest in float arithmetic "
+                      "and the mesh cracks");
     if (options.tile_log2 && (options.tile_log2 < min_tile_log2 || options.tile_log2 > max_tile_log2))
         throw Failure(2, "--tile must be a power of two from 2 to 4096, or auto");
     if (!options.texture_path.empty() && !options.ramp_path.empty())
@@ -190,7 +200,8 @@ BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_pat
     const auto errors_start = Clock::now();
     // The stored float is what readers test against.
     const double nesting = static_cast<float>(options.nesting);
-    b.errors = compute_errors({b.dem, b.steps, b.lattice, b.tree, options.estimate, nesting, b.threads}, options.progress);
+    b.errors =
+        compute_errors({b.dem, b.steps, b.lattice, b.tree, options.estimate, nesting, b.threads}, options.progress);
     summary.seconds_errors = seconds_since(errors_start);
 
     const PackHeader header = header_of(b);

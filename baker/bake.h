@@ -18,14 +18,14 @@ namespace fjell::baker {
 using Progress = std::function<void(const char* stage, std::uint64_t done, std::uint64_t total)>;
 
 struct BakeOptions {
-    int tile_log2 = 0;            // 0: auto
+    int tile_log2 = 0; // 0: auto
     Estimate estimate = Estimate::max;
-    double nesting = 0.05;        // mu, 0.001..1
-    int threads = 0;              // 0: all cores; the pack does not depend on it
-    std::string texture_path;     // an image over the whole DEM; empty: none
-    std::string ramp_path;        // colours by height; empty: a grey-free default ramp when there is no texture
+    double nesting = 0.05;    // mu, 0.001..1
+    int threads = 0;          // 0: all cores; the pack does not depend on it
+    std::string texture_path; // an image over the whole DEM; empty: none
+    std::string ramp_path;    // colours by height; empty: a grey-free default ramp when there is no texture
     std::uint32_t max_texture_log2 = 10;
-    int compression = 6;          // zstd level
+    int compression = 6; // zstd level
     Progress progress;
 };
 
@@ -43,8 +43,8 @@ struct BakeSummary {
 [[nodiscard]] Lattice choose_lattice(const Dem& dem);
 [[nodiscard]] std::vector<std::uint16_t> quantise(const Dem& dem, const Lattice& lattice);
 
-// Error and radius of every vertex, also beyond the rim: row-major over tree.lattice_columns() x lattice_rows(), bfloat16
-// (fjell/record.h). Corners of tiles: zero.
+// Error and radius of every vertex, also beyond the rim: row-major over tree.lattice_columns() x lattice_rows(),
+// bfloat16 (fjell/record.h). Corners of tiles: zero.
 struct VertexErrors {
     std::vector<std::uint16_t> error, radius;
     float max_error_m = 0;

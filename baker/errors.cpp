@@ -62,7 +62,7 @@ private:
     }
 
     void vertex(Coord v) {
-        double error = straddles_rim(v)                 ? rim_error(v)
+        double error = straddles_rim(v)               ? rim_error(v)
                        : in.estimate == Estimate::max ? diamond_error(v)
                                                       : midpoint_error(v);
         double radius = 0;
@@ -100,7 +100,8 @@ private:
         double worst = 0;
         for (const Coord apex : d.apexes)
             if (tree.contains(apex))
-                worst = std::max(worst, triangle_error(tree.sample(apex), tree.sample(d.ends[0]), tree.sample(d.ends[1])));
+                worst =
+                    std::max(worst, triangle_error(tree.sample(apex), tree.sample(d.ends[0]), tree.sample(d.ends[1])));
         return worst;
     }
 
@@ -118,8 +119,9 @@ private:
                 const Coord p{x, y};
                 const std::int64_t wa = turn(b, c, p) * sign, wb = turn(c, a, p) * sign, wc = turn(a, b, p) * sign;
                 if (wa < 0 || wb < 0 || wc < 0) continue;
-                const double on = (static_cast<double>(wa) * h(a) + static_cast<double>(wb) * h(b) +
-                                   static_cast<double>(wc) * h(c)) / static_cast<double>(area * sign);
+                const double on =
+                    (static_cast<double>(wa) * h(a) + static_cast<double>(wb) * h(b) + static_cast<double>(wc) * h(c)) /
+                    static_cast<double>(area * sign);
                 worst = std::max(worst, row_error(p, 1, on, 0));
             }
         return worst;
@@ -172,7 +174,8 @@ private:
             const std::int32_t width = s - std::abs(r);
             const double centre = middle + along * r;
             if (has_west)
-                worst = std::max(worst, row_error({v.x - width, v.y + r}, width + 1, centre - west_slope * width, west_slope));
+                worst = std::max(worst,
+                                 row_error({v.x - width, v.y + r}, width + 1, centre - west_slope * width, west_slope));
             if (has_east) worst = std::max(worst, row_error({v.x, v.y + r}, width + 1, centre, east_slope));
         }
         return worst;
@@ -203,7 +206,8 @@ private:
     // Largest |sample - (first + slope k)| over `count` samples of a row.
     double row_error(Coord from, std::int32_t count, double first, double slope) const {
         const double worst = row_error(surface.data() + index(from), count, first, slope);
-        return lossless ? worst : std::max(worst, row_error(in.dem.heights_m.data() + index(from), count, first, slope));
+        return lossless ? worst
+                        : std::max(worst, row_error(in.dem.heights_m.data() + index(from), count, first, slope));
     }
 
     // The compiler vectorises this one (see CMakeLists.txt): it is where the bake spends its time.
@@ -248,8 +252,8 @@ private:
 
 VertexErrors compute_errors(const ErrorInput& input, const Progress& progress) {
     VertexErrors out;
-    const auto vertices = static_cast<std::size_t>(input.tree.lattice_columns()) *
-                          static_cast<std::size_t>(input.tree.lattice_rows());
+    const auto vertices =
+        static_cast<std::size_t>(input.tree.lattice_columns()) * static_cast<std::size_t>(input.tree.lattice_rows());
     out.error.assign(vertices, 0);
     out.radius.assign(vertices, 0);
     ErrorStage(input, out).run(progress);

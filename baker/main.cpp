@@ -1,4 +1,5 @@
-// fjell-bake: IN -o OUT.fjell, info, verify, synth. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the machine is.
+// fjell-bake: IN -o OUT.fjell, info, verify, synth. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the machine
+// is.
 #include <cstdio>
 #include <optional>
 #include <string>
@@ -31,7 +32,8 @@ struct ReadFlags {
         app.add_option("--spacing", spacing_m, "metres between samples; needed where the file has degrees or nothing");
         app.add_option("--zscale", zscale, "multiplies heights (after the file's own scale)");
         app.add_option("--zoffset", zoffset_m, "metres added to heights after --zscale");
-        app.add_option("--nodata", nodata, "what to do with samples without a height: refuse, or fill from their neighbours")
+        app.add_option("--nodata", nodata,
+                       "what to do with samples without a height: refuse, or fill from their neighbours")
             ->check(CLI::IsMember({"refuse", "fill"}));
     }
     [[nodiscard]] ReadOptions options(const CLI::App& app, std::size_t memory_mb) const {
@@ -120,8 +122,8 @@ int run_bake(Arguments& a, const CLI::App& app) {
                s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(), s.quantum_m, s.max_error_m);
     const double samples = static_cast<double>(s.columns) * s.rows;
     fmt::print("{:.1f} MB ({:.2f} bytes a sample of geometry) in {:.1f} s ({:.1f} M samples/s; errors {:.1f} s)\n",
-               static_cast<double>(s.file_bytes) / 1e6, static_cast<double>(s.geometry_bytes) / samples, s.seconds_total,
-               samples / s.seconds_total / 1e6, s.seconds_errors);
+               static_cast<double>(s.file_bytes) / 1e6, static_cast<double>(s.geometry_bytes) / samples,
+               s.seconds_total, samples / s.seconds_total / 1e6, s.seconds_errors);
     return 0;
 }
 
@@ -157,8 +159,10 @@ int run_info(const Arguments& a) {
         return 0;
     }
     for (const auto& [key, value] : info.items()) {
-        if (key == "crs" && value.is_string()) fmt::print("{:<16} {:.60}\n", key, value.get<std::string>());
-        else fmt::print("{:<16} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+        if (key == "crs" && value.is_string())
+            fmt::print("{:<16} {:.60}\n", key, value.get<std::string>());
+        else
+            fmt::print("{:<16} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
     }
     return 0;
 }
@@ -176,7 +180,8 @@ int run_verify(const Arguments& a, const CLI::App& app) {
     if (r.true_error_checked)
         fmt::print("{} comparisons of samples with triangles: {} above the vertex' error\n", r.samples_compared,
                    r.true_error_violations);
-    else fmt::print("true error: not promised by the mid-point estimate, not checked\n");
+    else
+        fmt::print("true error: not promised by the mid-point estimate, not checked\n");
     if (!r.ok()) throw Failure(1, fmt::format("{}: {}; bake it again", a.pack, r.first));
     fmt::print("ok\n");
     return 0;
@@ -205,7 +210,8 @@ Commands declare(CLI::App& app, Arguments& a) {
     app.add_option("--texture", a.bake.texture_path, "an image over the whole height field");
     app.add_option("--ramp", a.bake.ramp_path, "colours by height (JSON, content/ramps)");
     app.add_option("--threads", a.bake.threads, "0: all cores")->check(CLI::Range(0, 1024));
-    app.add_option("--memory", a.memory_mb, "MB the bake may use; larger height fields are refused")->check(CLI::Range(16, 1 << 24));
+    app.add_option("--memory", a.memory_mb, "MB the bake may use; larger height fields are refused")
+        ->check(CLI::Range(16, 1 << 24));
     app.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
     app.add_flag("--quiet", a.quiet, "no progress, no summary");
     a.read.add_to(app);

@@ -30,7 +30,8 @@ public:
         original.resize(count);
         for (std::int32_t y = 0; y < tree.rows(); ++y)
             for (std::int32_t x = 0; x < tree.columns(); ++x)
-                original[at({x, y})] = against ? against->at(x, y) : terrain.lattice.height_m(records[at({x, y})].height);
+                original[at({x, y})] =
+                    against ? against->at(x, y) : terrain.lattice.height_m(records[at({x, y})].height);
         // base + steps * quantum in float: one rounding of the product, one of the sum.
         const double largest = std::max(std::abs(terrain.header.min_m), std::abs(terrain.header.max_m));
         allowed_m = 0.5 * static_cast<double>(terrain.lattice.quantum_m) + rounding_m +
@@ -40,10 +41,12 @@ public:
 
     VerifyReport run() {
         report.vertices = records.size();
-        parallel_for(tree.lattice_rows(), resolve_threads(0), [&](std::int64_t y) { check_row(static_cast<std::int32_t>(y)); });
+        parallel_for(tree.lattice_rows(), resolve_threads(0),
+                     [&](std::int64_t y) { check_row(static_cast<std::int32_t>(y)); });
         const std::int64_t tiles = terrain.tile_count();
         if (report.true_error_checked)
-            parallel_for(tiles, resolve_threads(0), [&](std::int64_t tile) { check_tile(static_cast<std::int32_t>(tile)); });
+            parallel_for(tiles, resolve_threads(0),
+                         [&](std::int64_t tile) { check_tile(static_cast<std::int32_t>(tile)); });
         return report;
     }
 
@@ -82,8 +85,8 @@ private:
 
     void check_child(Coord v, Coord c, double nesting) {
         if (!(error(v) >= nesting * error(c)))
-            note(report.nesting_violations,
-                 fmt::format("vertex ({}, {}): error {} m, child ({}, {}): {} m", v.x, v.y, error(v), c.x, c.y, error(c)));
+            note(report.nesting_violations, fmt::format("vertex ({}, {}): error {} m, child ({}, {}): {} m", v.x, v.y,
+                                                        error(v), c.x, c.y, error(c)));
         if (!(radius(v) >= (distance(v, c) + radius(c)) * sphere_margin))
             note(report.sphere_violations,
                  fmt::format("vertex ({}, {}): its sphere does not hold that of ({}, {})", v.x, v.y, c.x, c.y));
@@ -110,8 +113,9 @@ private:
         if (worst.excess_m <= report.worst_excess_m) return;
         report.worst_excess_m = worst.excess_m;
         if (report.first.empty())
-            report.first = fmt::format("sample ({}, {}) is {} m further from the surface than the error of vertex ({}, {}) says",
-                                       worst.sample.x, worst.sample.y, worst.excess_m, worst.vertex.x, worst.vertex.y);
+            report.first =
+                fmt::format("sample ({}, {}) is {} m further from the surface than the error of vertex ({}, {}) says",
+                            worst.sample.x, worst.sample.y, worst.excess_m, worst.vertex.x, worst.vertex.y);
     }
 
     struct Excess {
@@ -191,7 +195,7 @@ private:
 
     const Terrain& terrain;
     const Tree tree;
-    const std::int32_t columns; // of vertices
+    const std::int32_t columns;        // of vertices
     std::vector<VertexRecord> records; // all vertices, row by row; original is laid out alike
     std::vector<float> original;
     double allowed_m = 0;
@@ -203,9 +207,10 @@ private:
 
 VerifyReport verify(const Terrain& terrain, const Dem* against) {
     if (against && (against->columns != terrain.tree.columns() || against->rows != terrain.tree.rows()))
-        throw Failure(1, fmt::format("the height field has {} x {} samples, the pack {} x {}: this is not the one it was "
-                                     "baked from",
-                                     against->columns, against->rows, terrain.tree.columns(), terrain.tree.rows()));
+        throw Failure(1,
+                      fmt::format("the height field has {} x {} samples, the pack {} x {}: this is not the one it was "
+                                  "baked from",
+                                  against->columns, against->rows, terrain.tree.columns(), terrain.tree.rows()));
     return Verifier(terrain, against).run();
 }
 

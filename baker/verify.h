@@ -20,7 +20,8 @@ struct VerifyReport {
     bool true_error_checked = true;          // false with the mid-point estimate, which does not promise it
     std::string first;                       // the first violation, in words
     [[nodiscard]] bool ok() const {
-        return nesting_violations + sphere_violations + border_mismatches + true_error_violations + height_mismatches == 0;
+        return nesting_violations + sphere_violations + border_mismatches + true_error_violations + height_mismatches ==
+               0;
     }
 };
 

@@ -17,8 +17,8 @@ struct Chunk {
     std::uint32_t tile, level, raw_bytes;
     std::vector<std::byte> stored;
 };
-[[nodiscard]] Chunk compress_chunk(ChunkKind kind, std::uint32_t tile, std::uint32_t level, std::span<const std::byte> raw,
-                                   int zstd_level);
+[[nodiscard]] Chunk compress_chunk(ChunkKind kind, std::uint32_t tile, std::uint32_t level,
+                                   std::span<const std::byte> raw, int zstd_level);
 
 class PackWriter {
 public:

@@ -48,7 +48,7 @@ enum class Units : std::uint8_t {
 // What a path needs to know of the terrain it crosses.
 struct Ground {
     double extent_x_m = 1, extent_z_m = 1;
-    double cell_m = 1;                     // the smaller of the two spacings
+    double cell_m = 1; // the smaller of the two spacings
     std::function<double(double x_m, double z_m)> height_m = [](double, double) { return 0.0; };
 
     [[nodiscard]] double longer_m() const { return extent_x_m > extent_z_m ? extent_x_m : extent_z_m; }

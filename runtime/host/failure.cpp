@@ -9,7 +9,9 @@ namespace fjell::host {
 
 namespace {
 volatile std::sig_atomic_t interrupted = 0;
-void on_signal(int) { interrupted = 1; }
+void on_signal(int) {
+    interrupted = 1;
+}
 
 int say(const char* name, int code, std::string text) {
     for (char& c : text)

@@ -14,12 +14,12 @@ struct Failure : std::runtime_error {
     int exit_code;
 };
 
-// Runs a program's body at the edge: whatever it throws becomes one line on stderr, headed by the program's name, and an
-// exit code.
+// Runs a program's body at the edge: whatever it throws becomes one line on stderr, headed by the program's name, and
+// an exit code.
 [[nodiscard]] int run_tool(const char* name, const std::function<int()>& body);
 
-// From here on SIGINT and SIGTERM become a Failure with exit code 130 at the next check_interrupt(), so that destructors
-// remove what is half-written.
+// From here on SIGINT and SIGTERM become a Failure with exit code 130 at the next check_interrupt(), so that
+// destructors remove what is half-written.
 void catch_interrupts();
 void check_interrupt();
 

@@ -57,8 +57,8 @@ AtomicFile::~AtomicFile() {
 void AtomicFile::fail(const char* doing) const {
     const int error = errno;
     const char* remedy = error == ENOSPC || error == EDQUOT || error == EFBIG ? "free some space or choose another disk"
-                         : error == EACCES || error == EROFS ? "choose a folder you may write to"
-                                                             : "check the disk";
+                         : error == EACCES || error == EROFS                  ? "choose a folder you may write to"
+                                                                              : "check the disk";
     throw Failure(3, fmt::format("{}: cannot {}: {}; {}", path_, doing, std::strerror(error), remedy));
 }
 

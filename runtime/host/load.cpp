@@ -23,7 +23,9 @@ void require(const Status& status, const std::string& path) {
 
 } // namespace
 
-void AlignedDelete::operator()(std::byte* block) const { ::operator delete[](block, block_alignment); }
+void AlignedDelete::operator()(std::byte* block) const {
+    ::operator delete[](block, block_alignment);
+}
 
 AlignedBlock make_block(std::size_t bytes) {
     AlignedBlock block(static_cast<std::byte*>(::operator new[](bytes, block_alignment)));

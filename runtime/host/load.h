@@ -1,5 +1,5 @@
-// A pack from a file, for tools: bytes, directory and, when asked, its geometry. Throws Failure with exit code 1 for a pack
-// that is damaged or of another version, 3 for a disk that fails.
+// A pack from a file, for tools: bytes, directory and, when asked, its geometry. Throws Failure with exit code 1 for a
+// pack that is damaged or of another version, 3 for a disk that fails.
 #pragma once
 
 #include <cstddef>

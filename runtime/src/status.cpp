@@ -7,11 +7,14 @@ const char* message(Code code) {
     case Code::ok: return "ok";
     case Code::truncated: return "the pack ends too early; copy or bake it again";
     case Code::not_a_pack: return "this is not a Fjell pack; bake the height field with fjell-bake first";
-    case Code::wrong_version: return "the pack was written by another version of fjell-bake; bake it again with this one";
-    case Code::wrong_layout: return "the pack's record layout is not this build's; bake it again on this kind of machine";
+    case Code::wrong_version:
+        return "the pack was written by another version of fjell-bake; bake it again with this one";
+    case Code::wrong_layout:
+        return "the pack's record layout is not this build's; bake it again on this kind of machine";
     case Code::corrupt: return "the pack is damaged here; copy or bake it again";
     case Code::out_of_range: return "the value is outside its allowed range; see the header that declares it";
-    case Code::block_too_small: return "the memory block is smaller than the matching *_bytes() function says; pass a larger one";
+    case Code::block_too_small:
+        return "the memory block is smaller than the matching *_bytes() function says; pass a larger one";
     case Code::budget_too_small: return "the budget cannot hold the coarsest mesh; raise the field";
     }
     return "unknown status";

@@ -4,7 +4,9 @@
 
 namespace fjell {
 
-double length(Vec3 v) { return std::sqrt(dot(v, v)); }
+double length(Vec3 v) {
+    return std::sqrt(dot(v, v));
+}
 
 Vec3 normalised(Vec3 v) {
     const double l = length(v);
@@ -28,8 +30,12 @@ View make_view(Vec3 eye_m, Vec3 forward, Vec3 up, double fov_y_rad, std::uint32_
 
 namespace {
 
-bool finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-bool unit(Vec3 v) { return finite(v) && std::abs(dot(v, v) - 1) < 1e-6; }
+bool finite(Vec3 v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+bool unit(Vec3 v) {
+    return finite(v) && std::abs(dot(v, v) - 1) < 1e-6;
+}
 
 constexpr double farthest_m = 1e8; // as fjell/pack.h limits the terrain's extent
 

@@ -21,12 +21,14 @@ using namespace fjell;
 const std::string folder = FJELL_BENCH_DIR;
 
 const baker::Dem& dem() {
-    static const baker::Dem made = baker::synthesise_text(
-        R"({"columns": 2049, "rows": 2049, "spacing_m": 60, "seed": 1, "relief_m": 3000})");
+    static const baker::Dem made =
+        baker::synthesise_text(R"({"columns": 2049, "rows": 2049, "spacing_m": 60, "seed": 1, "relief_m": 3000})");
     return made;
 }
 
-double samples() { return static_cast<double>(dem().heights_m.size()); }
+double samples() {
+    return static_cast<double>(dem().heights_m.size());
+}
 
 void rate(benchmark::State& state) {
     state.counters["samples/s"] =

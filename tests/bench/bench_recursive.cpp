@@ -1,7 +1,8 @@
 // The yardstick: what the recursive method costs a selected vertex. Everything later is measured against it in the same
 // run, so it has to be an honest one: the same compiler flags, the same records, and its own nanoseconds printed.
 //
-// Names: stage/scene/parameter. Scenes: the mountains of content/terrain (4097 x 4097, 60 m), in 8 x 8 tiles and in one.
+// Names: stage/scene/parameter. Scenes: the mountains of content/terrain (4097 x 4097, 60 m), in 8 x 8 tiles and in
+// one.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -50,13 +51,14 @@ const Scene& scene(int tile_log2) {
     if (!s.views.empty()) return s;
     s.pack = host::load_pack(pack_path(tile_log2), host::LoadTerrain::yes);
     const Terrain& t = s.pack.terrain;
-    const double cell = t.header.spacing_m[0], width = cell * (t.tree.columns() - 1), depth = cell * (t.tree.rows() - 1);
+    const double cell = t.header.spacing_m[0], width = cell * (t.tree.columns() - 1),
+                 depth = cell * (t.tree.rows() - 1);
     const Vec3 step{cell * 0.8, 0, -cell * 0.6};
     Vec3 eye{width * 0.4, 0, depth * 0.6};
     for (int frame = 0; frame < 64; ++frame, eye = eye + step) {
         eye.y = t.ground_m(eye.x, eye.z) + 400;
-        s.views.push_back(make_view(eye, step + Vec3{0, -0.15 * cell, 0}, {0, 1, 0}, 0.7853981633974483, 1280, 960, 10,
-                                    2 * width));
+        s.views.push_back(
+            make_view(eye, step + Vec3{0, -0.15 * cell, 0}, {0, 1, 0}, 0.7853981633974483, 1280, 960, 10, 2 * width));
     }
     return s;
 }
@@ -67,7 +69,8 @@ void recursive(benchmark::State& state, int tile_log2, double error_px, bool cul
     const std::size_t bytes = recursive_bytes(s.pack.terrain, budget);
     const host::AlignedBlock block = host::make_block(bytes);
     RecursiveMethod method;
-    if (!create_recursive(s.pack.terrain, budget, {block.get(), bytes}, method).ok()) return state.SkipWithError("budget");
+    if (!create_recursive(s.pack.terrain, budget, {block.get(), bytes}, method).ok())
+        return state.SkipWithError("budget");
     RefineSettings settings;
     settings.error_px = error_px;
     settings.cull = cull;
@@ -96,8 +99,8 @@ void recursive(benchmark::State& state, int tile_log2, double error_px, bool cul
 }
 
 void declare(const std::string& name, int tile_log2, double error_px, bool cull, Topology topology, Metric metric) {
-    benchmark::RegisterBenchmark(name.c_str(),
-                                 [=](benchmark::State& state) { recursive(state, tile_log2, error_px, cull, topology, metric); })
+    benchmark::RegisterBenchmark(
+        name.c_str(), [=](benchmark::State& state) { recursive(state, tile_log2, error_px, cull, topology, metric); })
         ->Unit(benchmark::kMillisecond)
         ->MinTime(0.5);
 }
@@ -108,7 +111,8 @@ int main(int argc, char** argv) {
     for (const int log2 : {9, 12}) {
         const std::string scene_name = log2 == 9 ? "mountains-8x8" : "mountains-1x1";
         for (const double px : {0.5, 1.0, 2.0, 4.0}) {
-            const std::string at = "/" + scene_name + "/" + (px < 1 ? "0.5" : std::to_string(static_cast<int>(px))) + "px";
+            const std::string at =
+                "/" + scene_name + "/" + (px < 1 ? "0.5" : std::to_string(static_cast<int>(px))) + "px";
             declare("recursive" + at + "/list", log2, px, true, Topology::triangles, Metric::isotropic);
             declare("recursive" + at + "/strip", log2, px, true, Topology::strip, Metric::isotropic);
             if (px != 1.0) continue;

@@ -1,4 +1,5 @@
-// Writes seeds for fuzz_pack into the folder given: small packs, once as they are and once to be repaired after mutation.
+// Writes seeds for fuzz_pack into the folder given: small packs, once as they are and once to be repaired after
+// mutation.
 #include <cstdio>
 #include <fstream>
 #include <string>

@@ -1,5 +1,5 @@
-// Runs a fuzz target without libFuzzer: every seed as it is, then ROUNDS mutations of random seeds, always the same ones.
-// This is what `./dev test` runs under sanitizers; `./dev test --long` explores with libFuzzer.
+// Runs a fuzz target without libFuzzer: every seed as it is, then ROUNDS mutations of random seeds, always the same
+// ones. This is what `./dev test` runs under sanitizers; `./dev test --long` explores with libFuzzer.
 //
 // fuzz_X ROUNDS SEED_FILE...
 #include <cstdint>
@@ -25,7 +25,9 @@ void mutate(Bytes& bytes, std::mt19937& random) {
         case 1: bytes[at] = static_cast<std::uint8_t>(below(256)); break;
         case 2: bytes[at] = below(2) ? 0xff : 0; break;
         case 3: bytes.resize(at); break;
-        case 4: bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), static_cast<std::uint8_t>(below(256))); break;
+        case 4:
+            bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), static_cast<std::uint8_t>(below(256)));
+            break;
         case 5: bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(at)); break;
         }
     }

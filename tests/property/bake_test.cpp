@@ -11,7 +11,9 @@ using namespace fjell::test;
 
 namespace {
 
-VertexRecord& record_of(host::LoadedPack& pack, Coord c) { return const_cast<VertexRecord&>(pack.terrain.record(c)); }
+VertexRecord& record_of(host::LoadedPack& pack, Coord c) {
+    return const_cast<VertexRecord&>(pack.terrain.record(c));
+}
 
 } // namespace
 

@@ -17,7 +17,7 @@ struct Tiling {
     int tile_log2;
     std::int32_t tiles_x, tiles_y;
 };
-constexpr Tiling tilings[] = {{1, 1, 1}, {1, 5, 3}, {2, 4, 4}, {3, 1, 1}, {3, 3, 2}, {4, 2, 5},
+constexpr Tiling tilings[] = {{1, 1, 1}, {1, 5, 3}, {2, 4, 4}, {3, 1, 1},   {3, 3, 2},  {4, 2, 5},
                               {5, 3, 2}, {6, 1, 1}, {6, 2, 1}, {3, 32, 16}, {2, 32, 16}};
 
 host::LoadedPack random_terrain(Random& random, const Tiling& t, double nesting) {
@@ -26,11 +26,15 @@ host::LoadedPack random_terrain(Random& random, const Tiling& t, double nesting)
                          small_bake(t.tile_log2, nesting));
 }
 
-double random_threshold(Random& random) { return std::pow(10.0, uniform(random, -1.5, 2)); }
+double random_threshold(Random& random) {
+    return std::pow(10.0, uniform(random, -1.5, 2));
+}
 
 // The bound a measured error must keep: the threshold, and nothing else: the mesh and the measure use the same heights.
 // Float rounding is inside the method's own margin.
-bool within(double measured_px, double threshold_px) { return measured_px <= threshold_px * (1 + 1e-9); }
+bool within(double measured_px, double threshold_px) {
+    return measured_px <= threshold_px * (1 + 1e-9);
+}
 
 } // namespace
 
@@ -73,7 +77,8 @@ TEST_CASE("with culling the mesh stays crack-free and keeps the bound inside the
                     (void)method.update(view, settings);
                     CAPTURE(tiling.tile_log2, tiling.tiles_x, tiling.tiles_y, terrain_number, frame, settings.error_px);
                     REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
-                    REQUIRE(within(measure_error(pack.terrain, method.mesh(), view, &frustum).max_px, settings.error_px));
+                    REQUIRE(
+                        within(measure_error(pack.terrain, method.mesh(), view, &frustum).max_px, settings.error_px));
                 }
             }
         }
@@ -193,17 +198,21 @@ TEST_CASE("what is selected is exactly what is wanted (invariant 7)") {
         settings.cull = false;
         (void)method.update(view, settings);
         const Reach reach = make_reach(view, settings.error_px);
-        std::vector<bool> used(static_cast<std::size_t>(terrain.tree.columns()) * static_cast<std::size_t>(terrain.tree.rows()));
-        const auto at = [&](Coord c) { return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(terrain.tree.columns()) + static_cast<std::size_t>(c.x); };
+        std::vector<bool> used(static_cast<std::size_t>(terrain.tree.columns()) *
+                               static_cast<std::size_t>(terrain.tree.rows()));
+        const auto at = [&](Coord c) {
+            return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(terrain.tree.columns()) +
+                   static_cast<std::size_t>(c.x);
+        };
         for (const Triangle& t : triangles_of(terrain, method.mesh()))
             for (const Coord c : t) used[at(c)] = true;
         for (std::int32_t y = 0; y < terrain.tree.rows(); ++y)
             for (std::int32_t x = 0; x < terrain.tree.columns(); ++x) {
                 const Coord c{x, y};
                 const VertexRecord& r = terrain.record(c);
-                const bool expected = terrain.tree.is_corner(c) ||
-                                      wanted(reach, terrain.x_m(x), terrain.height_m(c), terrain.z_m(y),
-                                             from_bfloat16(r.error), from_bfloat16(r.radius));
+                const bool expected =
+                    terrain.tree.is_corner(c) || wanted(reach, terrain.x_m(x), terrain.height_m(c), terrain.z_m(y),
+                                                        from_bfloat16(r.error), from_bfloat16(r.radius));
                 REQUIRE(used[at(c)] == expected);
             }
     }
@@ -216,8 +225,10 @@ TEST_CASE("a budget that is too small lowers quality, names itself and breaks no
         const Terrain& terrain = pack.terrain;
         const bool vertices = pick(random, 0, 1) == 0;
         RecursiveBudget budget = ample_budget(terrain);
-        if (vertices) budget.vertices = static_cast<std::uint32_t>(pick(random, 4 * 9, 500));
-        else budget.indices = static_cast<std::uint32_t>(pick(random, 9 * 9, 3000));
+        if (vertices)
+            budget.vertices = static_cast<std::uint32_t>(pick(random, 4 * 9, 500));
+        else
+            budget.indices = static_cast<std::uint32_t>(pick(random, 9 * 9, 3000));
         Recursive method(terrain, budget), free(terrain, ample_budget(terrain));
         RefineSettings settings;
         settings.error_px = 0.05;
@@ -230,8 +241,10 @@ TEST_CASE("a budget that is too small lowers quality, names itself and breaks no
             REQUIRE(check_mesh(terrain, method.mesh()) == "");
             REQUIRE(report.error_px_asked == settings.error_px);
             REQUIRE(report.converged == (report.error_px_effective <= report.error_px_asked));
-            if (report.converged) REQUIRE(report.triangles == wish.triangles);
-            else REQUIRE(report.exhausted == (vertices ? budget_vertices : budget_indices));
+            if (report.converged)
+                REQUIRE(report.triangles == wish.triangles);
+            else
+                REQUIRE(report.exhausted == (vertices ? budget_vertices : budget_indices));
             if (vertices && wish.vertices > budget.vertices) REQUIRE_FALSE(report.converged);
         }
     }

@@ -49,7 +49,9 @@ std::string say(const char* what, const Triangle& t) {
 }
 
 std::uint64_t key(Coord a, Coord b, std::int32_t columns) {
-    const auto index = [&](Coord c) { return static_cast<std::uint64_t>(c.y) * static_cast<std::uint64_t>(columns) + static_cast<std::uint64_t>(c.x); };
+    const auto index = [&](Coord c) {
+        return static_cast<std::uint64_t>(c.y) * static_cast<std::uint64_t>(columns) + static_cast<std::uint64_t>(c.x);
+    };
     return index(a) << 32 | index(b);
 }
 
@@ -73,13 +75,15 @@ bool may_be_open(const Terrain& terrain, const std::vector<bool>& drawn, Coord a
     return false;
 }
 
-std::string check_edges(const Terrain& terrain, const std::vector<bool>& drawn, const std::vector<Triangle>& triangles) {
+std::string check_edges(const Terrain& terrain, const std::vector<bool>& drawn,
+                        const std::vector<Triangle>& triangles) {
     std::unordered_map<std::uint64_t, int> edges;
     edges.reserve(triangles.size() * 4);
     const std::int32_t columns = terrain.tree.columns();
     for (const Triangle& t : triangles)
         for (std::size_t i = 0; i < 3; ++i)
-            if (++edges[key(t[i], t[(i + 1) % 3], columns)] > 1) return say("an edge is used twice in one direction by", t);
+            if (++edges[key(t[i], t[(i + 1) % 3], columns)] > 1)
+                return say("an edge is used twice in one direction by", t);
     for (const Triangle& t : triangles)
         for (std::size_t i = 0; i < 3; ++i) {
             const Coord a = t[i], b = t[(i + 1) % 3];
@@ -122,7 +126,8 @@ std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
             if (v.column > terrain.tree.side() || v.row > terrain.tree.side()) return "a vertex lies outside its tile";
             if (corner.x + v.column >= terrain.tree.columns() || corner.y + v.row >= terrain.tree.rows())
                 return "a vertex lies outside the terrain";
-            if (v.height_m != terrain.height_m(corner + Coord{v.column, v.row})) return "a vertex has not its sample's height";
+            if (v.height_m != terrain.height_m(corner + Coord{v.column, v.row}))
+                return "a vertex has not its sample's height";
         }
         for_each_triangle(terrain, mesh, range, [&](const Triangle& t) {
             const std::int64_t doubled = doubled_area_up(t);

@@ -32,7 +32,8 @@ inline Run run_in(const std::filesystem::path& folder, const std::string& comman
     const std::filesystem::path aside = mkdtemp(name);
     const std::string to = " >'" + (aside / "out").string() + "' 2>'" + (aside / "err").string() + "'";
     const int status = std::system(("cd '" + folder.string() + "' && " + command + to).c_str());
-    Run result{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), slurp(aside / "out"), slurp(aside / "err")};
+    Run result{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), slurp(aside / "out"),
+               slurp(aside / "err")};
     std::filesystem::remove_all(aside);
     return result;
 }

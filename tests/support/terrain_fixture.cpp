@@ -22,7 +22,9 @@ TemporaryFolder::~TemporaryFolder() {
 double uniform(Random& random, double least, double most) {
     return std::uniform_real_distribution<double>(least, most)(random);
 }
-int pick(Random& random, int least, int most) { return std::uniform_int_distribution<int>(least, most)(random); }
+int pick(Random& random, int least, int most) {
+    return std::uniform_int_distribution<int>(least, most)(random);
+}
 
 namespace {
 
@@ -37,7 +39,8 @@ float fractal(Random& random, std::vector<float>& lattice, double x, double y) {
         const int i = static_cast<int>(std::floor(u)), j = static_cast<int>(std::floor(v));
         const auto at = [&](int a, int b) { return lattice[static_cast<std::size_t>((b & 31) * side + (a & 31))]; };
         const double s = u - i, t = v - j;
-        sum += size * ((at(i, j) * (1 - s) + at(i + 1, j) * s) * (1 - t) + (at(i, j + 1) * (1 - s) + at(i + 1, j + 1) * s) * t);
+        sum += size * ((at(i, j) * (1 - s) + at(i + 1, j) * s) * (1 - t) +
+                       (at(i, j + 1) * (1 - s) + at(i + 1, j + 1) * s) * t);
     }
     return static_cast<float>(sum);
 }
@@ -95,8 +98,8 @@ View random_view(Random& random, const Terrain& terrain) {
     const Vec3 at{uniform(random, 0, 1) * wx, terrain.header.min_m, uniform(random, 0, 1) * wz};
     const double fov = uniform(random, 0.2, 2.0);
     return make_view(eye, at - eye, {uniform(random, -0.3, 0.3), 1, uniform(random, -0.3, 0.3)}, fov,
-                     static_cast<std::uint32_t>(pick(random, 64, 3840)), static_cast<std::uint32_t>(pick(random, 64, 2160)),
-                     extent * 1e-5, extent * 8);
+                     static_cast<std::uint32_t>(pick(random, 64, 3840)),
+                     static_cast<std::uint32_t>(pick(random, 64, 2160)), extent * 1e-5, extent * 8);
 }
 
 RecursiveBudget ample_budget(const Terrain& terrain) {

@@ -68,7 +68,8 @@ TEST_CASE("synth, bake, info and verify, one after the other") {
     spit(folder / "recipe.json", R"({"columns": 200, "rows": 130, "spacing_m": 60, "seed": 5})");
     REQUIRE(run_in(folder.path, bake + "synth recipe.json -o other.tif").code == 0);
     refused(folder, bake + "verify out.fjell --against other.tif", 1, "bake it again");
-    CHECK(files_of(folder) == std::vector<std::string>{"bake.json", "dem.tif", "other.tif", "out.fjell", "recipe.json"});
+    CHECK(files_of(folder) ==
+          std::vector<std::string>{"bake.json", "dem.tif", "other.tif", "out.fjell", "recipe.json"});
 }
 
 TEST_CASE("height fields that are not are refused in one line with a remedy, and nothing is left") {
@@ -152,8 +153,8 @@ TEST_CASE("packs of another version, cut or damaged are refused by info and veri
 
 TEST_CASE("the Grand Canyon is baked, verified and flown for 840 frames within two pixels") {
     const char* data = std::getenv("FJELL_DATA");
-    const std::string dem = std::string(data ? data : FJELL_SOURCE_DIR "/../shared/data") +
-                            "/dem/grand_canyon_60m_4097x2049_u8.png";
+    const std::string dem =
+        std::string(data ? data : FJELL_SOURCE_DIR "/../shared/data") + "/dem/grand_canyon_60m_4097x2049_u8.png";
     if (!std::filesystem::exists(dem)) {
         WARN("skipped: there is no " << dem << " (set FJELL_DATA to the folder of real height fields)");
         return;
@@ -162,8 +163,9 @@ TEST_CASE("the Grand Canyon is baked, verified and flown for 840 frames within t
     const std::string read = " --spacing 60 --zscale 14.4 --zoffset 127";
     REQUIRE(run_in(folder.path, bake + dem + read + " --tile 512 -o canyon.fjell").code == 0);
     CHECK(run_in(folder.path, bake + "verify canyon.fjell --against " + dem + read).code == 0);
-    REQUIRE(run_in(folder.path, FJELL_BIN_DIR "/fjell-fly canyon.fjell --headless --frames 840 --error-px 2 --verify 60 "
-                                "--json flight.json --path " FJELL_SOURCE_DIR "/content/paths/canyon.json")
+    REQUIRE(run_in(folder.path,
+                   FJELL_BIN_DIR "/fjell-fly canyon.fjell --headless --frames 840 --error-px 2 --verify 60 "
+                                 "--json flight.json --path " FJELL_SOURCE_DIR "/content/paths/canyon.json")
                 .code == 0);
     const auto flight = nlohmann::json::parse(slurp(folder / "flight.json"));
     CHECK(flight["frames"] == 840);

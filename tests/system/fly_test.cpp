@@ -38,9 +38,7 @@ public:
     Place(const Place&) = delete;
     Place& operator=(const Place&) = delete;
 
-    Run run(const std::string& command) const {
-        return test::run_in(folder, command);
-    }
+    Run run(const std::string& command) const { return test::run_in(folder, command); }
     Run fly(const std::string& arguments) const { return run(FJELL_BIN_DIR "/fjell-fly " + arguments); }
     // In a sanitized build Mesa's own 128 bytes would count as a leak of ours.
     Run fly_with_gl(const std::string& arguments) const {

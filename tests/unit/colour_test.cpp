@@ -149,7 +149,8 @@ TEST_CASE("an image covers the terrain, not its tiles; texels beyond the rim tak
     for (int i = 0; i < 330 * 330; ++i)
         for (const int c : {i % 330 * 255 / 329, 0, 0}) image.rgb.push_back(static_cast<std::uint8_t>(c));
     const auto rgb = colour_mip({dem, tree, 4, 4}, &image, nullptr, 0, 0);
-    CHECK(std::abs(rgb[4 * 3] - 255 * 4 * 16 / 15 / 8) <= 12); // texel 4 of 0..15 over 16 cells of which 8 carry the image
+    CHECK(std::abs(rgb[4 * 3] - 255 * 4 * 16 / 15 / 8) <=
+          12); // texel 4 of 0..15 over 16 cells of which 8 carry the image
     for (std::size_t x = 9; x < 16; ++x) CHECK(rgb[x * 3] == 255);
 }
 

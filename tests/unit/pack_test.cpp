@@ -169,8 +169,10 @@ TEST_CASE("a block that is too small or a budget below the coarsest mesh is refu
     const RecursiveBudget least{16 * 4, 16 * 9};
     const std::size_t bytes = recursive_bytes(pack.terrain, least);
     const host::AlignedBlock room = host::make_block(bytes);
-    CHECK(create_recursive(pack.terrain, {16 * 4 - 1, 1000}, {room.get(), bytes}, method).code == Code::budget_too_small);
-    CHECK(create_recursive(pack.terrain, {1000, 16 * 9 - 1}, {room.get(), bytes}, method).code == Code::budget_too_small);
+    CHECK(create_recursive(pack.terrain, {16 * 4 - 1, 1000}, {room.get(), bytes}, method).code ==
+          Code::budget_too_small);
+    CHECK(create_recursive(pack.terrain, {1000, 16 * 9 - 1}, {room.get(), bytes}, method).code ==
+          Code::budget_too_small);
     CHECK(create_recursive(pack.terrain, least, {room.get(), bytes - 1}, method).code == Code::block_too_small);
     CHECK(create_recursive(pack.terrain, least, {room.get(), bytes}, method).ok());
 }

@@ -99,8 +99,10 @@ TEST_CASE("planar order is a bijection that stores every step after the coarser 
         for (std::uint32_t y = 0; y < n; ++y)
             for (std::uint32_t x = 0; x < n; ++x) {
                 const std::uint32_t i = order.index(x, y);
-                if (i >= taken.size() || taken[i]) ++wrong;
-                else taken[i] = true;
+                if (i >= taken.size() || taken[i])
+                    ++wrong;
+                else
+                    taken[i] = true;
                 const Coord back = order.coord(i);
                 wrong += back.x != static_cast<std::int32_t>(x) || back.y != static_cast<std::int32_t>(y);
                 const Coord c{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};

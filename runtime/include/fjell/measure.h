@@ -8,8 +8,8 @@
 namespace fjell {
 
 struct MeasuredError {
-    double max_px = 0;      // largest |height - surface| * lambda / distance(eye, sample)
-    double max_m = 0;       // largest |height - surface|
+    double max_px = 0;         // largest |height - surface| * lambda / distance(eye, sample)
+    double max_m = 0;          // largest |height - surface|
     Coord sample_px, sample_m; // where
     std::uint64_t samples = 0; // visited, shared edges counted once a triangle
 };

@@ -23,7 +23,7 @@ struct TileRange {
     std::uint32_t tile;        // row-major
     std::uint32_t first_index; // into MeshView::indices
     std::uint32_t index_count;
-    std::uint32_t triangles;   // degenerate ones not counted
+    std::uint32_t triangles; // degenerate ones not counted
 };
 
 struct MeshView {

@@ -35,24 +35,24 @@ struct PackHeader {
     std::uint64_t layout_hash;
     std::uint64_t file_bytes;
     std::uint64_t directory_offset;
-    std::uint64_t directory_count; // chunks
-    std::uint64_t directory_hash;  // XXH3 of the directory; with the chunk hashes in it, it names the pack's content
-    std::uint32_t columns, rows;   // samples, at least 2
+    std::uint64_t directory_count;  // chunks
+    std::uint64_t directory_hash;   // XXH3 of the directory; with the chunk hashes in it, it names the pack's content
+    std::uint32_t columns, rows;    // samples, at least 2
     std::uint32_t tiles_x, tiles_y; // the fewest that cover them
     std::uint32_t tile_log2;
     Order order;
     Estimate estimate;
-    float nesting;               // mu
-    double spacing_m[2];         // along columns (x) and rows (y)
-    double origin_m[2];          // of sample (0, 0), in CRS axes
-    float base_m, quantum_m;     // the vertical lattice
-    float min_m, max_m;          // heights that occur
-    float max_error_m;           // the largest world-space error of any vertex
-    std::uint32_t colour_log2;   // texels a side of mip 0; 0: no colour
-    std::uint32_t normal_log2;   // texels a side of mip 0; 0: no normal map
-    std::uint32_t crs_bytes;     // of the WKT; 0: no CRS
+    float nesting;              // mu
+    double spacing_m[2];        // along columns (x) and rows (y)
+    double origin_m[2];         // of sample (0, 0), in CRS axes
+    float base_m, quantum_m;    // the vertical lattice
+    float min_m, max_m;         // heights that occur
+    float max_error_m;          // the largest world-space error of any vertex
+    std::uint32_t colour_log2;  // texels a side of mip 0; 0: no colour
+    std::uint32_t normal_log2;  // texels a side of mip 0; 0: no normal map
+    std::uint32_t crs_bytes;    // of the WKT; 0: no CRS
     std::uint64_t reserved[12]; // zero
-    std::uint64_t header_hash;   // XXH3 of all bytes before this one
+    std::uint64_t header_hash;  // XXH3 of all bytes before this one
 };
 static_assert(sizeof(PackHeader) == 256 && offsetof(PackHeader, header_hash) == 248,
               "PackHeader is stored: change pack_version and pack_layout_hash with it");
@@ -63,7 +63,7 @@ struct ChunkEntry {
     std::uint32_t stored_bytes; // zstd frame
     std::uint32_t raw_bytes;    // after decoding
     ChunkKind kind;
-    std::uint32_t tile; // row-major
+    std::uint32_t tile;  // row-major
     std::uint32_t level; // mip
     std::uint32_t reserved;
 };
@@ -81,8 +81,8 @@ inline constexpr std::uint32_t normal_texel_bytes = 2;
 
 struct Pack {
     PackHeader header{};
-    std::span<const std::byte> bytes;      // the whole file
-    const std::byte* directory = nullptr;  // directory_count entries, unaligned
+    std::span<const std::byte> bytes;     // the whole file
+    const std::byte* directory = nullptr; // directory_count entries, unaligned
 
     [[nodiscard]] Tree tree() const {
         return Tree::covering(static_cast<std::int32_t>(header.columns), static_cast<std::int32_t>(header.rows),
@@ -96,7 +96,8 @@ struct Pack {
 Status open_pack(std::span<const std::byte> file, Pack& pack);
 
 // Where a chunk stands in the directory. tile < tile_count(); level < mip_count() of its map.
-[[nodiscard]] std::uint64_t chunk_index(const PackHeader& header, ChunkKind kind, std::uint32_t tile, std::uint32_t level);
+[[nodiscard]] std::uint64_t chunk_index(const PackHeader& header, ChunkKind kind, std::uint32_t tile,
+                                        std::uint32_t level);
 [[nodiscard]] std::uint64_t chunk_count(const PackHeader& header);
 // The exact size of a decoded chunk.
 [[nodiscard]] std::size_t chunk_raw_bytes(const PackHeader& header, ChunkKind kind, std::uint32_t level);

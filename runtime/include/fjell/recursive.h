@@ -1,10 +1,10 @@
 // The recursive method: the thesis' refinement as it stands (5.4, figures 5.4 to 5.8), from the roots, every frame.
 //
-// tesselate / meshRefine / evalTriangle / tStripAppend, status integers of frame * 3 + {0, 1, 2}, a vertex buffer with an
-// index per vertex, view-frustum culling with the completely-inside short cut.
-// Departures: each leaf is tested before it is entered; corners carry their slots, so a vertex is looked up once a
-// parent; culling is done in double precision, because far spheres that just touch a plane do not nest in float; when a
-// capacity does not suffice the frame is done again with a higher threshold (the thesis does not say what happens).
+// tesselate / meshRefine / evalTriangle / tStripAppend, status integers of frame * 3 + {0, 1, 2}, a vertex buffer with
+// an index per vertex, view-frustum culling with the completely-inside short cut. Departures: each leaf is tested
+// before it is entered; corners carry their slots, so a vertex is looked up once a parent; culling is done in double
+// precision, because far spheres that just touch a plane do not nest in float; when a capacity does not suffice the
+// frame is done again with a higher threshold (the thesis does not say what happens).
 //
 // Memory: one block from the host, 8 bytes a terrain vertex plus the budget. Thread: one at a time.
 // Complexity of update: O(selected vertices), 20 to 27 ns each on a 2023 server core.
@@ -34,10 +34,10 @@ enum class Metric : std::uint8_t {
 };
 
 struct RefineSettings {
-    double error_px = 1;           // the threshold (kappa), > 0
+    double error_px = 1; // the threshold (kappa), > 0
     Metric metric = Metric::isotropic;
-    bool cull = true;              // per vertex, against the six planes
-    bool corner_safe = false;      // bound pixels in the image's corners too, at the price of more triangles
+    bool cull = true;         // per vertex, against the six planes
+    bool corner_safe = false; // bound pixels in the image's corners too, at the price of more triangles
     Topology topology = Topology::triangles;
 };
 
@@ -45,15 +45,15 @@ enum BudgetBit : std::uint32_t { budget_vertices = 1u << 0, budget_indices = 1u 
 
 struct FrameReport {
     std::uint64_t frame = 0;
-    std::uint32_t vertices = 0;       // selected: active vertices and the corners of drawn tiles
+    std::uint32_t vertices = 0; // selected: active vertices and the corners of drawn tiles
     std::uint32_t triangles = 0;
-    std::uint32_t tiles = 0;          // drawn
+    std::uint32_t tiles = 0;            // drawn
     std::uint32_t vertices_written = 0; // new in the vertex buffer
     std::uint32_t buffer_clearings = 0;
-    std::uint32_t restarts = 0;       // passes thrown away because a capacity did not suffice
-    std::uint32_t exhausted = 0;      // BudgetBits
+    std::uint32_t restarts = 0;  // passes thrown away because a capacity did not suffice
+    std::uint32_t exhausted = 0; // BudgetBits
     double error_px_asked = 0, error_px_effective = 0;
-    bool converged = false;           // effective == asked
+    bool converged = false; // effective == asked
 };
 
 struct RecursiveState; // opaque, lives in the block

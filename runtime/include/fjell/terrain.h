@@ -1,9 +1,9 @@
 // A pack's geometry, decoded into the host's memory: what every method and query reads.
 //
-// Axes everywhere in Fjell: x east, y up, z south, metres, from sample (0, 0). Raster columns run along +x, rows along +z.
-// Records lie tile after tile (row-major tiles), each in planar order; a border vertex is stored in every tile that has
-// it, with equal bits. 8 bytes a vertex.
-// Ownership: Terrain points into the block. Thread: immutable after load_terrain, shareable.
+// Axes everywhere in Fjell: x east, y up, z south, metres, from sample (0, 0). Raster columns run along +x, rows along
+// +z. Records lie tile after tile (row-major tiles), each in planar order; a border vertex is stored in every tile that
+// has it, with equal bits. 8 bytes a vertex. Ownership: Terrain points into the block. Thread: immutable after
+// load_terrain, shareable.
 #pragma once
 
 #include <cstddef>

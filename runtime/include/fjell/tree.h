@@ -7,8 +7,8 @@
 // The same arithmetic holds over a whole terrain of tiles, with the one exception that `Tree` takes care of:
 // every tile's own root square has its diagonal from (0,0) to (2^l,2^l).
 //
-// Any extents: whole tiles cover the terrain, and a vertex beyond its last column or row *stands at* that one (`sample`).
-// The map is monotone, so no triangle flips; those beyond the rim shrink to nothing and are dropped.
+// Any extents: whole tiles cover the terrain, and a vertex beyond its last column or row *stands at* that one
+// (`sample`). The map is monotone, so no triangle flips; those beyond the rim shrink to nothing and are dropped.
 //
 // Everything here is O(1), pure and thread-safe. Shared by the baker, the runtime and the tests.
 #pragma once
@@ -149,7 +149,8 @@ struct PlanarOrder {
     }
     [[nodiscard]] constexpr Coord coord(std::uint32_t index) const {
         const std::int32_t side = std::int32_t{1} << tile_log2;
-        if (index < 4) return {static_cast<std::int32_t>(index & 1) * side, static_cast<std::int32_t>(index >> 1) * side};
+        if (index < 4)
+            return {static_cast<std::int32_t>(index & 1) * side, static_cast<std::int32_t>(index >> 1) * side};
         int z = tile_log2 - 1;
         while (z > 0 && index >= step_offset(z - 1)) --z;
         for (const PlaneKind kind : {PlaneKind::side_y, PlaneKind::side_x, PlaneKind::centre}) {

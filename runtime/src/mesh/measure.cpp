@@ -15,8 +15,8 @@ struct Accumulator {
 
     void sample(Coord at, double surface_m) {
         const double height = terrain.height_m(at);
-        const Vec3 eye_to_sample = Vec3{at.x * terrain.header.spacing_m[0], height, at.y * terrain.header.spacing_m[1]} -
-                                   view.eye_m;
+        const Vec3 eye_to_sample =
+            Vec3{at.x * terrain.header.spacing_m[0], height, at.y * terrain.header.spacing_m[1]} - view.eye_m;
         if (frustum)
             for (int i = 0; i < 6; ++i)
                 if (dot(frustum->normal[i], eye_to_sample) < frustum->offset[i]) return;

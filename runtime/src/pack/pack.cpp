@@ -17,9 +17,13 @@ static_assert(std::endian::native == std::endian::little,
 
 namespace {
 
-Status failed(Code code, const char* field) { return {code, field}; }
+Status failed(Code code, const char* field) {
+    return {code, field};
+}
 
-bool in_range(double value, double least, double most) { return value >= least && value <= most; } // false for NaN
+bool in_range(double value, double least, double most) {
+    return value >= least && value <= most;
+} // false for NaN
 
 Status check_numbers(const PackHeader& h) {
     const auto bad = [](const char* field) { return failed(Code::out_of_range, field); };
@@ -35,7 +39,8 @@ Status check_numbers(const PackHeader& h) {
     if (!in_range(h.nesting, 0.0009, 1.0001)) return bad("nesting");
     for (const double spacing : h.spacing_m)
         if (!in_range(spacing, min_spacing_m, max_spacing_m)) return bad("spacing_m");
-    if (std::max((h.columns - 1) * h.spacing_m[0], (h.rows - 1) * h.spacing_m[1]) > max_extent_m) return bad("spacing_m");
+    if (std::max((h.columns - 1) * h.spacing_m[0], (h.rows - 1) * h.spacing_m[1]) > max_extent_m)
+        return bad("spacing_m");
     for (const double origin : h.origin_m)
         if (!std::isfinite(origin)) return bad("origin_m");
     if (!in_range(h.quantum_m, 1e-9, 1e4)) return bad("quantum_m");
@@ -94,7 +99,9 @@ std::uint64_t chunk_index(const PackHeader& h, ChunkKind kind, std::uint32_t til
     return tiles + colours + normals;
 }
 
-std::uint64_t chunk_count(const PackHeader& h) { return chunk_index(h, ChunkKind::crs, 0, 0) + (h.crs_bytes ? 1 : 0); }
+std::uint64_t chunk_count(const PackHeader& h) {
+    return chunk_index(h, ChunkKind::crs, 0, 0) + (h.crs_bytes ? 1 : 0);
+}
 
 std::size_t chunk_raw_bytes(const PackHeader& h, ChunkKind kind, std::uint32_t level) {
     const auto texels = [&](std::uint32_t log2_side) { return std::size_t{1} << (2 * (log2_side - level)); };

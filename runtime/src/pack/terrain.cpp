@@ -8,8 +8,8 @@ namespace fjell {
 
 namespace {
 
-// A geometry chunk is six planes of bytes: low and high bytes of heights, errors and radii, in vertex order. Bytes of one
-// kind beside each other compress far better than records do.
+// A geometry chunk is six planes of bytes: low and high bytes of heights, errors and radii, in vertex order. Bytes of
+// one kind beside each other compress far better than records do.
 void interleave(const std::byte* planes, std::uint32_t count, VertexRecord* records) {
     const auto word = [&](std::uint32_t plane, std::uint32_t i) {
         const auto low = std::to_integer<std::uint32_t>(planes[std::size_t{2 * plane} * count + i]);
@@ -25,7 +25,9 @@ std::size_t record_bytes(const PackHeader& header) {
 }
 
 constexpr std::size_t alignment = 64;
-constexpr std::size_t aligned(std::size_t bytes) { return (bytes + alignment - 1) / alignment * alignment; }
+constexpr std::size_t aligned(std::size_t bytes) {
+    return (bytes + alignment - 1) / alignment * alignment;
+}
 
 } // namespace
 
@@ -49,9 +51,9 @@ Status load_terrain(const Pack& pack, std::span<std::byte> block, Terrain& terra
     const std::span<std::byte> planes =
         block.subspan(aligned(record_bytes(pack.header)), chunk_raw_bytes(pack.header, ChunkKind::geometry, 0));
     for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile) {
-        if (Status s = read_chunk(pack, ChunkKind::geometry, tile, 0, planes); !s.ok()) return {s.code, "geometry chunk"};
-        interleave(planes.data(), loaded.vertices_per_tile,
-                   records + std::size_t{tile} * loaded.vertices_per_tile);
+        if (Status s = read_chunk(pack, ChunkKind::geometry, tile, 0, planes); !s.ok())
+            return {s.code, "geometry chunk"};
+        interleave(planes.data(), loaded.vertices_per_tile, records + std::size_t{tile} * loaded.vertices_per_tile);
     }
     loaded.records = records;
     terrain = loaded;
@@ -60,7 +62,8 @@ Status load_terrain(const Pack& pack, std::span<std::byte> block, Terrain& terra
 
 const VertexRecord& Terrain::record(Coord vertex) const {
     const std::int32_t side = tree.side();
-    const std::int32_t tx = std::min(vertex.x / side, tree.tiles_x - 1), ty = std::min(vertex.y / side, tree.tiles_y - 1);
+    const std::int32_t tx = std::min(vertex.x / side, tree.tiles_x - 1),
+                       ty = std::min(vertex.y / side, tree.tiles_y - 1);
     const auto tile = static_cast<std::uint32_t>(ty * tree.tiles_x + tx);
     return tile_records(tile)[order.index(static_cast<std::uint32_t>(vertex.x - tx * side),
                                           static_cast<std::uint32_t>(vertex.y - ty * side))];

@@ -1,80 +1,21 @@
 // Thesis 5.4 (figures 5.4, 5.6, 5.8), after Lindstrom and Pascucci, "Visualization of Large Terrains Made Easy" (2001).
 // Departures are listed in fjell/recursive.h.
 //
-// Order of a strip. A triangle (apex, left, right), counter-clockwise from above, is entered at one end of its hypotenuse
-// and left at the other: at `left` on even levels, at `right` on odd ones. The vertex m in the middle of the hypotenuse
-// splits it into (m, apex, left) and (m, right, apex); the first of the two on the way is the one that holds the end we
-// came in by, and both are entered from the opposite kind of end. So the two orders of figure 5.5 alternate by level, and
-// vertices of alternating level parity alternate in the strip, which fixes the winding.
-#include "fjell/recursive.h"
-
+// Order of a strip. A triangle (apex, left, right), counter-clockwise from above, is entered at one end of its
+// hypotenuse and left at the other: at `left` on even levels, at `right` on odd ones. The vertex m in the middle of the
+// hypotenuse splits it into (m, apex, left) and (m, right, apex); the first of the two on the way is the one that holds
+// the end we came in by, and both are entered from the opposite kind of end. So the two orders of figure 5.5 alternate
+// by level, and vertices of alternating level parity alternate in the strip, which fixes the winding.
 #include <algorithm>
 #include <bit>
-#include <cmath>
-#include <cstring>
 #include <limits>
-#include <utility>
 
+#include "recursive/state.h"
 #include "tree/wanted.h"
 
 namespace fjell {
 
 namespace {
-
-constexpr std::uint32_t no_slot = 0xffffffff;
-constexpr std::uint32_t no_owner = 0xffffffff;
-constexpr std::size_t alignment = 64;
-
-struct VertexState {
-    std::uint32_t status; // frame * 3 + {0: not selected, 1: selected, sphere partly inside, 2: completely inside}
-    std::uint32_t slot;   // in the vertex buffer, or no_slot
-};
-
-constexpr std::size_t aligned(std::size_t bytes) { return (bytes + alignment - 1) / alignment * alignment; }
-
-} // namespace
-
-struct RecursiveState {
-    const Terrain* terrain;
-    RecursiveBudget budget;
-    VertexState* states;   // one a terrain vertex, in the terrain's order
-    MeshVertex* vertices;  // budget.vertices
-    std::uint32_t* owners; // terrain vertex of each slot, or no_owner
-    std::uint32_t* free_slots;
-    std::uint32_t free_count;
-    std::uint32_t* indices; // budget.indices
-    std::uint32_t index_count;
-    TileRange* tiles;
-    std::uint32_t tile_count;
-    Topology topology;
-    std::uint32_t pass; // status base is pass * 3
-    std::uint64_t frame;
-    std::uint32_t dirty_begin, dirty_end;
-    double effective_px;     // 0 before the first frame
-    std::uint32_t exhausted; // BudgetBits that keep effective_px above the asked one
-    std::uint32_t last_selected, last_indices;
-};
-
-namespace {
-
-// Where the block's parts lie; one function for the size and for the placement, so they cannot disagree.
-struct Layout {
-    std::size_t states, vertices, owners, free_slots, indices, tiles, end;
-};
-
-Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
-    Layout l{};
-    std::size_t at = aligned(sizeof(RecursiveState));
-    const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
-    l.states = place(std::size_t{terrain.tile_count()} * terrain.vertices_per_tile * sizeof(VertexState));
-    l.vertices = place(std::size_t{budget.vertices} * sizeof(MeshVertex));
-    l.owners = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
-    l.free_slots = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
-    l.indices = place(std::size_t{budget.indices} * sizeof(std::uint32_t));
-    l.tiles = place(std::size_t{terrain.tile_count()} * sizeof(TileRange));
-    l.end = at;
-    return l;
-}
 
 // A vertex as the recursion carries it: x in the low and y in the high 16 bits, so that the middle of two is
 // (a + b) >> 1 in one operation (sums of coordinates are even there and stay below 2^14).
@@ -82,7 +23,9 @@ struct Corner {
     std::uint32_t xy, slot;
 };
 
-constexpr std::uint32_t pack_xy(std::uint32_t x, std::uint32_t y) { return x | y << 16; }
+constexpr std::uint32_t pack_xy(std::uint32_t x, std::uint32_t y) {
+    return x | y << 16;
+}
 
 // Index arithmetic of one plane inside a tile.
 struct LevelPlane {
@@ -92,8 +35,8 @@ struct LevelPlane {
 constexpr std::uint32_t all_planes = 0b111111; // of the frustum
 constexpr std::uint32_t not_selected = 0xffffffff;
 
-// Beyond this threshold only spheres that hold the eye select anything; a pass above it draws base triangles only, which
-// every budget can hold.
+// Beyond this threshold only spheres that hold the eye select anything; a pass above it draws base triangles only,
+// which every budget can hold.
 constexpr double hopeless_px = 1e7;
 constexpr double step_up = 1.25, step_down = 1 / 1.05;
 
@@ -170,8 +113,8 @@ private:
         std::uint32_t planes; // not_selected, or the frustum planes that its sphere may still cross
     };
 
-    // The vertex in the middle of a triangle's hypotenuse, evaluated (evalTriangle). A hypotenuse whose ends share x is a
-    // side that runs along y. planes: those the parent's sphere may cross.
+    // The vertex in the middle of a triangle's hypotenuse, evaluated (evalTriangle). A hypotenuse whose ends share x is
+    // a side that runs along y. planes: those the parent's sphere may cross.
     template <bool Centre>
     [[gnu::always_inline]] Node evaluate(std::uint32_t end, std::uint32_t other_end, const LevelPlane* at,
                                          std::uint32_t planes) {
@@ -183,8 +126,8 @@ private:
     }
 
     // meshRefine of a triangle whose middle vertex m is selected. Both halves are evaluated before either is entered:
-    // their memory is fetched side by side, and leaves cost no call. Even levels split at a centre. at: the planes of the
-    // next level.
+    // their memory is fetched side by side, and leaves cost no call. Even levels split at a centre. at: the planes of
+    // the next level.
     template <bool Even>
     void refine(Corner apex, Corner left, Corner right, Corner m, const LevelPlane* at, std::uint32_t planes) {
         ++result.triangles; // one has become two
@@ -267,7 +210,8 @@ private:
     }
 
     // evalTriangle: looks the status up, or works it out and stores it. Answers with the planes left, or not_selected.
-    [[gnu::always_inline]] std::uint32_t eval(std::uint32_t index, std::uint32_t x, std::uint32_t y, std::uint32_t planes) {
+    [[gnu::always_inline]] std::uint32_t eval(std::uint32_t index, std::uint32_t x, std::uint32_t y,
+                                              std::uint32_t planes) {
         VertexState& state = states[index];
         if (state.status >= base) return state.status == base ? not_selected : planes;
         planes = select(index, x, y, planes);
@@ -298,7 +242,8 @@ private:
         return planes;
     }
 
-    // Figure 5.8, a plane at a time: of the planes given, those the sphere crosses; not_selected when it lies outside one.
+    // Figure 5.8, a plane at a time: of the planes given, those the sphere crosses; not_selected when it lies outside
+    // one.
     [[gnu::noinline]] std::uint32_t crossed(Vec3 centre, double radius, std::uint32_t planes) const {
         const Vec3 p = centre - view.eye_m;
         std::uint32_t left = 0;
@@ -423,46 +368,13 @@ double first_threshold(const RecursiveState& s, double asked_px) {
 
 } // namespace
 
-std::size_t recursive_bytes(const Terrain& terrain, const RecursiveBudget& budget) {
-    return layout_of(terrain, budget).end;
-}
-
-Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, std::span<std::byte> block,
-                        RecursiveMethod& method) {
-    const std::uint64_t tiles = terrain.tile_count(), count = tiles * terrain.vertices_per_tile;
-    if (count >= no_owner) return {Code::out_of_range, "terrain: more than 4,294,967,294 vertices"};
-    if (budget.vertices < tiles * 4) return {Code::budget_too_small, "RecursiveBudget::vertices (4 a tile)"};
-    if (budget.indices < tiles * 9) return {Code::budget_too_small, "RecursiveBudget::indices (9 a tile)"};
-    const Layout l = layout_of(terrain, budget);
-    if (block.size() < l.end) return {Code::block_too_small, "block"};
-    std::byte* at = block.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "block alignment"};
-    std::memset(at, 0, l.end); // touches every page now rather than in a frame
-
-    auto& s = *reinterpret_cast<RecursiveState*>(at);
-    s.terrain = &terrain;
-    s.budget = budget;
-    s.states = reinterpret_cast<VertexState*>(at + l.states);
-    s.vertices = reinterpret_cast<MeshVertex*>(at + l.vertices);
-    s.owners = reinterpret_cast<std::uint32_t*>(at + l.owners);
-    s.free_slots = reinterpret_cast<std::uint32_t*>(at + l.free_slots);
-    s.indices = reinterpret_cast<std::uint32_t*>(at + l.indices);
-    s.tiles = reinterpret_cast<TileRange*>(at + l.tiles);
-    for (std::uint64_t i = 0; i < count; ++i) s.states[i].slot = no_slot;
-    for (std::uint32_t i = 0; i < budget.vertices; ++i) {
-        s.owners[i] = no_owner;
-        s.free_slots[i] = budget.vertices - 1 - i;
-    }
-    s.free_count = budget.vertices;
-    method.state = &s;
-    return {};
-}
-
 Status update_recursive(RecursiveMethod method, const View& view, const RefineSettings& settings, FrameReport& report) {
     if (Status v = validate(view); !v.ok()) return v;
-    if (!(settings.error_px >= 1e-3 && settings.error_px <= 1e6)) return {Code::out_of_range, "RefineSettings::error_px"};
+    if (!(settings.error_px >= 1e-3 && settings.error_px <= 1e6))
+        return {Code::out_of_range, "RefineSettings::error_px"};
     if (settings.metric == Metric::depth && !settings.cull)
-        return {Code::out_of_range, "RefineSettings::cull (the depth metric needs it: behind the eye depth means nothing)"};
+        return {Code::out_of_range,
+                "RefineSettings::cull (the depth metric needs it: behind the eye depth means nothing)"};
     RecursiveState& s = *method.state;
     s.topology = settings.topology;
     s.dirty_begin = s.budget.vertices;
@@ -492,16 +404,6 @@ Status update_recursive(RecursiveMethod method, const View& view, const RefineSe
     report.error_px_effective = threshold_px;
     report.converged = threshold_px <= settings.error_px;
     return {};
-}
-
-MeshView recursive_mesh(RecursiveMethod method) {
-    const RecursiveState& s = *method.state;
-    return {s.topology,
-            {s.vertices, s.budget.vertices},
-            {s.indices, s.index_count},
-            {s.tiles, s.tile_count},
-            s.dirty_begin < s.dirty_end ? s.dirty_begin : 0,
-            s.dirty_end};
 }
 
 } // namespace fjell

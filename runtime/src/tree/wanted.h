@@ -4,10 +4,11 @@
 // into distance < radius + error * q with q = lambda / threshold, and squared. One fixed float expression, evaluated
 // alike by every method; nothing here may be contracted or reassociated.
 //
-// Why it is safe. Every rounding in d2 and in reach is relative, a few units of 2^-24 of the result, except that the eye
-// is rounded to float, which `pad` covers, and that positions are, which the baker put into the leaves' radii. `grow`
-// enlarges reach by 2^-20, more than all relative roundings together, so the screen bound holds in exact arithmetic. pad
-// and grow are the same for all vertices: nesting (invariant 2, with its margins of mu and of the radii) survives them.
+// Why it is safe. Every rounding in d2 and in reach is relative, a few units of 2^-24 of the result, except that the
+// eye is rounded to float, which `pad` covers, and that positions are, which the baker put into the leaves' radii.
+// `grow` enlarges reach by 2^-20, more than all relative roundings together, so the screen bound holds in exact
+// arithmetic. pad and grow are the same for all vertices: nesting (invariant 2, with its margins of mu and of the
+// radii) survives them.
 #pragma once
 
 #include <cmath>

@@ -1,0 +1,83 @@
+// The recursive method's block: how large, how laid out, how it begins, and what a renderer sees of it.
+#include <cstring>
+#include <utility>
+
+#include "recursive/state.h"
+
+namespace fjell {
+
+namespace {
+
+constexpr std::size_t alignment = 64;
+
+constexpr std::size_t aligned(std::size_t bytes) {
+    return (bytes + alignment - 1) / alignment * alignment;
+}
+
+// Where the block's parts lie; one function for the size and for the placement, so they cannot disagree.
+struct Layout {
+    std::size_t states, vertices, owners, free_slots, indices, tiles, end;
+};
+
+Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
+    Layout l{};
+    std::size_t at = aligned(sizeof(RecursiveState));
+    const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
+    l.states = place(std::size_t{terrain.tile_count()} * terrain.vertices_per_tile * sizeof(VertexState));
+    l.vertices = place(std::size_t{budget.vertices} * sizeof(MeshVertex));
+    l.owners = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
+    l.free_slots = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
+    l.indices = place(std::size_t{budget.indices} * sizeof(std::uint32_t));
+    l.tiles = place(std::size_t{terrain.tile_count()} * sizeof(TileRange));
+    l.end = at;
+    return l;
+}
+
+} // namespace
+
+std::size_t recursive_bytes(const Terrain& terrain, const RecursiveBudget& budget) {
+    return layout_of(terrain, budget).end;
+}
+
+Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, std::span<std::byte> block,
+                        RecursiveMethod& method) {
+    const std::uint64_t tiles = terrain.tile_count(), count = tiles * terrain.vertices_per_tile;
+    if (count >= no_owner) return {Code::out_of_range, "terrain: more than 4,294,967,294 vertices"};
+    if (budget.vertices < tiles * 4) return {Code::budget_too_small, "RecursiveBudget::vertices (4 a tile)"};
+    if (budget.indices < tiles * 9) return {Code::budget_too_small, "RecursiveBudget::indices (9 a tile)"};
+    const Layout l = layout_of(terrain, budget);
+    if (block.size() < l.end) return {Code::block_too_small, "block"};
+    std::byte* at = block.data();
+    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "block alignment"};
+    std::memset(at, 0, l.end); // touches every page now rather than in a frame
+
+    auto& s = *reinterpret_cast<RecursiveState*>(at);
+    s.terrain = &terrain;
+    s.budget = budget;
+    s.states = reinterpret_cast<VertexState*>(at + l.states);
+    s.vertices = reinterpret_cast<MeshVertex*>(at + l.vertices);
+    s.owners = reinterpret_cast<std::uint32_t*>(at + l.owners);
+    s.free_slots = reinterpret_cast<std::uint32_t*>(at + l.free_slots);
+    s.indices = reinterpret_cast<std::uint32_t*>(at + l.indices);
+    s.tiles = reinterpret_cast<TileRange*>(at + l.tiles);
+    for (std::uint64_t i = 0; i < count; ++i) s.states[i].slot = no_slot;
+    for (std::uint32_t i = 0; i < budget.vertices; ++i) {
+        s.owners[i] = no_owner;
+        s.free_slots[i] = budget.vertices - 1 - i;
+    }
+    s.free_count = budget.vertices;
+    method.state = &s;
+    return {};
+}
+
+MeshView recursive_mesh(RecursiveMethod method) {
+    const RecursiveState& s = *method.state;
+    return {s.topology,
+            {s.vertices, s.budget.vertices},
+            {s.indices, s.index_count},
+            {s.tiles, s.tile_count},
+            s.dirty_begin < s.dirty_end ? s.dirty_begin : 0,
+            s.dirty_end};
+}
+
+} // namespace fjell

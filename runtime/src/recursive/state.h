@@ -1,0 +1,39 @@
+// What the recursive method keeps in the host's block, between frames.
+#pragma once
+
+#include <cstdint>
+
+#include "fjell/recursive.h"
+
+namespace fjell {
+
+inline constexpr std::uint32_t no_slot = 0xffffffff;
+inline constexpr std::uint32_t no_owner = 0xffffffff;
+
+struct VertexState {
+    std::uint32_t status; // frame * 3 + {0: not selected, 1: selected, sphere partly inside, 2: completely inside}
+    std::uint32_t slot;   // in the vertex buffer, or no_slot
+};
+
+struct RecursiveState {
+    const Terrain* terrain;
+    RecursiveBudget budget;
+    VertexState* states;   // one a terrain vertex, in the terrain's order
+    MeshVertex* vertices;  // budget.vertices
+    std::uint32_t* owners; // terrain vertex of each slot, or no_owner
+    std::uint32_t* free_slots;
+    std::uint32_t free_count;
+    std::uint32_t* indices; // budget.indices
+    std::uint32_t index_count;
+    TileRange* tiles;
+    std::uint32_t tile_count;
+    Topology topology;
+    std::uint32_t pass; // status base is pass * 3
+    std::uint64_t frame;
+    std::uint32_t dirty_begin, dirty_end;
+    double effective_px;     // 0 before the first frame
+    std::uint32_t exhausted; // BudgetBits that keep effective_px above the asked one
+    std::uint32_t last_selected, last_indices;
+};
+
+} // namespace fjell
