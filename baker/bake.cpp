@@ -121,6 +121,18 @@ PackHeader header_of(const Bake& b) {
     return h;
 }
 
+// What a reader would refuse is refused before the work.
+void check_header(const Bake& b) {
+    const Status s = check_ranges(header_of(b));
+    if (s.ok()) return;
+    throw Failure(
+        1, fmt::format("no pack can hold this terrain: its {} is out of range ({} x {} samples, {} m apart, heights "
+                       "{:.6g}..{:.6g} m in steps of {:.3g} m); change --spacing, --zscale or --zoffset, or cut the "
+                       "height field",
+                       s.field, b.dem.columns, b.dem.rows, b.dem.spacing_m[0], b.lattice.base_m,
+                       b.lattice.base_m + b.lattice.quantum_m * 65535.0, b.lattice.quantum_m));
+}
+
 // Makes chunks [0, count) on all threads, a batch at a time so that few wait in memory, and writes them in order.
 template <typename Make>
 std::uint64_t write_chunks(PackWriter& writer, const Bake& b, const char* stage, std::uint64_t count,
@@ -197,6 +209,7 @@ BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_pat
     prepare_colour(b);
     b.lattice = choose_lattice(b.dem);
     b.steps = quantise(b.dem, b.lattice);
+    check_header(b);
     const auto errors_start = Clock::now();
     // The stored float is what readers test against.
     const double nesting = static_cast<float>(options.nesting);

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <new>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "baker/gdal_file.h"
+#include "host/file.h"
 
 namespace fjell::baker {
 
@@ -103,11 +102,7 @@ Image read_image(const std::string& path) {
 }
 
 Ramp read_ramp(const std::string& path) {
-    std::ifstream file(path);
-    std::stringstream text;
-    if (!file || !(text << file.rdbuf()))
-        throw Failure(1, fmt::format("{}: cannot be read; give a ramp file (JSON)", path));
-    const auto json = nlohmann::json::parse(text.str(), nullptr, false, true);
+    const auto json = nlohmann::json::parse(host::read_text(path), nullptr, false, true);
     if (!json.is_object()) refuse(path, "is not a JSON object");
     for (const auto& [key, value] : json.items())
         if (key != "stops" && key != "relative" && key != "comment")

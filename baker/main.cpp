@@ -107,6 +107,7 @@ int run_bake(Arguments& a, const CLI::App& app) {
     if (a.inputs.size() > 1)
         throw Failure(2, "more than one height field given; make one of them first (gdalbuildvrt mosaic.vrt A B ...)");
     if (a.output.empty()) throw Failure(2, "no output given; add -o OUT.fjell");
+    refuse_overwriting({a.output, a.json_path}, {a.inputs[0], a.bake.texture_path, a.bake.ramp_path});
     a.bake.tile_log2 = tile_log2(a.tile);
     a.bake.estimate = a.estimate == "max" ? Estimate::max : Estimate::midpoint;
     JsonOutput summary(a.json_path);
@@ -176,6 +177,11 @@ int run_verify(const Arguments& a, const CLI::App& app) {
     fmt::print("{} vertices: {} nesting, {} sphere, {} border violations\n", r.vertices, r.nesting_violations,
                r.sphere_violations, r.border_mismatches);
     fmt::print("{} chunks: checksums hold\n", r.chunks);
+    for (const int axis : {0, 1})
+        if (against && std::abs(against->spacing_m[axis] / loaded.pack.header.spacing_m[axis] - 1) > 1e-9)
+            throw Failure(
+                1, fmt::format("{}: its samples are {} m apart, the pack's {} m; give the --spacing it was baked with",
+                               a.against, against->spacing_m[axis], loaded.pack.header.spacing_m[axis]));
     if (against) fmt::print("heights against {}: {} off by more than half a quantum\n", a.against, r.height_mismatches);
     if (r.true_error_checked)
         fmt::print("{} comparisons of samples with triangles: {} above the vertex' error\n", r.samples_compared,
@@ -188,6 +194,10 @@ int run_verify(const Arguments& a, const CLI::App& app) {
 }
 
 int run_synth(const Arguments& a) {
+    refuse_overwriting({a.dem_out}, {a.recipe});
+    if (!a.dem_out.ends_with(".tif") && !a.dem_out.ends_with(".tiff"))
+        throw Failure(
+            2, fmt::format("{}: height fields are written as GeoTIFF; give a name that ends in .tif", a.dem_out));
     write_dem(synthesise(a.recipe), a.dem_out);
     return 0;
 }
@@ -242,6 +252,9 @@ int run(int argc, char** argv) {
     } catch (const CLI::ParseError& e) {
         throw Failure(2, fmt::format("{}; see fjell-bake --help", e.what()));
     }
+    const bool other = commands.info->parsed() || commands.verify->parsed() || commands.synth->parsed();
+    if (other && (!a.inputs.empty() || !a.output.empty()))
+        throw Failure(2, "info, verify and synth bake nothing; leave out the height field and -o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);
     if (commands.verify->parsed()) return run_verify(a, *commands.verify);

@@ -7,8 +7,11 @@
 #include <cstdint>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
+
+#include "host/failure.h"
 
 namespace fjell::baker {
 
@@ -21,7 +24,10 @@ template <typename Body>
 void parallel_for(std::int64_t count, int threads, const Body& body) {
     const auto workers = static_cast<int>(std::min<std::int64_t>(threads, count));
     if (workers <= 1) {
-        for (std::int64_t i = 0; i < count; ++i) body(i);
+        for (std::int64_t i = 0; i < count; ++i) {
+            host::check_interrupt();
+            body(i);
+        }
         return;
     }
     std::atomic<std::int64_t> next{0};
@@ -29,7 +35,10 @@ void parallel_for(std::int64_t count, int threads, const Body& body) {
     std::mutex error_lock;
     const auto work = [&] {
         try {
-            for (std::int64_t i = next++; i < count; i = next++) body(i);
+            for (std::int64_t i = next++; i < count; i = next++) {
+                host::check_interrupt();
+                body(i);
+            }
         } catch (...) {
             const std::lock_guard hold(error_lock);
             if (!error) error = std::current_exception();
@@ -37,7 +46,12 @@ void parallel_for(std::int64_t count, int threads, const Body& body) {
         }
     };
     std::vector<std::thread> pool;
-    for (int t = 1; t < workers; ++t) pool.emplace_back(work);
+    pool.reserve(static_cast<std::size_t>(workers));
+    try {
+        for (int t = 1; t < workers; ++t) pool.emplace_back(work);
+    } catch (const std::system_error&) {
+        // The machine gives no more threads: those there are do the work.
+    }
     work();
     for (std::thread& t : pool) t.join();
     if (error) std::rethrow_exception(error);

@@ -8,7 +8,8 @@ namespace fjell::baker {
 
 namespace {
 constexpr double lattice_steps = 65535;
-}
+constexpr float finest_quantum_m = 1e-6f; // a micrometre; less is noise of the source's own floats
+} // namespace
 
 Lattice choose_lattice(const Dem& dem) {
     const auto [least, most] = std::minmax_element(dem.heights_m.begin(), dem.heights_m.end());
@@ -18,7 +19,7 @@ Lattice choose_lattice(const Dem& dem) {
     if (range == 0) return {static_cast<float>(base), 1.0f};
     // Rounded up, so that the highest sample still has a step.
     const float quantum = std::nextafter(static_cast<float>(range / lattice_steps), HUGE_VALF);
-    return {static_cast<float>(base), quantum};
+    return {static_cast<float>(base), std::max(quantum, finest_quantum_m)};
 }
 
 std::vector<std::uint16_t> quantise(const Dem& dem, const Lattice& lattice) {

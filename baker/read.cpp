@@ -276,7 +276,7 @@ void settle_voids(Dem& dem, const Census& census, const Scaling& scaling, const 
     const std::uint64_t all = dem.heights_m.size(), missing = census.voids + census.broken + census.odd;
     if (missing == 0) return;
     constexpr const char* remedy = "give --nodata fill to fill them from their neighbours";
-    if (nodata == NoData::refuse) {
+    if (nodata == NoData::refuse && missing < all) {
         if (census.broken)
             throw Failure(1, fmt::format("{}: {} of {} heights are NaN or infinite, the first at column {}, row {}; {}",
                                          path, census.broken, all, census.broken_at[0], census.broken_at[1], remedy));
@@ -286,7 +286,7 @@ void settle_voids(Dem& dem, const Census& census, const Scaling& scaling, const 
                                "they are voids, {}; if the unit is another, give --zscale S",
                                path, census.odd, all, lowest_m, highest_m, census.odd_m, census.odd_at[0],
                                census.odd_at[1], remedy));
-        if (census.voids < all)
+        if (census.voids)
             throw Failure(1, fmt::format("{}: {} of {} samples are no-data; {}", path, census.voids, all, remedy));
     }
     if (missing == all)

@@ -18,13 +18,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "baker/parallel.h"
+#include "host/file.h"
 
 namespace fjell::baker {
 
@@ -370,13 +369,9 @@ Dem synthesise_text(const std::string& recipe_json, int threads) {
 }
 
 Dem synthesise(const std::string& recipe_path, int threads) {
-    std::ifstream file(recipe_path);
-    std::stringstream text;
-    if (!file || !(text << file.rdbuf()))
-        throw Failure(
-            1, fmt::format("{}: cannot be read; give a recipe such as content/terrain/mountains.json", recipe_path));
+    const std::string text = host::read_text(recipe_path);
     try {
-        return synthesise_text(text.str(), threads);
+        return synthesise_text(text, threads);
     } catch (const Failure& failure) {
         throw Failure(failure.exit_code, fmt::format("{}: {}", recipe_path, failure.what()));
     }

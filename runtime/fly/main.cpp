@@ -20,7 +20,8 @@ using namespace fjell;
 using namespace fjell::fly;
 using host::Failure;
 
-void export_frame(const Export& e, const Session& session, const View& view, double error_px) {
+void export_frame(const Export& e, const Session& session, const View& view, const RefineSettings& settings) {
+    const double error_px = settings.error_px / (settings.corner_safe ? corner_factor(view) : 1);
     const gltf::SnapshotResult result =
         gltf::export_snapshot(session.loaded.pack, session.terrain(), view, error_px, e.path);
     if (!result.ok()) throw Failure(result.exit_code, result.message);
@@ -39,7 +40,7 @@ void fly_headless(const Options& options, Session& session, std::span<const Pose
             verify_frame(session, view, settings, frame, entry, verification);
         if (pictures && frame % options.render_every == 0) pictures->write(session, view, frame);
         for (const Export& e : options.exports)
-            if (e.frame == frame) export_frame(e, session, view, settings.error_px);
+            if (e.frame == frame) export_frame(e, session, view, settings);
         log.frames.push_back(entry);
     }
 }

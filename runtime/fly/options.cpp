@@ -11,6 +11,7 @@
 #include "fjell/pack.h"
 #include "fly/path.h"
 #include "host/failure.h"
+#include "host/file.h"
 
 namespace fjell::fly {
 
@@ -129,14 +130,9 @@ void check_together(const Options& o) {
     if (!o.headless && !o.render_folder.empty()) throw Failure(2, "--render needs --headless");
     if (!o.headless && !o.exports.empty()) throw Failure(2, "--export needs --headless");
     if (o.render_folder.empty() && o.render_every != 1) throw Failure(2, "--render-every needs --render DIR");
-    std::vector<std::string> outputs;
-    for (const std::string* path : {&o.csv, &o.json})
-        if (!path->empty()) outputs.push_back(*path);
+    std::vector<std::string> outputs{o.csv, o.json};
     for (const Export& e : o.exports) outputs.push_back(e.path);
-    std::sort(outputs.begin(), outputs.end());
-    const auto twice = std::adjacent_find(outputs.begin(), outputs.end());
-    if (twice != outputs.end() && !twice->starts_with("/dev/"))
-        throw Failure(2, fmt::format("{}: given for two outputs; choose another name for one", *twice));
+    host::refuse_overwriting(outputs, {o.pack, o.path, o.profile_path});
 }
 
 } // namespace

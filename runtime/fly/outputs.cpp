@@ -136,12 +136,6 @@ void Outputs::finish(const Options& options, const Session& session, const Camer
     if (json_ || options.json == "-")
         write_all(json_, options.json, flight_json(options, session, path, summary, verification).dump(2) + "\n");
     if (options.csv != "-" && options.json != "-") fmt::print("{}", table(options, summary, verification));
-    flush_stdout();
-}
-
-void flush_stdout() {
-    if (std::fflush(stdout) != 0 || std::ferror(stdout))
-        throw Failure(3, fmt::format("standard output: cannot write: {}; free some space", std::strerror(errno)));
 }
 
 } // namespace fjell::fly

@@ -24,7 +24,4 @@ private:
     std::unique_ptr<host::AtomicFile> csv_, json_;
 };
 
-// Flushes standard output; a full disk behind it is a Failure 3.
-void flush_stdout();
-
 } // namespace fjell::fly

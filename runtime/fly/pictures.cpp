@@ -47,6 +47,7 @@ Pictures::Pictures(const Options& options, const Session& session) : state_(std:
     const RecursiveBudget& budget = options.profile.budget;
     state_->renderer =
         gl::Renderer::create(session.terrain(), session.loaded.pack, {budget.vertices, budget.indices, 0}, error);
+    if (!state_->renderer) (void)host::check_all_chunks(session.loaded); // a damaged pack is not the machine's fault
     require(state_->renderer != nullptr, error);
     state_->draw = draw_options(options.mode);
     state_->folder = options.render_folder;

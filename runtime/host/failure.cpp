@@ -1,6 +1,8 @@
 #include "host/failure.h"
 
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <new>
 
 #include <fmt/format.h>
@@ -9,8 +11,11 @@ namespace fjell::host {
 
 namespace {
 volatile std::sig_atomic_t interrupted = 0;
+// Asked again and again, it no longer waits for the next check. (Wrappers such as timeout(1) send a signal twice.)
+constexpr int patience = 3;
 void on_signal(int) {
-    interrupted = 1;
+    interrupted = interrupted + 1;
+    if (interrupted > patience) std::_Exit(130);
 }
 
 int say(const char* name, int code, std::string text) {
@@ -25,7 +30,10 @@ int run_tool(const char* name, const std::function<int()>& body) {
     std::signal(SIGXFSZ, SIG_IGN); // a file-size limit is a write error like any other
     std::signal(SIGPIPE, SIG_IGN);
     try {
-        return body();
+        const int code = body();
+        if (code == 0 && (std::fflush(stdout) != 0 || std::ferror(stdout)))
+            return say(name, 3, "cannot write to the standard output; free some space or send it elsewhere");
+        return code;
     } catch (const Failure& failure) {
         return say(name, failure.exit_code, failure.what());
     } catch (const std::bad_alloc&) {
@@ -36,12 +44,11 @@ int run_tool(const char* name, const std::function<int()>& body) {
 }
 
 void catch_interrupts() {
-    std::signal(SIGINT, on_signal);
-    std::signal(SIGTERM, on_signal);
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) std::signal(number, on_signal);
 }
 
 void check_interrupt() {
-    if (interrupted) throw Failure(130, "interrupted; nothing half-written is left");
+    if (interrupted) throw Failure(130, "interrupted; files that were finished stay, nothing half-written does");
 }
 
 } // namespace fjell::host

@@ -18,7 +18,7 @@ struct Failure : std::runtime_error {
 // an exit code.
 [[nodiscard]] int run_tool(const char* name, const std::function<int()>& body);
 
-// From here on SIGINT and SIGTERM become a Failure with exit code 130 at the next check_interrupt(), so that
+// From here on SIGINT, SIGTERM and SIGHUP become a Failure with exit code 130 at the next check_interrupt(), so that
 // destructors remove what is half-written.
 void catch_interrupts();
 void check_interrupt();

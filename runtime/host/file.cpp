@@ -1,7 +1,9 @@
 #include "host/file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 
 #include <fcntl.h>
@@ -15,7 +17,7 @@
 namespace fjell::host {
 
 std::vector<std::byte> read_file(const std::string& path) {
-    const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe without a writer must not hang
     if (fd < 0) throw Failure(1, fmt::format("{}: {}; give an existing file", path, std::strerror(errno)));
     const struct Closer {
         int fd;
@@ -35,12 +37,55 @@ std::vector<std::byte> read_file(const std::string& path) {
     return bytes;
 }
 
-AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(fmt::format("{}.{}.tmp", path, getpid())) {
+std::string read_text(const std::string& path) {
+    const std::vector<std::byte> bytes = read_file(path);
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+namespace {
+
+// What a name leads to: links followed, also to where nothing is yet.
+std::string resolved(const std::string& path) {
+    std::error_code error;
+    std::filesystem::path place = std::filesystem::absolute(path, error);
+    for (int links = 0; links < 16 && std::filesystem::is_symlink(place, error); ++links) {
+        const std::filesystem::path target = std::filesystem::read_symlink(place, error);
+        place = target.is_absolute() ? target : place.parent_path() / target;
+    }
+    const std::filesystem::path canonical = std::filesystem::weakly_canonical(place, error);
+    return error ? place.string() : canonical.string();
+}
+
+bool counts(const std::string& path) {
+    return !path.empty() && path != "-" && !std::filesystem::is_character_file(path);
+}
+
+} // namespace
+
+void refuse_overwriting(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
+    std::vector<std::string> taken;
+    for (const std::string& input : inputs)
+        if (counts(input)) taken.push_back(resolved(input));
+    for (const std::string& output : outputs) {
+        if (!counts(output)) continue;
+        const std::string place = resolved(output);
+        if (std::find(taken.begin(), taken.end(), place) != taken.end())
+            throw Failure(2,
+                          fmt::format("{}: would overwrite an input or another output; choose another name", output));
+        taken.push_back(place);
+    }
+}
+
+AtomicFile::AtomicFile(const std::string& path)
+    : path_(std::filesystem::is_symlink(path) ? resolved(path) : path),
+      temporary_(fmt::format("{}.{}.tmp", path_, getpid())) {
     struct stat info {};
-    if (stat(path.c_str(), &info) == 0 && S_ISDIR(info.st_mode))
-        throw Failure(1, fmt::format("{}: is a folder; give the output a file name", path));
-    // A device such as /dev/full cannot be renamed over: it is written in place.
-    if (stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) temporary_ = path;
+    if (stat(path_.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) {
+        if (!S_ISCHR(info.st_mode))
+            throw Failure(1, fmt::format("{}: is a {}; give the output a file name", path,
+                                         S_ISDIR(info.st_mode) ? "folder" : "pipe or the like"));
+        temporary_ = path_; // a device such as /dev/full cannot be renamed over: it is written in place
+    }
     fd_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (fd_ >= 0) return;
     if (errno == ENOENT || errno == ENOTDIR)

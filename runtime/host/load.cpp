@@ -35,6 +35,7 @@ AlignedBlock make_block(std::size_t bytes) {
 
 LoadedPack load_pack(const std::string& path, LoadTerrain what) {
     LoadedPack loaded;
+    loaded.path = path;
     loaded.file = read_file(path);
     require(open_pack(loaded.file, loaded.pack), path);
     loaded.crs.resize(loaded.pack.header.crs_bytes);
@@ -54,7 +55,8 @@ std::uint64_t check_all_chunks(const LoadedPack& loaded) {
         const ChunkEntry e = loaded.pack.entry(i);
         raw.resize(e.raw_bytes);
         const Status s = read_chunk(loaded.pack, e.kind, e.tile, e.level, raw);
-        if (!s.ok()) throw Failure(1, fmt::format("chunk {} of tile {}: {}", i, e.tile, message(s.code)));
+        if (!s.ok())
+            throw Failure(1, fmt::format("{}: chunk {} of tile {}: {}", loaded.path, i, e.tile, message(s.code)));
     }
     return count;
 }

@@ -19,6 +19,7 @@ using AlignedBlock = std::unique_ptr<std::byte[], AlignedDelete>;
 [[nodiscard]] AlignedBlock make_block(std::size_t bytes); // aligned to 2 MB, uninitialised, on huge pages if it may
 
 struct LoadedPack {
+    std::string path;
     std::vector<std::byte> file;
     Pack pack;          // points into file
     AlignedBlock block; // records, when loaded

@@ -218,6 +218,48 @@ TEST_CASE("what is selected is exactly what is wanted (invariant 7)") {
     }
 }
 
+TEST_CASE("the corner-safe bound is the angular one, divided by what the image's corner stretches") {
+    Random random(13);
+    for (int round = 0; round < 30; ++round) {
+        const auto pack = random_terrain(random, {5, 2, 2}, 0.05);
+        Recursive method(pack.terrain, ample_budget(pack.terrain)), plain(pack.terrain, ample_budget(pack.terrain));
+        const View view = random_view(random, pack.terrain);
+        RefineSettings settings;
+        settings.error_px = random_threshold(random);
+        settings.cull = false;
+        settings.corner_safe = true;
+        const FrameReport report = method.update(view, settings);
+        const MeasuredError error = measure_error(pack.terrain, method.mesh(), view);
+        REQUIRE(within(error.max_px, settings.error_px / corner_factor(view)));
+        REQUIRE(report.error_px_effective == settings.error_px);
+        settings.corner_safe = false;
+        settings.error_px /= corner_factor(view);
+        (void)plain.update(view, settings);
+        REQUIRE(triangles_of(pack.terrain, method.mesh()) == triangles_of(pack.terrain, plain.mesh()));
+    }
+}
+
+TEST_CASE("a vertical error at the image's corner is never larger in pixels than the corner factor allows") {
+    Random random(14);
+    for (int round = 0; round < 2000; ++round) {
+        const View view = make_view({}, {uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)},
+                                    {0.1, 1, 0.2}, uniform(random, 0.2, 2), 1600, 900, 1, 1e5);
+        const Vec3 right = cross(view.forward, view.up);
+        const double ty = std::tan(view.fov_y_rad / 2), tx = ty * 1600 / 900;
+        const double u = uniform(random, -1, 1) * tx, v = uniform(random, -1, 1) * ty,
+                     depth = uniform(random, 10, 1000);
+        const Vec3 p = (view.forward + right * u + view.up * v) * depth;
+        const double error_m = 1e-4 * depth; // small: the factor is the derivative's bound
+        const auto pixel = [&](Vec3 q) {
+            const double d = dot(q, view.forward);
+            return Vec3{view.lambda_px * dot(q, right) / d, view.lambda_px * dot(q, view.up) / d, 0};
+        };
+        const double moved = length(pixel(p + Vec3{0, error_m, 0}) - pixel(p));
+        const double angular = error_m * view.lambda_px / length(p);
+        REQUIRE(moved <= angular * corner_factor(view) * 1.001); // second order in error / depth
+    }
+}
+
 TEST_CASE("a budget that is too small lowers quality, names itself and breaks nothing") {
     Random random(7);
     for (int round = 0; round < 60; ++round) {

@@ -31,7 +31,7 @@ inline Run run_in(const std::filesystem::path& folder, const std::string& comman
     char name[] = "/tmp/fjell-run-XXXXXX";
     const std::filesystem::path aside = mkdtemp(name);
     const std::string to = " >'" + (aside / "out").string() + "' 2>'" + (aside / "err").string() + "'";
-    const int status = std::system(("cd '" + folder.string() + "' && " + command + to).c_str());
+    const int status = std::system(("cd '" + folder.string() + "' && (" + command + ")" + to).c_str());
     Run result{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), slurp(aside / "out"),
                slurp(aside / "err")};
     std::filesystem::remove_all(aside);

@@ -130,6 +130,46 @@ TEST_CASE("an output that cannot be written is refused with the right exit code,
     CHECK(slurp(folder / "out.fjell") == before);
 }
 
+TEST_CASE("an output never overwrites an input or another output, and a link is followed") {
+    const TemporaryFolder folder;
+    spit(folder / "dem.asc", ascii_grid(17, 17, "5"));
+    spit(folder / "recipe.json", R"({"columns": 9, "rows": 9})");
+    refused(folder, bake + "dem.asc -o ./dem.asc", 2, "overwrite");
+    refused(folder, bake + "dem.asc -o out.fjell --json ../" + folder.path.filename().string() + "/out.fjell", 2,
+            "overwrite");
+    refused(folder, bake + "synth recipe.json -o recipe.json", 2, "overwrite");
+    refused(folder, bake + "synth recipe.json -o mountains.png", 2, ".tif");
+    refused(folder, bake + "dem.asc -o out.fjell info out.fjell", 2, "bake nothing");
+    std::filesystem::create_symlink("real.fjell", folder.path / "link.fjell");
+    REQUIRE(run_in(folder.path, bake + "dem.asc -o link.fjell").code == 0);
+    CHECK(std::filesystem::is_symlink(folder.path / "link.fjell"));
+    CHECK(run_in(folder.path, bake + "info real.fjell").code == 0);
+}
+
+TEST_CASE("pipes, a full standard output and too many threads do no harm") {
+    const TemporaryFolder folder;
+    spit(folder / "dem.asc", ascii_grid(17, 17, "5"));
+    REQUIRE(run_in(folder.path, "mkfifo pipe; " + bake + "dem.asc -o out.fjell --threads 64").code == 0);
+    refused(folder, bake + "info pipe", 1, "regular file");
+    refused(folder, bake + "dem.asc -o pipe", 1, "pipe");
+    refused(folder, bake + "synth pipe -o x.tif", 1, "regular file");
+    const Run r = run_in(folder.path, "exec " + bake + "info out.fjell >/dev/full");
+    CHECK(r.code == 3);
+}
+
+TEST_CASE("an interrupted bake or synth ends soon and leaves nothing") {
+    const TemporaryFolder folder;
+    spit(folder / "recipe.json", R"({"columns": 8193, "rows": 8193})");
+    for (const char* number : {"INT", "TERM", "HUP"}) {
+        const std::string in_the_middle = " & p=$!; sleep 0.5; kill -" + std::string(number) + " $p; wait $p";
+        const Run r = run_in(folder.path, bake + "synth recipe.json -o dem.tif" + in_the_middle);
+        CAPTURE(number, r.err);
+        CHECK(r.code == 130);
+        CHECK(r.err.find("interrupted") != std::string::npos);
+        CHECK(files_of(folder) == std::vector<std::string>{"recipe.json"});
+    }
+}
+
 TEST_CASE("packs of another version, cut or damaged are refused by info and verify") {
     const TemporaryFolder folder;
     spit(folder / "dem.asc", ascii_grid(17, 17, "5"));

@@ -288,5 +288,5 @@ TEST_CASE("a ramp that is not one is refused, naming the stop") {
     check_refusal(refused("{\"stops\": [" + a + ", {\"height\": 9, \"rgb\": [9, 9, 9]}]}"), 1, path,
                   {"stop 1", "height_m"});
     check_refusal(refused("{\"stopps\": []}"), 1, path, {"unknown field \"stopps\""});
-    check_refusal(refusal([&] { (void)read_ramp(dir / "none.json"); }), 1, dir / "none.json", {"cannot be read"});
+    check_refusal(refusal([&] { (void)read_ramp(dir / "none.json"); }), 1, dir / "none.json", {"No such file"});
 }

@@ -97,6 +97,33 @@ TEST_CASE("automatic tiles: 512 cells, more for more than 1,024 tiles, fewer whe
     CHECK(baker::auto_tile_log2(65537, 65537) == 11);
 }
 
+TEST_CASE("whatever bake accepts, open_pack opens; what it does not accept leaves nothing") {
+    Random random(27);
+    int accepted = 0, refused = 0;
+    for (int round = 0; round < 300; ++round) {
+        baker::Dem dem = random_dem(random, pick(random, 2, 20), pick(random, 2, 20), Shape::noise);
+        const double scale = std::pow(10.0, uniform(random, -12, 9)),
+                     offset = uniform(random, -1, 1) * std::pow(10.0, uniform(random, 0, 8));
+        for (float& h : dem.heights_m) h = static_cast<float>(h * scale + offset);
+        dem.spacing_m[0] = std::pow(10.0, uniform(random, -5, 9));
+        dem.spacing_m[1] = std::pow(10.0, uniform(random, -5, 9));
+        dem.native_quantum_m = pick(random, 0, 1) ? scale : 0;
+        const TemporaryFolder folder;
+        try {
+            (void)baker::bake(dem, small_bake(pick(random, 1, 4)), folder / "pack.fjell");
+        } catch (const host::Failure& f) {
+            ++refused;
+            REQUIRE(f.exit_code == 1);
+            REQUIRE(std::filesystem::is_empty(folder.path));
+            continue;
+        }
+        ++accepted;
+        REQUIRE_NOTHROW(host::load_pack(folder / "pack.fjell", host::LoadTerrain::yes));
+    }
+    REQUIRE(accepted > 20);
+    REQUIRE(refused > 20);
+}
+
 TEST_CASE("every truncation of a pack is refused") {
     const auto whole = small_pack();
     REQUIRE(read_all(whole).ok());

@@ -95,6 +95,9 @@ struct Pack {
 // Checks magic, version, layout, hashes, ranges and the whole directory. O(directory). Allocates nothing.
 Status open_pack(std::span<const std::byte> file, Pack& pack);
 
+// The ranges that open_pack insists on, so that a writer can ask before it works. Hashes and sizes are not looked at.
+Status check_ranges(const PackHeader& header);
+
 // Where a chunk stands in the directory. tile < tile_count(); level < mip_count() of its map.
 [[nodiscard]] std::uint64_t chunk_index(const PackHeader& header, ChunkKind kind, std::uint32_t tile,
                                         std::uint32_t level);

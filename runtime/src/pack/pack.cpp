@@ -25,34 +25,6 @@ bool in_range(double value, double least, double most) {
     return value >= least && value <= most;
 } // false for NaN
 
-Status check_numbers(const PackHeader& h) {
-    const auto bad = [](const char* field) { return failed(Code::out_of_range, field); };
-    if (h.tile_log2 < min_tile_log2 || h.tile_log2 > max_tile_log2) return bad("tile_log2");
-    if (h.columns < 2 || h.columns > max_columns) return bad("columns");
-    if (h.rows < 2 || h.rows > max_columns) return bad("rows");
-    const Tree covering = Tree::covering(static_cast<std::int32_t>(h.columns), static_cast<std::int32_t>(h.rows),
-                                         static_cast<int>(h.tile_log2));
-    if (static_cast<std::uint32_t>(covering.tiles_x) != h.tiles_x) return bad("tiles_x");
-    if (static_cast<std::uint32_t>(covering.tiles_y) != h.tiles_y) return bad("tiles_y");
-    if (h.order != Order::planar) return bad("order");
-    if (h.estimate != Estimate::max && h.estimate != Estimate::midpoint) return bad("estimate");
-    if (!in_range(h.nesting, 0.0009, 1.0001)) return bad("nesting");
-    for (const double spacing : h.spacing_m)
-        if (!in_range(spacing, min_spacing_m, max_spacing_m)) return bad("spacing_m");
-    if (std::max((h.columns - 1) * h.spacing_m[0], (h.rows - 1) * h.spacing_m[1]) > max_extent_m)
-        return bad("spacing_m");
-    for (const double origin : h.origin_m)
-        if (!std::isfinite(origin)) return bad("origin_m");
-    if (!in_range(h.quantum_m, 1e-9, 1e4)) return bad("quantum_m");
-    for (const float height : {h.base_m, h.min_m, h.max_m})
-        if (!in_range(height, -1e7, 1e7)) return bad("heights");
-    if (!in_range(h.max_error_m, 0, 1e9)) return bad("max_error_m");
-    if (h.colour_log2 > max_texture_log2) return bad("colour_log2");
-    if (h.normal_log2 > max_texture_log2) return bad("normal_log2");
-    if (h.crs_bytes > (1u << 20)) return bad("crs_bytes");
-    return {};
-}
-
 Status check_entry(const Pack& pack, std::uint64_t chunk, ChunkKind kind, std::uint32_t tile, std::uint32_t level) {
     const ChunkEntry e = pack.entry(chunk);
     if (e.kind != kind || e.tile != tile || e.level != level) return failed(Code::corrupt, "directory order");
@@ -80,6 +52,34 @@ Status check_directory(const Pack& pack) {
 }
 
 } // namespace
+
+Status check_ranges(const PackHeader& h) {
+    const auto bad = [](const char* field) { return failed(Code::out_of_range, field); };
+    if (h.tile_log2 < min_tile_log2 || h.tile_log2 > max_tile_log2) return bad("tile_log2");
+    if (h.columns < 2 || h.columns > max_columns) return bad("columns");
+    if (h.rows < 2 || h.rows > max_columns) return bad("rows");
+    const Tree covering = Tree::covering(static_cast<std::int32_t>(h.columns), static_cast<std::int32_t>(h.rows),
+                                         static_cast<int>(h.tile_log2));
+    if (static_cast<std::uint32_t>(covering.tiles_x) != h.tiles_x) return bad("tiles_x");
+    if (static_cast<std::uint32_t>(covering.tiles_y) != h.tiles_y) return bad("tiles_y");
+    if (h.order != Order::planar) return bad("order");
+    if (h.estimate != Estimate::max && h.estimate != Estimate::midpoint) return bad("estimate");
+    if (!in_range(h.nesting, 0.0009, 1.0001)) return bad("nesting");
+    for (const double spacing : h.spacing_m)
+        if (!in_range(spacing, min_spacing_m, max_spacing_m)) return bad("spacing_m");
+    if (std::max((h.columns - 1) * h.spacing_m[0], (h.rows - 1) * h.spacing_m[1]) > max_extent_m)
+        return bad("spacing_m");
+    for (const double origin : h.origin_m)
+        if (!std::isfinite(origin)) return bad("origin_m");
+    if (!in_range(h.quantum_m, 1e-9, 1e4)) return bad("quantum_m");
+    for (const float height : {h.base_m, h.min_m, h.max_m})
+        if (!in_range(height, -1e7, 1e7)) return bad("heights");
+    if (!in_range(h.max_error_m, 0, 1e9)) return bad("max_error_m");
+    if (h.colour_log2 > max_texture_log2) return bad("colour_log2");
+    if (h.normal_log2 > max_texture_log2) return bad("normal_log2");
+    if (h.crs_bytes > (1u << 20)) return bad("crs_bytes");
+    return {};
+}
 
 ChunkEntry Pack::entry(std::uint64_t chunk) const {
     ChunkEntry e;
@@ -128,7 +128,7 @@ Status open_pack(std::span<const std::byte> file, Pack& pack) {
         return failed(Code::corrupt, "header");
     if (file.size() < h.file_bytes) return failed(Code::truncated, "file_bytes");
     if (file.size() > h.file_bytes) return failed(Code::corrupt, "file_bytes");
-    if (Status s = check_numbers(h); !s.ok()) return s;
+    if (Status s = check_ranges(h); !s.ok()) return s;
     if (h.directory_offset < h.header_bytes || h.directory_offset > h.file_bytes ||
         h.directory_count != chunk_count(h) ||
         h.directory_count != (h.file_bytes - h.directory_offset) / sizeof(ChunkEntry) ||
