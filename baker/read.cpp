@@ -39,7 +39,7 @@ void check_options(const ReadOptions& o) {
         throw Failure(2, fmt::format("--zoffset {} is out of range; give metres in -1e7..1e7", o.zoffset_m));
 }
 
-// Metres in one unit of the band; what is not known is taken for metres.
+// Metres in one unit of the band; no unit means metres, 0 that it is not known.
 double unit_in_metres(const char* name) {
     std::string unit(name ? name : "");
     std::transform(unit.begin(), unit.end(), unit.begin(),
@@ -49,7 +49,13 @@ double unit_in_metres(const char* name) {
         double metres;
     };
     constexpr double survey_foot = 1200.0 / 3937;
-    constexpr std::array<Unit, 24> units{{{"ft", 0.3048},
+    constexpr std::array<Unit, 30> units{{{"", 1},
+                                          {"m", 1},
+                                          {"metre", 1},
+                                          {"metres", 1},
+                                          {"meter", 1},
+                                          {"meters", 1},
+                                          {"ft", 0.3048},
                                           {"foot", 0.3048},
                                           {"feet", 0.3048},
                                           {"international foot", 0.3048},
@@ -74,7 +80,7 @@ double unit_in_metres(const char* name) {
                                           {"centimeter", 0.01},
                                           {"mm", 0.001}}};
     const auto found = std::find_if(units.begin(), units.end(), [&](const Unit& u) { return u.name == unit; });
-    return found == units.end() ? 1 : found->metres;
+    return found == units.end() ? 0 : found->metres;
 }
 
 // Where the samples stand, with row 0 in the north and column 0 in the west.
@@ -197,7 +203,14 @@ struct Scaling {
 
 Scaling scaling_of(GDALRasterBand& band, const ReadOptions& options, const std::string& path) {
     int known = 0;
-    const double unit = unit_in_metres(band.GetUnitType());
+    double unit = unit_in_metres(band.GetUnitType());
+    if (unit == 0) {
+        if (options.zscale == 1)
+            throw Failure(
+                1, fmt::format("{}: heights are in \"{}\", which is not known here; give --zscale S (metres a unit)",
+                               path, band.GetUnitType()));
+        unit = 1; // --zscale says what a unit is
+    }
     const double scale = band.GetScale(&known), offset = band.GetOffset(&known);
     Scaling s{scale * unit, offset * unit, options.zscale, options.zoffset_m};
     if (!std::isfinite(s.file_scale) || s.file_scale == 0 || !std::isfinite(s.file_offset_m))

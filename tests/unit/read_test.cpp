@@ -135,7 +135,10 @@ TEST_CASE("scale, offset and unit of the band, then --zscale and offset, make th
     CHECK(feet.at(3, 2) == static_cast<float>(302 * 0.3048));
     CHECK(feet.native_quantum_m == Approx(0.3048));
     CHECK(read(1, 0, "US survey foot", {}).at(3, 2) == static_cast<float>(302 * (1200.0 / 3937)));
-    CHECK(read(1, 0, "furlong-ish", {}).at(3, 2) == 302);
+    check_refusal(refusal([&] { (void)read(1, 0, "fathom", {}); }), 1, dir / "a.tif", {"fathom", "--zscale"});
+    ReadOptions fathoms;
+    fathoms.zscale = 1.8288;
+    CHECK(read(1, 0, "fathom", fathoms).at(3, 2) == static_cast<float>(302 * 1.8288));
     ReadOptions asked;
     asked.zscale = -2;
     asked.zoffset_m = 5;

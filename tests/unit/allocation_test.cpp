@@ -1,0 +1,74 @@
+// DESIGN invariant 5, as far as it goes today: update_recursive() allocates nothing. malloc itself is interposed, so
+// that neither operator new nor a library can hide.
+#include <catch2/catch.hpp>
+
+#include <atomic>
+#include <cstdlib>
+
+#include "support/terrain_fixture.h"
+
+namespace {
+std::atomic<bool> counting{false};
+std::atomic<long> calls{0};
+} // namespace
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool interposed = false;
+#else
+constexpr bool interposed = true;
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* malloc(std::size_t bytes) {
+    if (counting) ++calls;
+    return __libc_malloc(bytes);
+}
+void* calloc(std::size_t count, std::size_t bytes) {
+    if (counting) ++calls;
+    return __libc_calloc(count, bytes);
+}
+void* realloc(void* block, std::size_t bytes) {
+    if (counting) ++calls;
+    return __libc_realloc(block, bytes);
+}
+}
+#endif
+
+using namespace fjell;
+using namespace fjell::test;
+
+TEST_CASE("a frame allocates nothing, whatever the view, and also when a budget runs out") {
+    if (!interposed) {
+        WARN("skipped: a sanitizer has malloc to itself");
+        return;
+    }
+    Random random(41);
+    const auto pack = bake_and_load(random_dem(random, 200, 120, Shape::fractal), small_bake(5));
+    Recursive ample(pack.terrain, ample_budget(pack.terrain)), tight(pack.terrain, {700, 4000});
+    std::uint32_t exhausted = 0, triangles = 0;
+    for (int frame = 0; frame < 500; ++frame) {
+        const View view = random_view(random, pack.terrain);
+        RefineSettings settings;
+        settings.error_px = 0.5 + frame % 7;
+        settings.topology = frame % 2 ? Topology::strip : Topology::triangles;
+        settings.metric = frame % 3 ? Metric::isotropic : Metric::depth;
+        FrameReport report;
+        counting = true;
+        for (const RecursiveMethod method : {ample.method, tight.method}) {
+            (void)update_recursive(method, view, settings, report);
+            triangles += recursive_mesh(method).tiles.empty() ? 0 : report.triangles;
+        }
+        counting = false;
+        exhausted |= report.exhausted;
+    }
+    REQUIRE(calls == 0);
+    REQUIRE(triangles > 0);
+    REQUIRE(exhausted != 0);
+    // The count itself works: one planted allocation is seen.
+    counting = true;
+    void* volatile planted = std::malloc(16); // escapes, so that the pair is not removed
+    counting = false;
+    std::free(planted);
+    REQUIRE(calls == 1);
+}
