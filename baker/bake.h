@@ -23,7 +23,7 @@ struct BakeOptions {
     double nesting = 0.05;    // mu, 0.001..1
     int threads = 0;          // 0: all cores; the pack does not depend on it
     std::string texture_path; // an image over the whole DEM; empty: none
-    std::string ramp_path;    // colours by height; empty: a grey-free default ramp when there is no texture
+    std::string ramp_path;    // colours by height; empty: meadows to snow when there is no texture
     std::uint32_t max_texture_log2 = 10;
     int compression = 6; // zstd level
     Progress progress;

@@ -2,8 +2,8 @@
 //
 //   node check.mjs FILE.glb [--heights RAW COLUMNS ROWS] [--forward X Y Z] [--up X Y Z]
 //
-// RAW: the original heights, float32 little-endian, row by row from the north; surplus columns and rows in the east and
-// south are ignored. FORWARD, UP: how the camera should stand. Exit code 0: nothing found; 1: problems, a line a kind.
+// RAW: the original heights, float32 little-endian, row by row from the north. FORWARD, UP: how the camera should
+// stand. Exit code 0: nothing found; 1: problems, a line a kind.
 import fs from 'node:fs';
 
 import {parseGlb} from './glb.mjs';

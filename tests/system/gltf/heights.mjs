@@ -36,7 +36,7 @@ function checkNormals(tile, {size, spacing_m, quantum_m}, at, problems) {
 export function checkHeights(tiles, extras, heights, problems) {
     const {size, spacing_m, eye, quantum_m, viewport} = extras;
     if (!problems.require(
-            heights.columns >= size[0] && heights.rows >= size[1], 'error', 'the DEM is smaller than the terrain'))
+            heights.columns === size[0] && heights.rows === size[1], 'error', 'the DEM is not as large as the terrain'))
         return {};
     const at = (column, row) => heights.data[row * heights.columns + column];
     const lambda = viewport[1] / (2 * Math.tan(extras.fov_y_deg * Math.PI / 360));
