@@ -9,19 +9,9 @@
 #include "baker/bake.h"
 #include "fjell/recursive.h"
 #include "host/load.h"
+#include "support/temporary_folder.h"
 
 namespace fjell::test {
-
-// A folder of this test's own, removed with it.
-class TemporaryFolder {
-public:
-    TemporaryFolder();
-    ~TemporaryFolder();
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    [[nodiscard]] std::string operator/(const std::string& name) const { return (path / name).string(); }
-    std::filesystem::path path;
-};
 
 using Random = std::mt19937;
 [[nodiscard]] double uniform(Random& random, double least, double most);

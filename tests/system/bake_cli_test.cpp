@@ -16,23 +16,16 @@ namespace {
 
 const std::string bake = FJELL_BIN_DIR "/fjell-bake ";
 
-std::vector<std::string> files_of(const TemporaryFolder& folder) {
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(folder.path)) names.push_back(entry.path().filename());
-    std::sort(names.begin(), names.end());
-    return names;
-}
-
 // The command fails with this code and one line that says this, and leaves the folder as it was.
 void refused(const TemporaryFolder& folder, const std::string& command, int code, const std::string& says) {
-    const auto before = files_of(folder);
+    const auto before = folder.names();
     const Run r = run_in(folder.path, command);
     CAPTURE(command, r.err);
     CHECK(r.code == code);
     CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
     CHECK(r.err.rfind("fjell-bake: ", 0) == 0);
     CHECK(r.err.find(says) != std::string::npos);
-    CHECK(files_of(folder) == before);
+    CHECK(folder.names() == before);
 }
 
 std::string ascii_grid(int columns, int rows, const std::string& value, const std::string& header = "") {
@@ -68,8 +61,7 @@ TEST_CASE("synth, bake, info and verify, one after the other") {
     spit(folder / "recipe.json", R"({"columns": 200, "rows": 130, "spacing_m": 60, "seed": 5})");
     REQUIRE(run_in(folder.path, bake + "synth recipe.json -o other.tif").code == 0);
     refused(folder, bake + "verify out.fjell --against other.tif", 1, "bake it again");
-    CHECK(files_of(folder) ==
-          std::vector<std::string>{"bake.json", "dem.tif", "other.tif", "out.fjell", "recipe.json"});
+    CHECK(folder.names() == std::vector<std::string>{"bake.json", "dem.tif", "other.tif", "out.fjell", "recipe.json"});
 }
 
 TEST_CASE("height fields that are not are refused in one line with a remedy, and nothing is left") {
@@ -166,7 +158,7 @@ TEST_CASE("an interrupted bake or synth ends soon and leaves nothing") {
         CAPTURE(number, r.err);
         CHECK(r.code == 130);
         CHECK(r.err.find("interrupted") != std::string::npos);
-        CHECK(files_of(folder) == std::vector<std::string>{"recipe.json"});
+        CHECK(folder.names() == std::vector<std::string>{"recipe.json"});
     }
 }
 

@@ -18,29 +18,11 @@
 
 #include "baker/dem.h"
 #include "baker/gdal_file.h"
+#include "support/temporary_folder.h"
 
 namespace fjell::test {
 
-// A folder of its own that goes with the test.
-class TempDir {
-public:
-    TempDir() {
-        static std::atomic<int> count{0};
-        path_ = std::filesystem::temp_directory_path() /
-                ("fjell-test-" + std::to_string(getpid()) + "-" + std::to_string(count++));
-        std::filesystem::create_directories(path_);
-    }
-    ~TempDir() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    TempDir(const TempDir&) = delete;
-    TempDir& operator=(const TempDir&) = delete;
-    [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
-private:
-    std::filesystem::path path_;
-};
+using TempDir = TemporaryFolder;
 
 struct Raster {
     int columns = 0, rows = 0;

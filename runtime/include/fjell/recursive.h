@@ -2,9 +2,9 @@
 //
 // tesselate / meshRefine / evalTriangle / tStripAppend, status integers of frame * 3 + {0, 1, 2}, a vertex buffer with
 // an index per vertex, view-frustum culling with the completely-inside short cut. Departures: each leaf is tested
-// before it is entered; corners carry their slots, so a vertex is looked up once a parent; culling is done in double
-// precision, because far spheres that just touch a plane do not nest in float; when a capacity does not suffice the
-// frame is done again with a higher threshold (the thesis does not say what happens).
+// before it is entered; corners carry their slots, so a vertex is looked up once a parent; the short cut works plane by
+// plane; culling is done in double precision, because far spheres that just touch a plane do not nest in float; when a
+// capacity does not suffice the frame is done again with a higher threshold (the thesis does not say what happens).
 //
 // Memory: one block from the host, 8 bytes a terrain vertex plus the budget. Thread: one at a time.
 // Complexity of update: O(selected vertices): 30 to 90 ns each, by size (docs/notes/recursive-method.md).

@@ -16,8 +16,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-int folders = 0;
-
 // A hash, not a generator of the library's: the same hills everywhere.
 double noise(std::int32_t x, std::int32_t y) {
     auto h = static_cast<std::uint32_t>(x) * 0x9e3779b1u ^ static_cast<std::uint32_t>(y) * 0x85ebca77u;
@@ -27,23 +25,6 @@ double noise(std::int32_t x, std::int32_t y) {
 }
 
 } // namespace
-
-Folder::Folder()
-    : path_(fs::temp_directory_path() / ("fjell-gltf-" + std::to_string(getpid()) + "-" + std::to_string(folders++))) {
-    fs::create_directories(path_);
-}
-
-Folder::~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-}
-
-std::vector<std::string> Folder::names() const {
-    std::vector<std::string> found;
-    for (const auto& entry : fs::directory_iterator(path_)) found.push_back(entry.path().filename().string());
-    std::ranges::sort(found);
-    return found;
-}
 
 BakedTerrain::BakedTerrain(const Folder& folder, const baker::Dem& dem, const baker::BakeOptions& options) {
     baker::bake(dem, options, folder / "terrain.fjell");

@@ -8,22 +8,11 @@
 #include "baker/bake.h"
 #include "fjell/view.h"
 #include "host/load.h"
+#include "support/temporary_folder.h"
 
 namespace fjell::test {
 
-// A folder of its own, removed with everything in it.
-class Folder {
-public:
-    Folder();
-    ~Folder();
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-    [[nodiscard]] std::vector<std::string> names() const; // sorted
-
-private:
-    std::filesystem::path path_;
-};
+using Folder = TemporaryFolder;
 
 // A pack baked from dem, read back and loaded; the heights lie beside it as raw float32.
 class BakedTerrain {
