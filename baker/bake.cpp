@@ -29,40 +29,13 @@ Tree tiling(const Dem& dem, const BakeOptions& options) {
                           options.tile_log2 ? options.tile_log2 : auto_tile_log2(dem.columns, dem.rows));
 }
 
-// Six planes of bytes in planar order; see runtime/src/pack/terrain.cpp, which undoes it.
-std::vector<std::byte> geometry_bytes(const Tree& tree, const std::vector<std::uint16_t>& steps,
-                                      const VertexErrors& errors, std::uint32_t tile) {
-    const PlanarOrder order{tree.tile_log2};
-    const std::uint32_t count = order.vertex_count(), n = static_cast<std::uint32_t>(tree.side()) + 1;
-    const auto tiles_x = static_cast<std::uint32_t>(tree.tiles_x);
-    const Coord corner{static_cast<std::int32_t>(tile % tiles_x * (n - 1)),
-                       static_cast<std::int32_t>(tile / tiles_x * (n - 1))};
-    const auto at = [](Coord c, std::int32_t columns) {
-        return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(c.x);
-    };
-    std::vector<std::byte> planes(std::size_t{count} * 6);
-    for (std::uint32_t y = 0; y < n; ++y)
-        for (std::uint32_t x = 0; x < n; ++x) {
-            const std::uint32_t to = order.index(x, y);
-            const Coord v = corner + Coord{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
-            const std::size_t from = at(v, tree.lattice_columns());
-            const std::uint16_t words[3] = {steps[at(tree.sample(v), tree.columns())], errors.error[from],
-                                            errors.radius[from]};
-            for (std::size_t k = 0; k < 3; ++k) {
-                planes[(2 * k) * count + to] = static_cast<std::byte>(words[k] & 0xff);
-                planes[(2 * k + 1) * count + to] = static_cast<std::byte>(words[k] >> 8);
-            }
-        }
-    return planes;
-}
-
 // Everything a bake holds on its way to the file.
 struct Bake {
     const BakeOptions& options;
     Dem dem;
     Tree tree;
     Lattice lattice;
-    std::vector<std::uint16_t> steps;
+    std::vector<std::int32_t> steps;
     VertexErrors errors;
     std::optional<Image> image;
     std::optional<Ramp> ramp;
@@ -104,7 +77,7 @@ PackHeader header_of(const Bake& b) {
     h.tiles_x = static_cast<std::uint32_t>(b.tree.tiles_x);
     h.tiles_y = static_cast<std::uint32_t>(b.tree.tiles_y);
     h.tile_log2 = static_cast<std::uint32_t>(b.tree.tile_log2);
-    h.order = Order::planar;
+    h.order = b.options.order;
     h.estimate = b.options.estimate;
     h.nesting = static_cast<float>(b.options.nesting);
     std::copy_n(b.dem.spacing_m, 2, h.spacing_m);
@@ -114,7 +87,13 @@ PackHeader header_of(const Bake& b) {
     const auto [least, most] = std::minmax_element(b.steps.begin(), b.steps.end());
     h.min_m = b.lattice.height_m(*least);
     h.max_m = b.lattice.height_m(*most);
+    h.lattice_steps = static_cast<std::uint32_t>(*most);
     h.max_error_m = b.errors.max_error_m;
+    h.error_floor_m = b.errors.floor_m;
+    h.error_ratio = b.errors.ratio;
+    h.error_nesting_steps = b.errors.nesting_steps;
+    std::copy_n(b.errors.level_radius_m, std::size(h.level_radius_m), h.level_radius_m);
+    h.voids = void_count(b.dem);
     h.colour_log2 = b.colour_log2;
     h.normal_log2 = b.normal_log2;
     h.crs_bytes = static_cast<std::uint32_t>(b.dem.crs_wkt.size());
@@ -123,14 +102,16 @@ PackHeader header_of(const Bake& b) {
 
 // What a reader would refuse is refused before the work.
 void check_header(const Bake& b) {
-    const Status s = check_ranges(header_of(b));
+    PackHeader header = header_of(b);
+    std::fill_n(header.level_radius_m, 2 * b.tree.tile_log2, 1.0f); // not known yet
+    const Status s = check_ranges(header);
     if (s.ok()) return;
     throw Failure(
         1, fmt::format("no pack can hold this terrain: its {} is out of range ({} x {} samples, {} m apart, heights "
                        "{:.6g}..{:.6g} m in steps of {:.3g} m); change --spacing, --zscale or --zoffset, or cut the "
                        "height field",
                        s.field, b.dem.columns, b.dem.rows, b.dem.spacing_m[0], b.lattice.base_m,
-                       b.lattice.base_m + b.lattice.quantum_m * 65535.0, b.lattice.quantum_m));
+                       b.lattice.height_m(*std::max_element(b.steps.begin(), b.steps.end())), b.lattice.quantum_m));
 }
 
 // Makes chunks [0, count) on all threads, a batch at a time so that few wait in memory, and writes them in order.
@@ -138,7 +119,7 @@ template <typename Make>
 std::uint64_t write_chunks(PackWriter& writer, const Bake& b, const char* stage, std::uint64_t count,
                            const Make& make) {
     std::uint64_t bytes = 0;
-    const std::uint64_t batch = static_cast<std::uint64_t>(b.threads) * 4;
+    const std::uint64_t batch = static_cast<std::uint64_t>(b.threads) * 32;
     for (std::uint64_t first = 0; first < count; first += batch) {
         const std::uint64_t n = std::min(batch, count - first);
         std::vector<Chunk> chunks(n);
@@ -154,11 +135,46 @@ std::uint64_t write_chunks(PackWriter& writer, const Bake& b, const char* stage,
     return bytes;
 }
 
+void write_corners(PackWriter& writer, const Bake& b) {
+    std::vector<std::uint32_t> corners;
+    for (std::int32_t y = 0; y <= b.tree.tiles_y; ++y)
+        for (std::int32_t x = 0; x <= b.tree.tiles_x; ++x) {
+            const Coord sample = b.tree.sample({x * b.tree.side(), y * b.tree.side()});
+            const std::size_t at = static_cast<std::size_t>(sample.y) * static_cast<std::size_t>(b.tree.columns()) +
+                                   static_cast<std::size_t>(sample.x);
+            corners.push_back(static_cast<std::uint32_t>(b.steps[at]) |
+                              (b.dem.is_void(sample.x, sample.y) ? corner_void_bit : 0));
+        }
+    writer.add(compress_chunk({ChunkKind::corners, 0, 0}, std::as_bytes(std::span(corners)), b.options.compression));
+}
+
+// Pages in the order they are wanted in: page 0 of all tiles, then step by step, so that a prefix of the file is the
+// whole terrain, coarser. Linear order knows no steps: tile by tile.
+std::vector<ChunkId> page_sequence(const Bake& b) {
+    const PageLayout pages{b.tree.tile_log2, b.options.order};
+    const auto tiles = static_cast<std::uint32_t>(b.tree.tiles_x * b.tree.tiles_y);
+    std::vector<ChunkId> sequence;
+    for (std::uint32_t tile = 0; tile < tiles; ++tile)
+        for (std::uint32_t page = 0; page < pages.pages_per_tile(); ++page)
+            sequence.push_back({ChunkKind::geometry, tile, page});
+    if (b.options.order == Order::linear) return sequence;
+    std::stable_sort(sequence.begin(), sequence.end(), [&](const ChunkId& p, const ChunkId& q) {
+        const auto rank = [&](const ChunkId& id) {
+            return id.item == 0 ? 0 : b.tree.tile_log2 - pages.page_step_log2(id.item);
+        };
+        return rank(p) < rank(q);
+    });
+    return sequence;
+}
+
 std::uint64_t write_geometry(PackWriter& writer, const Bake& b) {
-    const auto tiles = static_cast<std::uint64_t>(b.tree.tiles_x) * static_cast<std::uint64_t>(b.tree.tiles_y);
-    return write_chunks(writer, b, "tiles", tiles, [&](std::uint64_t tile) {
-        const auto raw = geometry_bytes(b.tree, b.steps, b.errors, static_cast<std::uint32_t>(tile));
-        return compress_chunk(ChunkKind::geometry, static_cast<std::uint32_t>(tile), 0, raw, b.options.compression);
+    write_corners(writer, b);
+    const std::vector<ChunkId> sequence = page_sequence(b);
+    const LeafErrors leaf(b.errors.scale, b.lattice.quantum_m);
+    const PageInput input{b.dem, b.steps, b.errors, b.tree, {b.tree.tile_log2, b.options.order}, leaf};
+    return write_chunks(writer, b, "pages", sequence.size(), [&](std::uint64_t i) {
+        const ChunkId id = sequence[i];
+        return compress_chunk(id, pack_page(input, id.tile, id.item), b.options.compression);
     });
 }
 
@@ -171,7 +187,7 @@ std::uint64_t write_maps(PackWriter& writer, const Bake& b, ChunkKind kind) {
         const auto texels =
             colour ? colour_mip(b.maps(), b.image ? &*b.image : nullptr, b.ramp ? &*b.ramp : nullptr, tile, mip)
                    : normal_mip(b.maps(), tile, mip);
-        return compress_chunk(kind, tile, mip, std::as_bytes(std::span(texels)), b.options.compression);
+        return compress_chunk({kind, tile, mip}, std::as_bytes(std::span(texels)), b.options.compression);
     });
 }
 
@@ -207,7 +223,7 @@ BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_pat
     Bake b{options, std::move(dem), {}, {}, {}, {}, {}, {}, 0, 0, resolve_threads(options.threads)};
     b.tree = tiling(b.dem, options);
     prepare_colour(b);
-    b.lattice = choose_lattice(b.dem);
+    b.lattice = choose_lattice(b.dem, b.tree, options.quantum_m);
     b.steps = quantise(b.dem, b.lattice);
     check_header(b);
     const auto errors_start = Clock::now();
@@ -221,10 +237,12 @@ BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_pat
     writer.begin(header);
     summary.geometry_bytes = write_geometry(writer, b);
     const auto textures_start = Clock::now();
+    summary.directory_bytes = chunk_index(header, {ChunkKind::colour, 0, 0}) * sizeof(ChunkEntry) + sizeof(PackHeader);
     summary.texture_bytes = write_maps(writer, b, ChunkKind::colour) + write_maps(writer, b, ChunkKind::normal);
     summary.seconds_textures = seconds_since(textures_start);
     if (header.crs_bytes)
-        writer.add(compress_chunk(ChunkKind::crs, 0, 0, std::as_bytes(std::span(b.dem.crs_wkt)), options.compression));
+        writer.add(
+            compress_chunk({ChunkKind::crs, 0, 0}, std::as_bytes(std::span(b.dem.crs_wkt)), options.compression));
     summary.file_bytes = writer.finish();
 
     summary.columns = b.dem.columns;
@@ -232,6 +250,7 @@ BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_pat
     summary.tree = b.tree;
     summary.quantum_m = b.lattice.quantum_m;
     summary.max_error_m = b.errors.max_error_m;
+    summary.voids = header.voids;
     summary.seconds_total = seconds_since(start);
     return summary;
 }

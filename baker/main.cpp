@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/bake.h"
+#include "baker/picture.h"
 #include "baker/progress.h"
 #include "baker/read.h"
 #include "baker/verify.h"
@@ -26,22 +27,25 @@ using nlohmann::json;
 // Shared by bake and verify --against: how a file becomes heights in metres.
 struct ReadFlags {
     double spacing_m = 0, zscale = 1, zoffset_m = 0;
-    std::string nodata = "refuse";
+    std::string nodata; // empty: automatic
 
     void add_to(CLI::App& app) {
         app.add_option("--spacing", spacing_m, "metres between samples; needed where the file has degrees or nothing");
         app.add_option("--zscale", zscale, "multiplies heights (after the file's own scale)");
         app.add_option("--zoffset", zoffset_m, "metres added to heights after --zscale");
         app.add_option("--nodata", nodata,
-                       "what to do with samples without a height: refuse, or fill from their neighbours")
-            ->check(CLI::IsMember({"refuse", "fill"}));
+                       "samples without a height: leave a hole, fill from their neighbours, or refuse (default: what "
+                       "the file marks and NaN become holes, implausible heights are refused)")
+            ->check(CLI::IsMember({"hole", "fill", "refuse"}));
     }
     [[nodiscard]] ReadOptions options(const CLI::App& app, std::size_t memory_mb) const {
         ReadOptions o;
         if (app.count("--spacing")) o.spacing_m = spacing_m;
         o.zscale = zscale;
         o.zoffset_m = zoffset_m;
-        o.nodata = nodata == "fill" ? NoData::fill : NoData::refuse;
+        if (nodata == "hole") o.nodata = NoData::hole;
+        if (nodata == "fill") o.nodata = NoData::fill;
+        if (nodata == "refuse") o.nodata = NoData::refuse;
         o.memory_bytes = memory_mb << 20;
         return o;
     }
@@ -58,6 +62,8 @@ struct Arguments {
     std::string pack, against, recipe, dem_out;
     ReadFlags verify_read;
     bool info_json = false;
+    std::string picture_path;
+    PictureOptions picture;
 };
 
 // A summary for scripts, opened before the work so that a missing folder does not cost a bake.
@@ -79,6 +85,19 @@ private:
     std::optional<AtomicFile> file_;
 };
 
+const char* order_name(Order order) {
+    switch (order) {
+    case Order::planar: return "planar";
+    case Order::hierarchical_z: return "hz";
+    case Order::linear: break;
+    }
+    return "linear";
+}
+
+Order order_named(const std::string& name) {
+    return name == "planar" ? Order::planar : name == "hz" ? Order::hierarchical_z : Order::linear;
+}
+
 // "512" or "auto" to log2; 0 for auto.
 int tile_log2(const std::string& text) {
     if (text == "auto") return 0;
@@ -96,6 +115,8 @@ json summary_json(const BakeSummary& s) {
             {"max_error_m", s.max_error_m},
             {"file_bytes", s.file_bytes},
             {"geometry_bytes", s.geometry_bytes},
+            {"directory_bytes", s.directory_bytes},
+            {"holes", s.voids},
             {"texture_bytes", s.texture_bytes},
             {"seconds_errors", s.seconds_errors},
             {"seconds_textures", s.seconds_textures},
@@ -109,6 +130,7 @@ int run_bake(Arguments& a, const CLI::App& app) {
     if (a.output.empty()) throw Failure(2, "no output given; add -o OUT.fjell");
     refuse_overwriting({a.output, a.json_path}, {a.inputs[0], a.bake.texture_path, a.bake.ramp_path});
     a.bake.tile_log2 = tile_log2(a.tile);
+    a.bake.order = order_named(a.order);
     a.bake.estimate = a.estimate == "max" ? Estimate::max : Estimate::midpoint;
     JsonOutput summary(a.json_path);
     ProgressBar bar(a.quiet);
@@ -135,7 +157,7 @@ json info_json(const LoadedPack& loaded) {
             {"rows", h.rows},
             {"tiles", {h.tiles_x, h.tiles_y}},
             {"tile_cells", 1u << h.tile_log2},
-            {"order", "planar"},
+            {"order", order_name(h.order)},
             {"estimate", h.estimate == Estimate::max ? "max" : "midpoint"},
             {"nesting", h.nesting},
             {"spacing_m", {h.spacing_m[0], h.spacing_m[1]}},
@@ -143,6 +165,8 @@ json info_json(const LoadedPack& loaded) {
             {"crs", loaded.crs.empty() ? json() : json(loaded.crs)},
             {"height_m", {h.min_m, h.max_m}},
             {"quantum_m", h.quantum_m},
+            {"holes", h.voids},
+            {"pages_per_tile", loaded.pack.pages().pages_per_tile()},
             {"max_error_m", h.max_error_m},
             {"colour_texels", h.colour_log2 ? 1u << h.colour_log2 : 0},
             {"normal_texels", h.normal_log2 ? 1u << h.normal_log2 : 0},
@@ -153,7 +177,11 @@ json info_json(const LoadedPack& loaded) {
 }
 
 int run_info(const Arguments& a) {
-    const LoadedPack loaded = load_pack(a.pack, LoadTerrain::no);
+    refuse_overwriting({a.picture_path}, {a.pack});
+    std::optional<AtomicFile> picture; // opened before the work
+    if (!a.picture_path.empty()) picture.emplace(a.picture_path);
+    const LoadedPack loaded = load_pack(a.pack, picture ? LoadTerrain::yes : LoadTerrain::no);
+    if (picture) write_png(make_picture(loaded.terrain, a.picture), *picture);
     const json info = info_json(loaded);
     if (a.info_json) {
         fmt::print("{}\n", info.dump(2));
@@ -174,8 +202,8 @@ int run_verify(const Arguments& a, const CLI::App& app) {
     if (!a.against.empty()) against = read_dem(a.against, a.verify_read.options(app, a.memory_mb));
     VerifyReport r = verify(loaded.terrain, against ? &*against : nullptr);
     r.chunks = check_all_chunks(loaded);
-    fmt::print("{} vertices: {} nesting, {} sphere, {} border violations\n", r.vertices, r.nesting_violations,
-               r.sphere_violations, r.border_mismatches);
+    fmt::print("{} vertices: {} nesting, {} sphere, {} border, {} rim violations\n", r.vertices, r.nesting_violations,
+               r.sphere_violations, r.border_mismatches, r.rim_violations);
     fmt::print("{} chunks: checksums hold\n", r.chunks);
     for (const int axis : {0, 1})
         if (against && std::abs(against->spacing_m[axis] / loaded.pack.header.spacing_m[axis] - 1) > 1e-9)
@@ -216,7 +244,10 @@ Commands declare(CLI::App& app, Arguments& a) {
     app.add_option("--estimate", a.estimate, "world-space error: max (true, default) or midpoint")
         ->check(CLI::IsMember({"max", "midpoint"}));
     app.add_option("--nesting", a.bake.nesting, "mu: how much larger a parent's error is, 0.001 to 1 (default 0.05)");
-    app.add_option("--order", a.order, "how vertices lie in a tile: planar")->check(CLI::IsMember({"planar"}));
+    app.add_option("--order", a.order, "how vertices lie in pages: planar (default), hz (hierarchical Z) or linear")
+        ->check(CLI::IsMember({"planar", "hz", "linear"}));
+    app.add_option("--quantum", a.bake.quantum_m, "the step of stored heights in metres (default: the source's own)")
+        ->check(CLI::PositiveNumber);
     app.add_option("--texture", a.bake.texture_path, "an image over the whole height field");
     app.add_option("--ramp", a.bake.ramp_path, "colours by height (JSON, content/ramps)");
     app.add_option("--threads", a.bake.threads, "0: all cores")->check(CLI::Range(0, 1024));
@@ -230,6 +261,11 @@ Commands declare(CLI::App& app, Arguments& a) {
     c.info = app.add_subcommand("info", "what a pack holds");
     c.info->add_option("PACK", a.pack)->required();
     c.info->add_flag("--json", a.info_json);
+    auto* const picture =
+        c.info->add_option("--picture", a.picture_path, "a PNG of its relief, errors, holes and tiles");
+    c.info->add_option("--picture-size", a.picture.longest_px, "pixels of the terrain's longest side (default 1024)")
+        ->check(CLI::Range(min_picture_px, max_picture_px))
+        ->needs(picture);
     c.verify = app.add_subcommand("verify", "check a pack's promises over every vertex and sample");
     c.verify->add_option("PACK", a.pack)->required();
     c.verify->add_option("--against", a.against, "the height field it was baked from (give the same read options)");

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -186,11 +187,20 @@ void check_band(GDALDataset& file, const std::string& path, const ReadOptions& o
             1, fmt::format("{}: is a palette image, whose numbers are no heights; convert it to grey first", path));
 }
 
-// What is wrong with the heights; places are the file's own columns and rows.
+// Samples of one kind, and where the first one is, in the file's own columns and rows.
+struct Tally {
+    std::uint64_t count = 0;
+    int column = 0, row = 0;
+
+    void add(int x, int y) {
+        if (count++ == 0) column = x, row = y;
+    }
+};
+
+// What has no height, or none that can be believed (read.h).
 struct Census {
-    std::uint64_t voids = 0, broken = 0, odd = 0;
-    int broken_at[2] = {0, 0}, odd_at[2] = {0, 0};
-    double odd_m = 0;
+    Tally voids, odd;
+    double odd_m = 0; // the first, as asked
 };
 
 // raw -> metres as in the file -> metres as asked.
@@ -246,34 +256,57 @@ bool plausible(double metres) {
 // asked: 16-bit counts become plausible by --zscale, and exaggerated heights were plausible before.
 float classify(double raw, const Scaling& scaling, int x, int y, Census& census) {
     const double metres = scaling.file_m(raw), asked = scaling.asked_m(metres);
-    if (!std::isfinite(metres)) {
-        if (census.broken++ == 0) census.broken_at[0] = x, census.broken_at[1] = y;
-    } else if (!plausible(metres) && !plausible(asked)) {
-        if (census.odd++ == 0) census.odd_m = asked, census.odd_at[0] = x, census.odd_at[1] = y;
+    if (plausible(metres) || plausible(asked)) return static_cast<float>(asked);
+    if (std::isnan(metres)) {
+        census.voids.add(x, y);
     } else {
-        return static_cast<float>(asked);
+        if (census.odd.count == 0) census.odd_m = asked;
+        census.odd.add(x, y);
     }
     return std::numeric_limits<float>::quiet_NaN();
 }
 
-// Fills heights_m (voids: NaN) and native_quantum_m.
+// What the file itself says is no height. GDAL's mask speaks for one source alone, the strongest: where that is a mask
+// of its own, the tag has to be asked beside it.
+class Marks {
+public:
+    explicit Marks(GDALRasterBand& band) : valid_(static_cast<std::size_t>(band.GetXSize()), 255) {
+        const int flags = band.GetMaskFlags();
+        if (!(flags & GMF_ALL_VALID)) mask_ = band.GetMaskBand();
+        int tagged = 0;
+        const double tag = band.GetNoDataValue(&tagged);
+        if (tagged && !(flags & GMF_NODATA)) tag_ = static_cast<float>(tag);
+    }
+    void read(int y, const std::string& path, const GdalMessages& messages) {
+        if (mask_) read_row(*mask_, y, valid_.data(), path, messages);
+    }
+    [[nodiscard]] bool is_void(std::size_t x, double raw) const {
+        return valid_[x] == 0 || static_cast<float>(raw) == tag_;
+    }
+
+private:
+    GDALRasterBand* mask_ = nullptr; // none: all are valid
+    std::vector<std::uint8_t> valid_;
+    float tag_ = std::numeric_limits<float>::quiet_NaN(); // none
+};
+
+// Fills heights_m (no height: NaN) and native_quantum_m.
 Census read_heights(GDALRasterBand& band, const Placement& at, const Scaling& scaling, const std::string& path,
                     const GdalMessages& messages, Dem& dem) {
     const auto columns = static_cast<std::size_t>(dem.columns);
     dem.heights_m.resize(columns * static_cast<std::size_t>(dem.rows));
-    GDALRasterBand* const mask = band.GetMaskFlags() & GMF_ALL_VALID ? nullptr : band.GetMaskBand();
     std::vector<double> raw(columns);
-    std::vector<std::uint8_t> valid(columns, 255);
+    Marks marks(band);
     Census census;
     StepFinder finder(band.GetRasterDataType());
     for (int y = 0; y < dem.rows; ++y) {
         read_row(band, y, raw.data(), path, messages);
-        if (mask) read_row(*mask, y, valid.data(), path, messages);
+        marks.read(y, path, messages);
         float* const row = dem.heights_m.data() + columns * static_cast<std::size_t>(at.flip_y ? dem.rows - 1 - y : y);
         for (std::size_t x = 0; x < columns; ++x) {
             float& height = row[at.flip_x ? columns - 1 - x : x];
-            if (valid[x] == 0) {
-                ++census.voids;
+            if (marks.is_void(x, raw[x])) {
+                census.voids.add(static_cast<int>(x), y);
                 height = std::numeric_limits<float>::quiet_NaN();
                 continue;
             }
@@ -285,26 +318,32 @@ Census read_heights(GDALRasterBand& band, const Placement& at, const Scaling& sc
     return census;
 }
 
+// Throws for what the user has to decide about, and for a file without any height.
+void refuse_voids(const Census& census, std::uint64_t all, const std::string& path, NoData nodata) {
+    constexpr const char* remedy =
+        "give --nodata hole to leave them open or --nodata fill to fill them from their neighbours";
+    const auto& [voids, odd, odd_m] = census;
+    if (voids.count + odd.count == all)
+        throw Failure(1,
+                      fmt::format("{}: all {} samples are no-data, NaN or outside {}..{} m; give a file with heights",
+                                  path, all, lowest_m, highest_m));
+    if (odd.count && (nodata == NoData::automatic || nodata == NoData::refuse))
+        throw Failure(1, fmt::format("{}: {} of {} heights lie outside {}..{} m, the first {} m at column {}, row {}; "
+                                     "if they are voids, {}; if the unit is another, give --zscale S",
+                                     path, odd.count, all, lowest_m, highest_m, odd_m, odd.column, odd.row, remedy));
+    if (voids.count && nodata == NoData::refuse)
+        throw Failure(1, fmt::format("{}: {} of {} samples are no-data or NaN, the first at column {}, row {}; {}",
+                                     path, voids.count, all, voids.column, voids.row, remedy));
+}
+
 void settle_voids(Dem& dem, const Census& census, const Scaling& scaling, const std::string& path, NoData nodata) {
-    const std::uint64_t all = dem.heights_m.size(), missing = census.voids + census.broken + census.odd;
-    if (missing == 0) return;
-    constexpr const char* remedy = "give --nodata fill to fill them from their neighbours";
-    if (nodata == NoData::refuse && missing < all) {
-        if (census.broken)
-            throw Failure(1, fmt::format("{}: {} of {} heights are NaN or infinite, the first at column {}, row {}; {}",
-                                         path, census.broken, all, census.broken_at[0], census.broken_at[1], remedy));
-        if (census.odd)
-            throw Failure(
-                1, fmt::format("{}: {} of {} heights lie outside {}..{} m, the first {} m at column {}, row {}; if "
-                               "they are voids, {}; if the unit is another, give --zscale S",
-                               path, census.odd, all, lowest_m, highest_m, census.odd_m, census.odd_at[0],
-                               census.odd_at[1], remedy));
-        if (census.voids)
-            throw Failure(1, fmt::format("{}: {} of {} samples are no-data; {}", path, census.voids, all, remedy));
+    if (census.voids.count + census.odd.count == 0) return;
+    refuse_voids(census, dem.heights_m.size(), path, nodata);
+    if (nodata != NoData::fill) {
+        dem.voids.resize(dem.heights_m.size());
+        std::transform(dem.heights_m.begin(), dem.heights_m.end(), dem.voids.begin(),
+                       [](float height) { return static_cast<std::uint8_t>(std::isnan(height)); });
     }
-    if (missing == all)
-        throw Failure(1, fmt::format("{}: all {} samples are no-data or outside {}..{} m; give a file with heights",
-                                     path, all, lowest_m, highest_m));
     fill_voids(dem.heights_m, dem.columns, dem.rows, dem.native_quantum_m, scaling.asked_m(scaling.file_offset_m));
 }
 

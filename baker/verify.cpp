@@ -25,46 +25,69 @@ public:
     Verifier(const Terrain& the_terrain, const Dem* against)
         : terrain(the_terrain), tree(the_terrain.tree), columns(the_terrain.tree.lattice_columns()) {
         const auto count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(tree.lattice_rows());
-        records.resize(count);
+        vertices.resize(count);
         for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) gather(tile);
+        gather_corners();
         original.resize(count);
         for (std::int32_t y = 0; y < tree.rows(); ++y)
-            for (std::int32_t x = 0; x < tree.columns(); ++x)
-                original[at({x, y})] =
-                    against ? against->at(x, y) : terrain.lattice.height_m(records[at({x, y})].height);
+            for (std::int32_t x = 0; x < tree.columns(); ++x) {
+                original[at({x, y})] = against ? against->at(x, y) : height({x, y});
+                if (against && against->is_void(x, y) != hole({x, y}))
+                    note(report.height_mismatches, fmt::format("sample ({}, {}) is a hole in one of the two", x, y));
+            }
         // base + steps * quantum in float: one rounding of the product, one of the sum.
         const double largest = std::max(std::abs(terrain.header.min_m), std::abs(terrain.header.max_m));
         allowed_m = 0.5 * static_cast<double>(terrain.lattice.quantum_m) + rounding_m +
                     0x1p-23 * (largest + terrain.header.max_m - terrain.header.min_m);
+        // Estimate 2 promises nothing about samples; with holes their rims are still looked at.
         report.true_error_checked = terrain.header.estimate == Estimate::max;
     }
 
     VerifyReport run() {
-        report.vertices = records.size();
+        report.vertices = vertices.size();
         parallel_for(tree.lattice_rows(), resolve_threads(0),
                      [&](std::int64_t y) { check_row(static_cast<std::int32_t>(y)); });
         const std::int64_t tiles = terrain.tile_count();
-        if (report.true_error_checked)
+        if (report.true_error_checked || terrain.has_voids())
             parallel_for(tiles, resolve_threads(0),
                          [&](std::int64_t tile) { check_tile(static_cast<std::int32_t>(tile)); });
         return report;
     }
 
 private:
-    // Copies one tile's records to the global grid; a border vertex that is there already must have the same bits.
+    struct Stored {
+        std::int32_t steps = 0;
+        std::uint8_t error = 0, radius = 0;
+        bool seen = false;
+        friend bool operator==(const Stored&, const Stored&) = default;
+    };
+
+    // Copies one tile's pages to the global grid; a border vertex that is there already must have the same bits.
     void gather(std::uint32_t tile) {
-        const VertexRecord* from = terrain.tile_records(tile);
         const auto tiles_x = static_cast<std::uint32_t>(tree.tiles_x);
         const Coord corner{static_cast<std::int32_t>(tile % tiles_x) * tree.side(),
                            static_cast<std::int32_t>(tile / tiles_x) * tree.side()};
-        for (std::uint32_t i = 0; i < terrain.vertices_per_tile; ++i) {
-            const Coord local = terrain.order.coord(i), c = corner + local;
-            VertexRecord& to = records[at(c)];
-            const bool seen = (local.x == 0 && c.x > 0) || (local.y == 0 && c.y > 0);
-            if (seen && (to.height != from[i].height || to.error != from[i].error || to.radius != from[i].radius))
-                note(report.border_mismatches, fmt::format("sample ({}, {}) differs between two tiles", c.x, c.y));
-            to = from[i];
+        for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page) {
+            const PageEntry entry = terrain.page_table[std::size_t{tile} * terrain.pages_per_tile + page];
+            const VertexRecord* from = terrain.records + std::size_t{entry.slot} * terrain.page_capacity;
+            for (std::uint32_t i = 0; i < terrain.pages.page_vertices(page); ++i) {
+                const Coord c = corner + terrain.pages.coord({page, i});
+                const Stored stored{entry.base + from[i].height, from[i].error, from[i].radius, true};
+                Stored& to = vertices[at(c)];
+                if (to.seen && !(to == stored))
+                    note(report.border_mismatches, fmt::format("sample ({}, {}) differs between two pages", c.x, c.y));
+                to = stored;
+            }
         }
+    }
+
+    void gather_corners() {
+        for (std::int32_t y = 0; y < tree.lattice_rows(); y += tree.side())
+            for (std::int32_t x = 0; x < tree.lattice_columns(); x += tree.side()) {
+                const Terrain::Vertex corner = terrain.vertex({x, y});
+                if (corner.steps != vertices[at({x, y})].steps || corner.hole != hole({x, y}))
+                    note(report.border_mismatches, fmt::format("corner ({}, {}) differs from its page's", x, y));
+            }
     }
 
     void check_row(std::int32_t y) {
@@ -125,7 +148,7 @@ private:
     };
 
     // A triangle that can still be split stands for every sample under it with the error of its splitting vertex.
-    void bisect(Coord apex, Coord left, Coord right, Excess& worst, std::uint64_t& compared) const {
+    void bisect(Coord apex, Coord left, Coord right, Excess& worst, std::uint64_t& compared) {
         if (((left.x + right.x) | (left.y + right.y)) & 1) return; // a triangle of the full resolution
         const Coord middle{(left.x + right.x) / 2, (left.y + right.y) / 2};
         compare(tree.sample(apex), tree.sample(left), tree.sample(right), middle, worst, compared);
@@ -133,7 +156,9 @@ private:
         bisect(middle, right, apex, worst, compared);
     }
 
-    void compare(Coord a, Coord b, Coord c, Coord middle, Excess& worst, std::uint64_t& compared) const {
+    void compare(Coord a, Coord b, Coord c, Coord middle, Excess& worst, std::uint64_t& compared) {
+        check_rim(a, b, c, middle);
+        if (!report.true_error_checked || hole(a) || hole(b) || hole(c)) return;
         const double bound = error(middle) + allowed_m;
         // Height as h(a) + gx dx + gy dy, solved from the three corners.
         const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
@@ -146,12 +171,31 @@ private:
             const double at_row = height(a) + gy * (y - a.y);
             for (std::int32_t x = x0; x <= x1; ++x) {
                 const double off = std::abs(original[at({x, y})] - (at_row + gx * (x - a.x)));
-                if (off <= bound) continue;
+                if (off <= bound || hole({x, y})) continue;
                 ++worst.count;
                 if (off - bound > worst.excess_m) worst = {worst.count, off - bound, {x, y}, middle};
             }
             compared += static_cast<std::uint64_t>(std::max(x1 - x0 + 1, 0));
         }
+    }
+
+    // A triangle with a corner in a hole is not drawn, and any other covers the holes under it: where that matters,
+    // both must be within its own size.
+    void check_rim(Coord a, Coord b, Coord c, Coord middle) {
+        if (!terrain.has_voids()) return;
+        std::uint64_t solid = 0, holes = 0;
+        const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
+        if ((b.x - a.x) * (c.y - a.y) == (b.y - a.y) * (c.x - a.x)) return; // beyond the rim
+        for (std::int32_t y = y0; y <= y1; ++y) {
+            const auto [x0, x1] = row_of(a, b, c, y);
+            for (std::int32_t x = x0; x <= x1; ++x) ++(hole({x, y}) ? holes : solid);
+        }
+        if (solid == 0 || holes == 0) return;
+        const double size = std::max({distance(a, b), distance(b, c), distance(c, a)});
+        if (!(error(middle) >= size * (1 - 0x1p-20)))
+            note(report.rim_violations,
+                 fmt::format("a triangle of {} m over a hole's rim has the error {} m of vertex ({}, {})", size,
+                             error(middle), middle.x, middle.y));
     }
 
     // The samples of a row inside the triangle. Edges run along an axis or a diagonal and meet rows at whole samples,
@@ -183,9 +227,13 @@ private:
     [[nodiscard]] std::size_t at(Coord c) const {
         return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(c.x);
     }
-    [[nodiscard]] double height(Coord c) const { return terrain.lattice.height_m(records[at(c)].height); }
-    [[nodiscard]] double error(Coord c) const { return from_bfloat16(records[at(c)].error); }
-    [[nodiscard]] double radius(Coord c) const { return from_bfloat16(records[at(c)].radius); }
+    [[nodiscard]] double height(Coord c) const { return terrain.lattice.height_m(vertices[at(c)].steps); }
+    [[nodiscard]] double error(Coord c) const { return terrain.errors.metres[vertices[at(c)].error]; }
+    [[nodiscard]] double radius(Coord c) const {
+        return terrain.header.level_radius_m[tree.level(c)] *
+               terrain.radii.factor[vertices[at(c)].radius & (radius_codes - 1)];
+    }
+    [[nodiscard]] bool hole(Coord c) const { return (vertices[at(c)].radius & void_bit) != 0; }
     [[nodiscard]] double distance(Coord v, Coord w) const {
         const Coord a = tree.sample(v), b = tree.sample(w);
         const double dx = static_cast<double>(terrain.x_m(a.x)) - terrain.x_m(b.x);
@@ -195,9 +243,9 @@ private:
 
     const Terrain& terrain;
     const Tree tree;
-    const std::int32_t columns;        // of vertices
-    std::vector<VertexRecord> records; // all vertices, row by row; original is laid out alike
-    std::vector<float> original;
+    const std::int32_t columns;   // of vertices
+    std::vector<Stored> vertices; // all of them, row by row; original is laid out alike
+    std::vector<double> original;
     double allowed_m = 0;
     std::mutex lock;
     VerifyReport report;

@@ -13,14 +13,17 @@ struct VerifyReport {
     std::uint64_t vertices = 0, samples_compared = 0, chunks = 0;
     std::uint64_t nesting_violations = 0;    // error_m(parent) < (1 + mu) error_m(child)
     std::uint64_t sphere_violations = 0;     // the parent's sphere does not contain the child's with its margin
-    std::uint64_t border_mismatches = 0;     // a vertex with different bits in two tiles
+    std::uint64_t border_mismatches = 0;     // a vertex with different bits in two pages, or a corner in two places
     std::uint64_t true_error_violations = 0; // a sample off by more than error_m + half a quantum
-    std::uint64_t height_mismatches = 0;     // against a DEM: stored height off by more than half a quantum
+    std::uint64_t height_mismatches = 0;     // against a DEM: stored height off by more than half a quantum, or a hole
+                                             // where there is none
+    std::uint64_t rim_violations = 0;        // a triangle over a hole's rim with an error below its own size
     double worst_excess_m = 0;               // of true_error_violations
     bool true_error_checked = true;          // false with the mid-point estimate, which does not promise it
     std::string first;                       // the first violation, in words
     [[nodiscard]] bool ok() const {
-        return nesting_violations + sphere_violations + border_mismatches + true_error_violations + height_mismatches ==
+        return nesting_violations + sphere_violations + border_mismatches + true_error_violations + height_mismatches +
+                   rim_violations ==
                0;
     }
 };

@@ -10,9 +10,8 @@
 
 namespace fjell::baker {
 
-Chunk compress_chunk(ChunkKind kind, std::uint32_t tile, std::uint32_t level, std::span<const std::byte> raw,
-                     int zstd_level) {
-    Chunk chunk{kind, tile, level, static_cast<std::uint32_t>(raw.size()), {}};
+Chunk compress_chunk(ChunkId id, std::span<const std::byte> raw, int zstd_level) {
+    Chunk chunk{id, static_cast<std::uint32_t>(raw.size()), {}};
     chunk.stored.resize(ZSTD_compressBound(raw.size()));
     const std::size_t size =
         ZSTD_compress(chunk.stored.data(), chunk.stored.size(), raw.data(), raw.size(), zstd_level);
@@ -32,21 +31,16 @@ void PackWriter::begin(const PackHeader& header) {
     header_.version = pack_version;
     header_.header_bytes = sizeof(PackHeader);
     header_.layout_hash = pack_layout_hash;
-    directory_.reserve(chunk_count(header_));
+    directory_.assign(chunk_count(header_), {});
 }
 
 void PackWriter::add(const Chunk& chunk) {
-    if (chunk_index(header_, chunk.kind, chunk.tile, chunk.level) != directory_.size())
-        throw std::logic_error("chunks must come in directory order");
-    ChunkEntry entry{};
+    ChunkEntry& entry = directory_.at(chunk_index(header_, chunk.id));
+    if (entry.offset != 0) throw std::logic_error("a chunk is written twice");
     entry.offset = file_.size();
     entry.hash = XXH3_64bits(chunk.stored.data(), chunk.stored.size());
     entry.stored_bytes = static_cast<std::uint32_t>(chunk.stored.size());
     entry.raw_bytes = chunk.raw_bytes;
-    entry.kind = chunk.kind;
-    entry.tile = chunk.tile;
-    entry.level = chunk.level;
-    directory_.push_back(entry);
     file_.write(chunk.stored);
 }
 

@@ -13,18 +13,17 @@ namespace fjell::baker {
 
 // One compressed chunk, ready to be written.
 struct Chunk {
-    ChunkKind kind;
-    std::uint32_t tile, level, raw_bytes;
+    ChunkId id;
+    std::uint32_t raw_bytes;
     std::vector<std::byte> stored;
 };
-[[nodiscard]] Chunk compress_chunk(ChunkKind kind, std::uint32_t tile, std::uint32_t level,
-                                   std::span<const std::byte> raw, int zstd_level);
+[[nodiscard]] Chunk compress_chunk(ChunkId id, std::span<const std::byte> raw, int zstd_level);
 
 class PackWriter {
 public:
     explicit PackWriter(const std::string& path);
     void begin(const PackHeader& header); // everything but offsets, counts and hashes
-    // Chunks must come in directory order (chunk_index).
+    // Chunks may come in any order, each one once.
     void add(const Chunk& chunk);
     std::uint64_t finish(); // the file's size
 

@@ -63,10 +63,10 @@ std::string load_map(const Pack& pack, const MapKind& kind, std::uint32_t log2_s
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     std::vector<std::byte> texels;
     for (std::uint32_t mip = 0; mip < mips; ++mip) {
-        texels.resize(chunk_raw_bytes(pack.header, kind.chunk, mip));
+        texels.resize(chunk_raw_bytes(pack.header, {kind.chunk, 0, mip}));
         const auto mip_side = static_cast<GLsizei>(side >> mip);
         for (std::uint32_t tile = 0; tile < tiles; ++tile) {
-            const Status status = read_chunk(pack, kind.chunk, tile, mip, texels);
+            const Status status = read_chunk(pack, {kind.chunk, tile, mip}, texels);
             if (!status.ok())
                 return std::string("the ") + kind.name + " of tile " + std::to_string(tile) + ", mip " +
                        std::to_string(mip) + " (" + status.field + "): " + message(status.code);

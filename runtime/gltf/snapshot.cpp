@@ -60,7 +60,7 @@ ColourMip choose_mip(const PackHeader& header, std::uint32_t max_texture_px) {
 Json crs_of(const Pack& pack) {
     if (pack.header.crs_bytes == 0) return nullptr;
     std::string wkt(pack.header.crs_bytes, '\0');
-    require(read_chunk(pack, ChunkKind::crs, 0, 0, std::as_writable_bytes(std::span(wkt))), "the pack's CRS chunk");
+    require(read_chunk(pack, {ChunkKind::crs, 0, 0}, std::as_writable_bytes(std::span(wkt))), "the pack's CRS chunk");
     return wkt;
 }
 
@@ -89,7 +89,7 @@ void add_tiles(const Pack& pack, const Terrain& terrain, const MeshView& mesh, s
                SceneBuilder& scene, SnapshotResult& result) {
     const ColourMip mip = choose_mip(pack.header, max_texture_px);
     result.texture_px = mip.side_px;
-    std::vector<std::byte> rgb(mip.side_px ? chunk_raw_bytes(pack.header, ChunkKind::colour, mip.level) : 0);
+    std::vector<std::byte> rgb(mip.side_px ? chunk_raw_bytes(pack.header, {ChunkKind::colour, 0, mip.level}) : 0);
     TileCollector collector(terrain, mip.side_px);
     for (const TileRange& range : mesh.tiles) {
         const TileGeometry geometry = collector.collect(mesh, range);
@@ -98,7 +98,7 @@ void add_tiles(const Pack& pack, const Terrain& terrain, const MeshView& mesh, s
             fmt::format("tile {} {}", range.tile % pack.header.tiles_x, range.tile / pack.header.tiles_x);
         int texture = -1;
         if (mip.side_px) {
-            require(read_chunk(pack, ChunkKind::colour, range.tile, mip.level, rgb), "the pack's colour chunk");
+            require(read_chunk(pack, {ChunkKind::colour, range.tile, mip.level}, rgb), "the pack's colour chunk");
             texture = scene.add_texture(name, mip.side_px, rgb);
         }
         scene.add_tile(name, geometry, {collector.tile_x_m(range.tile), 0, collector.tile_z_m(range.tile)}, texture);

@@ -40,7 +40,7 @@ LoadedPack load_pack(const std::string& path, LoadTerrain what) {
     require(open_pack(loaded.file, loaded.pack), path);
     loaded.crs.resize(loaded.pack.header.crs_bytes);
     if (!loaded.crs.empty())
-        require(read_chunk(loaded.pack, ChunkKind::crs, 0, 0, std::as_writable_bytes(std::span(loaded.crs))), path);
+        require(read_chunk(loaded.pack, {ChunkKind::crs, 0, 0}, std::as_writable_bytes(std::span(loaded.crs))), path);
     if (what == LoadTerrain::no) return loaded;
     const std::size_t bytes = terrain_bytes(loaded.pack.header);
     loaded.block = make_block(bytes);
@@ -54,9 +54,10 @@ std::uint64_t check_all_chunks(const LoadedPack& loaded) {
     for (std::uint64_t i = 0; i < count; ++i) {
         const ChunkEntry e = loaded.pack.entry(i);
         raw.resize(e.raw_bytes);
-        const Status s = read_chunk(loaded.pack, e.kind, e.tile, e.level, raw);
+        const ChunkId id = chunk_id(loaded.pack.header, i);
+        const Status s = read_chunk(loaded.pack, id, raw);
         if (!s.ok())
-            throw Failure(1, fmt::format("{}: chunk {} of tile {}: {}", loaded.path, i, e.tile, message(s.code)));
+            throw Failure(1, fmt::format("{}: chunk {} of tile {}: {}", loaded.path, i, id.tile, message(s.code)));
     }
     return count;
 }

@@ -46,9 +46,9 @@ void copy(benchmark::State& state) {
 }
 
 void errors(benchmark::State& state, Estimate estimate, int threads) {
-    const Lattice lattice = baker::choose_lattice(dem());
-    const auto steps = baker::quantise(dem(), lattice);
     const Tree tree = Tree::covering(dem().columns, dem().rows, 9);
+    const Lattice lattice = baker::choose_lattice(dem(), tree);
+    const auto steps = baker::quantise(dem(), lattice);
     for (auto _ : state)
         benchmark::DoNotOptimize(baker::compute_errors({dem(), steps, lattice, tree, estimate, 0.05, threads}));
     rate(state);
@@ -70,7 +70,9 @@ void whole_bake(benchmark::State& state, int threads) {
     rate(state);
     const host::LoadedPack pack = host::load_pack(folder + "/bake.fjell", host::LoadTerrain::no);
     double geometry = 0;
-    for (std::uint32_t tile = 0; tile < pack.pack.tile_count(); ++tile) geometry += pack.pack.entry(tile).stored_bytes;
+    const std::uint64_t chunks = chunk_index(pack.pack.header, {ChunkKind::colour, 0, 0});
+    for (std::uint64_t i = 0; i < chunks; ++i)
+        geometry += static_cast<double>(pack.pack.entry(i).stored_bytes + sizeof(ChunkEntry));
     state.counters["geometry_bytes_per_sample"] = geometry / samples();
     state.counters["file_MB"] = static_cast<double>(pack.file.size()) / 1e6;
 }

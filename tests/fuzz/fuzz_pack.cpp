@@ -1,85 +1,264 @@
 // Whatever the bytes, reading a pack ends in a terrain or in a Status (DESIGN invariant 10). What was accepted is then
-// used: a frame is refined, so that a hostile record cannot do harm either.
+// used: every chunk is read, the terrain is loaded as a whole and page by page into fewer slots than it has pages, and
+// frames are refined in between, so that a hostile record cannot do harm either.
 //
-// Mutations hardly ever guess a 64-bit hash, so the first byte says whether to repair the hashes: then the cross-checks
+// Mutations hardly ever guess a 64-bit hash, so the script says whether to repair the hashes: then the cross-checks
 // behind them, zstd and the records are what is attacked.
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <memory>
+#include <new>
+#include <span>
 #include <vector>
 
 #include <xxhash.h>
 
 #include "fjell/measure.h"
 #include "fjell/recursive.h"
-#include "host/load.h"
+#include "input.h"
 
 namespace {
 
 using namespace fjell;
+using fuzz::must;
+using fuzz::PackScript;
 
 constexpr std::size_t most_bytes = std::size_t{64} << 20; // what a host would refuse to allocate is not read
+constexpr std::uint32_t steps = 48, steps_a_frame = 12;   // of the page script
 
-void repair(std::vector<std::byte>& bytes) {
-    if (bytes.size() < sizeof(PackHeader)) return;
+// Not host::make_block: its 2 MB pages cost more than all the rest, and here the end must be exact.
+constexpr std::align_val_t alignment{64};
+struct BlockDelete {
+    void operator()(std::byte* block) const { ::operator delete[](block, alignment); }
+};
+using Block = std::unique_ptr<std::byte[], BlockDelete>;
+Block make_block(std::size_t bytes) {
+    return Block(static_cast<std::byte*>(::operator new[](bytes, alignment)));
+}
+
+void repair(std::vector<std::byte>& bytes, bool directory_too) {
+    const std::size_t size = bytes.size();
+    if (size < sizeof(PackHeader)) return;
     PackHeader h;
     std::memcpy(&h, bytes.data(), sizeof h);
     std::memcpy(h.magic, pack_magic, sizeof pack_magic);
     h.version = pack_version;
     h.header_bytes = sizeof h;
     h.layout_hash = pack_layout_hash;
-    h.file_bytes = bytes.size();
-    const std::size_t directory = h.directory_offset, size = bytes.size();
-    if (directory >= sizeof h && directory <= size) {
-        for (std::size_t at = directory; at + sizeof(ChunkEntry) <= size; at += sizeof(ChunkEntry)) {
+    h.file_bytes = size;
+    if (directory_too && check_ranges(h).ok()) {
+        const std::uint64_t count = chunk_count(h);
+        if (count <= (size - sizeof h) / sizeof(ChunkEntry)) {
+            h.directory_count = count;
+            h.directory_offset = size - count * sizeof(ChunkEntry);
+        }
+    }
+    if (h.directory_offset >= sizeof h && h.directory_offset <= size) {
+        const std::size_t count = (size - h.directory_offset) / sizeof(ChunkEntry);
+        std::byte* const directory = bytes.data() + h.directory_offset;
+        for (std::size_t i = 0; i < count; ++i) {
             ChunkEntry e;
-            std::memcpy(&e, bytes.data() + at, sizeof e);
+            std::memcpy(&e, directory + i * sizeof e, sizeof e);
             if (e.offset <= size && e.stored_bytes <= size - e.offset)
                 e.hash = XXH3_64bits(bytes.data() + e.offset, e.stored_bytes);
-            std::memcpy(bytes.data() + at, &e, sizeof e);
+            std::memcpy(directory + i * sizeof e, &e, sizeof e);
         }
-        h.directory_hash = XXH3_64bits(bytes.data() + directory, size - directory);
+        h.directory_hash = XXH3_64bits(directory, count * sizeof(ChunkEntry));
     }
     h.header_hash = XXH3_64bits(&h, offsetof(PackHeader, header_hash));
     std::memcpy(bytes.data(), &h, sizeof h);
 }
 
-void use(const Pack& pack) {
-    std::vector<std::byte> raw;
+void read_chunks(const Pack& pack) {
     for (std::uint64_t i = 0; i < pack.header.directory_count; ++i) {
-        const ChunkEntry e = pack.entry(i);
-        if (e.raw_bytes > most_bytes) continue;
-        raw.resize(e.raw_bytes);
-        (void)read_chunk(pack, e.kind, e.tile, e.level, raw);
+        const ChunkId id = chunk_id(pack.header, i);
+        must(chunk_index(pack.header, id) == i, "chunk_id and chunk_index undo each other");
+        const std::size_t bytes = pack.entry(i).raw_bytes;
+        if (bytes > most_bytes) continue;
+        const auto raw = std::make_unique_for_overwrite<std::byte[]>(bytes + 1);
+        must(!read_chunk(pack, id, {raw.get(), bytes + 1}).ok(), "a chunk does not fill a longer span");
+        const auto exact = std::make_unique_for_overwrite<std::byte[]>(bytes);
+        (void)read_chunk(pack, id, {exact.get(), bytes});
     }
+}
+
+// The page table and the slots say the same.
+void check_pages(const Terrain& t) {
+    std::uint32_t missing = 0;
+    for (std::uint32_t page = 0; page < t.page_count(); ++page) {
+        const PageEntry entry = t.page_table[page];
+        if (entry.slot == no_page_slot) {
+            ++missing;
+            continue;
+        }
+        must(entry.slot < t.slot_count && t.slot_page[entry.slot] == page, "a loaded page's slot names it");
+        must(entry.base >= 0 && entry.base <= max_lattice_steps - 65535, "a page's heights lie on the lattice");
+    }
+    must(missing == t.pages_missing, "pages_missing counts the pages that are missing");
+    for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
+        must(t.slot_page[slot] == no_page ||
+                 (t.slot_page[slot] < t.page_count() && t.page_table[t.slot_page[slot]].slot == slot),
+             "a slot's page lies there");
+}
+
+std::span<const VertexRecord> page_records(const Terrain& t, std::uint32_t page) {
+    return {t.records + std::size_t{t.page_table[page].slot} * t.page_capacity,
+            t.pages.page_vertices(page % t.pages_per_tile)};
+}
+
+// What a page decodes to does not depend on when it was loaded.
+void check_records(const Terrain& t, const Terrain& whole) {
+    for (std::uint32_t page = 0; page < t.page_count(); ++page) {
+        if (t.page_table[page].slot == no_page_slot) continue;
+        must(t.page_table[page].base == whole.page_table[page].base, "a page has one base");
+        const auto a = page_records(t, page), b = page_records(whole, page);
+        must(std::memcmp(a.data(), b.data(), a.size_bytes()) == 0, "a page has the same records whenever it is loaded");
+    }
+}
+
+void check_mesh(const Terrain& terrain, const MeshView& mesh) {
+    for (const TileRange& range : mesh.tiles) {
+        must(range.tile < terrain.tile_count(), "a range is of a tile");
+        must(range.first_index <= mesh.indices.size() && range.index_count <= mesh.indices.size() - range.first_index,
+             "a range lies in the indices");
+        for (const std::uint32_t index : mesh.indices.subspan(range.first_index, range.index_count)) {
+            must(index < mesh.vertices.size(), "an index is of a vertex");
+            const MeshVertex v = mesh.vertices[index];
+            must(v.column <= terrain.pages.side() && v.row <= terrain.pages.side(), "a vertex lies in its tile");
+            must(std::isfinite(v.height_m), "a height is finite");
+        }
+        must(mesh.topology == Topology::strip || range.index_count == 3 * range.triangles, "three indices a triangle");
+    }
+}
+
+// A recursive method with its block, and frames that the script describes.
+struct Refiner {
+    Refiner(const Terrain& the_terrain, const PackScript& the_script) : terrain(the_terrain), script(the_script) {
+        const std::uint32_t tiles = terrain.tile_count();
+        RecursiveBudget budget{4096 + 4 * tiles, 16384 + 9 * tiles};
+        if (script.frame & 1) budget = {4 * tiles + script.eye, 9 * tiles + 4u * script.eye}; // hardly enough
+        const std::size_t bytes = recursive_bytes(terrain, budget);
+        if (bytes > most_bytes) return;
+        block = make_block(bytes);
+        must(create_recursive(terrain, budget, {block.get(), bytes}, method).ok(), "a method for what was loaded");
+    }
+
+    void frames() {
+        if (!block) return;
+        RefineSettings settings;
+        settings.error_px = script.frame & 2 ? 1e-3 : script.frame & 4 ? 50 : 1;
+        settings.corner_safe = (script.frame & 8) != 0;
+        settings.cull = (script.frame & 48) != 0;
+        settings.metric = (script.frame & 48) == 48 ? Metric::depth : Metric::isotropic;
+        const View view = look(number++);
+        for (const Topology topology : {Topology::triangles, Topology::strip}) {
+            settings.topology = topology;
+            FrameReport report;
+            must(update_recursive(method, view, settings, report).ok(), "a frame of what was loaded");
+            const MeshView mesh = recursive_mesh(method);
+            check_mesh(terrain, mesh);
+            if (terrain.pages_missing == 0) (void)measure_error(terrain, mesh, view);
+        }
+    }
+
+private:
+    [[nodiscard]] View look(std::uint32_t frame) const {
+        const double wx = terrain.x_m(terrain.tree.columns() - 1), wz = terrain.z_m(terrain.tree.rows() - 1);
+        const double extent = std::max(wx, wz);
+        const std::uint32_t bits = script.eye + 37 * frame;
+        const double ground = terrain.height_m({0, 0});
+        const double above = extent * std::pow(10.0, bits / 5 % 5 - 4.0);
+        const Vec3 eye{(bits % 5 - 0.5) / 3 * wx, ground + above, (bits / 25 % 5 - 0.5) / 3 * wz};
+        const Vec3 forward{bits / 125 % 3 * 0.5 * wx - eye.x, -above, bits / 7 % 3 * 0.4 * wz - eye.z};
+        return make_view(eye, forward, {0.1, 1, 0.2}, 1, 640, 480, extent * 1e-5, extent * 8);
+    }
+
+    const Terrain& terrain;
+    const PackScript& script;
+    Block block;
+    RecursiveMethod method;
+    std::uint32_t number = 0;
+};
+
+// One step of the page script: a page comes or goes. whole: the terrain with all of its pages, if they can be loaded.
+void move_page(const Pack& pack, Terrain& terrain, std::uint32_t bits, bool unload, bool whole) {
+    const std::uint32_t page = bits % terrain.page_count(), tile = page / terrain.pages_per_tile,
+                        item = page % terrain.pages_per_tile;
+    if (unload) return unload_page(terrain, tile, item);
+    const bool there = terrain.page_table[page].slot != no_page_slot;
+    const std::uint64_t changes = terrain.changes;
+    const Status s = load_page(pack, terrain, tile, item);
+    switch (s.code) {
+    case Code::ok: must(terrain.page_table[page].slot != no_page_slot, "a page that was loaded is there"); break;
+    case Code::out_of_slots: {
+        const std::uint32_t leaves = terrain.slot_page[bits / 7 % terrain.slot_count];
+        must(!there && leaves != no_page, "no slot is free");
+        return unload_page(terrain, leaves / terrain.pages_per_tile, leaves % terrain.pages_per_tile);
+    }
+    case Code::coarser_page_first:
+        must(terrain.pages.page_step_log2(item) == 0, "only errors of the finest step are derived");
+        break;
+    case Code::corrupt: must(!whole, "a page that could be loaded can be loaded again"); break;
+    default: must(false, "a page is loaded, or refused for one of three reasons");
+    }
+    must(terrain.changes == changes + (s.ok() && !there ? 1 : 0), "what fails changes nothing");
+}
+
+void page_by_page(const Pack& pack, const PackScript& script, const Terrain* whole) {
+    const std::uint32_t pages = pack.tile_count() * pack.pages().pages_per_tile();
+    const TerrainBudget budget{1 + script.slots % std::max(pages - 1, 1u)};
+    const std::size_t bytes = terrain_bytes(pack.header, budget);
+    if (bytes > most_bytes) return;
+    const Block block = make_block(bytes);
+    Terrain terrain;
+    if (!create_terrain(pack, budget, {block.get(), bytes}, terrain).ok()) {
+        must(!whole, "a terrain that could be created can be created with fewer slots");
+        return;
+    }
+    must(load_page(pack, terrain, terrain.tile_count(), 0).code == Code::out_of_range &&
+             load_page(pack, terrain, 0, terrain.pages_per_tile).code == Code::out_of_range,
+         "there are no other pages");
+    Refiner refiner(terrain, script);
+    refiner.frames();
+    std::uint32_t bits = script.slots;
+    for (std::uint32_t step = 0; step < steps; ++step) {
+        const std::uint8_t order = script.pages[step % std::size(script.pages)];
+        bits = bits * 1664525 + 1013904223 + order;
+        move_page(pack, terrain, bits >> 8, order < 64 && (bits & 32) != 0, whole != nullptr);
+        if (step % steps_a_frame != steps_a_frame - 1) continue;
+        check_pages(terrain);
+        if (whole) check_records(terrain, *whole);
+        refiner.frames();
+    }
+}
+
+void use(const Pack& pack, const PackScript& script) {
+    read_chunks(pack);
     const std::size_t bytes = terrain_bytes(pack.header);
     if (bytes > most_bytes) return;
-    const host::AlignedBlock block = host::make_block(bytes);
-    Terrain terrain;
-    if (!load_terrain(pack, {block.get(), bytes}, terrain).ok()) return;
-    const RecursiveBudget budget{4096 + 4 * terrain.tile_count(), 16384 + 9 * terrain.tile_count()};
-    const std::size_t method_bytes = recursive_bytes(terrain, budget);
-    if (method_bytes > most_bytes) return;
-    const host::AlignedBlock method_block = host::make_block(method_bytes);
-    RecursiveMethod method;
-    if (!create_recursive(terrain, budget, {method_block.get(), method_bytes}, method).ok()) return;
-    const View view = make_view({10, 500, 10}, {1, -0.5, 1}, {0, 1, 0}, 1, 640, 480, 1, 1e6);
-    FrameReport report;
-    for (const Topology topology : {Topology::triangles, Topology::strip}) {
-        RefineSettings settings;
-        settings.topology = topology;
-        if (!update_recursive(method, view, settings, report).ok()) __builtin_trap();
-        (void)measure_error(terrain, recursive_mesh(method), view);
+    const Block block = make_block(bytes);
+    Terrain whole;
+    must(!load_terrain(pack, {block.get(), bytes - 64}, whole).ok(), "a block that is too small is refused");
+    const bool loaded = load_terrain(pack, {block.get(), bytes}, whole).ok();
+    if (loaded) {
+        check_pages(whole);
+        Refiner(whole, script).frames();
     }
+    page_by_page(pack, script, loaded ? &whole : nullptr);
 }
 
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    if (size == 0) return 0;
-    const auto* first = reinterpret_cast<const std::byte*>(data);
-    std::vector<std::byte> bytes(first + 1, first + size);
-    if (data[0] & 1) repair(bytes);
+    PackScript script;
+    if (size < sizeof script) return 0;
+    std::memcpy(&script, data, sizeof script);
+    const auto input = std::as_bytes(std::span(data, size)).subspan(sizeof script);
+    std::vector<std::byte> bytes(input.begin(), input.end());
+    if (script.repairs & fuzz::repair_hashes) repair(bytes, (script.repairs & fuzz::repair_directory) != 0);
     Pack pack;
-    if (open_pack(bytes, pack).ok()) use(pack);
+    if (open_pack(bytes, pack).ok()) use(pack, script);
     return 0;
 }

@@ -173,7 +173,7 @@ TEST_CASE("spheres that touch nest: an eye on a decision surface makes no crack,
             settings.error_px = random_threshold(random);
             View view = make_view({}, {0, -1, 0.1}, {0, 1, 0}, 1, 1280, 720, 1, 1e6);
             const double q = view.lambda_px / settings.error_px;
-            const double reach = from_bfloat16(terrain.record(v).radius) + from_bfloat16(terrain.record(v).error) * q;
+            const double reach = static_cast<double>(terrain.vertex(v).radius_m) + terrain.vertex(v).error_m * q;
             // From the parent through the child to where the child is just not wanted: there the two are closest.
             const Vec3 away = normalised(position(v) - position(parent));
             if (length(away) == 0) continue;
@@ -209,10 +209,9 @@ TEST_CASE("what is selected is exactly what is wanted (invariant 7)") {
         for (std::int32_t y = 0; y < terrain.tree.rows(); ++y)
             for (std::int32_t x = 0; x < terrain.tree.columns(); ++x) {
                 const Coord c{x, y};
-                const VertexRecord& r = terrain.record(c);
-                const bool expected =
-                    terrain.tree.is_corner(c) || wanted(reach, terrain.x_m(x), terrain.height_m(c), terrain.z_m(y),
-                                                        from_bfloat16(r.error), from_bfloat16(r.radius));
+                const Terrain::Vertex r = terrain.vertex(c);
+                const bool expected = terrain.tree.is_corner(c) || wanted(reach, terrain.x_m(x), terrain.height_m(c),
+                                                                          terrain.z_m(y), r.error_m, r.radius_m);
                 REQUIRE(used[at(c)] == expected);
             }
     }

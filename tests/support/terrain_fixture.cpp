@@ -62,6 +62,46 @@ baker::Dem random_dem(Random& random, std::int32_t columns, std::int32_t rows, S
     return dem;
 }
 
+void add_random_holes(Random& random, baker::Dem& dem, int tile_log2) {
+    dem.voids.assign(dem.heights_m.size(), 0);
+    const auto disc = [&](double x, double y, double inner, double outer, std::uint8_t what) {
+        for (std::int32_t j = 0; j < dem.rows; ++j)
+            for (std::int32_t i = 0; i < dem.columns; ++i) {
+                const double d = std::hypot(i - x, j - y);
+                if (d >= inner && d <= outer) dem.voids[dem.index(i, j)] = what;
+            }
+    };
+    const double x = uniform(random, 0, dem.columns), y = uniform(random, 0, dem.rows),
+                 size = uniform(random, 0.5, std::max(dem.columns, dem.rows));
+    switch (pick(random, 0, 5)) {
+    case 0: // single samples
+        for (int n = pick(random, 1, 8); n > 0; --n)
+            dem.voids[dem.index(pick(random, 0, dem.columns - 1), pick(random, 0, dem.rows - 1))] = 1;
+        break;
+    case 1: disc(x, y, size / 2, size / 2 + uniform(random, 0.8, 4), 1); break; // a ring
+    case 2:                                                                     // blobs
+        for (int n = pick(random, 1, 5); n > 0; --n)
+            disc(uniform(random, 0, dem.columns), uniform(random, 0, dem.rows), 0, size / 4, 1);
+        break;
+    case 3: { // a whole tile, and the samples around it or not
+        const std::int32_t side = 1 << tile_log2, around = pick(random, 0, 1);
+        const std::int32_t x0 = pick(random, 0, (dem.columns - 2) / side) * side,
+                           y0 = pick(random, 0, (dem.rows - 2) / side) * side;
+        for (std::int32_t j = std::max(y0 - around, 0); j <= std::min(y0 + side + around, dem.rows - 1); ++j)
+            for (std::int32_t i = std::max(x0 - around, 0); i <= std::min(x0 + side + around, dem.columns - 1); ++i)
+                dem.voids[dem.index(i, j)] = 1;
+        break;
+    }
+    case 4: // everything but one sample, or a small disc
+        dem.voids.assign(dem.voids.size(), 1);
+        disc(std::floor(x), std::floor(y), 0, pick(random, 0, 1) ? 0.5 : size / 6, 0);
+        break;
+    case 5: // each by chance
+        for (std::uint8_t& v : dem.voids) v = pick(random, 0, 2) == 0;
+        break;
+    }
+}
+
 host::LoadedPack bake_and_load(baker::Dem dem, baker::BakeOptions options) {
     const TemporaryFolder folder;
     (void)baker::bake(std::move(dem), options, folder / "pack.fjell");
@@ -92,8 +132,14 @@ View random_view(Random& random, const Terrain& terrain) {
 }
 
 RecursiveBudget ample_budget(const Terrain& terrain) {
-    const std::uint32_t vertices = terrain.tile_count() * terrain.vertices_per_tile;
+    const std::uint32_t vertices = terrain.tile_count() * terrain.pages.tile_vertices();
     return {vertices, vertices * 8 + terrain.tile_count() * 16};
+}
+
+PagedTerrain::PagedTerrain(const Pack& pack, const TerrainBudget& budget)
+    : block(host::make_block(terrain_bytes(pack.header, budget))) {
+    const Status s = create_terrain(pack, budget, {block.get(), terrain_bytes(pack.header, budget)}, terrain);
+    if (!s.ok()) throw std::runtime_error(std::string(s.field) + ": " + message(s.code));
 }
 
 Recursive::Recursive(const Terrain& terrain, const RecursiveBudget& budget)

@@ -20,6 +20,9 @@ using Random = std::mt19937;
 enum class Shape { fractal, noise, spikes, steps, ramp, flat, count };
 [[nodiscard]] baker::Dem random_dem(Random& random, std::int32_t columns, std::int32_t rows, Shape shape);
 
+// Takes heights away: single samples, a ring, blobs, whole tiles, or all but a few. Changes nothing else.
+void add_random_holes(Random& random, baker::Dem& dem, int tile_log2);
+
 // Baked to a file and loaded back.
 [[nodiscard]] host::LoadedPack bake_and_load(baker::Dem dem, baker::BakeOptions options = {});
 // A random tiling of at most about `most_samples` samples.
@@ -27,6 +30,19 @@ enum class Shape { fractal, noise, spikes, steps, ramp, flat, count };
 
 // A view that looks at the terrain from somewhere, often low and near.
 [[nodiscard]] View random_view(Random& random, const Terrain& terrain);
+
+// The same terrain as if nothing were missing: what is drawn of holes is what their vertices stand on.
+[[nodiscard]] inline Terrain without_holes(Terrain terrain) {
+    terrain.header.voids = 0;
+    return terrain;
+}
+
+// A terrain that loads its pages one by one.
+struct PagedTerrain {
+    PagedTerrain(const Pack& pack, const TerrainBudget& budget);
+    host::AlignedBlock block;
+    Terrain terrain;
+};
 
 // A recursive method with its block.
 struct Recursive {

@@ -113,9 +113,9 @@ TEST_CASE("the colour in the file is the pack's, texel for texel", "[gltf]") {
     REQUIRE(tinygltf::TinyGLTF().LoadBinaryFromFile(&model, &errors, &warnings, folder / "out.glb"));
     CHECK(errors + warnings == "");
     REQUIRE(model.images.size() == baked.pack.tile_count());
-    std::vector<std::uint8_t> texels(chunk_raw_bytes(baked.pack.header, ChunkKind::colour, 0));
+    std::vector<std::uint8_t> texels(chunk_raw_bytes(baked.pack.header, {ChunkKind::colour, 0, 0}));
     for (std::uint32_t tile = 0; tile < baked.pack.tile_count(); ++tile) {
-        REQUIRE(read_chunk(baked.pack, ChunkKind::colour, tile, 0, std::as_writable_bytes(std::span(texels))).ok());
+        REQUIRE(read_chunk(baked.pack, {ChunkKind::colour, tile, 0}, std::as_writable_bytes(std::span(texels))).ok());
         const tinygltf::Image& image = model.images[tile];
         const auto components = static_cast<std::size_t>(image.component);
         REQUIRE(image.image.size() / components == texels.size() / colour_texel_bytes);

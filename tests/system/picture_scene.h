@@ -49,11 +49,13 @@ inline OwnMesh full_resolution(const Terrain& terrain) {
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) {
         const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
         const auto first_index = static_cast<std::uint32_t>(mesh.indices.size());
-        const VertexRecord* records = terrain.tile_records(tile);
+        const Coord corner{static_cast<std::int32_t>(tile % terrain.header.tiles_x * side),
+                           static_cast<std::int32_t>(tile / terrain.header.tiles_x * side)};
         for (std::uint32_t y = 0; y < n; ++y)
             for (std::uint32_t x = 0; x < n; ++x)
                 mesh.vertices.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
-                                         terrain.lattice.height_m(records[terrain.order.index(x, y)].height)});
+                                         terrain.height_m(corner + Coord{static_cast<std::int32_t>(x),
+                                                                         static_cast<std::int32_t>(y)})});
         for (std::uint32_t y = 0; y < side; ++y)
             for (std::uint32_t x = 0; x < side; ++x) {
                 const std::uint32_t nw = first + y * n + x, ne = nw + 1, sw = nw + n, se = sw + 1;
@@ -105,8 +107,8 @@ struct Scene {
         unlink(path);
 
         const Terrain& terrain = loaded.terrain;
-        const RecursiveBudget budget{terrain.tile_count() * terrain.vertices_per_tile + 1024,
-                                     terrain.tile_count() * terrain.vertices_per_tile * 6 + 1024};
+        const RecursiveBudget budget{terrain.tile_count() * terrain.pages.tile_vertices() + 1024,
+                                     terrain.tile_count() * terrain.pages.tile_vertices() * 6 + 1024};
         const std::size_t bytes = recursive_bytes(terrain, budget);
         block = host::make_block(bytes);
         REQUIRE(create_recursive(terrain, budget, {block.get(), bytes}, method).ok());

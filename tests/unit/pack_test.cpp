@@ -31,7 +31,7 @@ Status read_all(std::span<const std::byte> bytes) {
     for (std::uint64_t i = 0; i < pack.header.directory_count; ++i) {
         const ChunkEntry e = pack.entry(i);
         raw.resize(e.raw_bytes);
-        if (Status s = read_chunk(pack, e.kind, e.tile, e.level, raw); !s.ok()) return s;
+        if (Status s = read_chunk(pack, chunk_id(pack.header, i), raw); !s.ok()) return s;
     }
     const std::size_t size = terrain_bytes(pack.header);
     const host::AlignedBlock block = host::make_block(size);
@@ -60,11 +60,11 @@ TEST_CASE("a pack that was read back holds every sample, map and the CRS") {
     const auto pack = bake_and_load(dem, small_bake(3));
     REQUIRE(pack.crs == dem.crs_wkt);
     REQUIRE(pack.terrain.header.origin_m[0] == 432000.25);
-    const Lattice lattice = baker::choose_lattice(dem);
+    const Lattice lattice = baker::choose_lattice(dem, pack.terrain.tree);
     const auto steps = baker::quantise(dem, lattice);
     for (std::int32_t y = 0; y < 25; ++y)
         for (std::int32_t x = 0; x < 33; ++x)
-            REQUIRE(pack.terrain.record({x, y}).height == steps[static_cast<std::size_t>(y * 33 + x)]);
+            REQUIRE(pack.terrain.vertex({x, y}).steps == steps[static_cast<std::size_t>(y * 33 + x)]);
     REQUIRE(read_all(pack.file).ok());
     REQUIRE(host::check_all_chunks(pack) == pack.pack.header.directory_count);
 }
@@ -79,10 +79,10 @@ TEST_CASE("a height field of any extents is kept whole, in the fewest tiles that
         REQUIRE(pack.terrain.tree.rows() == rows);
         REQUIRE(pack.terrain.tree.tiles_x == tiles_x);
         REQUIRE(pack.terrain.tree.tiles_y == tiles_y);
-        const auto steps = baker::quantise(dem, baker::choose_lattice(dem));
+        const auto steps = baker::quantise(dem, baker::choose_lattice(dem, pack.terrain.tree));
         for (std::int32_t y = 0; y < rows; ++y)
             for (std::int32_t x = 0; x < columns; ++x)
-                REQUIRE(pack.terrain.record({x, y}).height == steps[static_cast<std::size_t>(y * columns + x)]);
+                REQUIRE(pack.terrain.vertex({x, y}).steps == steps[static_cast<std::size_t>(y * columns + x)]);
     }
 }
 
@@ -172,11 +172,18 @@ TEST_CASE("a header whose hash is right is still not believed") {
     CHECK(code([](PackHeader& h) { h.directory_count = 1ull << 61; }) == Code::corrupt);
     CHECK(code([](PackHeader& h) { h.file_bytes = ~0ull; }) == Code::truncated);
     CHECK(code([](PackHeader& h) { h.crs_bytes = 0xffffffff; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.order = static_cast<Order>(3); }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.error_floor_m = 0; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.error_ratio = 1; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.error_nesting_steps = 0; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.level_radius_m[5] = 0; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.lattice_steps = 1u << 25; }) == Code::out_of_range);
 }
 
 TEST_CASE("every error has a message with a remedy and names its field") {
-    for (const Code c : {Code::truncated, Code::not_a_pack, Code::wrong_version, Code::wrong_layout, Code::corrupt,
-                         Code::out_of_range, Code::block_too_small, Code::budget_too_small}) {
+    for (const Code c :
+         {Code::truncated, Code::not_a_pack, Code::wrong_version, Code::wrong_layout, Code::corrupt, Code::out_of_range,
+          Code::block_too_small, Code::budget_too_small, Code::out_of_slots, Code::coarser_page_first}) {
         const std::string text = message(c);
         CHECK(text.find(';') != std::string::npos);
         CHECK(text.find('\n') == std::string::npos);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -14,16 +15,38 @@ ReadOptions spaced(double spacing_m) {
     o.spacing_m = spacing_m;
     return o;
 }
-ReadOptions filling() {
+ReadOptions with(NoData nodata) {
     ReadOptions o;
-    o.nodata = NoData::fill;
+    o.nodata = nodata;
     return o;
 }
+ReadOptions filling() {
+    return with(NoData::fill);
+}
+constexpr NoData every_nodata[] = {NoData::automatic, NoData::hole, NoData::fill, NoData::refuse};
+// What a refusal of heights that may be voids has to offer.
+const std::vector<std::string> remedies{"--nodata hole to leave them open", "--nodata fill to fill them"};
 Refusal refused(const std::string& path, const ReadOptions& options = {}) {
     return refusal([&] { (void)read_dem(path, options); });
 }
 double slope(int x, int y) {
     return 100 + 3 * x + 7 * y;
+}
+// Touches a border and is no mirror image of itself, so that a flip cannot hide.
+bool in_hole(int x, int y) {
+    return std::hypot(x - 10, y - 4) < 6 || (x == 30 && y > 20 && y < 25);
+}
+Raster slope_with(double nothing) {
+    return raster(41, 31, [=](int x, int y) { return in_hole(x, y) ? nothing : slope(x, y); });
+}
+// "N of 1271": what a refusal counts.
+std::string holes_of_all() {
+    const Raster r = slope_with(-9999);
+    const auto holes = std::count(r.values.begin(), r.values.end(), -9999);
+    return std::to_string(holes) + " of " + std::to_string(r.values.size());
+}
+void tag(Raster& r, double nothing) {
+    r.more = [=](GDALDataset& file) { file.GetRasterBand(1)->SetNoDataValue(nothing); };
 }
 
 void check_slope(const Dem& dem, int columns, int rows) {
@@ -33,6 +56,29 @@ void check_slope(const Dem& dem, int columns, int rows) {
     for (int y = 0; y < rows; ++y)
         for (int x = 0; x < columns; ++x) wrong += dem.at(x, y) != static_cast<float>(slope(x, y));
     CHECK(wrong == 0);
+}
+
+// Holes where in_hole says and nowhere else, the slope around them, and ground of the same kind under them.
+void check_holes(const Dem& dem) {
+    REQUIRE(dem.columns == 41);
+    REQUIRE(dem.rows == 31);
+    REQUIRE(dem.voids.size() == dem.heights_m.size());
+    std::uint64_t holes = 0;
+    int misplaced = 0, wrong = 0;
+    for (int y = 0; y < 31; ++y)
+        for (int x = 0; x < 41; ++x) {
+            const float height = dem.at(x, y);
+            holes += in_hole(x, y);
+            misplaced += dem.is_void(x, y) != in_hole(x, y);
+            if (in_hole(x, y)) // means of neighbours lie between the lowest and the highest, on the source's step
+                wrong += !(height >= slope(0, 0) && height <= slope(40, 30)) || height != std::round(height);
+            else
+                wrong += height != static_cast<float>(slope(x, y));
+        }
+    CHECK(misplaced == 0);
+    CHECK(wrong == 0);
+    CHECK(void_count(dem) == holes);
+    CHECK(dem.native_quantum_m == 1);
 }
 
 } // namespace
@@ -200,15 +246,73 @@ TEST_CASE("a rotated grid is refused") {
     check_refusal(refused(path, spaced(10)), 1, path, {"rotated", "gdalwarp"});
 }
 
-TEST_CASE("no-data is refused or filled, smoothly and on the source's own step") {
+TEST_CASE("what the file marks as no-data becomes a hole, at its place") {
+    const TempDir dir;
+    Raster r = slope_with(-9999);
+    SECTION("a tag, in every format that has one") {
+        tag(r, -9999);
+        check_holes(read_dem(write(r, dir / "a.tif"), {}));
+        check_holes(read_dem(write(r, dir / "a.asc", "AAIGrid"), {}));
+        r.crs = "EPSG:32632";
+        check_holes(read_dem(write(r, dir / "a.nc", "netCDF"), {}));
+        r.type = GDT_Int16;
+        check_holes(read_dem(write(r, dir / "b.tif"), {}));
+        Raster odd_step = slope_with(-9999.25); // the marker says nothing about the step of the heights
+        tag(odd_step, -9999.25);
+        check_holes(read_dem(write(odd_step, dir / "c.tif"), {}));
+    }
+    SECTION("a mask, and a tag beside it") {
+        const auto masked = [](GDALDataset& file, const auto& valid) {
+            REQUIRE(file.GetRasterBand(1)->CreateMaskBand(GMF_PER_DATASET) == CE_None);
+            std::vector<std::uint8_t> mask;
+            for (int y = 0; y < 31; ++y)
+                for (int x = 0; x < 41; ++x) mask.push_back(valid(x, y) ? 255 : 0);
+            REQUIRE(file.GetRasterBand(1)->GetMaskBand()->RasterIO(GF_Write, 0, 0, 41, 31, mask.data(), 41, 31,
+                                                                   GDT_Byte, 0, 0, nullptr) == CE_None);
+        };
+        r.more = [&](GDALDataset& file) { masked(file, [](int x, int y) { return !in_hole(x, y); }); };
+        check_holes(read_dem(write(r, dir / "mask.tif"), {}));
+        r.more = [&](GDALDataset& file) {
+            file.GetRasterBand(1)->SetNoDataValue(-9999);
+            masked(file, [](int x, int y) { return x < 30 || !in_hole(x, y); });
+        };
+        check_holes(read_dem(write(r, dir / "both.tif"), {}));
+    }
+    SECTION("whichever way the file runs") {
+        for (const bool flip_x : {false, true})
+            for (const bool flip_y : {false, true}) {
+                INFO("flip_x " << flip_x << ", flip_y " << flip_y);
+                Raster flipped = raster(41, 31, [&](int x, int y) {
+                    return r.values[static_cast<std::size_t>((flip_y ? 30 - y : y) * 41 + (flip_x ? 40 - x : x))];
+                });
+                tag(flipped, -9999);
+                flipped.geotransform = {1000, flip_x ? -10.0 : 10.0, 0, 2000, 0, flip_y ? 10.0 : -10.0};
+                check_holes(read_dem(write(flipped, dir / "a.tif"), {}));
+            }
+    }
+}
+
+TEST_CASE("NaN becomes a hole, infinite heights are refused, naming the first") {
+    const TempDir dir;
+    check_holes(read_dem(write(slope_with(std::numeric_limits<double>::quiet_NaN()), dir / "nan.tif"), {}));
+    for (const double bad : {HUGE_VAL, -HUGE_VAL}) {
+        const std::string path = write(slope_with(bad), dir / "a.tif");
+        check_refusal(refused(path), 1, path, remedies);
+        check_refusal(refused(path), 1, path, {holes_of_all() + " heights lie outside", "inf m at column 6, row 0"});
+        check_holes(read_dem(path, with(NoData::hole)));
+        for (const float h : read_dem(path, filling()).heights_m) CHECK(std::isfinite(h));
+    }
+}
+
+TEST_CASE("voids are filled when asked, smoothly and on the source's own step") {
     const TempDir dir;
     const auto hole = [](int x, int y) { return std::hypot(x - 20, y - 20) < 8; };
     Raster r = raster(41, 41, [&](int x, int y) { return hole(x, y) ? -9999 : slope(x, y); });
-    r.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetNoDataValue(-9999); };
+    tag(r, -9999);
     const std::string path = write(r, dir / "a.tif");
-    check_refusal(refused(path), 1, path, {"of 1681 samples are no-data", "--nodata fill"});
     const Dem dem = read_dem(path, filling());
     CHECK(dem.native_quantum_m == 1);
+    CHECK(dem.voids.empty());
     double worst = 0;
     for (int y = 0; y < 41; ++y)
         for (int x = 0; x < 41; ++x) {
@@ -222,28 +326,62 @@ TEST_CASE("no-data is refused or filled, smoothly and on the source's own step")
     // them at least halves that.
     CHECK(worst <= 3);
     CHECK(read_dem(path, filling()).heights_m == dem.heights_m);
+    CHECK(read_dem(path, {}).heights_m == dem.heights_m); // under a hole lies what would have filled it
 }
 
-TEST_CASE("heights that are no numbers are refused, naming the first") {
+TEST_CASE("voids are refused when asked, naming the first and both ways to settle them") {
     const TempDir dir;
-    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
-                             -std::numeric_limits<double>::infinity()}) {
-        const std::string path =
-            write(raster(9, 9, [&](int x, int y) { return (x == 4 && y == 5) || y == 7 ? bad : slope(x, y); }),
-                  dir / "a.tif");
-        check_refusal(refused(path), 1, path,
-                      {"10 of 81 heights are NaN or infinite", "column 4, row 5", "--nodata fill"});
-        for (const float h : read_dem(path, filling()).heights_m) CHECK(std::isfinite(h));
+    const ReadOptions strict = with(NoData::refuse);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const double nothing : {-9999.0, nan}) {
+        Raster r = raster(9, 9, [&](int x, int y) { return (x == 4 && y == 5) || y == 7 ? nothing : slope(x, y); });
+        tag(r, -9999);
+        const std::string path = write(r, dir / "a.tif");
+        check_refusal(refused(path, strict), 1, path, remedies);
+        check_refusal(refused(path, strict), 1, path, {"10 of 81 samples are no-data or NaN", "column 4, row 5"});
     }
 }
 
-TEST_CASE("undeclared voids are refused, or filled when asked") {
+TEST_CASE("undeclared voids are refused until the user says what they are") {
     const TempDir dir;
-    Raster r = raster(9, 9, [](int x, int y) { return x == 2 && y > 5 ? -32767 : slope(x, y); });
+    Raster r = slope_with(-32767);
     r.type = GDT_Int16;
     const std::string path = write(r, dir / "a.tif");
-    check_refusal(refused(path), 1, path, {"3 of 81 heights lie outside", "-32767 m", "--nodata fill", "--zscale"});
-    for (const float h : read_dem(path, filling()).heights_m) CHECK(h >= 100);
+    for (const NoData nodata : {NoData::automatic, NoData::refuse}) {
+        const Refusal answer = refused(path, with(nodata));
+        check_refusal(answer, 1, path, remedies);
+        check_refusal(answer, 1, path,
+                      {holes_of_all() + " heights lie outside", "-32767 m at column 6, row 0", "--zscale"});
+    }
+    check_holes(read_dem(path, with(NoData::hole)));
+    const Dem filled = read_dem(path, filling());
+    CHECK(filled.voids.empty());
+    for (const float h : filled.heights_m) CHECK(h >= 100);
+}
+
+TEST_CASE("odd heights beside declared voids are refused, and are holes like them when asked") {
+    const TempDir dir;
+    Raster r = slope_with(-9999);
+    tag(r, -9999);
+    for (std::size_t i = 0; i < r.values.size(); ++i)
+        if (r.values[i] == -9999 && i % 41 == 30) r.values[i] = 1e38;
+    const std::string path = write(r, dir / "a.tif");
+    check_refusal(refused(path), 1, path, {"4 of 1271 heights lie outside", "column 30, row 21"});
+    check_holes(read_dem(path, with(NoData::hole)));
+}
+
+TEST_CASE("a file without voids has no holes, whatever is asked") {
+    const TempDir dir;
+    Raster r = raster(20, 15, slope);
+    tag(r, -9999);
+    const std::string path = write(r, dir / "a.tif");
+    for (const NoData nodata : every_nodata) {
+        const Dem dem = read_dem(path, with(nodata));
+        check_slope(dem, 20, 15);
+        CHECK(dem.voids.empty());
+        CHECK(void_count(dem) == 0);
+        CHECK(!dem.is_void(3, 4));
+    }
 }
 
 TEST_CASE("heights are odd only when they are so both before and after --zscale") {
@@ -266,12 +404,12 @@ TEST_CASE("nothing but no-data is refused whatever is asked") {
     r.type = GDT_Int16;
     for (const bool tagged : {true, false}) {
         if (tagged)
-            r.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetNoDataValue(-32768); };
+            tag(r, -32768);
         else
             r.more = {};
         const std::string path = write(r, dir / "a.tif");
-        check_refusal(refused(path, filling()), 1, path, {"all 81 samples are no-data"});
-        CHECK(refused(path).code == 1);
+        for (const NoData nodata : every_nodata)
+            check_refusal(refused(path, with(nodata)), 1, path, {"all 81 samples are no-data"});
     }
 }
 
@@ -426,22 +564,58 @@ TEST_CASE("real files of every format read as GDAL reads them") {
     }
 }
 
+TEST_CASE("real files have holes exactly where GDAL reads their void value") {
+    struct Holed {
+        const char* name;
+        NoData nodata;
+        double nothing;
+        double least, most; // share of holes
+    };
+    for (const Holed& holed :
+         {Holed{"formats/luxembourg_terra_elev_i16_nodata.tif", NoData::automatic, -32768, 0.4, 0.5},
+          {"formats/luxembourg_elev_i16_nodata.asc", NoData::automatic, -32768, 0.4, 0.5},
+          {"dem/SainteHelens_usgs.dem", NoData::automatic, -32767, 0, 0.1},
+          {"dem/craterlake_elev_i16_30m.tif", NoData::hole, -32767, 0.3, 0.4}}) {
+        const std::string path = data_file(holed.name);
+        if (path.empty()) continue;
+        INFO(path);
+        ReadOptions options = with(holed.nodata);
+        options.spacing_m = 60;
+        const Dem dem = read_dem(path, options);
+        const GdalMessages quiet;
+        const GdalFile file(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER));
+        std::vector<double> raw(dem.heights_m.size());
+        REQUIRE(file->GetRasterBand(1)->RasterIO(GF_Read, 0, 0, dem.columns, dem.rows, raw.data(), dem.columns,
+                                                 dem.rows, GDT_Float64, 0, 0, nullptr) == CE_None);
+        int misplaced = 0, wrong = 0;
+        for (int y = 0; y < dem.rows; ++y)
+            for (int x = 0; x < dem.columns; ++x) {
+                const double value = raw[dem.index(x, y)];
+                misplaced += dem.is_void(x, y) != (value == holed.nothing);
+                wrong += value != holed.nothing ? dem.at(x, y) != static_cast<float>(value) : dem.at(x, y) < 0;
+            }
+        CHECK(misplaced == 0);
+        CHECK(wrong == 0);
+        const double share = static_cast<double>(void_count(dem)) / static_cast<double>(raw.size());
+        CHECK(share > holed.least);
+        CHECK(share < holed.most);
+    }
+}
+
 TEST_CASE("real files with traps in them are refused with the option that settles them") {
     struct Trap {
         const char* name;
         bool spacing;
-        const char* words;
+        std::vector<std::string> words;
     };
-    for (const Trap& trap : {Trap{"formats/N37W003.hgt", false, "degrees"},
-                             {"formats/luxembourg_elev_i16_nodata.asc", false, "degrees"},
-                             {"formats/luxembourg_terra_elev_i16_nodata.tif", true, "--nodata fill"},
-                             {"formats/terrarium_256.png", true, "Terrarium"},
-                             {"formats/grand_canyon_crop_513_u8.bmp", false, "--spacing"},
-                             {"dem/SainteHelens_usgs.dem", false, "--nodata fill"},
-                             {"dem/craterlake_elev_i16_30m.tif", true, "-32767 m"},
-                             {"dem/puget_sound_160m_1025_u16.png", true, "--zscale"}}) {
+    for (const Trap& trap : {Trap{"formats/N37W003.hgt", false, {"degrees"}},
+                             {"formats/luxembourg_elev_i16_nodata.asc", false, {"degrees"}},
+                             {"formats/terrarium_256.png", true, {"Terrarium"}},
+                             {"formats/grand_canyon_crop_513_u8.bmp", false, {"--spacing"}},
+                             {"dem/craterlake_elev_i16_30m.tif", true, {"-32767 m", "--nodata hole", "--nodata fill"}},
+                             {"dem/puget_sound_160m_1025_u16.png", true, {"--zscale"}}}) {
         const std::string path = data_file(trap.name);
         if (path.empty()) continue;
-        check_refusal(refused(path, trap.spacing ? spaced(60) : ReadOptions{}), 1, path, {trap.words});
+        check_refusal(refused(path, trap.spacing ? spaced(60) : ReadOptions{}), 1, path, trap.words);
     }
 }

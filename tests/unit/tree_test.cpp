@@ -4,9 +4,7 @@
 
 #include <map>
 #include <set>
-#include <vector>
 
-#include "fjell/record.h"
 #include "fjell/tree.h"
 
 using namespace fjell;
@@ -88,46 +86,4 @@ TEST_CASE("levels, diamonds and children are those of explicit bisection, across
                 REQUIRE(parents_of[v] == expected);
             }
         }
-}
-
-TEST_CASE("planar order is a bijection that stores every step after the coarser ones") {
-    for (int log2 = 1; log2 <= 11; ++log2) {
-        const PlanarOrder order{log2};
-        const std::uint32_t n = (1u << log2) + 1;
-        std::vector<bool> taken(order.vertex_count());
-        std::uint32_t wrong = 0;
-        for (std::uint32_t y = 0; y < n; ++y)
-            for (std::uint32_t x = 0; x < n; ++x) {
-                const std::uint32_t i = order.index(x, y);
-                if (i >= taken.size() || taken[i])
-                    ++wrong;
-                else
-                    taken[i] = true;
-                const Coord back = order.coord(i);
-                wrong += back.x != static_cast<std::int32_t>(x) || back.y != static_cast<std::int32_t>(y);
-                const Coord c{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
-                if (i >= 4) {
-                    const int z = Tree::step_log2(c);
-                    wrong += i < order.step_offset(z) || (z > 0 && i >= order.step_offset(z - 1));
-                }
-            }
-        REQUIRE(wrong == 0);
-    }
-}
-
-TEST_CASE("the root follows the four corners in planar order") {
-    for (int log2 = 1; log2 <= 12; ++log2) REQUIRE(PlanarOrder{log2}.index(1u << (log2 - 1), 1u << (log2 - 1)) == 4);
-}
-
-TEST_CASE("bfloat16 rounds up, never to nearest, and by less than one part in 128") {
-    REQUIRE(to_bfloat16_up(0) == 0);
-    for (double v = 1e-30; v < 1e30; v *= 1.00371) {
-        const double stored = from_bfloat16(to_bfloat16_up(v));
-        REQUIRE(stored >= v);
-        REQUIRE(stored <= v * (1 + 1.0 / 128) * (1 + 1e-7));
-        // The next smaller one would be too small.
-        REQUIRE(static_cast<double>(from_bfloat16(static_cast<std::uint16_t>(to_bfloat16_up(v) - 1))) < v);
-    }
-    for (std::uint32_t bits = 0; bits < 0x7f80; ++bits) // what can be stored is stored as it is
-        REQUIRE(to_bfloat16_up(from_bfloat16(static_cast<std::uint16_t>(bits))) == bits);
 }

@@ -8,6 +8,7 @@
 namespace fjell {
 
 struct MeasuredError {
+    // Less what rounding both heights to float may have added: some 1e-7 of the largest height.
     double max_px = 0;         // largest |height - surface| * lambda / distance(eye, sample)
     double max_m = 0;          // largest |height - surface|
     Coord sample_px, sample_m; // where

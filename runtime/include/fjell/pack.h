@@ -10,23 +10,30 @@
 #include <cstdint>
 #include <span>
 
+#include "fjell/order.h"
+#include "fjell/record.h"
 #include "fjell/status.h"
 #include "fjell/tree.h"
 
 namespace fjell {
 
 inline constexpr char pack_magic[8] = {'F', 'J', 'E', 'L', 'L', 'P', 'K', '\n'};
-inline constexpr std::uint32_t pack_version = 1;
+inline constexpr std::uint32_t pack_version = 2;
 // Changes with every stored layout; also tells a byte-swapped file from ours.
-inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0001'0008'0b16ull;
+inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0002'0004'0c88ull;
 inline constexpr std::uint32_t max_texture_log2 = 12;
 inline constexpr std::uint32_t max_columns = 1u << 20;
 inline constexpr double min_spacing_m = 1e-3, max_spacing_m = 1e6;
 inline constexpr double max_extent_m = 1e8; // squares of distances must stay far from float's largest value
 
 enum class Estimate : std::uint32_t { max = 0, midpoint = 1 };
-enum class Order : std::uint32_t { planar = 0 };
-enum class ChunkKind : std::uint32_t { geometry = 0, colour = 1, normal = 2, crs = 3 };
+enum class ChunkKind : std::uint32_t {
+    corners = 0,  // of all tiles: the mesh that is there when no page is
+    geometry = 1, // pages, tile by tile
+    colour = 2,   // mips, tile by tile
+    normal = 3,   // the same
+    crs = 4       // well-known text
+};
 
 struct PackHeader {
     char magic[8];
@@ -42,19 +49,25 @@ struct PackHeader {
     std::uint32_t tile_log2;
     Order order;
     Estimate estimate;
-    float nesting;              // mu
-    double spacing_m[2];        // along columns (x) and rows (y)
-    double origin_m[2];         // of sample (0, 0), in CRS axes
-    float base_m, quantum_m;    // the vertical lattice
-    float min_m, max_m;         // heights that occur
-    float max_error_m;          // the largest world-space error of any vertex
-    std::uint32_t colour_log2;  // texels a side of mip 0; 0: no colour
-    std::uint32_t normal_log2;  // texels a side of mip 0; 0: no normal map
-    std::uint32_t crs_bytes;    // of the WKT; 0: no CRS
-    std::uint64_t reserved[12]; // zero
-    std::uint64_t header_hash;  // XXH3 of all bytes before this one
+    float nesting;             // mu
+    double spacing_m[2];       // along columns (x) and rows (y)
+    double origin_m[2];        // of sample (0, 0), in CRS axes
+    float base_m, quantum_m;   // the vertical lattice
+    float min_m, max_m;        // heights that occur
+    float max_error_m;         // the largest world-space error of any vertex
+    std::uint32_t colour_log2; // texels a side of mip 0; 0: no colour
+    std::uint32_t normal_log2; // texels a side of mip 0; 0: no normal map
+    std::uint32_t crs_bytes;   // of the WKT; 0: no CRS
+    float error_floor_m;       // ErrorScale: the error of code 1
+    float error_ratio;         // and of each code to the one before
+    std::uint32_t error_nesting_steps;
+    std::uint32_t lattice_steps;             // the highest that occurs
+    std::uint64_t voids;                     // samples that are holes
+    float level_radius_m[2 * max_tile_log2]; // RadiusScale's unit for each level, root first; 0 beyond the last
+    std::uint64_t reserved[29];              // zero
+    std::uint64_t header_hash;               // XXH3 of all bytes before this one
 };
-static_assert(sizeof(PackHeader) == 256 && offsetof(PackHeader, header_hash) == 248,
+static_assert(sizeof(PackHeader) == 512 && offsetof(PackHeader, header_hash) == 504,
               "PackHeader is stored: change pack_version and pack_layout_hash with it");
 
 struct ChunkEntry {
@@ -62,12 +75,30 @@ struct ChunkEntry {
     std::uint64_t hash;         // XXH3 of the stored bytes
     std::uint32_t stored_bytes; // zstd frame
     std::uint32_t raw_bytes;    // after decoding
-    ChunkKind kind;
-    std::uint32_t tile;  // row-major
-    std::uint32_t level; // mip
-    std::uint32_t reserved;
 };
-static_assert(sizeof(ChunkEntry) == 40, "ChunkEntry is stored: change pack_version and pack_layout_hash with it");
+static_assert(sizeof(ChunkEntry) == 24, "ChunkEntry is stored: change pack_version and pack_layout_hash with it");
+
+// A page's bytes after decompression: this, then the arrays that it announces (docs/pack-format.md).
+struct PageHead {
+    std::int32_t base;        // lattice steps that heights are counted from
+    std::uint8_t flags;       // PageFlags
+    std::uint8_t reserved[3]; // zero
+};
+static_assert(sizeof(PageHead) == 8, "PageHead is stored: change pack_version and pack_layout_hash with it");
+enum PageFlags : std::uint8_t {
+    page_wide = 1,   // height residuals have a high byte
+    page_errors = 2, // errors are stored; otherwise they follow from heights (step 1 only)
+    page_voids = 4   // a bit a vertex: holes
+};
+// Radii of a block page, one for 8 x 8 squares: 4 x 4 for centres, 4 x 5 for side_x, 5 x 4 for side_y.
+inline constexpr std::uint32_t radius_block_log2 = 3;
+inline constexpr std::uint32_t page_radii = 16 + 20 + 20;
+// The most and the fewest bytes that a page of that many vertices can decode from.
+[[nodiscard]] constexpr std::uint32_t max_page_raw_bytes(std::uint32_t vertices) {
+    return static_cast<std::uint32_t>(sizeof(PageHead)) + 4 * vertices + page_radii + (vertices + 7) / 8;
+}
+// A tile corner's stored height: lattice steps, the highest bit set for a hole.
+inline constexpr std::uint32_t corner_void_bit = 0x80000000;
 
 // Textures. Mip m of a map with 2^k texels a side has 2^(k-m); the smallest has 4 (or all of it, when k < 2). The first
 // and last texel centre of *every* mip lie on the tile's border, and both neighbours store the same values there: no
@@ -88,6 +119,7 @@ struct Pack {
         return Tree::covering(static_cast<std::int32_t>(header.columns), static_cast<std::int32_t>(header.rows),
                               static_cast<int>(header.tile_log2));
     }
+    [[nodiscard]] PageLayout pages() const { return {static_cast<int>(header.tile_log2), header.order}; }
     [[nodiscard]] std::uint32_t tile_count() const { return header.tiles_x * header.tiles_y; }
     [[nodiscard]] ChunkEntry entry(std::uint64_t chunk) const;
 };
@@ -98,15 +130,21 @@ Status open_pack(std::span<const std::byte> file, Pack& pack);
 // The ranges that open_pack insists on, so that a writer can ask before it works. Hashes and sizes are not looked at.
 Status check_ranges(const PackHeader& header);
 
-// Where a chunk stands in the directory. tile < tile_count(); level < mip_count() of its map.
-[[nodiscard]] std::uint64_t chunk_index(const PackHeader& header, ChunkKind kind, std::uint32_t tile,
-                                        std::uint32_t level);
+// What a chunk of the directory is. item: a page of geometry, a mip of a map, 0 otherwise.
+struct ChunkId {
+    ChunkKind kind = ChunkKind::corners;
+    std::uint32_t tile = 0, item = 0; // tiles row by row; 0 for chunks of the whole terrain
+};
+// Its place in the directory, a fixed order: corners; geometry, colour and normal, each tile by tile; CRS.
+// tile < tile_count(), item below pages_per_tile() or mip_count().
+[[nodiscard]] std::uint64_t chunk_index(const PackHeader& header, ChunkId id);
+[[nodiscard]] ChunkId chunk_id(const PackHeader& header, std::uint64_t chunk);
 [[nodiscard]] std::uint64_t chunk_count(const PackHeader& header);
-// The exact size of a decoded chunk.
-[[nodiscard]] std::size_t chunk_raw_bytes(const PackHeader& header, ChunkKind kind, std::uint32_t level);
+// The size of a decoded chunk; for geometry the largest that its page can have.
+[[nodiscard]] std::size_t chunk_raw_bytes(const PackHeader& header, ChunkId id);
 
 // Checks the chunk's hash and decodes it into `out`, which must have exactly raw_bytes. zstd may allocate: not for the
 // frame's thread.
-Status read_chunk(const Pack& pack, ChunkKind kind, std::uint32_t tile, std::uint32_t level, std::span<std::byte> out);
+Status read_chunk(const Pack& pack, ChunkId id, std::span<std::byte> out);
 
 } // namespace fjell

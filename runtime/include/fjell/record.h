@@ -1,43 +1,95 @@
-// One vertex as it is stored and loaded: height on the vertical lattice, error and radius rounded up.
+// One vertex as it is held in memory, and the scales that its numbers count on.
 //
-// Errors and radii are bfloat16: the upper half of an IEEE float (8 exponent, 7 mantissa bits), so decoding is a shift.
-// They are rounded up, never to nearest, so that what they bound stays bounded (DESIGN invariant 2); the cost is at
-// most 1/128 of the value.
+// Heights count steps of one vertical lattice over the whole terrain from their page's base, so that samples shared by
+// two pages are equal bit for bit. Errors and radii are codes on geometric scales that the pack fixes: rounded up,
+// never to nearest, so that what they bound stays bounded (DESIGN invariant 2). Why these: docs/notes/records.md.
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
 namespace fjell {
 
 struct VertexRecord {
-    std::uint16_t height;   // lattice steps above base
-    std::uint16_t error;    // world-space error in metres, bfloat16, rounded up
-    std::uint16_t radius;   // bounding radius in metres, bfloat16, rounded up
-    std::uint16_t reserved; // zero
+    std::uint16_t height; // lattice steps above the page's base
+    std::uint8_t error;   // code on the pack's ErrorScale
+    std::uint8_t radius;  // code on RadiusScale in the lower 7 bits; the highest one: a hole's vertex
 };
-static_assert(sizeof(VertexRecord) == 8 && offsetof(VertexRecord, radius) == 4,
-              "VertexRecord is part of the loaded layout: change pack_version and layout_hash with it");
+static_assert(sizeof(VertexRecord) == 4 && offsetof(VertexRecord, radius) == 3,
+              "VertexRecord is what pages decode to: change pack_version and pack_layout_hash with it");
 
-[[nodiscard]] constexpr float from_bfloat16(std::uint16_t upper) {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(upper) << 16);
+inline constexpr std::uint8_t void_bit = 0x80;
+inline constexpr std::uint32_t radius_codes = 128;
+[[nodiscard]] constexpr bool is_void(VertexRecord r) {
+    return (r.radius & void_bit) != 0;
 }
 
-// The smallest storable value not below `value`. value: finite and >= 0; beyond the range it saturates to infinity.
-[[nodiscard]] constexpr std::uint16_t to_bfloat16_up(double value) {
-    float f = static_cast<float>(value);
-    std::uint32_t bits = std::bit_cast<std::uint32_t>(f);
-    if (static_cast<double>(f) < value) ++bits; // the next float up; values are not negative
-    return static_cast<std::uint16_t>((bits + 0xffffu) >> 16);
-}
-
-// The vertical lattice: height = base + steps * quantum, one fixed float expression.
+// The vertical lattice: height = base + steps * quantum, one fixed float expression. steps: 0..max_lattice_steps, which
+// floats hold exactly.
+inline constexpr std::int32_t max_lattice_steps = 1 << 24;
 struct Lattice {
     float base_m = 0;
     float quantum_m = 1;
-    [[nodiscard]] constexpr float height_m(std::uint16_t steps) const {
+    [[nodiscard]] constexpr float height_m(std::int32_t steps) const {
         return base_m + static_cast<float>(steps) * quantum_m;
+    }
+};
+
+// World-space errors in metres. Code 0 is no error at all, 1 is floor_m, each further one `ratio` times the one before,
+// in float. `nesting_steps` codes are at least a factor of 1 + mu: a parent's code is its children's plus that many.
+struct ErrorScale {
+    float metres[256] = {};
+    std::uint32_t nesting_steps = 1;
+
+    static constexpr ErrorScale make(float floor_m, float ratio, std::uint32_t nesting_steps) {
+        ErrorScale scale;
+        scale.nesting_steps = nesting_steps;
+        float value = floor_m;
+        for (int code = 1; code < 256; ++code, value *= ratio) scale.metres[code] = value;
+        return scale;
+    }
+    // The smallest code whose error is not below `error_m`; 255 when there is none.
+    [[nodiscard]] constexpr std::uint8_t code_up(double error_m) const {
+        std::uint32_t low = 0, high = 255;
+        while (low < high) {
+            const std::uint32_t middle = (low + high) / 2;
+            if (static_cast<double>(metres[middle]) >= error_m)
+                high = middle;
+            else
+                low = middle + 1;
+        }
+        return static_cast<std::uint8_t>(low);
+    }
+    // What a parent's code must be at least.
+    [[nodiscard]] constexpr std::uint32_t above(std::uint32_t child) const {
+        return child == 0 ? 0 : child + nesting_steps;
+    }
+};
+
+// Bounding radii: the level's own unit times ratio^code, in float.
+struct RadiusScale {
+    static constexpr float ratio = 1.03f;
+    float factor[radius_codes] = {};
+
+    static constexpr RadiusScale make() {
+        RadiusScale scale;
+        float value = 1;
+        for (float& f : scale.factor) f = value, value *= ratio;
+        return scale;
+    }
+    // The smallest code whose radius is not below `radius_m`; the last one when there is none.
+    [[nodiscard]] constexpr std::uint8_t code_up(float unit_m, double radius_m) const {
+        std::uint32_t low = 0, high = radius_codes - 1;
+        while (low < high) {
+            const std::uint32_t middle = (low + high) / 2;
+            if (static_cast<double>(unit_m * factor[middle]) >= radius_m)
+                high = middle;
+            else
+                low = middle + 1;
+        }
+        return static_cast<std::uint8_t>(low);
     }
 };
 

@@ -11,17 +11,20 @@ struct Accumulator {
     const Terrain& terrain;
     const View& view;
     const Frustum* frustum;
+    double rounding_m; // what float heights may differ by from the lattice, at the sample and at the surface
     MeasuredError result;
 
     void sample(Coord at, double surface_m) {
-        const double height = terrain.height_m(at);
+        const Terrain::Vertex vertex = terrain.vertex(at);
+        if (vertex.hole) return;
+        const double height = vertex.height_m;
         const Vec3 eye_to_sample =
             Vec3{at.x * terrain.header.spacing_m[0], height, at.y * terrain.header.spacing_m[1]} - view.eye_m;
         if (frustum)
             for (int i = 0; i < 6; ++i)
                 if (dot(frustum->normal[i], eye_to_sample) < frustum->offset[i]) return;
         ++result.samples;
-        const double error_m = std::abs(height - surface_m);
+        const double error_m = std::max(std::abs(height - surface_m) - rounding_m, 0.0);
         const double error_px = error_m * view.lambda_px / std::max(length(eye_to_sample), 1e-9);
         if (error_m > result.max_m) result.max_m = error_m, result.sample_m = at;
         if (error_px > result.max_px) result.max_px = error_px, result.sample_px = at;
@@ -59,7 +62,11 @@ void triangle(Accumulator& accumulate, const Point& a, const Point& b, const Poi
 } // namespace
 
 MeasuredError measure_error(const Terrain& terrain, const MeshView& mesh, const View& view, const Frustum* frustum) {
-    Accumulator accumulate{terrain, view, frustum, {}};
+    // base + steps * quantum: one rounding of the product, one of the sum; twice.
+    const PackHeader& h = terrain.header;
+    const double largest = std::max(std::abs(static_cast<double>(h.min_m)), std::abs(static_cast<double>(h.max_m)));
+    const double rounding_m = 0x1p-23 * (largest + h.max_m - h.min_m);
+    Accumulator accumulate{terrain, view, frustum, rounding_m, {}};
     for (const TileRange& range : mesh.tiles) {
         const std::int64_t x0 = std::int64_t{range.tile % terrain.header.tiles_x} * terrain.tree.side();
         const std::int64_t y0 = std::int64_t{range.tile / terrain.header.tiles_x} * terrain.tree.side();

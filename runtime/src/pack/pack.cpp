@@ -25,30 +25,33 @@ bool in_range(double value, double least, double most) {
     return value >= least && value <= most;
 } // false for NaN
 
-Status check_entry(const Pack& pack, std::uint64_t chunk, ChunkKind kind, std::uint32_t tile, std::uint32_t level) {
-    const ChunkEntry e = pack.entry(chunk);
-    if (e.kind != kind || e.tile != tile || e.level != level) return failed(Code::corrupt, "directory order");
-    if (e.raw_bytes != chunk_raw_bytes(pack.header, kind, level)) return failed(Code::corrupt, "directory sizes");
-    if (e.offset < pack.header.header_bytes || e.offset > pack.header.directory_offset ||
-        e.stored_bytes > pack.header.directory_offset - e.offset)
-        return failed(Code::corrupt, "directory offsets");
+Status check_directory(const Pack& pack) {
+    const PackHeader& h = pack.header;
+    for (std::uint64_t chunk = 0; chunk < h.directory_count; ++chunk) {
+        const ChunkEntry e = pack.entry(chunk);
+        const ChunkId id = chunk_id(h, chunk);
+        const std::size_t most = chunk_raw_bytes(h, id),
+                          least = id.kind == ChunkKind::geometry ? sizeof(PageHead) : most;
+        if (e.raw_bytes < least || e.raw_bytes > most) return failed(Code::corrupt, "directory sizes");
+        if (e.offset < h.header_bytes || e.offset > h.directory_offset ||
+            e.stored_bytes > h.directory_offset - e.offset)
+            return failed(Code::corrupt, "directory offsets");
+    }
     return {};
 }
 
-Status check_directory(const Pack& pack) {
-    const PackHeader& h = pack.header;
-    const auto check_map = [&](ChunkKind kind, std::uint32_t log2_side) -> Status {
-        for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile)
-            for (std::uint32_t mip = 0; mip < mip_count(log2_side); ++mip)
-                if (Status s = check_entry(pack, chunk_index(h, kind, tile, mip), kind, tile, mip); !s.ok()) return s;
-        return {};
-    };
-    for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile)
-        if (Status s = check_entry(pack, tile, ChunkKind::geometry, tile, 0); !s.ok()) return s;
-    if (Status s = check_map(ChunkKind::colour, h.colour_log2); !s.ok()) return s;
-    if (Status s = check_map(ChunkKind::normal, h.normal_log2); !s.ok()) return s;
-    if (h.crs_bytes == 0) return {};
-    return check_entry(pack, chunk_index(h, ChunkKind::crs, 0, 0), ChunkKind::crs, 0, 0);
+// The scales that codes of errors and radii count on.
+Status check_scales(const PackHeader& h) {
+    if (!in_range(h.error_floor_m, 1e-9, 1e9)) return failed(Code::out_of_range, "error_floor_m");
+    if (!in_range(h.error_ratio, 1.0001, 1.2)) return failed(Code::out_of_range, "error_ratio");
+    if (h.error_nesting_steps < 1 || h.error_nesting_steps > 255)
+        return failed(Code::out_of_range, "error_nesting_steps");
+    for (std::uint32_t level = 0; level < 2 * max_tile_log2; ++level)
+        if (!in_range(h.level_radius_m[level], level < 2 * h.tile_log2 ? 1e-9 : 0, 1e9))
+            return failed(Code::out_of_range, "level_radius_m");
+    if (h.lattice_steps > static_cast<std::uint32_t>(max_lattice_steps))
+        return failed(Code::out_of_range, "lattice_steps");
+    return {};
 }
 
 } // namespace
@@ -62,7 +65,7 @@ Status check_ranges(const PackHeader& h) {
                                          static_cast<int>(h.tile_log2));
     if (static_cast<std::uint32_t>(covering.tiles_x) != h.tiles_x) return bad("tiles_x");
     if (static_cast<std::uint32_t>(covering.tiles_y) != h.tiles_y) return bad("tiles_y");
-    if (h.order != Order::planar) return bad("order");
+    if (h.order != Order::planar && h.order != Order::hierarchical_z && h.order != Order::linear) return bad("order");
     if (h.estimate != Estimate::max && h.estimate != Estimate::midpoint) return bad("estimate");
     if (!in_range(h.nesting, 0.0009, 1.0001)) return bad("nesting");
     for (const double spacing : h.spacing_m)
@@ -78,7 +81,7 @@ Status check_ranges(const PackHeader& h) {
     if (h.colour_log2 > max_texture_log2) return bad("colour_log2");
     if (h.normal_log2 > max_texture_log2) return bad("normal_log2");
     if (h.crs_bytes > (1u << 20)) return bad("crs_bytes");
-    return {};
+    return check_scales(h);
 }
 
 ChunkEntry Pack::entry(std::uint64_t chunk) const {
@@ -87,26 +90,50 @@ ChunkEntry Pack::entry(std::uint64_t chunk) const {
     return e;
 }
 
-std::uint64_t chunk_index(const PackHeader& h, ChunkKind kind, std::uint32_t tile, std::uint32_t level) {
+namespace {
+
+// Chunks before each kind, and how many of it a tile has.
+struct DirectoryPlan {
+    std::uint64_t first[5], per_tile[5];
+};
+
+DirectoryPlan plan_directory(const PackHeader& h) {
     const std::uint64_t tiles = std::uint64_t{h.tiles_x} * h.tiles_y;
-    const std::uint64_t colours = tiles * mip_count(h.colour_log2), normals = tiles * mip_count(h.normal_log2);
-    switch (kind) {
-    case ChunkKind::geometry: return tile;
-    case ChunkKind::colour: return tiles + std::uint64_t{tile} * mip_count(h.colour_log2) + level;
-    case ChunkKind::normal: return tiles + colours + std::uint64_t{tile} * mip_count(h.normal_log2) + level;
-    case ChunkKind::crs: break;
-    }
-    return tiles + colours + normals;
+    const std::uint64_t pages = PageLayout{static_cast<int>(h.tile_log2), h.order}.pages_per_tile();
+    const std::uint64_t colours = mip_count(h.colour_log2), normals = mip_count(h.normal_log2);
+    const std::uint64_t after_pages = 1 + tiles * pages, after_colours = after_pages + tiles * colours;
+    return {{0, 1, after_pages, after_colours, after_colours + tiles * normals}, {1, pages, colours, normals, 1}};
+}
+
+} // namespace
+
+std::uint64_t chunk_index(const PackHeader& h, ChunkId id) {
+    const DirectoryPlan plan = plan_directory(h);
+    const auto kind = static_cast<std::size_t>(id.kind);
+    return plan.first[kind] + id.tile * plan.per_tile[kind] + id.item;
+}
+
+ChunkId chunk_id(const PackHeader& h, std::uint64_t chunk) {
+    const DirectoryPlan plan = plan_directory(h);
+    std::size_t kind = 4;
+    while (kind > 0 && chunk < plan.first[kind]) --kind;
+    // A kind that has no chunks begins where the next one does.
+    while (kind < 4 && plan.per_tile[kind] == 0) ++kind;
+    const std::uint64_t local = chunk - plan.first[kind];
+    return {static_cast<ChunkKind>(kind), static_cast<std::uint32_t>(local / plan.per_tile[kind]),
+            static_cast<std::uint32_t>(local % plan.per_tile[kind])};
 }
 
 std::uint64_t chunk_count(const PackHeader& h) {
-    return chunk_index(h, ChunkKind::crs, 0, 0) + (h.crs_bytes ? 1 : 0);
+    return plan_directory(h).first[static_cast<std::size_t>(ChunkKind::crs)] + (h.crs_bytes ? 1 : 0);
 }
 
-std::size_t chunk_raw_bytes(const PackHeader& h, ChunkKind kind, std::uint32_t level) {
-    const auto texels = [&](std::uint32_t log2_side) { return std::size_t{1} << (2 * (log2_side - level)); };
-    switch (kind) {
-    case ChunkKind::geometry: return std::size_t{PlanarOrder{static_cast<int>(h.tile_log2)}.vertex_count()} * 6;
+std::size_t chunk_raw_bytes(const PackHeader& h, ChunkId id) {
+    const auto texels = [&](std::uint32_t log2_side) { return std::size_t{1} << (2 * (log2_side - id.item)); };
+    switch (id.kind) {
+    case ChunkKind::corners: return (std::size_t{h.tiles_x} + 1) * (std::size_t{h.tiles_y} + 1) * 4;
+    case ChunkKind::geometry:
+        return max_page_raw_bytes(PageLayout{static_cast<int>(h.tile_log2), h.order}.page_vertices(id.item));
     case ChunkKind::colour: return texels(h.colour_log2) * colour_texel_bytes;
     case ChunkKind::normal: return texels(h.normal_log2) * normal_texel_bytes;
     case ChunkKind::crs: break;
@@ -143,8 +170,8 @@ Status open_pack(std::span<const std::byte> file, Pack& pack) {
     return {};
 }
 
-Status read_chunk(const Pack& pack, ChunkKind kind, std::uint32_t tile, std::uint32_t level, std::span<std::byte> out) {
-    const ChunkEntry e = pack.entry(chunk_index(pack.header, kind, tile, level));
+Status read_chunk(const Pack& pack, ChunkId id, std::span<std::byte> out) {
+    const ChunkEntry e = pack.entry(chunk_index(pack.header, id));
     if (out.size() != e.raw_bytes) return failed(Code::block_too_small, "out");
     const std::byte* stored = pack.bytes.data() + e.offset;
     if (XXH3_64bits(stored, e.stored_bytes) != e.hash) return failed(Code::corrupt, "chunk");

@@ -3,70 +3,306 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <new>
+#include <utility>
+
+#define ZSTD_STATIC_LINKING_ONLY // a decoder in the caller's memory
+#include <xxhash.h>
+#include <zstd.h>
+
+#include "pack/clones.h"
+#include "pack/memory.h"
 
 namespace fjell {
 
 namespace {
-
-// A geometry chunk is six planes of bytes: low and high bytes of heights, errors and radii, in vertex order. Bytes of
-// one kind beside each other compress far better than records do.
-void interleave(const std::byte* planes, std::uint32_t count, VertexRecord* records) {
-    const auto word = [&](std::uint32_t plane, std::uint32_t i) {
-        const auto low = std::to_integer<std::uint32_t>(planes[std::size_t{2 * plane} * count + i]);
-        const auto high = std::to_integer<std::uint32_t>(planes[std::size_t{2 * plane + 1} * count + i]);
-        return static_cast<std::uint16_t>(low | high << 8);
-    };
-    for (std::uint32_t i = 0; i < count; ++i) records[i] = {word(0, i), word(1, i), word(2, i), 0};
-}
-
-std::size_t record_bytes(const PackHeader& header) {
-    const PlanarOrder order{static_cast<int>(header.tile_log2)};
-    return std::size_t{header.tiles_x} * header.tiles_y * order.vertex_count() * sizeof(VertexRecord);
-}
 
 constexpr std::size_t alignment = 64;
 constexpr std::size_t aligned(std::size_t bytes) {
     return (bytes + alignment - 1) / alignment * alignment;
 }
 
+std::uint32_t slots_of(const PackHeader& h, const TerrainBudget& budget, const PageLayout& pages) {
+    const std::uint32_t all = h.tiles_x * h.tiles_y * pages.pages_per_tile();
+    return budget.page_slots == 0 ? all : std::min(budget.page_slots, all);
+}
+
+// One function for the size and for the placement, so they cannot disagree.
+struct Layout {
+    std::size_t page_table, records, slot_page, free_slots, corners, zstd, raw, end;
+};
+
+Layout layout_of(const PackHeader& h, const TerrainBudget& budget) {
+    const PageLayout pages{static_cast<int>(h.tile_log2), h.order};
+    const std::size_t tiles = std::size_t{h.tiles_x} * h.tiles_y, slots = slots_of(h, budget, pages);
+    Layout l{};
+    std::size_t at = aligned(sizeof(TerrainMemory));
+    const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
+    l.records = place(slots * pages.page_capacity() * sizeof(VertexRecord));
+    l.page_table = place(tiles * pages.pages_per_tile() * sizeof(PageEntry));
+    l.slot_page = place(slots * sizeof(std::uint32_t));
+    l.free_slots = place(slots * sizeof(std::uint32_t));
+    l.corners = place(chunk_raw_bytes(h, {ChunkKind::corners, 0, 0}));
+    l.zstd = place(ZSTD_estimateDCtxSize());
+    l.raw = place(max_page_raw_bytes(pages.page_capacity()));
+    l.end = at;
+    return l;
+}
+
+// For each vertex of a page in planar order its place in hierarchical Z-order.
+void permute(const PageLayout& pages, std::uint32_t page, std::uint16_t* places) {
+    const PageLayout planar{pages.tile_log2, Order::planar};
+    for (std::uint32_t i = 0; i < planar.page_vertices(page); ++i) {
+        const Coord c = planar.coord({page, i});
+        places[i] = static_cast<std::uint16_t>(
+            pages.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y)).index);
+    }
+}
+
+// Checks the stored bytes and decompresses them into memory.raw.
+Status fetch(const Pack& pack, ChunkId id, TerrainMemory& memory, std::span<const std::byte>& raw) {
+    const ChunkEntry e = pack.entry(chunk_index(pack.header, id));
+    const std::byte* const stored = pack.bytes.data() + e.offset;
+    if (e.raw_bytes > memory.raw_bytes || XXH3_64bits(stored, e.stored_bytes) != e.hash)
+        return {Code::corrupt, "geometry page"};
+    const std::size_t written = ZSTD_decompressDCtx(memory.zstd, memory.raw, e.raw_bytes, stored, e.stored_bytes);
+    if (ZSTD_isError(written) || written != e.raw_bytes) return {Code::corrupt, "geometry page"};
+    raw = {memory.raw, written};
+    return {};
+}
+
+// The loaded pages of one tile, as derived errors need them.
+struct TilePages {
+    const Terrain& terrain;
+    const PageEntry* table; // of the tile
+
+    [[nodiscard]] std::int32_t steps(std::uint32_t page, std::uint32_t index) const {
+        const PageEntry entry = table[page];
+        return entry.base + terrain.records[std::size_t{entry.slot} * terrain.page_capacity + index].height;
+    }
+    // Vertex (x, y) of the tile, seen from a block of step 1: in the closed page over that block.
+    [[nodiscard]] std::int32_t steps_over(Coord block, std::uint32_t x, std::uint32_t y) const {
+        const PageLayout& pages = terrain.pages;
+        const auto side = static_cast<std::int32_t>(pages.side());
+        const Coord c{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+        if (((c.x | c.y) & (side - 1)) == 0) return steps(0, (x >> pages.tile_log2) + 2 * (y >> pages.tile_log2));
+        const int z = Tree::step_log2(c);
+        const StepLayout step = pages.step_layout(z);
+        const std::uint32_t bx = step.blocks_log2 == 0 ? 0 : static_cast<std::uint32_t>(block.x) >> z,
+                            by = step.blocks_log2 == 0 ? 0 : static_cast<std::uint32_t>(block.y) >> z;
+        const std::uint32_t page = step.block == page_squares ? pages.page_of_block(z, bx, by) : 0;
+        const std::uint32_t i = (x >> (z + 1)) - bx * step.block, j = (y >> (z + 1)) - by * step.block;
+        const PlaneKind kind = Tree::kind(c);
+        const std::uint32_t index = pages.order == Order::planar
+                                        ? block_index<Order::planar>(step.block, kind, i, j)
+                                        : block_index<Order::hierarchical_z>(step.block, kind, i, j);
+        return steps(page, step.offset + index);
+    }
+};
+
+// The page over a block of step 1 at step 2^z, or page 0.
+std::uint32_t page_over(const PageLayout& pages, Coord block, int z) {
+    const StepLayout step = pages.step_layout(z);
+    if (step.block != page_squares) return 0;
+    return pages.page_of_block(z, static_cast<std::uint32_t>(block.x) >> z, static_cast<std::uint32_t>(block.y) >> z);
+}
+
+bool coarser_pages_loaded(const PageLayout& pages, const PageEntry* table, Coord block) {
+    for (int z = 1; z < pages.tile_log2; ++z)
+        if (table[page_over(pages, block, z)].slot == no_page_slot) return false;
+    return true;
+}
+
+// Heights of the squares' corners of a block of step 1. Every coarser step adds its three planes' share of the block,
+// row by row; what is left in the end are the block's own four corners.
+void gather_corners(const TilePages& tile, Coord block, CornerSteps& out) {
+    constexpr std::uint32_t w = block_corners;
+    const PageLayout& pages = tile.terrain.pages;
+    const auto x0 = static_cast<std::uint32_t>(block.x) * page_squares,
+               y0 = static_cast<std::uint32_t>(block.y) * page_squares; // in squares of step 1
+    for (int z = 1; z <= page_squares_log2; ++z) {
+        const StepLayout step = pages.step_layout(z);
+        const PageEntry entry = tile.table[page_over(pages, block, z)];
+        const VertexRecord* const records =
+            tile.terrain.records + std::size_t{entry.slot} * tile.terrain.page_capacity + step.offset;
+        const std::uint32_t count = page_squares >> z, gap = 1u << z; // squares of this step; their size in corners
+        const std::uint32_t i0 = (x0 >> z) % step.block, j0 = (y0 >> z) % step.block;
+        const auto copy = [&](PlaneKind kind, std::uint32_t nx, std::uint32_t ny, std::uint32_t from_x,
+                              std::uint32_t from_y) {
+            for (std::uint32_t j = 0; j < ny; ++j) {
+                std::int32_t* to = out + (from_y + j * gap) * w + from_x;
+                if (pages.order == Order::planar) {
+                    const VertexRecord* from = records + block_index<Order::planar>(step.block, kind, i0, j0 + j);
+                    for (std::uint32_t i = 0; i < nx; ++i) to[i * gap] = entry.base + from[i].height;
+                } else {
+                    for (std::uint32_t i = 0; i < nx; ++i)
+                        to[i * gap] =
+                            entry.base +
+                            records[block_index<Order::hierarchical_z>(step.block, kind, i0 + i, j0 + j)].height;
+                }
+            }
+        };
+        copy(PlaneKind::centre, count, count, gap / 2, gap / 2);
+        copy(PlaneKind::side_x, count, count + 1, gap / 2, 0);
+        copy(PlaneKind::side_y, count + 1, count, 0, gap / 2);
+    }
+    for (const std::uint32_t j : {0u, page_squares})
+        for (const std::uint32_t i : {0u, page_squares})
+            out[j * w + i] = tile.steps_over(block, 2 * (x0 + i), 2 * (y0 + j));
+}
+
+FJELL_CLONES void store(const Terrain& terrain, std::uint32_t page, TerrainMemory& memory, VertexRecord* to) {
+    const PageArrays& from = memory.arrays;
+    const std::uint32_t count = terrain.pages.page_vertices(page);
+    // Put together as numbers, which the compiler does for many at a time, and copied as bytes.
+    std::uint32_t* const packed = memory.packed;
+    for (std::uint32_t i = 0; i < count; ++i)
+        packed[i] = static_cast<std::uint32_t>(from.heights[i]) | static_cast<std::uint32_t>(from.errors[i]) << 16 |
+                    static_cast<std::uint32_t>(from.radii[i]) << 24;
+    if (terrain.pages.order != Order::hierarchical_z) {
+        std::memcpy(to, packed, count * sizeof(VertexRecord));
+        return;
+    }
+    const std::uint16_t* const places = page == 0 ? memory.root_places : memory.block_places;
+    for (std::uint32_t i = 0; i < count; ++i) std::memcpy(to + places[i], packed + i, sizeof(VertexRecord));
+}
+
 } // namespace
 
-// The tail of the block is where one chunk is decoded before it is interleaved.
-std::size_t terrain_bytes(const PackHeader& header) {
-    return aligned(record_bytes(header)) + chunk_raw_bytes(header, ChunkKind::geometry, 0);
+std::size_t terrain_bytes(const PackHeader& header, const TerrainBudget& budget) {
+    return layout_of(header, budget).end;
+}
+
+Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<std::byte> block, Terrain& terrain) {
+    const PackHeader& h = pack.header;
+    const Layout l = layout_of(h, budget);
+    if (block.size() < l.end) return {Code::block_too_small, "block"};
+    std::byte* const at = block.data();
+    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "block alignment"};
+
+    Terrain t;
+    t.header = h;
+    t.tree = pack.tree();
+    t.pages = pack.pages();
+    t.lattice = {h.base_m, h.quantum_m};
+    t.spacing_x_m = static_cast<float>(h.spacing_m[0]);
+    t.spacing_z_m = static_cast<float>(h.spacing_m[1]);
+    t.errors = ErrorScale::make(h.error_floor_m, h.error_ratio, h.error_nesting_steps);
+    t.radii = RadiusScale::make();
+    t.pages_per_tile = t.pages.pages_per_tile();
+    t.page_capacity = t.pages.page_capacity();
+    t.slot_count = slots_of(h, budget, t.pages);
+    t.pages_missing = t.page_count();
+
+    auto& m = *new (at) TerrainMemory{};
+    m.page_table = reinterpret_cast<PageEntry*>(at + l.page_table);
+    m.records = reinterpret_cast<VertexRecord*>(at + l.records);
+    m.slot_page = reinterpret_cast<std::uint32_t*>(at + l.slot_page);
+    m.free_slots = reinterpret_cast<std::uint32_t*>(at + l.free_slots);
+    m.corners = reinterpret_cast<std::uint32_t*>(at + l.corners);
+    m.zstd = ZSTD_initStaticDCtx(at + l.zstd, ZSTD_estimateDCtxSize());
+    if (!m.zstd) return {Code::block_too_small, "block"};
+    m.raw = at + l.raw;
+    m.raw_bytes = max_page_raw_bytes(t.page_capacity);
+    m.leaf = LeafErrors(t.errors, h.quantum_m);
+    if (h.order == Order::hierarchical_z) {
+        permute({page_squares_log2 + 1, h.order}, 1, m.block_places);
+        permute({std::min(t.pages.tile_log2, page_squares_log2), h.order}, 0, m.root_places);
+    }
+    for (std::uint32_t i = 0; i < t.page_count(); ++i) m.page_table[i] = {no_page_slot, 0};
+    for (std::uint32_t i = 0; i < t.slot_count; ++i) {
+        m.slot_page[i] = no_page;
+        m.free_slots[i] = t.slot_count - 1 - i;
+    }
+    m.free_count = t.slot_count;
+    // Every page of memory is touched now, so that no frame faults; records are written before they are read.
+    for (std::size_t i = l.records; i < l.page_table; i += 4096) at[i] = std::byte{0};
+    const ChunkId corners{ChunkKind::corners, 0, 0};
+    if (Status s = read_chunk(pack, corners, {reinterpret_cast<std::byte*>(m.corners), chunk_raw_bytes(h, corners)});
+        !s.ok())
+        return {s.code, "corners"};
+    t.page_table = m.page_table;
+    t.records = m.records;
+    t.slot_page = m.slot_page;
+    t.corners = m.corners;
+    t.memory = &m;
+    terrain = t;
+    return {};
+}
+
+Status load_page(const Pack& pack, Terrain& terrain, std::uint32_t tile, std::uint32_t page) {
+    if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
+    TerrainMemory& m = *terrain.memory;
+    PageEntry* const table = m.page_table + std::size_t{tile} * terrain.pages_per_tile;
+    if (table[page].slot != no_page_slot) return {};
+    if (m.free_count == 0) return {Code::out_of_slots, "TerrainBudget::page_slots"};
+    std::span<const std::byte> raw;
+    if (Status s = fetch(pack, {ChunkKind::geometry, tile, page}, m, raw); !s.ok()) return s;
+    if (Status s = unpack_page(terrain.pages, page, raw, m.arrays); !s.ok()) return s;
+    if (m.arrays.errors_derived) {
+        const Coord block = terrain.pages.page_block(page);
+        if (!coarser_pages_loaded(terrain.pages, table, block)) return {Code::coarser_page_first, "geometry page"};
+        gather_corners({terrain, table}, block, m.coarse);
+        derive_errors(m.coarse, terrain.errors, m.leaf, m.arrays);
+    }
+    const std::uint32_t slot = m.free_slots[--m.free_count];
+    store(terrain, page, m, m.records + std::size_t{slot} * terrain.page_capacity);
+    table[page] = {slot, m.arrays.base};
+    m.slot_page[slot] = tile * terrain.pages_per_tile + page;
+    --terrain.pages_missing;
+    ++terrain.changes;
+    return {};
+}
+
+void unload_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page) {
+    if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return;
+    TerrainMemory& m = *terrain.memory;
+    PageEntry& entry = m.page_table[std::size_t{tile} * terrain.pages_per_tile + page];
+    if (entry.slot == no_page_slot) return;
+    m.slot_page[entry.slot] = no_page;
+    m.free_slots[m.free_count++] = entry.slot;
+    entry = {no_page_slot, 0};
+    ++terrain.pages_missing;
+    ++terrain.changes;
 }
 
 Status load_terrain(const Pack& pack, std::span<std::byte> block, Terrain& terrain) {
-    if (block.size() < terrain_bytes(pack.header)) return {Code::block_too_small, "block"};
-    if (reinterpret_cast<std::uintptr_t>(block.data()) % alignment != 0) return {Code::out_of_range, "block alignment"};
     Terrain loaded;
-    loaded.header = pack.header;
-    loaded.tree = pack.tree();
-    loaded.order = {static_cast<int>(pack.header.tile_log2)};
-    loaded.lattice = {pack.header.base_m, pack.header.quantum_m};
-    loaded.spacing_x_m = static_cast<float>(pack.header.spacing_m[0]);
-    loaded.spacing_z_m = static_cast<float>(pack.header.spacing_m[1]);
-    loaded.vertices_per_tile = loaded.order.vertex_count();
-    auto* records = reinterpret_cast<VertexRecord*>(block.data());
-    const std::span<std::byte> planes =
-        block.subspan(aligned(record_bytes(pack.header)), chunk_raw_bytes(pack.header, ChunkKind::geometry, 0));
-    for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile) {
-        if (Status s = read_chunk(pack, ChunkKind::geometry, tile, 0, planes); !s.ok())
-            return {s.code, "geometry chunk"};
-        interleave(planes.data(), loaded.vertices_per_tile, records + std::size_t{tile} * loaded.vertices_per_tile);
-    }
-    loaded.records = records;
+    if (Status s = create_terrain(pack, {}, block, loaded); !s.ok()) return s;
+    for (std::uint32_t tile = 0; tile < loaded.tile_count(); ++tile)
+        for (std::uint32_t page = 0; page < loaded.pages_per_tile; ++page)
+            if (Status s = load_page(pack, loaded, tile, page); !s.ok()) return s;
     terrain = loaded;
     return {};
 }
 
-const VertexRecord& Terrain::record(Coord vertex) const {
+Terrain::Vertex Terrain::vertex(Coord v) const {
     const std::int32_t side = tree.side();
-    const std::int32_t tx = std::min(vertex.x / side, tree.tiles_x - 1),
-                       ty = std::min(vertex.y / side, tree.tiles_y - 1);
-    const auto tile = static_cast<std::uint32_t>(ty * tree.tiles_x + tx);
-    return tile_records(tile)[order.index(static_cast<std::uint32_t>(vertex.x - tx * side),
-                                          static_cast<std::uint32_t>(vertex.y - ty * side))];
+    Vertex out;
+    if (tree.is_corner(v)) {
+        const std::uint32_t stored = corners[(v.y / side) * (tree.tiles_x + 1) + v.x / side];
+        out.loaded = true;
+        out.hole = (stored & corner_void_bit) != 0;
+        out.steps = static_cast<std::int32_t>(stored & ~corner_void_bit);
+        out.height_m = lattice.height_m(out.steps);
+        return out;
+    }
+    const std::int32_t tx = std::min(v.x / side, tree.tiles_x - 1), ty = std::min(v.y / side, tree.tiles_y - 1);
+    const auto tile = static_cast<std::size_t>(ty * tree.tiles_x + tx);
+    const PagePlace at =
+        pages.place(static_cast<std::uint32_t>(v.x - tx * side), static_cast<std::uint32_t>(v.y - ty * side));
+    const PageEntry entry = page_table[tile * pages_per_tile + at.page];
+    if (entry.slot == no_page_slot) return out;
+    const VertexRecord record = records[std::size_t{entry.slot} * page_capacity + at.index];
+    out.loaded = true;
+    out.hole = fjell::is_void(record);
+    out.steps = entry.base + record.height;
+    out.error_code = record.error;
+    out.height_m = lattice.height_m(out.steps);
+    out.error_m = errors.metres[record.error];
+    out.radius_m = header.level_radius_m[tree.level(v)] * radii.factor[record.radius & (radius_codes - 1)];
+    return out;
 }
 
 double Terrain::ground_m(double x, double z) const {

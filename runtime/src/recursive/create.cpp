@@ -9,21 +9,27 @@ namespace fjell {
 namespace {
 
 constexpr std::size_t alignment = 64;
+constexpr std::uint32_t max_vertices = 0x7ffffffe; // the highest bit of a slot marks holes
 
 constexpr std::size_t aligned(std::size_t bytes) {
     return (bytes + alignment - 1) / alignment * alignment;
 }
 
+std::size_t state_count(const Terrain& terrain) {
+    return std::size_t{terrain.slot_count} * terrain.page_capacity + std::size_t{terrain.tile_count()} * 4;
+}
+
 // Where the block's parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t states, vertices, owners, free_slots, indices, tiles, end;
+    std::size_t states, slot_pages, vertices, owners, free_slots, indices, tiles, end;
 };
 
 Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
     Layout l{};
     std::size_t at = aligned(sizeof(RecursiveState));
     const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
-    l.states = place(std::size_t{terrain.tile_count()} * terrain.vertices_per_tile * sizeof(VertexState));
+    l.states = place(state_count(terrain) * sizeof(VertexState));
+    l.slot_pages = place(std::size_t{terrain.slot_count} * sizeof(std::uint32_t));
     l.vertices = place(std::size_t{budget.vertices} * sizeof(MeshVertex));
     l.owners = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
     l.free_slots = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
@@ -41,8 +47,9 @@ std::size_t recursive_bytes(const Terrain& terrain, const RecursiveBudget& budge
 
 Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, std::span<std::byte> block,
                         RecursiveMethod& method) {
-    const std::uint64_t tiles = terrain.tile_count(), count = tiles * terrain.vertices_per_tile;
+    const std::uint64_t tiles = terrain.tile_count(), count = state_count(terrain);
     if (count >= no_owner) return {Code::out_of_range, "terrain: more than 4,294,967,294 vertices"};
+    if (budget.vertices > max_vertices) return {Code::out_of_range, "RecursiveBudget::vertices (at most 2^31 - 2)"};
     if (budget.vertices < tiles * 4) return {Code::budget_too_small, "RecursiveBudget::vertices (4 a tile)"};
     if (budget.indices < tiles * 9) return {Code::budget_too_small, "RecursiveBudget::indices (9 a tile)"};
     const Layout l = layout_of(terrain, budget);
@@ -60,6 +67,10 @@ Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, s
     s.free_slots = reinterpret_cast<std::uint32_t*>(at + l.free_slots);
     s.indices = reinterpret_cast<std::uint32_t*>(at + l.indices);
     s.tiles = reinterpret_cast<TileRange*>(at + l.tiles);
+    s.state_count = static_cast<std::size_t>(count);
+    s.slot_pages = reinterpret_cast<std::uint32_t*>(at + l.slot_pages);
+    for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.slot_pages[i] = terrain.slot_page[i];
+    s.seen_changes = terrain.changes;
     for (std::uint64_t i = 0; i < count; ++i) s.states[i].slot = no_slot;
     for (std::uint32_t i = 0; i < budget.vertices; ++i) {
         s.owners[i] = no_owner;

@@ -10,6 +10,8 @@
 #include <bit>
 #include <limits>
 
+#include "recursive/emit.h"
+#include "recursive/locate.h"
 #include "recursive/state.h"
 #include "tree/wanted.h"
 
@@ -27,11 +29,6 @@ constexpr std::uint32_t pack_xy(std::uint32_t x, std::uint32_t y) {
     return x | y << 16;
 }
 
-// Index arithmetic of one plane inside a tile.
-struct LevelPlane {
-    std::uint32_t offset, stride, shift;
-};
-
 constexpr std::uint32_t all_planes = 0b111111; // of the frustum
 constexpr std::uint32_t not_selected = 0xffffffff;
 
@@ -46,18 +43,17 @@ struct PassResult {
     std::uint32_t exhausted = 0; // BudgetBits; when set, the mesh is not usable
 };
 
-template <bool Cull, Metric M, Topology T>
+template <Order O, bool Cull, Metric M, Topology T>
 class Pass {
 public:
     Pass(RecursiveState& state, const View& the_view, double threshold_px)
         : s(state), terrain(*state.terrain), view(the_view), frustum(make_frustum(the_view)),
-          reach(make_reach(the_view, threshold_px)), base(state.pass * 3), nearest_m(the_view.near_m) {
+          reach(make_reach(the_view, threshold_px)), base(state.pass * 3), nearest_m(the_view.near_m),
+          holes(terrain.has_voids()), incomplete(terrain.pages_missing != 0), emit(state) {
         LevelPlane* to = levels; // three a step: centre, side_x, side_y
-        for (int z = terrain.order.tile_log2; z-- > 0;)
-            for (const PlaneKind kind : {PlaneKind::centre, PlaneKind::side_x, PlaneKind::side_y}) {
-                const PlanarOrder::Plane plane = terrain.order.plane(z, kind);
-                *to++ = {plane.offset, plane.stride, static_cast<std::uint32_t>(z + 1)};
-            }
+        for (int z = terrain.tree.tile_log2; z-- > 0;)
+            for (const PlaneKind kind : {PlaneKind::centre, PlaneKind::side_x, PlaneKind::side_y})
+                *to++ = make_level_plane(terrain, z, kind);
         last_planes = to;
         if (threshold_px > hopeless_px) select_none();
     }
@@ -67,43 +63,38 @@ public:
         const Tree& tree = terrain.tree;
         for (std::int32_t ty = 0; ty < tree.tiles_y && !result.exhausted; ++ty)
             for (std::int32_t tx = 0; tx < tree.tiles_x && !result.exhausted; ++tx) tessellate(tx, ty);
-        s.index_count = cursor;
+        s.index_count = emit.cursor();
         return result;
     }
 
 private:
     void tessellate(std::int32_t tx, std::int32_t ty) {
-        const std::int32_t side = terrain.tree.side();
+        side = terrain.pages.side();
         const auto tile = static_cast<std::uint32_t>(ty * terrain.tree.tiles_x + tx);
-        column0 = tx * side;
-        row0 = ty * side;
-        first_vertex = tile * terrain.vertices_per_tile;
-        records = terrain.tile_records(tile);
-        states = s.states + first_vertex;
+        const auto n = static_cast<std::int32_t>(side);
+        column0 = tx * n;
+        row0 = ty * n;
+        pages = terrain.page_table + std::size_t{tile} * terrain.pages_per_tile;
         limit_x = terrain.tree.columns() - 1 - column0;
         limit_y = terrain.tree.rows() - 1 - row0;
-        cut = limit_x < side || limit_y < side;
+        cut = limit_x < n || limit_y < n;
         if (Cull && root_outside()) return;
 
-        const auto n = static_cast<std::uint32_t>(side);
-        const std::uint32_t first_index = cursor, triangles_before = result.triangles;
-        const Corner nw = corner(0, 0, 0), ne = corner(1, n, 0), sw = corner(2, 0, n), se = corner(3, n, n);
-        if constexpr (T == Topology::strip) {
-            push(nw.slot);
-            push(nw.slot);
-            last_parity = 0;
-        }
+        const std::uint32_t first_index = emit.cursor(), triangles_before = result.triangles;
+        const Corner nw = corner(tile, 0, 0), ne = corner(tile, 1, 0), sw = corner(tile, 0, 1), se = corner(tile, 1, 1);
+        if constexpr (T == Topology::strip) emit.begin_strip(nw.slot);
         root(ne, nw, se);
         if constexpr (T == Topology::strip) {
             // Three times the far corner: only degenerate triangles, and the second half starts at an odd place as
             // the first one did, so that the winding stays.
-            append(se.slot, 0);
-            push(se.slot);
-            push(se.slot);
+            emit.append(se.slot, 0);
+            emit.push(se.slot);
+            emit.push(se.slot);
         }
         root(sw, se, nw);
-        if constexpr (T == Topology::strip) append(nw.slot, 0);
-        s.tiles[s.tile_count++] = {tile, first_index, cursor - first_index, result.triangles - triangles_before};
+        if constexpr (T == Topology::strip) emit.append(nw.slot, 0);
+        if (emit.full()) give_up(budget_indices);
+        s.tiles[s.tile_count++] = {tile, first_index, emit.cursor() - first_index, result.triangles - triangles_before};
         ++result.tiles;
     }
 
@@ -121,8 +112,11 @@ private:
         const std::uint32_t xy = (end + other_end) >> 1;
         const LevelPlane& plane = Centre || ((end ^ other_end) & 0xffff) != 0 ? *at : at[1];
         const std::uint32_t x = xy & 0xffff, y = xy >> 16;
-        const std::uint32_t index = plane.offset + (y >> plane.shift) * plane.stride + (x >> plane.shift);
-        return {xy, index, eval(index, x, y, planes)};
+        const PagePlace in_page = locate<O>(plane, side, x, y);
+        const PageEntry page = pages[in_page.page];
+        if (page.slot == no_page_slot) return {xy, 0, not_selected};
+        const std::uint32_t index = page.slot * terrain.page_capacity + in_page.index;
+        return {xy, index, eval(index, page.base, plane, x, y, planes)};
     }
 
     // meshRefine of a triangle whose middle vertex m is selected. Both halves are evaluated before either is entered:
@@ -134,14 +128,14 @@ private:
         const Corner first_end = Even ? left : right, second_end = Even ? right : left;
         if (!Even && at == last_planes) {
             leaf<!Even>(m, right, apex);
-            if constexpr (T == Topology::strip) append(apex.slot, Even);
+            if constexpr (T == Topology::strip) emit.append(apex.slot, Even);
             leaf<!Even>(m, apex, left);
             return;
         }
         const Node first = evaluate<!Even>(apex.xy, first_end.xy, at, planes);
         const Node second = evaluate<!Even>(apex.xy, second_end.xy, at, planes);
         half<Even, Even>(m, apex, first_end, at, first);
-        if constexpr (T == Topology::strip) append(apex.slot, Even);
+        if constexpr (T == Topology::strip) emit.append(apex.slot, Even);
         half<Even, !Even>(m, apex, second_end, at, second);
     }
 
@@ -166,20 +160,15 @@ private:
     // Even: of the level of the vertex that could split it.
     template <bool Even>
     [[gnu::always_inline]] void leaf(Corner apex, Corner left, Corner right) {
-        if (cut && beyond_rim(apex.xy, left.xy, right.xy)) {
+        if ((cut || holes) && not_drawn(apex, left, right)) {
             --result.triangles;
-            if constexpr (T == Topology::triangles) return; // a strip needs the vertex, and its area is zero anyway
+            if constexpr (T == Topology::triangles) return; // a strip needs the vertex on its way
         }
-        if constexpr (T == Topology::strip) {
-            append(apex.slot, Even);
-        } else {
-            if (cursor + 3 > s.budget.indices) return give_up(budget_indices);
-            std::uint32_t* out = s.indices + cursor;
-            out[0] = apex.slot;
-            out[1] = left.slot;
-            out[2] = right.slot;
-            cursor += 3;
-        }
+        if constexpr (T == Topology::strip)
+            emit.append(apex.slot, Even);
+        else
+            emit.triangle(apex.slot, left.slot, right.slot);
+        if (emit.full()) give_up(budget_indices);
     }
 
     // Where a vertex stands, in samples of the tile.
@@ -188,46 +177,37 @@ private:
                 std::min(static_cast<std::int32_t>(xy >> 16), limit_y)};
     }
 
-    // Has the triangle shrunk to nothing, because its vertices stand at the terrain's rim?
-    [[gnu::noinline]] bool beyond_rim(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-        const Coord from = place(a), ab = place(b) - from, ac = place(c) - from;
+    // Does a corner lie in a hole, or has the triangle shrunk to nothing, because its vertices stand at the terrain's
+    // rim?
+    [[gnu::noinline]] bool not_drawn(Corner a, Corner b, Corner c) const {
+        if (holes && ((a.slot | b.slot | c.slot) & hole_flag) != 0) return true;
+        const Coord from = place(a.xy), ab = place(b.xy) - from, ac = place(c.xy) - from;
         return ab.x * ac.y == ab.y * ac.x;
     }
 
-    // tStripAppend. parity: of the vertex' level; parities alternate along the strip, or the older vertex is repeated.
-    void append(std::uint32_t slot, int parity) {
-        if (cursor < 2) return; // only after the indices ran out at the very beginning
-        const std::uint32_t older = s.indices[cursor - 2];
-        if (slot == s.indices[cursor - 1] || slot == older) return;
-        if (parity == last_parity) push(older);
-        push(slot);
-        last_parity = parity;
-    }
-
-    void push(std::uint32_t slot) {
-        if (cursor == s.budget.indices) return give_up(budget_indices);
-        s.indices[cursor++] = slot;
-    }
-
     // evalTriangle: looks the status up, or works it out and stores it. Answers with the planes left, or not_selected.
-    [[gnu::always_inline]] std::uint32_t eval(std::uint32_t index, std::uint32_t x, std::uint32_t y,
-                                              std::uint32_t planes) {
-        VertexState& state = states[index];
+    [[gnu::always_inline]] std::uint32_t eval(std::uint32_t index, std::int32_t page_base, const LevelPlane& plane,
+                                              std::uint32_t x, std::uint32_t y, std::uint32_t planes) {
+        VertexState& state = s.states[index];
         if (state.status >= base) return state.status == base ? not_selected : planes;
-        planes = select(index, x, y, planes);
+        const Coord v{column0 + static_cast<std::int32_t>(x), row0 + static_cast<std::int32_t>(y)};
+        planes =
+            select(index, page_base, plane, {std::min(v.x, column0 + limit_x), std::min(v.y, row0 + limit_y)}, planes);
+        if (incomplete && planes != not_selected && !parents_in(v)) planes = not_selected;
         const bool selected = planes != not_selected;
         state.status = base + (selected ? planes == 0 ? 2u : 1u : 0u);
         result.selected += selected;
         return planes;
     }
 
-    [[gnu::always_inline]] std::uint32_t select(std::uint32_t index, std::uint32_t x, std::uint32_t y,
-                                                std::uint32_t planes) {
-        const VertexRecord& record = records[index];
-        const float radius = from_bfloat16(record.radius), error = from_bfloat16(record.error);
-        const float px = terrain.x_m(column0 + std::min(static_cast<std::int32_t>(x), limit_x));
-        const float py = terrain.lattice.height_m(record.height);
-        const float pz = terrain.z_m(row0 + std::min(static_cast<std::int32_t>(y), limit_y));
+    // sample: where the vertex stands.
+    [[gnu::always_inline]] std::uint32_t select(std::uint32_t index, std::int32_t page_base, const LevelPlane& plane,
+                                                Coord sample, std::uint32_t planes) {
+        const VertexRecord record = terrain.records[index];
+        const float radius = plane.unit_m * terrain.radii.factor[record.radius & (radius_codes - 1)],
+                    error = terrain.errors.metres[record.error];
+        const float px = terrain.x_m(sample.x), pz = terrain.z_m(sample.y);
+        const float py = terrain.lattice.height_m(page_base + record.height);
         if (Cull && planes != 0) {
             planes = crossed({px, py, pz}, radius, planes);
             if (planes == not_selected) return not_selected;
@@ -256,28 +236,99 @@ private:
         return left;
     }
 
-    // The root's sphere holds all of the tile. (Its place in planar order is right behind the corners.)
-    bool root_outside() const {
-        const std::int32_t half = terrain.tree.side() / 2;
-        const VertexRecord& root = records[4];
-        return crossed({terrain.x_m(column0 + std::min(half, limit_x)), terrain.lattice.height_m(root.height),
-                        terrain.z_m(row0 + std::min(half, limit_y))},
-                       from_bfloat16(root.radius), all_planes) == not_selected;
+    // Where pages are missing, nested errors are not enough: a vertex is in the cut when it is wanted, all pages that
+    // hold it are there, and its parents are in the cut (DESIGN invariant 7). One parent is known on the way down; this
+    // asks both, across tiles.
+    [[gnu::noinline]] bool parents_in(Coord v) {
+        if (!copies_loaded(v)) return false;
+        const Diamond d = diamond(terrain.tree, v);
+        for (const Coord parent : d.apexes)
+            if (terrain.tree.contains(parent) && !terrain.tree.is_corner(parent) && !in_cut(parent)) return false;
+        return true;
     }
 
-    Corner corner(std::uint32_t index, std::uint32_t x, std::uint32_t y) {
-        states[index].status = base + 1; // always selected
+    // A vertex on the border of two tiles has a copy in each.
+    [[nodiscard]] bool copies_loaded(Coord v) const {
+        const auto n = static_cast<std::int32_t>(side);
+        const Coord first{std::max(v.x - 1, 0) / n, std::max(v.y - 1, 0) / n};
+        for (std::int32_t ty = first.y; ty <= std::min(v.y / n, terrain.tree.tiles_y - 1); ++ty)
+            for (std::int32_t tx = first.x; tx <= std::min(v.x / n, terrain.tree.tiles_x - 1); ++tx)
+                if (find(tx, ty, v).page.slot == no_page_slot) return false;
+        return true;
+    }
+
+    struct Found {
+        PageEntry page;
+        std::uint32_t index; // among all records
+    };
+    [[nodiscard]] Found find(std::int32_t tx, std::int32_t ty, Coord v) const {
+        const auto n = static_cast<std::int32_t>(side);
+        const auto tile = static_cast<std::size_t>(ty * terrain.tree.tiles_x + tx);
+        const PagePlace at = terrain.pages.place_as<O>(static_cast<std::uint32_t>(v.x - tx * n),
+                                                       static_cast<std::uint32_t>(v.y - ty * n));
+        const PageEntry page = terrain.page_table[tile * terrain.pages_per_tile + at.page];
+        return {page, page.slot * terrain.page_capacity + at.index};
+    }
+
+    // The same decision as eval's, for any vertex; remembered in the same place.
+    bool in_cut(Coord v) {
+        const auto n = static_cast<std::int32_t>(side);
+        const Found found =
+            find(std::min(v.x / n, terrain.tree.tiles_x - 1), std::min(v.y / n, terrain.tree.tiles_y - 1), v);
+        if (found.page.slot == no_page_slot) return false;
+        VertexState& state = s.states[found.index];
+        if (state.status >= base) return state.status != base;
+        const LevelPlane& plane =
+            levels[3 * (terrain.tree.tile_log2 - 1 - Tree::step_log2(v)) + static_cast<int>(Tree::kind(v))];
+        const std::uint32_t planes =
+            select(found.index, found.page.base, plane, terrain.tree.sample(v), Cull ? all_planes : 0);
+        const bool selected = planes != not_selected && parents_in(v);
+        state.status = base + (selected ? planes == 0 ? 2u : 1u : 0u);
+        result.selected += selected;
+        return selected;
+    }
+
+    // The root's sphere holds all of the tile; without its page nothing is known.
+    bool root_outside() const {
+        const std::uint32_t half = side / 2;
+        const PagePlace at = locate<O>(levels[0], side, half, half);
+        const PageEntry page = pages[at.page];
+        if (page.slot == no_page_slot) return false;
+        const VertexRecord root = terrain.records[page.slot * terrain.page_capacity + at.index];
+        const Coord v = place(pack_xy(half, half));
+        return crossed({terrain.x_m(column0 + v.x), terrain.lattice.height_m(page.base + root.height),
+                        terrain.z_m(row0 + v.y)},
+                       levels[0].unit_m * terrain.radii.factor[root.radius & (radius_codes - 1)],
+                       all_planes) == not_selected;
+    }
+
+    // A corner of the tile: east, south: 0 or 1. Always selected; its state stands behind those of all pages.
+    Corner corner(std::uint32_t tile, std::uint32_t east, std::uint32_t south) {
+        const std::uint32_t x = east * side, y = south * side;
+        const std::uint32_t index = terrain.slot_count * terrain.page_capacity + 4 * tile + 2 * south + east;
+        VertexState& state = s.states[index];
+        state.status = base + 1;
         ++result.selected;
-        return {pack_xy(x, y), slot_of(index, x, y)};
+        if (state.slot != no_slot) return {pack_xy(x, y), state.slot};
+        const std::uint32_t tiles_x = terrain.header.tiles_x;
+        const std::uint32_t stored = terrain.corners[(tile / tiles_x + south) * (tiles_x + 1) + tile % tiles_x + east];
+        return {pack_xy(x, y), insert(index, static_cast<std::int32_t>(stored & ~corner_void_bit),
+                                      (stored & corner_void_bit) != 0, x, y)};
     }
 
     std::uint32_t slot_of(std::uint32_t index, std::uint32_t x, std::uint32_t y) {
-        const std::uint32_t slot = states[index].slot;
-        return slot != no_slot ? slot : insert(index, x, y);
+        const std::uint32_t slot = s.states[index].slot;
+        return slot != no_slot ? slot : insert_record(index, x, y);
+    }
+
+    [[gnu::noinline]] std::uint32_t insert_record(std::uint32_t index, std::uint32_t x, std::uint32_t y) {
+        const VertexRecord record = terrain.records[index];
+        const PageEntry page = terrain.page_table[terrain.slot_page[index / terrain.page_capacity]];
+        return insert(index, page.base + record.height, is_void(record), x, y);
     }
 
     // A new entry in the vertex buffer; clears it of vertices that this frame has not used when it is full.
-    [[gnu::noinline]] std::uint32_t insert(std::uint32_t index, std::uint32_t x, std::uint32_t y) {
+    std::uint32_t insert(std::uint32_t index, std::int32_t steps, bool hole, std::uint32_t x, std::uint32_t y) {
         if (s.free_count == 0) clear_unused();
         if (s.free_count == 0) {
             give_up(budget_vertices);
@@ -286,13 +337,12 @@ private:
         const std::uint32_t slot = s.free_slots[--s.free_count];
         const Coord at = place(pack_xy(x, y));
         s.vertices[slot] = {static_cast<std::uint16_t>(at.x), static_cast<std::uint16_t>(at.y),
-                            terrain.lattice.height_m(records[index].height)};
-        s.owners[slot] = first_vertex + index;
-        states[index].slot = slot;
+                            terrain.lattice.height_m(steps)};
+        s.owners[slot] = index;
         s.dirty_begin = std::min(s.dirty_begin, slot);
         s.dirty_end = std::max(s.dirty_end, slot + 1);
         ++result.written;
-        return slot;
+        return s.states[index].slot = slot | (holes && hole ? hole_flag : 0);
     }
 
     void clear_unused() {
@@ -330,33 +380,62 @@ private:
     LevelPlane levels[3 * max_tile_log2];
     const LevelPlane* last_planes; // one past them
     PassResult result;
+    const bool holes;      // the terrain has some
+    const bool incomplete; // pages are missing
+    Emitter emit;
     // The tile in work.
+    std::uint32_t side = 0;
     std::int32_t column0 = 0, row0 = 0;
     std::int32_t limit_x = 0, limit_y = 0; // the terrain's last column and row, counted from the tile's first
     bool cut = false;                      // they lie inside it
-    std::uint32_t first_vertex = 0;
-    const VertexRecord* records = nullptr;
-    VertexState* states = nullptr;
-    std::uint32_t cursor = 0; // into the indices
-    int last_parity = 0;
+    const PageEntry* pages = nullptr;
 };
 
-template <bool Cull, Metric M>
+template <Order O, bool Cull, Metric M>
 PassResult run_topology(RecursiveState& s, const View& view, double threshold_px) {
-    if (s.topology == Topology::strip) return Pass<Cull, M, Topology::strip>(s, view, threshold_px).run();
-    return Pass<Cull, M, Topology::triangles>(s, view, threshold_px).run();
+    if (s.topology == Topology::strip) return Pass<O, Cull, M, Topology::strip>(s, view, threshold_px).run();
+    return Pass<O, Cull, M, Topology::triangles>(s, view, threshold_px).run();
+}
+
+template <Order O>
+PassResult run_order(RecursiveState& s, const View& view, const RefineSettings& settings, double threshold_px) {
+    if (settings.metric == Metric::depth) return run_topology<O, true, Metric::depth>(s, view, threshold_px);
+    if (settings.cull) return run_topology<O, true, Metric::isotropic>(s, view, threshold_px);
+    return run_topology<O, false, Metric::isotropic>(s, view, threshold_px);
 }
 
 PassResult run_pass(RecursiveState& s, const View& view, const RefineSettings& settings, double threshold_px) {
     // Status numbers of an earlier pass must never look like this one's.
     if (++s.pass > std::numeric_limits<std::uint32_t>::max() / 3 - 1) {
-        const std::size_t count = std::size_t{s.terrain->tile_count()} * s.terrain->vertices_per_tile;
-        for (std::size_t i = 0; i < count; ++i) s.states[i].status = 0;
+        for (std::size_t i = 0; i < s.state_count; ++i) s.states[i].status = 0;
         s.pass = 1;
     }
-    if (settings.metric == Metric::depth) return run_topology<true, Metric::depth>(s, view, threshold_px);
-    if (settings.cull) return run_topology<true, Metric::isotropic>(s, view, threshold_px);
-    return run_topology<false, Metric::isotropic>(s, view, threshold_px);
+    switch (s.terrain->pages.order) {
+    case Order::planar: return run_order<Order::planar>(s, view, settings, threshold_px);
+    case Order::hierarchical_z: return run_order<Order::hierarchical_z>(s, view, settings, threshold_px);
+    case Order::linear: break;
+    }
+    return run_order<Order::linear>(s, view, settings, threshold_px);
+}
+
+// What was known of a slot's vertices goes when another page has moved in.
+void follow_pages(RecursiveState& s) {
+    const Terrain& terrain = *s.terrain;
+    if (s.seen_changes == terrain.changes) return;
+    s.seen_changes = terrain.changes;
+    for (std::uint32_t slot = 0; slot < terrain.slot_count; ++slot) {
+        if (s.slot_pages[slot] == terrain.slot_page[slot]) continue;
+        s.slot_pages[slot] = terrain.slot_page[slot];
+        VertexState* const states = s.states + std::size_t{slot} * terrain.page_capacity;
+        for (std::uint32_t i = 0; i < terrain.page_capacity; ++i) {
+            if (states[i].slot != no_slot) {
+                const std::uint32_t vertex = states[i].slot & ~hole_flag;
+                s.owners[vertex] = no_owner;
+                s.free_slots[s.free_count++] = vertex;
+            }
+            states[i] = {0, no_slot};
+        }
+    }
 }
 
 // Where to start: where the last frame ended, a step finer when it had room to spare.
@@ -376,6 +455,7 @@ Status update_recursive(RecursiveMethod method, const View& view, const RefineSe
         return {Code::out_of_range,
                 "RefineSettings::cull (the depth metric needs it: behind the eye depth means nothing)"};
     RecursiveState& s = *method.state;
+    follow_pages(s);
     s.topology = settings.topology;
     s.dirty_begin = s.budget.vertices;
     s.dirty_end = 0;

@@ -12,15 +12,18 @@ inline constexpr std::uint32_t no_owner = 0xffffffff;
 
 struct VertexState {
     std::uint32_t status; // frame * 3 + {0: not selected, 1: selected, sphere partly inside, 2: completely inside}
-    std::uint32_t slot;   // in the vertex buffer, or no_slot
+    std::uint32_t slot;   // in the vertex buffer, with hole_flag, or no_slot
 };
 
 struct RecursiveState {
     const Terrain* terrain;
     RecursiveBudget budget;
-    VertexState* states;   // one a terrain vertex, in the terrain's order
-    MeshVertex* vertices;  // budget.vertices
-    std::uint32_t* owners; // terrain vertex of each slot, or no_owner
+    VertexState* states; // one a record of every page slot, as they lie there; then four a tile, its corners
+    std::size_t state_count;
+    std::uint32_t* slot_pages;  // what each page slot held when it was last looked at
+    std::uint64_t seen_changes; // Terrain::changes then
+    MeshVertex* vertices;       // budget.vertices
+    std::uint32_t* owners;      // state of each slot's vertex, or no_owner
     std::uint32_t* free_slots;
     std::uint32_t free_count;
     std::uint32_t* indices; // budget.indices

@@ -131,7 +131,7 @@ TEST_CASE("a snapshot with numbers that make no sense is refused", "[gltf]") {
 TEST_CASE("a pack whose colour is corrupt is refused", "[gltf]") {
     const Fixture f;
     std::vector<std::byte> bytes(f.baked.pack.bytes.begin(), f.baked.pack.bytes.end());
-    bytes[f.baked.pack.entry(chunk_index(f.baked.pack.header, ChunkKind::colour, 3, 0)).offset] ^= std::byte{1};
+    bytes[f.baked.pack.entry(chunk_index(f.baked.pack.header, {ChunkKind::colour, 3, 0})).offset] ^= std::byte{1};
     Pack pack = f.baked.pack;
     pack.bytes = bytes;
     f.require_refused(gltf::export_snapshot(pack, f.baked.terrain, f.view, 2, f.folder / "out.glb"), 1, "colour chunk");

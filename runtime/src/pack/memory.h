@@ -1,0 +1,33 @@
+// What a Terrain keeps in the host's block for loading pages: the arrays that its const pointers show, and scratch.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "fjell/terrain.h"
+#include "pack/page.h"
+
+struct ZSTD_DCtx_s;
+
+namespace fjell {
+
+struct TerrainMemory {
+    PageEntry* page_table;
+    VertexRecord* records;
+    std::uint32_t* slot_page;
+    std::uint32_t* corners;
+    std::uint32_t* free_slots; // a stack
+    std::uint32_t free_count;
+    ZSTD_DCtx_s* zstd;
+    std::byte* raw; // room for the largest page decompressed
+    std::uint32_t raw_bytes;
+    PageArrays arrays;
+    std::uint32_t packed[max_page_vertices];
+    CornerSteps coarse;
+    LeafErrors leaf;
+    // Hierarchical Z-order only: where the canonical order's vertices go, in a block and in page 0.
+    std::uint16_t block_places[max_page_vertices];
+    std::uint16_t root_places[(page_squares + 1) * (page_squares + 1)];
+};
+
+} // namespace fjell

@@ -1,0 +1,157 @@
+// Holes: what is left out is exactly what has a corner in one, and their rims keep the screen bound.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "fjell/measure.h"
+#include "support/mesh_check.h"
+#include "support/terrain_fixture.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+host::LoadedPack random_holed_terrain(Random& random) {
+    const int log2 = pick(random, 1, 7);
+    const std::int32_t columns = pick(random, 2, 120), rows = pick(random, 2, 90);
+    baker::Dem dem =
+        random_dem(random, columns, rows, static_cast<Shape>(pick(random, 0, static_cast<int>(Shape::count) - 1)));
+    add_random_holes(random, dem, log2);
+    baker::BakeOptions options = small_bake(log2);
+    options.order = static_cast<Order>(pick(random, 0, 2));
+    options.estimate = pick(random, 0, 3) ? Estimate::max : Estimate::midpoint;
+    return bake_and_load(std::move(dem), options);
+}
+
+double random_threshold(Random& random) {
+    return std::pow(10.0, uniform(random, -1.5, 2));
+}
+
+// Every sample in the closed triangle.
+std::vector<Coord> samples_under(const Triangle& t) {
+    const auto turn = [](Coord a, Coord b, Coord p) {
+        return std::int64_t{b.x - a.x} * (p.y - a.y) - std::int64_t{b.y - a.y} * (p.x - a.x);
+    };
+    const std::int64_t sign = turn(t[0], t[1], t[2]) < 0 ? -1 : 1;
+    const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
+    const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
+    std::vector<Coord> samples;
+    for (std::int32_t y = y0; y <= y1; ++y)
+        for (std::int32_t x = x0; x <= x1; ++x) {
+            const Coord p{x, y};
+            if (turn(t[0], t[1], p) * sign >= 0 && turn(t[1], t[2], p) * sign >= 0 && turn(t[2], t[0], p) * sign >= 0)
+                samples.push_back(p);
+        }
+    return samples;
+}
+
+Vec3 position(const Terrain& t, Coord c) {
+    return {t.x_m(c.x), t.height_m(c), t.z_m(c.y)};
+}
+
+// How far a rim may be drawn from its place, in pixels: the size of the largest triangle that has both ground and hole
+// under it, drawn or not. Triangles of the full resolution are drawn right by definition.
+double rim_px(const Terrain& terrain, const std::vector<Triangle>& whole, const View& view) {
+    double worst = 0;
+    for (const Triangle& t : whole) {
+        const std::vector<Coord> samples = samples_under(t);
+        if (samples.size() == 3) continue;
+        std::size_t holes = 0;
+        for (const Coord c : samples) holes += terrain.is_hole(c);
+        if (holes == 0 || holes == samples.size()) continue;
+        double size = 0;
+        for (std::size_t i = 0; i < 3; ++i)
+            size = std::max(size, length(position(terrain, t[i]) - position(terrain, t[(i + 1) % 3])));
+        for (const Coord c : samples)
+            worst = std::max(worst, size * view.lambda_px / length(position(terrain, c) - view.eye_m));
+    }
+    return worst;
+}
+
+} // namespace
+
+TEST_CASE("a mesh with holes is the whole one less the triangles with a corner in a hole, and rims keep the bound") {
+    Random random(41);
+    std::size_t dropped = 0, kept = 0;
+    for (int round = 0; round < 200; ++round) {
+        const auto pack = random_holed_terrain(random);
+        const Terrain& terrain = pack.terrain;
+        const Terrain whole_terrain = without_holes(terrain);
+        Recursive method(terrain, ample_budget(terrain)), strips(terrain, ample_budget(terrain)),
+            whole(whole_terrain, ample_budget(terrain));
+        for (int frame = 0; frame < 4; ++frame) {
+            const View view = random_view(random, terrain);
+            RefineSettings settings;
+            settings.error_px = random_threshold(random);
+            settings.cull = frame % 2 == 1;
+            const FrameReport report = method.update(view, settings);
+            (void)whole.update(view, settings);
+            CAPTURE(round, frame, settings.error_px, terrain.tree.columns(), terrain.tree.rows(),
+                    terrain.tree.tile_log2);
+            REQUIRE(check_mesh(whole_terrain, whole.mesh()) == "");
+            std::vector<Triangle> expected = triangles_of(whole_terrain, whole.mesh());
+            if (!settings.cull) REQUIRE(rim_px(terrain, expected, view) <= settings.error_px);
+            const std::size_t all = expected.size();
+            std::erase_if(expected, [&](const Triangle& t) {
+                return terrain.is_hole(t[0]) || terrain.is_hole(t[1]) || terrain.is_hole(t[2]);
+            });
+            dropped += all - expected.size();
+            kept += expected.size();
+            REQUIRE(triangles_of(terrain, method.mesh()) == expected);
+            REQUIRE(report.triangles == expected.size());
+            if (terrain.header.estimate == Estimate::max) {
+                const Frustum frustum = make_frustum(view);
+                const MeasuredError error =
+                    measure_error(terrain, method.mesh(), view, settings.cull ? &frustum : nullptr);
+                REQUIRE(error.max_px <= settings.error_px * (1 + 1e-9));
+            }
+            settings.topology = Topology::strip;
+            REQUIRE(strips.update(view, settings).triangles == expected.size());
+            REQUIRE(triangles_of(terrain, strips.mesh()) == expected);
+            for (const TileRange& range : strips.mesh().tiles)
+                for (std::uint32_t i = 0; i < range.index_count; ++i)
+                    REQUIRE(strips.mesh().indices[range.first_index + i] < strips.mesh().vertices.size());
+        }
+    }
+    REQUIRE(dropped > 10'000);
+    REQUIRE(kept > 10'000);
+}
+
+TEST_CASE("a terrain that is all hole but one sample draws nothing, and one cell draws two triangles") {
+    Random random(42);
+    for (const int side : {1, 2}) {
+        baker::Dem dem = random_dem(random, 40, 30, Shape::fractal);
+        dem.voids.assign(dem.heights_m.size(), 1);
+        for (int y = 0; y < side; ++y)
+            for (int x = 0; x < side; ++x) dem.voids[dem.index(17 + x, 12 + y)] = 0;
+        const auto pack = bake_and_load(std::move(dem), small_bake(4));
+        Recursive method(pack.terrain, ample_budget(pack.terrain));
+        View view = make_view({}, {0, -1, 0.1}, {0, 1, 0}, 1, 800, 600, 0.001, 1e6);
+        view.eye_m = position(pack.terrain, {17, 12}) + Vec3{0, 0.1 * pack.terrain.spacing_x_m, 0};
+        RefineSettings settings;
+        settings.cull = false;
+        REQUIRE(method.update(view, settings).triangles == (side == 1 ? 0 : 2));
+    }
+}
+
+TEST_CASE("ground without holes costs nothing: the flag of a hole changes no error but on its rim") {
+    Random random(43);
+    baker::Dem dem = random_dem(random, 129, 129, Shape::fractal);
+    const auto solid = bake_and_load(dem, small_bake(6));
+    dem.voids.assign(dem.heights_m.size(), 0);
+    dem.voids[dem.index(100, 100)] = 1;
+    const auto holed = bake_and_load(dem, small_bake(6));
+    // A leaf's diamond reaches two samples; everything above it must grow, nothing else may.
+    for (std::int32_t y = 0; y < 129; ++y)
+        for (std::int32_t x = 0; x < 129; ++x) {
+            const Coord v{x, y};
+            const auto before = solid.terrain.vertex(v), after = holed.terrain.vertex(v);
+            const std::int32_t reach = solid.terrain.tree.is_corner(v) ? 0 : 2 << Tree::step_log2(v);
+            REQUIRE(before.steps == after.steps);
+            if (std::max(std::abs(x - 100), std::abs(y - 100)) > 2 * reach)
+                REQUIRE(std::abs(before.error_m - after.error_m) <=
+                        0.051 * std::max(before.error_m, after.error_m)); // the scale may begin elsewhere
+        }
+    REQUIRE(holed.terrain.vertex({99, 100}).error_m >= 2 * holed.terrain.spacing_x_m);
+}

@@ -1,0 +1,93 @@
+// Real height fields, of every format that lies beside the project: baked whole, verified, flown (issue 3).
+#include <catch2/catch.hpp>
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "support/program.h"
+#include "support/temporary_folder.h"
+
+using namespace fjell::test;
+using nlohmann::json;
+
+namespace {
+
+const std::string bake = FJELL_BIN_DIR "/fjell-bake ", fly = FJELL_BIN_DIR "/fjell-fly ";
+
+// Where the data is, or empty; a test says that it was skipped.
+std::string real(const std::string& name) {
+    const char* data = std::getenv("FJELL_DATA");
+    const std::string path = std::string(data ? data : FJELL_SOURCE_DIR "/../shared/data") + "/" + name;
+    if (std::filesystem::exists(path)) return path;
+    WARN("skipped: there is no " << path << " (set FJELL_DATA to the folder of real height fields)");
+    return {};
+}
+
+json bake_and_verify(const TemporaryFolder& folder, const std::string& dem, const std::string& read) {
+    const Run baked = run_in(folder.path, bake + dem + read + " -o out.fjell --json bake.json");
+    CAPTURE(dem, baked.err);
+    REQUIRE(baked.code == 0);
+    const Run verified = run_in(folder.path, bake + "verify out.fjell --against " + dem + read);
+    CAPTURE(verified.out, verified.err);
+    REQUIRE(verified.code == 0);
+    REQUIRE(verified.out.find(": 0 off by more than half a quantum") != std::string::npos);
+    return json::parse(slurp(folder / "bake.json"));
+}
+
+} // namespace
+
+TEST_CASE("every real height field is baked whole, verified and flown within its threshold") {
+    struct Case {
+        std::string file, read;
+        int columns, rows;
+        bool holes;
+    };
+    const std::vector<Case> cases{
+        {"dem/SainteHelens_usgs.dem", "", 327, 468, true},
+        {"dem/norway_jotunheimen_117m_512_f32.tif", "", 512, 512, false},
+        {"dem/puget_sound_160m_1025_u16.png", " --spacing 160 --zscale 0.1", 1025, 1025, false},
+        {"dem/craterlake_elev_i16_30m.tif", " --spacing 30 --nodata hole", 429, 279, true},
+        {"formats/N37W003.hgt", " --spacing 90", 1201, 1201, false},
+        {"formats/grand_canyon_copdem_512_f32.tif", " --spacing 200", 512, 512, false},
+        {"formats/grand_canyon_crop_513_u8.bmp", " --spacing 60 --zscale 14.4 --zoffset 127", 513, 513, false},
+        {"formats/luxembourg_elev_i16_nodata.asc", " --spacing 900", 95, 90, true},
+        {"formats/luxembourg_terra_elev_i16_nodata.tif", " --spacing 900", 95, 90, true},
+    };
+    for (const Case& c : cases) {
+        const std::string dem = real(c.file);
+        if (dem.empty()) continue;
+        const TemporaryFolder folder;
+        const json summary = bake_and_verify(folder, dem, c.read);
+        CAPTURE(c.file);
+        CHECK(summary["columns"] == c.columns);
+        CHECK(summary["rows"] == c.rows);
+        CHECK((summary["holes"] > 0) == c.holes);
+        const Run flown = run_in(folder.path, fly + "out.fjell --headless --frames 60 --error-px 1 --verify 20 "
+                                                    "--json flight.json");
+        CAPTURE(flown.err);
+        REQUIRE(flown.code == 0);
+        const json flight = json::parse(slurp(folder / "flight.json"));
+        CHECK(flight["converged_frames"] == 60);
+        CHECK(flight["verified_error_px_max"] <= 1.0);
+        CHECK(flight["triangles_mean"] > 100);
+    }
+}
+
+TEST_CASE(
+    "all of the Spain mosaic takes at most two bytes a sample, and 1.6 times what GeoTIFF needs for heights alone") {
+    const std::string dem = real("dem/spain_sierra_nevada_srtm3_3601x2401_i16.tif");
+    if (dem.empty()) return;
+    const TemporaryFolder folder;
+    const json summary = bake_and_verify(folder, dem, " --spacing 90");
+    const double bytes = summary["geometry_bytes"].get<double>() + summary["directory_bytes"].get<double>();
+    CHECK(bytes <= 2.0 * 3601 * 2401);
+    for (const std::string options : {"", " -co TILED=YES", " -co TILED=YES -co ZLEVEL=9"}) {
+        REQUIRE(run_in(folder.path,
+                       "gdal_translate -q -co COMPRESS=DEFLATE -co PREDICTOR=2" + options + " " + dem + " heights.tif")
+                    .code == 0);
+        CAPTURE(options);
+        CHECK(bytes <= 1.6 * static_cast<double>(std::filesystem::file_size(folder / "heights.tif")));
+    }
+}
