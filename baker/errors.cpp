@@ -194,7 +194,8 @@ private:
             const Plane& p = planes[k];
             const std::int32_t bx = ((p.nx - 1) >> shift) + 1;
             for_each(p, [&](std::int32_t i, std::int32_t j) {
-                const double r = largest[k][static_cast<std::size_t>((j >> shift) * bx + (i >> shift))];
+                const double r = largest[k][static_cast<std::size_t>(j >> shift) * static_cast<std::size_t>(bx) +
+                                            static_cast<std::size_t>(i >> shift)];
                 errors.radius[place(p.at(i, j))] = errors.radii.code_up(unit, r);
             });
         }

@@ -123,13 +123,12 @@ private:
         }
     }
 
-    // The first and one beyond the last sample whose sides tell of [first, end): at least two, as every square of 2 x 2
-    // has two sides of step 1. On the east and south rim also places whose vertices stand there (tree.h).
+    // The places whose sides tell of samples [first, end). A single one takes a neighbour: every square of 2 x 2 has
+    // two sides of step 1. The last ones take the places whose vertices stand on the east or south rim (tree.h).
     [[nodiscard]] std::pair<std::int32_t, std::int32_t> reach(std::int32_t first, std::int32_t end,
                                                               std::int32_t samples, std::int32_t lattice) const {
-        if (end == samples) end = std::min(samples + step, lattice);
-        if (end - first >= 2) return {first, end};
-        return end < lattice ? std::pair(first, end + 1) : std::pair(first - 1, end);
+        if (end - first < 2) return end < samples ? std::pair(first, end + 1) : std::pair(first - 1, end);
+        return {first, end < samples ? end : std::min(end + step, lattice)};
     }
 
     [[nodiscard]] float largest_error_m(const Footprint& f) const {
@@ -146,7 +145,7 @@ private:
 
     // Over a hole's rim a triangle's error is at least its own size (verify.h: rim violations). The diamonds of `step`
     // that touch a cell have their centres in it or beside it: where all their errors are smaller, no rim is near, and
-    // one sample tells for all.
+    // one sample tells for all. In the last cells triangles may be squeezed to any size: there all samples are asked.
     void find_holes(std::int32_t y) {
         for (std::int32_t x = 0; x < cells.columns; ++x) {
             const Footprint f = footprint(x, y);
@@ -159,6 +158,7 @@ private:
     }
 
     [[nodiscard]] bool rim_near(std::int32_t x, std::int32_t y) const {
+        if (x >= cells.columns - 2 || y >= cells.rows - 2) return true;
         for (std::int32_t j = std::max(y - 1, 0); j <= std::min(y + 1, cells.rows - 1); ++j)
             for (std::int32_t i = std::max(x - 1, 0); i <= std::min(x + 1, cells.columns - 1); ++i)
                 if (cells.error_m[cells.index(i, j)] >= rim_error_m) return true;
@@ -331,7 +331,8 @@ std::string metres(double m, int digits) {
     const auto [value, unit] = m >= 1000   ? std::pair(m / 1000, "km")
                                : m >= 0.01 ? std::pair(m, "m")
                                            : std::pair(m * 1000, "mm");
-    return value >= 100 ? fmt::format("{:.0f} {}", value, unit) : fmt::format("{:.{}g} {}", value, digits, unit);
+    return value >= std::pow(10, digits - 1) ? fmt::format("{:.0f} {}", value, unit)
+                                             : fmt::format("{:.{}g} {}", value, digits, unit);
 }
 
 std::string tile_text(const Terrain& terrain) {

@@ -24,7 +24,7 @@ namespace {
 
 // Nothing on Earth, Mars or Venus lies outside; undeclared voids (-32767, -99999, 1e38) do.
 constexpr double lowest_m = -12000, highest_m = 30000;
-constexpr double bytes_per_sample = 24; // what a bake holds at its peak
+constexpr double bytes_per_sample = 28; // what a bake holds at its peak
 
 bool near_zero(double v, double beside) {
     return std::abs(v) <= 1e-9 * std::abs(beside);

@@ -77,6 +77,7 @@ void whole_bake(benchmark::State& state, int threads) {
     state.counters["file_MB"] = static_cast<double>(pack.file.size()) / 1e6;
 }
 
+// The whole pack into one block: what a start costs. As much memory is written as the terrain takes.
 void load(benchmark::State& state) {
     const host::LoadedPack pack = host::load_pack(bake_once(0), host::LoadTerrain::no);
     const std::size_t bytes = terrain_bytes(pack.pack.header);
@@ -86,6 +87,32 @@ void load(benchmark::State& state) {
         if (!load_terrain(pack.pack, {block.get(), bytes}, terrain).ok()) return state.SkipWithError("damaged");
     rate(state);
     state.counters["MB"] = static_cast<double>(bytes) / 1e6;
+}
+
+// Page by page, as streaming does: the finest step's pages of a tile come and go over coarser ones that stay.
+void decode(benchmark::State& state, Order order) {
+    baker::BakeOptions options;
+    options.tile_log2 = 9;
+    options.order = order;
+    options.max_texture_log2 = 2;
+    const std::string path = folder + "/decode.fjell";
+    (void)baker::bake(dem(), options, path);
+    const host::LoadedPack pack = host::load_pack(path, host::LoadTerrain::yes);
+    Terrain terrain = pack.terrain;
+    const std::uint32_t last = terrain.pages_per_tile - 1, first = last - 31; // of 64 pages of step 1
+    std::uint32_t tile = 0;
+    double samples_decoded = 0;
+    for (auto _ : state) {
+        for (std::uint32_t page = first; page <= last; ++page) unload_page(terrain, tile, page);
+        for (std::uint32_t page = first; page <= last; ++page) {
+            if (!load_page(pack.pack, terrain, tile, page).ok()) return state.SkipWithError("damaged");
+            samples_decoded += terrain.pages.page_vertices(page);
+        }
+        tile = (tile + 1) % terrain.tile_count();
+    }
+    state.counters["samples/s"] = benchmark::Counter(samples_decoded, benchmark::Counter::kIsRate);
+    state.counters["pages/s"] =
+        benchmark::Counter(32.0 * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 
 void verify(benchmark::State& state) {
@@ -106,7 +133,10 @@ int main(int argc, char** argv) {
     declare("errors/mountains-2049/midpoint-1-thread", [](auto& s) { errors(s, fjell::Estimate::midpoint, 1); });
     declare("bake/mountains-2049/1-thread", [](auto& s) { whole_bake(s, 1); });
     declare("bake/mountains-2049/2-threads", [](auto& s) { whole_bake(s, 2); });
-    declare("load/mountains-2049/decode", load);
+    declare("load/mountains-2049/whole", load);
+    declare("decode/mountains-2049/planar", [](auto& s) { decode(s, Order::planar); });
+    declare("decode/mountains-2049/hz", [](auto& s) { decode(s, Order::hierarchical_z); });
+    declare("decode/mountains-2049/linear", [](auto& s) { decode(s, Order::linear); });
     declare("verify/mountains-2049/all-cores", verify);
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;

@@ -1,8 +1,8 @@
 // The yardstick: what the recursive method costs a selected vertex. Everything later is measured against it in the same
 // run, so it has to be an honest one: the same compiler flags, the same records, and its own nanoseconds printed.
 //
-// Names: stage/scene/parameter. Scenes: the mountains of content/terrain (4097 x 4097, 60 m), in 8 x 8 tiles and in
-// one.
+// Names: stage/scene/parameter. Scene: the mountains of content/terrain (4097 x 4097, 60 m), in tiles of 257 to 4097
+// samples a side and in the three orders.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -23,19 +23,23 @@ using namespace fjell;
 
 const std::string recipe = FJELL_SOURCE_DIR "/content/terrain/mountains.json";
 
+constexpr const char* order_names[] = {"planar", "hz", "linear"};
+
 // Baked once a build folder: the pack's name says everything it depends on but the code; `./dev clean` forgets it.
-std::string pack_path(int tile_log2) {
+std::string pack_path(int tile_log2, Order order) {
     const std::string folder = FJELL_BENCH_DIR;
     std::filesystem::create_directories(folder);
-    const std::string path = folder + "/mountains-" + std::to_string(1 << tile_log2) + ".fjell";
+    const std::string path = folder + "/mountains-" + std::to_string(1 << tile_log2) + "-" +
+                             order_names[static_cast<int>(order)] + "-v" + std::to_string(pack_version) + ".fjell";
     if (std::filesystem::exists(path) &&
         std::filesystem::last_write_time(path) > std::filesystem::last_write_time(recipe))
         return path;
     baker::BakeOptions options;
     options.tile_log2 = tile_log2;
+    options.order = order;
     options.max_texture_log2 = 4;
-    options.compression = 1;
-    (void)baker::bake(baker::synthesise(recipe), options, path);
+    static const baker::Dem dem = baker::synthesise(recipe);
+    (void)baker::bake(dem, options, path);
     return path;
 }
 
@@ -45,11 +49,11 @@ struct Scene {
 };
 
 // A flight 400 m above ground, straight over the middle, 64 frames one cell apart; 1280 x 960 as in the thesis.
-const Scene& scene(int tile_log2) {
-    static std::map<int, Scene> scenes;
-    Scene& s = scenes[tile_log2];
+const Scene& scene(int tile_log2, Order order) {
+    static std::map<std::pair<int, Order>, Scene> scenes;
+    Scene& s = scenes[{tile_log2, order}];
     if (!s.views.empty()) return s;
-    s.pack = host::load_pack(pack_path(tile_log2), host::LoadTerrain::yes);
+    s.pack = host::load_pack(pack_path(tile_log2, order), host::LoadTerrain::yes);
     const Terrain& t = s.pack.terrain;
     const double cell = t.header.spacing_m[0], width = cell * (t.tree.columns() - 1),
                  depth = cell * (t.tree.rows() - 1);
@@ -63,8 +67,17 @@ const Scene& scene(int tile_log2) {
     return s;
 }
 
-void recursive(benchmark::State& state, int tile_log2, double error_px, bool cull, Topology topology, Metric metric) {
-    const Scene& s = scene(tile_log2);
+struct Case {
+    int tile_log2 = 9;
+    Order order = Order::planar;
+    double error_px = 1;
+    bool cull = true;
+    Topology topology = Topology::triangles;
+    Metric metric = Metric::isotropic;
+};
+
+void recursive(benchmark::State& state, const Case& c) {
+    const Scene& s = scene(c.tile_log2, c.order);
     const RecursiveBudget budget{1u << 22, 1u << 25};
     const std::size_t bytes = recursive_bytes(s.pack.terrain, budget);
     const host::AlignedBlock block = host::make_block(bytes);
@@ -72,10 +85,10 @@ void recursive(benchmark::State& state, int tile_log2, double error_px, bool cul
     if (!create_recursive(s.pack.terrain, budget, {block.get(), bytes}, method).ok())
         return state.SkipWithError("budget");
     RefineSettings settings;
-    settings.error_px = error_px;
-    settings.cull = cull;
-    settings.topology = topology;
-    settings.metric = metric;
+    settings.error_px = c.error_px;
+    settings.cull = c.cull;
+    settings.topology = c.topology;
+    settings.metric = c.metric;
     FrameReport report;
     double vertices = 0, triangles = 0, frames = 0;
     std::size_t at = 0;
@@ -98,9 +111,12 @@ void recursive(benchmark::State& state, int tile_log2, double error_px, bool cul
     state.counters["MB"] = static_cast<double>(bytes + terrain_bytes(s.pack.pack.header)) / 1e6;
 }
 
-void declare(const std::string& name, int tile_log2, double error_px, bool cull, Topology topology, Metric metric) {
-    benchmark::RegisterBenchmark(
-        name.c_str(), [=](benchmark::State& state) { recursive(state, tile_log2, error_px, cull, topology, metric); })
+// recursive/mountains-4097/tile-513/planar/1px/list
+void declare(const Case& c, const std::string& what) {
+    const std::string px = c.error_px < 1 ? "0.5" : std::to_string(static_cast<int>(c.error_px));
+    const std::string name = "recursive/mountains-4097/tile-" + std::to_string((1 << c.tile_log2) + 1) + "/" +
+                             order_names[static_cast<int>(c.order)] + "/" + px + "px/" + what;
+    benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) { recursive(state, c); })
         ->Unit(benchmark::kMillisecond)
         ->MinTime(0.5);
 }
@@ -108,18 +124,17 @@ void declare(const std::string& name, int tile_log2, double error_px, bool cull,
 } // namespace
 
 int main(int argc, char** argv) {
-    for (const int log2 : {9, 12}) {
-        const std::string scene_name = log2 == 9 ? "mountains-8x8" : "mountains-1x1";
-        for (const double px : {0.5, 1.0, 2.0, 4.0}) {
-            const std::string at =
-                "/" + scene_name + "/" + (px < 1 ? "0.5" : std::to_string(static_cast<int>(px))) + "px";
-            declare("recursive" + at + "/list", log2, px, true, Topology::triangles, Metric::isotropic);
-            declare("recursive" + at + "/strip", log2, px, true, Topology::strip, Metric::isotropic);
-            if (px != 1.0) continue;
-            declare("recursive" + at + "/list-all-around", log2, px, false, Topology::triangles, Metric::isotropic);
-            declare("recursive" + at + "/list-depth", log2, px, true, Topology::triangles, Metric::depth);
-        }
+    for (const double px : {0.5, 1.0, 2.0, 4.0}) {
+        declare({.error_px = px}, "list");
+        declare({.error_px = px, .topology = Topology::strip}, "strip");
     }
+    declare({.cull = false}, "list-all-around");
+    declare({.metric = Metric::depth}, "list-depth");
+    // The thesis' question (6.4): does the order matter?
+    for (const double px : {1.0, 4.0})
+        for (const int log2 : {8, 10, 12})
+            for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear})
+                declare({.tile_log2 = log2, .order = order, .error_px = px}, "list");
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
     benchmark::RunSpecifiedBenchmarks();

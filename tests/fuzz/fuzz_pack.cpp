@@ -26,7 +26,7 @@ using fuzz::must;
 using fuzz::PackScript;
 
 constexpr std::size_t most_bytes = std::size_t{64} << 20; // what a host would refuse to allocate is not read
-constexpr std::uint32_t steps = 48, steps_a_frame = 12;   // of the page script
+constexpr std::uint32_t steps = 48, steps_a_frame = 24;   // of the page script
 
 // Not host::make_block: its 2 MB pages cost more than all the rest, and here the end must be exact.
 constexpr std::align_val_t alignment{64};
@@ -71,16 +71,24 @@ void repair(std::vector<std::byte>& bytes, bool directory_too) {
     std::memcpy(bytes.data(), &h, sizeof h);
 }
 
+// Into a span that is exactly as long, and filled before.
+Status read_into(const Pack& pack, ChunkId id, std::unique_ptr<std::byte[]>& raw, std::size_t bytes, int fill) {
+    raw = std::make_unique_for_overwrite<std::byte[]>(bytes);
+    std::memset(raw.get(), fill, bytes);
+    return read_chunk(pack, id, {raw.get(), bytes});
+}
+
 void read_chunks(const Pack& pack) {
+    std::unique_ptr<std::byte[]> a, b;
     for (std::uint64_t i = 0; i < pack.header.directory_count; ++i) {
         const ChunkId id = chunk_id(pack.header, i);
         must(chunk_index(pack.header, id) == i, "chunk_id and chunk_index undo each other");
         const std::size_t bytes = pack.entry(i).raw_bytes;
         if (bytes > most_bytes) continue;
-        const auto raw = std::make_unique_for_overwrite<std::byte[]>(bytes + 1);
-        must(!read_chunk(pack, id, {raw.get(), bytes + 1}).ok(), "a chunk does not fill a longer span");
-        const auto exact = std::make_unique_for_overwrite<std::byte[]>(bytes);
-        (void)read_chunk(pack, id, {exact.get(), bytes});
+        const bool ok = read_into(pack, id, a, bytes, 0x00).ok();
+        must(read_into(pack, id, b, bytes, 0xa5).ok() == ok, "a chunk is refused or not by its bytes alone");
+        must(!ok || std::memcmp(a.get(), b.get(), bytes) == 0, "all of a chunk is decoded");
+        must(!read_into(pack, id, b, bytes + 1, 0).ok(), "a chunk does not fill a longer span");
     }
 }
 
@@ -118,18 +126,46 @@ void check_records(const Terrain& t, const Terrain& whole) {
     }
 }
 
+// Inside a tile, where no other one has a say, a vertex of the mesh is the terrain's.
+void check_vertex(const Terrain& t, std::uint32_t tile, const MeshVertex& v) {
+    const std::int32_t side = t.tree.side(), tiles_x = t.tree.tiles_x, x = v.column, y = v.row;
+    must(x <= side && y <= side, "a vertex lies in its tile");
+    must(std::isfinite(v.height_m), "a height is finite");
+    const auto n = static_cast<std::int32_t>(tile);
+    const Coord at{n % tiles_x * side + x, n / tiles_x * side + y};
+    if (x == 0 || y == 0 || x == side || y == side) return;
+    if (at.x >= t.tree.columns() - 1 || at.y >= t.tree.rows() - 1) return; // others stand there, too
+    const Terrain::Vertex vertex = t.vertex(at);
+    must(vertex.loaded && vertex.height_m == v.height_m, "a vertex of the mesh has the terrain's height");
+}
+
 void check_mesh(const Terrain& terrain, const MeshView& mesh) {
+    constexpr std::uint32_t some = 7; // a vertex has about six indices
     for (const TileRange& range : mesh.tiles) {
         must(range.tile < terrain.tile_count(), "a range is of a tile");
         must(range.first_index <= mesh.indices.size() && range.index_count <= mesh.indices.size() - range.first_index,
              "a range lies in the indices");
-        for (const std::uint32_t index : mesh.indices.subspan(range.first_index, range.index_count)) {
-            must(index < mesh.vertices.size(), "an index is of a vertex");
-            const MeshVertex v = mesh.vertices[index];
-            must(v.column <= terrain.pages.side() && v.row <= terrain.pages.side(), "a vertex lies in its tile");
-            must(std::isfinite(v.height_m), "a height is finite");
-        }
         must(mesh.topology == Topology::strip || range.index_count == 3 * range.triangles, "three indices a triangle");
+        const auto indices = mesh.indices.subspan(range.first_index, range.index_count);
+        must(std::all_of(indices.begin(), indices.end(), [&](std::uint32_t i) { return i < mesh.vertices.size(); }),
+             "an index is of a vertex");
+        for (std::uint32_t i = 0; i < indices.size(); i += some)
+            check_vertex(terrain, range.tile, mesh.vertices[indices[i]]);
+    }
+}
+
+// What queries make of vertices here and there, of missing pages too.
+void query(const Terrain& t) {
+    const std::int32_t columns = t.tree.lattice_columns(), rows = t.tree.lattice_rows();
+    for (std::int32_t i = 0; i < 64; ++i) {
+        const Coord at{i * 37 % columns, (i * 101 + i / 8) % rows};
+        const Terrain::Vertex v = t.vertex(at);
+        must(v.loaded || t.pages_missing != 0, "a vertex is there when its page is");
+        must(v.steps >= 0 && v.steps <= max_lattice_steps, "a height lies on the lattice");
+        must(std::isfinite(v.height_m) && v.error_m >= 0 && v.radius_m >= 0, "a vertex' numbers are finite");
+        must(std::isfinite(t.ground_m(i * t.header.spacing_m[0] - 0.3, i * 1.7 * t.header.spacing_m[1])),
+             "the ground is somewhere");
+        (void)t.is_hole(t.tree.sample(at));
     }
 }
 
@@ -138,7 +174,8 @@ struct Refiner {
     Refiner(const Terrain& the_terrain, const PackScript& the_script) : terrain(the_terrain), script(the_script) {
         const std::uint32_t tiles = terrain.tile_count();
         RecursiveBudget budget{4096 + 4 * tiles, 16384 + 9 * tiles};
-        if (script.frame & 1) budget = {4 * tiles + script.eye, 9 * tiles + 4u * script.eye}; // hardly enough
+        if (script.frame & 1) budget.vertices = 4 * tiles + script.eye; // hardly enough
+        if (script.frame & 64) budget.indices = 9 * tiles + 2u * script.eye;
         const std::size_t bytes = recursive_bytes(terrain, budget);
         if (bytes > most_bytes) return;
         block = make_block(bytes);
@@ -153,13 +190,15 @@ struct Refiner {
         settings.cull = (script.frame & 48) != 0;
         settings.metric = (script.frame & 48) == 48 ? Metric::depth : Metric::isotropic;
         const View view = look(number++);
+        const Frustum frustum = make_frustum(view);
         for (const Topology topology : {Topology::triangles, Topology::strip}) {
             settings.topology = topology;
             FrameReport report;
             must(update_recursive(method, view, settings, report).ok(), "a frame of what was loaded");
             const MeshView mesh = recursive_mesh(method);
             check_mesh(terrain, mesh);
-            if (terrain.pages_missing == 0) (void)measure_error(terrain, mesh, view);
+            if (terrain.pages_missing == 0)
+                (void)measure_error(terrain, mesh, view, topology == Topology::strip ? &frustum : nullptr);
         }
     }
 
@@ -171,8 +210,10 @@ private:
         const double ground = terrain.height_m({0, 0});
         const double above = extent * std::pow(10.0, bits / 5 % 5 - 4.0);
         const Vec3 eye{(bits % 5 - 0.5) / 3 * wx, ground + above, (bits / 25 % 5 - 0.5) / 3 * wz};
+        const double far = length(eye) / 9e7; // no view is from further than 100,000 km
         const Vec3 forward{bits / 125 % 3 * 0.5 * wx - eye.x, -above, bits / 7 % 3 * 0.4 * wz - eye.z};
-        return make_view(eye, forward, {0.1, 1, 0.2}, 1, 640, 480, extent * 1e-5, extent * 8);
+        return make_view(far > 1 ? eye * (1 / far) : eye, forward, {0.1, 1, 0.2}, 1, 640, 480, extent * 1e-5,
+                         extent * 8);
     }
 
     const Terrain& terrain;
@@ -229,6 +270,7 @@ void page_by_page(const Pack& pack, const PackScript& script, const Terrain* who
         move_page(pack, terrain, bits >> 8, order < 64 && (bits & 32) != 0, whole != nullptr);
         if (step % steps_a_frame != steps_a_frame - 1) continue;
         check_pages(terrain);
+        query(terrain);
         if (whole) check_records(terrain, *whole);
         refiner.frames();
     }
@@ -244,6 +286,7 @@ void use(const Pack& pack, const PackScript& script) {
     const bool loaded = load_terrain(pack, {block.get(), bytes}, whole).ok();
     if (loaded) {
         check_pages(whole);
+        query(whole);
         Refiner(whole, script).frames();
     }
     page_by_page(pack, script, loaded ? &whole : nullptr);

@@ -168,6 +168,34 @@ TEST_CASE("missing pages make coarser terrain, exactly the target, and never a c
     REQUIRE(refined > 10'000);
 }
 
+TEST_CASE("whichever single page is missing, and whatever the order, there is no crack") {
+    Random random(55);
+    for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
+        baker::BakeOptions options = small_bake(7);
+        options.order = order;
+        const auto pack = bake_and_load(random_dem(random, 257, 257, Shape::noise), options);
+        PagedTerrain paged(pack.pack, {});
+        const auto load_all = [&] {
+            for (std::uint32_t tile = 0; tile < pack.terrain.tile_count(); ++tile)
+                for (std::uint32_t page = 0; page < pack.terrain.pages_per_tile; ++page)
+                    REQUIRE(load_page(pack.pack, paged.terrain, tile, page).ok());
+        };
+        Recursive method(paged.terrain, ample_budget(pack.terrain));
+        for (std::uint32_t tile = 0; tile < pack.terrain.tile_count(); ++tile)
+            for (std::uint32_t page = 0; page < pack.terrain.pages_per_tile; ++page) {
+                load_all();
+                unload_page(paged.terrain, tile, page);
+                const View view = random_view(random, pack.terrain);
+                RefineSettings settings;
+                settings.error_px = std::pow(10.0, uniform(random, -2.5, -0.5)); // all of it, nearly
+                settings.cull = pick(random, 0, 1) == 1;
+                (void)method.update(view, settings);
+                CAPTURE(static_cast<int>(order), tile, page, settings.error_px);
+                REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
+            }
+    }
+}
+
 TEST_CASE("a page asks for the coarser pages over it, and slots run out by name") {
     Random random(53);
     baker::Dem dem = random_dem(random, 257, 257, Shape::fractal);

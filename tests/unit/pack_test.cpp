@@ -86,6 +86,35 @@ TEST_CASE("a height field of any extents is kept whole, in the fewest tiles that
     }
 }
 
+TEST_CASE("errors of the finest step are left out of the pack, but at the rim and beside holes") {
+    Random random(28);
+    baker::Dem dem = random_dem(random, 257, 257, Shape::noise);
+    for (float& h : dem.heights_m) h = std::round(h);
+    dem.native_quantum_m = 1;
+    dem.voids.assign(dem.heights_m.size(), 0);
+    dem.voids[dem.index(21, 231)] = 1;
+    for (const Order order : {Order::planar, Order::hierarchical_z}) {
+        baker::BakeOptions options = small_bake(8);
+        options.order = order;
+        const auto pack = bake_and_load(dem, options);
+        const PageLayout pages = pack.pack.pages();
+        int derived = 0;
+        for (std::uint32_t page = 0; page < pages.pages_per_tile(); ++page) {
+            const ChunkId id{ChunkKind::geometry, 0, page};
+            std::vector<std::byte> raw(pack.pack.entry(chunk_index(pack.pack.header, id)).raw_bytes);
+            REQUIRE(read_chunk(pack.pack, id, raw).ok());
+            PageHead head;
+            std::memcpy(&head, raw.data(), sizeof head);
+            const bool finest = pages.page_step_log2(page) == 0,
+                       holed = finest && pages.page_block(page) == Coord{0, 3};
+            CHECK(((head.flags & page_errors) == 0) == (finest && !holed));
+            CHECK(((head.flags & page_voids) != 0) == holed);
+            derived += (head.flags & page_errors) == 0;
+        }
+        CHECK(derived == 15);
+    }
+}
+
 TEST_CASE("automatic tiles: 512 cells, more for more than 1,024 tiles, fewer when one covers the terrain") {
     CHECK(baker::auto_tile_log2(2, 2) == 1);
     CHECK(baker::auto_tile_log2(3, 3) == 1);

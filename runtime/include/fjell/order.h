@@ -108,7 +108,8 @@ struct PageLayout {
         while (z > 0 && page >= first_page(tile_log2 - z)) --z;
         return z;
     }
-    // The block that such a page is, in blocks of its step.
+    // The block that such a page is, in blocks of its step; and the page of a block of a step of at least 32 x 32
+    // squares. Neither for linear order.
     [[nodiscard]] constexpr Coord page_block(std::uint32_t page) const {
         const int z = page_step_log2(page);
         const StepLayout step = step_layout(z);

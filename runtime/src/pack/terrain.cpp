@@ -289,7 +289,8 @@ Terrain::Vertex Terrain::vertex(Coord v) const {
         return out;
     }
     const std::int32_t tx = std::min(v.x / side, tree.tiles_x - 1), ty = std::min(v.y / side, tree.tiles_y - 1);
-    const auto tile = static_cast<std::size_t>(ty * tree.tiles_x + tx);
+    const std::size_t tile =
+        static_cast<std::uint32_t>(ty) * std::size_t{header.tiles_x} + static_cast<std::uint32_t>(tx);
     const PagePlace at =
         pages.place(static_cast<std::uint32_t>(v.x - tx * side), static_cast<std::uint32_t>(v.y - ty * side));
     const PageEntry entry = page_table[tile * pages_per_tile + at.page];

@@ -263,7 +263,8 @@ private:
     };
     [[nodiscard]] Found find(std::int32_t tx, std::int32_t ty, Coord v) const {
         const auto n = static_cast<std::int32_t>(side);
-        const auto tile = static_cast<std::size_t>(ty * terrain.tree.tiles_x + tx);
+        const std::size_t tile =
+            static_cast<std::uint32_t>(ty) * std::size_t{terrain.header.tiles_x} + static_cast<std::uint32_t>(tx);
         const PagePlace at = terrain.pages.place_as<O>(static_cast<std::uint32_t>(v.x - tx * n),
                                                        static_cast<std::uint32_t>(v.y - ty * n));
         const PageEntry page = terrain.page_table[tile * terrain.pages_per_tile + at.page];
