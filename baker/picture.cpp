@@ -91,7 +91,7 @@ public:
         cells.height_m.resize(count);
         cells.error_m.resize(count);
         cells.hole.resize(count);
-        // The coarsest step of which every cell has a side: two of its places one way and one the other.
+        // The coarsest step of which every cell has a vertex: two of its places one way and one the other.
         const std::int32_t nx = tree.columns() / cells.columns, ny = tree.rows() / cells.rows;
         while (step < tree.side() / 2 && 4 * step <= std::max(nx, ny) && 2 * step <= std::min(nx, ny)) step *= 2;
         rim_error_m = static_cast<float>(2 * step) * std::min(terrain.spacing_x_m, terrain.spacing_z_m) * 0.999f;
@@ -123,28 +123,25 @@ private:
         }
     }
 
-    // The places whose sides tell of samples [first, end). A single one takes a neighbour: every square of 2 x 2 has
-    // two sides of step 1. The last ones take the places whose vertices stand on the east or south rim (tree.h).
-    [[nodiscard]] std::pair<std::int32_t, std::int32_t> reach(std::int32_t first, std::int32_t end,
-                                                              std::int32_t samples, std::int32_t lattice) const {
-        if (end - first < 2) return end < samples ? std::pair(first, end + 1) : std::pair(first - 1, end);
-        return {first, end < samples ? end : std::min(end + step, lattice)};
+    // A single sample takes a neighbour: every square of 2 x 2 has three vertices of step 1.
+    static std::pair<std::int32_t, std::int32_t> reach(std::int32_t first, std::int32_t end, std::int32_t samples) {
+        if (end - first >= 2) return {first, end};
+        return end < samples ? std::pair(first, end + 1) : std::pair(first - 1, end);
     }
 
+    // Of the vertices of `step`: places of its lattice that no coarser step has.
     [[nodiscard]] float largest_error_m(const Footprint& f) const {
-        const auto [x0, x1] = reach(f.x0, f.x1, tree.columns(), tree.lattice_columns());
-        const auto [y0, y1] = reach(f.y0, f.y1, tree.rows(), tree.lattice_rows());
+        const auto [x0, x1] = reach(f.x0, f.x1, tree.columns());
+        const auto [y0, y1] = reach(f.y0, f.y1, tree.rows());
         float largest_m = 0;
-        for (std::int32_t j = (y0 + step - 1) / step; j * step < y1; ++j) {
-            std::int32_t i = (x0 + step - 1) / step;
-            for (i += (i + j + 1) & 1; i * step < x1; i += 2)
-                largest_m = std::max(largest_m, terrain.vertex({i * step, j * step}).error_m);
-        }
+        for (std::int32_t j = (y0 + step - 1) / step; j * step < y1; ++j)
+            for (std::int32_t i = (x0 + step - 1) / step; i * step < x1; ++i)
+                if ((i | j) & 1) largest_m = std::max(largest_m, terrain.vertex({i * step, j * step}).error_m);
         return largest_m;
     }
 
-    // Over a hole's rim a triangle's error is at least its own size (verify.h: rim violations). The diamonds of `step`
-    // that touch a cell have their centres in it or beside it: where all their errors are smaller, no rim is near, and
+    // Over a hole's rim a triangle's error is at least its own size (verify.h: rim violations). The sides' diamonds of
+    // `step` that touch a cell have their centres in it or beside it: where all errors are smaller, no rim is near, and
     // one sample tells for all. In the last cells triangles may be squeezed to any size: there all samples are asked.
     void find_holes(std::int32_t y) {
         for (std::int32_t x = 0; x < cells.columns; ++x) {
@@ -168,7 +165,7 @@ private:
     const Terrain& terrain;
     const Tree tree;
     Cells cells;
-    std::int32_t step = 1; // of the sides whose errors are shown
+    std::int32_t step = 1; // of the vertices whose errors are shown
     float rim_error_m = 0;
 };
 
@@ -244,10 +241,11 @@ struct Ramp {
         least = most == 0 ? e : std::min(least, e);
         most = std::max(most, e);
     }
-    // Diamonds reach from a cell into the next one; those of single samples begin in the next one (Sampler::reach).
+    // What a vertex' error bounds ends within three steps of it, and a cell is at least two wide, or is a single sample
+    // with its neighbour.
     static bool hole_near(const Cells& cells, std::int32_t x, std::int32_t y) {
-        for (std::int32_t j = std::max(y - 2, 0); j <= std::min(y + 2, cells.rows - 1); ++j)
-            for (std::int32_t i = std::max(x - 2, 0); i <= std::min(x + 2, cells.columns - 1); ++i)
+        for (std::int32_t j = std::max(y - 3, 0); j <= std::min(y + 3, cells.rows - 1); ++j)
+            for (std::int32_t i = std::max(x - 3, 0); i <= std::min(x + 3, cells.columns - 1); ++i)
                 if (cells.hole[cells.index(i, j)]) return true;
         return false;
     }

@@ -3,8 +3,8 @@
 // North is up: row 0 on top. A sample is a rectangle of the terrain's spacing, so the terrain's aspect ratio is that of
 // its extent in metres. A terrain with fewer samples than the picture has pixels is enlarged, each sample to a block.
 //   relief  grey, light from the north-west, slopes exaggerated or softened until they show;
-//   errors  the largest of the pixel's finest vertices, which bound everything under them: blue over yellow to red on
-//           a logarithmic ramp, multiplied into the relief; grey where there is no error at all;
+//   errors  the largest of the vertices of the step that matches the pixel, which bound everything finer under them:
+//           blue over yellow to red on a logarithmic ramp, multiplied into the relief; grey where there is none at all;
 //   holes   hole_rgb, flat, wherever a pixel has at least one sample without a height;
 //   tiles   a line through the samples that two tiles share, darker than light ground and lighter than dark ground;
 //           on holes hole_line_rgb. Every second, fourth, ... line only where they would lie too close.

@@ -45,9 +45,11 @@ public:
             for (std::uint32_t page = 0; page < paged.pages_per_tile; ++page)
                 if (paged.page_table[tile * paged.pages_per_tile + page].slot == no_page_slot) absent(tile, page);
         const Reach reach = make_reach(view, error_px);
-        for (int level = 0; level < 2 * full.tree.tile_log2; ++level)
-            for (std::int32_t y = 0; y < full.tree.lattice_rows(); ++y)
-                for (std::int32_t x = 0; x < columns_; ++x) decide({x, y}, level, reach);
+        for (int level = 0; level < 2 * full.tree.tile_log2; ++level) {
+            const std::int32_t step = 1 << (full.tree.tile_log2 - 1 - level / 2);
+            for (std::int32_t y = 0; y < full.tree.lattice_rows(); y += step)
+                for (std::int32_t x = 0; x < columns_; x += step) decide({x, y}, level, reach);
+        }
     }
     [[nodiscard]] bool in(Coord c) const { return in_[at(c)]; }
 
@@ -81,7 +83,7 @@ private:
 
 TEST_CASE("the same height field gives the same mesh in every order") {
     Random random(51);
-    for (int round = 0; round < 60; ++round) {
+    for (int round = 0; round < 40; ++round) {
         const int log2 = pick(random, 1, 8);
         baker::Dem dem = random_dem(random, pick(random, 2, 300), pick(random, 2, 200), Shape::fractal);
         if (pick(random, 0, 2) == 0) add_random_holes(random, dem, log2);
@@ -106,13 +108,15 @@ TEST_CASE("the same height field gives the same mesh in every order") {
             REQUIRE(meshes[0] == meshes[1]);
             REQUIRE(meshes[0] == meshes[2]);
         }
+        std::size_t wrong = 0;
         for (std::int32_t y = 0; y < dem.rows; y += 3)
             for (std::int32_t x = 0; x < dem.columns; ++x) {
                 const auto a = packs[0].terrain.vertex({x, y});
                 for (const auto& other : {packs[1].terrain.vertex({x, y}), packs[2].terrain.vertex({x, y})})
-                    REQUIRE((a.steps == other.steps && a.error_m == other.error_m && a.radius_m == other.radius_m &&
-                             a.hole == other.hole));
+                    wrong += a.steps != other.steps || a.error_m != other.error_m || a.radius_m != other.radius_m ||
+                             a.hole != other.hole;
             }
+        REQUIRE(wrong == 0);
     }
 }
 
@@ -120,8 +124,9 @@ TEST_CASE("missing pages make coarser terrain, exactly the target, and never a c
     Random random(52);
     std::size_t incomplete = 0, refined = 0;
     for (int round = 0; round < 120; ++round) {
-        const int log2 = pick(random, 1, 8);
-        baker::Dem dem = random_dem(random, pick(random, 2, 400), pick(random, 2, 200),
+        const bool large = round % 30 >= 27; // one in each order
+        const int log2 = large ? pick(random, 6, 9) : pick(random, 1, 8);
+        baker::Dem dem = random_dem(random, pick(random, 2, large ? 1000 : 300), pick(random, 2, large ? 700 : 150),
                                     pick(random, 0, 1) ? Shape::fractal : Shape::noise);
         if (pick(random, 0, 3) == 0) add_random_holes(random, dem, log2);
         baker::BakeOptions options = small_bake(log2);
@@ -144,7 +149,6 @@ TEST_CASE("missing pages make coarser terrain, exactly the target, and never a c
             (void)method.update(view, settings);
             const std::vector<Triangle> triangles = triangles_of(pack.terrain, method.mesh());
             if (!pack.terrain.has_voids()) REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
-            const Target target(pack.terrain, paged.terrain, view, settings.error_px);
             std::vector<bool> used(pack.terrain.tree.columns() * static_cast<std::size_t>(pack.terrain.tree.rows()));
             const auto at = [&](Coord c) {
                 return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(pack.terrain.tree.columns()) +
@@ -153,11 +157,14 @@ TEST_CASE("missing pages make coarser terrain, exactly the target, and never a c
             for (const Triangle& t : triangles)
                 for (const Coord c : t) used[at(c)] = true;
             if (pack.terrain.has_voids()) continue; // what is left out of a mesh is not looked for in it
+            std::size_t wrong = 0;
+            const Target target(pack.terrain, paged.terrain, view, settings.error_px);
             for (std::int32_t y = 0; y < pack.terrain.tree.rows() - 1; ++y)
                 for (std::int32_t x = 0; x < pack.terrain.tree.columns() - 1; ++x) {
-                    REQUIRE(used[at({x, y})] == target.in({x, y}));
+                    wrong += used[at({x, y})] != target.in({x, y});
                     refined += used[at({x, y})];
                 }
+            REQUIRE(wrong == 0);
             // With culling it is the same, less what cannot be seen.
             settings.cull = true;
             (void)method.update(view, settings);

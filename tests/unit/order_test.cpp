@@ -109,13 +109,22 @@ std::uint32_t count_wrong_locations(int log2, std::uint32_t stride) {
         planes[static_cast<std::size_t>(z)] = {make_level_plane(terrain, z, PlaneKind::centre),
                                                make_level_plane(terrain, z, PlaneKind::side_x),
                                                make_level_plane(terrain, z, PlaneKind::side_y)};
+    // Every page in the slot of its own number, but the second one, which is not loaded.
+    const std::uint32_t capacity = terrain.pages.page_capacity();
+    const auto base_of = [](std::uint32_t page) { return static_cast<std::int32_t>(7 * page); };
+    std::vector<BlockEntry> entries(entries_per_tile(terrain.pages), BlockEntry{no_page_slot, -1});
+    for (std::uint32_t page = 0; page < terrain.pages.pages_per_tile(); ++page)
+        set_block(terrain, page, {page == 1 ? no_page_slot : page * capacity, base_of(page)}, entries.data());
     std::uint32_t wrong = 0;
     for_each_vertex(terrain.pages, stride, [&](std::uint32_t x, std::uint32_t y) {
         const Coord c = to_coord(x, y);
         if (terrain.tree.is_corner(c)) return;
         const LevelPlane& plane =
             planes[static_cast<std::size_t>(Tree::step_log2(c))][static_cast<std::size_t>(Tree::kind(c))];
-        wrong += locate<O>(plane, terrain.pages.side(), x, y) != terrain.pages.place_as<O>(x, y);
+        const Located found = locate<O>(plane, entries.data(), terrain.pages.side(), x, y);
+        const PagePlace place = terrain.pages.place_as<O>(x, y);
+        wrong += found.loaded != (place.page != 1) || found.base != base_of(place.page);
+        wrong += found.loaded && found.index != place.page * capacity + place.index;
         wrong += plane.unit_m != static_cast<float>(terrain.tree.level(c) + 1);
     });
     return wrong;

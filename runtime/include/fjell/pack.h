@@ -20,7 +20,7 @@ namespace fjell {
 inline constexpr char pack_magic[8] = {'F', 'J', 'E', 'L', 'L', 'P', 'K', '\n'};
 inline constexpr std::uint32_t pack_version = 2;
 // Changes with every stored layout; also tells a byte-swapped file from ours.
-inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0002'0004'0c88ull;
+inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0002'0004'0cd0ull;
 inline constexpr std::uint32_t max_texture_log2 = 12;
 inline constexpr std::uint32_t max_columns = 1u << 20;
 inline constexpr double min_spacing_m = 1e-3, max_spacing_m = 1e6;
@@ -90,9 +90,9 @@ enum PageFlags : std::uint8_t {
     page_errors = 2, // errors are stored; otherwise they follow from heights (step 1 only)
     page_voids = 4   // a bit a vertex: holes
 };
-// Radii of a block page, one for 8 x 8 squares: 4 x 4 for centres, 4 x 5 for side_x, 5 x 4 for side_y.
-inline constexpr std::uint32_t radius_block_log2 = 3;
-inline constexpr std::uint32_t page_radii = 16 + 20 + 20;
+// Radii of a block page, one for 4 x 4 squares: 8 x 8 for centres, 8 x 9 for side_x, 9 x 8 for side_y.
+inline constexpr std::uint32_t radius_block_log2 = 2;
+inline constexpr std::uint32_t page_radii = 64 + 72 + 72;
 // The most and the fewest bytes that a page of that many vertices can decode from.
 [[nodiscard]] constexpr std::uint32_t max_page_raw_bytes(std::uint32_t vertices) {
     return static_cast<std::uint32_t>(sizeof(PageHead)) + 4 * vertices + page_radii + (vertices + 7) / 8;

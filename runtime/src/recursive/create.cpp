@@ -21,7 +21,7 @@ std::size_t state_count(const Terrain& terrain) {
 
 // Where the block's parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t states, slot_pages, vertices, owners, free_slots, indices, tiles, end;
+    std::size_t states, blocks, slot_pages, vertices, owners, free_slots, indices, tiles, end;
 };
 
 Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
@@ -29,6 +29,7 @@ Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
     std::size_t at = aligned(sizeof(RecursiveState));
     const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
     l.states = place(state_count(terrain) * sizeof(VertexState));
+    l.blocks = place(std::size_t{terrain.tile_count()} * entries_per_tile(terrain.pages) * sizeof(BlockEntry));
     l.slot_pages = place(std::size_t{terrain.slot_count} * sizeof(std::uint32_t));
     l.vertices = place(std::size_t{budget.vertices} * sizeof(MeshVertex));
     l.owners = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
@@ -69,14 +70,18 @@ Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, s
     s.tiles = reinterpret_cast<TileRange*>(at + l.tiles);
     s.state_count = static_cast<std::size_t>(count);
     s.slot_pages = reinterpret_cast<std::uint32_t*>(at + l.slot_pages);
-    for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.slot_pages[i] = terrain.slot_page[i];
-    s.seen_changes = terrain.changes;
+    for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.slot_pages[i] = no_page;
+    s.blocks = reinterpret_cast<BlockEntry*>(at + l.blocks);
+    s.blocks_per_tile = entries_per_tile(terrain.pages);
+    for (std::uint64_t i = 0; i < tiles * s.blocks_per_tile; ++i) s.blocks[i] = {no_page_slot, 0};
+    s.seen_changes = terrain.changes - 1;
     for (std::uint64_t i = 0; i < count; ++i) s.states[i].slot = no_slot;
     for (std::uint32_t i = 0; i < budget.vertices; ++i) {
         s.owners[i] = no_owner;
         s.free_slots[i] = budget.vertices - 1 - i;
     }
     s.free_count = budget.vertices;
+    follow_pages(s);
     method.state = &s;
     return {};
 }

@@ -1,8 +1,11 @@
-// From a vertex on its way down the tree to its place in the pages: the recursion's inner arithmetic, for each order.
+// From a vertex on its way down the tree to its record: the recursion's inner arithmetic, for each order.
+//
 // PageLayout::place says the same for any vertex; here the step and the plane are known, and most is done beforehand.
+// The method keeps a page table of its own (RecursiveState::blocks) in which every step of a tile is a grid of blocks,
+// with one column and one row more than there are: the sides on the tile's east and south border, which the last blocks
+// hold too, are found through those, without a comparison.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -10,17 +13,38 @@
 
 namespace fjell {
 
-struct LevelPlane {
-    std::uint32_t offset;      // planar: of the plane in its page; hierarchical Z: of the step
-    std::uint32_t stride;      // planar: of a row
-    std::uint32_t block;       // squares a side of a page
-    std::uint32_t digit;       // hierarchical Z: which of a square's three vertices
-    std::uint32_t shift;       // from samples to squares
-    std::uint32_t first_page;  // of the step
-    std::uint32_t last_block;  // in x and y
-    std::uint32_t blocks_log2; // a side
-    float unit_m;              // of the level's radii
+struct BlockEntry {
+    std::uint32_t
+        origin;        // number of the page's first record, or of what the arithmetic below starts from; no_page_slot
+    std::int32_t base; // lattice steps
 };
+
+struct LevelPlane {
+    std::uint32_t offset;     // planar: of the plane in its page; hierarchical Z: of the step
+    std::uint32_t stride;     // planar: of a row
+    std::uint32_t squares;    // a side of the whole step
+    std::uint32_t block;      // a side of a page
+    std::uint32_t digit;      // hierarchical Z: which of a square's three vertices
+    std::uint32_t shift;      // from samples to squares
+    std::uint32_t first;      // entry of the step's first block
+    std::uint32_t pitch_log2; // entries from one row of blocks to the next
+    float unit_m;             // of the level's radii
+};
+
+// Entries that a tile's table has: page 0, then step by step twice as many a row as there are blocks; in linear order
+// one a page.
+inline std::uint32_t first_entry(const PageLayout& pages, int z) {
+    std::uint32_t first = 1;
+    for (int coarser = pages.tile_log2 - 1; coarser > z; --coarser) {
+        const StepLayout step = pages.step_layout(coarser);
+        const std::uint32_t blocks = 1u << step.blocks_log2;
+        if (step.block == page_squares) first += 2 * blocks * (blocks + 1);
+    }
+    return first;
+}
+inline std::uint32_t entries_per_tile(const PageLayout& pages) {
+    return pages.order == Order::linear ? pages.pages_per_tile() : first_entry(pages, -1);
+}
 
 inline LevelPlane make_level_plane(const Terrain& terrain, int z, PlaneKind kind) {
     const int level = 2 * (terrain.tree.tile_log2 - 1 - z) + (kind == PlaneKind::centre ? 0 : 1);
@@ -29,46 +53,69 @@ inline LevelPlane make_level_plane(const Terrain& terrain, int z, PlaneKind kind
     p.unit_m = terrain.header.level_radius_m[level];
     if (terrain.pages.order == Order::linear) return p;
     const StepLayout step = terrain.pages.step_layout(z);
-    const bool planar = terrain.pages.order == Order::planar;
+    p.squares = step.squares;
     p.block = step.block;
-    p.offset = step.offset + (planar ? block_index<Order::planar>(step.block, kind, 0, 0) : 0);
+    p.offset =
+        step.offset + (terrain.pages.order == Order::planar ? block_index<Order::planar>(step.block, kind, 0, 0) : 0);
     p.stride = step.block + (kind == PlaneKind::side_y ? 1 : 0);
     p.digit = block_index<Order::hierarchical_z>(2, kind, 0, 0);
-    p.first_page = step.first_page;
-    p.blocks_log2 = static_cast<std::uint32_t>(step.blocks_log2);
-    p.last_block = (1u << step.blocks_log2) - 1;
+    p.first = step.block == page_squares ? first_entry(terrain.pages, z) : 0;
+    p.pitch_log2 = static_cast<std::uint32_t>(step.blocks_log2 + 1);
     return p;
 }
 
-inline constexpr std::array<std::uint16_t, 64> spread_table = [] {
-    std::array<std::uint16_t, 64> table{};
+// Writes what the table says of one page, loaded or not.
+inline void set_block(const Terrain& terrain, std::uint32_t page, BlockEntry entry, BlockEntry* tile_entries) {
+    const int z = terrain.pages.page_step_log2(page);
+    if (z < 0) {
+        tile_entries[page] = entry;
+        return;
+    }
+    const StepLayout step = terrain.pages.step_layout(z);
+    const Coord block = terrain.pages.page_block(page);
+    const auto blocks = std::int32_t{1} << step.blocks_log2;
+    BlockEntry* const at = tile_entries + first_entry(terrain.pages, z) + block.y * 2 * blocks + block.x;
+    *at = entry;
+    // Seen through the extra column and row, the planes begin at the block's last but one.
+    const bool planar = terrain.pages.order == Order::planar && entry.origin != no_page_slot;
+    if (block.x == blocks - 1) at[1] = {entry.origin + (planar ? page_squares : 0), entry.base};
+    if (block.y == blocks - 1) at[2 * blocks] = {entry.origin + (planar ? page_squares * page_squares : 0), entry.base};
+}
+
+inline constexpr std::array<std::uint16_t, page_squares> spread_table = [] {
+    std::array<std::uint16_t, page_squares> table{};
     for (std::uint32_t i = 0; i < table.size(); ++i) table[i] = static_cast<std::uint16_t>(spread_bits(i));
     return table;
 }();
 
-// x, y: tile-local.
+// The vertex' page and the number of its record among all; origin no_page_slot: not loaded. x, y: tile-local.
+struct Located {
+    std::uint32_t index;
+    std::int32_t base;
+    bool loaded;
+};
 template <Order O>
-[[gnu::always_inline]] inline PagePlace locate(const LevelPlane& p, std::uint32_t side, std::uint32_t x,
-                                               std::uint32_t y) {
+[[gnu::always_inline]] inline Located locate(const LevelPlane& p, const BlockEntry* entries, std::uint32_t side,
+                                             std::uint32_t x, std::uint32_t y) {
+    constexpr std::uint32_t inside = page_squares - 1;
     if constexpr (O == Order::linear) {
         const std::uint32_t index = y * (side + 1) + x;
-        return {index / max_page_vertices, index % max_page_vertices};
+        const BlockEntry e = entries[index / max_page_vertices];
+        return {e.origin + index % max_page_vertices, e.base, e.origin != no_page_slot};
     } else {
         const std::uint32_t i = x >> p.shift, j = y >> p.shift;
-        const std::uint32_t bx = std::min(i >> page_squares_log2, p.last_block),
-                            by = std::min(j >> page_squares_log2, p.last_block);
-        const std::uint32_t il = i - (bx << page_squares_log2), jl = j - (by << page_squares_log2);
-        if constexpr (O == Order::planar) {
-            return {p.first_page + (by << p.blocks_log2) + bx, p.offset + jl * p.stride + il};
-        } else {
-            const std::uint32_t page =
-                p.first_page + (spread_table[bx] | static_cast<std::uint32_t>(spread_table[by]) << 1);
-            const std::uint32_t inner = 3 * p.block * p.block;
-            if (jl == p.block) return {page, p.offset + inner + il};
-            if (il == p.block) return {page, p.offset + inner + p.block + jl};
-            return {page,
-                    p.offset + 3 * (spread_table[il] | static_cast<std::uint32_t>(spread_table[jl]) << 1) + p.digit};
-        }
+        const BlockEntry e = entries[p.first + (j >> page_squares_log2 << p.pitch_log2) + (i >> page_squares_log2)];
+        std::uint32_t index = e.origin + p.offset;
+        if constexpr (O == Order::planar)
+            index += (j & inside) * p.stride + (i & inside);
+        else if (j == p.squares)
+            index += 3 * p.block * p.block + (i & inside);
+        else if (i == p.squares)
+            index += 3 * p.block * p.block + p.block + (j & inside);
+        else
+            index +=
+                3 * (spread_table[i & inside] | static_cast<std::uint32_t>(spread_table[j & inside]) << 1) + p.digit;
+        return {index, e.base, e.origin != no_page_slot};
     }
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <utility>
 
 #include "recursive/emit.h"
 #include "recursive/locate.h"
@@ -74,7 +75,7 @@ private:
         const auto n = static_cast<std::int32_t>(side);
         column0 = tx * n;
         row0 = ty * n;
-        pages = terrain.page_table + std::size_t{tile} * terrain.pages_per_tile;
+        blocks = s.blocks + std::size_t{tile} * s.blocks_per_tile;
         limit_x = terrain.tree.columns() - 1 - column0;
         limit_y = terrain.tree.rows() - 1 - row0;
         cut = limit_x < n || limit_y < n;
@@ -112,11 +113,9 @@ private:
         const std::uint32_t xy = (end + other_end) >> 1;
         const LevelPlane& plane = Centre || ((end ^ other_end) & 0xffff) != 0 ? *at : at[1];
         const std::uint32_t x = xy & 0xffff, y = xy >> 16;
-        const PagePlace in_page = locate<O>(plane, side, x, y);
-        const PageEntry page = pages[in_page.page];
-        if (page.slot == no_page_slot) return {xy, 0, not_selected};
-        const std::uint32_t index = page.slot * terrain.page_capacity + in_page.index;
-        return {xy, index, eval(index, page.base, plane, x, y, planes)};
+        const Located at_record = locate<O>(plane, blocks, side, x, y);
+        if (!at_record.loaded) return {xy, 0, not_selected};
+        return {xy, at_record.index, eval(at_record.index, at_record.base, plane, x, y, planes)};
     }
 
     // meshRefine of a triangle whose middle vertex m is selected. Both halves are evaluated before either is entered:
@@ -292,12 +291,11 @@ private:
     // The root's sphere holds all of the tile; without its page nothing is known.
     bool root_outside() const {
         const std::uint32_t half = side / 2;
-        const PagePlace at = locate<O>(levels[0], side, half, half);
-        const PageEntry page = pages[at.page];
-        if (page.slot == no_page_slot) return false;
-        const VertexRecord root = terrain.records[page.slot * terrain.page_capacity + at.index];
+        const Located at = locate<O>(levels[0], blocks, side, half, half);
+        if (!at.loaded) return false;
+        const VertexRecord root = terrain.records[at.index];
         const Coord v = place(pack_xy(half, half));
-        return crossed({terrain.x_m(column0 + v.x), terrain.lattice.height_m(page.base + root.height),
+        return crossed({terrain.x_m(column0 + v.x), terrain.lattice.height_m(at.base + root.height),
                         terrain.z_m(row0 + v.y)},
                        levels[0].unit_m * terrain.radii.factor[root.radius & (radius_codes - 1)],
                        all_planes) == not_selected;
@@ -389,7 +387,7 @@ private:
     std::int32_t column0 = 0, row0 = 0;
     std::int32_t limit_x = 0, limit_y = 0; // the terrain's last column and row, counted from the tile's first
     bool cut = false;                      // they lie inside it
-    const PageEntry* pages = nullptr;
+    const BlockEntry* blocks = nullptr;
 };
 
 template <Order O, bool Cull, Metric M>
@@ -419,14 +417,40 @@ PassResult run_pass(RecursiveState& s, const View& view, const RefineSettings& s
     return run_order<Order::linear>(s, view, settings, threshold_px);
 }
 
-// What was known of a slot's vertices goes when another page has moved in.
+// Enters what a page slot holds now into the table of blocks. Answers whether its vertices were known.
+bool move_page(RecursiveState& s, std::uint32_t slot) {
+    const Terrain& terrain = *s.terrain;
+    const auto set = [&](std::uint32_t page, bool loaded) {
+        if (page == no_page) return;
+        // The page may have moved to another slot, which then says so itself, sooner or later.
+        const PageEntry now = terrain.page_table[page];
+        if (now.slot != (loaded ? slot : no_page_slot)) return;
+        const BlockEntry entry{loaded ? slot * terrain.page_capacity : no_page_slot, loaded ? now.base : 0};
+        set_block(terrain, page % terrain.pages_per_tile, entry,
+                  s.blocks + std::size_t{page / terrain.pages_per_tile} * s.blocks_per_tile);
+    };
+    const std::uint32_t before = std::exchange(s.slot_pages[slot], terrain.slot_page[slot]);
+    set(before, false);
+    set(s.slot_pages[slot], true);
+    return before != no_page;
+}
+
+// Where to start: where the last frame ended, a step finer when it had room to spare.
+double first_threshold(const RecursiveState& s, double asked_px) {
+    if (!s.exhausted || s.effective_px <= asked_px) return asked_px;
+    const bool room = s.last_selected < s.budget.vertices / 5 * 4 && s.last_indices < s.budget.indices / 5 * 4;
+    return std::max(asked_px, room ? s.effective_px * step_down : s.effective_px);
+}
+
+} // namespace
+
 void follow_pages(RecursiveState& s) {
     const Terrain& terrain = *s.terrain;
     if (s.seen_changes == terrain.changes) return;
     s.seen_changes = terrain.changes;
     for (std::uint32_t slot = 0; slot < terrain.slot_count; ++slot) {
         if (s.slot_pages[slot] == terrain.slot_page[slot]) continue;
-        s.slot_pages[slot] = terrain.slot_page[slot];
+        if (!move_page(s, slot)) continue;
         VertexState* const states = s.states + std::size_t{slot} * terrain.page_capacity;
         for (std::uint32_t i = 0; i < terrain.page_capacity; ++i) {
             if (states[i].slot != no_slot) {
@@ -438,15 +462,6 @@ void follow_pages(RecursiveState& s) {
         }
     }
 }
-
-// Where to start: where the last frame ended, a step finer when it had room to spare.
-double first_threshold(const RecursiveState& s, double asked_px) {
-    if (!s.exhausted || s.effective_px <= asked_px) return asked_px;
-    const bool room = s.last_selected < s.budget.vertices / 5 * 4 && s.last_indices < s.budget.indices / 5 * 4;
-    return std::max(asked_px, room ? s.effective_px * step_down : s.effective_px);
-}
-
-} // namespace
 
 Status update_recursive(RecursiveMethod method, const View& view, const RefineSettings& settings, FrameReport& report) {
     if (Status v = validate(view); !v.ok()) return v;

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "fjell/recursive.h"
+#include "recursive/locate.h"
 
 namespace fjell {
 
@@ -20,6 +21,8 @@ struct RecursiveState {
     RecursiveBudget budget;
     VertexState* states; // one a record of every page slot, as they lie there; then four a tile, its corners
     std::size_t state_count;
+    BlockEntry* blocks; // page table by blocks, blocks_per_tile a tile (locate.h)
+    std::uint32_t blocks_per_tile;
     std::uint32_t* slot_pages;  // what each page slot held when it was last looked at
     std::uint64_t seen_changes; // Terrain::changes then
     MeshVertex* vertices;       // budget.vertices
@@ -38,5 +41,8 @@ struct RecursiveState {
     std::uint32_t exhausted; // BudgetBits that keep effective_px above the asked one
     std::uint32_t last_selected, last_indices;
 };
+
+// Takes over which pages are loaded; what was known of a slot's vertices goes when another page has moved in.
+void follow_pages(RecursiveState& s);
 
 } // namespace fjell
