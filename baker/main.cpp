@@ -262,7 +262,8 @@ Commands declare(CLI::App& app, Arguments& a) {
     c.info->add_option("PACK", a.pack)->required();
     c.info->add_flag("--json", a.info_json);
     auto* const picture =
-        c.info->add_option("--picture", a.picture_path, "a PNG of its relief, errors, holes and tiles");
+        c.info->add_option("--picture", a.picture_path, "a PNG of its relief, errors, holes and tiles")
+            ->check([](const std::string& name) { return std::string(name.empty() ? "give a file name" : ""); });
     c.info->add_option("--picture-size", a.picture.longest_px, "pixels of the terrain's longest side (default 1024)")
         ->check(CLI::Range(min_picture_px, max_picture_px))
         ->needs(picture);

@@ -24,7 +24,7 @@ constexpr std::uint32_t first_side_x = n * n, first_side_y = first_side_x + n * 
 std::size_t raw_bytes(const PageLayout& pages, std::uint32_t page, unsigned flags) {
     const std::size_t count = pages.page_vertices(page);
     return sizeof(PageHead) + count * (1u + (flags & page_wide ? 1 : 0) + (flags & page_errors ? 1 : 0)) +
-           (is_block(pages, page) ? 56 : count) + (flags & page_voids ? (count + 7) / 8 : 0);
+           (is_block(pages, page) ? page_radii : count) + (flags & page_voids ? (count + 7) / 8 : 0);
 }
 
 // Exactly as long as it is: one byte further is the sanitizer's.

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <span>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -185,10 +186,10 @@ void make_seeds(const std::filesystem::path& folder) {
          {std::pair{Order::planar, "planar"}, {Order::hierarchical_z, "hz"}, {Order::linear, "linear"}})
         for (const SeedPack& seed : seed_packs) {
             const auto pack = make_pack(random, order, seed);
-            const std::string name =
-                order_name + ("_" + std::to_string(seed.samples.x)) + "x" + std::to_string(seed.samples.y);
-            seeds.packs(name, pack);
-            seeds.pages(name, pack);
+            std::ostringstream name;
+            name << order_name << '_' << seed.samples.x << 'x' << seed.samples.y;
+            seeds.packs(name.str(), pack);
+            seeds.pages(name.str(), pack);
         }
 }
 

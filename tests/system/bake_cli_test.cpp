@@ -83,6 +83,32 @@ TEST_CASE("height fields that are not are refused in one line with a remedy, and
     refused(folder, bake + "high.asc -o out.fjell", 1, "high.asc");
 }
 
+TEST_CASE("orders, quanta and holes are asked for on the command line and told by info") {
+    const TemporaryFolder folder;
+    spit(folder / "recipe.json", R"({"columns": 200, "rows": 130, "spacing_m": 60})");
+    REQUIRE(run_in(folder.path, bake + "synth recipe.json -o dem.tif").code == 0);
+    for (const std::string order : {"planar", "hz", "linear"}) {
+        REQUIRE(run_in(folder.path, bake + "dem.tif -o out.fjell --quantum 0.25 --order " + order).code == 0);
+        const auto info = nlohmann::json::parse(run_in(folder.path, bake + "info out.fjell --json").out);
+        CHECK(info["order"] == order);
+        CHECK(info["quantum_m"] == 0.25);
+        CHECK(info["holes"] == 0);
+        CHECK(info["pages_per_tile"] == 22); // of 256 cells; in linear order by chance the same
+        CHECK(run_in(folder.path, bake + "verify out.fjell --against dem.tif").code == 0);
+    }
+    refused(folder, bake + "dem.tif -o other.fjell --quantum 0.0001", 2, "--quantum 0.0001 m is too small");
+    refused(folder, bake + "dem.tif -o other.fjell --order random", 2, "--order");
+    std::string text = ascii_grid(40, 30, "7", "NODATA_value -99\n");
+    text.replace(text.rfind("7"), 1, "-99");
+    spit(folder / "hole.asc", text);
+    REQUIRE(run_in(folder.path, bake + "hole.asc -o hole.fjell --json bake.json").code == 0);
+    CHECK(nlohmann::json::parse(slurp(folder / "bake.json"))["holes"] == 1);
+    CHECK(run_in(folder.path, bake + "verify hole.fjell --against hole.asc").code == 0);
+    const Run other = run_in(folder.path, bake + "verify hole.fjell --against hole.asc --nodata fill");
+    CHECK(other.code == 1);
+    CHECK(other.err.find("is a hole in one of the two") != std::string::npos);
+}
+
 TEST_CASE("the smallest height field has two by two samples") {
     const TemporaryFolder folder;
     spit(folder / "two.asc", ascii_grid(2, 2, "5"));

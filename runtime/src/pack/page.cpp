@@ -17,7 +17,8 @@ constexpr std::uint32_t n = page_squares;
 constexpr std::uint32_t first_side_x = n * n, first_side_y = first_side_x + n * (n + 1);
 
 // Residuals are differences modulo 2^16, folded so that small ones of either sign are small numbers.
-void read_residuals(const std::byte* low, const std::byte* high, std::uint32_t count, std::uint16_t* out) {
+[[gnu::always_inline]] inline void read_residuals(const std::byte* low, const std::byte* high, std::uint32_t count,
+                                                  std::uint16_t* out) {
     const auto unfold = [](std::uint32_t folded) {
         return static_cast<std::uint16_t>((folded >> 1) ^ (0u - (folded & 1)));
     };
@@ -30,15 +31,14 @@ void read_residuals(const std::byte* low, const std::byte* high, std::uint32_t c
 
 // Residuals to heights, in place; all arithmetic modulo 2^16. A centre is predicted as west + north - north-west, which
 // makes a row the one before it plus a running sum.
-void undo_block(std::uint16_t* h) {
+[[gnu::always_inline]] inline void undo_block(std::uint16_t* h) {
     const auto add = [](std::uint16_t& to, std::uint32_t what) { to = static_cast<std::uint16_t>(to + what); };
     for (std::uint32_t j = 0; j < n; ++j) {
         std::uint16_t* const row = h + j * n;
-        for (std::uint32_t i = 1; i < n; ++i) add(row[i], row[i - 1]);
-        if (j == 0) continue;
-        const std::uint16_t* const north = row - n;
-        for (std::uint32_t i = 0; i < n; ++i) add(row[i], north[i]);
+        std::uint32_t sum = row[0];
+        for (std::uint32_t i = 1; i < n; ++i) row[i] = static_cast<std::uint16_t>(sum += row[i]);
     }
+    for (std::uint32_t i = n; i < n * n; ++i) add(h[i], h[i - n]);
     for (std::uint32_t j = 0; j <= n; ++j) {
         std::uint16_t* const row = h + first_side_x + j * n;
         const std::uint16_t* const north = h + (j == 0 ? 0 : j - 1) * n;
@@ -78,22 +78,30 @@ struct Cursor {
 
 } // namespace
 
-void expand_radii(const std::uint8_t* stored, std::uint8_t* radii) {
-    constexpr std::uint32_t shift = radius_block_log2, blocks = n >> shift;
-    for (std::uint32_t j = 0; j < n; ++j)
-        for (std::uint32_t b = 0; b < blocks; ++b)
-            std::memset(radii + j * n + (b << shift), stored[(j >> shift) * blocks + b], 1u << shift);
-    stored += blocks * blocks;
-    for (std::uint32_t j = 0; j <= n; ++j)
-        for (std::uint32_t b = 0; b < blocks; ++b)
-            std::memset(radii + first_side_x + j * n + (b << shift), stored[(j >> shift) * blocks + b], 1u << shift);
-    stored += blocks * (blocks + 1);
-    for (std::uint32_t j = 0; j < n; ++j) {
-        std::uint8_t* const row = radii + first_side_y + j * (n + 1);
-        const std::uint8_t* const from = stored + (j >> shift) * (blocks + 1);
-        for (std::uint32_t b = 0; b < blocks; ++b) std::memset(row + (b << shift), from[b], 1u << shift);
-        row[n] = from[blocks];
+namespace {
+
+// A plane of `rows` rows of `stride` vertices from one code for each 4 x 4: a line is made once and copied. The last
+// column of 33 has a code of its own.
+template <std::uint32_t Stride>
+void expand_plane(const std::uint8_t* stored, std::uint32_t rows, std::uint8_t* to) {
+    constexpr std::uint32_t size = 1u << radius_block_log2, blocks = n / size;
+    std::uint8_t line[n + size];
+    for (std::uint32_t j = 0; j < rows; ++j, to += Stride) {
+        if (j % size == 0) {
+            for (std::uint32_t b = 0; b < blocks + Stride - n; ++b) std::memset(line + b * size, stored[b], size);
+            stored += blocks + Stride - n;
+        }
+        std::memcpy(to, line, Stride);
     }
+}
+
+} // namespace
+
+void expand_radii(const std::uint8_t* stored, std::uint8_t* radii) {
+    constexpr std::uint32_t blocks = n >> radius_block_log2;
+    expand_plane<n>(stored, n, radii);
+    expand_plane<n>(stored + blocks * blocks, n + 1, radii + first_side_x);
+    expand_plane<n + 1>(stored + blocks * (2 * blocks + 1), n, radii + first_side_y);
 }
 
 FJELL_CLONES Status unpack_page(const PageLayout& pages, std::uint32_t page, std::span<const std::byte> raw,

@@ -36,7 +36,7 @@ struct PageArrays {
 // raw: a decompressed page, any bytes. Fails with corrupt when sizes or values cannot be.
 Status unpack_page(const PageLayout& pages, std::uint32_t page, std::span<const std::byte> raw, PageArrays& out);
 
-// Expands a block's radii to its vertices, and the reverse question: which of the 56 a vertex has.
+// Expands the radii that a block stores to its vertices.
 void expand_radii(const std::uint8_t* stored, std::uint8_t* radii);
 
 // Errors of the finest step follow from heights. A side's is the jump when it comes in: half |2 h - a - b| between the

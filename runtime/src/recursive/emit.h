@@ -13,21 +13,21 @@ inline constexpr std::uint32_t hole_flag = 0x80000000;
 
 class Emitter {
 public:
-    explicit Emitter(RecursiveState& state) : s_(state), holes_(state.terrain->has_voids()) {}
+    explicit Emitter(const RecursiveState& state)
+        : indices_(state.indices), limit_(state.budget.indices), holes_(state.terrain->has_voids()) {}
 
     [[nodiscard]] std::uint32_t cursor() const { return cursor_; }
     [[nodiscard]] bool full() const { return full_; }
 
-    [[gnu::always_inline]] void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-        if (cursor_ + 3 > s_.budget.indices) {
-            full_ = true;
-            return;
-        }
-        std::uint32_t* const out = s_.indices + cursor_;
+    // False when there is no room for it.
+    [[gnu::always_inline]] bool triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+        if (cursor_ + 3 > limit_) return false;
+        std::uint32_t* const out = indices_ + cursor_;
         out[0] = a;
         out[1] = b;
         out[2] = c;
         cursor_ += 3;
+        return true;
     }
 
     void begin_strip(std::uint32_t first) {
@@ -60,11 +60,11 @@ public:
 
 private:
     void put(std::uint32_t slot) {
-        if (cursor_ == s_.budget.indices) {
+        if (cursor_ == limit_) {
             full_ = true;
             return;
         }
-        s_.indices[cursor_++] = slot & ~hole_flag;
+        indices_[cursor_++] = slot & ~hole_flag;
     }
 
     // The strip with holes is the thesis' strip less some of its triangles. While nothing is left out the two run in
@@ -83,7 +83,7 @@ private:
             return;
         }
         if (!in_step_) {
-            if (cursor_ != strip_begin_) put(s_.indices[cursor_ - 1]);
+            if (cursor_ != strip_begin_) put(indices_[cursor_ - 1]);
             put(older_);
             put(older_);
             // older_ now lies at cursor_ - 1 and must lie at a place of the parity of taken_ - 2.
@@ -94,7 +94,8 @@ private:
         put(slot);
     }
 
-    RecursiveState& s_;
+    std::uint32_t* const indices_;
+    const std::uint32_t limit_;
     const bool holes_;
     bool full_ = false;
     std::uint32_t cursor_ = 0; // into the indices

@@ -50,7 +50,9 @@ public:
     Pass(RecursiveState& state, const View& the_view, double threshold_px)
         : s(state), terrain(*state.terrain), view(the_view), frustum(make_frustum(the_view)),
           reach(make_reach(the_view, threshold_px)), base(state.pass * 3), nearest_m(the_view.near_m),
-          holes(terrain.has_voids()), incomplete(terrain.pages_missing != 0), emit(state) {
+          states(state.states), records(terrain.records), error_m(terrain.errors.metres),
+          radius_factor(terrain.radii.factor), holes(terrain.has_voids()), incomplete(terrain.pages_missing != 0),
+          emit(state) {
         LevelPlane* to = levels; // three a step: centre, side_x, side_y
         for (int z = terrain.tree.tile_log2; z-- > 0;)
             for (const PlaneKind kind : {PlaneKind::centre, PlaneKind::side_x, PlaneKind::side_y})
@@ -78,7 +80,7 @@ private:
         blocks = s.blocks + std::size_t{tile} * s.blocks_per_tile;
         limit_x = terrain.tree.columns() - 1 - column0;
         limit_y = terrain.tree.rows() - 1 - row0;
-        cut = limit_x < n || limit_y < n;
+        some_not_drawn = holes || limit_x < n || limit_y < n;
         if (Cull && root_outside()) return;
 
         const std::uint32_t first_index = emit.cursor(), triangles_before = result.triangles;
@@ -159,15 +161,16 @@ private:
     // Even: of the level of the vertex that could split it.
     template <bool Even>
     [[gnu::always_inline]] void leaf(Corner apex, Corner left, Corner right) {
-        if ((cut || holes) && not_drawn(apex, left, right)) {
+        if (some_not_drawn && not_drawn(apex, left, right)) {
             --result.triangles;
             if constexpr (T == Topology::triangles) return; // a strip needs the vertex on its way
         }
-        if constexpr (T == Topology::strip)
+        if constexpr (T == Topology::strip) {
             emit.append(apex.slot, Even);
-        else
-            emit.triangle(apex.slot, left.slot, right.slot);
-        if (emit.full()) give_up(budget_indices);
+            if (emit.full()) give_up(budget_indices);
+        } else if (!emit.triangle(apex.slot, left.slot, right.slot)) {
+            give_up(budget_indices);
+        }
     }
 
     // Where a vertex stands, in samples of the tile.
@@ -187,7 +190,7 @@ private:
     // evalTriangle: looks the status up, or works it out and stores it. Answers with the planes left, or not_selected.
     [[gnu::always_inline]] std::uint32_t eval(std::uint32_t index, std::int32_t page_base, const LevelPlane& plane,
                                               std::uint32_t x, std::uint32_t y, std::uint32_t planes) {
-        VertexState& state = s.states[index];
+        VertexState& state = states[index];
         if (state.status >= base) return state.status == base ? not_selected : planes;
         const Coord v{column0 + static_cast<std::int32_t>(x), row0 + static_cast<std::int32_t>(y)};
         planes =
@@ -202,9 +205,9 @@ private:
     // sample: where the vertex stands.
     [[gnu::always_inline]] std::uint32_t select(std::uint32_t index, std::int32_t page_base, const LevelPlane& plane,
                                                 Coord sample, std::uint32_t planes) {
-        const VertexRecord record = terrain.records[index];
-        const float radius = plane.unit_m * terrain.radii.factor[record.radius & (radius_codes - 1)],
-                    error = terrain.errors.metres[record.error];
+        const VertexRecord record = records[index];
+        const float radius = plane.unit_m * radius_factor[record.radius & (radius_codes - 1)],
+                    error = error_m[record.error];
         const float px = terrain.x_m(sample.x), pz = terrain.z_m(sample.y);
         const float py = terrain.lattice.height_m(page_base + record.height);
         if (Cull && planes != 0) {
@@ -316,7 +319,7 @@ private:
     }
 
     std::uint32_t slot_of(std::uint32_t index, std::uint32_t x, std::uint32_t y) {
-        const std::uint32_t slot = s.states[index].slot;
+        const std::uint32_t slot = states[index].slot;
         return slot != no_slot ? slot : insert_record(index, x, y);
     }
 
@@ -379,6 +382,11 @@ private:
     LevelPlane levels[3 * max_tile_log2];
     const LevelPlane* last_planes; // one past them
     PassResult result;
+    // Of the terrain and the state, at hand.
+    VertexState* const states;
+    const VertexRecord* const records;
+    const float* const error_m;
+    const float* const radius_factor;
     const bool holes;      // the terrain has some
     const bool incomplete; // pages are missing
     Emitter emit;
@@ -386,7 +394,7 @@ private:
     std::uint32_t side = 0;
     std::int32_t column0 = 0, row0 = 0;
     std::int32_t limit_x = 0, limit_y = 0; // the terrain's last column and row, counted from the tile's first
-    bool cut = false;                      // they lie inside it
+    bool some_not_drawn = false;           // they lie inside it, or the terrain has holes
     const BlockEntry* blocks = nullptr;
 };
 
