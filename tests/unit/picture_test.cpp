@@ -111,6 +111,22 @@ TEST_CASE("a pixel shows a hole when any of its samples is one, however small th
     CHECK(solid > 1000);
 }
 
+TEST_CASE("a single hole in level ground is seen, also on a rim that cuts tiles") {
+    Random random(12);
+    for (int round = 0; round < 60; ++round) {
+        Dem dem = level(pick(random, 66, 300), pick(random, 66, 300));
+        const std::int32_t x = round % 3 == 0 ? dem.columns - 1 : pick(random, 0, dem.columns - 1),
+                           y = round % 3 == 1 ? dem.rows - 1 : pick(random, 0, dem.rows - 1);
+        dig(dem, x, y);
+        INFO("hole at " << x << ", " << y << " of " << dem.columns << " x " << dem.rows);
+        const Picture picture = picture_of(bake_and_load(std::move(dem), small_bake(pick(random, 1, 9))), 64);
+        int holes = 0;
+        for (std::uint32_t j = 0; j < picture.height; ++j)
+            for (std::uint32_t i = 0; i < picture.width; ++i) holes += shows_hole(picture.pixel(i, j));
+        CHECK(holes == 1);
+    }
+}
+
 TEST_CASE("lines run through the samples that tiles share, and nowhere else") {
     const Picture picture = picture_of(bake_and_load(level(97, 70), small_bake(5)), 97);
     REQUIRE(picture.width == 97);

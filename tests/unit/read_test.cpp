@@ -461,7 +461,7 @@ TEST_CASE("rasters too small or too large are refused") {
     }
     check_slope(read_dem(write(raster(2, 2, slope), dir / "b.tif"), {}), 2, 2);
     ReadOptions little;
-    little.memory_bytes = 20 * 20 * 24 - 1;
+    little.memory_bytes = 20 * 20 * 28 - 1;
     const std::string path = write(raster(20, 20, slope), dir / "c.tif");
     check_refusal(refused(path, little), 3, path, {"20 x 20 samples", "--memory"});
     ++little.memory_bytes;

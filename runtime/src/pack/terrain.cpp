@@ -222,6 +222,8 @@ Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<s
     if (Status s = read_chunk(pack, corners, {reinterpret_cast<std::byte*>(m.corners), chunk_raw_bytes(h, corners)});
         !s.ok())
         return {s.code, "corners"};
+    for (std::size_t i = 0; i < chunk_raw_bytes(h, corners) / sizeof(std::uint32_t); ++i)
+        if ((m.corners[i] & ~corner_void_bit) > h.lattice_steps) return {Code::corrupt, "corners"};
     t.page_table = m.page_table;
     t.records = m.records;
     t.slot_page = m.slot_page;
