@@ -168,8 +168,8 @@ private:
         });
     }
 
-    // The radii of one level's planes. In steps that are cut into pages, all of 8 x 8 squares have the largest of them:
-    // a radius is small beside the distance that it is added to, and 56 bytes do for a page.
+    // The radii of one level's planes. In steps that are cut into pages, all of 4 x 4 squares have the largest of them:
+    // a radius is small beside the distance that it is added to, and 208 bytes do for a page.
     void encode_radii(const Plane* planes, std::size_t count, int level) {
         const int shift = tree.tile_log2 - 1 - planes[0].z >= page_squares_log2 ? radius_block_log2 : 0;
         std::vector<std::vector<double>> largest(count);
@@ -192,11 +192,12 @@ private:
         errors.level_radius_m[level] = unit;
         for (std::size_t k = 0; k < count; ++k) {
             const Plane& p = planes[k];
-            const std::int32_t bx = ((p.nx - 1) >> shift) + 1;
+            const auto bx = static_cast<std::size_t>(((p.nx - 1) >> shift) + 1);
+            std::vector<std::uint8_t> codes;
+            for (const double r : largest[k]) codes.push_back(errors.radii.code_up(unit, r));
             for_each(p, [&](std::int32_t i, std::int32_t j) {
-                const double r = largest[k][static_cast<std::size_t>(j >> shift) * static_cast<std::size_t>(bx) +
-                                            static_cast<std::size_t>(i >> shift)];
-                errors.radius[place(p.at(i, j))] = errors.radii.code_up(unit, r);
+                errors.radius[place(p.at(i, j))] =
+                    codes[static_cast<std::size_t>(j >> shift) * bx + static_cast<std::size_t>(i >> shift)];
             });
         }
     }

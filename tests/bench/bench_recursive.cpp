@@ -30,7 +30,7 @@ std::string pack_path(int tile_log2, Order order) {
     const std::string folder = FJELL_BENCH_DIR;
     std::filesystem::create_directories(folder);
     const std::string path = folder + "/mountains-" + std::to_string(1 << tile_log2) + "-" +
-                             order_names[static_cast<int>(order)] + "-v" + std::to_string(pack_version) + ".fjell";
+                             order_names[static_cast<int>(order)] + "-" + std::to_string(pack_layout_hash) + ".fjell";
     if (std::filesystem::exists(path) &&
         std::filesystem::last_write_time(path) > std::filesystem::last_write_time(recipe))
         return path;

@@ -52,15 +52,10 @@ struct ErrorScale {
     }
     // The smallest code whose error is not below `error_m`; 255 when there is none.
     [[nodiscard]] constexpr std::uint8_t code_up(double error_m) const {
-        std::uint32_t low = 0, high = 255;
-        while (low < high) {
-            const std::uint32_t middle = (low + high) / 2;
-            if (static_cast<double>(metres[middle]) >= error_m)
-                high = middle;
-            else
-                low = middle + 1;
-        }
-        return static_cast<std::uint8_t>(low);
+        std::uint32_t below = 0; // how many codes are; found without a branch, because none could be predicted
+        for (std::uint32_t step = 128; step != 0; step /= 2)
+            below += step * static_cast<std::uint32_t>(static_cast<double>(metres[below + step - 1]) < error_m);
+        return static_cast<std::uint8_t>(below);
     }
     // What a parent's code must be at least.
     [[nodiscard]] constexpr std::uint32_t above(std::uint32_t child) const {
