@@ -192,7 +192,8 @@ private:
         errors.level_radius_m[level] = unit;
         for (std::size_t k = 0; k < count; ++k) {
             const Plane& p = planes[k];
-            const auto bx = static_cast<std::size_t>(((p.nx - 1) >> shift) + 1);
+            const std::int32_t blocks_x = ((p.nx - 1) >> shift) + 1;
+            const auto bx = static_cast<std::size_t>(blocks_x);
             std::vector<std::uint8_t> codes;
             for (const double r : largest[k]) codes.push_back(errors.radii.code_up(unit, r));
             for_each(p, [&](std::int32_t i, std::int32_t j) {

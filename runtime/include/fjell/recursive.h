@@ -7,7 +7,7 @@
 // capacity does not suffice the frame is done again with a higher threshold (the thesis does not say what happens).
 //
 // Memory: one block from the host, 8 bytes a vertex of every page slot plus the budget. Thread: one at a time.
-// Complexity of update: O(selected vertices): 30 to 90 ns each, by size (docs/notes/recursive-method.md).
+// Complexity of update: O(selected vertices): 40 to 140 ns each, by size (docs/notes/recursive-method.md).
 // Failure: update() refuses an invalid view or setting and leaves the last mesh as it was; exhaustion sets a bit in the
 // report, raises the effective threshold and keeps the mesh valid.
 #pragma once
