@@ -133,6 +133,7 @@ private:
     [[nodiscard]] float largest_error_m(const Footprint& f) const {
         const auto [x0, x1] = reach(f.x0, f.x1, tree.columns());
         const auto [y0, y1] = reach(f.y0, f.y1, tree.rows());
+        assert(x0 >= 0 && x1 <= tree.columns() && y0 >= 0 && y1 <= tree.rows());
         float largest_m = 0;
         for (std::int32_t j = (y0 + step - 1) / step; j * step < y1; ++j)
             for (std::int32_t i = (x0 + step - 1) / step; i * step < x1; ++i)
