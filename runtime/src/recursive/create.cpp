@@ -2,6 +2,7 @@
 #include <cstring>
 #include <utility>
 
+#include "recursive/emit.h"
 #include "recursive/state.h"
 
 namespace fjell {
@@ -38,6 +39,24 @@ Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
     l.tiles = place(std::size_t{terrain.tile_count()} * sizeof(TileRange));
     l.end = at;
     return l;
+}
+
+// Enters what a page slot holds now into the table of blocks. Answers whether its vertices were known.
+bool move_page(RecursiveState& s, std::uint32_t slot) {
+    const Terrain& terrain = *s.terrain;
+    const auto set = [&](std::uint32_t page, bool loaded) {
+        if (page == no_page) return;
+        // The page may have moved to another slot, which then says so itself, sooner or later.
+        const PageEntry now = terrain.page_table[page];
+        if (now.slot != (loaded ? slot : no_page_slot)) return;
+        const BlockEntry entry{loaded ? slot * terrain.page_capacity : no_page_slot, loaded ? now.base : 0};
+        set_block(terrain, page % terrain.pages_per_tile, entry,
+                  s.blocks + std::size_t{page / terrain.pages_per_tile} * s.blocks_per_tile);
+    };
+    const std::uint32_t before = std::exchange(s.slot_pages[slot], terrain.slot_page[slot]);
+    set(before, false);
+    set(s.slot_pages[slot], true);
+    return before != no_page;
 }
 
 } // namespace
@@ -84,6 +103,25 @@ Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, s
     follow_pages(s);
     method.state = &s;
     return {};
+}
+
+void follow_pages(RecursiveState& s) {
+    const Terrain& terrain = *s.terrain;
+    if (s.seen_changes == terrain.changes) return;
+    s.seen_changes = terrain.changes;
+    for (std::uint32_t slot = 0; slot < terrain.slot_count; ++slot) {
+        if (s.slot_pages[slot] == terrain.slot_page[slot]) continue;
+        if (!move_page(s, slot)) continue;
+        VertexState* const states = s.states + std::size_t{slot} * terrain.page_capacity;
+        for (std::uint32_t i = 0; i < terrain.page_capacity; ++i) {
+            if (states[i].slot != no_slot) {
+                const std::uint32_t vertex = states[i].slot & ~hole_flag;
+                s.owners[vertex] = no_owner;
+                s.free_slots[s.free_count++] = vertex;
+            }
+            states[i] = {0, no_slot};
+        }
+    }
 }
 
 MeshView recursive_mesh(RecursiveMethod method) {

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
-#include <utility>
 
 #include "recursive/emit.h"
 #include "recursive/locate.h"
@@ -425,24 +424,6 @@ PassResult run_pass(RecursiveState& s, const View& view, const RefineSettings& s
     return run_order<Order::linear>(s, view, settings, threshold_px);
 }
 
-// Enters what a page slot holds now into the table of blocks. Answers whether its vertices were known.
-bool move_page(RecursiveState& s, std::uint32_t slot) {
-    const Terrain& terrain = *s.terrain;
-    const auto set = [&](std::uint32_t page, bool loaded) {
-        if (page == no_page) return;
-        // The page may have moved to another slot, which then says so itself, sooner or later.
-        const PageEntry now = terrain.page_table[page];
-        if (now.slot != (loaded ? slot : no_page_slot)) return;
-        const BlockEntry entry{loaded ? slot * terrain.page_capacity : no_page_slot, loaded ? now.base : 0};
-        set_block(terrain, page % terrain.pages_per_tile, entry,
-                  s.blocks + std::size_t{page / terrain.pages_per_tile} * s.blocks_per_tile);
-    };
-    const std::uint32_t before = std::exchange(s.slot_pages[slot], terrain.slot_page[slot]);
-    set(before, false);
-    set(s.slot_pages[slot], true);
-    return before != no_page;
-}
-
 // Where to start: where the last frame ended, a step finer when it had room to spare.
 double first_threshold(const RecursiveState& s, double asked_px) {
     if (!s.exhausted || s.effective_px <= asked_px) return asked_px;
@@ -451,25 +432,6 @@ double first_threshold(const RecursiveState& s, double asked_px) {
 }
 
 } // namespace
-
-void follow_pages(RecursiveState& s) {
-    const Terrain& terrain = *s.terrain;
-    if (s.seen_changes == terrain.changes) return;
-    s.seen_changes = terrain.changes;
-    for (std::uint32_t slot = 0; slot < terrain.slot_count; ++slot) {
-        if (s.slot_pages[slot] == terrain.slot_page[slot]) continue;
-        if (!move_page(s, slot)) continue;
-        VertexState* const states = s.states + std::size_t{slot} * terrain.page_capacity;
-        for (std::uint32_t i = 0; i < terrain.page_capacity; ++i) {
-            if (states[i].slot != no_slot) {
-                const std::uint32_t vertex = states[i].slot & ~hole_flag;
-                s.owners[vertex] = no_owner;
-                s.free_slots[s.free_count++] = vertex;
-            }
-            states[i] = {0, no_slot};
-        }
-    }
-}
 
 Status update_recursive(RecursiveMethod method, const View& view, const RefineSettings& settings, FrameReport& report) {
     if (Status v = validate(view); !v.ok()) return v;
