@@ -88,7 +88,7 @@ std::uint16_t fold(std::uint32_t difference) {
     return static_cast<std::uint16_t>((d << 1) ^ (d >> 15));
 }
 
-// One radius of each 8 x 8 squares: the error stage made them equal.
+// One radius of each 4 x 4 squares: the error stage made them equal.
 void reduce_radii(const std::uint8_t* radii, std::vector<std::byte>& out) {
     constexpr std::uint32_t step = 1u << radius_block_log2;
     const auto take = [&](std::uint32_t first, std::uint32_t stride, std::uint32_t columns, std::uint32_t rows) {
