@@ -104,7 +104,7 @@ struct Renderer::State {
     void make_buffers();
     std::string check(const MeshView& mesh, const View& view) const;
     FrameBlock make_frame(const View& view, const DrawOptions& options) const;
-    void write_tiles(const MeshView& mesh, const View& view);
+    void write_tiles(const MeshView& mesh);
     void draw_picture(GLenum primitive, const DrawOptions& options) const;
 };
 
@@ -149,7 +149,7 @@ void Renderer::State::make_buffers() {
     glVertexArrayVertexBuffer(name, tile_slot, tiles.get(), 0, sizeof(TileBlock));
     glVertexArrayBindingDivisor(name, tile_slot, 1);
     glVertexArrayElementBuffer(name, indices.get());
-    glVertexArrayAttribIFormat(name, 0, 2, GL_UNSIGNED_SHORT, offsetof(MeshVertex, column));
+    glVertexArrayAttribIFormat(name, 0, 2, GL_INT, offsetof(MeshVertex, column));
     glVertexArrayAttribFormat(name, 1, 1, GL_FLOAT, GL_FALSE, offsetof(MeshVertex, height_m));
     glVertexArrayAttribIFormat(name, 2, 4, GL_INT, 0);
     for (unsigned attribute = 0; attribute < 3; ++attribute) {
@@ -252,6 +252,8 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& opti
     set4(block.ray_y, y.x, y.y, y.z, 0);
     set4(block.line, 0.01, 0.01, 0.012, 1);
     block.tile[0] = static_cast<std::int32_t>(header.tile_log2);
+    block.tile[2] = static_cast<std::int32_t>(cell.column);
+    block.tile[3] = static_cast<std::int32_t>(cell.row);
     for (int level = 0; level < max_triangle_levels; ++level) {
         const Rgb8 rgb = level_rgb(level, static_cast<int>(header.tile_log2));
         set4(block.level[level], to_linear(rgb[0]), to_linear(rgb[1]), to_linear(rgb[2]), 1);
@@ -259,8 +261,7 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& opti
     return block;
 }
 
-void Renderer::State::write_tiles(const MeshView& mesh, const View& view) {
-    const EyeCell cell = eye_cell(view, spacing_x_m, spacing_z_m);
+void Renderer::State::write_tiles(const MeshView& mesh) {
     tile_blocks.clear();
     draw_commands.clear();
     stats.tiles = stats.triangles = 0;
@@ -268,8 +269,8 @@ void Renderer::State::write_tiles(const MeshView& mesh, const View& view) {
         if (range.index_count == 0) continue;
         const auto instance = static_cast<std::uint32_t>(tile_blocks.size());
         const std::int64_t column = range.tile % header.tiles_x, row = range.tile / header.tiles_x;
-        tile_blocks.push_back({static_cast<std::int32_t>((column << header.tile_log2) - cell.column),
-                               static_cast<std::int32_t>((row << header.tile_log2) - cell.row),
+        tile_blocks.push_back({static_cast<std::int32_t>(column << header.tile_log2),
+                               static_cast<std::int32_t>(row << header.tile_log2),
                                static_cast<std::int32_t>(range.tile), 0});
         draw_commands.push_back({range.index_count, 1, range.first_index, 0, instance});
         ++stats.tiles;
@@ -299,7 +300,7 @@ std::string Renderer::draw(const MeshView& mesh, const View& view, const DrawOpt
     glInvalidateBufferData(s.indices.get()); // the last picture may still be reading the old ones
     write_buffer(s.indices, 0, mesh.indices.size_bytes(), mesh.indices.data());
     s.stats.bytes_uploaded += mesh.indices.size_bytes();
-    s.write_tiles(mesh, view);
+    s.write_tiles(mesh);
     const FrameBlock block = s.make_frame(view, options);
     write_buffer(s.frame, 0, sizeof block, &block);
 

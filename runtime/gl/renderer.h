@@ -4,7 +4,7 @@
 // do not shake and tiles meet bit for bit. Depth is reversed and float: distant ridges do not fight.
 // Units: metres and pixels; angles in degrees where the name says so. Colours in files and pictures are sRGB.
 // Ownership: the renderer owns its buffers and textures; the Pack's bytes are read only in create(), the mesh's spans
-// only in draw(). Thread: the context's. Memory: 8 bytes a vertex, 4 an index, and the textures; all at creation.
+// only in draw(). Thread: the context's. Memory: 12 bytes a vertex, 4 an index, and the textures; all at creation.
 // Complexity of draw: uploads the dirty vertices and all indices, then one draw call and the sky.
 // Failure: one line with the number to change; the target keeps its former picture.
 #pragma once
@@ -22,7 +22,7 @@
 namespace fjell::gl {
 
 struct RendererOptions {
-    std::uint32_t vertices = 1u << 18; // slots, as in the method's budget; 8 bytes each
+    std::uint32_t vertices = 1u << 18; // slots, as in the method's budget; 12 bytes each
     std::uint32_t indices = 1u << 20;  // 4 bytes each
     float anisotropy = 0;              // texture samples along the steep direction; 0: 8. Ignored in software: too dear
 };

@@ -43,7 +43,7 @@ vec3 sky_colour(vec3 direction) {
 // position would not give that.) Heights subtract the eye's in two parts for the same reason.
 const char* terrain_vertex_shader() {
     return R"(
-layout(location = 0) in uvec2 a_cell;
+layout(location = 0) in ivec2 a_sample;
 layout(location = 1) in float a_height;
 layout(location = 2) in ivec4 a_tile;
 out Surface {
@@ -53,11 +53,11 @@ out Surface {
 } surface;
 invariant gl_Position;
 void main() {
-    vec2 cells = vec2(a_tile.xy + ivec2(a_cell));
+    vec2 cells = vec2(a_sample - tile.zw);
     precise vec3 p = vec3(cells.x * grid.x - eye.x, (a_height - eye.z) - eye.w, cells.y * grid.y - eye.y);
     gl_Position = view_projection * vec4(p, 1.0);
     surface.position = p;
-    surface.sample_at = vec2(a_cell);
+    surface.sample_at = vec2(a_sample - a_tile.xy);
     surface.layer = a_tile.z;
 }
 )";

@@ -20,7 +20,7 @@ struct FrameBlock {
     float haze[4];             // 1 / distance [1/m] (0: none); pixel's ray at the picture's centre
     float ray_x[4], ray_y[4];  // how the ray changes from the centre to the right and upper edge
     float line[4];             // wireframe: linear rgb
-    std::int32_t tile[4];      // log2 cells a side
+    std::int32_t tile[4];      // log2 cells a side; 0; the eye's cell
     float level[max_triangle_levels][4]; // linear rgb
 };
 static_assert(sizeof(FrameBlock) == 64 + 9 * 16 + max_triangle_levels * 16 && offsetof(FrameBlock, tile) == 192,
@@ -28,7 +28,7 @@ static_assert(sizeof(FrameBlock) == 64 + 9 * 16 + max_triangle_levels * 16 && of
 
 // What differs from tile to tile, read once an instance.
 struct TileBlock {
-    std::int32_t column, row; // first sample of the tile, counted from the eye's cell
+    std::int32_t column, row; // first sample of the tile
     std::int32_t layer;       // of the texture arrays
     std::int32_t reserved;
 };

@@ -53,21 +53,36 @@ double TileCollector::tile_z_m(std::uint32_t tile) const {
            static_cast<double>(static_cast<float>(side * terrain.header.spacing_m[1]));
 }
 
-SnapshotVertex TileCollector::make_vertex(std::uint32_t tile, const MeshVertex& vertex) const {
+Coord TileCollector::in_tile_of(std::uint32_t tile, const MeshVertex& vertex) const {
     const auto tx = static_cast<std::int32_t>(tile % terrain.header.tiles_x),
                ty = static_cast<std::int32_t>(tile / terrain.header.tiles_x);
+    return Coord{vertex.column, vertex.row} - Coord{tx * terrain.tree.side(), ty * terrain.tree.side()};
+}
+
+bool TileCollector::in_tile(std::uint32_t tile, const MeshVertex& vertex) const {
+    const Coord c = in_tile_of(tile, vertex);
+    return c.x >= 0 && c.y >= 0 && c.x <= terrain.tree.side() && c.y <= terrain.tree.side();
+}
+
+std::size_t TileCollector::place(std::uint32_t tile, const MeshVertex& vertex) const {
+    const Coord c = in_tile_of(tile, vertex);
+    return static_cast<std::size_t>(c.y) * (side + 1) + static_cast<std::size_t>(c.x);
+}
+
+SnapshotVertex TileCollector::make_vertex(std::uint32_t tile, const MeshVertex& vertex) const {
+    const Coord in_tile = in_tile_of(tile, vertex);
     SnapshotVertex made{};
-    made.position_m[0] = static_cast<float>(vertex.column * terrain.header.spacing_m[0]);
+    made.position_m[0] = static_cast<float>(in_tile.x * terrain.header.spacing_m[0]);
     made.position_m[1] = vertex.height_m;
-    made.position_m[2] = static_cast<float>(vertex.row * terrain.header.spacing_m[1]);
-    normal_at(terrain, {tx * terrain.tree.side() + vertex.column, ty * terrain.tree.side() + vertex.row}, made.normal);
-    made.uv[0] = static_cast<float>(uv_first + uv_step * vertex.column);
-    made.uv[1] = static_cast<float>(uv_first + uv_step * vertex.row);
+    made.position_m[2] = static_cast<float>(in_tile.y * terrain.header.spacing_m[1]);
+    normal_at(terrain, {vertex.column, vertex.row}, made.normal);
+    made.uv[0] = static_cast<float>(uv_first + uv_step * in_tile.x);
+    made.uv[1] = static_cast<float>(uv_first + uv_step * in_tile.y);
     return made;
 }
 
 std::uint32_t TileCollector::slot(TileGeometry& geometry, std::uint32_t tile, const MeshVertex& vertex) {
-    std::uint32_t& found = slots[std::size_t{vertex.row} * (side + 1) + vertex.column];
+    std::uint32_t& found = slots[place(tile, vertex)];
     if (found == none) {
         found = static_cast<std::uint32_t>(geometry.vertices.size());
         geometry.vertices.push_back(make_vertex(tile, vertex));
@@ -88,7 +103,7 @@ TileGeometry TileCollector::collect(const MeshView& mesh, const TileRange& range
     TileGeometry geometry{};
     const auto corner = [&](std::uint32_t index) -> const MeshVertex& {
         const std::uint32_t vertex = mesh.indices[index];
-        if (vertex >= mesh.vertices.size() || mesh.vertices[vertex].column > side || mesh.vertices[vertex].row > side)
+        if (vertex >= mesh.vertices.size() || !in_tile(range.tile, mesh.vertices[vertex]))
             throw host::Failure(
                 2, "MeshView::indices: an index or a vertex is out of range; hand over a mesh of this terrain");
         return mesh.vertices[vertex];
@@ -100,7 +115,7 @@ TileGeometry TileCollector::collect(const MeshView& mesh, const TileRange& range
     }
     // Only the used entries are cleared: a tile of few triangles costs no pass over its samples.
     for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; ++i)
-        slots[std::size_t{corner(i).row} * (side + 1) + corner(i).column] = none;
+        slots[place(range.tile, corner(i))] = none;
     return geometry;
 }
 

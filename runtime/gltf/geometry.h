@@ -40,6 +40,9 @@ public:
 
 private:
     [[nodiscard]] std::uint32_t slot(TileGeometry& geometry, std::uint32_t tile, const MeshVertex& vertex);
+    [[nodiscard]] Coord in_tile_of(std::uint32_t tile, const MeshVertex& vertex) const;
+    [[nodiscard]] bool in_tile(std::uint32_t tile, const MeshVertex& vertex) const;
+    [[nodiscard]] std::size_t place(std::uint32_t tile, const MeshVertex& vertex) const; // in slots
     [[nodiscard]] SnapshotVertex make_vertex(std::uint32_t tile, const MeshVertex& vertex) const;
 
     const Terrain& terrain;

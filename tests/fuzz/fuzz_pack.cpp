@@ -128,11 +128,12 @@ void check_records(const Terrain& t, const Terrain& whole) {
 
 // Inside a tile, where no other one has a say, a vertex of the mesh is the terrain's.
 void check_vertex(const Terrain& t, std::uint32_t tile, const MeshVertex& v) {
-    const std::int32_t side = t.tree.side(), tiles_x = t.tree.tiles_x, x = v.column, y = v.row;
-    must(x <= side && y <= side, "a vertex lies in its tile");
-    must(std::isfinite(v.height_m), "a height is finite");
+    const std::int32_t side = t.tree.side(), tiles_x = t.tree.tiles_x;
     const auto n = static_cast<std::int32_t>(tile);
-    const Coord at{n % tiles_x * side + x, n / tiles_x * side + y};
+    const std::int32_t x = v.column - n % tiles_x * side, y = v.row - n / tiles_x * side;
+    must(x >= 0 && y >= 0 && x <= side && y <= side, "a vertex lies in its tile");
+    must(std::isfinite(v.height_m), "a height is finite");
+    const Coord at{v.column, v.row};
     if (x == 0 || y == 0 || x == side || y == side) return;
     if (at.x >= t.tree.columns() - 1 || at.y >= t.tree.rows() - 1) return; // others stand there, too
     const Terrain::Vertex vertex = t.vertex(at);

@@ -91,7 +91,7 @@ TEST_CASE("a mesh with holes is the whole one less the triangles with a corner i
             CAPTURE(round, frame, settings.error_px, terrain.tree.columns(), terrain.tree.rows(),
                     terrain.tree.tile_log2);
             REQUIRE(check_mesh(whole_terrain, whole.mesh()) == "");
-            std::vector<Triangle> expected = triangles_of(whole_terrain, whole.mesh());
+            std::vector<Triangle> expected = triangles_of(whole.mesh());
             if (!settings.cull) REQUIRE(rim_px(terrain, expected, view) <= settings.error_px);
             const std::size_t all = expected.size();
             std::erase_if(expected, [&](const Triangle& t) {
@@ -99,7 +99,7 @@ TEST_CASE("a mesh with holes is the whole one less the triangles with a corner i
             });
             dropped += all - expected.size();
             kept += expected.size();
-            REQUIRE(triangles_of(terrain, method.mesh()) == expected);
+            REQUIRE(triangles_of(method.mesh()) == expected);
             REQUIRE(report.triangles == expected.size());
             if (terrain.header.estimate == Estimate::max) {
                 const Frustum frustum = make_frustum(view);
@@ -109,7 +109,7 @@ TEST_CASE("a mesh with holes is the whole one less the triangles with a corner i
             }
             settings.topology = Topology::strip;
             REQUIRE(strips.update(view, settings).triangles == expected.size());
-            REQUIRE(triangles_of(terrain, strips.mesh()) == expected);
+            REQUIRE(triangles_of(strips.mesh()) == expected);
             for (const TileRange& range : strips.mesh().tiles)
                 for (std::uint32_t i = 0; i < range.index_count; ++i)
                     REQUIRE(strips.mesh().indices[range.first_index + i] < strips.mesh().vertices.size());

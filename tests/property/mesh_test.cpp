@@ -115,7 +115,7 @@ TEST_CASE("any extents: the same holds for terrains that end inside their last t
             settings.topology = Topology::strip;
             (void)strips.update(view, settings);
             REQUIRE(check_mesh(pack.terrain, strips.mesh()) == "");
-            REQUIRE(triangles_of(pack.terrain, strips.mesh()) == triangles_of(pack.terrain, method.mesh()));
+            REQUIRE(triangles_of(strips.mesh()) == triangles_of(method.mesh()));
         }
     }
 }
@@ -157,7 +157,7 @@ TEST_CASE("strip and list describe the same triangles with the same winding") {
             REQUIRE(strip_report.triangles == list_report.triangles);
             REQUIRE(strip_report.vertices == list_report.vertices);
             REQUIRE(check_mesh(pack.terrain, strips.mesh()) == "");
-            REQUIRE(triangles_of(pack.terrain, strips.mesh()) == triangles_of(pack.terrain, lists.mesh()));
+            REQUIRE(triangles_of(strips.mesh()) == triangles_of(lists.mesh()));
             // One strip a tile, and not much longer than its triangles (L&P: about 1.3 to 1.6 indices a triangle).
             REQUIRE(strips.mesh().indices.size() <= lists.mesh().indices.size() + 9 * strips.mesh().tiles.size());
         }
@@ -212,7 +212,7 @@ TEST_CASE("what is selected is exactly what is wanted (invariant 7)") {
             return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(terrain.tree.columns()) +
                    static_cast<std::size_t>(c.x);
         };
-        for (const Triangle& t : triangles_of(terrain, method.mesh()))
+        for (const Triangle& t : triangles_of(method.mesh()))
             for (const Coord c : t) used[at(c)] = true;
         for (std::int32_t y = 0; y < terrain.tree.rows(); ++y)
             for (std::int32_t x = 0; x < terrain.tree.columns(); ++x) {
@@ -242,7 +242,7 @@ TEST_CASE("the corner-safe bound is the angular one, divided by what the image's
         settings.corner_safe = false;
         settings.error_px /= corner_factor(view);
         (void)plain.update(view, settings);
-        REQUIRE(triangles_of(pack.terrain, method.mesh()) == triangles_of(pack.terrain, plain.mesh()));
+        REQUIRE(triangles_of(method.mesh()) == triangles_of(plain.mesh()));
     }
 }
 
@@ -347,13 +347,13 @@ TEST_CASE("a bad view or setting is refused by name and leaves the mesh as it wa
     Recursive method(pack.terrain, ample_budget(pack.terrain));
     const View good = random_view(random, pack.terrain);
     (void)method.update(good, {});
-    const auto before = triangles_of(pack.terrain, method.mesh());
+    const auto before = triangles_of(method.mesh());
     FrameReport report;
     const auto refused = [&](const View& view, const RefineSettings& settings, const std::string& field) {
         const Status s = update_recursive(method.method, view, settings, report);
         CHECK(s.code == Code::out_of_range);
         CHECK(std::string(s.field).rfind(field, 0) == 0);
-        CHECK(triangles_of(pack.terrain, method.mesh()) == before);
+        CHECK(triangles_of(method.mesh()) == before);
     };
     View bad = good;
     bad.eye_m.x = std::nan("");

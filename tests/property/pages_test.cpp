@@ -103,7 +103,7 @@ TEST_CASE("the same height field gives the same mesh in every order") {
             for (const host::LoadedPack& pack : packs) {
                 Recursive method(pack.terrain, ample_budget(pack.terrain));
                 (void)method.update(view, settings);
-                meshes.push_back(triangles_of(pack.terrain, method.mesh()));
+                meshes.push_back(triangles_of(method.mesh()));
             }
             REQUIRE(meshes[0] == meshes[1]);
             REQUIRE(meshes[0] == meshes[2]);
@@ -147,7 +147,7 @@ TEST_CASE("missing pages make coarser terrain, exactly the target, and never a c
             settings.topology = pick(random, 0, 1) ? Topology::strip : Topology::triangles;
             CAPTURE(round, frame, log2, settings.error_px, paged.terrain.pages_missing, pack.terrain.page_count());
             (void)method.update(view, settings);
-            const std::vector<Triangle> triangles = triangles_of(pack.terrain, method.mesh());
+            const std::vector<Triangle> triangles = triangles_of(method.mesh());
             if (!pack.terrain.has_voids()) REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
             std::vector<bool> used(pack.terrain.tree.columns() * static_cast<std::size_t>(pack.terrain.tree.rows()));
             const auto at = [&](Coord c) {

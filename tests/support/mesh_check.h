@@ -14,7 +14,7 @@ namespace fjell::test {
 using Triangle = std::array<Coord, 3>;
 
 // Every non-degenerate triangle with its winding, strips unrolled; sorted.
-[[nodiscard]] std::vector<Triangle> triangles_of(const Terrain& terrain, const MeshView& mesh);
+[[nodiscard]] std::vector<Triangle> triangles_of(const MeshView& mesh);
 
 // Empty when all of this holds, otherwise the first thing that does not, in words: every vertex stands at its sample's
 // height; no triangle is degenerate (in a list) or faces down; drawn tiles are covered exactly; every edge has its

@@ -52,10 +52,10 @@ inline OwnMesh full_resolution(const Terrain& terrain) {
         const Coord corner{static_cast<std::int32_t>(tile % terrain.header.tiles_x * side),
                            static_cast<std::int32_t>(tile / terrain.header.tiles_x * side)};
         for (std::uint32_t y = 0; y < n; ++y)
-            for (std::uint32_t x = 0; x < n; ++x)
-                mesh.vertices.push_back(
-                    {static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
-                     terrain.height_m(corner + Coord{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)})});
+            for (std::uint32_t x = 0; x < n; ++x) {
+                const Coord at = corner + Coord{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+                mesh.vertices.push_back({at.x, at.y, terrain.height_m(at)});
+            }
         for (std::uint32_t y = 0; y < side; ++y)
             for (std::uint32_t x = 0; x < side; ++x) {
                 const std::uint32_t nw = first + y * n + x, ne = nw + 1, sw = nw + n, se = sw + 1;

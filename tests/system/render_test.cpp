@@ -194,13 +194,14 @@ TEST_CASE("no background shows between or inside tiles", "[picture]") {
             if (error_px != 3.0) continue;
             // The same with one tile's border 30 m lower than its neighbours': the test must see that.
             OwnMesh cracked = copy_of(mesh);
-            const auto side = static_cast<std::uint16_t>(scene.loaded.terrain.tree.side());
+            const std::int32_t side = scene.loaded.terrain.tree.side(), tiles_x = scene.loaded.terrain.tree.tiles_x;
             for (const TileRange& range : cracked.tiles) {
                 if (range.tile % 2) continue;
+                const std::int32_t east = (static_cast<std::int32_t>(range.tile) % tiles_x + 1) * side;
                 std::set<std::uint32_t> used(cracked.indices.begin() + range.first_index,
                                              cracked.indices.begin() + range.first_index + range.index_count);
                 for (const std::uint32_t v : used)
-                    if (cracked.vertices[v].column == side) cracked.vertices[v].height_m -= 30;
+                    if (cracked.vertices[v].column == east) cracked.vertices[v].height_m -= 30;
             }
             with_a_crack += holes(scene.draw(cracked.view(), view));
         }
@@ -224,9 +225,7 @@ TEST_CASE("every triangle has the colour of its level", "[picture]") {
             for (std::uint32_t k = 0; k < 3; ++k) {
                 const MeshVertex& v = mesh.vertices[mesh.indices[i + k]];
                 corner[k] = {v.column, v.row};
-                const std::uint32_t side = 1u << terrain.header.tile_log2, tiles_x = terrain.header.tiles_x;
-                const Vec3 p{terrain.x_m(static_cast<std::int32_t>(range.tile % tiles_x * side + v.column)), v.height_m,
-                             terrain.z_m(static_cast<std::int32_t>(range.tile / tiles_x * side + v.row))};
+                const Vec3 p{terrain.x_m(v.column), v.height_m, terrain.z_m(v.row)};
                 centre = centre + (p - view.eye_m) * (1.0 / 3);
             }
             // How often a base triangle, of half a tile's area, was halved.

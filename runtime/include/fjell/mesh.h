@@ -1,4 +1,4 @@
-// What a method hands to a renderer or an exporter: vertices, indices and one range a tile.
+// What a method hands to a renderer or an exporter: vertices, indices and the ranges of each tile.
 //
 // Indices are either an indexed triangle list (three a triangle, counter-clockwise seen from above) or one triangle
 // strip a tile (with degenerate triangles where the strip turns; same winding rule as OpenGL strips).
@@ -12,14 +12,14 @@
 namespace fjell {
 
 struct MeshVertex {
-    std::uint16_t column, row; // samples from the tile's corner with the smallest coordinates
+    std::int32_t column, row; // sample of the terrain
     float height_m;
 };
-static_assert(sizeof(MeshVertex) == 8, "MeshVertex is uploaded: change the renderer's vertex format with it");
+static_assert(sizeof(MeshVertex) == 12, "MeshVertex is uploaded: change the renderer's vertex format with it");
 
 enum class Topology : std::uint8_t { triangles, strip };
 
-struct TileRange {
+struct TileRange { // a tile may have several
     std::uint32_t tile;        // row-major
     std::uint32_t first_index; // into MeshView::indices
     std::uint32_t index_count;

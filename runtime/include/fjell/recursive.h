@@ -24,7 +24,7 @@
 namespace fjell {
 
 struct RecursiveBudget {
-    std::uint32_t vertices = 1u << 18; // slots of the vertex buffer, 8 bytes each (and 4 of bookkeeping twice)
+    std::uint32_t vertices = 1u << 18; // slots of the vertex buffer, 12 bytes each (and 4 of bookkeeping twice)
     std::uint32_t indices = 1u << 20;  // strip or list indices, 4 bytes each
 };
 

@@ -68,11 +68,9 @@ MeasuredError measure_error(const Terrain& terrain, const MeshView& mesh, const 
     const double rounding_m = 0x1p-23 * (largest + h.max_m - h.min_m);
     Accumulator accumulate{terrain, view, frustum, rounding_m, {}};
     for (const TileRange& range : mesh.tiles) {
-        const std::int64_t x0 = std::int64_t{range.tile % terrain.header.tiles_x} * terrain.tree.side();
-        const std::int64_t y0 = std::int64_t{range.tile / terrain.header.tiles_x} * terrain.tree.side();
         const auto point = [&](std::uint32_t index) -> Point {
             const MeshVertex& v = mesh.vertices[mesh.indices[index]];
-            return {x0 + v.column, y0 + v.row, v.height_m};
+            return {v.column, v.row, v.height_m};
         };
         // A strip's triangles overlap in their indices; its degenerate ones have no area and are skipped.
         const std::uint32_t step = mesh.topology == Topology::strip ? 1 : 3;

@@ -337,8 +337,7 @@ private:
         }
         const std::uint32_t slot = s.free_slots[--s.free_count];
         const Coord at = place(pack_xy(x, y));
-        s.vertices[slot] = {static_cast<std::uint16_t>(at.x), static_cast<std::uint16_t>(at.y),
-                            terrain.lattice.height_m(steps)};
+        s.vertices[slot] = {column0 + at.x, row0 + at.y, terrain.lattice.height_m(steps)};
         s.owners[slot] = index;
         s.dirty_begin = std::min(s.dirty_begin, slot);
         s.dirty_end = std::max(s.dirty_end, slot + 1);
