@@ -18,6 +18,7 @@ const char* message(Code code) {
     case Code::budget_too_small: return "the budget cannot hold the coarsest mesh; raise the field";
     case Code::out_of_slots: return "every page slot is taken; unload a page, or raise TerrainBudget::page_slots";
     case Code::coarser_page_first: return "a page of a coarser step over this one is not loaded; load that one first";
+    case Code::not_supported: return "this method cannot read such a pack";
     }
     return "unknown status";
 }

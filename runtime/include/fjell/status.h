@@ -18,7 +18,8 @@ enum class Code : std::uint8_t {
     block_too_small,   // the host's block is smaller than required_bytes said
     budget_too_small,  // a capacity cannot even hold the coarsest mesh
     out_of_slots,      // every page slot is taken
-    coarser_page_first // pages are loaded from coarse to fine
+    coarser_page_first, // pages are loaded from coarse to fine
+    not_supported      // what was asked does not exist for this pack
 };
 
 struct [[nodiscard]] Status {

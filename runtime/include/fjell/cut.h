@@ -1,0 +1,148 @@
+// The incremental method: a cut that lives from frame to frame and pays only for what changes (DESIGN section 6).
+//
+// Where the recursive method (fjell/recursive.h) finds the mesh anew from the roots, this one keeps the set of active
+// vertices and, for every small block of vertices, how far the eye may still move before any of them could change. A
+// frame looks only at blocks whose slack is spent, and activates or deactivates one vertex at a time: after every single
+// step the mesh is whole. It refines all around; the frustum decides what is drawn, and what is done first.
+//
+// Work is counted in items: one block evaluated, or one vertex activated or deactivated, each bounded by a constant.
+// When a frame's items do not suffice, the mesh lags behind the view and the report says by how much. When a capacity
+// does not, the effective threshold rises until it does, and comes back.
+//
+// Memory: one block from the host, cut_bytes() of it, touched at creation; afterwards no allocation, lock, system call
+// or exception. Thread: one at a time; loading and unloading pages counts as use.
+// Complexity: O(vertices that change + blocks whose slack is spent). Failure: update_cut() refuses an invalid view or
+// setting and changes nothing.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "fjell/mesh.h"
+#include "fjell/status.h"
+#include "fjell/terrain.h"
+#include "fjell/view.h"
+
+namespace fjell {
+
+inline constexpr std::uint32_t max_cut_views = 8;
+
+struct CutBudget {
+    std::uint32_t vertices = 1u << 19;  // slots of the vertex buffer, 52 bytes each; 4 a tile at least
+    std::uint32_t triangles = 1u << 20; // slots of the index buffer, 16 bytes each
+    // Triangles lie tile by tile, in chunks of this many slots: a chunk is one draw range. 8 to 65,536, a power of two.
+    std::uint32_t chunk_triangles = 512;
+    std::uint32_t views = 1; // 1 to max_cut_views
+};
+
+// How a vertex comes and goes (DESIGN section 6, Morph; thesis 5.4.1).
+enum class Morph : std::uint8_t {
+    none,  // at once
+    error, // with the distance, in the vertex shader; activated late, with the time
+    time   // with the time since its activation
+};
+
+inline constexpr std::uint32_t unlimited_items = 0xffffffff;
+
+struct CutSettings {
+    double error_px = 1;    // the threshold (kappa), 0.001 to 1e6
+    double hysteresis = 0;  // a vertex goes only when its error is below error_px / (1 + hysteresis); 0 to 10
+    bool corner_safe = false; // bound pixels in the image's corners too
+    std::uint32_t items = unlimited_items; // work that this frame may do
+    double budget_us = 0;   // time that it may take, read every few items; 0: no limit
+    Morph morph = Morph::none;
+    double morph_s = 0.25;  // time that a late vertex takes to rise; 0.01 to 10
+    double now_s = 0;       // the host's clock, for timed morphing and nothing else; must not run backwards
+};
+
+enum CutBudgetBit : std::uint32_t {
+    cut_budget_vertices = 1u << 0,  // CutBudget::vertices
+    cut_budget_triangles = 1u << 1, // CutBudget::triangles
+    cut_budget_items = 1u << 2,     // CutSettings::items
+    cut_budget_time = 1u << 3       // CutSettings::budget_us
+};
+// The field that a single bit stands for, e.g. "CutBudget::vertices".
+[[nodiscard]] const char* budget_field(CutBudgetBit bit);
+
+struct BudgetUse {
+    std::uint32_t used = 0, peak = 0, capacity = 0;
+};
+
+struct CutReport {
+    std::uint64_t frame = 0;
+    std::uint32_t items = 0; // evaluations + activations + deactivations
+    std::uint32_t evaluations = 0, activations = 0, deactivations = 0;
+    std::uint32_t vertices = 0;  // active, and the corners of all tiles
+    std::uint32_t triangles = 0; // of the whole terrain
+    std::uint32_t tiles_drawn = 0, triangles_drawn = 0; // of tiles that some view may see
+    std::uint32_t waiting = 0;    // lag: blocks that still have work
+    std::uint32_t blocked = 0;    // of those, for want of a capacity
+    std::uint32_t rising = 0;     // vertices activated late that have not reached their height
+    std::uint32_t exhausted = 0;  // CutBudgetBits
+    double error_px_asked = 0, error_px_effective = 0;
+    bool converged = false; // nothing waits, nothing rises, effective == asked: the screen bound holds
+    bool rebuilt = false;   // by the bulk pass
+    BudgetUse vertex_slots, triangle_slots; // triangle slots in whole chunks
+    std::uint32_t vertices_changed = 0, triangles_changed = 0; // slots to upload
+    double prepare_us = 0, refine_us = 0, output_us = 0;
+};
+
+struct CutState; // opaque, lives in the block
+
+struct LiveCut {
+    CutState* state = nullptr;
+};
+
+[[nodiscard]] std::size_t cut_bytes(const Terrain& terrain, const CutBudget& budget);
+
+// block: at least cut_bytes(), aligned to 64. terrain must outlive the cut; planar and hierarchical Z-order.
+// Fails with out_of_range when a field of the budget does, with budget_too_small when not even the coarsest mesh fits,
+// with not_supported for a pack in linear order.
+Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std::byte> block, LiveCut& cut);
+
+// Brings the cut towards what the views want, as far as the items go. views: 1 to CutBudget::views of them.
+Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
+
+// Builds the cut from nothing, whatever it was: for the first frame, after a teleport, for an export. Not bounded in
+// time: some nanoseconds a triangle. Keeps to the capacities.
+Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
+
+// Asks that nothing of this page be active, so that it can be unloaded. Takes effect over the next updates; `released`
+// becomes true when it has. A page must not be unloaded before. Asking for a page that is not loaded releases at once.
+Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released);
+
+inline constexpr float never_born_s = -1e30f; // far enough back for any vertex to have risen
+
+// Vertices of the cut for morphing, one for one with MeshView::vertices.
+struct MorphVertex {
+    float flat_m;   // height on the hypotenuse it splits: where it starts to rise and ends to sink
+    float error_m;  // its own
+    float radius_m; // of its sphere
+    float born_s;   // when it was activated late, or never_born_s
+};
+static_assert(sizeof(MorphVertex) == 16, "MorphVertex is uploaded: change the renderer's vertex format with it");
+
+struct CutMesh {
+    MeshView mesh;                         // all slots; ranges of the tiles that some view may see
+    std::span<const MorphVertex> morph;    // one a vertex slot
+    // Slots written since the previous update, 64 to a word; only the words listed hold any.
+    std::span<const std::uint64_t> vertex_bits, triangle_bits;
+    std::span<const std::uint32_t> vertex_words, triangle_words;
+};
+[[nodiscard]] CutMesh cut_mesh(LiveCut cut);
+
+// Calls visit(first, count) for every run of written slots.
+template <typename Visit>
+void for_each_run(std::span<const std::uint64_t> bits, std::span<const std::uint32_t> words, const Visit& visit) {
+    for (const std::uint32_t word : words)
+        for (std::uint64_t left = bits[word]; left != 0;) {
+            const auto first = static_cast<std::uint32_t>(std::countr_zero(left));
+            const auto count = static_cast<std::uint32_t>(std::countr_one(left >> first));
+            visit(word * 64 + first, count);
+            left = first + count == 64 ? 0 : left & ~std::uint64_t{0} << (first + count);
+        }
+}
+
+} // namespace fjell

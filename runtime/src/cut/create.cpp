@@ -1,0 +1,259 @@
+// The live cut's block: how large, how laid out, how it begins, and what a renderer sees of it.
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <utility>
+
+#include "cut/change.h"
+#include "cut/frame.h"
+#include "cut/mesh.h"
+#include "cut/pages.h"
+
+namespace fjell {
+
+namespace {
+
+constexpr std::size_t alignment = 64;
+constexpr std::size_t aligned(std::size_t bytes) {
+    return (bytes + alignment - 1) / alignment * alignment;
+}
+
+std::uint32_t corner_count(const Terrain& t) {
+    return (t.header.tiles_x + 1) * (t.header.tiles_y + 1);
+}
+std::uint32_t chunks_of(const CutBudget& b) {
+    return b.triangles / b.chunk_triangles;
+}
+bool hides_some(const Terrain& t) {
+    return t.has_voids() || t.tree.cut_x != 0 || t.tree.cut_y != 0;
+}
+// Every tile its base triangles; what is not drawn; and what deactivations keep back.
+std::uint32_t least_chunks(const Terrain& t) {
+    return t.tile_count() + 3;
+}
+
+// Where the block's parts lie; one function for the size and for the placement, so they cannot disagree.
+struct Layout {
+    std::size_t page_blocks, blocks, slots, slot_info, draining, heads, sizes, vertices, morph, made, hole, free_vertices,
+        indices, names, tiles, chunk_tile, chunk_below, free_chunks, vertex_bits, vertex_words, triangle_bits,
+        triangle_words, ranges, hz_places, end;
+};
+
+Layout layout_of(const Terrain& t, const CutBudget& b) {
+    Layout l{};
+    std::size_t at = aligned(sizeof(CutState));
+    const auto place = [&](std::size_t count, std::size_t bytes) {
+        return std::exchange(at, at + aligned(count * bytes));
+    };
+    const std::size_t blocks = std::size_t{t.slot_count} * max_page_blocks;
+    const std::size_t chunks = chunks_of(b), triangles = chunks * b.chunk_triangles;
+    l.page_blocks = place(t.page_count(), 4);
+    l.blocks = place(blocks, sizeof(BlockState));
+    l.slots = place(blocks * block_lanes, 4);
+    l.slot_info = place(t.slot_count, sizeof(SlotInfo));
+    l.draining = place(t.slot_count, 4);
+    l.heads = place(list_count, sizeof(Link));
+    l.sizes = place(list_count, 4);
+    l.vertices = place(b.vertices, sizeof(MeshVertex));
+    l.morph = place(b.vertices, sizeof(MorphVertex));
+    l.made = place(b.vertices, 16);
+    l.hole = place(b.vertices, 1);
+    l.free_vertices = place(b.vertices, 4);
+    l.indices = place(triangles, 12);
+    l.names = place(triangles, 4);
+    l.tiles = place(t.tile_count() + 1, sizeof(TileList));
+    l.chunk_tile = place(chunks, 4);
+    l.chunk_below = place(chunks, 4);
+    l.free_chunks = place(chunks, 4);
+    l.vertex_bits = place(b.vertices / 64 + 1, 8);
+    l.vertex_words = place(b.vertices / 64 + 1, 4);
+    l.triangle_bits = place(triangles / 64 + 1, 8);
+    l.triangle_words = place(triangles / 64 + 1, 4);
+    l.ranges = place(chunks, sizeof(TileRange));
+    l.hz_places = place(t.pages.order == Order::hierarchical_z ? 2 * max_page_vertices : 0, 2);
+    l.end = at;
+    return l;
+}
+
+Status check_budget(const Terrain& t, const CutBudget& b) {
+    if (t.pages.order == Order::linear)
+        return {Code::not_supported, "terrain in linear order (bake with --order planar, or use the recursive method)"};
+    if (std::uint64_t{t.slot_count} * max_page_vertices > 0xfffffff0u)
+        return {Code::out_of_range, "TerrainBudget::page_slots (1,369,568 at most)"};
+    if (b.vertices > 1u << 28) return {Code::out_of_range, "CutBudget::vertices (at most 2^28)"};
+    if (b.triangles > 1u << 29) return {Code::out_of_range, "CutBudget::triangles (at most 2^29)"};
+    if (b.chunk_triangles < 8 || b.chunk_triangles > 65536 || !std::has_single_bit(b.chunk_triangles))
+        return {Code::out_of_range, "CutBudget::chunk_triangles (8 to 65,536, a power of two)"};
+    if (b.views < 1 || b.views > max_cut_views) return {Code::out_of_range, "CutBudget::views (1 to 8)"};
+    if (b.vertices < corner_count(t)) return {Code::budget_too_small, "CutBudget::vertices (4 a tile)"};
+    if (chunks_of(b) < least_chunks(t))
+        return {Code::budget_too_small, "CutBudget::triangles (a chunk a tile, and 3)"};
+    return {};
+}
+
+// Place of each block's lanes in hierarchical Z-order, for a page of each shape.
+void make_hz_places(CutState& s) {
+    const PageLayout& hz = s.terrain->pages;
+    const PageLayout planar{hz.tile_log2, Order::planar};
+    for (std::uint32_t shape = 0; shape < (hz.pages_per_tile() > 1 ? 2u : 1u); ++shape)
+        for (std::uint32_t n = 0; n < s.shapes[shape].count; ++n) {
+            const BlockShape& block = s.shapes[shape].blocks[n];
+            for (std::uint32_t lane = 0; lane < block.lanes; ++lane) {
+                // The first page of either kind has the same place in its tile in both orders.
+                const Coord c = planar.coord({shape, block.first + block.stride * lane});
+                std::uint32_t place = 0;
+                if (shape == 0) {
+                    place = hz.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y)).index;
+                } else {
+                    const Site at = site_at(c);
+                    place = block_index<Order::hierarchical_z>(page_squares, at.kind, static_cast<std::uint32_t>(at.i),
+                                                               static_cast<std::uint32_t>(at.j));
+                }
+                s.hz_places[(shape * max_page_blocks + n) * block_lanes + lane] = static_cast<std::uint16_t>(place);
+            }
+        }
+}
+
+void make_corners(CutState& s) {
+    const Terrain& t = *s.terrain;
+    const auto nx = static_cast<std::uint32_t>(s.tiles_x) + 1;
+    for (std::uint32_t slot = 0; slot < corner_count(t); ++slot) {
+        const std::int32_t side = t.tree.side();
+        const Coord at = t.tree.sample(
+            {static_cast<std::int32_t>(slot % nx) * side, static_cast<std::int32_t>(slot / nx) * side});
+        const std::uint32_t stored = t.corners[slot];
+        const float height_m = t.lattice.height_m(static_cast<std::int32_t>(stored & ~corner_void_bit));
+        s.vertices[slot] = {at.x, at.y, height_m};
+        s.morph[slot] = {height_m, 0, 0, never_born_s};
+        s.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
+        s.dirty_vertices.mark(slot);
+    }
+    for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile) {
+        const std::uint32_t nw = tile / t.header.tiles_x * nx + tile % t.header.tiles_x, ne = nw + 1, sw = nw + nx,
+                            se = sw + 1;
+        for (const MeshTriangle& base : {MeshTriangle{ne, nw, se}, MeshTriangle{sw, se, nw}}) {
+            const Bearing corner = base.right == ne ? Bearing::north_east : Bearing::south_west;
+            append_triangle(s, list_for(s, tile, base), base,
+                            base.right * 4 + static_cast<std::uint32_t>(child_number(corner)));
+        }
+    }
+}
+
+} // namespace
+
+void reset(CutState& s) {
+    const Terrain& t = *s.terrain;
+    for (std::uint32_t i = 0; i < s.block_count; ++i) s.blocks[i] = {};
+    for (std::uint32_t i = 0; i < s.block_count; ++i) s.blocks[i].list = no_list;
+    clear_lists(s.lists);
+    s.work_ranks = 0;
+    for (std::uint32_t i = 0; i < t.page_count(); ++i) s.page_blocks[i] = none;
+    for (std::uint32_t i = 0; i < t.slot_count; ++i) {
+        s.slot_info[i] = {};
+        s.slot_info[i].page = no_page;
+    }
+    s.draining_count = 0;
+    s.dirty_vertices.clear();
+    s.dirty_triangles.clear();
+    const std::uint32_t corners = corner_count(t);
+    s.free_vertex_count = s.budget.vertices - corners;
+    for (std::uint32_t i = 0; i < s.free_vertex_count; ++i) s.free_vertices[i] = s.budget.vertices - 1 - i;
+    for (std::size_t i = 0; i < std::size_t{s.budget.vertices} * 4; ++i) s.made[i] = none;
+    for (std::uint32_t i = 0; i <= t.tile_count(); ++i) s.tiles[i] = {none, 0, 0, 0, false, {}, 0};
+    s.free_chunk_count = s.chunk_count;
+    for (std::uint32_t i = 0; i < s.chunk_count; ++i) s.free_chunks[i] = s.chunk_count - 1 - i;
+    make_corners(s);
+    s.seen_changes = t.changes - 1;
+    follow_pages(s);
+}
+
+std::size_t cut_bytes(const Terrain& terrain, const CutBudget& budget) {
+    return check_budget(terrain, budget).ok() ? layout_of(terrain, budget).end : 0;
+}
+
+Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std::byte> block, LiveCut& cut) {
+    if (Status fits = check_budget(terrain, budget); !fits.ok()) return fits;
+    const Layout l = layout_of(terrain, budget);
+    if (block.size() < l.end) return {Code::block_too_small, "block"};
+    std::byte* const at = block.data();
+    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "block alignment"};
+    std::memset(at, 0, l.end); // touches every page now rather than in a frame
+
+    auto& s = *reinterpret_cast<CutState*>(at);
+    const auto part = [&]<typename T>(T*& pointer, std::size_t offset) { pointer = reinterpret_cast<T*>(at + offset); };
+    s.terrain = &terrain;
+    s.budget = budget;
+    s.pages_per_tile = terrain.pages_per_tile;
+    s.block_count = terrain.slot_count * max_page_blocks;
+    s.tiles_x = terrain.tree.tiles_x;
+    s.tiles_y = terrain.tree.tiles_y;
+    s.shapes[0] = make_page_shape(terrain.pages, true);
+    s.shapes[1] = make_page_shape(terrain.pages, false);
+    for (int z = 0; z < terrain.tree.tile_log2; ++z) {
+        s.steps[z] = make_step_blocks(terrain.pages, z);
+        const int level = 2 * (terrain.tree.tile_log2 - 1 - z);
+        s.level_unit_m[2 * z] = terrain.header.level_radius_m[level];
+        s.level_unit_m[2 * z + 1] = terrain.header.level_radius_m[level + 1];
+    }
+    s.evaluate = evaluate;
+    part(s.page_blocks, l.page_blocks);
+    part(s.blocks, l.blocks);
+    part(s.slots, l.slots);
+    part(s.slot_info, l.slot_info);
+    part(s.draining, l.draining);
+    s.lists.blocks = s.blocks;
+    s.lists.block_count = s.block_count;
+    part(s.lists.heads, l.heads);
+    part(s.lists.sizes, l.sizes);
+    s.lists.tick_m = static_cast<double>(std::min(terrain.spacing_x_m, terrain.spacing_z_m)) / 32;
+    part(s.vertices, l.vertices);
+    part(s.morph, l.morph);
+    part(s.made, l.made);
+    part(s.hole, l.hole);
+    part(s.free_vertices, l.free_vertices);
+    part(s.indices, l.indices);
+    part(s.names, l.names);
+    part(s.tiles, l.tiles);
+    part(s.chunk_tile, l.chunk_tile);
+    part(s.chunk_below, l.chunk_below);
+    part(s.free_chunks, l.free_chunks);
+    s.chunk_count = chunks_of(budget);
+    s.chunk_log2 = static_cast<std::uint32_t>(std::countr_zero(budget.chunk_triangles));
+    s.some_hidden = hides_some(terrain);
+    part(s.dirty_vertices.bits, l.vertex_bits);
+    part(s.dirty_vertices.words, l.vertex_words);
+    part(s.dirty_triangles.bits, l.triangle_bits);
+    part(s.dirty_triangles.words, l.triangle_words);
+    part(s.ranges, l.ranges);
+    if (terrain.pages.order == Order::hierarchical_z) {
+        part(s.hz_places, l.hz_places);
+        make_hz_places(s);
+    }
+    s.decision.error_m = terrain.errors.metres;
+    s.decision.radius_factor = terrain.radii.factor;
+    s.decision.base_m = terrain.lattice.base_m;
+    s.decision.quantum_m = terrain.lattice.quantum_m;
+    s.decision.spacing_x_m = terrain.spacing_x_m;
+    s.decision.spacing_z_m = terrain.spacing_z_m;
+    s.decision.last_x = terrain.tree.columns() - 1;
+    s.decision.last_y = terrain.tree.rows() - 1;
+    reset(s);
+    cut.state = &s;
+    return {};
+}
+
+CutMesh cut_mesh(LiveCut cut) {
+    const CutState& s = *cut.state;
+    CutMesh out;
+    const std::size_t triangles = std::size_t{s.chunk_count} << s.chunk_log2;
+    out.mesh = {Topology::triangles, {s.vertices, s.budget.vertices}, {s.indices, triangles * 3},
+                {s.ranges, s.range_count}, 0, s.budget.vertices};
+    out.morph = {s.morph, s.budget.vertices};
+    out.vertex_bits = {s.dirty_vertices.bits, s.budget.vertices / 64 + 1};
+    out.vertex_words = {s.dirty_vertices.words, s.dirty_vertices.word_count};
+    out.triangle_bits = {s.dirty_triangles.bits, triangles / 64 + 1};
+    out.triangle_words = {s.dirty_triangles.words, s.dirty_triangles.word_count};
+    return out;
+}
+
+} // namespace fjell

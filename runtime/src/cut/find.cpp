@@ -1,0 +1,67 @@
+// From places in the tree to vertices of the cut, and back.
+#include "cut/change.h"
+
+namespace fjell {
+
+bool exists(const CutState& s, const Site& v) {
+    if (v.z < 0 || v.i < 0 || v.j < 0) return false;
+    const std::int32_t nx = s.tiles_x << s.steps[v.z].log2, ny = s.tiles_y << s.steps[v.z].log2;
+    return v.i < nx + (v.kind == PlaneKind::side_y) && v.j < ny + (v.kind == PlaneKind::side_x);
+}
+
+std::uint32_t find_vertex(const CutState& s, const Site& v) {
+    const StepBlocks& step = s.steps[v.z];
+    // A border belongs to the tile and the page to its south or east; the terrain's rim to those it ends.
+    std::int32_t tile_x = v.i >> step.log2, tile_y = v.j >> step.log2;
+    tile_x -= tile_x == s.tiles_x;
+    tile_y -= tile_y == s.tiles_y;
+    auto i = static_cast<std::uint32_t>(v.i - (tile_x << step.log2)),
+         j = static_cast<std::uint32_t>(v.j - (tile_y << step.log2));
+    std::uint32_t page = static_cast<std::uint32_t>(tile_y * s.tiles_x + tile_x) * s.pages_per_tile;
+    if (step.log2 >= page_squares_log2) {
+        const std::uint32_t last = (1u << (step.log2 - page_squares_log2)) - 1;
+        const std::uint32_t bx = std::min(i >> page_squares_log2, last), by = std::min(j >> page_squares_log2, last);
+        page += step.first_page + (s.hz_places ? interleave(bx, by) : by * (last + 1) + bx);
+        i -= bx << page_squares_log2;
+        j -= by << page_squares_log2;
+    }
+    const std::uint32_t first = s.page_blocks[page];
+    if (first == none) return no_vertex;
+    const std::uint32_t n = 1u << step.page_log2;
+    const std::uint32_t row = (j << step.words_log2) + (i >> lanes_log2);
+    switch (v.kind) {
+    case PlaneKind::centre: return (first + step.centres + row) * block_lanes + i % block_lanes;
+    case PlaneKind::side_x: return (first + step.sides_x + row) * block_lanes + i % block_lanes;
+    case PlaneKind::side_y: break;
+    }
+    if (i == n) return (first + step.column + (j >> lanes_log2)) * block_lanes + j % block_lanes;
+    return (first + step.sides_y + row) * block_lanes + i % block_lanes;
+}
+
+const BlockShape& shape_of(const CutState& s, std::uint32_t block) {
+    const std::uint32_t slot = block / max_page_blocks;
+    return s.shapes[s.slot_info[slot].shape].blocks[block - slot * max_page_blocks];
+}
+
+Site site_of(const CutState& s, std::uint32_t vertex) {
+    const std::uint32_t block = vertex / block_lanes;
+    const auto lane = static_cast<std::int32_t>(vertex % block_lanes);
+    const SlotInfo& info = s.slot_info[block / max_page_blocks];
+    const BlockShape& shape = shape_of(s, block);
+    const int z = info.z + shape.z;
+    return {z, shape.kind, (info.tile_x << s.steps[z].log2) + info.i0 + shape.i0 + (shape.along_y ? 0 : lane),
+            (info.tile_y << s.steps[z].log2) + info.j0 + shape.j0 + (shape.along_y ? lane : 0)};
+}
+
+VertexRecord record_of(const CutState& s, std::uint32_t vertex) {
+    const std::uint32_t block = vertex / block_lanes, lane = vertex % block_lanes, slot = block / max_page_blocks;
+    const VertexRecord* const records = s.terrain->records + std::size_t{slot} * s.terrain->page_capacity;
+    if (s.hz_places) {
+        const std::size_t page_shape = s.slot_info[slot].shape;
+        return records[s.hz_places[((page_shape - slot) * max_page_blocks + block) * block_lanes + lane]];
+    }
+    const BlockShape& shape = shape_of(s, block);
+    return records[shape.first + shape.stride * lane];
+}
+
+} // namespace fjell

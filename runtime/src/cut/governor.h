@@ -1,0 +1,46 @@
+// The governor: when a capacity does not suffice the effective threshold rises until it does, and comes back.
+//
+// It answers to capacities only. Lack of time shows as lag instead, because changing the threshold makes work, exactly
+// when there is too much of it. It acts on a cut at rest: one that has done all it can at the present threshold.
+//
+// Steps are sized so that they do not have to be taken back. Up: by a tenth, which frees at most a fifth (the number of
+// vertices goes as the threshold to a power between -1 and -2), so that at least 0.8 of the scarcest capacity stay in
+// use. Down: only below that, and only as far as fills nine tenths by the same law. A terrain whose vertices all come in
+// one step can break any law, so a threshold that has failed is not tried again before use has dropped by a tenth.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "cut/state.h"
+
+namespace fjell {
+
+inline constexpr double governor_up = 1.1, governor_full = 0.8, governor_fill = 0.9;
+
+// Returns the threshold of the next frame. use: share of the scarcest capacity; blocked: work waits for a capacity.
+inline double govern(Governor& g, double asked_px, double use, bool blocked, bool at_rest) {
+    if (g.effective_px < asked_px) g.effective_px = asked_px;
+    if (!at_rest) return g.effective_px;
+    if (blocked) {
+        g.failed_px = g.effective_px;
+        g.failed_use = -1; // not known before it is mended
+        return g.effective_px *= governor_up;
+    }
+    if (g.failed_use < 0) g.failed_use = use;
+    if (use >= governor_full) return g.effective_px;
+    if (g.effective_px <= asked_px) {
+        g.failed_px = 0;
+        return g.effective_px;
+    }
+    double next = std::max(asked_px, g.effective_px * std::sqrt(std::max(use, 1e-4) / governor_fill));
+    if (g.failed_px > 0 && next <= g.failed_px) {
+        if (use > g.failed_use - 0.1)
+            next = std::min(g.effective_px, g.failed_px * std::sqrt(governor_up));
+        else
+            g.failed_px = 0;
+    }
+    return g.effective_px = next;
+}
+
+} // namespace fjell

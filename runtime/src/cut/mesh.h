@@ -1,0 +1,95 @@
+// The mesh of the live cut, edited in place: the thesis' vertex buffer and status array, made incremental.
+//
+// A triangle is named by the vertex at its right angle and a direction: the child of that vertex on its hypotenuse
+// (DESIGN section 3). Activating a vertex replaces the triangle towards it, of each of its parents, by two of its own;
+// deactivating it does the reverse. Neither needs more than the parents' vertex slots, because a triangle's indices name
+// its other corners.
+//
+// Triangles of a tile fill chunks of slots without gaps: a removed one is overwritten by the tile's last. So every chunk
+// is one draw range, nothing degenerate is drawn, and one change touches at most six triangle slots. Triangles that are
+// not drawn - with a corner in a hole, or shrunk to nothing beyond the terrain's rim - are kept the same way, as those of
+// one more tile.
+#pragma once
+
+#include "cut/state.h"
+
+namespace fjell {
+
+struct MeshTriangle {
+    std::uint32_t right, a, b; // vertex slots, counter-clockwise from above; a-b is the hypotenuse
+};
+
+[[nodiscard]] inline std::uint32_t hidden_tile(const CutState& s) {
+    return s.terrain->tile_count();
+}
+
+[[nodiscard]] inline bool is_hidden(const CutState& s, const MeshTriangle& t) {
+    if (s.hole[t.right] | s.hole[t.a] | s.hole[t.b]) return true;
+    const MeshVertex &p = s.vertices[t.right], &a = s.vertices[t.a], &b = s.vertices[t.b];
+    return std::int64_t{a.column - p.column} * (b.row - p.row) == std::int64_t{a.row - p.row} * (b.column - p.column);
+}
+[[nodiscard]] inline std::uint32_t list_for(const CutState& s, std::uint32_t tile, const MeshTriangle& t) {
+    return s.some_hidden && is_hidden(s, t) ? hidden_tile(s) : tile;
+}
+
+inline void write_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t name) {
+    std::uint32_t* const out = s.indices + std::size_t{slot} * 3;
+    out[0] = t.right, out[1] = t.a, out[2] = t.b;
+    s.names[slot] = name;
+    s.made[name] = slot;
+    s.dirty_triangles.mark(slot);
+}
+
+// Slots that a tile can still take without a new chunk.
+[[nodiscard]] inline std::uint32_t room_in(const CutState& s, std::uint32_t tile) {
+    const TileList& list = s.tiles[tile];
+    return list.last_chunk == none ? 0 : (1u << s.chunk_log2) - list.in_last;
+}
+
+// There must be room: in the tile's last chunk or a free one.
+inline void append_triangle(CutState& s, std::uint32_t tile, const MeshTriangle& t, std::uint32_t name) {
+    TileList& list = s.tiles[tile];
+    if (list.last_chunk == none || list.in_last == 1u << s.chunk_log2) {
+        const std::uint32_t chunk = s.free_chunks[--s.free_chunk_count];
+        s.chunk_below[chunk] = list.last_chunk;
+        s.chunk_tile[chunk] = tile;
+        list.last_chunk = chunk;
+        list.in_last = 0;
+        ++list.chunks;
+        const std::uint32_t used = s.chunk_count - s.free_chunk_count;
+        if (used > s.chunk_peak) s.chunk_peak = used;
+    }
+    ++list.total;
+    write_triangle(s, (list.last_chunk << s.chunk_log2) + list.in_last++, t, name);
+}
+
+inline void remove_triangle(CutState& s, std::uint32_t slot) {
+    TileList& list = s.tiles[s.chunk_tile[slot >> s.chunk_log2]];
+    const std::uint32_t last = (list.last_chunk << s.chunk_log2) + --list.in_last;
+    --list.total;
+    s.made[s.names[slot]] = none;
+    if (last != slot) {
+        const std::uint32_t* const from = s.indices + std::size_t{last} * 3;
+        write_triangle(s, slot, {from[0], from[1], from[2]}, s.names[last]);
+    }
+    if (list.in_last != 0) return;
+    const std::uint32_t chunk = list.last_chunk;
+    s.free_chunks[s.free_chunk_count++] = chunk;
+    list.last_chunk = s.chunk_below[chunk];
+    list.in_last = list.last_chunk == none ? 0 : 1u << s.chunk_log2;
+    --list.chunks;
+}
+
+// The triangle in this slot becomes another one of the same tile, drawn or not.
+inline void replace_triangle(CutState& s, std::uint32_t slot, std::uint32_t tile, const MeshTriangle& t,
+                             std::uint32_t name) {
+    if (s.chunk_tile[slot >> s.chunk_log2] == list_for(s, tile, t)) {
+        s.made[s.names[slot]] = none;
+        write_triangle(s, slot, t, name);
+        return;
+    }
+    remove_triangle(s, slot);
+    append_triangle(s, list_for(s, tile, t), t, name);
+}
+
+} // namespace fjell

@@ -1,0 +1,151 @@
+#include "cut/pages.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "cut/change.h"
+
+namespace fjell {
+
+namespace {
+
+// The sphere of the tile's root holds all of the tile.
+void bound_tile(CutState& s, const SlotInfo& info, bool loaded) {
+    TileList& tile = s.tiles[info.tile];
+    tile.bounded = loaded;
+    if (!loaded) return;
+    const std::int32_t half = s.terrain->tree.side() / 2, side = s.terrain->tree.side();
+    const Coord root{info.tile_x * side + half, info.tile_y * side + half}, at = s.terrain->tree.sample(root);
+    const Terrain::Vertex v = s.terrain->vertex(root);
+    tile.centre_m[0] = s.terrain->x_m(at.x);
+    tile.centre_m[1] = v.height_m;
+    tile.centre_m[2] = s.terrain->z_m(at.y);
+    tile.radius_m = v.radius_m;
+}
+
+void enter(CutState& s, std::uint32_t slot) {
+    const Terrain& t = *s.terrain;
+    const std::uint32_t page = t.slot_page[slot];
+    SlotInfo& info = s.slot_info[slot];
+    info = {};
+    info.page = page;
+    info.tile = page / s.pages_per_tile;
+    info.tile_x = static_cast<std::int32_t>(info.tile) % s.tiles_x;
+    info.tile_y = static_cast<std::int32_t>(info.tile) / s.tiles_x;
+    info.base = t.page_table[page].base;
+    info.status = SlotStatus::live;
+    const std::uint32_t in_tile = page % s.pages_per_tile;
+    if (in_tile != 0) {
+        const Coord block = t.pages.page_block(in_tile);
+        info.shape = 1;
+        info.z = static_cast<std::uint8_t>(t.pages.page_step_log2(in_tile));
+        info.i0 = block.x << page_squares_log2;
+        info.j0 = block.y << page_squares_log2;
+    }
+    s.page_blocks[page] = slot * max_page_blocks;
+    if (in_tile == 0) bound_tile(s, info, true);
+    for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
+        const std::uint32_t number = slot * max_page_blocks + n;
+        BlockState& b = s.blocks[number];
+        b = {};
+        b.list = no_list;
+        const ParentMasks parents = parents_of(s, number);
+        b.parent[0] = parents.parent[0];
+        b.parent[1] = parents.parent[1];
+        // Whatever they hold, coarse pages first.
+        if (b.ready() != 0) {
+            b.grade = grade_count - 1;
+            push_back(s.lists, static_cast<ListId>(due_lists + b.grade), number);
+        }
+    }
+}
+
+void leave(CutState& s, std::uint32_t slot) {
+    SlotInfo& info = s.slot_info[slot];
+    for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
+        const std::uint32_t number = slot * max_page_blocks + n;
+        unlink(s.lists, number);
+        s.blocks[number] = {};
+        s.blocks[number].list = no_list;
+    }
+    s.page_blocks[info.page] = none;
+    if (info.page % s.pages_per_tile == 0) bound_tile(s, info, false);
+    for (std::uint32_t i = 0; i < s.draining_count; ++i)
+        if (s.draining[i] == slot) s.draining[i--] = s.draining[--s.draining_count];
+    info = {};
+    info.page = no_page;
+}
+
+// One vertex of the subtree below an active vertex that has no active children itself.
+std::uint32_t lowest_below(const CutState& s, std::uint32_t vertex) {
+    for (;;) {
+        const BlockState& b = s.blocks[vertex / block_lanes];
+        int d = 0;
+        while (d < 4 && !(b.child[d] >> vertex % block_lanes & 1)) ++d;
+        if (d == 4) return vertex;
+        vertex = find_vertex(s, child_site(site_of(s, vertex), d));
+    }
+}
+
+// The first vertex that keeps a page from leaving, or no_vertex: any active one that the page holds, its neighbours'
+// vertices on its borders included. Those have both parents active, one of them here: it is enough to look here.
+std::uint32_t holding(const CutState& s, std::uint32_t slot) {
+    if (s.slot_info[slot].active == 0) return no_vertex;
+    for (std::uint32_t n = 0; n < s.shapes[s.slot_info[slot].shape].count; ++n) {
+        const std::uint32_t number = slot * max_page_blocks + n;
+        if (s.blocks[number].active != 0)
+            return number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(s.blocks[number].active));
+    }
+    return no_vertex;
+}
+
+} // namespace
+
+ParentMasks parents_of(const CutState& s, std::uint32_t block) {
+    ParentMasks masks{};
+    const BlockShape& shape = shape_of(s, block);
+    for (std::uint32_t lane = 0; lane < shape.lanes; ++lane) {
+        const std::uint32_t vertex = block * block_lanes + lane;
+        const Site site = site_of(s, vertex);
+        // A border has a lane in each page that holds it; only the owner's counts.
+        if (!exists(s, site) || find_vertex(s, site) != vertex) continue;
+        const bool root = site.kind == PlaneKind::centre && site.z == s.terrain->tree.tile_log2 - 1;
+        for (int n = 0; n < 2; ++n) {
+            const Site parent = parent_site(site, n);
+            bool active = root || !exists(s, parent);
+            if (!active) {
+                const std::uint32_t found = find_vertex(s, parent);
+                active = found != no_vertex && (s.blocks[found / block_lanes].active >> found % block_lanes & 1);
+            }
+            masks.parent[n] |= static_cast<std::uint16_t>(static_cast<std::uint32_t>(active) << lane);
+        }
+    }
+    return masks;
+}
+
+void follow_pages(CutState& s) {
+    const Terrain& t = *s.terrain;
+    if (s.seen_changes == t.changes) return;
+    s.seen_changes = t.changes;
+    for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
+        if (s.slot_info[slot].page != no_page && s.slot_info[slot].page != t.slot_page[slot]) {
+            // release_page was not asked, or not waited for: the mesh must let go all the same.
+            for (std::uint32_t v = holding(s, slot); v != no_vertex; v = holding(s, slot))
+                if (deactivate(s, lowest_below(s, v)) != Outcome::done) break;
+            leave(s, slot);
+        }
+    for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
+        if (t.slot_page[slot] != no_page && s.slot_info[slot].page == no_page) enter(s, slot);
+}
+
+void drain_pages(CutState& s) {
+    for (std::uint32_t i = 0; i < s.draining_count; ++i)
+        while (s.report.items < s.item_limit) {
+            const std::uint32_t v = holding(s, s.draining[i]);
+            if (v == no_vertex || deactivate(s, lowest_below(s, v)) != Outcome::done) break;
+            ++s.report.items;
+            ++s.report.deactivations;
+        }
+}
+
+} // namespace fjell

@@ -1,0 +1,20 @@
+// Pages that come, are asked back, and go.
+#pragma once
+
+#include "cut/state.h"
+
+namespace fjell {
+
+// Enters every page that is loaded and leaves those that are gone. O(slots) when anything changed since the last call.
+void follow_pages(CutState& s);
+
+// Deactivates what draining pages still hold, as far as the items go.
+void drain_pages(CutState& s);
+
+// Finds which parents of a block's lanes are active; in all lanes.
+struct ParentMasks {
+    std::uint16_t parent[2];
+};
+[[nodiscard]] ParentMasks parents_of(const CutState& s, std::uint32_t block);
+
+} // namespace fjell

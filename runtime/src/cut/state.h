@@ -1,0 +1,141 @@
+// What the live cut keeps in the host's block, between frames.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "cut/blocks.h"
+#include "cut/evaluate.h"
+#include "cut/lists.h"
+#include "fjell/cut.h"
+
+namespace fjell {
+
+inline constexpr std::uint32_t none = 0xffffffff;
+
+// One block: a bit a lane in every mask. 32 bytes, so that a visit costs half a cache line beside the records.
+struct BlockState {
+    std::uint16_t active;
+    std::uint16_t parent[2]; // that parent is active, or does not exist because it would lie outside the terrain
+    std::uint16_t child[4];  // that child is active; where it is not, an active vertex draws a triangle towards it
+    std::uint16_t list;      // that the block was put in (list_of), or no_list
+    Link link;
+    std::uint32_t due;      // tick of its grade at which it must be looked at, 48 bits of it
+    std::uint16_t due_high;
+    std::uint8_t grade; // of its errors; in the calendar and after
+    std::uint8_t spare;
+
+    [[nodiscard]] std::uint16_t ready() const { return static_cast<std::uint16_t>(parent[0] & parent[1]); }
+    [[nodiscard]] std::uint16_t parental() const {
+        return static_cast<std::uint16_t>(child[0] | child[1] | child[2] | child[3]);
+    }
+};
+static_assert(sizeof(BlockState) == 32, "two blocks a cache line");
+
+enum class SlotStatus : std::uint8_t { empty, live, draining };
+
+struct SlotInfo {
+    std::uint32_t page; // tile * pages_per_tile + page, or no_page
+    std::uint32_t tile;
+    std::int32_t i0, j0; // the page's first square in its tile; page 0: 0
+    std::int32_t tile_x, tile_y;
+    std::int32_t base;    // lattice steps
+    std::uint16_t active; // vertices
+    std::uint8_t z;       // log2 of the step; page 0: 0, its blocks say
+    std::uint8_t shape;   // 0: page 0; 1: any other
+    SlotStatus status;
+};
+
+// A tile's triangles: a stack of chunks; all but the last are full.
+struct TileList {
+    std::uint32_t last_chunk;
+    std::uint32_t in_last;
+    std::uint32_t total;
+    std::uint32_t chunks;
+    bool bounded;      // by the root's sphere; not while page 0 is missing
+    double centre_m[3];
+    double radius_m;
+};
+
+struct DirtyBits {
+    std::uint64_t* bits;
+    std::uint32_t* words; // which hold any
+    std::uint32_t word_count;
+    std::uint32_t slots; // marked
+
+    void mark(std::uint32_t slot) {
+        std::uint64_t& word = bits[slot / 64];
+        const std::uint64_t bit = std::uint64_t{1} << (slot % 64);
+        if (word == 0) words[word_count++] = slot / 64;
+        slots += (word & bit) == 0;
+        word |= bit;
+    }
+    void clear() {
+        for (std::uint32_t i = 0; i < word_count; ++i) bits[words[i]] = 0;
+        word_count = slots = 0;
+    }
+};
+
+// What the governor remembers (governor.h).
+struct Governor {
+    double effective_px; // 0: not started
+    double failed_px;    // a threshold at which a capacity did not suffice; 0: none known
+    double failed_use;   // share of the scarcest capacity in use once that was mended; below 0: it is not yet
+};
+
+struct CutState {
+    const Terrain* terrain;
+    CutBudget budget;
+    // Geometry of blocks.
+    std::uint32_t pages_per_tile, block_count;
+    std::int32_t tiles_x, tiles_y;
+    StepBlocks steps[max_tile_log2];
+    PageShape shapes[2];        // [0] of page 0, [1] of all others
+    std::uint16_t* hz_places;   // hierarchical Z-order: place of each block's lanes, for both shapes; else nullptr
+    std::uint32_t* page_blocks; // first block of each page, or none
+    float level_unit_m[2 * max_tile_log2]; // of radii: centres at 2 z, sides at 2 z + 1
+    void (*evaluate)(const Decision&, const LaneBlock&, LaneMargins&);
+    // Vertices.
+    BlockState* blocks;
+    std::uint32_t* slots; // vertex slot of each active vertex
+    SlotInfo* slot_info;
+    std::uint64_t seen_changes;
+    std::uint32_t* draining; // slots whose pages are asked back
+    std::uint32_t draining_count;
+    // Lists of blocks.
+    Lists lists;
+    // The mesh.
+    MeshVertex* vertices;
+    MorphVertex* morph;
+    std::uint32_t* made; // 4 a vertex slot: the triangle it makes in each direction, or none
+    std::uint8_t* hole;  // 1 a vertex slot
+    std::uint32_t* free_vertices;
+    std::uint32_t free_vertex_count, vertex_peak;
+    std::uint32_t* indices; // 3 a triangle slot: right angle first
+    std::uint32_t* names;   // of a triangle: vertex slot * 4 + direction
+    TileList* tiles;        // and one more: triangles that are not drawn
+    std::uint32_t* chunk_tile;
+    std::uint32_t* chunk_below; // the tile's chunk before it
+    std::uint32_t* free_chunks;
+    std::uint32_t free_chunk_count, chunk_count, chunk_peak;
+    std::uint32_t chunk_log2;
+    bool some_hidden; // the terrain has holes or ends inside tiles
+    DirtyBits dirty_vertices, dirty_triangles;
+    TileRange* ranges;
+    std::uint32_t range_count;
+    // The views of the last update, and what follows from them.
+    Decision decision;
+    View views[max_cut_views];
+    Frustum frustums[max_cut_views];
+    std::uint32_t view_count; // 0: no update yet
+    Governor governor;
+    // The frame in work.
+    CutSettings settings;
+    CutReport report;
+    std::uint64_t frame;
+    std::uint32_t item_limit;
+    std::uint32_t work_ranks; // which work lists may hold blocks, as bits
+    std::uint32_t turn;       // which of blocked_lists and gated_lists takes what is put back
+};
+
+} // namespace fjell

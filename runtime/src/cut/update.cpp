@@ -1,0 +1,241 @@
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "cut/change.h"
+#include "cut/frame.h"
+#include "cut/governor.h"
+#include "cut/pages.h"
+
+namespace fjell {
+
+namespace {
+
+using Clock = std::chrono::steady_clock; // CLOCK_MONOTONIC: read without a system call
+
+double microseconds(Clock::time_point from, Clock::time_point to) {
+    return std::chrono::duration<double, std::micro>(to - from).count();
+}
+
+Status check(const CutState& s, std::span<const View> views, const CutSettings& c) {
+    if (views.empty() || views.size() > s.budget.views) return {Code::out_of_range, "views (1 to CutBudget::views)"};
+    for (const View& view : views)
+        if (Status v = validate(view); !v.ok()) return v;
+    if (!(c.error_px >= 1e-3 && c.error_px <= 1e6)) return {Code::out_of_range, "CutSettings::error_px"};
+    if (!(c.hysteresis >= 0 && c.hysteresis <= 10)) return {Code::out_of_range, "CutSettings::hysteresis (0 to 10)"};
+    if (!(c.budget_us >= 0)) return {Code::out_of_range, "CutSettings::budget_us"};
+    if (!(c.morph_s >= 0.01 && c.morph_s <= 10)) return {Code::out_of_range, "CutSettings::morph_s (0.01 to 10)"};
+    if (!std::isfinite(c.now_s)) return {Code::out_of_range, "CutSettings::now_s"};
+    return {};
+}
+
+// Largest error of a grade in this terrain.
+double grade_error_m(const CutState& s, std::uint32_t grade) {
+    const std::uint32_t code = ((grade + 1) << grade_codes_log2) - 1;
+    return std::min(static_cast<double>(s.terrain->errors.metres[code]),
+                    static_cast<double>(s.terrain->header.max_error_m));
+}
+
+// Takes over the views; what they may have changed becomes due.
+void look(CutState& s, std::span<const View> views, double threshold_px) {
+    Decision& c = s.decision;
+    const bool all = views.size() != s.view_count;
+    double way_m = 0, zoom = 0; // the longest way of an eye; the largest change of q
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const double px = threshold_px / (s.settings.corner_safe ? corner_factor(views[i]) : 1);
+        const Reach reach = make_reach(views[i], px), keep = make_reach(views[i], px / (1 + s.settings.hysteresis));
+        const auto difference = [](float a, float b) { return std::abs(static_cast<double>(a) - static_cast<double>(b)); };
+        const Vec3 way{difference(reach.eye_x, c.reach[i].eye_x), difference(reach.eye_y, c.reach[i].eye_y),
+                       difference(reach.eye_z, c.reach[i].eye_z)};
+        way_m = std::max(way_m, length(way) + difference(reach.pad, c.reach[i].pad));
+        zoom = std::max({zoom, difference(reach.q, c.reach[i].q), difference(keep.q, c.keep[i].q)});
+        c.reach[i] = reach;
+        c.keep[i] = keep;
+        s.views[i] = views[i];
+        s.frustums[i] = make_frustum(views[i]);
+    }
+    c.views = s.view_count = static_cast<std::uint32_t>(views.size());
+    c.hysteresis = s.settings.hysteresis > 0;
+    constexpr double rounding = 1 + 0x1p-18; // reach_grow and of the sums above
+    for (std::uint32_t grade = 0; grade < grade_count; ++grade)
+        advance(s.lists, grade, all ? 1e300 : (way_m + zoom * grade_error_m(s, grade)) * rounding);
+}
+
+bool may_be_seen(const CutState& s, const TileList& tile) {
+    if (!tile.bounded) return true;
+    for (std::uint32_t i = 0; i < s.view_count; ++i) {
+        const Vec3 p = Vec3{tile.centre_m[0], tile.centre_m[1], tile.centre_m[2]} - s.views[i].eye_m;
+        bool inside = true;
+        for (int plane = 0; plane < 6 && inside; ++plane)
+            inside = dot(s.frustums[i].normal[plane], p) >= s.frustums[i].offset[plane] - tile.radius_m;
+        if (inside) return true;
+    }
+    return false;
+}
+
+void list_ranges(CutState& s) {
+    s.range_count = 0;
+    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
+        const TileList& list = s.tiles[tile];
+        if (list.total == 0 || !may_be_seen(s, list)) continue;
+        ++s.report.tiles_drawn;
+        s.report.triangles_drawn += list.total;
+        std::uint32_t count = list.in_last;
+        for (std::uint32_t chunk = list.last_chunk; chunk != none; chunk = s.chunk_below[chunk]) {
+            s.ranges[s.range_count++] = {tile, (chunk << s.chunk_log2) * 3, count * 3, count};
+            count = 1u << s.chunk_log2;
+        }
+    }
+}
+
+std::uint32_t waiting(const CutState& s) {
+    std::uint32_t n = 0;
+    for (std::uint32_t list = due_lists; list < list_count; ++list) n += size(s.lists, static_cast<ListId>(list));
+    return n;
+}
+
+std::uint32_t blocked(const CutState& s) {
+    return size(s.lists, blocked_lists) + size(s.lists, blocked_lists + 1);
+}
+
+void finish(CutState& s) {
+    CutReport& r = s.report;
+    list_ranges(s);
+    r.vertex_slots = {s.budget.vertices - s.free_vertex_count, 0, s.budget.vertices};
+    s.vertex_peak = std::max(s.vertex_peak, r.vertex_slots.used);
+    r.vertex_slots.peak = s.vertex_peak;
+    const auto slots = [&](std::uint32_t chunks) { return chunks << s.chunk_log2; };
+    r.triangle_slots = {slots(s.chunk_count - s.free_chunk_count), slots(s.chunk_peak), slots(s.chunk_count)};
+    r.vertices = r.vertex_slots.used;
+    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) r.triangles += s.tiles[tile].total;
+    r.blocked = blocked(s);
+    r.waiting = waiting(s) + s.draining_count;
+    r.vertices_changed = s.dirty_vertices.slots;
+    r.triangles_changed = s.dirty_triangles.slots;
+    r.converged = r.waiting == 0 && r.rising == 0 && r.error_px_effective <= r.error_px_asked;
+    const double use = std::max(static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
+                                static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity);
+    (void)govern(s.governor, r.error_px_asked, use, r.blocked != 0, r.waiting == r.blocked);
+}
+
+} // namespace
+
+void refine(CutState& s) {
+    CutReport& r = s.report;
+    const auto start = Clock::now();
+    const auto blocked_before = static_cast<ListId>(blocked_lists + (s.turn ^ 1));
+    int grade = grade_count - 1;
+    std::uint32_t evaluated = 0; // due blocks since the last work
+    // With a capacity spent, what gives some of it back comes first.
+    const auto short_of_room = [&] {
+        return (r.exhausted & (cut_budget_vertices | cut_budget_triangles)) != 0 && size(s.lists, retire_list) != 0;
+    };
+    while (r.items < s.item_limit) {
+        if (s.settings.budget_us > 0 && microseconds(start, Clock::now()) >= s.settings.budget_us) {
+            r.exhausted |= cut_budget_time;
+            return;
+        }
+        while (s.work_ranks != 0 && size(s.lists, static_cast<ListId>(work_lists + std::bit_width(s.work_ranks) - 1)) == 0)
+            s.work_ranks &= ~(1u << (std::bit_width(s.work_ranks) - 1));
+        while (grade >= 0 && size(s.lists, static_cast<ListId>(due_lists + grade)) == 0) --grade;
+        const std::uint32_t rank = s.work_ranks == 0 ? 0 : static_cast<std::uint32_t>(std::bit_width(s.work_ranks)) - 1;
+        ListId list = no_list;
+        bool may_retire = s.work_ranks == 0;
+        if (short_of_room()) {
+            list = retire_list;
+            may_retire = true;
+        } else if (grade >= 0 && (s.work_ranks == 0 || evaluated < 2)) {
+            list = static_cast<ListId>(due_lists + grade);
+            ++evaluated;
+        } else if (s.work_ranks != 0) {
+            list = static_cast<ListId>(work_lists + rank);
+            evaluated = 0;
+        } else if (size(s.lists, retire_list) != 0) {
+            list = retire_list;
+        } else if (size(s.lists, blocked_before) != 0 &&
+                   (r.exhausted & (cut_budget_vertices | cut_budget_triangles)) == 0) {
+            list = blocked_before;
+        } else {
+            return;
+        }
+        const std::uint32_t block = front(s.lists, list);
+        unlink(s.lists, block);
+        if (const std::uint32_t next = front(s.lists, list); next < s.block_count) __builtin_prefetch(&s.blocks[next]);
+        visit_block(s, block, rank, may_retire);
+    }
+    if (waiting(s) != blocked(s)) r.exhausted |= cut_budget_items;
+}
+
+Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
+    CutState& s = *cut.state;
+    if (Status v = check(s, views, settings); !v.ok()) return v;
+    const auto start = Clock::now();
+    s.settings = settings;
+    s.dirty_vertices.clear();
+    s.dirty_triangles.clear();
+    s.report = {};
+    CutReport& r = s.report;
+    r.frame = ++s.frame;
+    s.item_limit = settings.items;
+    r.error_px_asked = settings.error_px;
+    s.governor.effective_px = std::max(s.governor.effective_px, settings.error_px);
+    if (s.governor.failed_px == 0) s.governor.effective_px = settings.error_px;
+    r.error_px_effective = s.governor.effective_px;
+    look(s, views, s.governor.effective_px);
+    follow_pages(s);
+    // What was blocked takes its turn again; what still is goes to the other list.
+    if (size(s.lists, static_cast<ListId>(blocked_lists + (s.turn ^ 1))) == 0) s.turn ^= 1;
+    const auto prepared = Clock::now();
+    drain_pages(s);
+    refine(s);
+    const auto refined = Clock::now();
+    finish(s);
+    r.prepare_us = microseconds(start, prepared);
+    r.refine_us = microseconds(prepared, refined);
+    r.output_us = microseconds(refined, Clock::now());
+    report = r;
+    return {};
+}
+
+Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
+    CutState& s = *cut.state;
+    if (Status v = check(s, views, settings); !v.ok()) return v;
+    reset(s);
+    s.view_count = 0;
+    CutSettings all = settings;
+    all.items = unlimited_items;
+    all.budget_us = 0;
+    Status status = update_cut(cut, views, all, report);
+    report.rebuilt = s.report.rebuilt = true;
+    return status;
+}
+
+Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released) {
+    CutState& s = *cut.state;
+    if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return {Code::out_of_range, "tile or page"};
+    const std::uint32_t first = s.page_blocks[tile * s.pages_per_tile + page];
+    released = first == none;
+    if (released) return {};
+    const std::uint32_t slot = first / max_page_blocks;
+    SlotInfo& info = s.slot_info[slot];
+    if (info.status != SlotStatus::draining) {
+        info.status = SlotStatus::draining;
+        s.draining[s.draining_count++] = slot;
+    }
+    released = info.active == 0;
+    return {};
+}
+
+const char* budget_field(CutBudgetBit bit) {
+    switch (bit) {
+    case cut_budget_vertices: return "CutBudget::vertices";
+    case cut_budget_triangles: return "CutBudget::triangles";
+    case cut_budget_items: return "CutSettings::items";
+    case cut_budget_time: break;
+    }
+    return "CutSettings::budget_us";
+}
+
+} // namespace fjell

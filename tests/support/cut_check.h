@@ -1,0 +1,36 @@
+// Is a live cut what it promises to be? Walks all of it; written against the promises in cut/state.h.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cut/state.h"
+#include "fjell/cut.h"
+#include "host/load.h"
+#include "support/mesh_check.h"
+#include "support/terrain_fixture.h"
+
+namespace fjell::test {
+
+// A live cut with its block.
+struct Cut {
+    Cut(const Terrain& terrain, const CutBudget& budget);
+    CutReport update(std::span<const View> views, const CutSettings& settings);
+    CutReport rebuild(std::span<const View> views, const CutSettings& settings);
+    // All tiles, seen or not. Points into this.
+    [[nodiscard]] MeshView mesh();
+    [[nodiscard]] CutState& state() { return *cut.state; }
+    host::AlignedBlock block;
+    LiveCut cut;
+    std::vector<TileRange> ranges;
+};
+[[nodiscard]] CutBudget ample_cut(const Terrain& terrain, std::uint32_t views = 1);
+
+// Empty when all of this holds, otherwise the first thing that does not: every active vertex' parents are active
+// (invariant 1); every mask agrees with the vertices it speaks of; vertex slots, triangle names and slots, chunks and
+// free lists agree; every vertex that could change is in a block that some list holds, and, in the calendar, agrees with
+// the decision and is due before it could cease to.
+[[nodiscard]] std::string check_cut(Cut& cut);
+
+} // namespace fjell::test
