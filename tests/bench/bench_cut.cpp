@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -34,7 +34,7 @@ struct Scene {
     double error_px = 1; // where the recursive method selects about 100,000 vertices
 };
 
-std::string bake_scene(const std::string& name, const baker::Dem& dem, int tile_log2) {
+std::string bake_scene(const std::string& name, const std::function<baker::Dem()>& make, int tile_log2) {
     const std::string folder = FJELL_BENCH_DIR;
     std::filesystem::create_directories(folder);
     const std::string path =
@@ -43,7 +43,7 @@ std::string bake_scene(const std::string& name, const baker::Dem& dem, int tile_
     baker::BakeOptions options;
     options.tile_log2 = tile_log2;
     options.max_texture_log2 = 4;
-    (void)baker::bake(dem, options, path);
+    (void)baker::bake(make(), options, path);
     return path;
 }
 
@@ -132,9 +132,8 @@ Flight fly_cut(const Terrain& terrain, const std::vector<View>& views, const Cut
 
 const Scene& mountains() {
     static const Scene scene = [] {
-        static const baker::Dem dem = baker::synthesise(FJELL_SOURCE_DIR "/content/terrain/mountains.json");
-        Scene s{host::load_pack(bake_scene("mountains", dem, 10), host::LoadTerrain::yes), 0.9};
-        return s;
+        const auto make = [] { return baker::synthesise(FJELL_SOURCE_DIR "/content/terrain/mountains.json"); };
+        return Scene{host::load_pack(bake_scene("mountains", make, 10), host::LoadTerrain::yes), 0.9};
     }();
     return scene;
 }

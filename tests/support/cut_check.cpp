@@ -37,7 +37,7 @@ MeshView Cut::mesh() {
     ranges.clear();
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
         std::uint32_t count = s.tiles[tile].in_last;
-        for (std::uint32_t chunk = s.tiles[tile].last_chunk; chunk != none; chunk = s.chunk_below[chunk]) {
+        for (std::uint32_t chunk = s.tiles[tile].last_chunk; chunk != nil; chunk = s.chunk_below[chunk]) {
             ranges.push_back({tile, (chunk << s.chunk_log2) * 3, count * 3, count});
             count = 1u << s.chunk_log2;
         }
@@ -93,7 +93,7 @@ std::string check_vertex(const CutState& s, std::uint32_t vertex, std::vector<bo
         if (!bit(b.active)) continue;
         const std::uint32_t slot = s.slots[vertex];
         if (slot >= s.budget.vertices) return say("no vertex slot for", s, vertex);
-        const bool drawn = s.made[slot * 4 + static_cast<std::uint32_t>(d)] != none;
+        const bool drawn = s.made[slot * 4 + static_cast<std::uint32_t>(d)] != nil;
         // At the rim no triangle lies beyond; a leaf has no children to say so.
         bool expected = !child;
         if (!leaf) expected = expected && exists(s, child_site(site, d));
@@ -163,7 +163,7 @@ std::string check_triangles(const CutState& s) {
     for (std::uint32_t tile = 0; tile <= s.terrain->tile_count(); ++tile) {
         const TileList& list = s.tiles[tile];
         std::uint32_t count = list.in_last, total = 0;
-        for (std::uint32_t chunk = list.last_chunk; chunk != none; chunk = s.chunk_below[chunk]) {
+        for (std::uint32_t chunk = list.last_chunk; chunk != nil; chunk = s.chunk_below[chunk]) {
             if (chunk_used[chunk]) return "a chunk is used twice";
             chunk_used[chunk] = true;
             if (s.chunk_tile[chunk] != tile) return "a chunk does not know its tile";
@@ -185,7 +185,7 @@ std::string check_triangles(const CutState& s) {
     for (const bool used : chunk_used)
         if (!used) return "a chunk is lost";
     std::uint32_t made = 0;
-    for (std::size_t i = 0; i < std::size_t{s.budget.vertices} * 4; ++i) made += s.made[i] != none;
+    for (std::size_t i = 0; i < std::size_t{s.budget.vertices} * 4; ++i) made += s.made[i] != nil;
     return made == named ? "" : "a triangle is made that no tile has";
 }
 

@@ -34,7 +34,7 @@ std::uint32_t least_chunks(const Terrain& t) {
 
 // Where the block's parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t page_blocks, blocks, slots, slot_info, draining, heads, sizes, vertices, morph, made, hole, free_vertices,
+    std::size_t page_blocks, blocks, slots, slot_info, draining, queues, buckets, chunks, vertices, morph, made, hole, free_vertices,
         indices, names, tiles, chunk_tile, chunk_below, free_chunks, vertex_bits, vertex_words, triangle_bits,
         triangle_words, ranges, hz_places, end;
 };
@@ -52,8 +52,9 @@ Layout layout_of(const Terrain& t, const CutBudget& b) {
     l.slots = place(blocks * block_lanes, 4);
     l.slot_info = place(t.slot_count, sizeof(SlotInfo));
     l.draining = place(t.slot_count, 4);
-    l.heads = place(list_count, sizeof(Link));
-    l.sizes = place(list_count, 4);
+    l.queues = place(queue_count, sizeof(Link));
+    l.buckets = place(due_lists, sizeof(Bucket));
+    l.chunks = place(block_chunks(static_cast<std::uint32_t>(blocks)), sizeof(BlockChunk));
     l.vertices = place(b.vertices, sizeof(MeshVertex));
     l.morph = place(b.vertices, sizeof(MorphVertex));
     l.made = place(b.vertices, 16);
@@ -145,9 +146,9 @@ void reset(CutState& s) {
     const Terrain& t = *s.terrain;
     for (std::uint32_t i = 0; i < s.block_count; ++i) s.blocks[i] = {};
     for (std::uint32_t i = 0; i < s.block_count; ++i) s.blocks[i].list = no_list;
-    clear_lists(s.lists);
+    clear_lists(s.lists, block_chunks(s.block_count));
     s.work_ranks = 0;
-    for (std::uint32_t i = 0; i < t.page_count(); ++i) s.page_blocks[i] = none;
+    for (std::uint32_t i = 0; i < t.page_count(); ++i) s.page_blocks[i] = nil;
     for (std::uint32_t i = 0; i < t.slot_count; ++i) {
         s.slot_info[i] = {};
         s.slot_info[i].page = no_page;
@@ -158,8 +159,8 @@ void reset(CutState& s) {
     const std::uint32_t corners = corner_count(t);
     s.free_vertex_count = s.budget.vertices - corners;
     for (std::uint32_t i = 0; i < s.free_vertex_count; ++i) s.free_vertices[i] = s.budget.vertices - 1 - i;
-    for (std::size_t i = 0; i < std::size_t{s.budget.vertices} * 4; ++i) s.made[i] = none;
-    for (std::uint32_t i = 0; i <= t.tile_count(); ++i) s.tiles[i] = {none, 0, 0, 0, false, {}, 0};
+    for (std::size_t i = 0; i < std::size_t{s.budget.vertices} * 4; ++i) s.made[i] = nil;
+    for (std::uint32_t i = 0; i <= t.tile_count(); ++i) s.tiles[i] = {nil, 0, 0, 0, false, {}, 0};
     s.free_chunk_count = s.chunk_count;
     for (std::uint32_t i = 0; i < s.chunk_count; ++i) s.free_chunks[i] = s.chunk_count - 1 - i;
     make_corners(s);
@@ -203,8 +204,9 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     part(s.draining, l.draining);
     s.lists.blocks = s.blocks;
     s.lists.block_count = s.block_count;
-    part(s.lists.heads, l.heads);
-    part(s.lists.sizes, l.sizes);
+    part(s.lists.queues, l.queues);
+    part(s.lists.buckets, l.buckets);
+    part(s.lists.chunks, l.chunks);
     s.lists.tick_m = static_cast<double>(std::min(terrain.spacing_x_m, terrain.spacing_z_m)) / 32;
     part(s.vertices, l.vertices);
     part(s.morph, l.morph);

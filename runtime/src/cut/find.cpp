@@ -26,7 +26,7 @@ std::uint32_t find_vertex(const CutState& s, const Site& v) {
         j -= by << page_squares_log2;
     }
     const std::uint32_t first = s.page_blocks[page];
-    if (first == none) return no_vertex;
+    if (first == nil) return no_vertex;
     const std::uint32_t n = 1u << step.page_log2;
     const std::uint32_t row = (j << step.words_log2) + (i >> lanes_log2);
     switch (v.kind) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "cut/state.h"
 
@@ -11,48 +12,107 @@ namespace {
 
 constexpr std::uint64_t last_tick = std::uint64_t{first_wheel_ticks} << (3 * (wheel_count - 1)); // of any slack
 
-ListId bucket_list(std::uint32_t grade, std::uint32_t wheel, std::uint64_t bucket) {
-    return static_cast<ListId>((grade * wheel_count + wheel) * wheel_buckets + bucket % wheel_buckets);
+std::uint32_t bucket_of(std::uint32_t grade, std::uint32_t wheel, std::uint64_t bucket) {
+    return (grade * wheel_count + wheel) * wheel_buckets + static_cast<std::uint32_t>(bucket % wheel_buckets);
 }
 
+// A queue's head has the number after the last block, and so on.
 Link& link(Lists& lists, std::uint32_t node) {
-    return node < lists.block_count ? lists.blocks[node].link : lists.heads[node - lists.block_count];
+    return node < lists.block_count ? lists.blocks[node].link : lists.queues[node - lists.block_count];
 }
 
 std::uint64_t due_tick(const BlockState& b) {
     return std::uint64_t{b.due_high} << 32 | b.due;
 }
 
-// All of a list to the end of a list of due blocks.
-void splice(Lists& lists, ListId from, ListId to) {
-    if (lists.sizes[from] == 0) return;
-    const Link moved = lists.heads[from];
-    Link& ends = lists.heads[to];
-    link(lists, ends.prev).next = moved.next;
-    lists.blocks[moved.next].link.prev = ends.prev;
-    lists.blocks[moved.prev].link.next = lists.block_count + to;
-    ends.prev = moved.prev;
-    lists.heads[from] = {lists.block_count + from, lists.block_count + from};
-    lists.sizes[to] += lists.sizes[from];
-    lists.sizes[from] = 0;
+std::uint32_t take_chunk(Lists& lists, std::uint32_t next) {
+    const std::uint32_t chunk = lists.free_chunk;
+    lists.free_chunk = lists.chunks[chunk].next;
+    lists.chunks[chunk].next = next;
+    lists.chunks[chunk].count = 0;
+    return chunk;
+}
+void give_chunk(Lists& lists, std::uint32_t chunk) {
+    lists.chunks[chunk].next = lists.free_chunk;
+    lists.free_chunk = chunk;
 }
 
-void drain(Lists& lists, std::uint32_t grade, std::uint32_t wheel, std::uint64_t bucket) {
-    const std::uint64_t bit = std::uint64_t{1} << (bucket % wheel_buckets);
-    if ((lists.filled[grade][wheel] & bit) == 0) return;
-    lists.filled[grade][wheel] &= ~bit;
-    splice(lists, bucket_list(grade, wheel, bucket), static_cast<ListId>(due_lists + grade));
+void push_bucket(Lists& lists, std::uint32_t number, std::uint32_t block) {
+    Bucket& bucket = lists.buckets[number];
+    if (bucket.top == nil) {
+        bucket = {take_chunk(lists, nil), 0, 0};
+        bucket.bottom = bucket.top;
+    } else if (lists.chunks[bucket.top].count == chunk_blocks) {
+        bucket.top = take_chunk(lists, bucket.top);
+        ++bucket.full;
+    }
+    BlockChunk& chunk = lists.chunks[bucket.top];
+    BlockState& b = lists.blocks[block];
+    b.link = {bucket.top, chunk.count};
+    b.list = static_cast<ListId>(number);
+    chunk.blocks[chunk.count++] = block;
+}
+
+// The bucket's newest block takes its place.
+void leave_bucket(Lists& lists, std::uint32_t block) {
+    const BlockState& b = lists.blocks[block];
+    Bucket& bucket = lists.buckets[b.list];
+    BlockChunk& newest = lists.chunks[bucket.top];
+    const std::uint32_t moved = newest.blocks[--newest.count];
+    if (moved != block) {
+        lists.chunks[b.link.next].blocks[b.link.prev] = moved;
+        lists.blocks[moved].link = b.link;
+    }
+    if (newest.count != 0) return;
+    const std::uint32_t below = newest.next;
+    give_chunk(lists, bucket.top);
+    bucket.top = below;
+    bucket.full -= below != nil;
+}
+
+// Full chunks, from the first to the last of a chain.
+void append_full(Lists& lists, std::uint32_t grade, std::uint32_t first, std::uint32_t last) {
+    DueBlocks& due = lists.due[grade];
+    lists.chunks[last].next = nil;
+    if (due.first == nil)
+        due.first = first;
+    else
+        lists.chunks[due.last].next = first;
+    due.last = last;
+}
+
+void add_due(Lists& lists, std::uint32_t grade, std::uint32_t block) {
+    DueBlocks& due = lists.due[grade];
+    if (due.filling == nil) due.filling = take_chunk(lists, nil);
+    BlockChunk& chunk = lists.chunks[due.filling];
+    chunk.blocks[chunk.count++] = block;
+    if (chunk.count < chunk_blocks) return;
+    append_full(lists, grade, due.filling, due.filling);
+    due.filling = nil;
+}
+
+// Everything in a bucket becomes due, in O(1): full chunks as they are, the rest one by one.
+void drain(Lists& lists, std::uint32_t grade, std::uint32_t number) {
+    const Bucket bucket = std::exchange(lists.buckets[number], {nil, nil, 0});
+    if (bucket.top == nil) return;
+    const BlockChunk top = lists.chunks[bucket.top];
+    lists.sizes[due_lists + grade - soon_lists] += bucket.full * chunk_blocks + top.count;
+    for (std::uint32_t i = 0; i < top.count; ++i) add_due(lists, grade, top.blocks[i]);
+    give_chunk(lists, bucket.top);
+    if (bucket.full != 0) append_full(lists, grade, top.next, bucket.bottom);
 }
 
 } // namespace
 
-void clear_lists(Lists& lists) {
-    for (std::uint32_t i = 0; i < list_count; ++i) {
-        lists.heads[i] = {lists.block_count + i, lists.block_count + i};
-        lists.sizes[i] = 0;
-    }
+void clear_lists(Lists& lists, std::uint32_t chunk_count) {
+    for (std::uint32_t i = 0; i < queue_count; ++i) lists.queues[i] = {lists.block_count + i, lists.block_count + i};
+    for (std::uint32_t i = 0; i < due_lists; ++i) lists.buckets[i] = {nil, nil, 0};
+    for (std::uint32_t& n : lists.sizes) n = 0;
+    for (DueBlocks& due : lists.due) due = {nil, nil, nil};
     for (auto& wheels : lists.filled)
         for (std::uint64_t& w : wheels) w = 0;
+    for (std::uint32_t i = 0; i < chunk_count; ++i) lists.chunks[i].next = i + 1 < chunk_count ? i + 1 : nil;
+    lists.free_chunk = 0;
 }
 
 ListId list_of(const Lists& lists, std::uint32_t block) {
@@ -68,23 +128,67 @@ ListId list_of(const Lists& lists, std::uint32_t block) {
     return moved ? static_cast<ListId>(due_lists + b.grade) : b.list;
 }
 
-void push_back(Lists& lists, ListId list, std::uint32_t block) {
+void push_back(Lists& lists, std::uint32_t queue, std::uint32_t block) {
     BlockState& b = lists.blocks[block];
-    Link& ends = lists.heads[list];
-    b.link = {lists.block_count + list, ends.prev};
+    const std::uint32_t head = lists.block_count + queue - work_lists;
+    Link& ends = lists.queues[queue - work_lists];
+    b.link = {head, ends.prev};
     link(lists, ends.prev).next = block;
     ends.prev = block;
-    b.list = list;
-    ++lists.sizes[list];
+    b.list = static_cast<ListId>(queue);
+    ++lists.sizes[queue - soon_lists];
+}
+
+void push_due(Lists& lists, std::uint32_t grade, std::uint32_t block) {
+    BlockState& b = lists.blocks[block];
+    b.grade = static_cast<std::uint8_t>(grade);
+    b.list = static_cast<ListId>(due_lists + grade);
+    ++lists.sizes[due_lists + grade - soon_lists];
+    add_due(lists, grade, block);
 }
 
 void unlink(Lists& lists, std::uint32_t block) {
     BlockState& b = lists.blocks[block];
     if (b.list == no_list) return;
-    --lists.sizes[list_of(lists, block)];
-    link(lists, b.link.prev).next = b.link.next;
-    link(lists, b.link.next).prev = b.link.prev;
+    if (b.list < due_lists) {
+        leave_bucket(lists, block);
+    } else {
+        --lists.sizes[b.list - soon_lists];
+        link(lists, b.link.prev).next = b.link.next;
+        link(lists, b.link.next).prev = b.link.prev;
+    }
     b.list = no_list;
+}
+
+std::uint32_t pop_front(Lists& lists, std::uint32_t queue) {
+    const std::uint32_t block = lists.queues[queue - work_lists].next;
+    unlink(lists, block);
+    return block;
+}
+
+void forget_due(Lists& lists, std::uint32_t first, std::uint32_t count) {
+    for (std::uint32_t grade = 0; grade < grade_count; ++grade) {
+        DueBlocks old = lists.due[grade];
+        lists.due[grade] = {nil, nil, nil};
+        if (old.filling != nil) {
+            lists.chunks[old.filling].next = nil;
+            if (old.first == nil)
+                old.first = old.filling;
+            else
+                lists.chunks[old.last].next = old.filling;
+        }
+        for (std::uint32_t chunk = old.first; chunk != nil;) {
+            const BlockChunk c = lists.chunks[chunk];
+            give_chunk(lists, chunk);
+            for (std::uint32_t i = 0; i < c.count; ++i) {
+                if (c.blocks[i] - first < count)
+                    --lists.sizes[due_lists + grade - soon_lists];
+                else
+                    add_due(lists, grade, c.blocks[i]);
+            }
+            chunk = c.next;
+        }
+    }
 }
 
 void schedule(Lists& lists, std::uint32_t block, float slack_m, std::uint32_t grade) {
@@ -97,13 +201,13 @@ void schedule(Lists& lists, std::uint32_t block, float slack_m, std::uint32_t gr
     const std::uint64_t stored = soon ? lists.moves[grade] : due;
     b.due = static_cast<std::uint32_t>(stored);
     b.due_high = static_cast<std::uint16_t>(stored >> 32);
-    if (soon) return push_back(lists, static_cast<ListId>(soon_lists + grade), block);
+    if (soon) return push_bucket(lists, soon_lists + grade, block);
     // 56 ticks and more go to the second wheel, 448 to the third ...
     const auto wheel = std::min(
         (static_cast<std::uint32_t>(std::bit_width((due - now) / first_wheel_ticks)) + 2) / 3, wheel_count - 1);
     const std::uint64_t bucket = due >> (3 * wheel);
     lists.filled[grade][wheel] |= std::uint64_t{1} << (bucket % wheel_buckets);
-    push_back(lists, bucket_list(grade, wheel, bucket), block);
+    push_bucket(lists, bucket_of(grade, wheel, bucket), block);
 }
 
 void tighten(Lists& lists, std::uint32_t block, float slack_m, std::uint32_t grade) {
@@ -126,13 +230,17 @@ void advance(Lists& lists, std::uint32_t grade, double metres) {
     lists.odometer_m[grade] += std::min(metres, static_cast<double>(last_tick) * lists.tick_m);
     lists.tick[grade] = static_cast<std::uint64_t>(lists.odometer_m[grade] / lists.tick_m);
     ++lists.moves[grade];
-    splice(lists, static_cast<ListId>(soon_lists + grade), static_cast<ListId>(due_lists + grade));
+    drain(lists, grade, soon_lists + grade);
     for (std::uint32_t wheel = 0; wheel < wheel_count; ++wheel) {
         if (lists.filled[grade][wheel] == 0) continue;
         const std::uint64_t first = (before >> (3 * wheel)) + 1, last = lists.tick[grade] >> (3 * wheel);
-        const std::uint64_t n = last + 1 - first;
-        for (std::uint64_t i = 0; i < (n < wheel_buckets ? n : wheel_buckets); ++i)
-            drain(lists, grade, wheel, first + i);
+        const std::uint64_t n = std::min<std::uint64_t>(last + 1 - first, wheel_buckets);
+        for (std::uint64_t bucket = first; bucket < first + n; ++bucket) {
+            const std::uint64_t bit = std::uint64_t{1} << (bucket % wheel_buckets);
+            if ((lists.filled[grade][wheel] & bit) == 0) continue;
+            lists.filled[grade][wheel] &= ~bit;
+            drain(lists, grade, bucket_of(grade, wheel, bucket));
+        }
     }
 }
 

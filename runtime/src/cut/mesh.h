@@ -43,13 +43,13 @@ inline void write_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& 
 // Slots that a tile can still take without a new chunk.
 [[nodiscard]] inline std::uint32_t room_in(const CutState& s, std::uint32_t tile) {
     const TileList& list = s.tiles[tile];
-    return list.last_chunk == none ? 0 : (1u << s.chunk_log2) - list.in_last;
+    return list.last_chunk == nil ? 0 : (1u << s.chunk_log2) - list.in_last;
 }
 
 // There must be room: in the tile's last chunk or a free one.
 inline void append_triangle(CutState& s, std::uint32_t tile, const MeshTriangle& t, std::uint32_t name) {
     TileList& list = s.tiles[tile];
-    if (list.last_chunk == none || list.in_last == 1u << s.chunk_log2) {
+    if (list.last_chunk == nil || list.in_last == 1u << s.chunk_log2) {
         const std::uint32_t chunk = s.free_chunks[--s.free_chunk_count];
         s.chunk_below[chunk] = list.last_chunk;
         s.chunk_tile[chunk] = tile;
@@ -67,7 +67,7 @@ inline void remove_triangle(CutState& s, std::uint32_t slot) {
     TileList& list = s.tiles[s.chunk_tile[slot >> s.chunk_log2]];
     const std::uint32_t last = (list.last_chunk << s.chunk_log2) + --list.in_last;
     --list.total;
-    s.made[s.names[slot]] = none;
+    s.made[s.names[slot]] = nil;
     if (last != slot) {
         const std::uint32_t* const from = s.indices + std::size_t{last} * 3;
         write_triangle(s, slot, {from[0], from[1], from[2]}, s.names[last]);
@@ -76,7 +76,7 @@ inline void remove_triangle(CutState& s, std::uint32_t slot) {
     const std::uint32_t chunk = list.last_chunk;
     s.free_chunks[s.free_chunk_count++] = chunk;
     list.last_chunk = s.chunk_below[chunk];
-    list.in_last = list.last_chunk == none ? 0 : 1u << s.chunk_log2;
+    list.in_last = list.last_chunk == nil ? 0 : 1u << s.chunk_log2;
     --list.chunks;
 }
 
@@ -84,7 +84,7 @@ inline void remove_triangle(CutState& s, std::uint32_t slot) {
 inline void replace_triangle(CutState& s, std::uint32_t slot, std::uint32_t tile, const MeshTriangle& t,
                              std::uint32_t name) {
     if (s.chunk_tile[slot >> s.chunk_log2] == list_for(s, tile, t)) {
-        s.made[s.names[slot]] = none;
+        s.made[s.names[slot]] = nil;
         write_triangle(s, slot, t, name);
         return;
     }

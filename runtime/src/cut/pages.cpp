@@ -54,8 +54,7 @@ void enter(CutState& s, std::uint32_t slot) {
         b.parent[1] = parents.parent[1];
         // Whatever they hold, coarse pages first.
         if (b.ready() != 0) {
-            b.grade = grade_count - 1;
-            push_back(s.lists, static_cast<ListId>(due_lists + b.grade), number);
+            push_due(s.lists, grade_count - 1, number);
         }
     }
 }
@@ -64,11 +63,13 @@ void leave(CutState& s, std::uint32_t slot) {
     SlotInfo& info = s.slot_info[slot];
     for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_blocks + n;
-        unlink(s.lists, number);
+        const ListId list = list_of(s.lists, number);
+        if (list < due_lists || list >= work_lists) unlink(s.lists, number);
         s.blocks[number] = {};
         s.blocks[number].list = no_list;
     }
-    s.page_blocks[info.page] = none;
+    forget_due(s.lists, slot * max_page_blocks, max_page_blocks);
+    s.page_blocks[info.page] = nil;
     if (info.page % s.pages_per_tile == 0) bound_tile(s, info, false);
     for (std::uint32_t i = 0; i < s.draining_count; ++i)
         if (s.draining[i] == slot) s.draining[i--] = s.draining[--s.draining_count];

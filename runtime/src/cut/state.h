@@ -11,8 +11,6 @@
 
 namespace fjell {
 
-inline constexpr std::uint32_t none = 0xffffffff;
-
 // One block: a bit a lane in every mask. 32 bytes, so that a visit costs half a cache line beside the records.
 struct BlockState {
     std::uint16_t active;
@@ -92,7 +90,7 @@ struct CutState {
     StepBlocks steps[max_tile_log2];
     PageShape shapes[2];        // [0] of page 0, [1] of all others
     std::uint16_t* hz_places;   // hierarchical Z-order: place of each block's lanes, for both shapes; else nullptr
-    std::uint32_t* page_blocks; // first block of each page, or none
+    std::uint32_t* page_blocks; // first block of each page, or nil
     float level_unit_m[2 * max_tile_log2]; // of radii: centres at 2 z, sides at 2 z + 1
     void (*evaluate)(const Decision&, const LaneBlock&, LaneMargins&);
     // Vertices.
@@ -107,7 +105,7 @@ struct CutState {
     // The mesh.
     MeshVertex* vertices;
     MorphVertex* morph;
-    std::uint32_t* made; // 4 a vertex slot: the triangle it makes in each direction, or none
+    std::uint32_t* made; // 4 a vertex slot: the triangle it makes in each direction, or nil
     std::uint8_t* hole;  // 1 a vertex slot
     std::uint32_t* free_vertices;
     std::uint32_t free_vertex_count, vertex_peak;

@@ -83,7 +83,7 @@ void list_ranges(CutState& s) {
         ++s.report.tiles_drawn;
         s.report.triangles_drawn += list.total;
         std::uint32_t count = list.in_last;
-        for (std::uint32_t chunk = list.last_chunk; chunk != none; chunk = s.chunk_below[chunk]) {
+        for (std::uint32_t chunk = list.last_chunk; chunk != nil; chunk = s.chunk_below[chunk]) {
             s.ranges[s.range_count++] = {tile, (chunk << s.chunk_log2) * 3, count * 3, count};
             count = 1u << s.chunk_log2;
         }
@@ -92,7 +92,7 @@ void list_ranges(CutState& s) {
 
 std::uint32_t waiting(const CutState& s) {
     std::uint32_t n = 0;
-    for (std::uint32_t list = due_lists; list < list_count; ++list) n += size(s.lists, static_cast<ListId>(list));
+    for (std::uint32_t list = due_lists; list < list_count; ++list) n += size(s.lists, list);
     return n;
 }
 
@@ -123,34 +123,44 @@ void finish(CutState& s) {
 } // namespace
 
 void refine(CutState& s) {
+    const auto highest = [](std::uint32_t bits) { return static_cast<std::uint32_t>(std::bit_width(bits)) - 1; };
     CutReport& r = s.report;
     const auto start = Clock::now();
-    const auto blocked_before = static_cast<ListId>(blocked_lists + (s.turn ^ 1));
-    int grade = grade_count - 1;
+    const std::uint32_t blocked_before = blocked_lists + (s.turn ^ 1);
+    std::uint32_t grade = grade_count; // the next of due blocks, plus one
     std::uint32_t evaluated = 0; // due blocks since the last work
     // With a capacity spent, what gives some of it back comes first.
     const auto short_of_room = [&] {
         return (r.exhausted & (cut_budget_vertices | cut_budget_triangles)) != 0 && size(s.lists, retire_list) != 0;
+    };
+    // always_inline: g++ takes a function that only prefetches for one without effects, and drops the call.
+    const auto fetch = [&](std::uint32_t block) __attribute__((always_inline)) {
+        __builtin_prefetch(&s.blocks[block], 1);
+        const std::uint32_t slot = block / max_page_blocks;
+        const BlockShape& shape = s.shapes[s.slot_info[slot].shape].blocks[block - slot * max_page_blocks];
+        const VertexRecord* const records = s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first;
+        __builtin_prefetch(records);
+        __builtin_prefetch(records + block_lanes - 1);
     };
     while (r.items < s.item_limit) {
         if (s.settings.budget_us > 0 && microseconds(start, Clock::now()) >= s.settings.budget_us) {
             r.exhausted |= cut_budget_time;
             return;
         }
-        while (s.work_ranks != 0 && size(s.lists, static_cast<ListId>(work_lists + std::bit_width(s.work_ranks) - 1)) == 0)
-            s.work_ranks &= ~(1u << (std::bit_width(s.work_ranks) - 1));
-        while (grade >= 0 && size(s.lists, static_cast<ListId>(due_lists + grade)) == 0) --grade;
-        const std::uint32_t rank = s.work_ranks == 0 ? 0 : static_cast<std::uint32_t>(std::bit_width(s.work_ranks)) - 1;
-        ListId list = no_list;
+        while (s.work_ranks != 0 && size(s.lists, work_lists + highest(s.work_ranks)) == 0)
+            s.work_ranks &= ~(1u << highest(s.work_ranks));
+        while (grade != 0 && size(s.lists, due_lists + grade - 1) == 0) --grade;
+        const std::uint32_t rank = s.work_ranks == 0 ? 0 : highest(s.work_ranks);
+        std::uint32_t list = no_list;
         bool may_retire = s.work_ranks == 0;
         if (short_of_room()) {
             list = retire_list;
             may_retire = true;
-        } else if (grade >= 0 && (s.work_ranks == 0 || evaluated < 2)) {
-            list = static_cast<ListId>(due_lists + grade);
+        } else if (grade != 0 && (s.work_ranks == 0 || evaluated < 2)) {
+            list = due_lists + grade - 1;
             ++evaluated;
         } else if (s.work_ranks != 0) {
-            list = static_cast<ListId>(work_lists + rank);
+            list = work_lists + rank;
             evaluated = 0;
         } else if (size(s.lists, retire_list) != 0) {
             list = retire_list;
@@ -160,9 +170,8 @@ void refine(CutState& s) {
         } else {
             return;
         }
-        const std::uint32_t block = front(s.lists, list);
-        unlink(s.lists, block);
-        if (const std::uint32_t next = front(s.lists, list); next < s.block_count) __builtin_prefetch(&s.blocks[next]);
+        const std::uint32_t block = list < work_lists ? pop_due(s.lists, list - due_lists, fetch) : pop_front(s.lists, list);
+        s.blocks[block].list = no_list;
         visit_block(s, block, rank, may_retire);
     }
     if (waiting(s) != blocked(s)) r.exhausted |= cut_budget_items;
@@ -186,7 +195,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     look(s, views, s.governor.effective_px);
     follow_pages(s);
     // What was blocked takes its turn again; what still is goes to the other list.
-    if (size(s.lists, static_cast<ListId>(blocked_lists + (s.turn ^ 1))) == 0) s.turn ^= 1;
+    if (size(s.lists, blocked_lists + (s.turn ^ 1)) == 0) s.turn ^= 1;
     const auto prepared = Clock::now();
     drain_pages(s);
     refine(s);
@@ -216,7 +225,7 @@ Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& r
     CutState& s = *cut.state;
     if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return {Code::out_of_range, "tile or page"};
     const std::uint32_t first = s.page_blocks[tile * s.pages_per_tile + page];
-    released = first == none;
+    released = first == nil;
     if (released) return {};
     const std::uint32_t slot = first / max_page_blocks;
     SlotInfo& info = s.slot_info[slot];
