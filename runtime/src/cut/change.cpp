@@ -1,87 +1,27 @@
 #include "cut/change.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 
+#include "cut/judge.h"
 #include "cut/mesh.h"
 
 namespace fjell {
 
 namespace {
 
-// Of one vertex: the same numbers as evaluate() gives for its lane, of one answer.
-struct Verdict {
-    bool wanted;
-    float slack_m;
-    float error_m, radius_m;
-    std::uint8_t code;
-    float x, y, z;
-};
-
-Verdict judge(const CutState& s, std::uint32_t vertex, const Site& site, bool active) {
-    const Decision& c = s.decision;
-    const VertexRecord record = record_of(s, vertex);
-    const Coord at = site_coord(site);
-    const std::int32_t base = s.slot_info[vertex / block_lanes / max_page_blocks].base;
-    Verdict v{};
-    v.x = static_cast<float>(std::min(at.x, c.last_x)) * c.spacing_x_m;
-    v.z = static_cast<float>(std::min(at.y, c.last_y)) * c.spacing_z_m;
-    v.y = c.base_m + static_cast<float>(record.height + base) * c.quantum_m;
-    v.error_m = c.error_m[record.error];
-    v.code = record.error;
-    v.radius_m = s.level_unit_m[2 * site.z + (site.kind == PlaneKind::centre ? 0 : 1)] *
-                 c.radius_factor[record.radius & (radius_codes - 1)];
-    float margin = -3.4e38f, span = 0;
-    for (std::uint32_t i = 0; i < c.views; ++i) {
-        const Reach& r = active && c.hysteresis ? c.keep[i] : c.reach[i];
-        const float dx = v.x - r.eye_x, dy = v.y - r.eye_y, dz = v.z - r.eye_z;
-        const float squared = dx * dx + dy * dy + dz * dz, distance = std::sqrt(squared);
-        const float reach = (v.radius_m + v.error_m * r.q) * reach_grow + r.pad;
-        v.wanted = v.wanted || squared < reach * reach;
-        margin = std::max(margin, reach - distance);
-        span = std::max(span, reach + distance);
+// A lane calls for work of this rank: its block goes to that queue, unless it is in one that comes first.
+void offer(CutState& s, std::uint32_t vertex, std::uint32_t rank) {
+    const std::uint32_t block = vertex / block_lanes;
+    BlockState& b = s.blocks[block];
+    const ListId list = list_of(s.lists, block), queue = static_cast<ListId>(work_lists + rank);
+    if (list == held || (list >= due_lists && list < work_lists)) return; // will be evaluated
+    const std::uint32_t calls = (list >= work_lists && list < list_count ? b.due : 0) | bit_of(vertex);
+    if (list < queue || list >= retire_list) {
+        unlink(s.lists, block);
+        push_back(s.lists, queue, block);
+        s.work_ranks |= 1u << rank;
     }
-    v.slack_m = std::max(std::abs(margin) - span * slack_rounding, 0.0f);
-    return v;
-}
-
-bool seen(const CutState& s, const Verdict& v) {
-    for (std::uint32_t i = 0; i < s.view_count; ++i) {
-        const Vec3 p = Vec3{v.x, v.y, v.z} - s.views[i].eye_m;
-        bool inside = true;
-        for (int plane = 0; plane < 6 && inside; ++plane)
-            inside = dot(s.frustums[i].normal[plane], p) >= s.frustums[i].offset[plane] - static_cast<double>(v.radius_m);
-        if (inside) return true;
-    }
-    return false;
-}
-
-// Worst first: 16 ranks of a factor 2 of screen error over the threshold, and 16 above them for what is seen.
-std::uint32_t rank_of(const CutState& s, const Verdict& v) {
-    float worst = 0;
-    for (std::uint32_t i = 0; i < s.decision.views; ++i) {
-        const Reach& r = s.decision.reach[i];
-        const float dx = v.x - r.eye_x, dy = v.y - r.eye_y, dz = v.z - r.eye_z;
-        const float depth = std::sqrt(dx * dx + dy * dy + dz * dz) - v.radius_m;
-        worst = std::max(worst, v.error_m * r.q / std::max(depth, 1e-3f));
-    }
-    const int log2 = std::clamp(worst < 0x1p15f ? std::ilogb(std::max(worst, 1.0f)) : 15, 0, 15);
-    return static_cast<std::uint32_t>(log2) + (seen(s, v) ? 16u : 0u);
-}
-
-std::uint32_t grade_of(std::uint32_t code) {
-    return code >> grade_codes_log2;
-}
-
-// A block has work of this rank: it goes to its list, unless it is in one that comes first.
-void offer(CutState& s, std::uint32_t block, std::uint32_t rank) {
-    const ListId list = list_of(s.lists, block), wanted_list = static_cast<ListId>(work_lists + rank);
-    if (list != no_list && list >= due_lists && list < work_lists) return; // will be evaluated
-    if (list != no_list && list >= work_lists && list < retire_list && list >= wanted_list) return;
-    unlink(s.lists, block);
-    push_back(s.lists, wanted_list, block);
-    s.work_ranks |= 1u << rank;
+    b.due = calls;
 }
 
 bool drains(const CutState& s, std::uint32_t vertex) {
@@ -96,15 +36,12 @@ void consider(CutState& s, std::uint32_t vertex, const Site& site, bool active) 
     if (v.wanted == active) {
         tighten(s.lists, block, v.slack_m, grade_of(v.code));
     } else if (!active) {
-        offer(s, block, rank_of(s, v));
+        offer(s, vertex, rank_of(s, v));
     } else if (list_of(s.lists, block) == no_list || list_of(s.lists, block) < due_lists) {
         unlink(s.lists, block);
         push_back(s.lists, retire_list, block);
+        s.blocks[block].due = static_cast<std::uint32_t>(bit_of(vertex)) << 16;
     }
-}
-
-std::uint16_t bit_of(std::uint32_t vertex) {
-    return static_cast<std::uint16_t>(1u << vertex % block_lanes);
 }
 
 // The triangle of a parent that a vertex splits.
@@ -242,91 +179,88 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
 
 namespace {
 
-// Of the lanes in a mask, the smallest slack; and the largest error code.
-struct Rest {
-    float slack_m = 3e38f;
-    std::uint32_t code = 0;
-};
-void lessen(Rest& rest, std::uint32_t mask, const float* margins, const LaneMargins& m, const VertexRecord* records) {
-    for (; mask != 0; mask &= mask - 1) {
-        const auto lane = static_cast<std::size_t>(std::countr_zero(mask));
-        rest.slack_m = std::min(rest.slack_m, std::max(std::abs(margins[lane]) - m.span_m[lane] * slack_rounding, 0.0f));
-        rest.code = std::max<std::uint32_t>(rest.code, records[lane].error);
-    }
+template <typename T>
+[[gnu::always_inline]] inline void fetch(const T* at) {
+    // Not a call: g++ takes a function that only prefetches for one without effects, and drops it.
+    asm volatile("" : : "r"(at));
+    __builtin_prefetch(at, 1);
+}
+
+void fetch_vertex(const CutState& s, std::uint32_t vertex, bool record) {
+    const std::uint32_t block = vertex / block_lanes, slot = block / max_page_blocks;
+    fetch(&s.blocks[block]);
+    if (!record) return fetch(&s.slots[vertex]);
+    const BlockShape& shape = shape_of(s, block);
+    fetch(s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first +
+          shape.stride * (vertex % block_lanes));
+}
+
+void fetch_triangle(const CutState& s, std::uint32_t triangle) {
+    if (triangle == nil) return;
+    fetch(&s.indices[std::size_t{triangle} * 3]);
+    fetch(&s.names[triangle]);
 }
 
 } // namespace
 
-void visit_block(CutState& s, std::uint32_t number, std::uint32_t least_rank, bool may_retire) {
-    BlockState& b = s.blocks[number];
-    const std::uint32_t slot = number / max_page_blocks;
-    const SlotInfo& info = s.slot_info[slot];
-    const BlockShape& shape = s.shapes[info.shape].blocks[number - slot * max_page_blocks];
-    const Site first = site_of(s, number * block_lanes);
-    VertexRecord gathered[block_lanes];
-    const VertexRecord* records =
-        s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first;
-    if (shape.lanes != block_lanes || shape.stride != 1 || s.hz_places) {
-        for (std::uint32_t lane = 0; lane < block_lanes; ++lane)
-            gathered[lane] = record_of(s, number * block_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
-        records = gathered;
+void fetch_activation(const CutState& s, std::uint32_t vertex, int step) {
+    const Site site = site_of(s, vertex);
+    if (step == 0) {
+        fetch(&s.slots[vertex]);
+        if (site.kind == PlaneKind::centre || site.z != 0)
+            for (int d = 0; d < 4; ++d) {
+                const Site child = child_site(site, d);
+                if (!exists(s, child)) continue;
+                const std::uint32_t found = find_vertex(s, child);
+                if (found != no_vertex) fetch_vertex(s, found, true);
+            }
     }
-    const Coord at = site_coord(first);
-    const std::int32_t apart = 2 << first.z;
-    const LaneBlock lanes{records,
-                          at.x,
-                          at.y,
-                          shape.along_y ? 0 : apart,
-                          shape.along_y ? apart : 0,
-                          info.base,
-                          s.level_unit_m[2 * first.z + (shape.kind == PlaneKind::centre ? 0 : 1)]};
-    LaneMargins margins;
-    s.evaluate(s.decision, lanes, margins);
-    ++s.report.evaluations;
-    ++s.report.items;
-
-    const bool draining = info.status == SlotStatus::draining;
-    const auto inactive = [&] { return draining ? 0u : static_cast<std::uint32_t>(b.ready() & ~b.active); };
-    const auto childless = [&] { return static_cast<std::uint32_t>(b.active & ~b.parental()); };
-    ListId left_over = no_list;
-    std::uint32_t later = 0; // ranks of what must wait, as bits
-    for (std::uint32_t todo = inactive() & margins.wanted; todo != 0; todo &= todo - 1) {
-        const std::uint32_t vertex = number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(todo));
-        const std::uint32_t rank = rank_of(s, judge(s, vertex, site_of(s, vertex), false));
-        if (rank < least_rank || s.report.items >= s.item_limit) {
-            later |= 1u << rank;
+    if (site.kind == PlaneKind::centre && site.z == s.terrain->tree.tile_log2 - 1) return;
+    for (int n = 0; n < 2; ++n) {
+        const Site parent = parent_site(site, n);
+        if (!exists(s, parent)) continue;
+        const std::uint32_t found = find_vertex(s, parent);
+        if (found == no_vertex) continue;
+        if (step == 0) {
+            fetch_vertex(s, found, false);
             continue;
         }
-        const Outcome outcome = activate(s, vertex);
-        if (outcome == Outcome::done) {
-            ++s.report.activations;
-            ++s.report.items;
-        } else {
-            s.report.exhausted |= outcome == Outcome::no_vertices ? cut_budget_vertices : cut_budget_triangles;
-            left_over = static_cast<ListId>(blocked_lists + s.turn);
-        }
+        if (!(s.blocks[found / block_lanes].active & bit_of(found))) continue;
+        const std::uint32_t name =
+            s.slots[found] * 4 + static_cast<std::uint32_t>(child_number(parent_bearing(site, n)));
+        if (step == 1)
+            fetch(&s.made[name]);
+        else
+            fetch_triangle(s, s.made[name]);
     }
-    for (std::uint32_t todo = childless() & ~margins.kept; todo != 0; todo &= todo - 1) {
-        const std::uint32_t vertex = number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(todo));
-        if (!may_retire || s.report.items >= s.item_limit) {
-            if (left_over == no_list) left_over = retire_list;
-        } else if (deactivate(s, vertex) == Outcome::done) {
-            ++s.report.deactivations;
-            ++s.report.items;
-        } else {
-            s.report.exhausted |= cut_budget_triangles;
-            left_over = static_cast<ListId>(blocked_lists + s.turn);
-        }
-    }
-    if (later != 0) left_over = static_cast<ListId>(work_lists + std::bit_width(later) - 1);
-    s.work_ranks |= later;
-    if (left_over != no_list) return push_back(s.lists, left_over, number);
+}
 
-    // All that is left here agrees with the decision: when might that end?
-    Rest rest;
-    lessen(rest, inactive(), margins.reach_m, margins, records);
-    lessen(rest, childless(), margins.keep_m, margins, records);
-    if ((inactive() | childless()) != 0) schedule(s.lists, number, rest.slack_m, grade_of(rest.code));
+void fetch_deactivation(const CutState& s, std::uint32_t vertex, int step) {
+    const Site site = site_of(s, vertex);
+    if (step == 0) {
+        fetch(&s.slots[vertex]);
+        if (site.kind == PlaneKind::centre || site.z != 0)
+            for (int d = 0; d < 4; ++d) {
+                const Site child = child_site(site, d);
+                if (!exists(s, child)) continue;
+                const std::uint32_t found = find_vertex(s, child);
+                if (found != no_vertex) fetch(&s.blocks[found / block_lanes]);
+            }
+        if (site.kind == PlaneKind::centre && site.z == s.terrain->tree.tile_log2 - 1) return;
+        for (int n = 0; n < 2; ++n) {
+            const Site parent = parent_site(site, n);
+            if (!exists(s, parent)) continue;
+            const std::uint32_t found = find_vertex(s, parent);
+            if (found == no_vertex) continue;
+            fetch_vertex(s, found, false);
+            fetch_vertex(s, found, true);
+        }
+        return;
+    }
+    if (!(s.blocks[vertex / block_lanes].active & bit_of(vertex))) return;
+    const std::uint32_t slot = s.slots[vertex];
+    if (step == 1) return fetch(&s.made[slot * 4]);
+    for (std::uint32_t d = 0; d < 4; ++d) fetch_triangle(s, s.made[slot * 4 + d]);
 }
 
 } // namespace fjell

@@ -54,6 +54,7 @@ inline constexpr ListId blocked_lists = retire_list + 1;       // for want of a 
 inline constexpr ListId gated_lists = blocked_lists + 2;       // behind a vertex that is rising; two that take turns
 inline constexpr ListId list_count = gated_lists + 2;
 inline constexpr ListId queue_count = list_count - work_lists;
+inline constexpr ListId held = 0xfffe;    // taken from its list, about to be evaluated
 inline constexpr ListId no_list = 0xffff;
 
 struct Bucket {

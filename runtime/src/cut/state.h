@@ -1,6 +1,7 @@
 // What the live cut keeps in the host's block, between frames.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
@@ -18,7 +19,9 @@ struct BlockState {
     std::uint16_t child[4];  // that child is active; where it is not, an active vertex draws a triangle towards it
     std::uint16_t list;      // that the block was put in (list_of), or no_list
     Link link;
-    std::uint32_t due;      // tick of its grade at which it must be looked at, 48 bits of it
+    // In the calendar: the tick of its grade at which it must be looked at, 48 bits of it. In a queue: which lanes called
+    // for work, activations in the lower half; only a hint of what to fetch.
+    std::uint32_t due;
     std::uint16_t due_high;
     std::uint8_t grade; // of its errors; in the calendar and after
     std::uint8_t spare;
@@ -132,6 +135,8 @@ struct CutState {
     CutReport report;
     std::uint64_t frame;
     std::uint32_t item_limit;
+    bool lagging; // the frame before left work undone
+    std::chrono::steady_clock::time_point started;
     std::uint32_t work_ranks; // which work lists may hold blocks, as bits
     std::uint32_t turn;       // which of blocked_lists and gated_lists takes what is put back
 };

@@ -8,6 +8,7 @@
 #include "cut/frame.h"
 #include "cut/governor.h"
 #include "cut/pages.h"
+#include "cut/visit.h"
 
 namespace fjell {
 
@@ -114,6 +115,7 @@ void finish(CutState& s) {
     r.waiting = waiting(s) + s.draining_count;
     r.vertices_changed = s.dirty_vertices.slots;
     r.triangles_changed = s.dirty_triangles.slots;
+    s.lagging = r.waiting != r.blocked;
     r.converged = r.waiting == 0 && r.rising == 0 && r.error_px_effective <= r.error_px_asked;
     const double use = std::max(static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
                                 static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity);
@@ -122,65 +124,93 @@ void finish(CutState& s) {
 
 } // namespace
 
-void refine(CutState& s) {
-    const auto highest = [](std::uint32_t bits) { return static_cast<std::uint32_t>(std::bit_width(bits)) - 1; };
-    CutReport& r = s.report;
-    const auto start = Clock::now();
+namespace {
+
+// Blocks that are carried out together, so that what they touch can be fetched for all of them first.
+constexpr std::uint32_t batch_blocks = 16;
+
+bool out_of_time(CutState& s) {
+    if (s.settings.budget_us <= 0 || microseconds(s.started, Clock::now()) < s.settings.budget_us) return false;
+    s.report.exhausted |= cut_budget_time;
+    return true;
+}
+
+// False when there was not time or items for all of them; the rest goes back to its queue.
+bool carry_out_batch(CutState& s, std::uint32_t list, bool may_retire) {
+    std::uint32_t blocks[batch_blocks], count = 0;
+    for (; count < batch_blocks && size(s.lists, list) != 0; ++count) {
+        blocks[count] = pop_front(s.lists, list);
+        s.blocks[blocks[count]].list = held;
+    }
+    for (int step = 0; step < fetch_steps; ++step)
+        for (std::uint32_t i = 0; i < count; ++i) fetch_calls(s, blocks[i], step);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (s.report.items < s.item_limit && !out_of_time(s)) {
+            carry_out(s, blocks[i], may_retire);
+            continue;
+        }
+        for (; i < count; ++i) push_back(s.lists, list, blocks[i]);
+        return false;
+    }
+    return true;
+}
+
+bool short_of_capacity(const CutState& s) {
+    return (s.report.exhausted & (cut_budget_vertices | cut_budget_triangles)) != 0;
+}
+
+// The queue that comes next; no_list when all are done. Deactivations come last, but first when a capacity is spent.
+std::uint32_t next_queue(CutState& s) {
+    if (short_of_capacity(s) && size(s.lists, retire_list) != 0) return retire_list;
+    while (s.work_ranks != 0) {
+        const auto rank = static_cast<std::uint32_t>(std::bit_width(s.work_ranks)) - 1;
+        if (size(s.lists, work_lists + rank) != 0) return work_lists + rank;
+        s.work_ranks &= ~(1u << rank);
+    }
+    if (size(s.lists, retire_list) != 0) return retire_list;
     const std::uint32_t blocked_before = blocked_lists + (s.turn ^ 1);
-    std::uint32_t grade = grade_count; // the next of due blocks, plus one
-    std::uint32_t evaluated = 0; // due blocks since the last work
-    // With a capacity spent, what gives some of it back comes first.
-    const auto short_of_room = [&] {
-        return (r.exhausted & (cut_budget_vertices | cut_budget_triangles)) != 0 && size(s.lists, retire_list) != 0;
-    };
+    return size(s.lists, blocked_before) != 0 && !short_of_capacity(s) ? blocked_before : no_list;
+}
+
+} // namespace
+
+void refine(CutState& s) {
     // always_inline: g++ takes a function that only prefetches for one without effects, and drops the call.
     const auto fetch = [&](std::uint32_t block) __attribute__((always_inline)) {
         __builtin_prefetch(&s.blocks[block], 1);
         const std::uint32_t slot = block / max_page_blocks;
         const BlockShape& shape = s.shapes[s.slot_info[slot].shape].blocks[block - slot * max_page_blocks];
-        const VertexRecord* const records = s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first;
+        const VertexRecord* const records =
+            s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first;
         __builtin_prefetch(records);
         __builtin_prefetch(records + block_lanes - 1);
     };
-    while (r.items < s.item_limit) {
-        if (s.settings.budget_us > 0 && microseconds(start, Clock::now()) >= s.settings.budget_us) {
-            r.exhausted |= cut_budget_time;
-            return;
-        }
-        while (s.work_ranks != 0 && size(s.lists, work_lists + highest(s.work_ranks)) == 0)
-            s.work_ranks &= ~(1u << highest(s.work_ranks));
+    std::uint32_t grade = grade_count; // of due blocks, plus one
+    std::uint32_t examined = 0;        // since the last batch
+    // While the mesh lags, what is known to be bad does not wait for all that might be.
+    const std::uint32_t most_examined = s.lagging ? 2 * batch_blocks : unlimited_items;
+    while (s.report.items < s.item_limit) {
         while (grade != 0 && size(s.lists, due_lists + grade - 1) == 0) --grade;
-        const std::uint32_t rank = s.work_ranks == 0 ? 0 : highest(s.work_ranks);
-        std::uint32_t list = no_list;
-        bool may_retire = s.work_ranks == 0;
-        if (short_of_room()) {
-            list = retire_list;
-            may_retire = true;
-        } else if (grade != 0 && (s.work_ranks == 0 || evaluated < 2)) {
-            list = due_lists + grade - 1;
-            ++evaluated;
-        } else if (s.work_ranks != 0) {
-            list = work_lists + rank;
-            evaluated = 0;
-        } else if (size(s.lists, retire_list) != 0) {
-            list = retire_list;
-        } else if (size(s.lists, blocked_before) != 0 &&
-                   (r.exhausted & (cut_budget_vertices | cut_budget_triangles)) == 0) {
-            list = blocked_before;
-        } else {
-            return;
+        if (grade != 0 && examined < most_examined) {
+            if (out_of_time(s)) return;
+            const std::uint32_t block = pop_due(s.lists, grade - 1, fetch);
+            s.blocks[block].list = held;
+            examine(s, block);
+            ++examined;
+            continue;
         }
-        const std::uint32_t block = list < work_lists ? pop_due(s.lists, list - due_lists, fetch) : pop_front(s.lists, list);
-        s.blocks[block].list = no_list;
-        visit_block(s, block, rank, may_retire);
+        examined = 0;
+        const std::uint32_t list = next_queue(s);
+        if (list == no_list && grade == 0) return;
+        if (list != no_list && !carry_out_batch(s, list, list == retire_list || !s.lagging)) break;
     }
-    if (waiting(s) != blocked(s)) r.exhausted |= cut_budget_items;
+    if (waiting(s) != blocked(s) && (s.report.exhausted & cut_budget_time) == 0) s.report.exhausted |= cut_budget_items;
 }
 
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
     CutState& s = *cut.state;
     if (Status v = check(s, views, settings); !v.ok()) return v;
-    const auto start = Clock::now();
+    const auto start = s.started = Clock::now();
     s.settings = settings;
     s.dirty_vertices.clear();
     s.dirty_triangles.clear();

@@ -1,15 +1,21 @@
-// From places in the tree to vertices of the cut, and back.
-#include "cut/change.h"
+// From places in the tree to vertices of the cut, and back. Pure, O(1), and what most of a change consists of.
+#pragma once
+
+#include <algorithm>
+
+#include "cut/state.h"
 
 namespace fjell {
 
-bool exists(const CutState& s, const Site& v) {
+// Does the tree have a vertex there?
+[[nodiscard]] inline bool exists(const CutState& s, const Site& v) {
     if (v.z < 0 || v.i < 0 || v.j < 0) return false;
     const std::int32_t nx = s.tiles_x << s.steps[v.z].log2, ny = s.tiles_y << s.steps[v.z].log2;
     return v.i < nx + (v.kind == PlaneKind::side_y) && v.j < ny + (v.kind == PlaneKind::side_x);
 }
 
-std::uint32_t find_vertex(const CutState& s, const Site& v) {
+// The vertex at a site of the tree, or no_vertex when its page is not loaded. The site must exist.
+[[nodiscard]] inline std::uint32_t find_vertex(const CutState& s, const Site& v) {
     const StepBlocks& step = s.steps[v.z];
     // A border belongs to the tile and the page to its south or east; the terrain's rim to those it ends.
     std::int32_t tile_x = v.i >> step.log2, tile_y = v.j >> step.log2;
@@ -38,12 +44,12 @@ std::uint32_t find_vertex(const CutState& s, const Site& v) {
     return (first + step.sides_y + row) * block_lanes + i % block_lanes;
 }
 
-const BlockShape& shape_of(const CutState& s, std::uint32_t block) {
+[[nodiscard]] inline const BlockShape& shape_of(const CutState& s, std::uint32_t block) {
     const std::uint32_t slot = block / max_page_blocks;
     return s.shapes[s.slot_info[slot].shape].blocks[block - slot * max_page_blocks];
 }
 
-Site site_of(const CutState& s, std::uint32_t vertex) {
+[[nodiscard]] inline Site site_of(const CutState& s, std::uint32_t vertex) {
     const std::uint32_t block = vertex / block_lanes;
     const auto lane = static_cast<std::int32_t>(vertex % block_lanes);
     const SlotInfo& info = s.slot_info[block / max_page_blocks];
@@ -53,7 +59,7 @@ Site site_of(const CutState& s, std::uint32_t vertex) {
             (info.tile_y << s.steps[z].log2) + info.j0 + shape.j0 + (shape.along_y ? lane : 0)};
 }
 
-VertexRecord record_of(const CutState& s, std::uint32_t vertex) {
+[[nodiscard]] inline VertexRecord record_of(const CutState& s, std::uint32_t vertex) {
     const std::uint32_t block = vertex / block_lanes, lane = vertex % block_lanes, slot = block / max_page_blocks;
     const VertexRecord* const records = s.terrain->records + std::size_t{slot} * s.terrain->page_capacity;
     if (s.hz_places) {

@@ -1,0 +1,79 @@
+// The decision for one vertex, and how much it matters.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "cut/find.h"
+
+namespace fjell {
+
+// Of one vertex: the same numbers as evaluate() gives for its lane, of one answer.
+struct Verdict {
+    bool wanted;
+    float slack_m;
+    float error_m, radius_m;
+    std::uint8_t code;
+    float x, y, z;
+};
+
+[[nodiscard]] inline Verdict judge(const CutState& s, std::uint32_t vertex, const Site& site, bool active) {
+    const Decision& c = s.decision;
+    const VertexRecord record = record_of(s, vertex);
+    const Coord at = site_coord(site);
+    const std::int32_t base = s.slot_info[vertex / block_lanes / max_page_blocks].base;
+    Verdict v{};
+    v.x = static_cast<float>(std::min(at.x, c.last_x)) * c.spacing_x_m;
+    v.z = static_cast<float>(std::min(at.y, c.last_y)) * c.spacing_z_m;
+    v.y = c.base_m + static_cast<float>(record.height + base) * c.quantum_m;
+    v.error_m = c.error_m[record.error];
+    v.code = record.error;
+    v.radius_m = s.level_unit_m[2 * site.z + (site.kind == PlaneKind::centre ? 0 : 1)] *
+                 c.radius_factor[record.radius & (radius_codes - 1)];
+    float margin = -3.4e38f, span = 0;
+    for (std::uint32_t i = 0; i < c.views; ++i) {
+        const Reach& r = active && c.hysteresis ? c.keep[i] : c.reach[i];
+        const float dx = v.x - r.eye_x, dy = v.y - r.eye_y, dz = v.z - r.eye_z;
+        const float squared = dx * dx + dy * dy + dz * dz, distance = std::sqrt(squared);
+        const float reach = (v.radius_m + v.error_m * r.q) * reach_grow + r.pad;
+        v.wanted = v.wanted || squared < reach * reach;
+        margin = std::max(margin, reach - distance);
+        span = std::max(span, reach + distance);
+    }
+    v.slack_m = std::max(std::abs(margin) - span * slack_rounding, 0.0f);
+    return v;
+}
+
+[[nodiscard]] inline bool seen(const CutState& s, const Verdict& v) {
+    for (std::uint32_t i = 0; i < s.view_count; ++i) {
+        const Vec3 p = Vec3{v.x, v.y, v.z} - s.views[i].eye_m;
+        bool inside = true;
+        for (int plane = 0; plane < 6 && inside; ++plane)
+            inside = dot(s.frustums[i].normal[plane], p) >= s.frustums[i].offset[plane] - static_cast<double>(v.radius_m);
+        if (inside) return true;
+    }
+    return false;
+}
+
+// Worst first: 16 ranks of a factor 2 of screen error over the threshold, and 16 above them for what is seen.
+[[nodiscard]] inline std::uint32_t rank_of(const CutState& s, const Verdict& v) {
+    float worst = 0;
+    for (std::uint32_t i = 0; i < s.decision.views; ++i) {
+        const Reach& r = s.decision.reach[i];
+        const float dx = v.x - r.eye_x, dy = v.y - r.eye_y, dz = v.z - r.eye_z;
+        const float depth = std::sqrt(dx * dx + dy * dy + dz * dz) - v.radius_m;
+        worst = std::max(worst, v.error_m * r.q / std::max(depth, 1e-3f));
+    }
+    const int log2 = std::clamp(worst < 0x1p15f ? std::ilogb(std::max(worst, 1.0f)) : 15, 0, 15);
+    return static_cast<std::uint32_t>(log2) + (seen(s, v) ? 16u : 0u);
+}
+
+[[nodiscard]] inline std::uint16_t bit_of(std::uint32_t vertex) {
+    return static_cast<std::uint16_t>(1u << vertex % block_lanes);
+}
+
+[[nodiscard]] inline std::uint32_t grade_of(std::uint32_t code) {
+    return code >> grade_codes_log2;
+}
+
+} // namespace fjell

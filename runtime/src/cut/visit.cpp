@@ -1,0 +1,146 @@
+#include "cut/visit.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "cut/change.h"
+#include "cut/judge.h"
+
+namespace fjell {
+
+namespace {
+
+std::uint32_t bits(int mask) {
+    return static_cast<std::uint32_t>(mask);
+}
+
+// A block as it was evaluated.
+struct Look {
+    BlockState& state;
+    bool draining;
+    const VertexRecord* records;
+    VertexRecord gathered[block_lanes];
+    LaneMargins margins;
+
+    // The lanes that could change: by the tree, they may.
+    [[nodiscard]] std::uint32_t inactive() const { return draining ? 0 : bits(state.ready() & ~state.active); }
+    [[nodiscard]] std::uint32_t childless() const { return bits(state.active & ~state.parental()); }
+    // And by the decision, they should.
+    [[nodiscard]] std::uint32_t rising() const { return inactive() & margins.wanted; }
+    [[nodiscard]] std::uint32_t falling() const { return childless() & ~margins.kept; }
+};
+
+void evaluate_block(CutState& s, std::uint32_t number, Look& look) {
+    const std::uint32_t slot = number / max_page_blocks;
+    const SlotInfo& info = s.slot_info[slot];
+    const BlockShape& shape = s.shapes[info.shape].blocks[number - slot * max_page_blocks];
+    look.draining = info.status == SlotStatus::draining;
+    look.records = s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first;
+    if (shape.lanes != block_lanes || shape.stride != 1 || s.hz_places) {
+        for (std::uint32_t lane = 0; lane < block_lanes; ++lane)
+            look.gathered[lane] = record_of(s, number * block_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
+        look.records = look.gathered;
+    }
+    const Site first = site_of(s, number * block_lanes);
+    const Coord at = site_coord(first);
+    const std::int32_t apart = 2 << first.z;
+    const float unit_m = s.level_unit_m[2 * first.z + (shape.kind == PlaneKind::centre ? 0 : 1)];
+    s.evaluate(s.decision,
+               {look.records, at.x, at.y, shape.along_y ? 0 : apart, shape.along_y ? apart : 0, info.base, unit_m},
+               look.margins);
+    ++s.report.evaluations;
+    ++s.report.items;
+}
+
+// Of the lanes in a mask, the smallest slack; and the largest error code.
+struct Rest {
+    float slack_m = 3e38f;
+    std::uint32_t code = 0;
+
+    void lessen(const Look& look, std::uint32_t mask, const float* margins_m) {
+        for (; mask != 0; mask &= mask - 1) {
+            const auto lane = static_cast<std::size_t>(std::countr_zero(mask));
+            const float rounding_m = look.margins.span_m[lane] * slack_rounding;
+            slack_m = std::min(slack_m, std::max(std::abs(margins_m[lane]) - rounding_m, 0.0f));
+            code = std::max<std::uint32_t>(code, look.records[lane].error);
+        }
+    }
+};
+
+// Everything in the block agrees with the decision: when might that end?
+void settle(CutState& s, std::uint32_t number, const Look& look) {
+    s.blocks[number].list = no_list;
+    if ((look.inactive() | look.childless()) == 0) return;
+    Rest rest;
+    rest.lessen(look, look.inactive(), look.margins.reach_m);
+    rest.lessen(look, look.childless(), look.margins.keep_m);
+    schedule(s.lists, number, rest.slack_m, grade_of(rest.code));
+}
+
+void queue(CutState& s, std::uint32_t number, const Look& look, std::uint32_t list) {
+    push_back(s.lists, list, number);
+    s.blocks[number].due = look.rising() | look.falling() << 16;
+}
+
+void queue_rising(CutState& s, std::uint32_t number, const Look& look) {
+    std::uint32_t rank = 0;
+    for (std::uint32_t lanes = look.rising(); lanes != 0; lanes &= lanes - 1) {
+        const std::uint32_t vertex = number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
+        rank = std::max(rank, rank_of(s, judge(s, vertex, site_of(s, vertex), false)));
+    }
+    s.work_ranks |= 1u << rank;
+    queue(s, number, look, work_lists + rank);
+}
+
+} // namespace
+
+void examine(CutState& s, std::uint32_t number) {
+    Look look{s.blocks[number], false, nullptr, {}, {}};
+    evaluate_block(s, number, look);
+    if (look.rising() != 0) return queue_rising(s, number, look);
+    if (look.falling() != 0) return queue(s, number, look, retire_list);
+    settle(s, number, look);
+}
+
+void carry_out(CutState& s, std::uint32_t number, bool may_retire) {
+    Look look{s.blocks[number], false, nullptr, {}, {}};
+    evaluate_block(s, number, look);
+    CutReport& r = s.report;
+    bool blocked = false;
+    for (std::uint32_t lanes = look.rising(); lanes != 0 && r.items < s.item_limit; lanes &= lanes - 1) {
+        const Outcome outcome = activate(s, number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)));
+        if (outcome == Outcome::done) {
+            ++r.activations;
+            ++r.items;
+        } else {
+            r.exhausted |= outcome == Outcome::no_vertices ? cut_budget_vertices : cut_budget_triangles;
+            blocked = true;
+        }
+    }
+    if (may_retire)
+        for (std::uint32_t lanes = look.falling(); lanes != 0 && r.items < s.item_limit; lanes &= lanes - 1) {
+            if (deactivate(s, number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes))) ==
+                Outcome::done) {
+                ++r.deactivations;
+                ++r.items;
+            } else {
+                r.exhausted |= cut_budget_triangles;
+                blocked = true;
+            }
+        }
+    if (blocked) return queue(s, number, look, blocked_lists + s.turn);
+    if (look.rising() != 0) return queue_rising(s, number, look);
+    if (look.falling() != 0) return queue(s, number, look, retire_list);
+    settle(s, number, look);
+}
+
+void fetch_calls(const CutState& s, std::uint32_t number, int step) {
+    const std::uint32_t calls = s.blocks[number].due;
+    for (std::uint32_t lanes = calls & 0xffff; lanes != 0; lanes &= lanes - 1)
+        fetch_activation(s, number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)), step);
+    for (std::uint32_t lanes = calls >> 16; lanes != 0; lanes &= lanes - 1)
+        fetch_deactivation(s, number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)), step);
+}
+
+} // namespace fjell
