@@ -40,34 +40,35 @@ void give_chunk(Lists& lists, std::uint32_t chunk) {
 void push_bucket(Lists& lists, std::uint32_t number, std::uint32_t block) {
     Bucket& bucket = lists.buckets[number];
     if (bucket.top == nil) {
-        bucket = {take_chunk(lists, nil), 0, 0};
-        bucket.bottom = bucket.top;
-    } else if (lists.chunks[bucket.top].count == chunk_blocks) {
+        bucket.top = bucket.bottom = take_chunk(lists, nil);
+    } else if (bucket.in_top == chunk_blocks) {
+        lists.chunks[bucket.top].count = chunk_blocks;
         bucket.top = take_chunk(lists, bucket.top);
+        bucket.in_top = 0;
         ++bucket.full;
     }
-    BlockChunk& chunk = lists.chunks[bucket.top];
     BlockState& b = lists.blocks[block];
-    b.link = {bucket.top, chunk.count};
+    b.link = {bucket.top, bucket.in_top};
     b.list = static_cast<ListId>(number);
-    chunk.blocks[chunk.count++] = block;
+    lists.chunks[bucket.top].blocks[bucket.in_top++] = block;
 }
 
 // The bucket's newest block takes its place.
 void leave_bucket(Lists& lists, std::uint32_t block) {
     const BlockState& b = lists.blocks[block];
     Bucket& bucket = lists.buckets[b.list];
-    BlockChunk& newest = lists.chunks[bucket.top];
-    const std::uint32_t moved = newest.blocks[--newest.count];
+    const std::uint32_t moved = lists.chunks[bucket.top].blocks[--bucket.in_top];
     if (moved != block) {
         lists.chunks[b.link.next].blocks[b.link.prev] = moved;
         lists.blocks[moved].link = b.link;
     }
-    if (newest.count != 0) return;
-    const std::uint32_t below = newest.next;
+    if (bucket.in_top != 0) return;
+    const std::uint32_t below = lists.chunks[bucket.top].next;
     give_chunk(lists, bucket.top);
     bucket.top = below;
-    bucket.full -= below != nil;
+    if (below == nil) return;
+    bucket.in_top = chunk_blocks;
+    --bucket.full;
 }
 
 // Full chunks, from the first to the last of a chain.
@@ -93,11 +94,11 @@ void add_due(Lists& lists, std::uint32_t grade, std::uint32_t block) {
 
 // Everything in a bucket becomes due, in O(1): full chunks as they are, the rest one by one.
 void drain(Lists& lists, std::uint32_t grade, std::uint32_t number) {
-    const Bucket bucket = std::exchange(lists.buckets[number], {nil, nil, 0});
+    const Bucket bucket = std::exchange(lists.buckets[number], {nil, nil, 0, 0});
     if (bucket.top == nil) return;
     const BlockChunk top = lists.chunks[bucket.top];
-    lists.sizes[due_lists + grade - soon_lists] += bucket.full * chunk_blocks + top.count;
-    for (std::uint32_t i = 0; i < top.count; ++i) add_due(lists, grade, top.blocks[i]);
+    lists.sizes[due_lists + grade - soon_lists] += bucket.full * chunk_blocks + bucket.in_top;
+    for (std::uint32_t i = 0; i < bucket.in_top; ++i) add_due(lists, grade, top.blocks[i]);
     give_chunk(lists, bucket.top);
     if (bucket.full != 0) append_full(lists, grade, top.next, bucket.bottom);
 }
@@ -106,7 +107,7 @@ void drain(Lists& lists, std::uint32_t grade, std::uint32_t number) {
 
 void clear_lists(Lists& lists, std::uint32_t chunk_count) {
     for (std::uint32_t i = 0; i < queue_count; ++i) lists.queues[i] = {lists.block_count + i, lists.block_count + i};
-    for (std::uint32_t i = 0; i < due_lists; ++i) lists.buckets[i] = {nil, nil, 0};
+    for (std::uint32_t i = 0; i < due_lists; ++i) lists.buckets[i] = {nil, nil, 0, 0};
     for (std::uint32_t& n : lists.sizes) n = 0;
     for (DueBlocks& due : lists.due) due = {nil, nil, nil};
     for (auto& wheels : lists.filled)

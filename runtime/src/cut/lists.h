@@ -28,6 +28,9 @@ inline constexpr std::uint32_t nil = 0xffffffff;
 
 struct BlockState;
 
+// Not a function of its own: g++ takes one that only prefetches for one without effects, and drops the call.
+#define fetch_line(at) __builtin_prefetch(at, 1)
+
 struct Link { // in a queue: neighbours; in the calendar: the chunk and the place in it
     std::uint32_t next, prev;
 };
@@ -60,6 +63,7 @@ inline constexpr ListId no_list = 0xffff;
 struct Bucket {
     std::uint32_t top, bottom; // chunks; all below the top are full
     std::uint32_t full;        // how many those are
+    std::uint32_t in_top;      // blocks; kept here, so that one more is a store to its line and no load
 };
 
 // Of a grade: full chunks, first come first, and one that fills up.
@@ -101,18 +105,18 @@ void push_due(Lists& lists, std::uint32_t grade, std::uint32_t block);
 void unlink(Lists& lists, std::uint32_t block);
 // The list must not be empty.
 [[nodiscard]] std::uint32_t pop_front(Lists& lists, std::uint32_t queue);
-// Before the first block of a chunk the next chunk's blocks are passed to fetch().
+// With each block, one that comes a chunk later is passed to fetch().
 template <typename Fetch>
 [[nodiscard]] std::uint32_t pop_due(Lists& lists, std::uint32_t grade, const Fetch& fetch) {
     DueBlocks& due = lists.due[grade];
     const std::uint32_t at = due.first != nil ? due.first : due.filling;
     BlockChunk& chunk = lists.chunks[at];
-    if (chunk.count == chunk_blocks) {
-        const std::uint32_t next = chunk.next != nil ? chunk.next : due.filling;
-        if (next != nil && next != at)
-            for (std::uint32_t i = 0; i < lists.chunks[next].count; ++i) fetch(lists.chunks[next].blocks[i]);
-    }
     const std::uint32_t block = chunk.blocks[--chunk.count];
+    if (const std::uint32_t next = chunk.next != nil ? chunk.next : due.filling; next != nil && next != at) {
+        const BlockChunk& after = lists.chunks[next];
+        if (chunk.count < after.count) fetch(after.blocks[chunk.count]);
+        if (after.next != nil && chunk.count == chunk_blocks / 2) fetch_line(&lists.chunks[after.next]);
+    }
     --lists.sizes[due_lists + grade - soon_lists];
     if (chunk.count != 0) return block;
     if (due.first != nil)

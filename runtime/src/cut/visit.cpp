@@ -17,6 +17,7 @@ std::uint32_t bits(int mask) {
 
 // A block as it was evaluated.
 struct Look {
+    explicit Look(BlockState& block) : state(block) {} // the rest evaluate_block() sets
     BlockState& state;
     bool draining;
     const VertexRecord* records;
@@ -96,7 +97,7 @@ void queue_rising(CutState& s, std::uint32_t number, const Look& look) {
 } // namespace
 
 void examine(CutState& s, std::uint32_t number) {
-    Look look{s.blocks[number], false, nullptr, {}, {}};
+    Look look(s.blocks[number]);
     evaluate_block(s, number, look);
     if (look.rising() != 0) return queue_rising(s, number, look);
     if (look.falling() != 0) return queue(s, number, look, retire_list);
@@ -104,7 +105,7 @@ void examine(CutState& s, std::uint32_t number) {
 }
 
 void carry_out(CutState& s, std::uint32_t number, bool may_retire) {
-    Look look{s.blocks[number], false, nullptr, {}, {}};
+    Look look(s.blocks[number]);
     evaluate_block(s, number, look);
     CutReport& r = s.report;
     bool blocked = false;
