@@ -13,8 +13,4 @@ Outcome activate(CutState& s, std::uint32_t vertex);
 // nothing, only when triangles that were hidden need a chunk and none is left.
 Outcome deactivate(CutState& s, std::uint32_t vertex);
 
-// Brings the memory that these changes will touch nearer, one dependent step a call: 0, 1, 2.
-void fetch_activation(const CutState& s, std::uint32_t vertex, int step);
-void fetch_deactivation(const CutState& s, std::uint32_t vertex, int step);
-
 } // namespace fjell

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "cut/change.h"
+#include "cut/fetch.h"
 #include "cut/frame.h"
 #include "cut/governor.h"
 #include "cut/pages.h"
@@ -135,6 +136,20 @@ bool out_of_time(CutState& s) {
     return true;
 }
 
+void fetch_for(const CutState& s, std::span<const std::uint32_t> blocks) {
+    constexpr std::uint32_t most = 3 * batch_blocks; // of changes; more would push each other out of the cache
+    Plan plans[most];
+    std::uint32_t count = 0;
+    for (const std::uint32_t block : blocks)
+        for (std::uint32_t lanes = s.blocks[block].due; lanes != 0 && count < most; lanes &= lanes - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
+            plans[count++] = make_plan(s, block * block_lanes + lane % block_lanes, lane < block_lanes);
+        }
+    for (std::uint32_t i = 0; i < count; ++i) fetch_made(s, plans[i]);
+    for (std::uint32_t i = 0; i < count; ++i) fetch_triangles(s, plans[i]);
+    for (std::uint32_t i = 0; i < count; ++i) fetch_corners(s, plans[i]);
+}
+
 // False when there was not time or items for all of them; the rest goes back to its queue.
 bool carry_out_batch(CutState& s, std::uint32_t list, bool may_retire) {
     std::uint32_t blocks[batch_blocks], count = 0;
@@ -142,8 +157,7 @@ bool carry_out_batch(CutState& s, std::uint32_t list, bool may_retire) {
         blocks[count] = pop_front(s.lists, list);
         s.blocks[blocks[count]].list = held;
     }
-    for (int step = 0; step < fetch_steps; ++step)
-        for (std::uint32_t i = 0; i < count; ++i) fetch_calls(s, blocks[i], step);
+    fetch_for(s, {blocks, count});
     for (std::uint32_t i = 0; i < count; ++i) {
         if (s.report.items < s.item_limit && !out_of_time(s)) {
             carry_out(s, blocks[i], may_retire);

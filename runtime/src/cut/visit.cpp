@@ -136,12 +136,4 @@ void carry_out(CutState& s, std::uint32_t number, bool may_retire) {
     settle(s, number, look);
 }
 
-void fetch_calls(const CutState& s, std::uint32_t number, int step) {
-    const std::uint32_t calls = s.blocks[number].due;
-    for (std::uint32_t lanes = calls & 0xffff; lanes != 0; lanes &= lanes - 1)
-        fetch_activation(s, number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)), step);
-    for (std::uint32_t lanes = calls >> 16; lanes != 0; lanes &= lanes - 1)
-        fetch_deactivation(s, number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)), step);
-}
-
 } // namespace fjell

@@ -13,8 +13,4 @@ void examine(CutState& s, std::uint32_t block);
 // What is left over keeps the block in a queue; otherwise it goes to the calendar.
 void carry_out(CutState& s, std::uint32_t block, bool may_retire);
 
-// Starts fetching what examine() will read, and then carry_out(): by steps, each of which needs the one before.
-inline constexpr int fetch_steps = 3;
-void fetch_calls(const CutState& s, std::uint32_t block, int step);
-
 } // namespace fjell
