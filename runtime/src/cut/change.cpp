@@ -92,13 +92,13 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     const Site site = site_of(s, vertex);
     Split splits[2];
     const int count = splits_of(s, site, vertex, splits);
-    if (s.free_vertex_count == 0) return Outcome::no_vertices;
+    if (free_vertices(s) == 0) return Outcome::no_vertices;
     if (!room_for(s, splits, count)) return Outcome::no_triangles;
     const std::uint32_t first = s.made[splits[0].name];
     const std::uint32_t ends[2] = {s.indices[std::size_t{first} * 3 + 1], s.indices[std::size_t{first} * 3 + 2]};
     const Verdict v = judge(s, vertex, site, true);
 
-    const std::uint32_t slot = s.free_vertices[--s.free_vertex_count];
+    const std::uint32_t slot = take_vertex(s);
     const Coord at = s.terrain->tree.sample(site_coord(site));
     s.vertices[slot] = {at.x, at.y, v.y};
     s.hole[slot] = is_void(record_of(s, vertex));
@@ -108,7 +108,9 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     s.slots[vertex] = slot;
     BlockState& block = s.blocks[vertex / block_lanes];
     block.active |= bit_of(vertex);
-    ++s.slot_info[vertex / block_lanes / max_page_blocks].active;
+    SlotInfo& info = s.slot_info[vertex / block_lanes / max_page_blocks];
+    ++info.active;
+    info.touched = true;
 
     for (int n = 0; n < count; ++n) {
         const Split& split = splits[n];
@@ -129,6 +131,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
         if (found == no_vertex) continue;
         BlockState& of_child = s.blocks[found / block_lanes];
         of_child.parent[parent_number(site.kind, d)] |= bit_of(found);
+        s.slot_info[found / block_lanes / max_page_blocks].touched = true;
         if (of_child.ready() & bit_of(found)) consider(s, found, child, false);
     }
     return Outcome::done;

@@ -36,7 +36,7 @@ std::uint32_t least_chunks(const Terrain& t) {
 struct Layout {
     std::size_t page_blocks, blocks, slots, slot_info, draining, queues, buckets, chunks, vertices, morph, made, hole, free_vertices,
         indices, names, tiles, chunk_tile, chunk_below, free_chunks, vertex_bits, vertex_words, triangle_bits,
-        triangle_words, ranges, hz_places, end;
+        triangle_words, ranges, hz_places, grids, end;
 };
 
 Layout layout_of(const Terrain& t, const CutBudget& b) {
@@ -72,6 +72,7 @@ Layout layout_of(const Terrain& t, const CutBudget& b) {
     l.triangle_words = place(triangles / 64 + 1, 4);
     l.ranges = place(chunks, sizeof(TileRange));
     l.hz_places = place(t.pages.order == Order::hierarchical_z ? 2 * max_page_vertices : 0, 2);
+    l.grids = place(static_cast<std::size_t>(t.tree.tile_log2), bulk_grid_bytes);
     l.end = at;
     return l;
 }
@@ -127,16 +128,6 @@ void make_corners(CutState& s) {
         s.vertices[slot] = {at.x, at.y, height_m};
         s.morph[slot] = {height_m, 0, 0, never_born_s};
         s.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
-        s.dirty_vertices.mark(slot);
-    }
-    for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile) {
-        const std::uint32_t nw = tile / t.header.tiles_x * nx + tile % t.header.tiles_x, ne = nw + 1, sw = nw + nx,
-                            se = sw + 1;
-        for (const MeshTriangle& base : {MeshTriangle{ne, nw, se}, MeshTriangle{sw, se, nw}}) {
-            const Bearing corner = base.right == ne ? Bearing::north_east : Bearing::south_west;
-            append_triangle(s, list_for(s, tile, base), base,
-                            base.right * 4 + static_cast<std::uint32_t>(child_number(corner)));
-        }
     }
 }
 
@@ -144,28 +135,42 @@ void make_corners(CutState& s) {
 
 void reset(CutState& s) {
     const Terrain& t = *s.terrain;
-    for (std::uint32_t i = 0; i < s.block_count; ++i) s.blocks[i] = {};
-    for (std::uint32_t i = 0; i < s.block_count; ++i) s.blocks[i].list = no_list;
-    clear_lists(s.lists, block_chunks(s.block_count));
     s.work_ranks = 0;
-    for (std::uint32_t i = 0; i < t.page_count(); ++i) s.page_blocks[i] = nil;
-    for (std::uint32_t i = 0; i < t.slot_count; ++i) {
-        s.slot_info[i] = {};
-        s.slot_info[i].page = no_page;
-    }
-    s.draining_count = 0;
     s.dirty_vertices.clear();
     s.dirty_triangles.clear();
-    const std::uint32_t corners = corner_count(t);
-    s.free_vertex_count = s.budget.vertices - corners;
-    for (std::uint32_t i = 0; i < s.free_vertex_count; ++i) s.free_vertices[i] = s.budget.vertices - 1 - i;
-    for (std::size_t i = 0; i < std::size_t{s.budget.vertices} * 4; ++i) s.made[i] = nil;
-    for (std::uint32_t i = 0; i <= t.tile_count(); ++i) s.tiles[i] = {nil, 0, 0, 0, false, {}, 0};
+    // What the last cut has made; slots beyond were never taken.
+    for (std::size_t i = 0; i < std::size_t{s.fresh_vertex} * 4; ++i) s.made[i] = nil;
+    s.free_vertex_count = 0;
+    s.fresh_vertex = corner_count(t);
+    for (std::uint32_t i = 0; i <= t.tile_count(); ++i) {
+        TileList& tile = s.tiles[i];
+        tile.last_chunk = nil;
+        tile.in_last = tile.total = tile.chunks = 0;
+    }
     s.free_chunk_count = s.chunk_count;
     for (std::uint32_t i = 0; i < s.chunk_count; ++i) s.free_chunks[i] = s.chunk_count - 1 - i;
     make_corners(s);
-    s.seen_changes = t.changes - 1;
+    for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
+        if (s.slot_info[slot].touched) forget_vertices(s, slot);
     follow_pages(s);
+    clear_lists(s.lists, block_chunks(s.block_count)); // of the roots of pages that have just come
+    for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile)
+        if (const std::uint32_t first = s.page_blocks[tile * s.pages_per_tile]; first != nil) s.blocks[first].list = no_list;
+}
+
+void begin_at_roots(CutState& s) {
+    const auto tiles_x = static_cast<std::uint32_t>(s.tiles_x), nx = tiles_x + 1;
+    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
+        const std::uint32_t nw = tile / tiles_x * nx + tile % tiles_x, ne = nw + 1, sw = nw + nx, se = sw + 1;
+        for (const MeshTriangle& base : {MeshTriangle{ne, nw, se}, MeshTriangle{sw, se, nw}}) {
+            const Bearing corner = base.right == ne ? Bearing::north_east : Bearing::south_west;
+            append_triangle(s, list_for(s, tile, base), base,
+                            base.right * 4 + static_cast<std::uint32_t>(child_number(corner)));
+        }
+        // The root's block is the first of page 0.
+        if (const std::uint32_t root = s.page_blocks[tile * s.pages_per_tile]; root != nil)
+            push_due(s.lists, grade_count - 1, root);
+    }
 }
 
 std::size_t cut_bytes(const Terrain& terrain, const CutBudget& budget) {
@@ -227,6 +232,7 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     part(s.dirty_triangles.bits, l.triangle_bits);
     part(s.dirty_triangles.words, l.triangle_words);
     part(s.ranges, l.ranges);
+    part(s.bulk_grids, l.grids);
     if (terrain.pages.order == Order::hierarchical_z) {
         part(s.hz_places, l.hz_places);
         make_hz_places(s);
@@ -239,7 +245,13 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     s.decision.spacing_z_m = terrain.spacing_z_m;
     s.decision.last_x = terrain.tree.columns() - 1;
     s.decision.last_y = terrain.tree.rows() - 1;
+    for (std::uint32_t i = 0; i < s.block_count; ++i) s.blocks[i].list = no_list;
+    for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.page_blocks[i] = nil;
+    for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.slot_info[i].page = no_page;
+    s.fresh_vertex = budget.vertices; // so that all of made is cleared
+    s.seen_changes = terrain.changes - 1;
     reset(s);
+    begin_at_roots(s);
     cut.state = &s;
     return {};
 }

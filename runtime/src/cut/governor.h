@@ -16,7 +16,7 @@
 
 namespace fjell {
 
-inline constexpr double governor_up = 1.1, governor_full = 0.8, governor_fill = 0.9;
+inline constexpr double governor_up = 1.1, governor_full = 0.8, governor_fill = 0.9, governor_most_px = 1e7;
 
 // Returns the threshold of the next frame. use: share of the scarcest capacity; blocked: work waits for a capacity.
 inline double govern(Governor& g, double asked_px, double use, bool blocked, bool at_rest) {
@@ -25,7 +25,8 @@ inline double govern(Governor& g, double asked_px, double use, bool blocked, boo
     if (blocked) {
         g.failed_px = g.effective_px;
         g.failed_use = -1; // not known before it is mended
-        return g.effective_px *= governor_up;
+        // Vertices whose spheres hold the eye are wanted at any threshold.
+        return g.effective_px = std::min(g.effective_px * governor_up, std::max(asked_px, governor_most_px));
     }
     if (g.failed_use < 0) g.failed_use = use;
     if (use >= governor_full) return g.effective_px;

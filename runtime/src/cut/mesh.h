@@ -32,11 +32,14 @@ struct MeshTriangle {
     return s.some_hidden && is_hidden(s, t) ? hidden_tile(s) : tile;
 }
 
-inline void write_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t name) {
+inline void put_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t name) {
     std::uint32_t* const out = s.indices + std::size_t{slot} * 3;
     out[0] = t.right, out[1] = t.a, out[2] = t.b;
     s.names[slot] = name;
     s.made[name] = slot;
+}
+inline void write_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t name) {
+    put_triangle(s, slot, t, name);
     s.dirty_triangles.mark(slot);
 }
 
@@ -46,8 +49,8 @@ inline void write_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& 
     return list.last_chunk == nil ? 0 : (1u << s.chunk_log2) - list.in_last;
 }
 
-// There must be room: in the tile's last chunk or a free one.
-inline void append_triangle(CutState& s, std::uint32_t tile, const MeshTriangle& t, std::uint32_t name) {
+// The next slot of a tile. There must be room: in the tile's last chunk or a free one.
+inline std::uint32_t take_triangle(CutState& s, std::uint32_t tile) {
     TileList& list = s.tiles[tile];
     if (list.last_chunk == nil || list.in_last == 1u << s.chunk_log2) {
         const std::uint32_t chunk = s.free_chunks[--s.free_chunk_count];
@@ -60,7 +63,10 @@ inline void append_triangle(CutState& s, std::uint32_t tile, const MeshTriangle&
         if (used > s.chunk_peak) s.chunk_peak = used;
     }
     ++list.total;
-    write_triangle(s, (list.last_chunk << s.chunk_log2) + list.in_last++, t, name);
+    return (list.last_chunk << s.chunk_log2) + list.in_last++;
+}
+inline void append_triangle(CutState& s, std::uint32_t tile, const MeshTriangle& t, std::uint32_t name) {
+    write_triangle(s, take_triangle(s, tile), t, name);
 }
 
 inline void remove_triangle(CutState& s, std::uint32_t slot) {

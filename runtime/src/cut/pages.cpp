@@ -44,18 +44,18 @@ void enter(CutState& s, std::uint32_t slot) {
     }
     s.page_blocks[page] = slot * max_page_blocks;
     if (in_tile == 0) bound_tile(s, info, true);
+    forget_vertices(s, slot);
+    const bool nothing_active = s.budget.vertices - free_vertices(s) == corner_slots(s);
     for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_blocks + n;
         BlockState& b = s.blocks[number];
-        b = {};
-        b.list = no_list;
-        const ParentMasks parents = parents_of(s, number);
-        b.parent[0] = parents.parent[0];
-        b.parent[1] = parents.parent[1];
-        // Whatever they hold, coarse pages first.
-        if (b.ready() != 0) {
-            push_due(s.lists, grade_count - 1, number);
+        if (!nothing_active) {
+            const ParentMasks parents = parents_of(s, number);
+            b.parent[0] = parents.parent[0];
+            b.parent[1] = parents.parent[1];
+            info.touched = true;
         }
+        if (b.ready() != 0) push_due(s.lists, grade_count - 1, number);
     }
 }
 
@@ -101,6 +101,42 @@ std::uint32_t holding(const CutState& s, std::uint32_t slot) {
 }
 
 } // namespace
+
+// At the terrain's rim, and above a tile's root, parents that do not exist count as active.
+std::uint32_t absent_parents(const CutState& s, const Site& first, const BlockShape& shape, int n) {
+    std::uint32_t lanes = 0;
+    for (std::uint32_t lane = 0; lane < shape.lanes; ++lane) {
+        Site site = first;
+        (shape.along_y ? site.j : site.i) += static_cast<std::int32_t>(lane);
+        if (!exists(s, site)) continue;
+        const bool root = site.kind == PlaneKind::centre && site.z == s.terrain->tree.tile_log2 - 1;
+        if (root || !exists(s, parent_site(site, n))) lanes |= 1u << lane;
+    }
+    return lanes;
+}
+
+void forget_vertices(CutState& s, std::uint32_t slot) {
+    SlotInfo& info = s.slot_info[slot];
+    info.active = 0;
+    info.touched = false;
+    const std::int32_t n = info.shape == 0 ? 1 << s.terrain->tree.tile_log2 : page_squares;
+    const std::int32_t columns = s.tiles_x << s.steps[info.z].log2, rows = s.tiles_y << s.steps[info.z].log2;
+    const std::int32_t i0 = (info.tile_x << s.steps[info.z].log2) + info.i0, j0 = (info.tile_y << s.steps[info.z].log2) + info.j0;
+    const bool rim = info.shape == 0 || i0 == 0 || j0 == 0 || i0 + n >= columns || j0 + n >= rows;
+    for (std::uint32_t k = 0; k < s.shapes[info.shape].count; ++k) {
+        const std::uint32_t number = slot * max_page_blocks + k;
+        BlockState& b = s.blocks[number];
+        b = {};
+        b.list = no_list;
+        if (!rim) continue;
+        const BlockShape& shape = s.shapes[info.shape].blocks[k];
+        const Site first = site_of(s, number * block_lanes);
+        // A border has a lane in each page that holds it; only the owner's counts.
+        if (exists(s, first) && find_vertex(s, first) != number * block_lanes) continue;
+        for (int parent = 0; parent < 2; ++parent)
+            b.parent[parent] = static_cast<std::uint16_t>(absent_parents(s, first, shape, parent));
+    }
+}
 
 ParentMasks parents_of(const CutState& s, std::uint32_t block) {
     ParentMasks masks{};

@@ -8,6 +8,9 @@ namespace fjell {
 // Enters every page that is loaded and leaves those that are gone. O(slots) when anything changed since the last call.
 void follow_pages(CutState& s);
 
+// As if nothing were active, for one page.
+void forget_vertices(CutState& s, std::uint32_t slot);
+
 // Deactivates what draining pages still hold, as far as the items go.
 void drain_pages(CutState& s);
 

@@ -33,6 +33,8 @@ struct BlockState {
 };
 static_assert(sizeof(BlockState) == 32, "two blocks a cache line");
 
+inline constexpr std::size_t bulk_grid_bytes = 4 * (2 * page_squares + 2) * (2 * page_squares + 2);
+
 enum class SlotStatus : std::uint8_t { empty, live, draining };
 
 struct SlotInfo {
@@ -45,6 +47,7 @@ struct SlotInfo {
     std::uint8_t z;       // log2 of the step; page 0: 0, its blocks say
     std::uint8_t shape;   // 0: page 0; 1: any other
     SlotStatus status;
+    bool touched; // its blocks may say more than that nothing is active
 };
 
 // A tile's triangles: a stack of chunks; all but the last are full.
@@ -110,8 +113,8 @@ struct CutState {
     MorphVertex* morph;
     std::uint32_t* made; // 4 a vertex slot: the triangle it makes in each direction, or nil
     std::uint8_t* hole;  // 1 a vertex slot
-    std::uint32_t* free_vertices;
-    std::uint32_t free_vertex_count, vertex_peak;
+    std::uint32_t* free_vertices; // a stack of given-back slots; those from fresh_vertex on were never taken
+    std::uint32_t free_vertex_count, fresh_vertex, vertex_peak;
     std::uint32_t* indices; // 3 a triangle slot: right angle first
     std::uint32_t* names;   // of a triangle: vertex slot * 4 + direction
     TileList* tiles;        // and one more: triangles that are not drawn
@@ -119,6 +122,7 @@ struct CutState {
     std::uint32_t* chunk_below; // the tile's chunk before it
     std::uint32_t* free_chunks;
     std::uint32_t free_chunk_count, chunk_count, chunk_peak;
+    std::byte* bulk_grids; // scratch of the bulk pass: bulk_grid_bytes a step
     std::uint32_t chunk_log2;
     bool some_hidden; // the terrain has holes or ends inside tiles
     DirtyBits dirty_vertices, dirty_triangles;
@@ -140,5 +144,16 @@ struct CutState {
     std::uint32_t work_ranks; // which work lists may hold blocks, as bits
     std::uint32_t turn;       // which of blocked_lists and gated_lists takes what is put back
 };
+
+[[nodiscard]] inline std::uint32_t free_vertices(const CutState& s) {
+    return s.free_vertex_count + s.budget.vertices - s.fresh_vertex;
+}
+// The corners of all tiles have the first vertex slots.
+[[nodiscard]] inline std::uint32_t corner_slots(const CutState& s) {
+    return static_cast<std::uint32_t>((s.tiles_x + 1) * (s.tiles_y + 1));
+}
+[[nodiscard]] inline std::uint32_t take_vertex(CutState& s) { // there must be one
+    return s.free_vertex_count != 0 ? s.free_vertices[--s.free_vertex_count] : s.fresh_vertex++;
+}
 
 } // namespace fjell

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "cut/change.h"
+#include "cut/bulk.h"
 #include "cut/fetch.h"
 #include "cut/frame.h"
 #include "cut/governor.h"
@@ -105,7 +106,7 @@ std::uint32_t blocked(const CutState& s) {
 void finish(CutState& s) {
     CutReport& r = s.report;
     list_ranges(s);
-    r.vertex_slots = {s.budget.vertices - s.free_vertex_count, 0, s.budget.vertices};
+    r.vertex_slots = {s.budget.vertices - free_vertices(s), 0, s.budget.vertices};
     s.vertex_peak = std::max(s.vertex_peak, r.vertex_slots.used);
     r.vertex_slots.peak = s.vertex_peak;
     const auto slots = [&](std::uint32_t chunks) { return chunks << s.chunk_log2; };
@@ -221,18 +222,38 @@ void refine(CutState& s) {
     if (waiting(s) != blocked(s) && (s.report.exhausted & cut_budget_time) == 0) s.report.exhausted |= cut_budget_items;
 }
 
-Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
-    CutState& s = *cut.state;
-    if (Status v = check(s, views, settings); !v.ok()) return v;
-    const auto start = s.started = Clock::now();
+namespace {
+
+void begin_frame(CutState& s, const CutSettings& settings) {
+    s.started = Clock::now();
     s.settings = settings;
     s.dirty_vertices.clear();
     s.dirty_triangles.clear();
     s.report = {};
-    CutReport& r = s.report;
-    r.frame = ++s.frame;
+    s.report.frame = ++s.frame;
+    s.report.error_px_asked = settings.error_px;
+}
+
+// Every slot that is in use.
+void mark_all(CutState& s) {
+    for (std::uint32_t slot = 0; slot < s.fresh_vertex; ++slot) s.dirty_vertices.mark(slot);
+    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
+        std::uint32_t count = s.tiles[tile].in_last;
+        for (std::uint32_t chunk = s.tiles[tile].last_chunk; chunk != nil; chunk = s.chunk_below[chunk]) {
+            for (std::uint32_t i = 0; i < count; ++i) s.dirty_triangles.mark((chunk << s.chunk_log2) + i);
+            count = 1u << s.chunk_log2;
+        }
+    }
+}
+
+} // namespace
+
+Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
+    CutState& s = *cut.state;
+    if (Status v = check(s, views, settings); !v.ok()) return v;
+    begin_frame(s, settings);
     s.item_limit = settings.items;
-    r.error_px_asked = settings.error_px;
+    CutReport& r = s.report;
     s.governor.effective_px = std::max(s.governor.effective_px, settings.error_px);
     if (s.governor.failed_px == 0) s.governor.effective_px = settings.error_px;
     r.error_px_effective = s.governor.effective_px;
@@ -245,7 +266,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     refine(s);
     const auto refined = Clock::now();
     finish(s);
-    r.prepare_us = microseconds(start, prepared);
+    r.prepare_us = microseconds(s.started, prepared);
     r.refine_us = microseconds(prepared, refined);
     r.output_us = microseconds(refined, Clock::now());
     report = r;
@@ -255,14 +276,36 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
 Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
     CutState& s = *cut.state;
     if (Status v = check(s, views, settings); !v.ok()) return v;
-    reset(s);
-    s.view_count = 0;
-    CutSettings all = settings;
-    all.items = unlimited_items;
-    all.budget_us = 0;
-    Status status = update_cut(cut, views, all, report);
-    report.rebuilt = s.report.rebuilt = true;
-    return status;
+    begin_frame(s, settings);
+    s.item_limit = unlimited_items;
+    s.report.rebuilt = true;
+    CutReport& r = s.report;
+    // A rebuild starts afresh: with the asked threshold, or the lowest one above it that the capacities allow.
+    s.governor = {settings.error_px, 0, -1};
+    std::uint32_t exhausted = 0;
+    for (;;) {
+        reset(s);
+        look(s, views, s.governor.effective_px);
+        if (build_all(s)) break;
+        exhausted |= std::exchange(r.exhausted, 0u);
+        s.governor.failed_px = s.governor.effective_px;
+        s.governor.effective_px *= governor_up;
+        if (s.governor.effective_px < governor_most_px) continue;
+        // What is wanted at any threshold is too much: as far as it goes, then.
+        reset(s);
+        begin_at_roots(s);
+        refine(s);
+        break;
+    }
+    r.exhausted = exhausted;
+    r.error_px_effective = s.governor.effective_px;
+    mark_all(s);
+    const auto built = Clock::now();
+    finish(s);
+    r.refine_us = microseconds(s.started, built);
+    r.output_us = microseconds(built, Clock::now());
+    report = r;
+    return {};
 }
 
 Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released) {

@@ -136,4 +136,41 @@ void carry_out(CutState& s, std::uint32_t number, bool may_retire) {
     settle(s, number, look);
 }
 
+std::uint32_t build_block(CutState& s, std::uint32_t number) {
+    Look look(s.blocks[number]);
+    evaluate_block(s, number, look);
+    const std::uint32_t lanes = look.rising();
+    if (static_cast<std::uint32_t>(std::popcount(lanes)) > free_vertices(s)) {
+        s.report.exhausted |= cut_budget_vertices;
+        return 0;
+    }
+    const SlotInfo& info = s.slot_info[number / max_page_blocks];
+    const BlockShape& shape = shape_of(s, number);
+    const Coord at = site_coord(site_of(s, number * block_lanes));
+    const std::int32_t apart = 2 << (info.z + shape.z);
+    const float unit_m = s.level_unit_m[2 * (info.z + shape.z) + (shape.kind == PlaneKind::centre ? 0 : 1)];
+    Rest rest;
+    for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
+        const auto lane = static_cast<std::int32_t>(std::countr_zero(left));
+        const VertexRecord record = look.records[lane];
+        const std::uint32_t slot = take_vertex(s);
+        s.slots[number * block_lanes + static_cast<std::uint32_t>(lane)] = slot;
+        s.vertices[slot] = {std::min(at.x + (shape.along_y ? 0 : lane * apart), s.decision.last_x),
+                            std::min(at.y + (shape.along_y ? lane * apart : 0), s.decision.last_y),
+                            s.decision.base_m + static_cast<float>(record.height + info.base) * s.decision.quantum_m};
+        s.morph[slot] = {0, s.decision.error_m[record.error],
+                         unit_m * s.decision.radius_factor[record.radius & (radius_codes - 1)], never_born_s};
+        s.hole[slot] = is_void(record);
+        for (std::size_t d = 0; d < 4; ++d) s.made[std::size_t{slot} * 4 + d] = nil;
+    }
+    look.state.active = static_cast<std::uint16_t>(lanes);
+    s.slot_info[number / max_page_blocks].active =
+        static_cast<std::uint16_t>(info.active + std::popcount(lanes));
+    // Of those that will have active children nobody knows yet; to look at them too is early, never late.
+    rest.lessen(look, look.inactive(), look.margins.reach_m);
+    rest.lessen(look, lanes, look.margins.keep_m);
+    schedule(s.lists, number, rest.slack_m, grade_of(rest.code));
+    return lanes;
+}
+
 } // namespace fjell

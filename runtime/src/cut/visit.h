@@ -13,4 +13,8 @@ void examine(CutState& s, std::uint32_t block);
 // What is left over keeps the block in a queue; otherwise it goes to the calendar.
 void carry_out(CutState& s, std::uint32_t block, bool may_retire);
 
+// The bulk pass: evaluates a block none of whose lanes is active, activates all that are ready and wanted without their
+// triangles, and schedules it. Returns them. When vertex slots run out it says so in the report and returns none.
+[[nodiscard]] std::uint32_t build_block(CutState& s, std::uint32_t block);
+
 } // namespace fjell
