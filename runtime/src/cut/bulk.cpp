@@ -51,12 +51,29 @@ std::uint32_t decide(CutState& s, const Row& row, std::uint32_t parents0, std::u
     return active;
 }
 
+// The blocks of one step in one page or, of coarse steps, in one tile.
+struct Part {
+    const StepBlocks* step;
+    std::uint32_t first; // block of the page
+    std::int32_t n;      // squares a side
+    [[nodiscard]] std::uint32_t row(PlaneKind kind, std::int32_t j) const { // j: 0..n for side_x
+        const std::uint32_t plane = kind == PlaneKind::centre   ? step->centres
+                                    : kind == PlaneKind::side_x ? step->sides_x
+                                                                : step->sides_y;
+        return first + plane + (static_cast<std::uint32_t>(j) << step->words_log2);
+    }
+};
+Part part_at(const CutState& s, int z, std::int32_t i0, std::int32_t j0) {
+    const StepBlocks& step = s.steps[z];
+    return {&step, find_vertex(s, {z, PlaneKind::centre, i0, j0}) / block_lanes - step.centres, 1 << step.page_log2};
+}
+
 // All squares of one step in one page, or one tile.
 class Step {
 public:
     Step(CutState& state, int z, std::int32_t i0, std::int32_t j0)
-        : s(state), z_(z), i0_(i0), j0_(j0), n_(1 << state.steps[z].page_log2),
-          words_(1u << state.steps[z].words_log2) {}
+        : s(state), part_(part_at(state, z, i0, j0)), z_(z), i0_(i0), j0_(j0), n_(part_.n),
+          words_(1u << part_.step->words_log2) {}
 
     // Centres: which of their parents are active follows from the coarser step.
     void centres() {
@@ -125,10 +142,7 @@ public:
 
 private:
     [[nodiscard]] std::uint32_t all() const { return n_ == 32 ? ~0u : (1u << n_) - 1; }
-    [[nodiscard]] Row row_at(PlaneKind kind, std::int32_t j) const {
-        const std::uint32_t vertex = find_vertex(s, {z_, kind, i0_, j0_ + j});
-        return {vertex / block_lanes, words_};
-    }
+    [[nodiscard]] Row row_at(PlaneKind kind, std::int32_t j) const { return {part_.row(kind, j), words_}; }
     // The lane of a column of squares in its block.
     [[nodiscard]] std::uint32_t lane_of(int z, std::int32_t i) const {
         return static_cast<std::uint32_t>(i & ((1 << s.steps[z].log2) - 1)) % block_lanes;
@@ -190,11 +204,19 @@ private:
     }
 
     CutState& s;
+    const Part part_;
     const int z_;
     const std::int32_t i0_, j0_; // first square, over the terrain
     const std::int32_t n_;       // squares a side
     const std::uint32_t words_;
 };
+
+// How many vertices are active in the page of a square; 0 where there is none.
+std::uint32_t active_at(const CutState& s, const Site& centre) {
+    if (!exists(s, centre)) return 0;
+    const std::uint32_t vertex = find_vertex(s, centre);
+    return vertex == no_vertex ? 0 : s.slot_info[vertex / block_lanes / max_page_blocks].active;
+}
 
 // Every page of a step, or every tile of a coarse one, that is loaded.
 template <typename Do>
@@ -205,9 +227,26 @@ void for_each_part(CutState& s, int z, const Do& act) {
         for (std::int32_t tile_x = 0; tile_x < s.tiles_x; ++tile_x)
             for (std::int32_t by = 0; by < parts; ++by)
                 for (std::int32_t bx = 0; bx < parts; ++bx) {
-                    const std::int32_t i0 = (tile_x << step.log2) + bx * n, j0 = (tile_y << step.log2) + by * n;
-                    if (find_vertex(s, {z, PlaneKind::centre, i0, j0}) != no_vertex) act(i0, j0);
+                    const Site first{z, PlaneKind::centre, (tile_x << step.log2) + bx * n, (tile_y << step.log2) + by * n};
+                    if (find_vertex(s, first) != no_vertex) act(first);
                 }
+}
+
+// Centres of a step. Without an active centre in the page over it no vertex of a page can have an active parent there.
+void build_centres(CutState& s, int z) {
+    const bool root = z == s.terrain->tree.tile_log2 - 1;
+    for_each_part(s, z, [&](const Site& first) {
+        if (root || active_at(s, {z + 1, PlaneKind::centre, first.i >> 1, first.j >> 1}) != 0)
+            Step(s, z, first.i, first.j).centres();
+    });
+}
+// And its sides, some of which have a parent in the page to their north or west.
+void build_sides(CutState& s, int z) {
+    for_each_part(s, z, [&](const Site& first) {
+        if (active_at(s, first) != 0 || active_at(s, {z, PlaneKind::centre, first.i - 1, first.j}) != 0 ||
+            active_at(s, {z, PlaneKind::centre, first.i, first.j - 1}) != 0)
+            Step(s, z, first.i, first.j).sides();
+    });
 }
 
 // Slots of the vertices in and around one page, by their place on the lattice of its step: x, y from -1 to 2n. Only
@@ -225,145 +264,212 @@ public:
     explicit Emitter(CutState& state) : s(state) {}
 
     void tile(std::uint32_t number) {
-        const std::int32_t tx = static_cast<std::int32_t>(number) % s.tiles_x, ty = static_cast<std::int32_t>(number) / s.tiles_x;
+        const auto tx = static_cast<std::int32_t>(number) % s.tiles_x, ty = static_cast<std::int32_t>(number) / s.tiles_x;
+        const int z = s.terrain->tree.tile_log2 - 1;
         tile_ = number;
-        SlotGrid& grid = grid_of(s.terrain->tree.tile_log2 - 1);
+        open();
+        SlotGrid& grid = grid_of(z);
         for (std::int32_t y = 0; y < 2; ++y)
             for (std::int32_t x = 0; x < 2; ++x)
                 grid(2 * x, 2 * y) = static_cast<std::uint32_t>((ty + y) * (s.tiles_x + 1) + tx + x);
-        if (find_vertex(s, {s.terrain->tree.tile_log2 - 1, PlaneKind::centre, tx, ty}) == no_vertex) {
-            base(grid);
-            return;
-        }
-        if (!page(s.terrain->tree.tile_log2 - 1, tx, ty)) base(grid);
+        if (find_vertex(s, {z, PlaneKind::centre, tx, ty}) == no_vertex || !page(z, tx, ty)) base(grid);
+        close();
     }
 
 private:
     SlotGrid& grid_of(int z) { return reinterpret_cast<SlotGrid*>(s.bulk_grids)[z]; }
 
+    // The tile's last chunk, written without a look at its list.
+    void open() {
+        const TileList& list = s.tiles[tile_];
+        next_ = end_ = 0;
+        if (list.last_chunk == nil) return;
+        next_ = (list.last_chunk << s.chunk_log2) + list.in_last;
+        end_ = (list.last_chunk + 1) << s.chunk_log2;
+    }
+    void close() {
+        TileList& list = s.tiles[tile_];
+        if (list.last_chunk == nil) return;
+        const std::uint32_t in_last = next_ - (list.last_chunk << s.chunk_log2);
+        list.total += in_last - list.in_last;
+        list.in_last = in_last;
+    }
+    void triangle(std::uint32_t tile, const MeshTriangle& t, std::uint32_t direction) {
+        const std::uint32_t list = list_for(s, tile, t);
+        if (list == tile_) close();
+        put_triangle(s, take_triangle(s, list), t, t.right * 4 + direction);
+        if (list == tile_) open();
+    }
+
     void base(SlotGrid& grid) {
         const std::uint32_t nw = grid(0, 0), ne = grid(2, 0), sw = grid(0, 2), se = grid(2, 2);
-        triangle(tile_, ne, nw, se, 2);
-        triangle(tile_, sw, se, nw, 1);
+        triangle(tile_, {ne, nw, se}, 2);
+        triangle(tile_, {sw, se, nw}, 1);
     }
 
-    void triangle(std::uint32_t tile, std::uint32_t right, std::uint32_t a, std::uint32_t b, std::uint32_t direction) {
-        const MeshTriangle t{right, a, b};
-        put_triangle(s, take_triangle(s, list_for(s, tile, t)), t, right * 4 + direction);
-    }
-
-    // Slots of a row's active vertices, to every other place of the grid.
-    std::uint32_t spread(SlotGrid& grid, const Site& first, std::int32_t count, std::int32_t x, std::int32_t y) {
-        std::uint32_t active = 0;
-        if (!exists(s, first)) return 0;
-        const std::uint32_t vertex = find_vertex(s, first);
-        if (vertex == no_vertex) return 0;
-        for (std::int32_t word = 0; word * 16 < count; ++word) {
-            const std::uint32_t block = vertex / block_lanes + static_cast<std::uint32_t>(word);
-            for (std::uint32_t lanes = s.blocks[block].active; lanes != 0; lanes &= lanes - 1) {
-                const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-                grid(x + 2 * (word * 16 + static_cast<std::int32_t>(lane)), y) = s.slots[block * block_lanes + lane];
-            }
-            active |= static_cast<std::uint32_t>(s.blocks[block].active) << (16 * word);
+    // The triangles around a vertex: direction d lies between corners[d][0] and corners[d][1].
+    void fan(std::uint32_t v, const std::uint32_t (&corners)[4][2], std::uint32_t drawn) {
+        if (s.some_hidden || next_ + 4 > end_) {
+            for (std::uint32_t d = 0; d < 4; ++d)
+                if (drawn >> d & 1) triangle(tile_, {v, corners[d][0], corners[d][1]}, d);
+            return;
         }
-        return active;
+        // All four are written, the next over one that is not drawn: no branch can be mispredicted.
+        for (std::uint32_t d = 0; d < 4; ++d) {
+            const std::uint32_t is_drawn = drawn >> d & 1;
+            std::uint32_t* const t = s.indices + std::size_t{next_} * 3;
+            t[0] = v, t[1] = corners[d][0], t[2] = corners[d][1];
+            s.names[next_] = v * 4 + d;
+            s.made[v * 4 + d] = next_ | (is_drawn - 1); // nil when not
+            next_ += is_drawn;
+        }
+    }
+
+    // Slots of a row's active vertices, to every other place of the grid. Answers whether there are any.
+    bool spread(SlotGrid& grid, std::uint32_t block, std::int32_t count, std::int32_t x, std::int32_t y) {
+        std::uint32_t any = 0;
+        std::uint32_t* to = &grid(x, y);
+        for (std::int32_t done = 0; done < count; done += block_lanes, ++block, to += 2 * block_lanes) {
+            if (s.blocks[block].active == 0) continue;
+            any |= s.blocks[block].active;
+            const std::uint32_t* const from = s.slots + std::size_t{block} * block_lanes;
+            if (count < static_cast<std::int32_t>(block_lanes))
+                for (std::int32_t lane = 0; lane < count; ++lane) to[2 * lane] = from[lane];
+            else
+                for (std::uint32_t lane = 0; lane < block_lanes; ++lane) to[2 * lane] = from[lane];
+        }
+        return any != 0;
     }
     void one(SlotGrid& grid, const Site& site, std::int32_t x, std::int32_t y) {
         if (!exists(s, site)) return;
         const std::uint32_t vertex = find_vertex(s, site);
-        if (vertex != no_vertex && (s.blocks[vertex / block_lanes].active & bit_of(vertex))) grid(x, y) = s.slots[vertex];
+        if (vertex != no_vertex) grid(x, y) = s.slots[vertex];
     }
 
     // The grid has the corners of the page's squares. False when no centre is active, and so nothing below.
     bool page(int z, std::int32_t i0, std::int32_t j0) {
         SlotGrid& grid = grid_of(z);
-        const std::int32_t n = 1 << s.steps[z].page_log2;
-        std::uint32_t any = 0;
+        const Part part = part_at(s, z, i0, j0);
+        const std::int32_t n = part.n;
+        bool any = false, below = false;
         for (std::int32_t j = 0; j < n; ++j)
-            any |= spread(grid, {z, PlaneKind::centre, i0, j0 + j}, n, 1, 2 * j + 1);
-        if (any == 0) return false;
-        (void)spread(grid, {z, PlaneKind::centre, i0, j0 - 1}, n, 1, -1);
-        std::uint32_t below = 0;
-        for (std::int32_t j = 0; j <= n; ++j) {
-            below |= spread(grid, {z, PlaneKind::side_x, i0, j0 + j}, n, 1, 2 * j);
-            if (j == n) break;
-            one(grid, {z, PlaneKind::centre, i0 - 1, j0 + j}, -1, 2 * j + 1);
-            below |= spread(grid, {z, PlaneKind::side_y, i0, j0 + j}, n, 0, 2 * j + 1);
-            one(grid, {z, PlaneKind::side_y, i0 + n, j0 + j}, 2 * n, 2 * j + 1);
-        }
-        const bool south_rim = j0 + n == s.tiles_y << s.steps[z].log2, east_rim = i0 + n == s.tiles_x << s.steps[z].log2;
+            any = spread(grid, part.row(PlaneKind::centre, j), n, 1, 2 * j + 1) || any;
+        if (!any) return false;
         for (std::int32_t j = 0; j < n; ++j) {
-            row(grid, {z, PlaneKind::centre, i0, j0 + j}, n, 1, 2 * j + 1);
-            row(grid, {z, PlaneKind::side_x, i0, j0 + j}, n, 1, 2 * j);
-            row(grid, {z, PlaneKind::side_y, i0, j0 + j}, n, 0, 2 * j + 1);
-            if (east_rim) row(grid, {z, PlaneKind::side_y, i0 + n, j0 + j}, 1, 2 * n, 2 * j + 1);
+            below = spread(grid, part.row(PlaneKind::side_x, j), n, 1, 2 * j) || below;
+            below = spread(grid, part.row(PlaneKind::side_y, j), n, 0, 2 * j + 1) || below;
         }
-        if (south_rim) row(grid, {z, PlaneKind::side_x, i0, j0 + n}, n, 1, 2 * n);
-        if (below != 0 && z > 0) descend(grid, z, i0, j0, n);
+        below = borders(grid, z, i0, j0, n) || below;
+        rows(grid, z, i0, j0, part);
+        if (below && z > 0) descend(grid, z, i0, j0, n);
         return true;
+    }
+
+    // What lies around the page and belongs to its neighbours: apexes to the north and west, sides to the south and east.
+    bool borders(SlotGrid& grid, int z, std::int32_t i0, std::int32_t j0, std::int32_t n) {
+        const Site north{z, PlaneKind::centre, i0, j0 - 1}, south{z, PlaneKind::side_x, i0, j0 + n};
+        if (exists(s, north))
+            if (const std::uint32_t v = find_vertex(s, north); v != no_vertex)
+                (void)spread(grid, v / block_lanes, n, 1, -1);
+        bool below = false;
+        if (const std::uint32_t v = find_vertex(s, south); v != no_vertex)
+            below = spread(grid, v / block_lanes, n, 1, 2 * n);
+        for (std::int32_t j = 0; j < n; ++j) {
+            one(grid, {z, PlaneKind::centre, i0 - 1, j0 + j}, -1, 2 * j + 1);
+            const std::uint32_t v = find_vertex(s, {z, PlaneKind::side_y, i0 + n, j0 + j});
+            if (v == no_vertex || !(s.blocks[v / block_lanes].active & bit_of(v))) continue;
+            grid(2 * n, 2 * j + 1) = s.slots[v];
+            below = true;
+        }
+        return below;
+    }
+
+    void rows(SlotGrid& grid, int z, std::int32_t i0, std::int32_t j0, const Part& part) {
+        const std::int32_t n = part.n, tile_side = (1 << part.step->log2) - 1;
+        for (std::int32_t j = 0; j < n; ++j) {
+            centre_row(grid, part.row(PlaneKind::centre, j), n, 2 * j + 1);
+            const bool north_border = ((j0 + j) & tile_side) == 0;
+            side_row(grid, {z, PlaneKind::side_x, i0, j0 + j}, part.row(PlaneKind::side_x, j), n, 2 * j, north_border);
+            side_row(grid, {z, PlaneKind::side_y, i0, j0 + j}, part.row(PlaneKind::side_y, j), n, 2 * j + 1,
+                     (i0 & tile_side) == 0);
+        }
+        if (j0 + n == s.tiles_y << part.step->log2)
+            side_row(grid, {z, PlaneKind::side_x, i0, j0 + n}, part.row(PlaneKind::side_x, n), n, 2 * n, true);
+        if (i0 + n == s.tiles_x << part.step->log2)
+            for (std::int32_t j = 0; j < n; ++j) {
+                const Site site{z, PlaneKind::side_y, i0 + n, j0 + j};
+                const std::uint32_t v = find_vertex(s, site);
+                const BlockState& b = s.blocks[v / block_lanes];
+                if (b.active & bit_of(v)) border_side(grid, site, 2 * n, 2 * j + 1, drawn_by(b, v % block_lanes));
+            }
+    }
+
+    [[nodiscard]] static std::uint32_t drawn_by(const BlockState& b, std::uint32_t lane) {
+        std::uint32_t drawn = 0;
+        for (std::uint32_t d = 0; d < 4; ++d) drawn |= (~static_cast<std::uint32_t>(b.child[d]) >> lane & 1u) << d;
+        return drawn;
     }
 
     void descend(SlotGrid& grid, int z, std::int32_t i0, std::int32_t j0, std::int32_t n) {
         const std::int32_t finer = 1 << s.steps[z - 1].page_log2; // squares of a page there: 2n, or n in four pages
         for (std::int32_t qy = 0; qy < 2 * n; qy += finer)
             for (std::int32_t qx = 0; qx < 2 * n; qx += finer) {
-                if (find_vertex(s, {z - 1, PlaneKind::centre, 2 * i0 + qx, 2 * j0 + qy}) == no_vertex) continue;
+                if (active_at(s, {z - 1, PlaneKind::centre, 2 * i0 + qx, 2 * j0 + qy}) == 0) continue;
                 SlotGrid& to = grid_of(z - 1);
-                for (std::int32_t y = 0; y <= finer; ++y)
-                    for (std::int32_t x = 0; x <= finer; ++x) to(2 * x, 2 * y) = grid(qx + x, qy + y);
+                for (std::int32_t y = 0; y <= finer; ++y) {
+                    const std::uint32_t* const from = &grid(qx, qy + y);
+                    std::uint32_t* const row = &to(0, 2 * y);
+                    for (std::int32_t x = 0; x <= finer; ++x) row[2 * x] = from[x];
+                }
                 (void)page(z - 1, 2 * i0 + qx, 2 * j0 + qy);
             }
     }
 
-    // The triangles of a row of vertices.
-    void row(SlotGrid& grid, const Site& first, std::int32_t count, std::int32_t x0, std::int32_t y) {
-        const std::uint32_t vertex = find_vertex(s, first);
-        const bool centre = first.kind == PlaneKind::centre;
-        for (std::int32_t word = 0; word * 16 < count; ++word) {
-            const BlockState& b = s.blocks[vertex / block_lanes + static_cast<std::uint32_t>(word)];
-            std::uint32_t active = b.active;
-            if (count == 1) active &= bit_of(vertex);
-            for (; active != 0; active &= active - 1) {
+    void centre_row(SlotGrid& grid, std::uint32_t block, std::int32_t count, std::int32_t y) {
+        for (std::int32_t x0 = 1; x0 < 2 * count; x0 += 2 * static_cast<std::int32_t>(block_lanes), ++block) {
+            const BlockState& b = s.blocks[block];
+            for (std::uint32_t active = b.active; active != 0; active &= active - 1) {
                 const auto lane = static_cast<std::uint32_t>(std::countr_zero(active));
-                const std::int32_t x = x0 + (count == 1 ? 0 : 2 * (word * 16 + static_cast<std::int32_t>(lane)));
-                std::uint32_t drawn = 0;
-                for (std::uint32_t d = 0; d < 4; ++d) drawn |= (~static_cast<std::uint32_t>(b.child[d]) >> lane & 1u) << d;
-                if (centre)
-                    around_centre(grid, x, y, drawn);
-                else
-                    around_side(grid, first, word * 16 + static_cast<std::int32_t>(count == 1 ? 0 : lane), x, y, drawn);
+                const std::int32_t x = x0 + 2 * static_cast<std::int32_t>(lane);
+                const std::uint32_t nw = grid(x - 1, y - 1), ne = grid(x + 1, y - 1), sw = grid(x - 1, y + 1),
+                                    se = grid(x + 1, y + 1), v = grid(x, y);
+                fan(v, {{nw, sw}, {se, ne}, {ne, nw}, {sw, se}}, drawn_by(b, lane));
+                // Squares alternate which diagonal a centre splits (parent_bearing).
+                const bool falling = ((x >> 1) + (y >> 1)) % 2 == 0;
+                flatten(v, falling ? nw : ne, falling ? se : sw);
             }
         }
     }
 
-    void around_centre(SlotGrid& grid, std::int32_t x, std::int32_t y, std::uint32_t drawn) {
-        const std::uint32_t v = grid(x, y), nw = grid(x - 1, y - 1), ne = grid(x + 1, y - 1), sw = grid(x - 1, y + 1),
-                            se = grid(x + 1, y + 1);
-        if (drawn & 1) triangle(tile_, v, nw, sw, 0);
-        if (drawn & 2) triangle(tile_, v, se, ne, 1);
-        if (drawn & 4) triangle(tile_, v, ne, nw, 2);
-        if (drawn & 8) triangle(tile_, v, sw, se, 3);
-        flatten(v, first_end_is_nw(x, y) ? nw : ne, first_end_is_nw(x, y) ? se : sw);
+    void side_row(SlotGrid& grid, const Site& first, std::uint32_t block, std::int32_t count, std::int32_t y, bool border) {
+        const bool side_x = first.kind == PlaneKind::side_x;
+        for (std::int32_t along = 0; along < count; along += static_cast<std::int32_t>(block_lanes), ++block) {
+            const BlockState& b = s.blocks[block];
+            for (std::uint32_t active = b.active; active != 0; active &= active - 1) {
+                const auto lane = static_cast<std::uint32_t>(std::countr_zero(active));
+                const std::int32_t i = along + static_cast<std::int32_t>(lane), x = 2 * i + (side_x ? 1 : 0);
+                if (border && (side_x || i == 0)) {
+                    border_side(grid, {first.z, first.kind, first.i + i, first.j}, x, y, drawn_by(b, lane));
+                    continue;
+                }
+                const std::uint32_t v = grid(x, y), west = grid(x - 1, y), east = grid(x + 1, y), north = grid(x, y - 1),
+                                    south = grid(x, y + 1);
+                fan(v, {{north, west}, {east, north}, {west, south}, {south, east}}, drawn_by(b, lane));
+                flatten(v, side_x ? west : north, side_x ? east : south);
+            }
+        }
     }
 
-    // Squares alternate; see parent_bearing. In a tile's only square of its first step the diagonal is nw to se.
-    [[nodiscard]] static bool first_end_is_nw(std::int32_t x, std::int32_t y) { return ((x >> 1) + (y >> 1)) % 2 == 0; }
-
-    void around_side(SlotGrid& grid, const Site& first, std::int32_t along, std::int32_t x, std::int32_t y,
-                     std::uint32_t drawn) {
-        const bool side_x = first.kind == PlaneKind::side_x;
-        const Site site{first.z, first.kind, first.i + along, first.j};
-        const std::uint32_t v = grid(x, y);
-        const bool low = exists(s, parent_site(site, 0)), high = exists(s, parent_site(site, 1));
-        const std::uint32_t tile_low = low ? tile_of(parent_site(site, 0)) : 0, tile_high = high ? tile_of(parent_site(site, 1)) : 0;
-        const std::uint32_t west = grid(x - 1, y), east = grid(x + 1, y), north = grid(x, y - 1), south = grid(x, y + 1);
-        // Quadrants: north-west, north-east, south-west, south-east. Apexes lie north and south, or west and east.
-        const bool there[4] = {low, side_x ? low : high, side_x ? high : low, high};
-        const std::uint32_t tiles[4] = {tile_low, side_x ? tile_low : tile_high, side_x ? tile_high : tile_low, tile_high};
-        if (drawn & 1 && there[0]) triangle(tiles[0], v, north, west, 0);
-        if (drawn & 2 && there[1]) triangle(tiles[1], v, east, north, 1);
-        if (drawn & 4 && there[2]) triangle(tiles[2], v, west, south, 2);
-        if (drawn & 8 && there[3]) triangle(tiles[3], v, south, east, 3);
+    // A side between two tiles, or on the terrain's rim: each triangle belongs to the tile of its apex.
+    void border_side(SlotGrid& grid, const Site& site, std::int32_t x, std::int32_t y, std::uint32_t drawn) {
+        const bool side_x = site.kind == PlaneKind::side_x;
+        const std::uint32_t v = grid(x, y), west = grid(x - 1, y), east = grid(x + 1, y), north = grid(x, y - 1),
+                            south = grid(x, y + 1);
+        const MeshTriangle quadrants[4] = {{v, north, west}, {v, east, north}, {v, west, south}, {v, south, east}};
+        for (std::uint32_t d = 0; d < 4; ++d) {
+            const Site apex = parent_site(site, static_cast<int>(side_x ? d >> 1 : d & 1));
+            if ((drawn >> d & 1) != 0 && exists(s, apex)) triangle(tile_of(apex), quadrants[d], d);
+        }
         flatten(v, side_x ? west : north, side_x ? east : south);
     }
 
@@ -378,14 +484,15 @@ private:
 
     CutState& s;
     std::uint32_t tile_ = 0;
+    std::uint32_t next_ = 0, end_ = 0; // slots of the tile's last chunk
 };
 
 } // namespace
 
 bool build_all(CutState& s) {
     for (int z = s.terrain->tree.tile_log2 - 1; z >= 0; --z) {
-        for_each_part(s, z, [&](std::int32_t i0, std::int32_t j0) { Step(s, z, i0, j0).centres(); });
-        for_each_part(s, z, [&](std::int32_t i0, std::int32_t j0) { Step(s, z, i0, j0).sides(); });
+        build_centres(s, z);
+        build_sides(s, z);
         if (s.report.exhausted != 0) return false;
     }
     // Every active vertex has split a triangle into two, twice unless it lies on the rim.

@@ -140,11 +140,11 @@ std::uint32_t build_block(CutState& s, std::uint32_t number) {
     Look look(s.blocks[number]);
     evaluate_block(s, number, look);
     const std::uint32_t lanes = look.rising();
-    if (static_cast<std::uint32_t>(std::popcount(lanes)) > free_vertices(s)) {
+    if (free_vertices(s) < block_lanes) {
         s.report.exhausted |= cut_budget_vertices;
         return 0;
     }
-    const SlotInfo& info = s.slot_info[number / max_page_blocks];
+    SlotInfo& info = s.slot_info[number / max_page_blocks];
     const BlockShape& shape = shape_of(s, number);
     const Coord at = site_coord(site_of(s, number * block_lanes));
     const std::int32_t apart = 2 << (info.z + shape.z);
@@ -161,11 +161,10 @@ std::uint32_t build_block(CutState& s, std::uint32_t number) {
         s.morph[slot] = {0, s.decision.error_m[record.error],
                          unit_m * s.decision.radius_factor[record.radius & (radius_codes - 1)], never_born_s};
         s.hole[slot] = is_void(record);
+        ++info.active;
         for (std::size_t d = 0; d < 4; ++d) s.made[std::size_t{slot} * 4 + d] = nil;
     }
     look.state.active = static_cast<std::uint16_t>(lanes);
-    s.slot_info[number / max_page_blocks].active =
-        static_cast<std::uint16_t>(info.active + std::popcount(lanes));
     // Of those that will have active children nobody knows yet; to look at them too is early, never late.
     rest.lessen(look, look.inactive(), look.margins.reach_m);
     rest.lessen(look, lanes, look.margins.keep_m);
