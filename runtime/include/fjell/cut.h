@@ -37,11 +37,13 @@ struct CutBudget {
     std::uint32_t views = 1; // 1 to max_cut_views
 };
 
-// How a vertex comes and goes (DESIGN section 6, Morph; thesis 5.4.1).
+// How a vertex comes and goes (DESIGN section 6, Morph; thesis 5.4.1). With error and time vertices are activated at
+// error_px / (1 + nesting)^2, on the edge that they split, and reach their height at error_px: the ends of that edge are
+// at rest by then, because errors nest, so the surface is continuous and the screen bound holds.
 enum class Morph : std::uint8_t {
     none,  // at once
-    error, // with the distance, in the vertex shader; activated late, with the time
-    time   // with the time since its activation
+    error, // with the distance, in the vertex shader; what is activated late also takes morph_s, and so does not pop
+    time   // the same, and everything takes morph_s: for cameras that move far in a frame
 };
 
 inline constexpr std::uint32_t unlimited_items = 0xffffffff;
@@ -123,6 +125,25 @@ struct MorphVertex {
     float born_s;   // when it was activated late, or never_born_s
 };
 static_assert(sizeof(MorphVertex) == 16, "MorphVertex is uploaded: change the renderer's vertex format with it");
+
+// What the vertex shader needs beside them. A vertex has risen by t = (start - d) / (start - full), d the distance from
+// the eye to its full height, start = radius_m + error_m * q_start, full = radius_m + error_m * q_full, t from 0 to 1;
+// of several views the largest t counts. With the time since born_s it is at most (now_s - born_s) / morph_s.
+struct MorphView {
+    float eye_x, eye_y, eye_z; // scene axes, metres
+    float q_start, q_full;
+};
+struct MorphFrame {
+    Morph morph = Morph::none;
+    std::uint32_t views = 0;
+    MorphView view[max_cut_views] = {};
+    float now_s = 0, morph_s = 1;
+};
+// Of the last update.
+[[nodiscard]] MorphFrame cut_morph(LiveCut cut);
+// The height that the shader gives a vertex: the same expression, for tests, exports and queries.
+[[nodiscard]] float morphed_height_m(const Terrain& terrain, const MeshVertex& vertex, const MorphVertex& morph,
+                                     const MorphFrame& frame);
 
 struct CutMesh {
     MeshView mesh;                         // all slots; ranges of the tiles that some view may see

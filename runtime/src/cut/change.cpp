@@ -4,6 +4,7 @@
 
 #include "cut/judge.h"
 #include "cut/mesh.h"
+#include "cut/morph.h"
 
 namespace fjell {
 
@@ -96,6 +97,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     if (!room_for(s, splits, count)) return Outcome::no_triangles;
     const std::uint32_t first = s.made[splits[0].name];
     const std::uint32_t ends[2] = {s.indices[std::size_t{first} * 3 + 1], s.indices[std::size_t{first} * 3 + 2]};
+    if (s.morph_now.morph != Morph::none && (is_rising(s, ends[0]) || is_rising(s, ends[1]))) return Outcome::gated;
     const Verdict v = judge(s, vertex, site, true);
 
     const std::uint32_t slot = take_vertex(s);
@@ -103,7 +105,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     s.vertices[slot] = {at.x, at.y, v.y};
     s.hole[slot] = is_void(record_of(s, vertex));
     s.morph[slot] = {(s.vertices[ends[0]].height_m + s.vertices[ends[1]].height_m) * 0.5f, v.error_m, v.radius_m,
-                     never_born_s};
+                     birth_of(s, v.x, v.y, v.z, v.error_m, v.radius_m)};
     s.dirty_vertices.mark(slot);
     s.slots[vertex] = slot;
     BlockState& block = s.blocks[vertex / block_lanes];

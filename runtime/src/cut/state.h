@@ -142,7 +142,13 @@ struct CutState {
     bool lagging; // the frame before left work undone
     std::chrono::steady_clock::time_point started;
     std::uint32_t work_ranks; // which work lists may hold blocks, as bits
-    std::uint32_t turn;       // which of blocked_lists and gated_lists takes what is put back
+    std::uint32_t turn;       // which of blocked_lists takes what is put back
+    std::uint32_t gated_turn; // and of gated_lists
+    bool gate_open;           // some vertex has reached its height since the last frame
+    // Morphing.
+    MorphFrame morph_now, morph_before;
+    float* births;            // born_s of vertices activated late, a ring of budget.vertices: oldest first
+    std::uint32_t first_birth, birth_count;
 };
 
 [[nodiscard]] inline std::uint32_t free_vertices(const CutState& s) {

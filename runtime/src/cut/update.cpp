@@ -9,6 +9,7 @@
 #include "cut/fetch.h"
 #include "cut/frame.h"
 #include "cut/governor.h"
+#include "cut/morph.h"
 #include "cut/pages.h"
 #include "cut/visit.h"
 
@@ -45,9 +46,18 @@ double grade_error_m(const CutState& s, std::uint32_t grade) {
 void look(CutState& s, std::span<const View> views, double threshold_px) {
     Decision& c = s.decision;
     const bool all = views.size() != s.view_count;
+    // Two levels of nesting lie between a vertex and the ends of the edge that it splits.
+    const double nested = 1 + static_cast<double>(s.terrain->header.nesting);
+    const double early = s.settings.morph == Morph::none ? 1 : nested * nested;
+    s.morph_before = s.morph_now;
+    s.morph_now.morph = s.settings.morph;
+    s.morph_now.views = static_cast<std::uint32_t>(views.size());
+    s.morph_now.now_s = static_cast<float>(s.settings.now_s);
+    s.morph_now.morph_s = static_cast<float>(s.settings.morph_s);
     double way_m = 0, zoom = 0; // the longest way of an eye; the largest change of q
     for (std::size_t i = 0; i < views.size(); ++i) {
-        const double px = threshold_px / (s.settings.corner_safe ? corner_factor(views[i]) : 1);
+        const double full_px = threshold_px / (s.settings.corner_safe ? corner_factor(views[i]) : 1);
+        const double px = full_px / early;
         const Reach reach = make_reach(views[i], px), keep = make_reach(views[i], px / (1 + s.settings.hysteresis));
         const auto difference = [](float a, float b) { return std::abs(static_cast<double>(a) - static_cast<double>(b)); };
         const Vec3 way{difference(reach.eye_x, c.reach[i].eye_x), difference(reach.eye_y, c.reach[i].eye_y),
@@ -56,6 +66,8 @@ void look(CutState& s, std::span<const View> views, double threshold_px) {
         zoom = std::max({zoom, difference(reach.q, c.reach[i].q), difference(keep.q, c.keep[i].q)});
         c.reach[i] = reach;
         c.keep[i] = keep;
+        s.morph_now.view[i] = {reach.eye_x, reach.eye_y, reach.eye_z, reach.q,
+                               static_cast<float>(views[i].lambda_px / full_px)};
         s.views[i] = views[i];
         s.frustums[i] = make_frustum(views[i]);
     }
@@ -114,14 +126,16 @@ void finish(CutState& s) {
     r.vertices = r.vertex_slots.used;
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) r.triangles += s.tiles[tile].total;
     r.blocked = blocked(s);
+    r.rising = s.birth_count;
     r.waiting = waiting(s) + s.draining_count;
     r.vertices_changed = s.dirty_vertices.slots;
     r.triangles_changed = s.dirty_triangles.slots;
-    s.lagging = r.waiting != r.blocked;
+    const std::uint32_t gated = size(s.lists, gated_lists) + size(s.lists, gated_lists + 1);
+    s.lagging = r.waiting != r.blocked + gated;
     r.converged = r.waiting == 0 && r.rising == 0 && r.error_px_effective <= r.error_px_asked;
     const double use = std::max(static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
                                 static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity);
-    (void)govern(s.governor, r.error_px_asked, use, r.blocked != 0, r.waiting == r.blocked);
+    (void)govern(s.governor, r.error_px_asked, use, r.blocked != 0, !s.lagging);
 }
 
 } // namespace
@@ -183,6 +197,8 @@ std::uint32_t next_queue(CutState& s) {
         s.work_ranks &= ~(1u << rank);
     }
     if (size(s.lists, retire_list) != 0) return retire_list;
+    const std::uint32_t gated_before = gated_lists + (s.gated_turn ^ 1);
+    if (s.gate_open && size(s.lists, gated_before) != 0) return gated_before;
     const std::uint32_t blocked_before = blocked_lists + (s.turn ^ 1);
     return size(s.lists, blocked_before) != 0 && !short_of_capacity(s) ? blocked_before : no_list;
 }
@@ -219,7 +235,7 @@ void refine(CutState& s) {
         if (list == no_list && grade == 0) return;
         if (list != no_list && !carry_out_batch(s, list, list == retire_list || !s.lagging)) break;
     }
-    if (waiting(s) != blocked(s) && (s.report.exhausted & cut_budget_time) == 0) s.report.exhausted |= cut_budget_items;
+    if (s.report.items >= s.item_limit && waiting(s) != blocked(s) && (s.report.exhausted & cut_budget_time) == 0) s.report.exhausted |= cut_budget_items;
 }
 
 namespace {
@@ -261,6 +277,8 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     follow_pages(s);
     // What was blocked takes its turn again; what still is goes to the other list.
     if (size(s.lists, blocked_lists + (s.turn ^ 1)) == 0) s.turn ^= 1;
+    if (size(s.lists, gated_lists + (s.gated_turn ^ 1)) == 0) s.gated_turn ^= 1;
+    let_rise(s);
     const auto prepared = Clock::now();
     drain_pages(s);
     refine(s);
@@ -332,6 +350,17 @@ const char* budget_field(CutBudgetBit bit) {
     case cut_budget_time: break;
     }
     return "CutSettings::budget_us";
+}
+
+MorphFrame cut_morph(LiveCut cut) {
+    return cut.state->morph_now;
+}
+
+float morphed_height_m(const Terrain& terrain, const MeshVertex& v, const MorphVertex& m, const MorphFrame& frame) {
+    if (frame.morph == Morph::none) return v.height_m;
+    float t = risen(frame, terrain.x_m(v.column), v.height_m, terrain.z_m(v.row), m.error_m, m.radius_m);
+    t = std::min(t, (frame.now_s - m.born_s) / frame.morph_s);
+    return m.flat_m + (v.height_m - m.flat_m) * std::clamp(t, 0.0f, 1.0f);
 }
 
 } // namespace fjell

@@ -108,12 +108,14 @@ void carry_out(CutState& s, std::uint32_t number, bool may_retire) {
     Look look(s.blocks[number]);
     evaluate_block(s, number, look);
     CutReport& r = s.report;
-    bool blocked = false;
+    bool blocked = false, gated = false;
     for (std::uint32_t lanes = look.rising(); lanes != 0 && r.items < s.item_limit; lanes &= lanes - 1) {
         const Outcome outcome = activate(s, number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)));
         if (outcome == Outcome::done) {
             ++r.activations;
             ++r.items;
+        } else if (outcome == Outcome::gated) {
+            gated = true;
         } else {
             r.exhausted |= outcome == Outcome::no_vertices ? cut_budget_vertices : cut_budget_triangles;
             blocked = true;
@@ -131,6 +133,7 @@ void carry_out(CutState& s, std::uint32_t number, bool may_retire) {
             }
         }
     if (blocked) return queue(s, number, look, blocked_lists + s.turn);
+    if (gated && r.items < s.item_limit) return queue(s, number, look, gated_lists + s.gated_turn);
     if (look.rising() != 0) return queue_rising(s, number, look);
     if (look.falling() != 0) return queue(s, number, look, retire_list);
     settle(s, number, look);

@@ -1,0 +1,58 @@
+// Rising and sinking vertices: when one was activated late, and who has to wait for it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "cut/state.h"
+
+namespace fjell {
+
+// How far a vertex has risen by its distance alone, 0 to 1.
+[[nodiscard]] inline float risen(const MorphFrame& frame, float x, float y, float z, float error_m, float radius_m) {
+    float most = 0;
+    for (std::uint32_t i = 0; i < frame.views; ++i) {
+        const MorphView& v = frame.view[i];
+        const float dx = x - v.eye_x, dy = y - v.eye_y, dz = z - v.eye_z;
+        const float distance = std::sqrt(dx * dx + dy * dy + dz * dz);
+        const float start = radius_m + error_m * v.q_start, full = radius_m + error_m * v.q_full;
+        const float t = start > full ? (start - distance) / (start - full) : distance < start ? 1.0f : 0.0f;
+        most = std::max(most, std::min(t, 1.0f));
+    }
+    return most;
+}
+
+// Displacement on screen below which nobody can see a vertex jump.
+inline constexpr float unseen_px = 0.01f;
+
+// When a vertex that is activated now was born: never_born_s, unless it must rise with the time.
+[[nodiscard]] inline float birth_of(CutState& s, float x, float y, float z, float error_m, float radius_m) {
+    const MorphFrame& now = s.morph_now;
+    if (now.morph == Morph::none) return never_born_s;
+    if (now.morph == Morph::error) {
+        // Late is what the frame before would have shown risen already.
+        const float before = risen(s.morph_before, x, y, z, error_m, radius_m);
+        if (before * static_cast<float>(s.report.error_px_effective) <= unseen_px) return never_born_s;
+    }
+    if (s.birth_count == s.budget.vertices) return never_born_s; // cannot be: a slot each; but no reason to fail
+    s.births[(s.first_birth + s.birth_count++) % s.budget.vertices] = now.now_s;
+    return now.now_s;
+}
+
+// An edge whose ends still rise is not where their full heights say: what would split it has to wait.
+[[nodiscard]] inline bool is_rising(const CutState& s, std::uint32_t slot) {
+    return s.morph_now.now_s - s.morph[slot].born_s < s.morph_now.morph_s;
+}
+
+// Forgets vertices that have reached their height.
+inline void let_rise(CutState& s) {
+    s.gate_open = s.morph_now.morph == Morph::none;
+    while (s.birth_count != 0 && (s.morph_now.morph == Morph::none ||
+                                  s.morph_now.now_s - s.births[s.first_birth] >= s.morph_now.morph_s)) {
+        s.first_birth = (s.first_birth + 1) % s.budget.vertices;
+        --s.birth_count;
+        s.gate_open = true;
+    }
+}
+
+} // namespace fjell
