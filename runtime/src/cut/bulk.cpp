@@ -5,6 +5,7 @@
 #include "cut/change.h"
 #include "cut/judge.h"
 #include "cut/mesh.h"
+#include "cut/morph.h"
 #include "cut/visit.h"
 
 namespace fjell {
@@ -385,6 +386,8 @@ private:
     }
 
     void rows(SlotGrid& grid, int z, std::int32_t i0, std::int32_t j0, const Part& part) {
+        z_ = z;
+        corner_ = {2 * i0, 2 * j0};
         const std::int32_t n = part.n, tile_side = (1 << part.step->log2) - 1;
         for (std::int32_t j = 0; j < n; ++j) {
             centre_row(grid, part.row(PlaneKind::centre, j), n, 2 * j + 1);
@@ -436,7 +439,7 @@ private:
                 fan(v, {{nw, sw}, {se, ne}, {ne, nw}, {sw, se}}, drawn_by(b, lane));
                 // Squares alternate which diagonal a centre splits (parent_bearing).
                 const bool falling = ((x >> 1) + (y >> 1)) % 2 == 0;
-                flatten(v, falling ? nw : ne, falling ? se : sw);
+                flatten(v, x, y, falling ? nw : ne, falling ? se : sw);
             }
         }
     }
@@ -455,7 +458,7 @@ private:
                 const std::uint32_t v = grid(x, y), west = grid(x - 1, y), east = grid(x + 1, y), north = grid(x, y - 1),
                                     south = grid(x, y + 1);
                 fan(v, {{north, west}, {east, north}, {west, south}, {south, east}}, drawn_by(b, lane));
-                flatten(v, side_x ? west : north, side_x ? east : south);
+                flatten(v, x, y, side_x ? west : north, side_x ? east : south);
             }
         }
     }
@@ -470,7 +473,7 @@ private:
             const Site apex = parent_site(site, static_cast<int>(side_x ? d >> 1 : d & 1));
             if ((drawn >> d & 1) != 0 && exists(s, apex)) triangle(tile_of(apex), quadrants[d], d);
         }
-        flatten(v, side_x ? west : north, side_x ? east : south);
+        flatten(v, x, y, side_x ? west : north, side_x ? east : south);
     }
 
     [[nodiscard]] std::uint32_t tile_of(const Site& centre) const {
@@ -478,13 +481,17 @@ private:
         return static_cast<std::uint32_t>((centre.j >> log2) * s.tiles_x + (centre.i >> log2));
     }
 
-    void flatten(std::uint32_t v, std::uint32_t a, std::uint32_t b) {
-        s.morph[v].flat_m = (s.vertices[a].height_m + s.vertices[b].height_m) * 0.5f;
+    // x, y: in the grid of the page in work.
+    void flatten(std::uint32_t v, std::int32_t x, std::int32_t y, std::uint32_t a, std::uint32_t b) {
+        const Coord at{(corner_.x + x) << z_, (corner_.y + y) << z_};
+        s.morph[v].flat_m = flat_height(s, v, at, z_, (x & y & 1) != 0, a, b);
     }
 
     CutState& s;
     std::uint32_t tile_ = 0;
     std::uint32_t next_ = 0, end_ = 0; // slots of the tile's last chunk
+    int z_ = 0;
+    Coord corner_; // of the page in work, in its steps
 };
 
 } // namespace

@@ -104,7 +104,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     const Coord at = s.terrain->tree.sample(site_coord(site));
     s.vertices[slot] = {at.x, at.y, v.y};
     s.hole[slot] = is_void(record_of(s, vertex));
-    s.morph[slot] = {(s.vertices[ends[0]].height_m + s.vertices[ends[1]].height_m) * 0.5f, v.error_m, v.radius_m,
+    s.morph[slot] = {flat_height(s, slot, site_coord(site), site.z, site.kind == PlaneKind::centre, ends[0], ends[1]), v.error_m, v.radius_m,
                      birth_of(s, v.x, v.y, v.z, v.error_m, v.radius_m)};
     s.dirty_vertices.mark(slot);
     s.slots[vertex] = slot;

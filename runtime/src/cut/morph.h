@@ -22,6 +22,24 @@ namespace fjell {
     return most;
 }
 
+// A terrain that ends inside a tile: what would lie beyond the rim stands on it (fjell/tree.h), so there a vertex is not in
+// the middle of the edge that it splits, and where it would have to start is not on the surface. Those vertices do not
+// morph, and neither may any of their ancestors, or one could be half-way when a descendant is at its full height.
+// Derivation: a side of step s lies at most s from its parents, centres of step s; these at most s from theirs, sides of
+// step 2s. So reaching out by 2s and 3s from sides and centres, whatever holds for a vertex holds for its parents.
+[[nodiscard]] inline bool stands_near_cut_rim(const CutState& s, Coord at, int z, bool centre) {
+    const Tree& tree = s.terrain->tree;
+    const std::int32_t out = (centre ? 3 : 2) << z;
+    return (tree.cut_x != 0 && at.x + out > tree.columns() - 1) || (tree.cut_y != 0 && at.y + out > tree.rows() - 1);
+}
+
+// Where a vertex starts to rise: in the middle of the edge that it splits.
+[[nodiscard]] inline float flat_height(const CutState& s, std::uint32_t vertex, Coord at, int z, bool centre,
+                                       std::uint32_t end_a, std::uint32_t end_b) {
+    if (stands_near_cut_rim(s, at, z, centre)) return s.vertices[vertex].height_m;
+    return (s.vertices[end_a].height_m + s.vertices[end_b].height_m) * 0.5f;
+}
+
 // Displacement on screen below which nobody can see a vertex jump.
 inline constexpr float unseen_px = 0.01f;
 

@@ -1,0 +1,156 @@
+// DESIGN invariant 9: as the camera's step goes to zero, so does the largest change on screen.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <limits>
+
+#include "support/cut_scene.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+// The drawn surface at every sample.
+std::vector<double> surface(const Terrain& terrain, Cut& cut) {
+    const MeshView mesh = cut.mesh();
+    const CutMesh live = cut_mesh(cut.cut);
+    const MorphFrame frame = cut_morph(cut.cut);
+    const auto columns = static_cast<std::size_t>(terrain.tree.columns());
+    std::vector<double> heights(columns * static_cast<std::size_t>(terrain.tree.rows()),
+                                std::numeric_limits<double>::quiet_NaN());
+    for (const TileRange& range : mesh.tiles)
+        for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; i += 3) {
+            double x[3], y[3], h[3];
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t slot = mesh.indices[i + k];
+                x[k] = mesh.vertices[slot].column, y[k] = mesh.vertices[slot].row;
+                h[k] = morphed_height_m(terrain, mesh.vertices[slot], live.morph[slot], frame);
+            }
+            const double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
+            const auto [x0, x1] = std::minmax({x[0], x[1], x[2]});
+            const auto [y0, y1] = std::minmax({y[0], y[1], y[2]});
+            for (double py = y0; py <= y1; ++py)
+                for (double px = x0; px <= x1; ++px) {
+                    const double a = ((x[1] - px) * (y[2] - py) - (x[2] - px) * (y[1] - py)) / area;
+                    const double b = ((x[2] - px) * (y[0] - py) - (x[0] - px) * (y[2] - py)) / area;
+                    if (a < 0 || b < 0 || a + b > 1) continue;
+                    heights[static_cast<std::size_t>(py) * columns + static_cast<std::size_t>(px)] =
+                        a * h[0] + b * h[1] + (1 - a - b) * h[2];
+                }
+        }
+    return heights;
+}
+
+double largest_step_px(const Terrain& terrain, const View& view, const std::vector<double>& before,
+                       const std::vector<double>& after) {
+    double most = 0;
+    const std::int32_t columns = terrain.tree.columns();
+    for (std::size_t i = 0; i < after.size(); ++i) {
+        const auto at = static_cast<std::int32_t>(i);
+        const Vec3 p{terrain.x_m(at % columns), after[i], terrain.z_m(at / columns)};
+        most = std::max(most, std::abs(after[i] - before[i]) * view.lambda_px / length(p - view.eye_m));
+    }
+    return most;
+}
+
+struct Flight {
+    double largest_px = 0;
+    std::uint32_t changes = 0, most_rising = 0, rising_frames = 0;
+};
+
+// Hundredths of a cell, low over the ground, 60 frames a second.
+Flight fly(const Terrain& terrain, CutSettings settings, std::uint32_t items, int frames, double step_cells = 0.01) {
+    Cut cut(terrain, ample_cut(terrain));
+    const double cell = terrain.spacing_x_m, x = terrain.x_m(terrain.tree.columns() - 1);
+    Vec3 eye{0.3 * x, 0, 0.4 * x};
+    eye.y = terrain.header.max_m + 3 * cell;
+    const auto look = [&] { return make_view(eye, {0.8, -0.1, 0.6}, {0, 1, 0}, 0.8, 1280, 720, 1, 1e6); };
+    View view = look();
+    (void)cut.rebuild({&view, 1}, settings);
+    Flight flight;
+    std::vector<double> before;
+    settings.items = items;
+    for (int frame = 0; frame < frames; ++frame) {
+        eye = eye + Vec3{0.8, 0.05, 0.6} * (step_cells * cell);
+        view = look();
+        settings.now_s = frame / 60.0;
+        const CutReport report = cut.update({&view, 1}, settings);
+        REQUIRE(check_cut(cut) == "");
+        flight.changes += report.activations + report.deactivations;
+        flight.most_rising = std::max(flight.most_rising, report.rising);
+        flight.rising_frames += report.rising != 0;
+        const std::vector<double> after = surface(terrain, cut);
+        if (!before.empty())
+            flight.largest_px = std::max(flight.largest_px, largest_step_px(terrain, view, before, after));
+        before = after;
+    }
+    return flight;
+}
+
+} // namespace
+
+TEST_CASE("morphing by error, no sample jumps by more than a twentieth of a pixel in a hundredth of a cell") {
+    Random random(301);
+    for (int round = 0; round < 6; ++round) {
+        const auto pack = rich_terrain(random, 65, 6);
+        CutSettings settings;
+        settings.error_px = 1;
+        settings.morph = Morph::error;
+        const Flight morphed = fly(pack.terrain, settings, unlimited_items, 700);
+        CAPTURE(round, morphed.changes);
+        CHECK(morphed.changes > 20); // or nothing was tested
+        CHECK(morphed.largest_px < 0.05);
+        CHECK(morphed.most_rising == 0);
+        settings.morph = Morph::none;
+        CHECK(fly(pack.terrain, settings, unlimited_items, 700).largest_px > 0.25); // the measure sees pops
+    }
+}
+
+TEST_CASE("what is activated late rises with the time, and nothing jumps either") {
+    Random random(302);
+    for (const Morph morph : {Morph::error, Morph::time}) {
+        const auto pack = rich_terrain(random, 65, 6);
+        CutSettings settings;
+        settings.error_px = 1;
+        settings.morph = morph;
+        settings.morph_s = 10; // 1/600 of a displacement a frame
+        const Flight late = fly(pack.terrain, settings, 2, 900);
+        CAPTURE(static_cast<int>(morph), late.changes, late.rising_frames);
+        CHECK(late.changes > 20);
+        CHECK(late.most_rising > 0);
+        CHECK(late.largest_px < 0.05);
+    }
+}
+
+TEST_CASE("morphed or not, a converged frame holds the screen bound") {
+    Random random(303);
+    for (int round = 0; round < 40; ++round) {
+        const auto pack = rich_terrain(random, pick(random, 20, 90), pick(random, 3, 6));
+        const Terrain& terrain = pack.terrain;
+        Cut cut(terrain, ample_cut(terrain));
+        CutSettings settings;
+        settings.error_px = random_threshold(random);
+        settings.morph = Morph::error;
+        View view = random_view(random, terrain);
+        for (int frame = 0; frame < 10; ++frame) {
+            view = moved(random, view, random_step_m(random, terrain));
+            settings.now_s = frame;
+            const CutReport report = cut.update({&view, 1}, settings);
+            CAPTURE(round, frame, settings.error_px);
+            if (!report.converged) continue;
+            const std::vector<double> drawn = surface(terrain, cut);
+            const std::int32_t columns = terrain.tree.columns();
+            for (std::size_t i = 0; i < drawn.size(); ++i) {
+                const Coord c{static_cast<std::int32_t>(i) % columns, static_cast<std::int32_t>(i) / columns};
+                const double height = terrain.height_m(c);
+                const Vec3 p{terrain.x_m(c.x), height, terrain.z_m(c.y)};
+                const double error_px = std::abs(height - drawn[i]) * view.lambda_px / length(p - view.eye_m);
+                // Heights are floats, and morphing rounds once more: some 2^-22 of the largest height.
+                const double rounding_px = 0x1p-21 * std::max(std::abs(terrain.header.max_m), std::abs(terrain.header.min_m)) *
+                                           view.lambda_px / length(p - view.eye_m);
+                REQUIRE(error_px <= settings.error_px + rounding_px);
+            }
+        }
+    }
+}
