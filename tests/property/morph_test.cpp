@@ -123,6 +123,28 @@ TEST_CASE("what is activated late rises with the time, and nothing jumps either"
     }
 }
 
+TEST_CASE("morphing switched on later starts where it would have, had it been on") {
+    Random random(304);
+    for (int round = 0; round < 40; ++round) {
+        const auto pack = random_terrain(random, 100, 6);
+        Cut later(pack.terrain, ample_cut(pack.terrain)), always(pack.terrain, ample_cut(pack.terrain));
+        const View view = random_view(random, pack.terrain);
+        CutSettings settings;
+        settings.error_px = random_threshold(random);
+        (void)later.rebuild({&view, 1}, settings);
+        settings.morph = Morph::error;
+        (void)later.update({&view, 1}, settings);
+        (void)(round % 2 ? always.rebuild({&view, 1}, settings) : always.update({&view, 1}, settings));
+        REQUIRE(check_cut(later) == "");
+        const std::vector<double> a = surface(pack.terrain, later), b = surface(pack.terrain, always);
+        double apart = 0; // triangles come in another order: an edge's heights may be summed the other way round
+        for (std::size_t i = 0; i < a.size(); ++i)
+            if (std::isnan(a[i]) != std::isnan(b[i]) || std::abs(a[i] - b[i]) > apart)
+                apart = std::isnan(a[i]) != std::isnan(b[i]) ? 1e9 : std::abs(a[i] - b[i]);
+        REQUIRE(apart <= 1e-12 * std::max(std::abs(pack.terrain.header.max_m), std::abs(pack.terrain.header.min_m)));
+    }
+}
+
 TEST_CASE("morphed or not, a converged frame holds the screen bound") {
     Random random(303);
     for (int round = 0; round < 40; ++round) {

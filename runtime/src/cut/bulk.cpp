@@ -483,6 +483,7 @@ private:
 
     // x, y: in the grid of the page in work.
     void flatten(std::uint32_t v, std::int32_t x, std::int32_t y, std::uint32_t a, std::uint32_t b) {
+        if (s.morph_now.morph == Morph::none) return;
         const Coord at{(corner_.x + x) << z_, (corner_.y + y) << z_};
         s.morph[v].flat_m = flat_height(s, v, at, z_, (x & y & 1) != 0, a, b);
     }

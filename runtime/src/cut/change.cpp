@@ -1,6 +1,7 @@
 #include "cut/change.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "cut/judge.h"
 #include "cut/mesh.h"
@@ -97,15 +98,20 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     if (!room_for(s, splits, count)) return Outcome::no_triangles;
     const std::uint32_t first = s.made[splits[0].name];
     const std::uint32_t ends[2] = {s.indices[std::size_t{first} * 3 + 1], s.indices[std::size_t{first} * 3 + 2]};
-    if (s.morph_now.morph != Morph::none && (is_rising(s, ends[0]) || is_rising(s, ends[1]))) return Outcome::gated;
+    const bool morphing = s.morph_now.morph != Morph::none;
+    if (morphing && (is_rising(s, ends[0]) || is_rising(s, ends[1]))) return Outcome::gated;
     const Verdict v = judge(s, vertex, site, true);
 
     const std::uint32_t slot = take_vertex(s);
     const Coord at = s.terrain->tree.sample(site_coord(site));
     s.vertices[slot] = {at.x, at.y, v.y};
     s.hole[slot] = is_void(record_of(s, vertex));
-    s.morph[slot] = {flat_height(s, slot, site_coord(site), site.z, site.kind == PlaneKind::centre, ends[0], ends[1]), v.error_m, v.radius_m,
-                     birth_of(s, v.x, v.y, v.z, v.error_m, v.radius_m)};
+    s.morph[slot] = {v.y, v.error_m, v.radius_m, never_born_s};
+    if (morphing) {
+        s.morph[slot].flat_m =
+            flat_height(s, slot, site_coord(site), site.z, site.kind == PlaneKind::centre, ends[0], ends[1]);
+        s.morph[slot].born_s = birth_of(s, v.x, v.y, v.z, v.error_m, v.radius_m);
+    }
     s.dirty_vertices.mark(slot);
     s.slots[vertex] = slot;
     BlockState& block = s.blocks[vertex / block_lanes];
@@ -180,6 +186,30 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
             consider(s, split.parent, site_of(s, split.parent), true);
     }
     return Outcome::done;
+}
+
+namespace {
+
+std::uint32_t slot_at(const CutState& s, Coord c) {
+    if (!s.terrain->tree.is_corner(c)) return s.slots[find_vertex(s, site_at(c))];
+    return static_cast<std::uint32_t>((c.y >> s.terrain->tree.tile_log2) * (s.tiles_x + 1) +
+                                      (c.x >> s.terrain->tree.tile_log2));
+}
+
+} // namespace
+
+void flatten_all(CutState& s) {
+    for (std::uint32_t number = 0; number < s.block_count; ++number)
+        for (std::uint32_t lanes = s.blocks[number].active; lanes != 0; lanes &= lanes - 1) {
+            const std::uint32_t vertex = number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
+            const Site site = site_of(s, vertex);
+            const Coord at = site_coord(site);
+            const Diamond split = diamond(s.terrain->tree, at);
+            const std::uint32_t slot = s.slots[vertex];
+            s.morph[slot].flat_m = flat_height(s, slot, at, site.z, site.kind == PlaneKind::centre,
+                                               slot_at(s, split.ends[0]), slot_at(s, split.ends[1]));
+            s.dirty_vertices.mark(slot);
+        }
 }
 
 } // namespace fjell

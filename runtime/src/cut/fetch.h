@@ -88,7 +88,7 @@ inline void fetch_triangles(const CutState& s, Plan& plan) {
 
 // The fourth: the ends of the edge that an activation splits.
 inline void fetch_corners(const CutState& s, const Plan& plan) {
-    if (!plan.activation || plan.triangles[0] == nil) return;
+    if (!plan.activation || plan.triangles[0] == nil || s.morph_now.morph == Morph::none) return;
     const std::uint32_t* const t = s.indices + std::size_t{plan.triangles[0]} * 3;
     FJELL_FETCH(&s.vertices[t[1]]);
     FJELL_FETCH(&s.vertices[t[2]]);

@@ -103,16 +103,24 @@ std::uint32_t holding(const CutState& s, std::uint32_t slot) {
 } // namespace
 
 // At the terrain's rim, and above a tile's root, parents that do not exist count as active.
-std::uint32_t absent_parents(const CutState& s, const Site& first, const BlockShape& shape, int n) {
-    std::uint32_t lanes = 0;
-    for (std::uint32_t lane = 0; lane < shape.lanes; ++lane) {
-        Site site = first;
-        (shape.along_y ? site.j : site.i) += static_cast<std::int32_t>(lane);
-        if (!exists(s, site)) continue;
-        const bool root = site.kind == PlaneKind::centre && site.z == s.terrain->tree.tile_log2 - 1;
-        if (root || !exists(s, parent_site(site, n))) lanes |= 1u << lane;
+ParentMasks absent_parents(const CutState& s, const Site& first, const BlockShape& shape) {
+    const auto lanes = static_cast<std::uint16_t>((1u << shape.lanes) - 1);
+    const std::int32_t rows = s.tiles_y << s.steps[first.z].log2;
+    ParentMasks absent{};
+    switch (shape.kind) {
+    case PlaneKind::centre:
+        if (first.z == s.terrain->tree.tile_log2 - 1) absent = {{1, 1}};
+        break;
+    case PlaneKind::side_x:
+        if (first.j == 0) absent.parent[0] = lanes;
+        if (first.j == rows) absent.parent[1] = lanes;
+        break;
+    case PlaneKind::side_y:
+        if (first.i == 0) absent.parent[0] = 1;
+        if (shape.along_y) absent.parent[1] = lanes; // only the terrain's rim owns such a block
+        break;
     }
-    return lanes;
+    return absent;
 }
 
 void forget_vertices(CutState& s, std::uint32_t slot) {
@@ -133,8 +141,9 @@ void forget_vertices(CutState& s, std::uint32_t slot) {
         const Site first = site_of(s, number * block_lanes);
         // A border has a lane in each page that holds it; only the owner's counts.
         if (exists(s, first) && find_vertex(s, first) != number * block_lanes) continue;
-        for (int parent = 0; parent < 2; ++parent)
-            b.parent[parent] = static_cast<std::uint16_t>(absent_parents(s, first, shape, parent));
+        const ParentMasks absent = absent_parents(s, first, shape);
+        b.parent[0] = absent.parent[0];
+        b.parent[1] = absent.parent[1];
     }
 }
 

@@ -74,6 +74,13 @@ struct DirtyBits {
         slots += (word & bit) == 0;
         word |= bit;
     }
+    void mark_first(std::uint32_t count) { // slots 0 to count - 1, of none so far
+        for (; slots + 64 <= count; slots += 64) {
+            bits[slots / 64] = ~std::uint64_t{0};
+            words[word_count++] = slots / 64;
+        }
+        while (slots < count) mark(slots);
+    }
     void clear() {
         for (std::uint32_t i = 0; i < word_count; ++i) bits[words[i]] = 0;
         word_count = slots = 0;

@@ -48,6 +48,7 @@ void look(CutState& s, std::span<const View> views, double threshold_px) {
     const bool all = views.size() != s.view_count;
     // Two levels of nesting lie between a vertex and the ends of the edge that it splits.
     const double nested = 1 + static_cast<double>(s.terrain->header.nesting);
+    if (s.settings.morph != Morph::none && s.morph_now.morph == Morph::none) flatten_all(s);
     const double early = s.settings.morph == Morph::none ? 1 : nested * nested;
     s.morph_before = s.morph_now;
     s.morph_now.morph = s.settings.morph;
@@ -250,16 +251,10 @@ void begin_frame(CutState& s, const CutSettings& settings) {
     s.report.error_px_asked = settings.error_px;
 }
 
-// Every slot that is in use.
+// Every slot that is in use: after a rebuild they are the first ones.
 void mark_all(CutState& s) {
-    for (std::uint32_t slot = 0; slot < s.fresh_vertex; ++slot) s.dirty_vertices.mark(slot);
-    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
-        std::uint32_t count = s.tiles[tile].in_last;
-        for (std::uint32_t chunk = s.tiles[tile].last_chunk; chunk != nil; chunk = s.chunk_below[chunk]) {
-            for (std::uint32_t i = 0; i < count; ++i) s.dirty_triangles.mark((chunk << s.chunk_log2) + i);
-            count = 1u << s.chunk_log2;
-        }
-    }
+    s.dirty_vertices.mark_first(s.fresh_vertex);
+    s.dirty_triangles.mark_first((s.chunk_count - s.free_chunk_count) << s.chunk_log2);
 }
 
 } // namespace
