@@ -140,6 +140,16 @@ void push_back(Lists& lists, std::uint32_t queue, std::uint32_t block) {
     ++lists.sizes[queue - soon_lists];
 }
 
+void push_front(Lists& lists, std::uint32_t queue, std::uint32_t block) {
+    BlockState& b = lists.blocks[block];
+    Link& ends = lists.queues[queue - work_lists];
+    b.link = {ends.next, lists.block_count + queue - work_lists};
+    link(lists, ends.next).prev = block;
+    ends.next = block;
+    b.list = static_cast<ListId>(queue);
+    ++lists.sizes[queue - soon_lists];
+}
+
 void push_due(Lists& lists, std::uint32_t grade, std::uint32_t block) {
     BlockState& b = lists.blocks[block];
     b.grade = static_cast<std::uint8_t>(grade);

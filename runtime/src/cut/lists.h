@@ -100,6 +100,7 @@ void clear_lists(Lists& lists, std::uint32_t chunk_count);
 
 // The block must be in no list.
 void push_back(Lists& lists, std::uint32_t queue, std::uint32_t block);
+void push_front(Lists& lists, std::uint32_t queue, std::uint32_t block);
 void push_due(Lists& lists, std::uint32_t grade, std::uint32_t block);
 // Takes a block from whatever list it is in, but not from due blocks.
 void unlink(Lists& lists, std::uint32_t block);

@@ -179,7 +179,8 @@ bool carry_out_batch(CutState& s, std::uint32_t list, bool may_retire) {
             carry_out(s, blocks[i], may_retire);
             continue;
         }
-        for (; i < count; ++i) push_back(s.lists, list, blocks[i]);
+        // As they were: a frame that ends by its time must leave the same order as one that ends by its items.
+        while (count > i) push_front(s.lists, list, blocks[--count]);
         return false;
     }
     return true;
