@@ -31,16 +31,17 @@ void fly_headless(const Options& options, Session& session, std::span<const Pose
                   Verification& verification) {
     std::optional<Pictures> pictures;
     if (!options.render_folder.empty()) pictures.emplace(options, session);
-    const RefineSettings& settings = options.profile.refine;
+    const Profile& profile = options.profile;
     for (std::size_t frame = 0; frame < poses.size(); ++frame) {
         host::check_interrupt();
-        const View view = view_of(poses[frame], session.terrain(), options.profile);
-        FrameEntry entry = update_frame(session, view, settings);
+        const View view = view_of(poses[frame], session.terrain(), profile);
+        FrameEntry entry = update_frame(session, view, profile, static_cast<double>(frame) / options.hz);
         if (options.verify_every && frame % options.verify_every == 0)
-            verify_frame(session, view, settings, frame, entry, verification);
+            verify_frame(session, view, profile, frame, entry, verification);
+        if (pictures) pictures->follow(session, entry);
         if (pictures && frame % options.render_every == 0) pictures->write(session, view, frame);
         for (const Export& e : options.exports)
-            if (e.frame == frame) export_frame(e, session, view, settings);
+            if (e.frame == frame) export_frame(e, session, view, profile.refine);
         log.frames.push_back(entry);
     }
 }

@@ -33,8 +33,9 @@ CLI::Validator within(double least, double most) {
 
 // Flags as they were typed; empty where they were not, so that the profile can stand.
 struct Flags {
-    std::optional<double> error_px, fov_deg;
-    std::string method, metric, topology, cull, size, mode = "shaded";
+    std::optional<double> error_px, fov_deg, budget_us, hysteresis;
+    std::optional<std::uint32_t> items;
+    std::string method, morph, metric, topology, cull, size, mode = "shaded";
     bool corner_safe = false;
     std::vector<std::string> exports;
     std::optional<std::uint64_t> seed;
@@ -46,24 +47,44 @@ void declare_flight(CLI::App& app, Options& o, Flags& f) {
     app.add_option("--path", o.path, "camera path (content/paths/*.json); default: an orbit");
     app.add_option("--frames", o.frames, "frames to resample the path to (default 840); a window closes after them")
         ->check(CLI::Range(std::size_t{1}, most_frames));
-    app.add_option("--hz", o.hz, "path frames a second in the window (default 60)")->check(within(0.1, 10000));
+    app.add_option("--hz", o.hz, "path frames a second, in the window and for morphing (default 60)")
+        ->check(within(0.1, 10000));
     app.add_option("--seed", f.seed, "fly a random path with this seed instead of --path");
     app.add_flag("--headless", o.headless, "no window");
     app.add_option("--error-px", f.error_px, "threshold: largest error on screen, in pixels")
         ->check(within(min_error_px, max_error_px));
-    app.add_option("--method", f.method, "recursive")->check([](const std::string& name) -> std::string {
-        if (name == "recursive") return {};
-        return name == "incremental" ? "incremental is not in this version; use recursive" : "must be recursive";
-    });
-    app.add_option("--metric", f.metric, "distance to the eye (isotropic, default) or depth along the view")
-        ->check(CLI::IsMember({"isotropic", "depth"}));
-    app.add_option("--topology", f.topology, "triangle list (default), or one strip a tile")
-        ->check(CLI::IsMember({"list", "strip"}));
-    app.add_option("--cull", f.cull, "leave out what the frustum does not see (default on)")
-        ->check(CLI::IsMember({"on", "off"}));
+    app.add_option("--method", f.method, "keep the mesh from frame to frame (incremental, default) or find it anew")
+        ->check(CLI::IsMember({"incremental", "recursive"}));
     app.add_flag("--corner-safe", f.corner_safe, "hold the threshold in the image's corners too");
     app.add_option("--fov", f.fov_deg, "vertical field of view in degrees")->check(within(min_fov_deg, max_fov_deg));
     app.add_option("--size", f.size, "picture in pixels, WIDTHxHEIGHT");
+}
+
+void declare_methods(CLI::App& app, Flags& f) {
+    const char* const incremental = "Incremental method";
+    app.add_option("--items", f.items, "most work items a frame may take, the first one too; 0 (default): no limit")
+        ->check(CLI::Range(std::uint32_t{0}, max_items))
+        ->group(incremental);
+    app.add_option("--budget-us", f.budget_us,
+                   "most microseconds an update may take, the first one too; 0 (default): no limit")
+        ->check(within(0, max_budget_us))
+        ->group(incremental);
+    app.add_option("--hysteresis", f.hysteresis, "a vertex goes below error-px / (1 + this); 0 (default) to 10")
+        ->check(within(0, max_hysteresis))
+        ->group(incremental);
+    app.add_option("--morph", f.morph, "vertices come at once (none, default), with the error or with the time")
+        ->check(CLI::IsMember({"none", "error", "time"}))
+        ->group(incremental);
+    const char* const recursive = "Recursive method";
+    app.add_option("--metric", f.metric, "distance to the eye (isotropic, default) or depth along the view")
+        ->check(CLI::IsMember({"isotropic", "depth"}))
+        ->group(recursive);
+    app.add_option("--topology", f.topology, "triangle list (default), or one strip a tile")
+        ->check(CLI::IsMember({"list", "strip"}))
+        ->group(recursive);
+    app.add_option("--cull", f.cull, "refine only what the frustum sees (default on); off: all around, as incremental")
+        ->check(CLI::IsMember({"on", "off"}))
+        ->group(recursive);
 }
 
 void declare_outputs(CLI::App& app, Options& o, Flags& f) {
@@ -109,6 +130,13 @@ Export parse_export(const std::string& text, std::size_t frames) {
 
 void apply(const Flags& f, Options& o) {
     RefineSettings& refine = o.profile.refine;
+    CutSettings& cut = o.profile.cut;
+    if (!f.method.empty()) o.profile.method = f.method == "recursive" ? Method::recursive : Method::incremental;
+    if (f.items) cut.items = *f.items ? *f.items : unlimited_items;
+    if (f.budget_us) cut.budget_us = *f.budget_us;
+    o.limited = f.items.value_or(0) != 0 || f.budget_us.value_or(0) > 0;
+    if (f.hysteresis) cut.hysteresis = *f.hysteresis;
+    if (!f.morph.empty()) cut.morph = f.morph == "error" ? Morph::error : f.morph == "time" ? Morph::time : Morph::none;
     if (f.error_px) refine.error_px = *f.error_px;
     if (f.fov_deg) o.profile.fov_deg = *f.fov_deg;
     if (!f.metric.empty()) refine.metric = f.metric == "depth" ? Metric::depth : Metric::isotropic;
@@ -123,9 +151,28 @@ void apply(const Flags& f, Options& o) {
         o.exports.push_back(parse_export(text, o.frames ? o.frames : default_frames));
 }
 
-void check_together(const Options& o) {
-    if (o.profile.refine.metric == Metric::depth && !o.profile.refine.cull)
+// What the chosen method does not do is refused; what it does anyway may be said.
+void check_method(const Flags& f, const Profile& profile) {
+    const auto needs = [](bool given, const char* flag, const char* method, const char* why) {
+        if (given) throw Failure(2, fmt::format("{} needs --method {}: {}", flag, method, why));
+    };
+    if (profile.method == Method::incremental) {
+        needs(f.metric == "depth", "--metric depth", "recursive", "the incremental method refines all around the eye");
+        needs(f.topology == "strip", "--topology strip", "recursive", "the incremental method edits triangle lists");
+        needs(f.cull == "on", "--cull on", "recursive",
+              "the incremental method refines all around and draws the tiles that may be seen");
+        return;
+    }
+    const char* const anew = "the recursive method finds the whole mesh anew";
+    needs(f.items.has_value(), "--items", "incremental", anew);
+    needs(f.budget_us.has_value(), "--budget-us", "incremental", anew);
+    needs(f.hysteresis.has_value(), "--hysteresis", "incremental", anew);
+    needs(!f.morph.empty(), "--morph", "incremental", anew);
+    if (profile.refine.metric == Metric::depth && !profile.refine.cull)
         throw Failure(2, "--metric depth needs --cull on: behind the eye there is no depth");
+}
+
+void check_together(const Options& o) {
     if (o.seeded && !o.path.empty()) throw Failure(2, "--seed and --path exclude each other; give one of them");
     if (!o.headless && !o.render_folder.empty()) throw Failure(2, "--render needs --headless");
     if (!o.headless && !o.exports.empty()) throw Failure(2, "--export needs --headless");
@@ -142,6 +189,7 @@ bool parse_options(int argc, char** argv, Options& options) {
     CLI::App app{"Flies a camera over a Fjell pack, in a window or --headless."};
     app.set_version_flag("--version", fmt::format("fjell-fly, pack version {}", pack_version));
     declare_flight(app, options, flags);
+    declare_methods(app, flags);
     declare_outputs(app, options, flags);
     try {
         app.parse(argc, argv);
@@ -153,6 +201,7 @@ bool parse_options(int argc, char** argv, Options& options) {
     }
     if (!options.profile_path.empty()) options.profile = read_profile(options.profile_path);
     apply(flags, options);
+    check_method(flags, options.profile);
     check_together(options);
     return true;
 }

@@ -21,6 +21,7 @@ struct Options {
     std::size_t frames = 0; // 0: not given
     double hz = 60;         // path frames a second, in the window
     Profile profile;        // with the flags applied
+    bool limited = false;   // --items or --budget-us bounds the first frame too
     bool headless = false;
     std::string csv, json;
     std::vector<Export> exports;

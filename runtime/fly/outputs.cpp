@@ -60,6 +60,27 @@ const char* name_of(Topology topology) {
     return topology == Topology::strip ? "strip" : "list";
 }
 
+const char* name_of(Morph morph) {
+    return morph == Morph::error ? "error" : morph == Morph::time ? "time" : "none";
+}
+
+void add_incremental(json& j, const Session& session, const CutSettings& c) {
+    j["method"] = "incremental";
+    j["hysteresis"] = c.hysteresis;
+    j["morph"] = name_of(c.morph);
+    j["budget"] = {{"vertices", session.cut_budget.vertices},
+                   {"triangles", session.cut_budget.triangles},
+                   {"chunk_triangles", session.cut_budget.chunk_triangles},
+                   {"views", session.cut_budget.views},
+                   {"items", c.items == unlimited_items ? 0 : c.items},
+                   {"budget_us", c.budget_us}};
+}
+
+void add_recursive(json& j, const Profile& profile) {
+    j["method"] = "recursive";
+    j["budget"] = {{"vertices", profile.budget.vertices}, {"indices", profile.budget.indices}};
+}
+
 json pack_json(const Session& session) {
     const PackHeader& h = session.loaded.pack.header;
     return {{"columns", h.columns},
@@ -81,15 +102,17 @@ json flight_json(const Options& o, const Session& session, const CameraPath& pat
                  const Verification& v) {
     json j = summary_json(summary);
     const RefineSettings& r = o.profile.refine;
-    j["method"] = "recursive";
-    j["metric"] = name_of(r.metric);
-    j["topology"] = name_of(r.topology);
-    j["cull"] = r.cull;
+    if (session.incremental())
+        add_incremental(j, session, o.profile.cut);
+    else
+        add_recursive(j, o.profile);
+    j["metric"] = name_of(session.incremental() ? Metric::isotropic : r.metric);
+    j["topology"] = name_of(session.incremental() ? Topology::triangles : r.topology);
+    j["cull"] = !session.incremental() && r.cull;
     j["corner_safe"] = r.corner_safe;
     j["error_px"] = r.error_px;
     j["viewport"] = {o.profile.width_px, o.profile.height_px};
     j["fov_y_deg"] = o.profile.fov_deg;
-    j["budget"] = {{"vertices", o.profile.budget.vertices}, {"indices", o.profile.budget.indices}};
     j["path"] = path.name;
     j["profile"] = o.profile_path.empty() ? json() : json(o.profile_path);
     j["seed"] = o.seeded ? json(o.seed) : json();
@@ -107,18 +130,31 @@ std::string table(const Options& o, const Summary& s, const Verification& v) {
         fmt::format("{}, {} of them converged; threshold {:g} px", s.frames, s.converged, o.profile.refine.error_px));
     row("update [us]", fmt::format("{:.0f} mean, {:.0f} p50, {:.0f} p99, {:.0f} max", s.update_us_mean, s.update_us.p50,
                                    s.update_us.p99, s.update_us.max));
-    row("selected vertices",
+    if (s.rebuilt) row("built from nothing", fmt::format("{:.0f} us, once; not in the figures above", s.rebuild_us));
+    row(s.incremental ? "active vertices" : "selected vertices",
         fmt::format("{:.0f} mean, {} max, {:.1f} ns each", s.vertices_mean, s.vertices_max, s.ns_per_vertex));
     row("triangles", fmt::format("{:.0f} mean, {} max", s.triangles_mean, s.triangles_max));
+    if (s.incremental) {
+        row("triangles drawn", fmt::format("{:.0f} mean", s.triangles_drawn_mean));
+        row("changes a frame", fmt::format("{:.0f} vertices mean, for {:.0f} work items, {} at most",
+                                           s.activations_mean + s.deactivations_mean, s.items_mean, s.items_max));
+    }
     row("tiles drawn", fmt::format("{:.0f} mean", s.tiles_mean));
-    row("uploaded [kB/frame]", fmt::format("{:.0f} mean", s.upload_mean / 1000));
-    if (s.exhausted)
-        row("budgets exhausted", fmt::format("{}; the threshold rose to {:.3g} px; raise them in the profile",
-                                             fmt::join(budget_names(s.exhausted), " and "), s.effective_px_max));
+    row("uploaded [kB/frame]", fmt::format("{:.1f} mean", s.upload_mean / 1000));
+    constexpr std::uint32_t work = exhausted_items | exhausted_time;
+    if (s.exhausted & ~work)
+        row("budgets exhausted",
+            fmt::format("{}; the threshold rose to {:.3g} px; raise them in the profile",
+                        fmt::join(budget_names(s.exhausted & ~work), " and "), s.effective_px_max));
+    if (s.exhausted & work)
+        row("lagged for want of", fmt::format("{}; up to {} blocks waited",
+                                              fmt::join(budget_names(s.exhausted & work), " and "), s.waiting_max));
     if (s.verified)
         row("verified error [px]",
             fmt::format("{:.4f} largest of {} frames, threshold {:g}; nearest to its limit: {:.4f} of {:g}, frame {}",
                         *s.verified_px_max, s.verified, o.profile.refine.error_px, v.max_px, v.limit_px, v.frame));
+    if (s.verified_lagging_px_max)
+        row("error while it lagged", fmt::format("{:.4f} px largest measured", *s.verified_lagging_px_max));
     return text;
 }
 
@@ -131,7 +167,7 @@ Outputs::Outputs(const Options& options) : csv_(open_output(options.csv)), json_
 
 void Outputs::finish(const Options& options, const Session& session, const CameraPath& path, const FlightLog& log,
                      const Verification& verification) {
-    const Summary summary = summarise(log);
+    const Summary summary = summarise(log, session.incremental());
     if (csv_ || options.csv == "-") write_all(csv_, options.csv, csv(log));
     if (json_ || options.json == "-")
         write_all(json_, options.json, flight_json(options, session, path, summary, verification).dump(2) + "\n");

@@ -38,15 +38,33 @@ gl::DrawOptions draw_options(PictureMode mode) {
     return draw;
 }
 
+std::unique_ptr<gl::Renderer> make_renderer(const Options& options, const Session& session, std::string& error) {
+    gl::RendererOptions slots;
+    if (session.incremental()) {
+        const CutBudget& budget = session.cut_budget;
+        slots.vertices = budget.vertices;
+        slots.indices = 3 * budget.triangles;
+        slots.ranges = budget.triangles / budget.chunk_triangles;
+        slots.morph = true;
+    } else {
+        slots.vertices = options.profile.budget.vertices;
+        slots.indices = options.profile.budget.indices;
+    }
+    return gl::Renderer::create(session.terrain(), session.loaded.pack, slots, error);
+}
+
+std::string upload_mesh(gl::Renderer& renderer, const Session& session, const FrameEntry& entry) {
+    if (entry.rebuilt) renderer.invalidate();
+    return session.incremental() ? renderer.upload(cut_mesh(session.cut)) : renderer.upload(session.mesh());
+}
+
 Pictures::Pictures(const Options& options, const Session& session) : state_(std::make_unique<State>()) {
     std::string error;
     state_->context = gl::Headless::create({}, error);
     require(state_->context != nullptr, error);
     state_->target = gl::Target::create({options.profile.width_px, options.profile.height_px, samples_a_pixel}, error);
     require(state_->target != nullptr, error);
-    const RecursiveBudget& budget = options.profile.budget;
-    state_->renderer =
-        gl::Renderer::create(session.terrain(), session.loaded.pack, {budget.vertices, budget.indices, 0}, error);
+    state_->renderer = make_renderer(options, session, error);
     if (!state_->renderer) (void)host::check_all_chunks(session.loaded); // a damaged pack is not the machine's fault
     require(state_->renderer != nullptr, error);
     state_->draw = draw_options(options.mode);
@@ -55,10 +73,13 @@ Pictures::Pictures(const Options& options, const Session& session) : state_(std:
 
 Pictures::~Pictures() = default;
 
+void Pictures::follow(const Session& session, const FrameEntry& entry) {
+    const std::string error = upload_mesh(*state_->renderer, session, entry);
+    require(error.empty(), error);
+}
+
 void Pictures::write(const Session& session, const View& view, std::size_t frame) {
-    // Frames in between were not uploaded, so what has changed since the last picture is not known.
-    state_->renderer->invalidate();
-    std::string error = state_->renderer->draw(recursive_mesh(session.method), view, state_->draw, *state_->target);
+    std::string error = state_->renderer->draw_uploaded(session.mesh(), view, state_->draw, *state_->target);
     require(error.empty(), error);
     state_->target->read_colour(state_->image);
     error = gl::write_png(state_->image, fmt::format("{}/frame_{:05}.png", state_->folder, frame));

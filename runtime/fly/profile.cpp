@@ -1,7 +1,7 @@
 #include "fly/profile.h"
 
-#include <array>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -25,55 +25,56 @@ struct Key {
     Setter set;
 };
 
+// Where a value goes.
+template <typename Part, typename T>
+auto at(Part Profile::*part, T Part::*field) {
+    return [=](Profile& profile) -> T& { return profile.*part.*field; };
+}
 template <typename T>
-Setter number(T Profile::*field, double least, double most) {
+auto at(T Profile::*field) {
+    return [=](Profile& profile) -> T& { return profile.*field; };
+}
+
+template <typename Field>
+Setter number(Field field, double least, double most, const char* unit = "") {
     return [=](const toml::node& node, Profile& profile) -> Problem {
         const auto value = node.value<double>();
         if (!node.is_number() || !value || !(*value >= least && *value <= most))
-            return fmt::format("must be a number from {} to {}", least, most);
-        profile.*field = static_cast<T>(*value);
+            return fmt::format("must be a number from {} to {}{}", least, most, unit);
+        field(profile) = *value;
         return {};
     };
 }
 
-template <typename T, typename Part>
-Setter whole(Part Profile::*part, T Part::*field, std::uint32_t least, std::uint32_t most) {
+template <typename Field>
+Setter whole(Field field, std::uint32_t least, std::uint32_t most) {
     return [=](const toml::node& node, Profile& profile) -> Problem {
         const auto value = node.value_exact<std::int64_t>();
         if (!value || *value < least || *value > most)
             return fmt::format("must be a whole number from {} to {}", least, most);
-        (profile.*part).*field = static_cast<T>(*value);
+        field(profile) = static_cast<std::uint32_t>(*value);
         return {};
     };
 }
 
-Setter pixels(std::uint32_t Profile::*field) {
-    return [=](const toml::node& node, Profile& profile) -> Problem {
-        const auto value = node.value_exact<std::int64_t>();
-        if (!value || *value < 1 || *value > max_size_px)
-            return fmt::format("must be a whole number from 1 to {}", max_size_px);
-        profile.*field = static_cast<std::uint32_t>(*value);
-        return {};
-    };
-}
-
-Setter flag(bool RefineSettings::*field) {
+template <typename Field>
+Setter flag(Field field) {
     return [=](const toml::node& node, Profile& profile) -> Problem {
         const auto value = node.value_exact<bool>();
         if (!value) return "must be true or false";
-        profile.refine.*field = *value;
+        field(profile) = *value;
         return {};
     };
 }
 
-template <typename T>
-Setter choice(T RefineSettings::*field, std::vector<std::pair<std::string, T>> choices) {
+template <typename Field, typename T>
+Setter choice(Field field, std::vector<std::pair<std::string, T>> choices) {
     return [=](const toml::node& node, Profile& profile) -> Problem {
         const auto value = node.value_exact<std::string>();
         std::string names;
         for (const auto& [name, meaning] : choices) {
             if (value == name) {
-                profile.refine.*field = meaning;
+                field(profile) = meaning;
                 return {};
             }
             names += (names.empty() ? "\"" : " or \"") + name + "\"";
@@ -82,37 +83,68 @@ Setter choice(T RefineSettings::*field, std::vector<std::pair<std::string, T>> c
     };
 }
 
-Problem set_error_px(const toml::node& node, Profile& profile) {
-    const auto value = node.value<double>();
-    if (!node.is_number() || !value || !(*value >= min_error_px && *value <= max_error_px))
-        return fmt::format("must be a number from {} to {} (pixels)", min_error_px, max_error_px);
-    profile.refine.error_px = *value;
+// One key for both methods' vertex buffers: only one of them is made.
+Problem set_vertices(const toml::node& node, Profile& profile) {
+    const auto set = whole(at(&Profile::budget, &RecursiveBudget::vertices), min_budget, max_vertices);
+    if (Problem problem = set(node, profile); !problem.empty()) return problem;
+    profile.cut_budget.vertices = profile.budget.vertices;
     return {};
 }
 
-Problem set_method(const toml::node& node, Profile&) {
-    const auto value = node.value_exact<std::string>();
-    if (value == "recursive") return {};
-    if (value == "incremental") return "\"incremental\" is not in this version; give \"recursive\"";
-    return "must be \"recursive\"";
+Problem set_items(const toml::node& node, Profile& profile) {
+    const auto set = whole(at(&Profile::cut, &CutSettings::items), 0, max_items);
+    if (Problem problem = set(node, profile); !problem.empty()) return problem;
+    if (profile.cut.items == 0) profile.cut.items = unlimited_items;
+    return {};
+}
+
+std::vector<Key> refine_keys() {
+    return {
+        {"refine", "method",
+         choice(at(&Profile::method), std::vector<std::pair<std::string, Method>>{{"incremental", Method::incremental},
+                                                                                  {"recursive", Method::recursive}})},
+        {"refine", "error_px",
+         number(at(&Profile::refine, &RefineSettings::error_px), min_error_px, max_error_px, " (pixels)")},
+        {"refine", "corner_safe", flag(at(&Profile::refine, &RefineSettings::corner_safe))},
+        {"refine", "hysteresis", number(at(&Profile::cut, &CutSettings::hysteresis), 0, max_hysteresis)},
+        {"refine", "morph",
+         choice(at(&Profile::cut, &CutSettings::morph),
+                std::vector<std::pair<std::string, Morph>>{
+                    {"none", Morph::none}, {"error", Morph::error}, {"time", Morph::time}})},
+        {"refine", "morph_s", number(at(&Profile::cut, &CutSettings::morph_s), min_morph_s, max_morph_s, " (seconds)")},
+        {"refine", "metric",
+         choice(
+             at(&Profile::refine, &RefineSettings::metric),
+             std::vector<std::pair<std::string, Metric>>{{"isotropic", Metric::isotropic}, {"depth", Metric::depth}})},
+        {"refine", "cull", flag(at(&Profile::refine, &RefineSettings::cull))},
+        {"refine", "topology",
+         choice(
+             at(&Profile::refine, &RefineSettings::topology),
+             std::vector<std::pair<std::string, Topology>>{{"list", Topology::triangles}, {"strip", Topology::strip}})},
+    };
+}
+
+std::vector<Key> budget_keys() {
+    return {
+        {"budget", "vertices", set_vertices},
+        {"budget", "triangles", whole(at(&Profile::cut_budget, &CutBudget::triangles), min_budget, max_triangles)},
+        {"budget", "views", whole(at(&Profile::cut_budget, &CutBudget::views), 1, max_cut_views)},
+        {"budget", "items", set_items},
+        {"budget", "budget_us",
+         number(at(&Profile::cut, &CutSettings::budget_us), 0, max_budget_us, " (microseconds)")},
+        {"budget", "indices", whole(at(&Profile::budget, &RecursiveBudget::indices), min_budget, max_indices)},
+    };
 }
 
 const std::vector<Key>& keys() {
-    static const std::vector<Key> all{
-        {"refine", "method", set_method},
-        {"refine", "error_px", set_error_px},
-        {"refine", "metric",
-         choice<Metric>(&RefineSettings::metric, {{"isotropic", Metric::isotropic}, {"depth", Metric::depth}})},
-        {"refine", "cull", flag(&RefineSettings::cull)},
-        {"refine", "corner_safe", flag(&RefineSettings::corner_safe)},
-        {"refine", "topology",
-         choice<Topology>(&RefineSettings::topology, {{"list", Topology::triangles}, {"strip", Topology::strip}})},
-        {"budget", "vertices", whole(&Profile::budget, &RecursiveBudget::vertices, min_budget, max_vertices)},
-        {"budget", "indices", whole(&Profile::budget, &RecursiveBudget::indices, min_budget, max_indices)},
-        {"view", "width_px", pixels(&Profile::width_px)},
-        {"view", "height_px", pixels(&Profile::height_px)},
-        {"view", "fov_deg", number(&Profile::fov_deg, min_fov_deg, max_fov_deg)},
-    };
+    static const std::vector<Key> all = [] {
+        std::vector<Key> keys = refine_keys();
+        for (Key& key : budget_keys()) keys.push_back(std::move(key));
+        keys.push_back({"view", "width_px", whole(at(&Profile::width_px), 1, max_size_px)});
+        keys.push_back({"view", "height_px", whole(at(&Profile::height_px), 1, max_size_px)});
+        keys.push_back({"view", "fov_deg", number(at(&Profile::fov_deg), min_fov_deg, max_fov_deg)});
+        return keys;
+    }();
     return all;
 }
 
@@ -166,6 +198,14 @@ Profile parse_profile(std::string_view text, const std::string& name) {
 Profile read_profile(const std::string& file) {
     const std::vector<std::byte> bytes = host::read_file(file);
     return parse_profile({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file);
+}
+
+CutSettings cut_settings(const Profile& profile, double now_s) {
+    CutSettings settings = profile.cut;
+    settings.error_px = profile.refine.error_px;
+    settings.corner_safe = profile.refine.corner_safe;
+    settings.now_s = now_s;
+    return settings;
 }
 
 } // namespace fjell::fly

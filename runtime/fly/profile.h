@@ -8,13 +8,20 @@
 #include <string>
 #include <string_view>
 
+#include "fjell/cut.h"
 #include "fjell/recursive.h"
 
 namespace fjell::fly {
 
+enum class Method : std::uint8_t { incremental, recursive };
+
+// Keys of the method that is not chosen are kept for when --method chooses it.
 struct Profile {
-    RefineSettings refine;                          // [refine] method, error_px, metric, cull, corner_safe, topology
+    Method method = Method::incremental;            // [refine] method
+    RefineSettings refine;                          // [refine] error_px, corner_safe; recursive: metric, cull, topology
+    CutSettings cut;                                // [refine] hysteresis, morph, morph_s; [budget] items, budget_us
     RecursiveBudget budget;                         // [budget] vertices, indices
+    CutBudget cut_budget;                           // [budget] vertices, triangles, views
     std::uint32_t width_px = 1280, height_px = 720; // [view] width_px, height_px
     double fov_deg = 45;                            // [view] fov_deg: vertical
 };
@@ -24,8 +31,13 @@ inline constexpr double min_error_px = 0.01, max_error_px = 1000;
 inline constexpr double min_fov_deg = 1, max_fov_deg = 150;
 inline constexpr std::uint32_t max_size_px = 16384;
 inline constexpr std::uint32_t min_budget = 16, max_vertices = 1u << 27, max_indices = 1u << 30;
+inline constexpr std::uint32_t max_triangles = 1u << 29, max_items = unlimited_items - 1;
+inline constexpr double max_hysteresis = 10, min_morph_s = 0.01, max_morph_s = 10, max_budget_us = 1e6;
 
 [[nodiscard]] Profile read_profile(const std::string& file);
 [[nodiscard]] Profile parse_profile(std::string_view text, const std::string& name);
+
+// What an update of the incremental method is given.
+[[nodiscard]] CutSettings cut_settings(const Profile& profile, double now_s);
 
 } // namespace fjell::fly

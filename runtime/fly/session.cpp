@@ -24,18 +24,81 @@ double microseconds(Clock::duration d) {
     return std::chrono::duration<double, std::micro>(d).count();
 }
 
+void require_budget(const Status& status) {
+    if (status.code == Code::budget_too_small || status.code == Code::out_of_range)
+        throw Failure(1, fmt::format("{}: {} ([budget] of a --profile)", status.field, message(status.code)));
+    require(status);
+}
+
+// A tile's last chunk is half empty on average: four chunks a tile keep that to an eighth of the triangles.
+CutBudget suited(CutBudget budget, const Terrain& terrain) {
+    while (budget.chunk_triangles > 8 && budget.triangles / budget.chunk_triangles < 4 * terrain.tile_count())
+        budget.chunk_triangles /= 2;
+    return budget;
+}
+
+void make_cut(const Options& options, Session& session) {
+    if (session.terrain().pages.order == Order::linear)
+        throw Failure(1,
+                      fmt::format("{}: the pack is in linear order, which the incremental method does not read; bake "
+                                  "it with --order planar, or fly it with --method recursive",
+                                  options.pack));
+    session.cut_budget = suited(options.profile.cut_budget, session.terrain());
+    session.block_bytes = cut_bytes(session.terrain(), session.cut_budget);
+    session.block = host::make_block(session.block_bytes);
+    require_budget(
+        create_cut(session.terrain(), session.cut_budget, {session.block.get(), session.block_bytes}, session.cut));
+}
+
+void make_recursive(const Options& options, Session& session) {
+    session.block_bytes = recursive_bytes(session.terrain(), options.profile.budget);
+    session.block = host::make_block(session.block_bytes);
+    require_budget(create_recursive(session.terrain(), options.profile.budget,
+                                    {session.block.get(), session.block_bytes}, session.recursive));
+}
+
+FrameEntry run_incremental(Session& session, const View& view, const CutSettings& settings) {
+    const bool rebuild = !session.begun;
+    CutReport report;
+    const auto start = Clock::now();
+    const Status status = (rebuild ? rebuild_cut : update_cut)(session.cut, {&view, 1}, settings, report);
+    const auto end = Clock::now();
+    require(status);
+    FrameEntry entry = entry_of(report, settings);
+    entry.update_us = microseconds(end - start);
+    const MeshView mesh = session.mesh();
+    constexpr std::uint64_t vertex_bytes = sizeof(MeshVertex) + sizeof(MorphVertex), triangle_bytes = 12;
+    entry.upload_bytes = report.rebuilt
+                             ? mesh.vertices.size() * vertex_bytes + mesh.indices.size_bytes()
+                             : report.vertices_changed * vertex_bytes + report.triangles_changed * triangle_bytes;
+    return entry;
+}
+
+FrameEntry run_recursive(Session& session, const View& view, const RefineSettings& settings) {
+    FrameReport report;
+    const auto start = Clock::now();
+    const Status status = update_recursive(session.recursive, view, settings, report);
+    const auto end = Clock::now();
+    require(status);
+    FrameEntry entry = entry_of(report);
+    entry.update_us = microseconds(end - start);
+    const MeshView mesh = session.mesh();
+    entry.upload_bytes =
+        std::uint64_t{mesh.dirty_end - mesh.dirty_begin} * sizeof(MeshVertex) + mesh.indices.size_bytes();
+    return entry;
+}
+
 } // namespace
 
 void open_session(const Options& options, Session& session) {
     const auto start = Clock::now();
     session.loaded = host::load_pack(options.pack, host::LoadTerrain::yes);
-    session.block_bytes = recursive_bytes(session.terrain(), options.profile.budget);
-    session.block = host::make_block(session.block_bytes);
-    const Status made = create_recursive(session.terrain(), options.profile.budget,
-                                         {session.block.get(), session.block_bytes}, session.method);
-    if (made.code == Code::budget_too_small)
-        throw Failure(1, fmt::format("{}: {} ([budget] of a --profile)", made.field, message(made.code)));
-    require(made);
+    session.method = options.profile.method;
+    session.begun = options.limited;
+    if (session.incremental())
+        make_cut(options, session);
+    else
+        make_recursive(options, session);
     session.load_seconds = microseconds(Clock::now() - start) / 1e6;
 }
 
@@ -58,25 +121,21 @@ View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile) {
                      profile.height_px, near_m, far_m);
 }
 
-FrameEntry update_frame(Session& session, const View& view, const RefineSettings& settings) {
-    FrameEntry entry;
-    const auto start = Clock::now();
-    const Status status = update_recursive(session.method, view, settings, entry.report);
-    entry.update_us = microseconds(Clock::now() - start);
-    require(status);
-    const MeshView mesh = recursive_mesh(session.method);
-    entry.upload_bytes =
-        std::uint64_t{mesh.dirty_end - mesh.dirty_begin} * sizeof(MeshVertex) + mesh.indices.size_bytes();
+FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s) {
+    FrameEntry entry = session.incremental() ? run_incremental(session, view, cut_settings(profile, now_s))
+                                             : run_recursive(session, view, profile.refine);
+    session.begun = true;
     return entry;
 }
 
-void verify_frame(const Session& session, const View& view, const RefineSettings& settings, std::size_t frame,
+void verify_frame(const Session& session, const View& view, const Profile& profile, std::size_t frame,
                   FrameEntry& entry, Verification& verification) {
     const Frustum frustum = make_frustum(view);
-    const MeasuredError e =
-        measure_error(session.terrain(), recursive_mesh(session.method), view, settings.cull ? &frustum : nullptr);
-    const double limit_px = entry.report.error_px_effective;
+    const bool inside = session.incremental() || profile.refine.cull; // the incremental method lists what may be seen
+    const MeasuredError e = measure_error(session.terrain(), session.mesh(), view, inside ? &frustum : nullptr);
     entry.verified_px = e.max_px;
+    if (!entry.settled) return;
+    const double limit_px = entry.error_px_effective;
     verification.exceeded = verification.exceeded || e.max_px > limit_px;
     if (verification.limit_px > 0 && e.max_px / limit_px <= verification.max_px / verification.limit_px) return;
     verification.frame = frame;

@@ -1,4 +1,4 @@
-// A loaded terrain with a method that refines it, and one frame of a flight over it.
+// A loaded terrain with the method that refines it - incremental or recursive - and one frame of a flight over it.
 //
 // Ownership: a Session owns the file's bytes, the records and the method's block. Thread: one. Failure: host::Failure,
 // 1 for a pack, a view or a budget that does not do, 3 when memory is short.
@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <string>
 
+#include "fjell/cut.h"
 #include "fjell/measure.h"
 #include "fjell/recursive.h"
 #include "fly/log.h"
@@ -20,10 +21,17 @@ struct Session {
     host::LoadedPack loaded;
     host::AlignedBlock block;
     std::size_t block_bytes = 0;
-    RecursiveMethod method;
+    Method method = Method::incremental;
+    RecursiveMethod recursive; // one of the two
+    LiveCut cut;
+    CutBudget cut_budget; // the profile's, with chunks to suit the terrain
+    bool begun = false;   // a frame was updated, or the first one shall be like any other
     double load_seconds = 0;
 
     [[nodiscard]] const Terrain& terrain() const { return loaded.terrain; }
+    [[nodiscard]] bool incremental() const { return method == Method::incremental; }
+    // Of the last update.
+    [[nodiscard]] MeshView mesh() const { return incremental() ? cut_mesh(cut).mesh : recursive_mesh(recursive); }
 };
 // The Session is filled in place, because the method points into its terrain.
 void open_session(const Options& options, Session& session);
@@ -35,8 +43,10 @@ void open_session(const Options& options, Session& session);
 // and float, so their ratio costs nothing.
 [[nodiscard]] View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile);
 
-// Times one update.
-[[nodiscard]] FrameEntry update_frame(Session& session, const View& view, const RefineSettings& settings);
+// Times one update. The incremental method builds its first frame from nothing in one go, whatever the profile allows a
+// frame; with --items or --budget-us it starts from the coarsest mesh instead, like an engine that must not miss one.
+// now_s: for morphing.
+[[nodiscard]] FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s);
 
 // What --verify found so far. Samples are the pack's: errors bound those as well as the original heights.
 struct Verification {
@@ -44,9 +54,10 @@ struct Verification {
     std::size_t frame = 0; // of the frame that came nearest to its limit, or exceeded it most
     double max_px = 0, limit_px = 0;
 };
-// Measures the mesh of the last update at every sample (inside the frustum, when it was culled) against the effective
-// threshold, which is the asked one in a converged frame. O(samples).
-void verify_frame(const Session& session, const View& view, const RefineSettings& settings, std::size_t frame,
+// Measures the mesh of the last update at every sample (inside the frustum, unless all was drawn) against the effective
+// threshold, which is the asked one in a converged frame. A frame that lags is measured and promises nothing.
+// O(samples).
+void verify_frame(const Session& session, const View& view, const Profile& profile, std::size_t frame,
                   FrameEntry& entry, Verification& verification);
 
 } // namespace fjell::fly

@@ -113,9 +113,7 @@ public:
         std::string error;
         window_ = gl::Window::create({profile_.width_px, profile_.height_px, "Fjell"}, error);
         require(window_ != nullptr, error);
-        const RecursiveBudget& budget = profile_.budget;
-        renderer_ =
-            gl::Renderer::create(session.terrain(), session.loaded.pack, {budget.vertices, budget.indices, 0}, error);
+        renderer_ = make_renderer(options, session, error);
         require(renderer_ != nullptr, error);
         GLFWwindow* window = window_->handle();
         glfwSetWindowUserPointer(window, &input_);
@@ -184,10 +182,12 @@ private:
 
     FrameEntry show(const Pose& pose, std::size_t frame, Verification& verification) {
         const View view = view_of(pose, session_.terrain(), profile_);
-        FrameEntry entry = update_frame(session_, view, profile_.refine);
+        const double now_s = std::chrono::duration<double>(Clock::now() - start_).count();
+        FrameEntry entry = update_frame(session_, view, profile_, now_s);
         if (options_.verify_every && frame % options_.verify_every == 0)
-            verify_frame(session_, view, profile_.refine, frame, entry, verification);
-        const std::string error = renderer_->draw(recursive_mesh(session_.method), view, draw_options(mode_), *target_);
+            verify_frame(session_, view, profile_, frame, entry, verification);
+        std::string error = upload_mesh(*renderer_, session_, entry);
+        if (error.empty()) error = renderer_->draw_uploaded(session_.mesh(), view, draw_options(mode_), *target_);
         require(error.empty(), error);
         target_->present(target_->width(), target_->height());
         window_->swap();
@@ -198,11 +198,13 @@ private:
         shown_seconds_ += seconds;
         ++shown_frames_;
         if (shown_seconds_ < title_seconds) return;
-        const FrameReport& r = entry.report;
-        const std::string text =
-            fmt::format("Fjell - update {:.0f} us - {} vertices - {} triangles - {:.0f} fps - {:.3g} px{}",
-                        entry.update_us, r.vertices, r.triangles, shown_frames_ / shown_seconds_, r.error_px_effective,
-                        r.converged ? "" : " (budget exhausted)");
+        const bool wanting = entry.error_px_effective > entry.error_px_asked;
+        const std::string text = fmt::format(
+            "Fjell - update {:.0f} us - {} vertices - {} triangles drawn - {:.0f} fps - {:.3g} px{}", entry.update_us,
+            entry.vertices, entry.triangles_drawn, shown_frames_ / shown_seconds_, entry.error_px_effective,
+            entry.converged ? ""
+            : wanting       ? " (budget exhausted)"
+                            : " (lags)");
         glfwSetWindowTitle(window_->handle(), text.c_str());
         shown_seconds_ = 0;
         shown_frames_ = 0;
@@ -216,6 +218,7 @@ private:
     FreeCamera camera_;
     Playback playback_;
     Input input_;
+    Clock::time_point start_ = Clock::now();
     double shown_seconds_ = 0;
     int shown_frames_ = 0;
     // Destroyed from last to first: GL objects need their context.

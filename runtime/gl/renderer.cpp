@@ -25,7 +25,7 @@ struct DrawCommand {
 static_assert(sizeof(DrawCommand) == 20, "OpenGL prescribes this layout");
 
 constexpr unsigned frame_binding = 0, colour_unit = 0, normal_unit = 1;
-constexpr unsigned vertex_slot = 0, tile_slot = 1;
+constexpr unsigned vertex_slot = 0, tile_slot = 1, morph_slot = 2;
 
 Buffer make_buffer(std::size_t bytes) {
     unsigned name = 0;
@@ -90,19 +90,25 @@ struct Renderer::State {
     double spacing_x_m = 1, spacing_z_m = 1, diagonal_m = 1;
     RendererOptions options;
     TerrainTextures textures;
-    Buffer vertices, indices, tiles, commands, frame;
+    Buffer vertices, morph, indices, tiles, commands, frame;
     VertexArray terrain_array, empty_array;
     Program terrain[3][2]; // by Mode, without and with wireframe
     Program sky;
     const MeshVertex* uploaded = nullptr; // whose vertices the buffer holds
     std::size_t uploaded_count = 0;
+    const std::uint32_t* kept_indices = nullptr; // of a live cut, which the buffer holds; null: it holds one draw's
+    bool drawn = false;                          // since the last upload
     std::vector<TileBlock> tile_blocks;
     std::vector<DrawCommand> draw_commands;
     DrawStats stats;
 
     std::string make_programs();
     void make_buffers();
+    [[nodiscard]] std::size_t range_capacity() const;
     std::string check(const MeshView& mesh, const View& view) const;
+    bool begin_upload(const MeshView& mesh);
+    void count(std::size_t bytes) { stats.bytes_uploaded += bytes; }
+    void upload_indices(const MeshView& mesh);
     FrameBlock make_frame(const View& view, const DrawOptions& options) const;
     void write_tiles(const MeshView& mesh);
     void draw_picture(GLenum primitive, const DrawOptions& options) const;
@@ -131,14 +137,14 @@ std::string Renderer::State::make_programs() {
 }
 
 void Renderer::State::make_buffers() {
-    const std::size_t tile_count = std::size_t{header.tiles_x} * header.tiles_y;
+    const std::size_t ranges = range_capacity();
     vertices = make_buffer(std::size_t{options.vertices} * sizeof(MeshVertex));
     indices = make_buffer(std::size_t{options.indices} * sizeof(std::uint32_t));
-    tiles = make_buffer(tile_count * sizeof(TileBlock));
-    commands = make_buffer(tile_count * sizeof(DrawCommand));
+    tiles = make_buffer(ranges * sizeof(TileBlock));
+    commands = make_buffer(ranges * sizeof(DrawCommand));
     frame = make_buffer(sizeof(FrameBlock));
-    tile_blocks.reserve(tile_count);
-    draw_commands.reserve(tile_count);
+    tile_blocks.reserve(ranges);
+    draw_commands.reserve(ranges);
 
     unsigned name = 0;
     glCreateVertexArrays(1, &name);
@@ -156,6 +162,12 @@ void Renderer::State::make_buffers() {
         glEnableVertexArrayAttrib(name, attribute);
         glVertexArrayAttribBinding(name, attribute, attribute == 2 ? tile_slot : vertex_slot);
     }
+    if (!options.morph) return;
+    morph = make_buffer(std::size_t{options.vertices} * sizeof(MorphVertex));
+    glVertexArrayVertexBuffer(name, morph_slot, morph.get(), 0, sizeof(MorphVertex));
+    glVertexArrayAttribFormat(name, 3, 4, GL_FLOAT, GL_FALSE, 0);
+    glEnableVertexArrayAttrib(name, 3);
+    glVertexArrayAttribBinding(name, 3, morph_slot);
 }
 
 Renderer::Renderer() : state_(std::make_unique<State>()) {}
@@ -165,6 +177,7 @@ const DrawStats& Renderer::stats() const {
 }
 void Renderer::invalidate() {
     state_->uploaded = nullptr;
+    state_->kept_indices = nullptr;
 }
 
 std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& pack, const RendererOptions& options,
@@ -192,8 +205,12 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
     } // so that the check below speaks of these buffers
     s.make_buffers();
     if (glGetError() == GL_NO_ERROR) return result;
-    error = "the GPU has no room for the mesh buffers: lower RendererOptions::vertices or ::indices";
+    error = "the GPU has no room for the mesh buffers: lower RendererOptions::vertices, ::indices or ::ranges";
     return nullptr;
+}
+
+std::size_t Renderer::State::range_capacity() const {
+    return std::max<std::size_t>(std::size_t{header.tiles_x} * header.tiles_y, options.ranges);
 }
 
 std::string Renderer::State::check(const MeshView& mesh, const View& view) const {
@@ -204,13 +221,23 @@ std::string Renderer::State::check(const MeshView& mesh, const View& view) const
                " vertex slots: raise RendererOptions::vertices";
     if (mesh.indices.size() > options.indices)
         return "the mesh has " + std::to_string(mesh.indices.size()) + " indices: raise RendererOptions::indices";
+    if (mesh.tiles.size() > range_capacity())
+        return "the mesh has " + std::to_string(mesh.tiles.size()) + " ranges: raise RendererOptions::ranges";
     const std::uint32_t tile_count = header.tiles_x * header.tiles_y;
-    bool good =
-        mesh.tiles.size() <= tile_count && mesh.dirty_begin <= mesh.dirty_end && mesh.dirty_end <= mesh.vertices.size();
+    bool good = mesh.dirty_begin <= mesh.dirty_end && mesh.dirty_end <= mesh.vertices.size();
     for (const TileRange& range : mesh.tiles)
         good = good && range.tile < tile_count && range.first_index <= mesh.indices.size() &&
                range.index_count <= mesh.indices.size() - range.first_index;
     return good ? std::string() : "the mesh is not of this terrain: a tile or a range lies outside it";
+}
+
+// Whether this mesh must be uploaded whole.
+bool Renderer::State::begin_upload(const MeshView& mesh) {
+    if (std::exchange(drawn, false)) stats.bytes_uploaded = 0;
+    const bool whole = uploaded != mesh.vertices.data() || uploaded_count != mesh.vertices.size();
+    uploaded = mesh.vertices.data();
+    uploaded_count = mesh.vertices.size();
+    return whole;
 }
 
 std::string Renderer::upload(const MeshView& mesh) {
@@ -218,14 +245,50 @@ std::string Renderer::upload(const MeshView& mesh) {
     if (mesh.vertices.size() > s.options.vertices || mesh.dirty_end > mesh.vertices.size() ||
         mesh.dirty_begin > mesh.dirty_end)
         return "the mesh has more vertex slots than RendererOptions::vertices, or its dirty range lies outside them";
-    const bool whole = s.uploaded != mesh.vertices.data() || s.uploaded_count != mesh.vertices.size();
+    const bool whole = s.begin_upload(mesh);
+    s.kept_indices = nullptr;
     const std::size_t begin = whole ? 0 : mesh.dirty_begin, end = whole ? mesh.vertices.size() : mesh.dirty_end;
     write_buffer(s.vertices, begin * sizeof(MeshVertex), (end - begin) * sizeof(MeshVertex),
                  mesh.vertices.data() + begin);
-    s.uploaded = mesh.vertices.data();
-    s.uploaded_count = mesh.vertices.size();
-    s.stats.bytes_uploaded = (end - begin) * sizeof(MeshVertex);
+    s.count((end - begin) * sizeof(MeshVertex));
     return {};
+}
+
+std::string Renderer::upload(const CutMesh& cut) {
+    State& s = *state_;
+    const MeshView& mesh = cut.mesh;
+    if (!s.options.morph) return "a live cut needs RendererOptions::morph";
+    if (mesh.vertices.size() > s.options.vertices || mesh.indices.size() > s.options.indices)
+        return "the cut has more slots than RendererOptions::vertices or ::indices: give them the cut's budget";
+    if (cut.morph.size() != mesh.vertices.size())
+        return "the cut's morph vertices are not one for one with its vertices";
+    const auto vertices = [&](std::size_t first, std::size_t count) {
+        write_buffer(s.vertices, first * sizeof(MeshVertex), count * sizeof(MeshVertex), mesh.vertices.data() + first);
+        write_buffer(s.morph, first * sizeof(MorphVertex), count * sizeof(MorphVertex), cut.morph.data() + first);
+        s.count(count * (sizeof(MeshVertex) + sizeof(MorphVertex)));
+    };
+    constexpr std::size_t triangle_bytes = 3 * sizeof(std::uint32_t);
+    const auto triangles = [&](std::size_t first, std::size_t count) {
+        write_buffer(s.indices, first * triangle_bytes, count * triangle_bytes, mesh.indices.data() + 3 * first);
+        s.count(count * triangle_bytes);
+    };
+    const bool other_indices = std::exchange(s.kept_indices, mesh.indices.data()) != mesh.indices.data();
+    if (s.begin_upload(mesh) || other_indices) {
+        vertices(0, mesh.vertices.size());
+        triangles(0, mesh.indices.size() / 3);
+    } else {
+        for_each_run(cut.vertex_bits, cut.vertex_words, vertices);
+        for_each_run(cut.triangle_bits, cut.triangle_words, triangles);
+    }
+    return {};
+}
+
+void Renderer::State::upload_indices(const MeshView& mesh) {
+    if (kept_indices != nullptr && kept_indices == mesh.indices.data()) return;
+    kept_indices = nullptr;
+    glInvalidateBufferData(indices.get()); // the last picture may still be reading the old ones
+    write_buffer(indices, 0, mesh.indices.size_bytes(), mesh.indices.data());
+    count(mesh.indices.size_bytes());
 }
 
 FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& options_now) const {
@@ -267,13 +330,15 @@ void Renderer::State::write_tiles(const MeshView& mesh) {
     stats.tiles = stats.triangles = 0;
     for (const TileRange& range : mesh.tiles) {
         if (range.index_count == 0) continue;
-        const auto instance = static_cast<std::uint32_t>(tile_blocks.size());
-        const std::int64_t column = range.tile % header.tiles_x, row = range.tile / header.tiles_x;
-        tile_blocks.push_back({static_cast<std::int32_t>(column << header.tile_log2),
-                               static_cast<std::int32_t>(row << header.tile_log2),
-                               static_cast<std::int32_t>(range.tile), 0});
+        const auto tile = static_cast<std::int32_t>(range.tile);
+        if (tile_blocks.empty() || tile_blocks.back().layer != tile) { // a tile's ranges follow each other
+            const std::int64_t column = range.tile % header.tiles_x, row = range.tile / header.tiles_x;
+            tile_blocks.push_back({static_cast<std::int32_t>(column << header.tile_log2),
+                                   static_cast<std::int32_t>(row << header.tile_log2), tile, 0});
+            ++stats.tiles;
+        }
+        const auto instance = static_cast<std::uint32_t>(tile_blocks.size() - 1);
         draw_commands.push_back({range.index_count, 1, range.first_index, 0, instance});
-        ++stats.tiles;
         stats.triangles += range.triangles;
     }
     write_buffer(tiles, 0, tile_blocks.size() * sizeof(TileBlock), tile_blocks.data());
@@ -294,12 +359,24 @@ void Renderer::State::draw_picture(GLenum primitive, const DrawOptions& now) con
 }
 
 std::string Renderer::draw(const MeshView& mesh, const View& view, const DrawOptions& options, const Target& target) {
+    if (std::string error = state_->check(mesh, view); !error.empty()) return error;
+    if (std::string error = upload(mesh); !error.empty()) return error;
+    return draw_uploaded(mesh, view, options, target);
+}
+
+std::string Renderer::draw(const CutMesh& mesh, const View& view, const DrawOptions& options, const Target& target) {
+    if (std::string error = state_->check(mesh.mesh, view); !error.empty()) return error;
+    if (std::string error = upload(mesh); !error.empty()) return error;
+    return draw_uploaded(mesh.mesh, view, options, target);
+}
+
+std::string Renderer::draw_uploaded(const MeshView& mesh, const View& view, const DrawOptions& options,
+                                    const Target& target) {
     State& s = *state_;
     if (std::string error = s.check(mesh, view); !error.empty()) return error;
-    if (std::string error = upload(mesh); !error.empty()) return error;
-    glInvalidateBufferData(s.indices.get()); // the last picture may still be reading the old ones
-    write_buffer(s.indices, 0, mesh.indices.size_bytes(), mesh.indices.data());
-    s.stats.bytes_uploaded += mesh.indices.size_bytes();
+    if (s.uploaded != mesh.vertices.data()) return "the mesh was not uploaded: call upload() after the update";
+    s.upload_indices(mesh);
+    s.drawn = true;
     s.write_tiles(mesh);
     const FrameBlock block = s.make_frame(view, options);
     write_buffer(s.frame, 0, sizeof block, &block);

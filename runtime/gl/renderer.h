@@ -4,15 +4,17 @@
 // do not shake and tiles meet bit for bit. Depth is reversed and float: distant ridges do not fight.
 // Units: metres and pixels; angles in degrees where the name says so. Colours in files and pictures are sRGB.
 // Ownership: the renderer owns its buffers and textures; the Pack's bytes are read only in create(), the mesh's spans
-// only in draw(). Thread: the context's. Memory: 12 bytes a vertex, 4 an index, and the textures; all at creation.
-// Complexity of draw: uploads the dirty vertices and all indices, then one draw call and the sky.
-// Failure: one line with the number to change; the target keeps its former picture.
+// only in upload() and draw(). Thread: the context's. Memory: 12 bytes a vertex (28 with morph), 4 an index, 36 a
+// range, and the textures; all at creation. Complexity of draw: a MeshView's dirty vertices and all its indices, or a
+// CutMesh's written slots and nothing else; then one draw call and the sky. Failure: one line with the number to
+// change; the target keeps its former picture.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <string>
 
+#include "fjell/cut.h"
 #include "fjell/mesh.h"
 #include "fjell/pack.h"
 #include "fjell/terrain.h"
@@ -25,6 +27,8 @@ struct RendererOptions {
     std::uint32_t vertices = 1u << 18; // slots, as in the method's budget; 12 bytes each
     std::uint32_t indices = 1u << 20;  // 4 bytes each
     float anisotropy = 0;              // texture samples along the steep direction; 0: 8. Ignored in software: too dear
+    std::uint32_t ranges = 0;          // draw ranges a frame; a CutMesh has up to its chunks. At least one a tile
+    bool morph = false;                // room for a CutMesh's morph vertices: 16 bytes a vertex
 };
 
 enum class Mode : std::uint8_t {
@@ -45,7 +49,7 @@ struct DrawOptions {
 
 struct DrawStats {
     std::uint64_t frames = 0;
-    std::uint64_t bytes_uploaded = 0;       // by the last draw, vertices and indices
+    std::uint64_t bytes_uploaded = 0;       // for the last draw: vertices, morph vertices and indices
     std::uint64_t texture_bytes = 0;        // resident
     std::uint32_t tiles = 0, triangles = 0; // of the last draw
 };
@@ -62,12 +66,20 @@ public:
     // Takes over what the last update wrote. draw() does it too; call it yourself after updates that are not drawn, or
     // their dirty ranges are lost. Another mesh than last time (by address or size) is uploaded whole.
     [[nodiscard]] std::string upload(const MeshView& mesh);
-    // Makes the next upload a whole one.
+    // The same for the live cut, whose indices are kept on the GPU too; needs RendererOptions::morph.
+    [[nodiscard]] std::string upload(const CutMesh& mesh);
+    // Makes the next upload a whole one: call it after rebuild_cut(), or when updates were not uploaded.
     void invalidate();
 
     // view.width_px and height_px give the aspect; the picture fills the target.
     [[nodiscard]] std::string draw(const MeshView& mesh, const View& view, const DrawOptions& options,
                                    const Target& target);
+    [[nodiscard]] std::string draw(const CutMesh& mesh, const View& view, const DrawOptions& options,
+                                   const Target& target);
+    // Without the upload, for hosts that called it after the update. Indices of a mesh that is not a CutMesh's are
+    // uploaded all the same.
+    [[nodiscard]] std::string draw_uploaded(const MeshView& mesh, const View& view, const DrawOptions& options,
+                                            const Target& target);
     [[nodiscard]] const DrawStats& stats() const;
 
 private:

@@ -55,9 +55,14 @@ Status validate(const View& view) {
     return {};
 }
 
+// tan(fov_y / 2), from the number that is given and not computed: these two decide, and must decide alike everywhere.
+static double half_height(const View& view) {
+    return view.height_px / (2 * view.lambda_px);
+}
+
 Frustum make_frustum(const View& view) {
     const Vec3 right = cross(view.forward, view.up);
-    const double ty = std::tan(view.fov_y_rad / 2), tx = ty * view.width_px / view.height_px;
+    const double ty = half_height(view), tx = ty * view.width_px / view.height_px;
     // The side plane that leans outwards by t holds dot(right, p) <= t * dot(forward, p); its normal is unit length
     // after division by sqrt(1 + t^2).
     const auto side = [&](Vec3 axis, double t) { return (view.forward * t - axis) * (1 / std::sqrt(1 + t * t)); };
@@ -67,7 +72,7 @@ Frustum make_frustum(const View& view) {
 }
 
 double corner_factor(const View& view) {
-    const double ty = std::tan(view.fov_y_rad / 2), tx = ty * view.width_px / view.height_px;
+    const double ty = half_height(view), tx = ty * view.width_px / view.height_px;
     return 1 + tx * tx + ty * ty;
 }
 

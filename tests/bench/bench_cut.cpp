@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "baker/bake.h"
@@ -72,6 +73,7 @@ std::vector<View> flight(const Terrain& t, double cells, std::size_t frames) {
 struct Flight {
     std::vector<double> us;
     double vertices = 0, triangles = 0, drawn = 0, changes = 0, evaluations = 0, uploaded = 0, converged = 0;
+    double bulk_us = 0; // of a rebuild, the median of several
 };
 double rank(std::vector<double> v, double share) {
     std::sort(v.begin(), v.end());
@@ -102,7 +104,7 @@ Flight fly_recursive(const Terrain& terrain, const std::vector<View>& views, dou
     return f;
 }
 
-constexpr CutBudget cut_budget{1u << 21, 1u << 22, 1024, 1};
+const CutBudget cut_budget{1u << 21, 1u << 22, 1024, 1};
 
 Flight fly_cut(const Terrain& terrain, const std::vector<View>& views, const CutSettings& settings) {
     const std::size_t bytes = cut_bytes(terrain, cut_budget);
@@ -111,7 +113,13 @@ Flight fly_cut(const Terrain& terrain, const std::vector<View>& views, const Cut
     if (!create_cut(terrain, cut_budget, {block.get(), bytes}, cut).ok()) std::abort();
     CutReport report;
     Flight f;
-    (void)rebuild_cut(cut, {&views[0], 1}, settings, report);
+    std::vector<double> rebuilds;
+    for (int i = 0; i < 7; ++i) {
+        const auto start = Clock::now();
+        (void)rebuild_cut(cut, {&views[0], 1}, settings, report);
+        rebuilds.push_back(us_since(start));
+    }
+    f.bulk_us = rank(rebuilds, 0.5) / report.triangles;
     for (int i = 0; i < 8; ++i) (void)update_cut(cut, {&views[0], 1}, settings, report);
     for (const View& view : views) {
         const auto start = Clock::now();
@@ -133,7 +141,42 @@ Flight fly_cut(const Terrain& terrain, const std::vector<View>& views, const Cut
 const Scene& mountains() {
     static const Scene scene = [] {
         const auto make = [] { return baker::synthesise(FJELL_SOURCE_DIR "/content/terrain/mountains.json"); };
-        return Scene{host::load_pack(bake_scene("mountains", make, 10), host::LoadTerrain::yes), 0.9};
+        return Scene{host::load_pack(bake_scene("mountains", make, 10), host::LoadTerrain::yes), 0.8};
+    }();
+    return scene;
+}
+
+// The middle tenth of the mountains, a hundredth of the samples.
+const Scene& small_mountains() {
+    static const Scene scene = [] {
+        const auto make = [] {
+            const baker::Dem all = baker::synthesise(FJELL_SOURCE_DIR "/content/terrain/mountains.json");
+            baker::Dem part = all;
+            part.columns = part.rows = 411;
+            part.heights_m.clear();
+            for (std::int32_t y = 0; y < part.rows; ++y)
+                for (std::int32_t x = 0; x < part.columns; ++x) part.heights_m.push_back(all.at(1843 + x, 1843 + y));
+            return part;
+        };
+        return Scene{host::load_pack(bake_scene("mountains-411", make, 10), host::LoadTerrain::yes), 0.8};
+    }();
+    return scene;
+}
+
+// The folder of real height fields, as for the tests.
+std::string canyon_file() {
+    const char* const folder = std::getenv("FJELL_DATA");
+    return std::string(folder ? folder : FJELL_SOURCE_DIR "/../shared/data") + "/dem/grand_canyon_60m_4097x2049_u8.png";
+}
+const Scene& canyon() {
+    static const Scene scene = [] {
+        const auto make = [] {
+            baker::ReadOptions options;
+            options.spacing_m = 60;
+            options.zscale = 14.4;
+            return baker::read_dem(canyon_file(), options);
+        };
+        return Scene{host::load_pack(bake_scene("canyon", make, 10), host::LoadTerrain::yes), 1};
     }();
     return scene;
 }
@@ -149,34 +192,192 @@ void compare(benchmark::State& state, const Scene& scene, double cells) {
         cut = fly_cut(t, views, settings);
     }
     auto& c = state.counters;
+    const double p50 = rank(cut.us, 0.5), p99 = rank(cut.us, 0.99);
     c["rec_vertices"] = recursive.vertices;
     c["rec_ns_per_vertex"] = rank(recursive.us, 0.5) * 1000 / recursive.vertices;
     c["rec_p50_us"] = rank(recursive.us, 0.5);
     c["rec_p99_us"] = rank(recursive.us, 0.99);
-    c["p50_us"] = rank(cut.us, 0.5);
-    c["p99_us"] = rank(cut.us, 0.99);
+    c["p50_us"] = p50;
+    c["p99_us"] = p99;
     c["p9999_us"] = rank(cut.us, 0.9999);
-    c["ratio_p50"] = rank(recursive.us, 0.5) / rank(cut.us, 0.5);
-    c["ratio_p99"] = rank(recursive.us, 0.99) / rank(cut.us, 0.99);
+    c["max_us"] = rank(cut.us, 1);
+    c["ratio_p50"] = rank(recursive.us, 0.5) / p50;
+    c["ratio_p99"] = rank(recursive.us, 0.99) / p99;
     c["active"] = cut.vertices;
+    c["ns_per_active"] = p50 * 1000 / cut.vertices;
     c["changes"] = cut.changes;
+    c["ns_per_change"] = cut.changes > 0 ? p50 * 1000 / cut.changes : 0;
     c["evaluations"] = cut.evaluations;
     c["rec_triangles"] = recursive.triangles;
+    c["triangles"] = cut.triangles;
     c["drawn_triangles"] = cut.drawn;
-    c["uploaded_share"] = cut.uploaded / (cut.vertices * (sizeof(MeshVertex) + sizeof(MorphVertex)) + cut.triangles * 12);
+    c["uploaded_share"] =
+        cut.uploaded / (cut.vertices * (sizeof(MeshVertex) + sizeof(MorphVertex)) + cut.triangles * 12);
     c["converged"] = cut.converged;
+    c["bulk_ns_per_triangle"] = cut.bulk_us * 1000;
+}
+
+// A hundred times the samples around the same eye.
+void compare_sizes(benchmark::State& state) {
+    const Terrain &large = mountains().pack.terrain, &small = small_mountains().pack.terrain;
+    CutSettings settings;
+    settings.error_px = 8; // what there is to refine lies near
+    std::vector<View> near_views = flight(small, 0.25, 600), views = near_views;
+    for (View& view : views) view.eye_m = view.eye_m + Vec3{large.x_m(1843), 0, large.z_m(1843)};
+    Flight of_small, of_large;
+    for (auto _ : state) {
+        of_small = fly_cut(small, near_views, settings);
+        of_large = fly_cut(large, views, settings);
+    }
+    auto& c = state.counters;
+    c["small_active"] = of_small.vertices;
+    c["large_active"] = of_large.vertices;
+    c["small_p50_us"] = rank(of_small.us, 0.5);
+    c["large_p50_us"] = rank(of_large.us, 0.5);
+    c["ratio_p50"] = rank(of_large.us, 0.5) / rank(of_small.us, 0.5);
+    c["small_changes"] = of_small.changes;
+    c["large_changes"] = of_large.changes;
+}
+
+// A random place every 60 frames, 300 us a frame: does a frame ever take longer?
+void teleport_budget(benchmark::State& state) {
+    const Terrain& t = mountains().pack.terrain;
+    const std::size_t bytes = cut_bytes(t, cut_budget);
+    const host::AlignedBlock block = host::make_block(bytes);
+    LiveCut cut;
+    if (!create_cut(t, cut_budget, {block.get(), bytes}, cut).ok()) std::abort();
+    CutSettings settings;
+    settings.error_px = 2;
+    settings.budget_us = 300;
+    std::vector<double> us;
+    double converged = 0;
+    std::uint32_t seed = 1;
+    const auto random = [&] { return (seed = seed * 1664525 + 1013904223) / 4294967296.0; };
+    std::vector<View> views = flight(t, 0.25, 1);
+    for (auto _ : state)
+        for (int frame = 0; frame < 100'000; ++frame) {
+            View& view = views[0];
+            if (frame % 60 == 0) {
+                view.eye_m = {random() * t.x_m(4096), 0, random() * t.z_m(4096)};
+                view.eye_m.y = t.ground_m(view.eye_m.x, view.eye_m.z) + 400;
+            }
+            view.eye_m = view.eye_m + Vec3{12, 0, -9};
+            CutReport report;
+            const auto start = Clock::now();
+            (void)update_cut(cut, views, settings, report);
+            us.push_back(us_since(start));
+            converged += report.converged;
+        }
+    state.counters["p50_us"] = rank(us, 0.5);
+    state.counters["p99_us"] = rank(us, 0.99);
+    state.counters["p9999_us"] = rank(us, 0.9999);
+    state.counters["max_us"] = rank(us, 1);
+    state.counters["converged"] = converged / 100'000;
+}
+
+// Of the vertices that a view will show in the end, the share that a mesh has.
+class Visible {
+public:
+    Visible(const Terrain& terrain, const View& view, double error_px)
+        : columns_(static_cast<std::size_t>(terrain.tree.columns())),
+          flags_(columns_ * static_cast<std::size_t>(terrain.tree.rows())) {
+        const std::size_t bytes = cut_bytes(terrain, cut_budget);
+        const host::AlignedBlock block = host::make_block(bytes);
+        LiveCut cut;
+        if (!create_cut(terrain, cut_budget, {block.get(), bytes}, cut).ok()) std::abort();
+        CutSettings settings;
+        settings.error_px = error_px;
+        CutReport report;
+        (void)rebuild_cut(cut, {&view, 1}, settings, report);
+        const Frustum frustum = make_frustum(view);
+        for_each_vertex(cut_mesh(cut).mesh, [&](const MeshVertex& v) {
+            const Vec3 p = Vec3{terrain.x_m(v.column), v.height_m, terrain.z_m(v.row)} - view.eye_m;
+            bool inside = true;
+            for (int i = 0; i < 6; ++i) inside = inside && dot(frustum.normal[i], p) >= frustum.offset[i];
+            std::uint8_t& flag = flags_[at(v)];
+            count_ += inside && flag == 0;
+            flag = inside;
+        });
+    }
+    [[nodiscard]] double share(const MeshView& mesh) const {
+        std::vector<std::uint8_t> left = flags_;
+        std::size_t found = 0;
+        for_each_vertex(mesh, [&](const MeshVertex& v) { found += std::exchange(left[at(v)], std::uint8_t{0}); });
+        return static_cast<double>(found) / static_cast<double>(count_);
+    }
+    [[nodiscard]] std::size_t count() const { return count_; }
+
+private:
+    template <typename Visit>
+    static void for_each_vertex(const MeshView& mesh, const Visit& visit) {
+        for (const TileRange& range : mesh.tiles)
+            for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; ++i)
+                visit(mesh.vertices[mesh.indices[i]]);
+    }
+    [[nodiscard]] std::size_t at(const MeshVertex& v) const {
+        return static_cast<std::size_t>(v.row) * columns_ + static_cast<std::size_t>(v.column);
+    }
+    std::size_t columns_, count_ = 0;
+    std::vector<std::uint8_t> flags_;
+};
+
+// A teleport with 2 ms a frame: how much of what the view will show stands after five frames, and after how many does
+// 99% of it? Both without the bulk pass, and what that would take.
+void teleport_recovery(benchmark::State& state) {
+    const Scene& scene = mountains();
+    const Terrain& t = scene.pack.terrain;
+    const std::size_t bytes = cut_bytes(t, cut_budget);
+    const host::AlignedBlock block = host::make_block(bytes);
+    LiveCut cut;
+    if (!create_cut(t, cut_budget, {block.get(), bytes}, cut).ok()) std::abort();
+    CutSettings settings;
+    settings.error_px = scene.error_px;
+    std::vector<double> frames_to_99, rebuilds_us;
+    double after_five = 0;
+    constexpr int teleports = 8;
+    for (auto _ : state)
+        for (int n = 0; n < teleports; ++n) {
+            View view = flight(t, 0.25, 1)[0];
+            view.eye_m.x = t.x_m(1024 + 2048 * (n % 2)), view.eye_m.z = t.z_m(700 + 380 * n);
+            view.eye_m.y = t.ground_m(view.eye_m.x, view.eye_m.z) + 400;
+            const Visible whole(t, view, settings.error_px);
+            state.counters["visible_vertices"] = static_cast<double>(whole.count());
+            settings.budget_us = 2000;
+            CutReport report;
+            int frame = 1;
+            for (; frame <= 200; ++frame) {
+                (void)update_cut(cut, {&view, 1}, settings, report);
+                const double share = whole.share(cut_mesh(cut).mesh);
+                if (frame == 5) after_five += share / teleports;
+                if (share >= 0.99) break;
+            }
+            frames_to_99.push_back(frame);
+            if (frame < 5) after_five += 1.0 / teleports;
+            settings.budget_us = 0;
+            const auto start = Clock::now();
+            (void)rebuild_cut(cut, {&view, 1}, settings, report);
+            rebuilds_us.push_back(us_since(start));
+        }
+    state.counters["frames_to_99"] = rank(frames_to_99, 0.5);
+    state.counters["share_after_5"] = after_five;
+    state.counters["rebuild_us"] = rank(rebuilds_us, 0.5);
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
+    const auto declare = [](const std::string& name, auto run) {
+        benchmark::RegisterBenchmark(("cut/" + name).c_str(), run)->Unit(benchmark::kMillisecond)->Iterations(1);
+    };
     for (const double cells : {0.0, 0.06, 0.25, 1.0, 3.0}) {
-        std::string name = "cut/mountains-4097/";
-        name += cells == 0 ? "turning" : std::to_string(cells).substr(0, 4) + "-cells";
-        benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& s) { compare(s, mountains(), cells); })
-            ->Unit(benchmark::kMillisecond)
-            ->Iterations(1);
+        const std::string what = cells == 0 ? "turning" : std::to_string(cells).substr(0, 4) + "-cells";
+        declare("mountains-4097/" + what, [=](benchmark::State& s) { compare(s, mountains(), cells); });
+        if (std::filesystem::exists(canyon_file()))
+            declare("canyon/" + what, [=](benchmark::State& s) { compare(s, canyon(), cells); });
     }
+    declare("sizes", compare_sizes);
+    declare("teleport-300us", teleport_budget);
+    declare("teleport-2ms", teleport_recovery);
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
     benchmark::RunSpecifiedBenchmarks();

@@ -8,6 +8,7 @@
 #include "cut/change.h"
 #include "cut/mesh.h"
 #include "cut/pages.h"
+#include "tree/wanted.h"
 
 namespace fjell::test {
 
@@ -122,28 +123,33 @@ std::string check_block(const CutState& s, std::uint32_t number) {
     const ListId list = list_of(s.lists, number);
     if ((inactive | childless) != 0 && list == no_list && !draining)
         return say("nobody will look at the block of", s, number * block_lanes);
-    if (list >= due_lists) return {};
+    if (list >= due_lists || draining) return {}; // what drains goes without being looked at
+    // Until a page has let go, what stood on it goes step by step, and is not asked whether it should.
+    bool letting_go = false;
+    for (std::uint32_t i = 0; i < s.draining_count; ++i)
+        letting_go = letting_go || s.slot_info[s.draining[i]].active != 0;
     // In the calendar: how far may it go, and how far will it?
     const std::uint32_t grade = b.grade;
-    const double left_m =
-        list >= soon_lists
-            ? 0
-            : (static_cast<double>(std::uint64_t{b.due_high} << 32 | b.due) + 1) * s.lists.tick_m -
-                  s.lists.odometer_m[grade];
+    const double left_m = list >= soon_lists
+                              ? 0
+                              : (static_cast<double>(std::uint64_t{b.due_high} << 32 | b.due) + 1) * s.lists.tick_m -
+                                    s.lists.odometer_m[grade];
     for (std::uint32_t lane = 0; lane < block_lanes; ++lane) {
         if (!((inactive | childless) >> lane & 1)) continue;
         const std::uint32_t vertex = number * block_lanes + lane;
         const Coord c = site_coord(site_of(s, vertex)), at = s.terrain->tree.sample(c);
         const Terrain::Vertex v = s.terrain->vertex(c);
         const bool on = childless >> lane & 1;
+        if (!on && letting_go) continue;
         double margin = -1e300;
         bool in = false;
         for (std::uint32_t i = 0; i < s.view_count; ++i) {
             const Reach& r = on ? s.decision.keep[i] : s.decision.reach[i];
             in = in || wanted(r, s.terrain->x_m(at.x), v.height_m, s.terrain->z_m(at.y), v.error_m, v.radius_m);
             const Vec3 way{s.terrain->x_m(at.x) - r.eye_x, v.height_m - r.eye_y, s.terrain->z_m(at.y) - r.eye_z};
-            margin = std::max(margin, (static_cast<double>(v.radius_m) + static_cast<double>(v.error_m) * r.q) -
-                                          length(way));
+            margin = std::max(margin, (static_cast<double>(v.radius_m) + static_cast<double>(v.error_m) * r.q) *
+                                              static_cast<double>(reach_grow) +
+                                          static_cast<double>(r.pad) - length(way));
         }
         if (in != on) return say("a vertex disagrees with the decision, and nobody knows:", s, vertex);
         if (left_m > std::abs(margin) * (1 + 1e-4) + s.lists.tick_m * 1.01)
@@ -172,7 +178,8 @@ std::string check_triangles(const CutState& s) {
             for (std::uint32_t i = 0; i < count; ++i) {
                 const std::uint32_t slot = (chunk << s.chunk_log2) + i;
                 if (s.made[s.names[slot]] != slot) return "a triangle's name leads elsewhere";
-                if (s.names[slot] / 4 != s.indices[std::size_t{slot} * 3]) return "a triangle's right angle is not its maker's";
+                if (s.names[slot] / 4 != s.indices[std::size_t{slot} * 3])
+                    return "a triangle's right angle is not its maker's";
                 const MeshTriangle t{s.indices[std::size_t{slot} * 3], s.indices[std::size_t{slot} * 3 + 1],
                                      s.indices[std::size_t{slot} * 3 + 2]};
                 if (s.some_hidden && is_hidden(s, t) != (tile == hidden_tile(s))) return "a triangle is hidden wrongly";
@@ -215,9 +222,125 @@ std::string check_cut(Cut& cut) {
         if (slot_used[s.free_vertices[i]]) return "a vertex slot is free and used";
         slot_used[s.free_vertices[i]] = true;
     }
+    for (std::uint32_t slot = s.fresh_vertex; slot < s.budget.vertices; ++slot) {
+        if (slot_used[slot]) return "a vertex slot that was never taken is used";
+        slot_used[slot] = true;
+    }
     for (const bool used : slot_used)
         if (!used) return "a vertex slot is lost";
     return check_triangles(s);
+}
+
+std::string check_surface(Cut& cut, const Terrain& full) {
+    const MeshView drawn = cut.mesh();
+    const auto holes = [&](const Triangle& t) {
+        return full.is_hole(t[0]) || full.is_hole(t[1]) || full.is_hole(t[2]);
+    };
+    for (const Triangle& t : triangles_of(drawn))
+        if (holes(t)) return "a triangle with a corner in a hole is drawn";
+    // What is hidden, one range a triangle, in the tile that its middle lies in; less what is shrunk to nothing.
+    const CutState& s = cut.state();
+    std::vector<TileRange> ranges = cut.ranges;
+    const TileList& hidden = s.tiles[hidden_tile(s)];
+    std::uint32_t count = hidden.in_last;
+    for (std::uint32_t chunk = hidden.last_chunk; chunk != nil; chunk = s.chunk_below[chunk]) {
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const std::uint32_t first = ((chunk << s.chunk_log2) + i) * 3;
+            MeshView one = drawn;
+            const TileRange range{0, first, 3, 1};
+            one.tiles = {&range, 1};
+            const std::vector<Triangle> found = triangles_of(one);
+            if (found.empty()) continue;
+            const Triangle& t = found[0];
+            if (!holes(t)) return "a triangle without a corner in a hole is hidden";
+            const std::int32_t side = 3 * full.tree.side();
+            const std::int32_t x = (t[0].x + t[1].x + t[2].x) / side, y = (t[0].y + t[1].y + t[2].y) / side;
+            ranges.push_back({static_cast<std::uint32_t>(y * full.tree.tiles_x + x), first, 3, 1});
+        }
+        count = 1u << s.chunk_log2;
+    }
+    MeshView whole = drawn;
+    whole.tiles = ranges;
+    return check_mesh(full, whole);
+}
+
+namespace {
+
+std::size_t place(const Terrain& t, Coord c) {
+    return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(t.tree.lattice_columns()) +
+           static_cast<std::size_t>(c.x);
+}
+VertexSet only_corners(const Terrain& t, bool others) {
+    VertexSet set(place(t, {0, t.tree.lattice_rows()}), others);
+    for (std::int32_t y = 0; y < t.tree.lattice_rows(); y += t.tree.side())
+        for (std::int32_t x = 0; x < t.tree.lattice_columns(); x += t.tree.side()) set[place(t, {x, y})] = true;
+    return set;
+}
+
+} // namespace
+
+VertexSet active_set(Cut& cut) {
+    const CutState& s = cut.state();
+    VertexSet set = only_corners(*s.terrain, false);
+    for (std::uint32_t slot = 0; slot < s.terrain->slot_count; ++slot) {
+        if (s.slot_info[slot].page == no_page) continue;
+        for (std::uint32_t n = 0; n < s.shapes[s.slot_info[slot].shape].count * block_lanes; ++n) {
+            const std::uint32_t vertex = slot * max_page_blocks * block_lanes + n;
+            if (active(s, vertex)) set[place(*s.terrain, site_coord(site_of(s, vertex)))] = true;
+        }
+    }
+    return set;
+}
+
+VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const View> views, double error_px,
+                     bool corner_safe) {
+    VertexSet set = only_corners(full, true);
+    for (std::uint32_t tile = 0; tile < paged.tile_count(); ++tile)
+        for (std::uint32_t page = 0; page < paged.pages_per_tile; ++page) {
+            if (paged.page_table[tile * paged.pages_per_tile + page].slot != no_page_slot) continue;
+            const Coord corner{static_cast<std::int32_t>(tile % full.header.tiles_x) * full.tree.side(),
+                               static_cast<std::int32_t>(tile / full.header.tiles_x) * full.tree.side()};
+            for (std::uint32_t i = 0; i < full.pages.page_vertices(page); ++i) {
+                const Coord c = corner + full.pages.coord({page, i});
+                if (!full.tree.is_corner(c)) set[place(full, c)] = false;
+            }
+        }
+    std::vector<Reach> reaches;
+    for (const View& view : views)
+        reaches.push_back(make_reach(view, corner_safe ? error_px / corner_factor(view) : error_px));
+    for (int level = 0; level < 2 * full.tree.tile_log2; ++level) {
+        const std::int32_t step = 1 << (full.tree.tile_log2 - 1 - level / 2);
+        for (std::int32_t y = 0; y < full.tree.lattice_rows(); y += step)
+            for (std::int32_t x = 0; x < full.tree.lattice_columns(); x += step) {
+                const Coord c{x, y};
+                if (full.tree.is_corner(c) || full.tree.level(c) != level || !set[place(full, c)]) continue;
+                const Terrain::Vertex v = full.vertex(c);
+                const Coord at = full.tree.sample(c);
+                bool in = false;
+                for (const Reach& r : reaches)
+                    in = in || wanted(r, full.x_m(at.x), v.height_m, full.z_m(at.y), v.error_m, v.radius_m);
+                for (const Coord parent : diamond(full.tree, c).apexes)
+                    in = in && (!full.tree.contains(parent) || set[place(full, parent)]);
+                set[place(full, c)] = in;
+            }
+    }
+    return set;
+}
+
+std::string difference(const VertexSet& is, const VertexSet& should_be) {
+    if (is == should_be) return {};
+    std::size_t extra = 0, missing = 0;
+    for (std::size_t i = 0; i < is.size(); ++i) {
+        extra += is[i] && !should_be[i];
+        missing += !is[i] && should_be[i];
+    }
+    return std::to_string(extra) + " vertices too many, " + std::to_string(missing) + " too few";
+}
+
+bool contains(const VertexSet& larger, const VertexSet& smaller) {
+    for (std::size_t i = 0; i < smaller.size(); ++i)
+        if (smaller[i] && !larger[i]) return false;
+    return smaller.size() == larger.size();
 }
 
 } // namespace fjell::test

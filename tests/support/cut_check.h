@@ -29,8 +29,24 @@ struct Cut {
 
 // Empty when all of this holds, otherwise the first thing that does not: every active vertex' parents are active
 // (invariant 1); every mask agrees with the vertices it speaks of; vertex slots, triangle names and slots, chunks and
-// free lists agree; every vertex that could change is in a block that some list holds, and, in the calendar, agrees with
-// the decision and is due before it could cease to.
+// free lists agree; every vertex that could change is in a block that some list holds, and, in the calendar, agrees
+// with the decision and is due before it could cease to.
 [[nodiscard]] std::string check_cut(Cut& cut);
+
+// Empty when the mesh is crack-free with holes and all: check_mesh() of what is drawn together with what is hidden, and
+// nothing that has a corner in a hole is drawn, nor anything hidden that has none. full: the same terrain, all loaded.
+[[nodiscard]] std::string check_surface(Cut& cut, const Terrain& full);
+
+// A set of vertices, row by row of the lattice (Tree::lattice_columns()). Corners of tiles count as in.
+using VertexSet = std::vector<bool>;
+[[nodiscard]] VertexSet active_set(Cut& cut);
+
+// The target of invariant 7, level by level, straight from its definition: wanted by any view, its page loaded, its
+// parents in it. full: the same terrain, all loaded; paged: the one whose pages count.
+[[nodiscard]] VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const View> views,
+                                   double error_px, bool corner_safe = false);
+// Empty when they are equal, otherwise how many vertices `is` has too many and how many it lacks.
+[[nodiscard]] std::string difference(const VertexSet& is, const VertexSet& should_be);
+[[nodiscard]] bool contains(const VertexSet& larger, const VertexSet& smaller);
 
 } // namespace fjell::test

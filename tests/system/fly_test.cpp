@@ -72,6 +72,13 @@ void refuses(const std::string& arguments, int code, const std::string& part) {
     CHECK(place().files() == before);
 }
 
+// Of a CSV row, counted from 0.
+std::string column(const std::string& row, std::size_t n) {
+    std::size_t at = 0;
+    for (; n > 0; --n) at = row.find(',', at) + 1;
+    return row.substr(at, row.find(',', at) - at);
+}
+
 std::vector<std::string> lines(const std::string& text) {
     std::istringstream stream(text);
     std::vector<std::string> result;
@@ -83,7 +90,9 @@ std::vector<std::string> lines(const std::string& text) {
 
 TEST_CASE("a headless flight measures its own error and finds it within the threshold") {
     for (const char* flags :
-         {"", "--topology strip", "--cull off", "--metric depth", "--corner-safe --fov 90", "--seed 3"}) {
+         {"", "--hysteresis 0.5", "--corner-safe --fov 90", "--seed 3", "--method recursive",
+          "--method recursive --topology strip", "--method recursive --cull off", "--method recursive --metric depth",
+          "--method recursive --corner-safe --fov 90", "--method recursive --seed 3"}) {
         const Run r =
             place().fly(std::string("small.fjell --headless --frames 40 --error-px 2 --verify 10 --json - ") + flags);
         INFO(flags << "\n" << r.err);
@@ -96,7 +105,99 @@ TEST_CASE("a headless flight measures its own error and finds it within the thre
         CHECK(j["verified_error_px_max"].get<double>() > 0.2); // the corner-safe one at 90 degrees refines to 2 / 5.2
         CHECK(j["verified_error_px_max"].get<double>() < 2.1);
         CHECK(j["vertices_mean"].get<double>() > 100);
+        CHECK(j["method"] == (std::string(flags).starts_with("--method recursive") ? "recursive" : "incremental"));
     }
+}
+
+TEST_CASE("both methods select the same triangles in every frame when neither culls") {
+    const auto selected = [](const std::string& method) { // vertices, or triangles, of every frame
+        const Run r =
+            place().fly("small.fjell --headless --frames 30 --error-px 2 --cull off --csv - --method " + method);
+        INFO(r.err);
+        REQUIRE(r.code == 0);
+        std::vector<std::string> triangles;
+        for (const std::string& row : lines(r.out)) triangles.push_back(column(row, 3));
+        return triangles;
+    };
+    const auto incremental = selected("incremental");
+    REQUIRE(incremental.size() == 31);
+    CHECK(incremental == selected("recursive"));
+}
+
+TEST_CASE("a frame never does more work than --items, and the flight says that it lagged") {
+    for (const char* flags : {"--items 1", "--items 200", "--items 200 --profile limited.toml"}) {
+        spit(place().folder / "limited.toml", "[budget]\nitems = 100000\n");
+        const Run r =
+            place().fly(std::string("small.fjell --headless --frames 30 --error-px 1 --verify 10 --json j.json "
+                                    "--csv - ") +
+                        flags);
+        INFO(flags << "\n" << r.err);
+        REQUIRE(r.code == 0); // a frame that lags promises nothing
+        const std::uint32_t limit = std::string(flags).starts_with("--items 1") ? 1 : 200;
+        const auto rows = lines(r.out);
+        REQUIRE(rows.size() == 31);
+        for (std::size_t i = 1; i < rows.size(); ++i) {
+            CHECK(std::stoul(column(rows[i], 11)) <= limit);
+            CHECK(column(rows[i], 8) == "items");
+        }
+        const json j = json::parse(slurp(place().folder / "j.json"));
+        CHECK(j["items_max"] == limit);
+        CHECK(j["overruns"] == 0);
+        CHECK(j["exhausted"] == json::array({"items"}));
+        CHECK(j["converged_frames"] == 0);
+        CHECK(j["rebuilt_frames"] == 0);
+        CHECK(j["waiting_max"] > 0);
+        CHECK(j["verified_frames"] == 0);
+        CHECK(j["verified_error_px_max"].is_null());
+        CHECK(j["verified_lagging_error_px_max"] > 1);
+        fs::remove(place().folder / "limited.toml");
+        fs::remove(place().folder / "j.json");
+    }
+}
+
+TEST_CASE("a profile's items bound every frame but the first, which is built from nothing") {
+    spit(place().folder / "limited.toml", "[budget]\nitems = 100000\n");
+    const Run r = place().fly("small.fjell --headless --frames 30 --profile limited.toml --json -");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const json j = json::parse(r.out);
+    CHECK(j["rebuilt_frames"] == 1);
+    CHECK(j["rebuild_us"] > 0);
+    CHECK(j["converged_frames"] == 30);
+    CHECK(j["overruns"] == 0);
+    CHECK(j["items_max"] <= 100000);
+    CHECK(j["changes_mean"] > 0);
+    // 28 bytes a vertex slot, 12 a triangle slot, and not a byte more.
+    CHECK(j["bytes_uploaded_mean"].get<double>() ==
+          Approx(28 * j["vertices_written_mean"].get<double>() + 12 * j["triangles_written_mean"].get<double>()));
+    fs::remove(place().folder / "limited.toml");
+}
+
+TEST_CASE("an update that --budget-us cuts short names the time") {
+    const Run r = place().fly("small.fjell --headless --frames 10 --error-px 0.5 --budget-us 20 --json -");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const json j = json::parse(r.out);
+    CHECK(j["exhausted"] == json::array({"time"}));
+    CHECK(j["converged_frames"] == 0);
+}
+
+TEST_CASE("a morphing flight keeps its promises") {
+    for (const char* morph : {"none", "error", "time"}) {
+        const Run r = place().fly(
+            std::string("small.fjell --headless --frames 20 --error-px 2 --verify 10 --json - --morph ") + morph);
+        INFO(morph << "\n" << r.err);
+        REQUIRE(r.code == 0);
+        CHECK(json::parse(r.out)["morph"] == morph);
+    }
+}
+
+TEST_CASE("a pack in linear order is flown by the recursive method, and the incremental one says so") {
+    REQUIRE(place().run(FJELL_BIN_DIR "/fjell-bake dem.tif -o linear.fjell --tile 64 --order linear --quiet").code ==
+            0);
+    refuses("linear.fjell --headless", 1, "bake it with --order planar, or fly it with --method recursive");
+    CHECK(place().fly("linear.fjell --headless --frames 3 --method recursive").code == 0);
+    fs::remove(place().folder / "linear.fjell");
 }
 
 TEST_CASE("a flight that exceeds its threshold says so and fails, with its outputs written") {
@@ -137,9 +238,19 @@ TEST_CASE("the JSON of a flight has every key that scripts rely on") {
                             "error_px_effective_max",
                             "exhausted",
                             "selected_ns_per_vertex",
+                            "items_max",
+                            "evaluations_mean",
+                            "activations_mean",
+                            "deactivations_mean",
+                            "waiting_max",
+                            "vertices_peak",
+                            "triangles_peak",
                             "viewport",
                             "fov_y_deg"})
         CHECK(j.contains(key));
+    CHECK(j["changes_mean"].is_number());
+    CHECK(json::parse(place().fly("small.fjell --headless --frames 3 --json - --method recursive").out)["changes_mean"]
+              .is_null());
     for (const char* key : {"p50", "p99", "p9999", "max"}) CHECK(j["update_us"][key].get<double>() > 0);
     CHECK(j["allocations"].is_null());
     CHECK(j["verified_error_px_max"].is_null());
@@ -150,9 +261,10 @@ TEST_CASE("the JSON of a flight has every key that scripts rely on") {
     const auto rows = lines(slurp(place().folder / "flight.csv"));
     REQUIRE(rows.size() == 11);
     CHECK(rows[0] == "frame,update_us,vertices,triangles,tiles,written,error_px_asked,error_px_effective,exhausted,"
-                     "converged,verified_px");
+                     "converged,verified_px,items,evaluations,activations,deactivations,waiting,blocked,rising,"
+                     "triangles_drawn,rebuilt,bytes_uploaded,prepare_us,refine_us,output_us");
     CHECK(rows[10].starts_with("9,"));
-    for (const std::string& row : rows) CHECK(std::count(row.begin(), row.end(), ',') == 10);
+    for (const std::string& row : rows) CHECK(std::count(row.begin(), row.end(), ',') == 23);
     fs::remove(place().folder / "flight.json");
     fs::remove(place().folder / "flight.csv");
 }
@@ -160,30 +272,46 @@ TEST_CASE("the JSON of a flight has every key that scripts rely on") {
 TEST_CASE("two flights of one path select the same vertices in every frame") {
     const auto columns = [](const std::string& csv) { // without the times
         std::string kept;
-        for (const std::string& row : lines(csv)) kept += row.substr(row.find(',', row.find(',') + 1)) + "\n";
+        for (const std::string& row : lines(csv))
+            for (std::size_t n = 2; n < 21; ++n) kept += column(row, n) + (n < 20 ? "," : "\n");
         return kept;
     };
-    const std::string flight = "small.fjell --headless --frames 30 --seed 11 --csv -";
-    CHECK(columns(place().fly(flight).out) == columns(place().fly(flight).out));
+    for (const char* flags : {"", " --items 500", " --method recursive"}) {
+        const std::string flight = std::string("small.fjell --headless --frames 30 --seed 11 --csv -") + flags;
+        const std::string first = columns(place().fly(flight).out);
+        CHECK(std::count(first.begin(), first.end(), '\n') == 31);
+        CHECK(first == columns(place().fly(flight).out));
+    }
 }
 
 TEST_CASE("a small budget is named, raises the threshold and keeps the measured error within it") {
-    spit(place().folder / "mean.toml", "[budget]\nvertices = 300\nindices = 1500\n");
-    const Run r =
-        place().fly("small.fjell --headless --frames 20 --error-px 0.5 --profile mean.toml --verify 5 --json -");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    const json j = json::parse(r.out);
-    CHECK_FALSE(j["exhausted"].empty());
-    CHECK(j["converged_frames"].get<int>() < 20);
-    CHECK(j["error_px_effective_max"].get<double>() > 0.5);
-    CHECK(j["verified_ok"] == true);
-    fs::remove(place().folder / "mean.toml");
+    const auto fly_with = [](const char* budget, const char* method) {
+        spit(place().folder / "mean.toml", std::string("[budget]\n") + budget);
+        const Run r = place().fly(
+            std::string("small.fjell --headless --frames 20 --error-px 0.5 --profile mean.toml --verify 1 --json - ") +
+            "--method " + method);
+        fs::remove(place().folder / "mean.toml");
+        INFO(budget << method << "\n" << r.err);
+        REQUIRE(r.code == 0);
+        json j = json::parse(r.out);
+        CHECK(j["converged_frames"].get<int>() < 20);
+        CHECK(j["error_px_effective_max"].get<double>() > 0.5);
+        CHECK(j["verified_ok"] != false); // null: no frame was settled
+        return j;
+    };
+    CHECK(fly_with("vertices = 300\nindices = 1500\n", "recursive")["verified_ok"] == true);
+    const json vertices = fly_with("vertices = 300\n", "incremental");
+    CHECK(vertices["exhausted"] == json::array({"vertices"}));
+    CHECK(vertices["vertices_max"] <= 300);
+    CHECK(vertices["vertices_peak"] > 200);
+    const json triangles = fly_with("triangles = 1000\n", "incremental");
+    CHECK(triangles["exhausted"] == json::array({"triangles"}));
+    CHECK(triangles["triangles_max"] <= 1000);
 }
 
 TEST_CASE("pictures and snapshots of a flight are written where they were asked for") {
     const fs::path pictures = place().folder / "pictures";
-    for (const char* mode : {"shaded", "wire", "levels"}) {
+    for (const char* mode : {"shaded", "wire", "levels", "shaded --method recursive"}) {
         fs::create_directory(pictures);
         const Run r = place().fly_with_gl(
             std::string("small.fjell --headless --frames 9 --render pictures --render-every 4 --size 160x120 "
@@ -203,6 +331,27 @@ TEST_CASE("pictures and snapshots of a flight are written where they were asked 
         fs::remove_all(pictures);
         fs::remove(place().folder / "snap.glb");
         fs::remove(place().folder / "last.glb");
+    }
+}
+
+TEST_CASE("both methods draw the same pictures, to the byte of the file, however many frames lie between") {
+    for (const char* mode : {"shaded", "wire", "levels"}) {
+        const auto draw = [&](const std::string& method) {
+            fs::create_directory(place().folder / method);
+            const Run r = place().fly_with_gl("small.fjell --headless --frames 9 --render-every 4 --size 320x240 "
+                                              "--error-px 3 --cull off --mode " +
+                                              std::string(mode) + " --method " + method + " --render " + method);
+            INFO(r.err);
+            REQUIRE(r.code == 0);
+        };
+        draw("incremental");
+        draw("recursive");
+        for (const char* frame : {"frame_00000.png", "frame_00004.png", "frame_00008.png"}) {
+            INFO(mode << ' ' << frame);
+            CHECK((slurp(place().folder / "incremental" / frame) == slurp(place().folder / "recursive" / frame)));
+        }
+        fs::remove_all(place().folder / "incremental");
+        fs::remove_all(place().folder / "recursive");
     }
 }
 
@@ -233,9 +382,19 @@ TEST_CASE("wrong usage is one line and exit code 2") {
     refuses("", 2, "PACK");
     refuses("small.fjell --headless --unknown", 2, "--unknown");
     refuses("small.fjell other.fjell --headless", 2, "other.fjell");
-    refuses("small.fjell --headless --method incremental", 2, "not in this version");
+    refuses("small.fjell --headless --method stochastic", 2, "--method");
     refuses("small.fjell --headless --metric manhattan", 2, "--metric");
-    refuses("small.fjell --headless --metric depth --cull off", 2, "--cull on");
+    refuses("small.fjell --headless --method recursive --metric depth --cull off", 2, "--cull on");
+    refuses("small.fjell --headless --metric depth", 2, "--metric depth needs --method recursive");
+    refuses("small.fjell --headless --topology strip", 2, "--topology strip needs --method recursive");
+    refuses("small.fjell --headless --cull on", 2, "--cull on needs --method recursive");
+    for (const char* flag : {"--items 9", "--budget-us 9", "--hysteresis 1", "--morph none"})
+        refuses(std::string("small.fjell --headless --method recursive ") + flag, 2, "needs --method incremental");
+    refuses("small.fjell --headless --items -1", 2, "--items");
+    refuses("small.fjell --headless --items 4294967295", 2, "--items");
+    refuses("small.fjell --headless --budget-us nan", 2, "--budget-us");
+    refuses("small.fjell --headless --hysteresis 11", 2, "--hysteresis");
+    refuses("small.fjell --headless --morph slowly", 2, "--morph");
     refuses("small.fjell --headless --error-px 0", 2, "--error-px");
     refuses("small.fjell --headless --error-px nan", 2, "--error-px");
     refuses("small.fjell --headless --frames 0", 2, "--frames");
@@ -259,7 +418,10 @@ TEST_CASE("a bad path or profile is one line and exit code 1") {
     refuses("small.fjell --headless --path bad.json", 1, "bad.json: not JSON");
     refuses("small.fjell --headless --profile bad.toml", 1, "bad.toml:2: refine.error: unknown key");
     spit(place().folder / "less.toml", "[budget]\nvertices = 16\nindices = 16\n");
-    refuses("small.fjell --headless --profile less.toml", 1, "RecursiveBudget");
+    refuses("small.fjell --headless --profile less.toml", 1, "CutBudget::vertices (4 a tile): ");
+    refuses("small.fjell --headless --profile less.toml --method recursive", 1, "RecursiveBudget");
+    spit(place().folder / "less.toml", "[budget]\ntriangles = 64\n");
+    refuses("small.fjell --headless --profile less.toml", 1, "CutBudget::triangles");
 }
 
 TEST_CASE("an output that cannot be written is found before the flight, and nothing is left behind") {
@@ -302,8 +464,11 @@ TEST_CASE("a window flies the asked number of frames and closes") {
         WARN("skipped: no display");
         return;
     }
-    const Run r = place().fly_with_gl("small.fjell --frames 5 --size 320x240 --json -");
-    INFO(r.err);
-    REQUIRE(r.code == 0);
-    CHECK(json::parse(r.out)["frames"] == 5);
+    for (const char* method : {"incremental", "recursive"}) {
+        const Run r =
+            place().fly_with_gl(std::string("small.fjell --frames 5 --size 320x240 --json - --method ") + method);
+        INFO(r.err);
+        REQUIRE(r.code == 0);
+        CHECK(json::parse(r.out)["frames"] == 5);
+    }
 }

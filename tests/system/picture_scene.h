@@ -1,6 +1,7 @@
 // What the picture tests share: a baked terrain, its meshes, and a renderer that shows them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include <unistd.h>
 
 #include "baker/bake.h"
+#include "fjell/cut.h"
 #include "fjell/recursive.h"
 #include "gl/context.h"
 #include "gl/renderer.h"
@@ -90,6 +92,8 @@ struct Scene {
     host::LoadedPack loaded;
     host::AlignedBlock block;
     RecursiveMethod method;
+    host::AlignedBlock cut_block;
+    LiveCut cut; // after make_cut()
     std::unique_ptr<gl::Target> target;
     std::unique_ptr<gl::Renderer> renderer;
 
@@ -116,23 +120,57 @@ struct Scene {
         target = gl::Target::create({width_px, height_px, 1}, error);
         INFO(error);
         REQUIRE(target);
-        renderer = gl::Renderer::create(terrain, loaded.pack, {budget.vertices, budget.indices, 0}, error);
+        renderer = gl::Renderer::create(terrain, loaded.pack,
+                                        {.vertices = budget.vertices,
+                                         .indices = std::max(budget.indices, 3 * chunks(terrain) * chunk_triangles),
+                                         .ranges = chunks(terrain),
+                                         .morph = true},
+                                        error);
         INFO(error);
         REQUIRE(renderer);
     }
 
+    // Of a live cut that may be refined to the last sample: two triangles a cell, and a half-full chunk a tile.
+    static constexpr std::uint32_t chunk_triangles = 64;
+    static std::uint32_t chunks(const Terrain& terrain) {
+        return terrain.tile_count() * (terrain.pages.tile_vertices() * 2 / chunk_triangles + 2) + 8;
+    }
+
+    void make_cut() {
+        const Terrain& terrain = loaded.terrain;
+        CutBudget budget;
+        budget.vertices = terrain.tile_count() * terrain.pages.tile_vertices() + 1024;
+        budget.triangles = chunks(terrain) * chunk_triangles;
+        budget.chunk_triangles = chunk_triangles;
+        const std::size_t bytes = cut_bytes(terrain, budget);
+        cut_block = host::make_block(bytes);
+        REQUIRE(create_cut(terrain, budget, {cut_block.get(), bytes}, cut).ok());
+    }
+
+    // The live cut brought to a view, from nothing or from where it was.
+    CutReport follow(const View& view, double error_px, bool from_nothing = false) {
+        CutSettings settings;
+        settings.error_px = error_px;
+        CutReport report;
+        REQUIRE((from_nothing ? rebuild_cut : update_cut)(cut, {&view, 1}, settings, report).ok());
+        REQUIRE(report.converged);
+        return report;
+    }
+
     // The recursive method's mesh of a view; valid until the next call.
-    MeshView refined(const View& view, double error_px, Topology topology = Topology::triangles) {
+    MeshView refined(const View& view, double error_px, Topology topology = Topology::triangles, bool cull = true) {
         RefineSettings settings;
         settings.error_px = error_px;
         settings.topology = topology;
+        settings.cull = cull;
         FrameReport report;
         REQUIRE(update_recursive(method, view, settings, report).ok());
         REQUIRE(report.converged);
         return recursive_mesh(method);
     }
 
-    Picture draw(const MeshView& mesh, const View& view, const gl::DrawOptions& options = {}) {
+    template <typename Mesh> // MeshView or CutMesh
+    Picture draw(const Mesh& mesh, const View& view, const gl::DrawOptions& options = {}) {
         const std::string error = renderer->draw(mesh, view, options, *target);
         INFO(error);
         REQUIRE(error.empty());

@@ -176,6 +176,64 @@ TEST_CASE("the strip and the list of one frame give the same picture", "[picture
         }
 }
 
+TEST_CASE("the live cut gives the picture of the recursive method, bit for bit", "[picture]") {
+    Scene scene(mountains(513), 6);
+    scene.make_cut();
+    bool from_nothing = true;
+    for (const View& view : {scene.camera(0.5, 0.9, 150, 0, -5), scene.camera(0.3, 0.6, 3000, 40, -45)})
+        for (const gl::DrawOptions& drawing :
+             {gl::DrawOptions{}, gl::DrawOptions{.mode = gl::Mode::levels}, gl::DrawOptions{.wireframe = true}}) {
+            const Picture anew = scene.draw(scene.refined(view, 2, Topology::triangles, false), view, drawing);
+            const CutReport report = scene.follow(view, 2, std::exchange(from_nothing, false));
+            const CutMesh mesh = cut_mesh(scene.cut);
+            REQUIRE(report.tiles_drawn > 1);
+            REQUIRE(mesh.mesh.tiles.size() > report.tiles_drawn); // tiles of several ranges
+            const Picture live = scene.draw(mesh, view, drawing);
+            CHECK(scene.renderer->stats().tiles == report.tiles_drawn);
+            CHECK(scene.renderer->stats().triangles == report.triangles_drawn);
+            CHECK(
+                (live.colour.rgb == anew.colour.rgb)); // parentheses: on failure Catch would print millions of numbers
+            CHECK((live.depth == anew.depth));
+        }
+}
+
+TEST_CASE("of a live cut only the slots that were written are uploaded, and they suffice", "[picture]") {
+    Scene scene(mountains(513), 6);
+    scene.make_cut();
+    const auto eye = [&](int step) { return scene.camera(0.5, 0.9 - 0.004 * step, 200, 3.0 * step, -10); };
+    const auto slot_bytes = [](std::uint64_t vertices, std::uint64_t triangles) {
+        return vertices * (sizeof(MeshVertex) + sizeof(MorphVertex)) + triangles * 12;
+    };
+    scene.follow(eye(0), 2, true);
+    (void)scene.draw(cut_mesh(scene.cut), eye(0));
+    const std::uint64_t whole =
+        slot_bytes(cut_mesh(scene.cut).mesh.vertices.size(), cut_mesh(scene.cut).mesh.indices.size() / 3);
+    CHECK(scene.renderer->stats().bytes_uploaded == whole);
+    std::vector<Picture> followed;
+    for (int step = 1; step <= 6; ++step) {
+        std::uint64_t expected = 0;
+        if (step == 4) { // an update that is not drawn, only uploaded
+            const CutReport between = scene.follow(eye(7), 2);
+            REQUIRE(scene.renderer->upload(cut_mesh(scene.cut)).empty());
+            expected = slot_bytes(between.vertices_changed, between.triangles_changed);
+        }
+        const CutReport report = scene.follow(eye(step), 2);
+        expected += slot_bytes(report.vertices_changed, report.triangles_changed);
+        CHECK(report.activations > 0);
+        CHECK(report.deactivations > 0);
+        followed.push_back(scene.draw(cut_mesh(scene.cut), eye(step)));
+        CHECK(scene.renderer->stats().bytes_uploaded == expected);
+        CHECK(expected < whole / 10);
+        scene.renderer->invalidate();
+        const Picture fresh = scene.draw(cut_mesh(scene.cut), eye(step));
+        CHECK(scene.renderer->stats().bytes_uploaded == whole);
+        CHECK((followed.back().colour.rgb == fresh.colour.rgb));
+        CHECK((followed.back().depth == fresh.depth));
+    }
+    CHECK((followed[0].depth != followed[5].depth));
+    CHECK(context().log().errors == 0);
+}
+
 TEST_CASE("no background shows between or inside tiles", "[picture]") {
     Scene scene(mountains(513), 5); // 16 x 16 tiles
     const auto holes = [](const Picture& picture) {
@@ -307,8 +365,21 @@ TEST_CASE("what cannot be drawn is refused with the number to change", "[picture
     const View view = scene.camera(0.5, 0.9, 150, 0, -5);
     OwnMesh mesh = copy_of(scene.refined(view, 2));
     std::string error;
-    const auto small = gl::Renderer::create(scene.loaded.terrain, scene.loaded.pack, {16, 16, 0}, error);
+    const auto small =
+        gl::Renderer::create(scene.loaded.terrain, scene.loaded.pack, {.vertices = 16, .indices = 16}, error);
     REQUIRE(small);
+    scene.make_cut();
+    scene.follow(view, 2);
+    const CutMesh cut = cut_mesh(scene.cut);
+    CHECK_THAT(small->draw(cut, view, {}, *scene.target), Catch::Contains("RendererOptions::vertices"));
+    gl::RendererOptions slots{.vertices = static_cast<std::uint32_t>(cut.mesh.vertices.size()),
+                              .indices = static_cast<std::uint32_t>(cut.mesh.indices.size())};
+    const auto few = gl::Renderer::create(scene.loaded.terrain, scene.loaded.pack, slots, error);
+    REQUIRE(few);
+    REQUIRE(cut.mesh.tiles.size() > scene.loaded.terrain.tile_count());
+    CHECK_THAT(few->draw(cut, view, {}, *scene.target), Catch::Contains("RendererOptions::ranges"));
+    CHECK_THAT(few->upload(cut), Catch::Contains("RendererOptions::morph"));
+    CHECK_THAT(few->draw_uploaded(mesh.view(), view, {}, *scene.target), Catch::Contains("upload()"));
     CHECK_THAT(small->draw(mesh.view(), view, {}, *scene.target), Catch::Contains("RendererOptions::vertices"));
     CHECK_FALSE(gl::Target::create({0, 10, 1}, error));
     CHECK_THAT(error, Catch::Contains("each side must be"));

@@ -6,6 +6,7 @@
 #include "fly/log.h"
 #include "fly/profile.h"
 #include "host/failure.h"
+#include "host/file.h"
 
 using namespace fjell;
 using namespace fjell::fly;
@@ -38,11 +39,25 @@ TEST_CASE("every shipped profile loads and names every key") {
         ++profiles;
         const Profile p = read_profile(file.path().string());
         CHECK(p.refine.error_px > 0);
-        CHECK(p.budget.indices >= p.budget.vertices);
+        CHECK(p.method == Method::incremental);
+        CHECK(p.cut_budget.triangles >= 2 * p.cut_budget.vertices);
+        CHECK(p.cut_budget.vertices == p.budget.vertices);
+        const std::vector<std::byte> bytes = host::read_file(file.path().string());
+        const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+        for (const char* key :
+             {"method", "error_px", "corner_safe", "hysteresis", "morph", "morph_s", "metric", "cull", "topology",
+              "vertices", "triangles", "views", "items", "budget_us", "indices", "width_px", "height_px", "fov_deg"}) {
+            INFO(file.path() << ' ' << key);
+            std::string line = "\n"; // by +=: g++ 12 warns of an impossible overlap in +
+            line += key;
+            line += " = ";
+            CHECK(text.find(line) != std::string_view::npos);
+        }
     }
     CHECK(profiles == 4);
     const Profile tiny = read_profile((folder / "tiny.toml").string());
     CHECK(tiny.budget.vertices == 4096);
+    CHECK(tiny.cut.items == 500);
     CHECK(tiny.width_px == 320);
 }
 
@@ -50,11 +65,18 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     const Profile d = parse_profile("", "p.toml");
     CHECK(d.refine.error_px == RefineSettings{}.error_px);
     CHECK(d.budget.vertices == RecursiveBudget{}.vertices);
+    CHECK(d.method == Method::incremental);
+    CHECK(d.cut_budget.vertices == CutBudget{}.vertices);
+    CHECK(d.cut_budget.triangles == CutBudget{}.triangles);
+    CHECK(d.cut.items == unlimited_items);
+    CHECK(d.cut.budget_us == 0);
+    CHECK(d.cut.morph == Morph::none);
     const Profile p = parse_profile(
         "[refine]\nmethod = \"recursive\"\nerror_px = 3\nmetric = \"depth\"\ncull = true\ncorner_safe = true\n"
         "topology = \"strip\"\n[budget]\nvertices = 1_000\nindices = 9_000\n"
         "[view]\nwidth_px = 640\nheight_px = 480\nfov_deg = 60.5\n",
         "p.toml");
+    CHECK(p.method == Method::recursive);
     CHECK(p.refine.error_px == 3);
     CHECK(p.refine.metric == Metric::depth);
     CHECK(p.refine.corner_safe);
@@ -65,6 +87,25 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     CHECK(p.height_px == 480);
     CHECK(p.fov_deg == 60.5);
     CHECK_FALSE(parse_profile("[refine]\ncull = false\n", "p.toml").refine.cull);
+    const Profile q = parse_profile(
+        "[refine]\nmethod = \"incremental\"\nerror_px = 3\ncorner_safe = true\nhysteresis = 0.5\nmorph = \"time\"\n"
+        "morph_s = 2\n[budget]\nvertices = 1_000\ntriangles = 2_000\nviews = 3\nitems = 400\nbudget_us = 99.5\n",
+        "p.toml");
+    CHECK(q.method == Method::incremental);
+    CHECK(q.cut_budget.vertices == 1000);
+    CHECK(q.cut_budget.triangles == 2000);
+    CHECK(q.cut_budget.views == 3);
+    const CutSettings settings = cut_settings(q, 1.5);
+    CHECK(settings.error_px == 3);
+    CHECK(settings.corner_safe);
+    CHECK(settings.hysteresis == 0.5);
+    CHECK(settings.morph == Morph::time);
+    CHECK(settings.morph_s == 2);
+    CHECK(settings.items == 400);
+    CHECK(settings.budget_us == 99.5);
+    CHECK(settings.now_s == 1.5);
+    CHECK(parse_profile("[refine]\nmorph = \"error\"\n", "p.toml").cut.morph == Morph::error);
+    CHECK(parse_profile("[budget]\nitems = 0\n", "p.toml").cut.items == unlimited_items);
 }
 
 TEST_CASE("a bad profile is refused in one line with file, line and key") {
@@ -79,7 +120,14 @@ TEST_CASE("a bad profile is refused in one line with file, line and key") {
     refuses("[refine]\nerror_px = \"1\"\n", "p.toml:2: refine.error_px: must be a number");
     refuses("[refine]\nmetric = \"manhattan\"\n", "p.toml:2: refine.metric: must be \"isotropic\" or \"depth\"");
     refuses("[refine]\ncull = 1\n", "p.toml:2: refine.cull: must be true or false");
-    refuses("[refine]\nmethod = \"incremental\"\n", "p.toml:2: refine.method: \"incremental\" is not in this version");
+    refuses("[refine]\nmethod = \"magic\"\n", "p.toml:2: refine.method: must be \"incremental\" or \"recursive\"");
+    refuses("[refine]\nmorph = true\n", "p.toml:2: refine.morph: must be \"none\" or \"error\" or \"time\"");
+    refuses("[refine]\nmorph_s = 0\n", "p.toml:2: refine.morph_s: must be a number from 0.01 to 10 (seconds)");
+    refuses("[refine]\nhysteresis = -0.1\n", "p.toml:2: refine.hysteresis: must be a number from 0 to 10");
+    refuses("[budget]\nviews = 9\n", "p.toml:2: budget.views: must be a whole number from 1 to 8");
+    refuses("[budget]\nitems = 4294967295\n", "p.toml:2: budget.items: must be a whole number from 0 to 4294967294");
+    refuses("[budget]\nbudget_us = -1\n", "p.toml:2: budget.budget_us: must be a number from 0 to");
+    refuses("[budget]\ntriangles = 0\n", "p.toml:2: budget.triangles: must be a whole number from 16");
     refuses("[budget]\nvertices = -1\n", "p.toml:2: budget.vertices: must be a whole number from 16");
     refuses("[budget]\nvertices = 1e6\n", "p.toml:2: budget.vertices: must be a whole number");
     refuses("[budget]\nindices = 99999999999\n", "p.toml:2: budget.indices: must be a whole number");
@@ -108,21 +156,72 @@ TEST_CASE("a flight's CSV names exhausted budgets and leaves unmeasured errors e
     FlightLog log;
     FrameEntry a;
     a.update_us = 12.34;
-    a.report.vertices = 5;
-    a.report.exhausted = budget_vertices | budget_indices;
-    a.report.error_px_asked = 1;
-    a.report.error_px_effective = 1.5;
+    a.vertices = 5;
+    a.exhausted = exhausted_vertices | exhausted_indices;
+    a.error_px_asked = 1;
+    a.error_px_effective = 1.5;
     FrameEntry b;
-    b.report.converged = true;
+    b.converged = b.settled = true;
     b.verified_px = 0.25;
+    b.items = 7;
+    b.exhausted = exhausted_triangles | exhausted_items | exhausted_time;
+    b.upload_bytes = 40;
     log.frames = {a, b};
     CHECK(csv(log) == "frame,update_us,vertices,triangles,tiles,written,error_px_asked,error_px_effective,exhausted,"
-                      "converged,verified_px\n"
-                      "0,12.3,5,0,0,0,1,1.5,vertices+indices,0,\n"
-                      "1,0.0,0,0,0,0,0,0,,1,0.25\n");
-    const Summary s = summarise(log);
+                      "converged,verified_px,items,evaluations,activations,deactivations,waiting,blocked,rising,"
+                      "triangles_drawn,rebuilt,bytes_uploaded,prepare_us,refine_us,output_us\n"
+                      "0,12.3,5,0,0,0,1,1.5,vertices+indices,0,,0,0,0,0,0,0,0,0,0,0,0.0,0.0,0.0\n"
+                      "1,0.0,0,0,0,0,0,0,triangles+items+time,1,0.25,7,0,0,0,0,0,0,0,0,40,0.0,0.0,0.0\n");
+    const Summary s = summarise(log, true);
     CHECK(s.converged == 1);
     CHECK(s.verified == 1);
     CHECK(s.effective_px_max == 1.5);
     CHECK(s.ns_per_vertex == Approx(12340.0 / 5));
+}
+
+TEST_CASE("a frame built from nothing is told apart from those that follow it") {
+    FlightLog log;
+    FrameEntry first, second, third;
+    first.rebuilt = true;
+    first.update_us = 9000;
+    first.items = 1000000;
+    first.activations = 1000;
+    first.upload_bytes = 1 << 20;
+    log.frames = {first};
+    CHECK(summarise(log, true).update_us.max == 9000);
+    second.update_us = 10;
+    second.items = second.item_limit = 40;
+    second.activations = 3;
+    second.deactivations = 1;
+    second.upload_bytes = 100;
+    third.update_us = 20;
+    third.items = 41;
+    third.item_limit = 40;
+    third.verified_px = 7; // lags: promises nothing
+    log.frames = {first, second, third};
+    const Summary s = summarise(log, true);
+    CHECK(s.rebuilt == 1);
+    CHECK(s.rebuild_us == 9000);
+    CHECK(s.rebuild_bytes == 1 << 20);
+    CHECK(s.update_us.max == 20);
+    CHECK(s.update_us_mean == 15);
+    CHECK(s.activations_mean == 1.5);
+    CHECK(s.upload_mean == 50);
+    CHECK(s.items_max == 41);
+    CHECK(s.overruns == 1);
+    CHECK(s.verified == 0);
+    CHECK_FALSE(s.verified_px_max);
+    CHECK(s.verified_lagging_px_max == 7);
+}
+
+TEST_CASE("each method's exhausted capacities keep their names") {
+    FrameReport recursive;
+    recursive.exhausted = budget_vertices | budget_indices;
+    CHECK(budget_names(entry_of(recursive).exhausted) == std::vector<std::string>{"vertices", "indices"});
+    CutReport cut;
+    cut.exhausted = cut_budget_vertices | cut_budget_triangles | cut_budget_items | cut_budget_time;
+    CHECK(budget_names(entry_of(cut, {}).exhausted) ==
+          std::vector<std::string>{"vertices", "triangles", "items", "time"});
+    cut.exhausted = cut_budget_triangles;
+    CHECK(budget_names(entry_of(cut, {}).exhausted) == std::vector<std::string>{"triangles"});
 }

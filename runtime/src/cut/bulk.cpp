@@ -501,13 +501,13 @@ bool build_all(CutState& s) {
     for (int z = s.terrain->tree.tile_log2 - 1; z >= 0; --z) {
         build_centres(s, z);
         build_sides(s, z);
-        if (s.report.exhausted != 0) return false;
+        if (s.short_of != 0) return false;
     }
     // Every active vertex has split a triangle into two, twice unless it lies on the rim.
     const std::uint32_t most = 2 * s.terrain->tile_count() + 2 * (s.budget.vertices - free_vertices(s) - corner_slots(s));
     const std::uint32_t chunks = (most >> s.chunk_log2) + s.terrain->tile_count() + 4;
     if (chunks > s.chunk_count) {
-        s.report.exhausted |= cut_budget_triangles;
+        s.short_of |= cut_budget_triangles;
         return false;
     }
     Emitter emitter(s);

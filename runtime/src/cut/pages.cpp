@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "cut/change.h"
+#include "cut/frame.h"
 
 namespace fjell {
 
@@ -29,6 +30,7 @@ void enter(CutState& s, std::uint32_t slot) {
     SlotInfo& info = s.slot_info[slot];
     info = {};
     info.page = page;
+    info.loads = t.slot_loads[slot];
     info.tile = page / s.pages_per_tile;
     info.tile_x = static_cast<std::int32_t>(info.tile) % s.tiles_x;
     info.tile_y = static_cast<std::int32_t>(info.tile) / s.tiles_x;
@@ -173,13 +175,20 @@ void follow_pages(CutState& s) {
     const Terrain& t = *s.terrain;
     if (s.seen_changes == t.changes) return;
     s.seen_changes = t.changes;
-    for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
-        if (s.slot_info[slot].page != no_page && s.slot_info[slot].page != t.slot_page[slot]) {
-            // release_page was not asked, or not waited for: the mesh must let go all the same.
-            for (std::uint32_t v = holding(s, slot); v != no_vertex; v = holding(s, slot))
-                if (deactivate(s, lowest_below(s, v)) != Outcome::done) break;
-            leave(s, slot);
+    for (std::uint32_t slot = 0; slot < t.slot_count; ++slot) {
+        const SlotInfo& info = s.slot_info[slot];
+        if (info.page == no_page || (info.page == t.slot_page[slot] && info.loads == t.slot_loads[slot])) continue;
+        // release_page was not asked, or not waited for: the mesh must let go all the same.
+        for (std::uint32_t v = holding(s, slot); v != no_vertex; v = holding(s, slot)) {
+            if (deactivate(s, lowest_below(s, v)) == Outcome::done) continue;
+            // No chunk for triangles that were hidden: then from the coarsest mesh, where all have room.
+            s.seen_changes = t.changes - 1;
+            reset(s);
+            begin_at_roots(s);
+            return;
         }
+        leave(s, slot);
+    }
     for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
         if (t.slot_page[slot] != no_page && s.slot_info[slot].page == no_page) enter(s, slot);
 }

@@ -43,6 +43,7 @@ struct SlotInfo {
     std::int32_t i0, j0; // the page's first square in its tile; page 0: 0
     std::int32_t tile_x, tile_y;
     std::int32_t base;    // lattice steps
+    std::uint32_t loads;  // Terrain::slot_loads when the page was entered
     std::uint16_t active; // vertices
     std::uint8_t z;       // log2 of the step; page 0: 0, its blocks say
     std::uint8_t shape;   // 0: page 0; 1: any other
@@ -91,7 +92,9 @@ struct DirtyBits {
 struct Governor {
     double effective_px; // 0: not started
     double failed_px;    // a threshold at which a capacity did not suffice; 0: none known
-    double failed_use;   // share of the scarcest capacity in use once that was mended; below 0: it is not yet
+    double failed_use;   // share of the scarcest capacity in use once that was mended
+    bool moved;          // the camera has since then
+    std::uint32_t cause; // CutBudgetBits that keep the effective threshold above the asked one
 };
 
 struct CutState {
@@ -147,6 +150,11 @@ struct CutState {
     std::uint64_t frame;
     std::uint32_t item_limit;
     bool lagging; // the frame before left work undone
+    std::uint32_t short_of; // CutBudgetBits of capacities that an activation has just wanted in vain
+    std::uint32_t retired_when_short; // deactivations before it did
+    std::uint32_t batches;            // carried out in this frame
+    std::uint32_t examined;           // blocks since the last batch, also of the frame before
+    bool still;                       // no eye has moved since the frame before
     std::chrono::steady_clock::time_point started;
     std::uint32_t work_ranks; // which work lists may hold blocks, as bits
     std::uint32_t turn;       // which of blocked_lists takes what is put back

@@ -60,7 +60,7 @@ void look(CutState& s, std::span<const View> views, double threshold_px) {
         const double full_px = threshold_px / (s.settings.corner_safe ? corner_factor(views[i]) : 1);
         const double px = full_px / early;
         const Reach reach = make_reach(views[i], px), keep = make_reach(views[i], px / (1 + s.settings.hysteresis));
-        const auto difference = [](float a, float b) { return std::abs(static_cast<double>(a) - static_cast<double>(b)); };
+        const auto difference = [](float a, float b) { return static_cast<double>(std::abs(a - b)); };
         const Vec3 way{difference(reach.eye_x, c.reach[i].eye_x), difference(reach.eye_y, c.reach[i].eye_y),
                        difference(reach.eye_z, c.reach[i].eye_z)};
         way_m = std::max(way_m, length(way) + difference(reach.pad, c.reach[i].pad));
@@ -75,6 +75,7 @@ void look(CutState& s, std::span<const View> views, double threshold_px) {
     c.views = s.view_count = static_cast<std::uint32_t>(views.size());
     c.hysteresis = s.settings.hysteresis > 0;
     constexpr double rounding = 1 + 0x1p-18; // reach_grow and of the sums above
+    s.still = !all && way_m == 0;
     for (std::uint32_t grade = 0; grade < grade_count; ++grade)
         advance(s.lists, grade, all ? 1e300 : (way_m + zoom * grade_error_m(s, grade)) * rounding);
 }
@@ -127,8 +128,12 @@ void finish(CutState& s) {
     r.vertices = r.vertex_slots.used;
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) r.triangles += s.tiles[tile].total;
     r.blocked = blocked(s);
+    if (s.short_of != 0) s.governor.cause = s.short_of;
+    if (r.error_px_effective <= r.error_px_asked) s.governor.cause = s.short_of;
+    r.exhausted |= s.governor.cause;
     r.rising = s.birth_count;
-    r.waiting = waiting(s) + s.draining_count;
+    r.waiting = waiting(s);
+    for (std::uint32_t i = 0; i < s.draining_count; ++i) r.waiting += s.slot_info[s.draining[i]].active != 0;
     r.vertices_changed = s.dirty_vertices.slots;
     r.triangles_changed = s.dirty_triangles.slots;
     const std::uint32_t gated = size(s.lists, gated_lists) + size(s.lists, gated_lists + 1);
@@ -136,7 +141,7 @@ void finish(CutState& s) {
     r.converged = r.waiting == 0 && r.rising == 0 && r.error_px_effective <= r.error_px_asked;
     const double use = std::max(static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
                                 static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity);
-    (void)govern(s.governor, r.error_px_asked, use, r.blocked != 0, !s.lagging);
+    (void)govern(s.governor, r.error_px_asked, use, s.short_of != 0, !s.lagging, s.still);
 }
 
 } // namespace
@@ -147,13 +152,13 @@ namespace {
 constexpr std::uint32_t batch_blocks = 16;
 
 bool out_of_time(CutState& s) {
-    if (s.settings.budget_us <= 0 || microseconds(s.started, Clock::now()) < s.settings.budget_us) return false;
+    if (s.settings.budget_us <= 0 || s.report.items == 0 || microseconds(s.started, Clock::now()) < s.settings.budget_us) return false;
     s.report.exhausted |= cut_budget_time;
     return true;
 }
 
 void fetch_for(const CutState& s, std::span<const std::uint32_t> blocks) {
-    constexpr std::uint32_t most = 3 * batch_blocks; // of changes; more would push each other out of the cache
+    constexpr std::uint32_t most = 6 * batch_blocks; // of changes; more would push each other out of the cache
     Plan plans[most];
     std::uint32_t count = 0;
     for (const std::uint32_t block : blocks)
@@ -186,23 +191,28 @@ bool carry_out_batch(CutState& s, std::uint32_t list, bool may_retire) {
     return true;
 }
 
-bool short_of_capacity(const CutState& s) {
-    return (s.report.exhausted & (cut_budget_vertices | cut_budget_triangles)) != 0;
-}
+// While the mesh lags, one batch in four gives slots back, or it would outgrow what the view wants.
+constexpr std::uint32_t retire_every = 4;
 
-// The queue that comes next; no_list when all are done. Deactivations come last, but first when a capacity is spent.
+// The queue that comes next; no_list when all are done. Deactivations come last, but first when a capacity is spent, and
+// then what was blocked is tried again.
 std::uint32_t next_queue(CutState& s) {
-    if (short_of_capacity(s) && size(s.lists, retire_list) != 0) return retire_list;
+    const bool can_retire = size(s.lists, retire_list) != 0;
+    if (can_retire && (s.short_of != 0 || (s.lagging && s.batches % retire_every == 0))) return retire_list;
+    if (s.short_of != 0 && s.retired_when_short != s.report.deactivations) {
+        s.short_of = 0;
+        s.turn ^= 1;
+    }
     while (s.work_ranks != 0) {
         const auto rank = static_cast<std::uint32_t>(std::bit_width(s.work_ranks)) - 1;
         if (size(s.lists, work_lists + rank) != 0) return work_lists + rank;
         s.work_ranks &= ~(1u << rank);
     }
-    if (size(s.lists, retire_list) != 0) return retire_list;
+    if (can_retire) return retire_list;
     const std::uint32_t gated_before = gated_lists + (s.gated_turn ^ 1);
     if (s.gate_open && size(s.lists, gated_before) != 0) return gated_before;
     const std::uint32_t blocked_before = blocked_lists + (s.turn ^ 1);
-    return size(s.lists, blocked_before) != 0 && !short_of_capacity(s) ? blocked_before : no_list;
+    return size(s.lists, blocked_before) != 0 && s.short_of == 0 ? blocked_before : no_list;
 }
 
 } // namespace
@@ -219,23 +229,26 @@ void refine(CutState& s) {
         __builtin_prefetch(records + block_lanes - 1);
     };
     std::uint32_t grade = grade_count; // of due blocks, plus one
-    std::uint32_t examined = 0;        // since the last batch
     // While the mesh lags, what is known to be bad does not wait for all that might be.
     const std::uint32_t most_examined = s.lagging ? 2 * batch_blocks : unlimited_items;
     while (s.report.items < s.item_limit) {
         while (grade != 0 && size(s.lists, due_lists + grade - 1) == 0) --grade;
-        if (grade != 0 && examined < most_examined) {
+        if (grade != 0 && s.examined < most_examined) {
             if (out_of_time(s)) return;
             const std::uint32_t block = pop_due(s.lists, grade - 1, fetch);
             s.blocks[block].list = held;
             examine(s, block);
-            ++examined;
+            ++s.examined;
             continue;
         }
-        examined = 0;
+        s.examined = 0;
         const std::uint32_t list = next_queue(s);
         if (list == no_list && grade == 0) return;
-        if (list != no_list && !carry_out_batch(s, list, list == retire_list || !s.lagging)) break;
+        if (list == no_list) continue;
+        const std::uint32_t short_before = s.short_of;
+        if (!carry_out_batch(s, list, list == retire_list || !s.lagging)) break;
+        ++s.batches;
+        if (s.short_of != short_before) s.retired_when_short = s.report.deactivations;
     }
     if (s.report.items >= s.item_limit && waiting(s) != blocked(s) && (s.report.exhausted & cut_budget_time) == 0) s.report.exhausted |= cut_budget_items;
 }
@@ -250,6 +263,7 @@ void begin_frame(CutState& s, const CutSettings& settings) {
     s.report = {};
     s.report.frame = ++s.frame;
     s.report.error_px_asked = settings.error_px;
+    s.short_of = s.batches = s.retired_when_short = 0;
 }
 
 // Every slot that is in use: after a rebuild they are the first ones.
@@ -267,7 +281,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     s.item_limit = settings.items;
     CutReport& r = s.report;
     s.governor.effective_px = std::max(s.governor.effective_px, settings.error_px);
-    if (s.governor.failed_px == 0) s.governor.effective_px = settings.error_px;
+    if (s.governor.cause == 0) s.governor.effective_px = settings.error_px;
     r.error_px_effective = s.governor.effective_px;
     look(s, views, s.governor.effective_px);
     follow_pages(s);
@@ -295,13 +309,13 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     s.report.rebuilt = true;
     CutReport& r = s.report;
     // A rebuild starts afresh: with the asked threshold, or the lowest one above it that the capacities allow.
-    s.governor = {settings.error_px, 0, -1};
-    std::uint32_t exhausted = 0;
+    s.governor = {settings.error_px, 0, governor_full, false, 0};
     for (;;) {
         reset(s);
         look(s, views, s.governor.effective_px);
         if (build_all(s)) break;
-        exhausted |= std::exchange(r.exhausted, 0u);
+        s.governor.cause |= std::exchange(s.short_of, 0u);
+        r.evaluations = 0;
         s.governor.failed_px = s.governor.effective_px;
         s.governor.effective_px *= governor_up;
         if (s.governor.effective_px < governor_most_px) continue;
@@ -311,9 +325,10 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         refine(s);
         break;
     }
-    r.exhausted = exhausted;
     r.error_px_effective = s.governor.effective_px;
     mark_all(s);
+    r.activations = s.budget.vertices - free_vertices(s) - corner_slots(s);
+    r.items = r.evaluations + r.activations;
     const auto built = Clock::now();
     finish(s);
     r.refine_us = microseconds(s.started, built);

@@ -109,31 +109,43 @@ void carry_out(CutState& s, std::uint32_t number, bool may_retire) {
     evaluate_block(s, number, look);
     CutReport& r = s.report;
     bool blocked = false, gated = false;
-    for (std::uint32_t lanes = look.rising(); lanes != 0 && r.items < s.item_limit; lanes &= lanes - 1) {
-        const Outcome outcome = activate(s, number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)));
-        if (outcome == Outcome::done) {
-            ++r.activations;
+    // To look again is part of the first change: with one item a frame a mesh must get somewhere, too.
+    bool looked = true;
+    const auto spend = [&](std::uint32_t& changes) {
+        ++changes;
+        if (looked)
+            --r.evaluations;
+        else
             ++r.items;
-        } else if (outcome == Outcome::gated) {
-            gated = true;
-        } else {
-            r.exhausted |= outcome == Outcome::no_vertices ? cut_budget_vertices : cut_budget_triangles;
+        looked = false;
+    };
+    const auto may_go_on = [&] { return looked || r.items < s.item_limit; };
+    for (std::uint32_t lanes = look.rising(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
+        switch (activate(s, number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)))) {
+        case Outcome::done: spend(r.activations); break;
+        case Outcome::gated: gated = true; break;
+        case Outcome::no_vertices:
+            s.short_of |= cut_budget_vertices;
             blocked = true;
+            break;
+        case Outcome::no_triangles:
+            s.short_of |= cut_budget_triangles;
+            blocked = true;
+            break;
         }
     }
     if (may_retire)
-        for (std::uint32_t lanes = look.falling(); lanes != 0 && r.items < s.item_limit; lanes &= lanes - 1) {
+        for (std::uint32_t lanes = look.falling(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
             if (deactivate(s, number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes))) ==
                 Outcome::done) {
-                ++r.deactivations;
-                ++r.items;
+                spend(r.deactivations);
             } else {
-                r.exhausted |= cut_budget_triangles;
+                s.short_of |= cut_budget_triangles;
                 blocked = true;
             }
         }
     if (blocked) return queue(s, number, look, blocked_lists + s.turn);
-    if (gated && r.items < s.item_limit) return queue(s, number, look, gated_lists + s.gated_turn);
+    if (gated && may_go_on()) return queue(s, number, look, gated_lists + s.gated_turn);
     if (look.rising() != 0) return queue_rising(s, number, look);
     if (look.falling() != 0) return queue(s, number, look, retire_list);
     settle(s, number, look);
@@ -144,7 +156,7 @@ std::uint32_t build_block(CutState& s, std::uint32_t number) {
     evaluate_block(s, number, look);
     const std::uint32_t lanes = look.rising();
     if (free_vertices(s) < block_lanes) {
-        s.report.exhausted |= cut_budget_vertices;
+        s.short_of |= cut_budget_vertices;
         return 0;
     }
     SlotInfo& info = s.slot_info[number / max_page_blocks];

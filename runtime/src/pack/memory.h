@@ -15,6 +15,7 @@ struct TerrainMemory {
     PageEntry* page_table;
     VertexRecord* records;
     std::uint32_t* slot_page;
+    std::uint32_t* slot_loads;
     std::uint32_t* corners;
     std::uint32_t* free_slots; // a stack
     std::uint32_t free_count;

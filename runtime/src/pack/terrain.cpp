@@ -30,7 +30,7 @@ std::uint32_t slots_of(const PackHeader& h, const TerrainBudget& budget, const P
 
 // One function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t page_table, records, slot_page, free_slots, corners, zstd, raw, end;
+    std::size_t page_table, records, slot_page, slot_loads, free_slots, corners, zstd, raw, end;
 };
 
 Layout layout_of(const PackHeader& h, const TerrainBudget& budget) {
@@ -42,6 +42,7 @@ Layout layout_of(const PackHeader& h, const TerrainBudget& budget) {
     l.records = place(slots * pages.page_capacity() * sizeof(VertexRecord));
     l.page_table = place(tiles * pages.pages_per_tile() * sizeof(PageEntry));
     l.slot_page = place(slots * sizeof(std::uint32_t));
+    l.slot_loads = place(slots * sizeof(std::uint32_t));
     l.free_slots = place(slots * sizeof(std::uint32_t));
     l.corners = place(chunk_raw_bytes(h, {ChunkKind::corners, 0, 0}));
     l.zstd = place(ZSTD_estimateDCtxSize());
@@ -199,6 +200,7 @@ Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<s
     m.page_table = reinterpret_cast<PageEntry*>(at + l.page_table);
     m.records = reinterpret_cast<VertexRecord*>(at + l.records);
     m.slot_page = reinterpret_cast<std::uint32_t*>(at + l.slot_page);
+    m.slot_loads = reinterpret_cast<std::uint32_t*>(at + l.slot_loads);
     m.free_slots = reinterpret_cast<std::uint32_t*>(at + l.free_slots);
     m.corners = reinterpret_cast<std::uint32_t*>(at + l.corners);
     m.zstd = ZSTD_initStaticDCtx(at + l.zstd, ZSTD_estimateDCtxSize());
@@ -213,6 +215,7 @@ Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<s
     for (std::uint32_t i = 0; i < t.page_count(); ++i) m.page_table[i] = {no_page_slot, 0};
     for (std::uint32_t i = 0; i < t.slot_count; ++i) {
         m.slot_page[i] = no_page;
+        m.slot_loads[i] = 0;
         m.free_slots[i] = t.slot_count - 1 - i;
     }
     m.free_count = t.slot_count;
@@ -227,6 +230,7 @@ Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<s
     t.page_table = m.page_table;
     t.records = m.records;
     t.slot_page = m.slot_page;
+    t.slot_loads = m.slot_loads;
     t.corners = m.corners;
     t.memory = &m;
     terrain = t;
@@ -252,6 +256,7 @@ Status load_page(const Pack& pack, Terrain& terrain, std::uint32_t tile, std::ui
     store(terrain, page, m, m.records + std::size_t{slot} * terrain.page_capacity);
     table[page] = {slot, m.arrays.base};
     m.slot_page[slot] = tile * terrain.pages_per_tile + page;
+    ++m.slot_loads[slot];
     --terrain.pages_missing;
     ++terrain.changes;
     return {};

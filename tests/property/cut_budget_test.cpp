@@ -1,0 +1,388 @@
+// Budgets of the live cut: each runs out alone, says its name, breaks nothing and is forgiven; the governor; refusals.
+#include <catch2/catch.hpp>
+
+#include "support/cut_scene.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+std::uint32_t corners_of(const Terrain& terrain) {
+    return (terrain.header.tiles_x + 1) * (terrain.header.tiles_y + 1);
+}
+// The smallest that create_cut() takes.
+CutBudget least_cut(const Terrain& terrain, std::uint32_t chunk_triangles = 8) {
+    CutBudget budget;
+    budget.vertices = corners_of(terrain);
+    budget.chunk_triangles = chunk_triangles;
+    budget.triangles = chunk_triangles * (terrain.tile_count() + 3);
+    return budget;
+}
+
+Status create(const Terrain& terrain, const CutBudget& budget, std::size_t bytes) {
+    const auto block = host::make_block(std::max<std::size_t>(bytes, 64));
+    LiveCut cut;
+    return create_cut(terrain, budget, {block.get(), bytes}, cut);
+}
+
+// So many frames at rest; how often the effective threshold turned round, and whether it came to stand in the last
+// tenth of them.
+struct Rest {
+    int turns = 0;
+    bool stands = true;
+    CutReport last;
+};
+Rest rest(Cut& cut, const View& view, const CutSettings& settings, int frames) {
+    Rest r;
+    double before = 0;
+    int direction = 0;
+    for (int frame = 0; frame < frames; ++frame) {
+        r.last = cut.update({&view, 1}, settings);
+        const double now = r.last.error_px_effective;
+        if (frame > 0 && now != before) {
+            const int step = now > before ? 1 : -1;
+            r.turns += direction != 0 && step != direction;
+            direction = step;
+            if (frame > frames - frames / 10) r.stands = false;
+        }
+        before = now;
+    }
+    return r;
+}
+
+} // namespace
+
+TEST_CASE("each budget that is too small alone lowers quality, names itself, breaks nothing and is forgiven") {
+    Random random(141);
+    std::uint32_t seen = 0;
+    int recovered = 0;
+    for (int round = 0; round < 60; ++round) {
+        const auto pack = random_terrain(random, 90, 5);
+        const Terrain& terrain = pack.terrain;
+        const auto bit = static_cast<CutBudgetBit>(1u << (round % 4));
+        CutBudget budget = ample_cut(terrain);
+        CutSettings settings, far;
+        settings.error_px = std::pow(10.0, uniform(random, -2, -0.5));
+        switch (bit) {
+        case cut_budget_vertices:
+            budget.vertices = corners_of(terrain) + static_cast<std::uint32_t>(pick(random, 0, 200));
+            break;
+        case cut_budget_triangles:
+            budget.chunk_triangles = 8;
+            budget.triangles = 8 * (terrain.tile_count() + 3 + static_cast<std::uint32_t>(pick(random, 0, 60)));
+            break;
+        case cut_budget_items: settings.items = static_cast<std::uint32_t>(pick(random, 2, 60)); break;
+        case cut_budget_time: settings.budget_us = 1e-3; break; // less than a look at the clock takes
+        }
+        Cut cut(terrain, budget);
+        bool ran_out = false;
+        View view = random_view(random, terrain);
+        for (int frame = 0; frame < 30; ++frame) {
+            view = moved(random, view, random_step_m(random, terrain));
+            if (frame == 15) view = random_view(random, terrain);
+            const CutReport report = cut.update({&view, 1}, settings);
+            CAPTURE(round, frame, settings.error_px, budget.vertices, budget.triangles, settings.items);
+            REQUIRE(check_frame(cut, terrain, report, settings) == "");
+            REQUIRE((report.exhausted & ~bit) == 0);
+            if (!report.converged && report.error_px_effective == report.error_px_asked)
+                REQUIRE(report.exhausted == bit);
+            REQUIRE(report.vertex_slots.used <= report.vertex_slots.capacity);
+            REQUIRE(report.triangle_slots.used <= report.triangle_slots.capacity);
+            REQUIRE(report.vertex_slots.peak >= report.vertex_slots.used);
+            REQUIRE(report.triangle_slots.peak >= report.triangle_slots.used);
+            ran_out = ran_out || report.exhausted != 0;
+        }
+        if (ran_out) seen |= bit;
+        // The camera leaves to where the coarsest mesh will do, at the same threshold, and all is well again.
+        far = settings;
+        far.items = unlimited_items;
+        far.budget_us = 0;
+        far.error_px = 1e6;
+        const CutReport report = settle(cut, {&view, 1}, far, 300);
+        CAPTURE(round, budget.vertices, budget.triangles, report.error_px_effective, report.waiting, report.blocked);
+        const VertexSet target = target_set(terrain, terrain, {&view, 1}, far.error_px);
+        const auto size = static_cast<std::uint32_t>(std::count(target.begin(), target.end(), true));
+        // The governor stays where four fifths are in use; and spheres that hold the eye count at any threshold.
+        if (size * 5 > budget.vertices * 4 || bit == cut_budget_triangles) continue;
+        REQUIRE(report.converged);
+        REQUIRE(report.exhausted == 0);
+        REQUIRE(difference(active_set(cut), target) == "");
+        ++recovered;
+    }
+    REQUIRE(seen == (cut_budget_vertices | cut_budget_triangles | cut_budget_items | cut_budget_time));
+    REQUIRE(recovered > 30);
+}
+
+TEST_CASE("when the camera leaves, the threshold comes back to what is asked, and the cut to the target") {
+    Random random(142);
+    for (int round = 0; round < 16; ++round) {
+        const auto pack = rich_terrain(random, 97, 4 + round % 2);
+        const Terrain& terrain = pack.terrain;
+        CutBudget budget = ample_cut(terrain);
+        if (round % 4 < 2)
+            budget.vertices = corners_of(terrain) + 600;
+        else
+            budget.triangles = budget.chunk_triangles * (terrain.tile_count() * 2 + 40);
+        Cut cut(terrain, budget);
+        CutSettings settings;
+        // Half of what the budget holds: found from afar, where it suffices.
+        const View near_by = view_from_above(terrain, 0.01), far = view_from_above(terrain, 3);
+        settings.error_px = 1e-3;
+        for (;; settings.error_px *= 1.2) {
+            Cut free(terrain, ample_cut(terrain));
+            const CutReport wish = free.update({&far, 1}, settings);
+            if (wish.vertices * 2 < budget.vertices && wish.triangle_slots.used * 2 < budget.triangles) break;
+        }
+        CutReport report;
+        // It leaves when the governor has found what suffices, or while it still looks for it.
+        const bool found = round % 3 == 0;
+        const int stay = found ? 100 : pick(random, 1, 12);
+        for (int frame = 0; frame < stay; ++frame) report = cut.update({&near_by, 1}, settings);
+        CAPTURE(round, stay, settings.error_px, report.error_px_effective, report.vertices);
+        REQUIRE_FALSE(report.converged);
+        if (stay > 1) REQUIRE(report.error_px_effective > settings.error_px);
+        REQUIRE(check_frame(cut, terrain, report, settings) == "");
+        // Most of the scarce capacity stays in use: what is governed is not thrown away.
+        REQUIRE(std::max(report.vertex_slots.used / static_cast<double>(report.vertex_slots.capacity),
+                         report.triangle_slots.used / static_cast<double>(report.triangle_slots.capacity)) > 0.6);
+        report = settle(cut, {&far, 1}, settings, 200);
+        REQUIRE(report.converged);
+        REQUIRE(report.error_px_effective == settings.error_px);
+        REQUIRE(report.exhausted == 0);
+        REQUIRE(difference(active_set(cut), target_set(terrain, terrain, {&far, 1}, settings.error_px)) == "");
+    }
+}
+
+TEST_CASE("after a step of the threshold or the camera the governor turns round at most once, and then stands") {
+    Random random(143);
+    int governed = 0;
+    for (int round = 0; round < 60; ++round) {
+        const auto pack = round % 2 ? rich_terrain(random, 97, 5) : random_terrain(random, 97, 5);
+        const Terrain& terrain = pack.terrain;
+        CutBudget budget = ample_cut(terrain);
+        if (pick(random, 0, 1))
+            budget.vertices = corners_of(terrain) + static_cast<std::uint32_t>(pick(random, 10, 2000));
+        else
+            budget.triangles =
+                budget.chunk_triangles * (terrain.tile_count() + 3 + static_cast<std::uint32_t>(pick(random, 1, 200)));
+        Cut cut(terrain, budget);
+        View view = random_view(random, terrain);
+        CutSettings settings;
+        settings.error_px = random_threshold(random) / 10;
+        for (int leg = 0; leg < 4; ++leg) {
+            // Some threshold must suffice: not when the spheres around the eye alone are too many.
+            Cut coarse(terrain, ample_cut(terrain));
+            CutSettings coarsest;
+            coarsest.error_px = 1e4;
+            const CutReport least = coarse.update({&view, 1}, coarsest);
+            const bool suffices =
+                least.vertices * 2 < budget.vertices && (least.triangle_slots.used + 64) * 2 < budget.triangles;
+            const Rest r = rest(cut, view, settings, 200);
+            CAPTURE(round, leg, settings.error_px, budget.vertices, budget.triangles, r.last.error_px_effective,
+                    r.last.vertices, r.last.triangle_slots.used, r.last.blocked);
+            if (suffices) CHECK(r.turns <= 1);
+            if (suffices) CHECK(r.stands);
+            REQUIRE(check_frame(cut, terrain, r.last, settings) == "");
+            governed += r.last.error_px_effective > settings.error_px;
+            if (pick(random, 0, 1))
+                view = random_view(random, terrain);
+            else
+                settings.error_px = random_threshold(random) / 10;
+        }
+    }
+    REQUIRE(governed > 20);
+}
+
+TEST_CASE("the smallest budgets that are taken give the coarsest meshes, with holes too, and never get stuck") {
+    Random random(144);
+    for (int round = 0; round < 60; ++round) {
+        const auto pack = random_terrain(random, 70, 4);
+        const Terrain& terrain = pack.terrain;
+        CutBudget budget = least_cut(terrain, round % 2 ? 8 : 16);
+        if (round % 3 == 1) budget.vertices += 300;                           // triangles alone are short
+        if (round % 3 == 2) budget.triangles += 200 * budget.chunk_triangles; // vertices alone are
+        Cut cut(terrain, budget);
+        CutSettings settings;
+        for (int frame = 0; frame < 40; ++frame) {
+            const View view = random_view(random, terrain);
+            settings.error_px = random_threshold(random) / (frame % 2 ? 10 : 1);
+            for (int again = 0; again < 3; ++again) {
+                const CutReport report = cut.update({&view, 1}, settings);
+                CAPTURE(round, frame, settings.error_px, budget.vertices, budget.triangles);
+                REQUIRE(check_frame(cut, terrain, report, settings) == "");
+            }
+        }
+    }
+}
+
+TEST_CASE("a budget that just holds what is asked is found to hold it, whatever came before") {
+    Random random(149);
+    for (int round = 0; round < 30; ++round) {
+        const auto pack = random_terrain(random, 70, 4);
+        const Terrain& terrain = pack.terrain;
+        CutBudget budget = least_cut(terrain);
+        if (round % 2) {
+            budget.vertices += 300;
+            budget.triangles += 8 * 100;
+        }
+        Cut cut(terrain, budget);
+        CutSettings settings;
+        for (int frame = 0; frame < 60; ++frame) {
+            const View view = random_view(random, terrain);
+            settings.error_px = random_threshold(random) / 10;
+            (void)cut.update({&view, 1}, settings);
+        }
+        const View view = random_view(random, terrain);
+        settings.error_px = 1e5;
+        const CutReport old = settle(cut, {&view, 1}, settings, 400);
+        Cut fresh(terrain, budget);
+        const CutReport wish = settle(fresh, {&view, 1}, settings, 400);
+        CAPTURE(round, old.waiting, old.blocked, old.error_px_effective, wish.error_px_effective, budget.vertices,
+                budget.triangles);
+        REQUIRE(old.converged == wish.converged);
+        if (wish.converged) REQUIRE(difference(active_set(cut), active_set(fresh)) == "");
+    }
+}
+
+TEST_CASE("where no threshold suffices the effective one does not run away, and the camera can leave") {
+    Random random(150);
+    const auto pack = rich_terrain(random, 65, 5);
+    CutBudget budget = least_cut(pack.terrain);
+    budget.vertices += 8;
+    budget.triangles += 8 * 8;
+    Cut cut(pack.terrain, budget);
+    // On the ground, inside the spheres of more vertices than fit: those are wanted at any threshold.
+    const double middle = pack.terrain.x_m(32);
+    View view = view_from_above(pack.terrain, 1);
+    view.eye_m = {middle, pack.terrain.ground_m(middle, pack.terrain.z_m(32)), pack.terrain.z_m(32)};
+    CutSettings settings;
+    settings.error_px = 1;
+    CutReport report;
+    for (int frame = 0; frame < 10'000; ++frame) report = cut.update({&view, 1}, settings); // three minutes
+    CAPTURE(report.error_px_effective);
+    CHECK(report.blocked != 0);
+    CHECK(report.error_px_effective <= 1e7); // no farther than ten times what may be asked
+    view.eye_m = view.eye_m + Vec3{0, middle * 1e3, 0};
+    report = settle(cut, {&view, 1}, settings, 600); // ten seconds
+    REQUIRE(report.vertices * 5 < budget.vertices * 4);
+    REQUIRE(report.converged);
+}
+
+TEST_CASE("cut_bytes() is what create_cut() takes, and one byte less is refused") {
+    Random random(145);
+    for (int round = 0; round < 20; ++round) {
+        const auto pack = random_terrain(random, 60, 5);
+        CutBudget budget = least_cut(pack.terrain, 8u << pick(random, 0, 4));
+        budget.vertices += static_cast<std::uint32_t>(pick(random, 0, 5000));
+        budget.triangles += static_cast<std::uint32_t>(pick(random, 0, 5000));
+        budget.views = static_cast<std::uint32_t>(pick(random, 1, 8));
+        const std::size_t bytes = cut_bytes(pack.terrain, budget);
+        REQUIRE(bytes > 0);
+        REQUIRE(create(pack.terrain, budget, bytes).ok());
+        const Status less = create(pack.terrain, budget, bytes - 1);
+        REQUIRE(less.code == Code::block_too_small);
+        REQUIRE(std::string(less.field) == "block");
+    }
+}
+
+TEST_CASE("an absurd budget is refused by the field's name before anything is asked of memory") {
+    Random random(146);
+    const auto pack = rich_terrain(random, 65, 4);
+    const Terrain& terrain = pack.terrain;
+    const auto refused = [&](const CutBudget& budget, Code code, const std::string& field) {
+        REQUIRE(cut_bytes(terrain, budget) == 0);
+        const Status s = create(terrain, budget, 1 << 20);
+        CHECK(s.code == code);
+        CHECK(std::string(s.field).rfind(field, 0) == 0);
+    };
+    const CutBudget good = least_cut(terrain);
+    REQUIRE(cut_bytes(terrain, good) != 0);
+    CutBudget b = good;
+    b.vertices = good.vertices - 1;
+    refused(b, Code::budget_too_small, "CutBudget::vertices");
+    b.vertices = 0;
+    refused(b, Code::budget_too_small, "CutBudget::vertices");
+    b.vertices = 0xffffffff;
+    refused(b, Code::out_of_range, "CutBudget::vertices");
+    b = good;
+    b.triangles = good.triangles - 1;
+    refused(b, Code::budget_too_small, "CutBudget::triangles");
+    b.triangles = 0;
+    refused(b, Code::budget_too_small, "CutBudget::triangles");
+    b.triangles = 0xffffffff;
+    refused(b, Code::out_of_range, "CutBudget::triangles");
+    for (const std::uint32_t chunk : {0u, 1u, 4u, 7u, 9u, 1u << 17, 0xffffffffu}) {
+        b = good;
+        b.chunk_triangles = chunk;
+        refused(b, Code::out_of_range, "CutBudget::chunk_triangles");
+    }
+    for (const std::uint32_t views : {0u, max_cut_views + 1, 0xffffffffu}) {
+        b = good;
+        b.views = views;
+        refused(b, Code::out_of_range, "CutBudget::views");
+    }
+    baker::BakeOptions options = small_bake(4);
+    options.order = Order::linear;
+    const auto linear = bake_and_load(random_dem(random, 33, 33, Shape::fractal), options);
+    REQUIRE(create(linear.terrain, least_cut(linear.terrain), 1 << 20).code == Code::not_supported);
+    REQUIRE(cut_bytes(linear.terrain, least_cut(linear.terrain)) == 0);
+}
+
+TEST_CASE("a block that is not aligned is refused") {
+    Random random(147);
+    const auto pack = rich_terrain(random, 33, 4);
+    const std::size_t bytes = cut_bytes(pack.terrain, {});
+    const auto block = host::make_block(bytes + 64);
+    LiveCut cut;
+    const Status s = create_cut(pack.terrain, {}, {block.get() + 32, bytes}, cut);
+    REQUIRE(s.code == Code::out_of_range);
+    REQUIRE(std::string(s.field) == "block alignment");
+}
+
+TEST_CASE("a bad view or setting is refused by name and changes nothing") {
+    Random random(148);
+    const auto pack = rich_terrain(random, 65, 5);
+    Cut cut(pack.terrain, ample_cut(pack.terrain));
+    const View good = random_view(random, pack.terrain);
+    (void)cut.update({&good, 1}, {});
+    const auto before = triangles_of(cut.mesh());
+    const double nan = std::nan("");
+    const auto refused = [&](const View& view, const CutSettings& settings, const std::string& field) {
+        CutReport report;
+        const Status s = update_cut(cut.cut, {&view, 1}, settings, report);
+        CHECK(s.code == Code::out_of_range);
+        CHECK(std::string(s.field).rfind(field, 0) == 0);
+        CHECK((triangles_of(cut.mesh()) == before));
+        CHECK(check_cut(cut) == "");
+        CHECK(rebuild_cut(cut.cut, {&view, 1}, settings, report).code == Code::out_of_range);
+        CHECK((triangles_of(cut.mesh()) == before));
+    };
+    View bad = good;
+    bad.eye_m.x = nan;
+    refused(bad, {}, "View::eye_m");
+    bad = good;
+    bad.lambda_px = 0;
+    refused(bad, {}, "View::lambda_px");
+    const auto setting = [&](auto field, std::initializer_list<double> values, const std::string& name) {
+        for (const double value : values) {
+            CutSettings settings;
+            settings.*field = value;
+            CAPTURE(name, value);
+            refused(good, settings, name);
+        }
+    };
+    setting(&CutSettings::error_px, {0, -1, 1e-4, 1e7, nan}, "CutSettings::error_px");
+    setting(&CutSettings::hysteresis, {-1e-9, 11, nan}, "CutSettings::hysteresis");
+    setting(&CutSettings::budget_us, {-1, nan}, "CutSettings::budget_us");
+    setting(&CutSettings::morph_s, {0, 0.001, 11, nan}, "CutSettings::morph_s");
+    setting(&CutSettings::now_s, {nan, 1.0 / 0.0}, "CutSettings::now_s");
+    REQUIRE(cut.update({&good, 1}, {}).items == 0);
+}
+
+TEST_CASE("every bit names its field") {
+    REQUIRE(std::string(budget_field(cut_budget_vertices)) == "CutBudget::vertices");
+    REQUIRE(std::string(budget_field(cut_budget_triangles)) == "CutBudget::triangles");
+    REQUIRE(std::string(budget_field(cut_budget_items)) == "CutSettings::items");
+    REQUIRE(std::string(budget_field(cut_budget_time)) == "CutSettings::budget_us");
+}

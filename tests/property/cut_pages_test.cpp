@@ -1,0 +1,236 @@
+// Pages that come and go under a live cut: asked back and waited for, or torn away.
+#include <catch2/catch.hpp>
+
+#include "support/cut_scene.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+struct Page {
+    std::uint32_t tile, page;
+    friend bool operator==(const Page&, const Page&) = default;
+};
+
+// A host that loads and unloads at random.
+struct Host {
+    Random& random;
+    const Pack& pack;
+    Terrain& terrain;
+    Cut& cut;
+    bool torn = false;                    // pages may go without being asked back
+    std::vector<Page> leaving, just_torn; // just_torn: asked back and gone since the last frame
+    std::uint32_t loaded = 0, released = 0, torn_away = 0;
+
+    [[nodiscard]] Page any() {
+        return {static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.tile_count()) - 1)),
+                static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.pages_per_tile) - 1))};
+    }
+    [[nodiscard]] bool is_loaded(Page p) const {
+        return terrain.page_table[p.tile * terrain.pages_per_tile + p.page].slot != no_page_slot;
+    }
+    void load(Page p) {
+        for (const auto& pages : {leaving, just_torn})
+            if (std::find(pages.begin(), pages.end(), p) != pages.end()) return;
+        const std::uint32_t missing = terrain.pages_missing;
+        const Status s = load_page(pack, terrain, p.tile, p.page);
+        REQUIRE((s.ok() || s.code == Code::coarser_page_first || s.code == Code::out_of_slots));
+        loaded += missing - terrain.pages_missing;
+    }
+    void load_all() { // as far as the slots go, coarse ones first
+        for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page)
+            for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) load({tile, page});
+    }
+    void act() {
+        just_torn.clear();
+        for (int n = pick(random, 0, 6); n > 0; --n) {
+            if (pick(random, 0, 2)) load(any());
+            const Page p = any();
+            if (!is_loaded(p)) continue;
+            if (torn && pick(random, 0, 2) == 0) {
+                unload_page(terrain, p.tile, p.page);
+                if (std::erase(leaving, p) != 0) just_torn.push_back(p); // comes back in another frame: see below
+                ++torn_away;
+            } else if (pick(random, 0, 1) && std::find(leaving.begin(), leaving.end(), p) == leaving.end()) {
+                leaving.push_back(p);
+            }
+        }
+        if (pick(random, 0, 9) == 0) load_all();
+        collect();
+    }
+    // Asks for every leaving page, and unloads those that are free.
+    void collect() {
+        std::erase_if(leaving, [&](Page p) {
+            bool free = false;
+            REQUIRE(release_page(cut.cut, p.tile, p.page, free).ok());
+            if (!free) return false;
+            unload_page(terrain, p.tile, p.page);
+            ++released;
+            return true;
+        });
+    }
+};
+
+host::LoadedPack paged_terrain(Random& random, bool large) {
+    const int log2 = large ? pick(random, 7, 9) : pick(random, 1, 5);
+    const int most = large ? 400 : std::min(90, 20 << log2);
+    baker::Dem dem = random_dem(random, pick(random, 2, most), pick(random, 2, most),
+                                pick(random, 0, 1) ? Shape::fractal : Shape::noise);
+    if (pick(random, 0, 3) == 0) add_random_holes(random, dem, log2);
+    baker::BakeOptions options = small_bake(log2);
+    options.order = pick(random, 0, 2) == 0 ? Order::hierarchical_z : Order::planar;
+    return bake_and_load(std::move(dem), options);
+}
+
+void live_with(std::uint32_t seed, bool torn, int rounds, std::uint64_t least_gone) {
+    Random random(seed);
+    std::uint64_t gone = 0, incomplete = 0, refined = 0;
+    for (int round = 0; round < rounds; ++round) {
+        const auto pack = paged_terrain(random, round % 8 == 7);
+        TerrainBudget slots;
+        if (pick(random, 0, 1))
+            slots.page_slots = static_cast<std::uint32_t>(pick(random, 1, static_cast<int>(pack.terrain.page_count())));
+        PagedTerrain paged(pack.pack, slots);
+        Cut cut(paged.terrain, ample_cut(pack.terrain));
+        Host host{random, pack.pack, paged.terrain, cut, torn, {}, {}};
+        host.load_all();
+        View view = random_view(random, pack.terrain);
+        CutSettings settings;
+        settings.error_px = random_threshold(random);
+        for (int leg = 0; leg < 3; ++leg) {
+            for (int frame = 0; frame < 12; ++frame) {
+                host.act();
+                if (pick(random, 0, 4) == 0) view = random_view(random, pack.terrain);
+                view = moved(random, view, random_step_m(random, pack.terrain));
+                settings.items = pick(random, 0, 2) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 0, 99));
+                const CutReport report = cut.update({&view, 1}, settings);
+                CAPTURE(round, leg, frame, settings.error_px, settings.items, paged.terrain.pages_missing);
+                REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
+                incomplete += paged.terrain.pages_missing != 0;
+            }
+            settings.items = unlimited_items;
+            CutReport report;
+            for (int frame = 0; frame < 4; ++frame) {
+                host.collect();
+                report = cut.update({&view, 1}, settings);
+            }
+            REQUIRE(host.leaving.empty());
+            CAPTURE(round, leg, settings.error_px, paged.terrain.pages_missing, paged.terrain.slot_count);
+            REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
+            REQUIRE(report.converged);
+            REQUIRE(difference(active_set(cut),
+                               target_set(pack.terrain, paged.terrain, {&view, 1}, settings.error_px)) == "");
+            refined += report.vertices;
+        }
+        gone += torn ? host.torn_away : host.released;
+    }
+    CAPTURE(gone, incomplete, refined);
+    REQUIRE(gone > least_gone);
+    REQUIRE(incomplete > 300);
+    REQUIRE(refined > 20'000);
+}
+
+} // namespace
+
+TEST_CASE("pages asked back and waited for go without a crack, and at rest the cut is the target of what is left") {
+    live_with(121, false, 48, 200);
+}
+
+TEST_CASE("pages torn away without asking leave a whole mesh as well") {
+    live_with(122, true, 48, 200);
+}
+
+TEST_CASE("a page is released step by step, each a whole mesh, and nothing of it is active when it says so") {
+    Random random(123);
+    for (int round = 0; round < 6; ++round) {
+        const auto pack = rich_terrain(random, 33, 4);
+        PagedTerrain paged(pack.pack, {});
+        Cut cut(paged.terrain, ample_cut(pack.terrain));
+        Host host{random, pack.pack, paged.terrain, cut, false, {}, {}};
+        host.load_all();
+        View view = random_view(random, pack.terrain);
+        CutSettings settings;
+        settings.error_px = 0.5;
+        (void)settle(cut, {&view, 1}, settings);
+        settings.items = 2;
+        const Page p = host.any();
+        bool released = false;
+        int frames = 0;
+        for (; !released && frames < 5000; ++frames) {
+            REQUIRE(release_page(cut.cut, p.tile, p.page, released).ok());
+            view = moved(random, view, 1e-3 * paged.terrain.spacing_x_m);
+            const CutReport report = cut.update({&view, 1}, settings);
+            CAPTURE(round, frames);
+            REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
+        }
+        REQUIRE(released);
+        REQUIRE(cut.state()
+                    .slot_info[cut.state().page_blocks[p.tile * pack.terrain.pages_per_tile + p.page] / max_page_blocks]
+                    .active == 0);
+        unload_page(paged.terrain, p.tile, p.page);
+        settings.items = unlimited_items;
+        REQUIRE(cut.update({&view, 1}, settings).converged);
+        REQUIRE(difference(active_set(cut), target_set(pack.terrain, paged.terrain, {&view, 1}, settings.error_px)) ==
+                "");
+    }
+}
+
+// What release_page() began ends when its page goes, also when update_cut() did not see it gone.
+TEST_CASE("a page that went and came back between two frames is drawn again") {
+    Random random(124);
+    const auto pack = rich_terrain(random, 65, 5);
+    PagedTerrain paged(pack.pack, {});
+    Cut cut(paged.terrain, ample_cut(pack.terrain));
+    Host host{random, pack.pack, paged.terrain, cut, false, {}, {}};
+    host.load_all();
+    const View view = view_from_above(pack.terrain, 0.1);
+    CutSettings settings;
+    settings.error_px = 0.1;
+    (void)settle(cut, {&view, 1}, settings);
+    bool released = false;
+    REQUIRE(release_page(cut.cut, 0, 0, released).ok());
+    (void)cut.update({&view, 1}, settings);
+    REQUIRE(release_page(cut.cut, 0, 0, released).ok());
+    REQUIRE(released);
+    unload_page(paged.terrain, 0, 0);
+    REQUIRE(load_page(pack.pack, paged.terrain, 0, 0).ok()); // into the same slot, most likely
+    const CutReport report = settle(cut, {&view, 1}, settings, 10);
+    REQUIRE(check_cut(cut) == "");
+    REQUIRE(difference(active_set(cut), target_set(pack.terrain, paged.terrain, {&view, 1}, settings.error_px)) == "");
+    REQUIRE(report.converged);
+}
+
+TEST_CASE("a bulk pass does not forget which pages are asked back") {
+    Random random(125);
+    const auto pack = rich_terrain(random, 65, 5);
+    PagedTerrain paged(pack.pack, {});
+    Cut cut(paged.terrain, ample_cut(pack.terrain));
+    Host host{random, pack.pack, paged.terrain, cut, false, {}, {}};
+    host.load_all();
+    const View view = view_from_above(pack.terrain, 0.1);
+    CutSettings settings;
+    settings.error_px = 0.1;
+    (void)settle(cut, {&view, 1}, settings);
+    bool released = false;
+    REQUIRE(release_page(cut.cut, 0, 0, released).ok());
+    (void)cut.update({&view, 1}, settings);
+    REQUIRE(release_page(cut.cut, 0, 0, released).ok());
+    REQUIRE(released);
+    (void)cut.rebuild({&view, 1}, settings);
+    // The host was told that it may unload: nothing of the page may be active.
+    const std::uint32_t first = cut.state().page_blocks[0];
+    REQUIRE((first == nil || cut.state().slot_info[first / max_page_blocks].active == 0));
+}
+
+TEST_CASE("a page that is not loaded is released at once, one that does not exist is refused") {
+    Random random(126);
+    const auto pack = rich_terrain(random, 65, 5);
+    PagedTerrain paged(pack.pack, {});
+    Cut cut(paged.terrain, ample_cut(pack.terrain));
+    bool released = false;
+    REQUIRE(release_page(cut.cut, 0, 0, released).ok());
+    REQUIRE(released);
+    REQUIRE(release_page(cut.cut, pack.terrain.tile_count(), 0, released).code == Code::out_of_range);
+    REQUIRE(release_page(cut.cut, 0, pack.terrain.pages_per_tile, released).code == Code::out_of_range);
+}
