@@ -55,6 +55,7 @@ std::vector<View> flight(const Terrain& t, double cells, std::size_t frames) {
                  depth = t.header.spacing_m[1] * (t.tree.rows() - 1);
     const Vec3 direction{0.8, 0, -0.6};
     const double length_m = std::min(cells * cell * static_cast<double>(frames), 0.4 * std::min(width, depth));
+    if (cells > 0) frames = std::min(frames, static_cast<std::size_t>(length_m / (cells * cell)));
     Vec3 eye{width * 0.5 - direction.x * length_m / 2, 0, depth * 0.5 - direction.z * length_m / 2};
     for (std::size_t frame = 0; frame < frames; ++frame) {
         const double turned = cells == 0 ? static_cast<double>(frame) * 17.0 / 60 / 57.29578 : 0;
@@ -176,7 +177,7 @@ const Scene& canyon() {
             options.zscale = 14.4;
             return baker::read_dem(canyon_file(), options);
         };
-        return Scene{host::load_pack(bake_scene("canyon", make, 10), host::LoadTerrain::yes), 1};
+        return Scene{host::load_pack(bake_scene("canyon", make, 10), host::LoadTerrain::yes), 0.5};
     }();
     return scene;
 }

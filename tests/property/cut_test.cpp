@@ -41,7 +41,7 @@ TEST_CASE("at rest the live cut is the recursive method's mesh, triangle for tri
     }
 }
 
-// Two items are what an activation takes: its block is looked at again, then it is carried out.
+// Looking at its block again is part of an activation: one item does one of them.
 TEST_CASE("with one item a frame every single step is a whole mesh, and the steps lead to the recursive one's") {
     Random random(102);
     std::uint64_t steps = 0;

@@ -20,7 +20,7 @@ struct Owner {
         lists.queues = queues.data();
         lists.chunks = chunks.data();
         lists.buckets = buckets.data();
-        lists.tick_m = 0.5;
+        set_tick(lists, 0.7); // 0.5
         for (BlockState& b : blocks) b.list = no_list;
         clear_lists(lists, block_chunks(count));
     }

@@ -214,7 +214,7 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     part(s.lists.queues, l.queues);
     part(s.lists.buckets, l.buckets);
     part(s.lists.chunks, l.chunks);
-    s.lists.tick_m = static_cast<double>(std::min(terrain.spacing_x_m, terrain.spacing_z_m)) / 32;
+    set_tick(s.lists, static_cast<double>(std::min(terrain.spacing_x_m, terrain.spacing_z_m)) / 32);
     part(s.vertices, l.vertices);
     part(s.morph, l.morph);
     part(s.made, l.made);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <utility>
 
 #include "cut/state.h"
@@ -105,6 +106,13 @@ void drain(Lists& lists, std::uint32_t grade, std::uint32_t number) {
 
 } // namespace
 
+void set_tick(Lists& lists, double about_m) {
+    int exponent = 0;
+    (void)std::frexp(about_m, &exponent);
+    lists.tick_m = std::ldexp(1.0, exponent - 1);
+    lists.ticks_per_m = std::ldexp(1.0, 1 - exponent);
+}
+
 void clear_lists(Lists& lists, std::uint32_t chunk_count) {
     for (std::uint32_t i = 0; i < queue_count; ++i) lists.queues[i] = {lists.block_count + i, lists.block_count + i};
     for (std::uint32_t i = 0; i < due_lists; ++i) lists.buckets[i] = {nil, nil, 0, 0};
@@ -205,8 +213,8 @@ void forget_due(Lists& lists, std::uint32_t first, std::uint32_t count) {
 void schedule(Lists& lists, std::uint32_t block, float slack_m, std::uint32_t grade) {
     BlockState& b = lists.blocks[block];
     b.grade = static_cast<std::uint8_t>(grade);
-    const double ticks = std::min(static_cast<double>(slack_m) / lists.tick_m, static_cast<double>(last_tick - 1));
-    const auto due = static_cast<std::uint64_t>(lists.odometer_m[grade] / lists.tick_m + ticks);
+    const double ticks = std::min(static_cast<double>(slack_m) * lists.ticks_per_m, static_cast<double>(last_tick - 1));
+    const auto due = static_cast<std::uint64_t>(lists.odometer_m[grade] * lists.ticks_per_m + ticks);
     const std::uint64_t now = lists.tick[grade];
     const bool soon = due <= now;
     const std::uint64_t stored = soon ? lists.moves[grade] : due;
@@ -239,7 +247,7 @@ void advance(Lists& lists, std::uint32_t grade, double metres) {
     if (!(metres > 0)) return;
     const std::uint64_t before = lists.tick[grade];
     lists.odometer_m[grade] += std::min(metres, static_cast<double>(last_tick) * lists.tick_m);
-    lists.tick[grade] = static_cast<std::uint64_t>(lists.odometer_m[grade] / lists.tick_m);
+    lists.tick[grade] = static_cast<std::uint64_t>(lists.odometer_m[grade] * lists.ticks_per_m);
     ++lists.moves[grade];
     drain(lists, grade, soon_lists + grade);
     for (std::uint32_t wheel = 0; wheel < wheel_count; ++wheel) {

@@ -1,7 +1,7 @@
 // Lists of blocks: a calendar of when each must be looked at again, and queues of work.
 //
 // The calendar counts, for each grade of errors, how far the worst eye has travelled in metres - plus what changes of
-// threshold amount to at that grade's largest error - in ticks of 1/32 cell. A block whose smallest slack is d may rest
+// threshold amount to at that grade's largest error - in ticks of about 1/32 cell. A block whose smallest slack is d may rest
 // until its grade's odometer has gone that far.
 //
 // Wheels. Eight wheels of 64 buckets a grade; a bucket of wheel k is 8^k ticks wide, and a slack goes to the first wheel
@@ -84,13 +84,14 @@ struct Lists {
     double odometer_m[grade_count];
     std::uint64_t tick[grade_count];
     std::uint64_t moves[grade_count]; // times that it was advanced
-    double tick_m;
+    double tick_m, ticks_per_m; // powers of 2: products with them are exact
 };
 
 [[nodiscard]] constexpr std::uint32_t block_chunks(std::uint32_t block_count) {
     return block_count / chunk_blocks + due_lists + grade_count + 1;
 }
 
+void set_tick(Lists& lists, double about_m); // rounded down to a power of 2
 void clear_lists(Lists& lists, std::uint32_t chunk_count);
 
 [[nodiscard]] ListId list_of(const Lists& lists, std::uint32_t block); // or no_list
