@@ -20,8 +20,10 @@ using namespace fjell;
 using namespace fjell::fly;
 using host::Failure;
 
-void export_frame(const Export& e, const Session& session, const View& view, const RefineSettings& settings) {
-    const double error_px = settings.error_px / (settings.corner_safe ? corner_factor(view) : 1);
+// What a frame that lags would show in the end: the snapshot refines anew, to the frame's effective threshold.
+void export_frame(const Export& e, const Session& session, const View& view, const RefineSettings& settings,
+                  double effective_px) {
+    const double error_px = effective_px / (settings.corner_safe ? corner_factor(view) : 1);
     const gltf::SnapshotResult result =
         gltf::export_snapshot(session.loaded.pack, session.terrain(), view, error_px, e.path);
     if (!result.ok()) throw Failure(result.exit_code, result.message);
@@ -32,16 +34,19 @@ void fly_headless(const Options& options, Session& session, std::span<const Pose
     std::optional<Pictures> pictures;
     if (!options.render_folder.empty()) pictures.emplace(options, session);
     const Profile& profile = options.profile;
-    for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    const bool replay = !options.replay.empty();
+    for (std::size_t frame = 0; frame < (replay ? session.recording->frames.size() : poses.size()); ++frame) {
         host::check_interrupt();
-        const View view = view_of(poses[frame], session.terrain(), profile);
-        FrameEntry entry = update_frame(session, view, profile, static_cast<double>(frame) / options.hz);
+        const View view =
+            replay ? session.recording->frames[frame].views[0] : view_of(poses[frame], session.terrain(), profile);
+        FrameEntry entry = replay ? replay_frame(session, frame)
+                                  : update_frame(session, view, profile, static_cast<double>(frame) / options.hz);
         if (options.verify_every && frame % options.verify_every == 0)
             verify_frame(session, view, profile, frame, entry, verification);
         if (pictures) pictures->follow(session, entry);
         if (pictures && frame % options.render_every == 0) pictures->write(session, view, frame);
         for (const Export& e : options.exports)
-            if (e.frame == frame) export_frame(e, session, view, profile.refine);
+            if (e.frame == frame) export_frame(e, session, view, profile.refine, entry.error_px_effective);
         log.frames.push_back(entry);
     }
 }
@@ -54,6 +59,7 @@ int run(int argc, char** argv) {
     Outputs outputs(options);
     Session session;
     open_session(options, session);
+    if (!options.replay.empty()) options.profile.refine.error_px = session.recording->frames[0].settings.error_px;
     const std::size_t frames = options.frames ? options.frames : default_frames;
     const std::vector<Pose> poses = resample(path, ground_of(session.terrain()), frames);
     FlightLog log;

@@ -60,7 +60,7 @@ void declare_flight(CLI::App& app, Options& o, Flags& f) {
     app.add_option("--size", f.size, "picture in pixels, WIDTHxHEIGHT");
 }
 
-void declare_methods(CLI::App& app, Flags& f) {
+void declare_methods(CLI::App& app, Options& o, Flags& f) {
     const char* const incremental = "Incremental method";
     app.add_option("--items", f.items, "most work items a frame may take, the first one too; 0 (default): no limit")
         ->check(CLI::Range(std::uint32_t{0}, max_items))
@@ -75,6 +75,8 @@ void declare_methods(CLI::App& app, Flags& f) {
     app.add_option("--morph", f.morph, "vertices come at once (none, default), with the error or with the time")
         ->check(CLI::IsMember({"none", "error", "time"}))
         ->group(incremental);
+    app.add_option("--record", o.record, "write the flight to a file that --replay repeats bit for bit")->group(incremental);
+    app.add_option("--replay", o.replay, "repeat a recording of this pack instead of flying a path")->group(incremental);
     const char* const recursive = "Recursive method";
     app.add_option("--metric", f.metric, "distance to the eye (isotropic, default) or depth along the view")
         ->check(CLI::IsMember({"isotropic", "depth"}))
@@ -177,9 +179,18 @@ void check_together(const Options& o) {
     if (!o.headless && !o.render_folder.empty()) throw Failure(2, "--render needs --headless");
     if (!o.headless && !o.exports.empty()) throw Failure(2, "--export needs --headless");
     if (o.render_folder.empty() && o.render_every != 1) throw Failure(2, "--render-every needs --render DIR");
-    std::vector<std::string> outputs{o.csv, o.json};
+    if (!o.record.empty() && o.profile.method != Method::incremental)
+        throw Failure(2, "--record needs --method incremental: the recursive method keeps nothing to repeat");
+    if (!o.replay.empty()) {
+        if (!o.headless) throw Failure(2, "--replay needs --headless");
+        if (!o.path.empty() || o.seeded || o.frames || !o.record.empty() || !o.exports.empty())
+            throw Failure(2, "--replay repeats a flight as it was: leave out --path, --seed, --frames, --record, --export");
+        if (o.profile.method != Method::incremental)
+            throw Failure(2, "--replay needs --method incremental: that is what was recorded");
+    }
+    std::vector<std::string> outputs{o.csv, o.json, o.record};
     for (const Export& e : o.exports) outputs.push_back(e.path);
-    host::refuse_overwriting(outputs, {o.pack, o.path, o.profile_path});
+    host::refuse_overwriting(outputs, {o.pack, o.path, o.profile_path, o.replay});
 }
 
 } // namespace
@@ -189,7 +200,7 @@ bool parse_options(int argc, char** argv, Options& options) {
     CLI::App app{"Flies a camera over a Fjell pack, in a window or --headless."};
     app.set_version_flag("--version", fmt::format("fjell-fly, pack version {}", pack_version));
     declare_flight(app, options, flags);
-    declare_methods(app, flags);
+    declare_methods(app, options, flags);
     declare_outputs(app, options, flags);
     try {
         app.parse(argc, argv);

@@ -24,6 +24,7 @@ struct Options {
     bool limited = false;   // --items or --budget-us bounds the first frame too
     bool headless = false;
     std::string csv, json;
+    std::string record, replay; // of the incremental method (fly/record.h)
     std::vector<Export> exports;
     std::string render_folder;
     std::size_t render_every = 1;

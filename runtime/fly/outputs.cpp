@@ -160,7 +160,8 @@ std::string table(const Options& o, const Summary& s, const Verification& v) {
 
 } // namespace
 
-Outputs::Outputs(const Options& options) : csv_(open_output(options.csv)), json_(open_output(options.json)) {
+Outputs::Outputs(const Options& options) 
+    : csv_(open_output(options.csv)), json_(open_output(options.json)), record_(open_output(options.record)) {
     for (const Export& e : options.exports) check_export(e.path);
     if (!options.render_folder.empty()) check_folder(options.render_folder, options.render_folder);
 }
@@ -171,6 +172,7 @@ void Outputs::finish(const Options& options, const Session& session, const Camer
     if (csv_ || options.csv == "-") write_all(csv_, options.csv, csv(log));
     if (json_ || options.json == "-")
         write_all(json_, options.json, flight_json(options, session, path, summary, verification).dump(2) + "\n");
+    if (record_) write_all(record_, options.record, write_recording(*session.recording));
     if (options.csv != "-" && options.json != "-") fmt::print("{}", table(options, summary, verification));
 }
 

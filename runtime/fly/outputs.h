@@ -21,7 +21,7 @@ public:
                 const Verification& verification);
 
 private:
-    std::unique_ptr<host::AtomicFile> csv_, json_;
+    std::unique_ptr<host::AtomicFile> csv_, json_, record_;
 };
 
 } // namespace fjell::fly

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/failure.h"
+#include "host/file.h"
 
 namespace fjell::fly {
 
@@ -43,7 +44,8 @@ void make_cut(const Options& options, Session& session) {
                       fmt::format("{}: the pack is in linear order, which the incremental method does not read; bake "
                                   "it with --order planar, or fly it with --method recursive",
                                   options.pack));
-    session.cut_budget = suited(options.profile.cut_budget, session.terrain());
+    session.cut_budget =
+        session.recording ? session.recording->budget : suited(options.profile.cut_budget, session.terrain());
     session.block_bytes = cut_bytes(session.terrain(), session.cut_budget);
     session.block = host::make_block(session.block_bytes);
     require_budget(
@@ -57,11 +59,10 @@ void make_recursive(const Options& options, Session& session) {
                                     {session.block.get(), session.block_bytes}, session.recursive));
 }
 
-FrameEntry run_incremental(Session& session, const View& view, const CutSettings& settings) {
-    const bool rebuild = !session.begun;
-    CutReport report;
+FrameEntry run_incremental(Session& session, std::span<const View> views, const CutSettings& settings, bool rebuild,
+                           CutReport& report) {
     const auto start = Clock::now();
-    const Status status = (rebuild ? rebuild_cut : update_cut)(session.cut, {&view, 1}, settings, report);
+    const Status status = (rebuild ? rebuild_cut : update_cut)(session.cut, views, settings, report);
     const auto end = Clock::now();
     require(status);
     FrameEntry entry = entry_of(report, settings);
@@ -95,10 +96,17 @@ void open_session(const Options& options, Session& session) {
     session.loaded = host::load_pack(options.pack, host::LoadTerrain::yes);
     session.method = options.profile.method;
     session.begun = options.limited;
+    const std::uint64_t pack_hash = session.loaded.pack.header.directory_hash;
+    if (!options.replay.empty()) {
+        session.recording = parse_recording(host::read_text(options.replay), options.replay);
+        if (session.recording->pack_hash != pack_hash)
+            throw Failure(1, fmt::format("{}: recorded over another pack than {}", options.replay, options.pack));
+    }
     if (session.incremental())
         make_cut(options, session);
     else
         make_recursive(options, session);
+    if (!options.record.empty()) session.recording = Recording{pack_hash, session.cut_budget, {}};
     session.load_seconds = microseconds(Clock::now() - start) / 1e6;
 }
 
@@ -122,9 +130,22 @@ View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile) {
 }
 
 FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s) {
-    FrameEntry entry = session.incremental() ? run_incremental(session, view, cut_settings(profile, now_s))
-                                             : run_recursive(session, view, profile.refine);
+    if (!session.incremental()) return run_recursive(session, view, profile.refine);
+    const CutSettings settings = cut_settings(profile, now_s);
+    CutReport report;
+    FrameEntry entry = run_incremental(session, {&view, 1}, settings, !session.begun, report);
     session.begun = true;
+    if (session.recording)
+        session.recording->frames.push_back(recorded({&view, 1}, settings, report, cut_mesh(session.cut).mesh));
+    return entry;
+}
+
+FrameEntry replay_frame(Session& session, std::size_t frame) {
+    const RecordedFrame& f = session.recording->frames[frame];
+    CutReport report;
+    FrameEntry entry = run_incremental(session, f.views, f.settings, f.rebuild, report);
+    if (mesh_hash(cut_mesh(session.cut).mesh) != f.mesh_hash)
+        throw Failure(1, fmt::format("frame {}: the mesh is not the recorded one; was it recorded by another version?", frame));
     return entry;
 }
 
@@ -132,7 +153,16 @@ void verify_frame(const Session& session, const View& view, const Profile& profi
                   FrameEntry& entry, Verification& verification) {
     const Frustum frustum = make_frustum(view);
     const bool inside = session.incremental() || profile.refine.cull; // the incremental method lists what may be seen
-    const MeasuredError e = measure_error(session.terrain(), session.mesh(), view, inside ? &frustum : nullptr);
+    MeshView mesh = session.mesh();
+    std::vector<MeshVertex> morphed; // as the vertex shader will place them
+    if (session.incremental() && profile.cut.morph != Morph::none) {
+        const CutMesh live = cut_mesh(session.cut);
+        morphed.assign(mesh.vertices.begin(), mesh.vertices.end());
+        for (std::size_t i = 0; i < morphed.size(); ++i)
+            morphed[i].height_m = morphed_height_m(session.terrain(), mesh.vertices[i], live.morph[i], live.frame);
+        mesh.vertices = morphed;
+    }
+    const MeasuredError e = measure_error(session.terrain(), mesh, view, inside ? &frustum : nullptr);
     entry.verified_px = e.max_px;
     if (!entry.settled) return;
     const double limit_px = entry.error_px_effective;

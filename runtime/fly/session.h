@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "fjell/cut.h"
@@ -13,6 +14,7 @@
 #include "fly/log.h"
 #include "fly/options.h"
 #include "fly/path.h"
+#include "fly/record.h"
 #include "host/load.h"
 
 namespace fjell::fly {
@@ -25,6 +27,7 @@ struct Session {
     RecursiveMethod recursive; // one of the two
     LiveCut cut;
     CutBudget cut_budget; // the profile's, with chunks to suit the terrain
+    std::optional<Recording> recording; // of --record, frame by frame; or what --replay repeats
     bool begun = false;   // a frame was updated, or the first one shall be like any other
     double load_seconds = 0;
 
@@ -47,6 +50,9 @@ void open_session(const Options& options, Session& session);
 // frame; with --items or --budget-us it starts from the coarsest mesh instead, like an engine that must not miss one.
 // now_s: for morphing.
 [[nodiscard]] FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s);
+
+// One frame of the session's recording, and whether the mesh is the recorded one. Throws Failure (1) when it is not.
+[[nodiscard]] FrameEntry replay_frame(Session& session, std::size_t frame);
 
 // What --verify found so far. Samples are the pack's: errors bound those as well as the original heights.
 struct Verification {

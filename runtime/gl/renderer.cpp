@@ -91,6 +91,7 @@ struct Renderer::State {
     RendererOptions options;
     TerrainTextures textures;
     Buffer vertices, morph, indices, tiles, commands, frame;
+    MorphFrame morph_frame; // of the cut uploaded last
     VertexArray terrain_array, empty_array;
     Program terrain[3][2]; // by Mode, without and with wireframe
     Program sky;
@@ -242,6 +243,7 @@ bool Renderer::State::begin_upload(const MeshView& mesh) {
 
 std::string Renderer::upload(const MeshView& mesh) {
     State& s = *state_;
+    s.morph_frame = {};
     if (mesh.vertices.size() > s.options.vertices || mesh.dirty_end > mesh.vertices.size() ||
         mesh.dirty_begin > mesh.dirty_end)
         return "the mesh has more vertex slots than RendererOptions::vertices, or its dirty range lies outside them";
@@ -272,6 +274,7 @@ std::string Renderer::upload(const CutMesh& cut) {
         write_buffer(s.indices, first * triangle_bytes, count * triangle_bytes, mesh.indices.data() + 3 * first);
         s.count(count * triangle_bytes);
     };
+    s.morph_frame = cut.frame;
     const bool other_indices = std::exchange(s.kept_indices, mesh.indices.data()) != mesh.indices.data();
     if (s.begin_upload(mesh) || other_indices) {
         vertices(0, mesh.vertices.size());
@@ -317,6 +320,13 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& opti
     block.tile[0] = static_cast<std::int32_t>(header.tile_log2);
     block.tile[2] = static_cast<std::int32_t>(cell.column);
     block.tile[3] = static_cast<std::int32_t>(cell.row);
+    const MorphFrame& m = morph_frame;
+    if (m.morph != Morph::none) set4(block.morph, m.views, m.now_s, 1 / m.morph_s, 0);
+    for (std::uint32_t i = 0; i < m.views; ++i) {
+        const MorphView& v = m.view[i];
+        set4(block.morph_eye[i], v.eye_x - view.eye_m.x, v.eye_y - view.eye_m.y, v.eye_z - view.eye_m.z, 0);
+        set4(block.morph_reach[i], v.q_start, v.q_full, 0, 0);
+    }
     for (int level = 0; level < max_triangle_levels; ++level) {
         const Rgb8 rgb = level_rgb(level, static_cast<int>(header.tile_log2));
         set4(block.level[level], to_linear(rgb[0]), to_linear(rgb[1]), to_linear(rgb[2]), 1);

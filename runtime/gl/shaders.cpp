@@ -17,6 +17,9 @@ layout(std140, binding = 0) uniform Frame {
     vec4 line;
     ivec4 tile;
     vec4 level[25];
+    vec4 morph;
+    vec4 morph_eye[8];
+    vec4 morph_reach[8];
 };
 
 const vec3 horizon = vec3(0.56, 0.68, 0.80), zenith = vec3(0.09, 0.22, 0.52);
@@ -46,15 +49,30 @@ const char* terrain_vertex_shader() {
 layout(location = 0) in ivec2 a_sample;
 layout(location = 1) in float a_height;
 layout(location = 2) in ivec4 a_tile;
+layout(location = 3) in vec4 a_morph; // height to start from, error, radius, born
 out Surface {
     vec3 position;   // metres from the eye
     vec2 sample_at;  // samples from the tile's first
     flat int layer;
 } surface;
 invariant gl_Position;
+
+// morphed_height_m() of fjell/cut.h.
+float morphed_height(vec3 at) {
+    float risen = 0.0;
+    for (int i = 0; i < int(morph.x); ++i) {
+        float start = a_morph.z + a_morph.y * morph_reach[i].x, full = a_morph.z + a_morph.y * morph_reach[i].y;
+        float from_eye = distance(at, morph_eye[i].xyz);
+        risen = max(risen, start > full ? (start - from_eye) / (start - full) : from_eye < start ? 1.0 : 0.0);
+    }
+    risen = clamp(min(risen, (morph.y - a_morph.w) * morph.z), 0.0, 1.0);
+    return a_morph.x + (a_height - a_morph.x) * risen;
+}
+
 void main() {
     vec2 cells = vec2(a_sample - tile.zw);
     precise vec3 p = vec3(cells.x * grid.x - eye.x, (a_height - eye.z) - eye.w, cells.y * grid.y - eye.y);
+    if (morph.x > 0.0) p.y = (morphed_height(p) - eye.z) - eye.w;
     gl_Position = view_projection * vec4(p, 1.0);
     surface.position = p;
     surface.sample_at = vec2(a_sample - a_tile.xy);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fjell/cut.h"
 #include "gl/palette.h"
 
 namespace fjell::gl {
@@ -22,8 +23,11 @@ struct FrameBlock {
     float line[4];             // wireframe: linear rgb
     std::int32_t tile[4];      // log2 cells a side; 0; the eye's cell
     float level[max_triangle_levels][4]; // linear rgb
+    float morph[4];                      // views, 0: nothing morphs; now [s]; 1 / time to rise [1/s]
+    float morph_eye[max_cut_views][4];   // metres from the eye that the picture is drawn for
+    float morph_reach[max_cut_views][4]; // q_start, q_full
 };
-static_assert(sizeof(FrameBlock) == 64 + 9 * 16 + max_triangle_levels * 16 && offsetof(FrameBlock, tile) == 192,
+static_assert(sizeof(FrameBlock) == 64 + 9 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views) * 16 && offsetof(FrameBlock, tile) == 192,
               "FrameBlock is uploaded: change the block `Frame` in shaders.cpp with it");
 
 // What differs from tile to tile, read once an instance.

@@ -53,6 +53,7 @@ struct CutSettings {
     double hysteresis = 0;  // a vertex goes only when its error is below error_px / (1 + hysteresis); 0 to 10
     bool corner_safe = false; // bound pixels in the image's corners too
     std::uint32_t items = unlimited_items; // work that this frame may do
+    std::uint32_t visits = unlimited_items; // blocks that it may visit: repeats a frame that its time has ended
     double budget_us = 0;   // time that it may take, read every few items; 0: no limit
     Morph morph = Morph::none;
     double morph_s = 0.25;  // time that a late vertex takes to rise; 0.01 to 10
@@ -75,6 +76,7 @@ struct BudgetUse {
 struct CutReport {
     std::uint64_t frame = 0;
     std::uint32_t items = 0; // evaluations + activations + deactivations
+    std::uint32_t visits = 0;
     std::uint32_t evaluations = 0, activations = 0, deactivations = 0;
     std::uint32_t vertices = 0;  // active, and the corners of all tiles
     std::uint32_t triangles = 0; // of the whole terrain
@@ -148,6 +150,7 @@ struct MorphFrame {
 struct CutMesh {
     MeshView mesh;                         // all slots; ranges of the tiles that some view may see
     std::span<const MorphVertex> morph;    // one a vertex slot
+    MorphFrame frame;                      // what the shader makes of them
     // Slots written since the previous update, 64 to a word; only the words listed hold any.
     std::span<const std::uint64_t> vertex_bits, triangle_bits;
     std::span<const std::uint32_t> vertex_words, triangle_words;

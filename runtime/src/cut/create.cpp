@@ -266,6 +266,7 @@ CutMesh cut_mesh(LiveCut cut) {
     out.mesh = {Topology::triangles, {s.vertices, s.budget.vertices}, {s.indices, triangles * 3},
                 {s.ranges, s.range_count}, 0, s.budget.vertices};
     out.morph = {s.morph, s.budget.vertices};
+    out.frame = s.morph_now;
     out.vertex_bits = {s.dirty_vertices.bits, s.budget.vertices / 64 + 1};
     out.vertex_words = {s.dirty_vertices.words, s.dirty_vertices.word_count};
     out.triangle_bits = {s.dirty_triangles.bits, triangles / 64 + 1};

@@ -152,6 +152,7 @@ namespace {
 constexpr std::uint32_t batch_blocks = 16;
 
 bool out_of_time(CutState& s) {
+    if (s.report.visits >= s.settings.visits) return true;
     if (s.settings.budget_us <= 0 || s.report.items == 0 || microseconds(s.started, Clock::now()) < s.settings.budget_us) return false;
     s.report.exhausted |= cut_budget_time;
     return true;

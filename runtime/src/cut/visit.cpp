@@ -52,6 +52,7 @@ void evaluate_block(CutState& s, std::uint32_t number, Look& look) {
                look.margins);
     ++s.report.evaluations;
     ++s.report.items;
+    ++s.report.visits;
 }
 
 // Of the lanes in a mask, the smallest slack; and the largest error code.

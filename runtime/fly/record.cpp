@@ -1,0 +1,154 @@
+#include "fly/record.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <xxhash.h>
+
+#include "host/failure.h"
+
+namespace fjell::fly {
+
+namespace {
+
+using host::Failure;
+using nlohmann::json;
+
+constexpr int version = 1;
+constexpr const char* morph_names[] = {"none", "error", "time"};
+
+std::string hex(std::uint64_t value) {
+    return fmt::format("{:016x}", value);
+}
+
+json view_json(const View& v) {
+    return {v.eye_m.x, v.eye_m.y, v.eye_m.z,   v.forward.x, v.forward.y, v.forward.z, v.up.x,   v.up.y,
+            v.up.z,    v.fov_y_rad, v.width_px, v.height_px, v.near_m,    v.far_m,     v.lambda_px};
+}
+
+View view_of(const json& j) {
+    if (!j.is_array() || j.size() != 15) throw json::other_error::create(600, "a view has 15 numbers", &j);
+    View v;
+    const auto vec = [&](std::size_t i) { return Vec3{j.at(i).get<double>(), j.at(i + 1).get<double>(), j.at(i + 2).get<double>()}; };
+    v.eye_m = vec(0);
+    v.forward = vec(3);
+    v.up = vec(6);
+    v.fov_y_rad = j.at(9).get<double>();
+    v.width_px = j.at(10).get<std::uint32_t>();
+    v.height_px = j.at(11).get<std::uint32_t>();
+    v.near_m = j.at(12).get<double>();
+    v.far_m = j.at(13).get<double>();
+    v.lambda_px = j.at(14).get<double>();
+    return v;
+}
+
+json frame_json(const RecordedFrame& f) {
+    json views = json::array();
+    for (const View& v : f.views) views.push_back(view_json(v));
+    const CutSettings& s = f.settings;
+    return {{"views", std::move(views)},
+            {"rebuild", f.rebuild},
+            {"items", s.items},
+            {"visits", s.visits},
+            {"error_px", s.error_px},
+            {"hysteresis", s.hysteresis},
+            {"corner_safe", s.corner_safe},
+            {"morph", morph_names[static_cast<int>(s.morph)]},
+            {"morph_s", s.morph_s},
+            {"now_s", s.now_s},
+            {"mesh", hex(f.mesh_hash)}};
+}
+
+std::uint64_t from_hex(const json& j) {
+    return std::stoull(j.get<std::string>(), nullptr, 16);
+}
+
+RecordedFrame frame_of(const json& j) {
+    RecordedFrame f;
+    for (const json& v : j.at("views")) f.views.push_back(view_of(v));
+    if (f.views.empty()) throw json::other_error::create(600, "a frame needs a view", &j);
+    CutSettings& s = f.settings;
+    f.rebuild = j.at("rebuild").get<bool>();
+    s.items = j.at("items").get<std::uint32_t>();
+    s.visits = j.at("visits").get<std::uint32_t>();
+    s.error_px = j.at("error_px").get<double>();
+    s.hysteresis = j.at("hysteresis").get<double>();
+    s.corner_safe = j.at("corner_safe").get<bool>();
+    s.morph_s = j.at("morph_s").get<double>();
+    s.now_s = j.at("now_s").get<double>();
+    const auto morph = j.at("morph").get<std::string>();
+    for (int m = 0; m < 3; ++m)
+        if (morph == morph_names[m]) s.morph = static_cast<Morph>(m);
+    f.mesh_hash = from_hex(j.at("mesh"));
+    return f;
+}
+
+void read_head(const json& j, Recording& r) {
+    if (j.at("fjell").get<std::string>() != "recording" || j.at("version").get<int>() != version)
+        throw json::other_error::create(600, "not a recording of this version", &j);
+    r.pack_hash = from_hex(j.at("pack"));
+    r.budget.vertices = j.at("vertices").get<std::uint32_t>();
+    r.budget.triangles = j.at("triangles").get<std::uint32_t>();
+    r.budget.chunk_triangles = j.at("chunk_triangles").get<std::uint32_t>();
+    r.budget.views = j.at("views").get<std::uint32_t>();
+}
+
+} // namespace
+
+std::uint64_t mesh_hash(const MeshView& mesh) {
+    std::uint64_t hash = XXH3_64bits_withSeed(mesh.vertices.data(), mesh.vertices.size_bytes(), 0);
+    for (const TileRange& range : mesh.tiles) {
+        hash = XXH3_64bits_withSeed(&range, sizeof range, hash);
+        hash = XXH3_64bits_withSeed(mesh.indices.data() + range.first_index, range.index_count * sizeof(std::uint32_t), hash);
+    }
+    return hash;
+}
+
+RecordedFrame recorded(std::span<const View> views, const CutSettings& settings, const CutReport& report,
+                       const MeshView& mesh) {
+    RecordedFrame f{{views.begin(), views.end()}, settings, report.rebuilt, mesh_hash(mesh)};
+    if (settings.budget_us > 0 && !report.rebuilt) f.settings.visits = report.visits;
+    f.settings.budget_us = 0;
+    return f;
+}
+
+std::string write_recording(const Recording& r) {
+    std::string text = json{{"fjell", "recording"},
+                            {"version", version},
+                            {"pack", hex(r.pack_hash)},
+                            {"vertices", r.budget.vertices},
+                            {"triangles", r.budget.triangles},
+                            {"chunk_triangles", r.budget.chunk_triangles},
+                            {"views", r.budget.views}}
+                           .dump();
+    text += '\n';
+    for (const RecordedFrame& f : r.frames) {
+        text += frame_json(f).dump();
+        text += '\n';
+    }
+    return text;
+}
+
+Recording parse_recording(std::string_view text, const std::string& name) {
+    Recording r;
+    for (std::size_t line = 1; !text.empty(); ++line) {
+        const std::size_t end = text.find('\n');
+        if (end == std::string_view::npos)
+            throw Failure(1, fmt::format("{}:{}: the recording ends in the middle of a line; copy it again", name, line));
+        try {
+            const json j = json::parse(text.substr(0, end));
+            if (line == 1)
+                read_head(j, r);
+            else
+                r.frames.push_back(frame_of(j));
+        } catch (const std::exception& error) { // nlohmann's, and std::stoull's
+            throw Failure(1, fmt::format("{}:{}: not a recording: {}", name, line, error.what()));
+        }
+        text.remove_prefix(end + 1);
+    }
+    if (r.frames.empty()) throw Failure(1, fmt::format("{}: the recording has no frames", name));
+    return r;
+}
+
+} // namespace fjell::fly
