@@ -192,6 +192,25 @@ TEST_CASE("a morphing flight keeps its promises") {
     }
 }
 
+TEST_CASE("a recorded flight is repeated bit for bit; one that was changed, or of another pack, is refused") {
+    for (const char* limits : {"", "--items 40", "--budget-us 20 --morph time --hysteresis 0.2"}) {
+        REQUIRE(place().fly("small.fjell --headless --frames 90 --record r.json " + std::string(limits)).code == 0);
+        CHECK(place().fly("small.fjell --headless --replay r.json --csv -").code == 0);
+    }
+    std::string text = slurp(place().folder / "r.json");
+    const std::size_t at = text.find("\"mesh\":\"", text.size() / 2) + 8;
+    text[at] = text[at] == '0' ? '1' : '0';
+    spit(place().folder / "changed.json", text);
+    refuses("small.fjell --headless --replay changed.json", 1, "is not the recorded one");
+    text.replace(text.find("\"pack\":\"") + 8, 4, "beef");
+    spit(place().folder / "other.json", text);
+    refuses("small.fjell --headless --replay other.json", 1, "another pack");
+    refuses("small.fjell --headless --replay r.json --frames 3", 2, "leave out");
+    refuses("small.fjell --replay r.json", 2, "--headless");
+    refuses("small.fjell --headless --method recursive --record x.json", 2, "incremental");
+    for (const char* name : {"r.json", "changed.json", "other.json"}) fs::remove(place().folder / name);
+}
+
 TEST_CASE("a pack in linear order is flown by the recursive method, and the incremental one says so") {
     REQUIRE(place().run(FJELL_BIN_DIR "/fjell-bake dem.tif -o linear.fjell --tile 64 --order linear --quiet").code ==
             0);

@@ -234,6 +234,44 @@ TEST_CASE("of a live cut only the slots that were written are uploaded, and they
     CHECK(context().log().errors == 0);
 }
 
+TEST_CASE("the shader places morphing vertices where morphed_height_m() says", "[picture]") {
+    Scene scene(mountains(513), 6);
+    scene.make_cut();
+    const View from = scene.camera(0.5, 0.9, 200, 0, -10), view = scene.camera(0.5, 0.88, 210, 5, -10);
+    CutSettings settings;
+    settings.error_px = 6;
+    settings.morph = Morph::error;
+    settings.morph_s = 1;
+    CutReport report;
+    REQUIRE(rebuild_cut(scene.cut, {&from, 1}, settings, report).ok());
+    settings.items = 1500; // so that some come late
+    for (int frame = 1; frame <= 8; ++frame) {
+        settings.now_s = frame * 0.1;
+        REQUIRE(update_cut(scene.cut, {&view, 1}, settings, report).ok());
+    }
+    CHECK(report.rising > 0);
+    const CutMesh live = cut_mesh(scene.cut);
+    OwnMesh placed = copy_of(live.mesh);
+    std::size_t half_way = 0;
+    for (std::size_t i = 0; i < placed.vertices.size(); ++i) {
+        const float full = placed.vertices[i].height_m, flat = live.morph[i].flat_m;
+        placed.vertices[i].height_m =
+            morphed_height_m(scene.loaded.terrain, placed.vertices[i], live.morph[i], live.frame);
+        half_way += std::abs(placed.vertices[i].height_m - full) > 0.1f && std::abs(placed.vertices[i].height_m - flat) > 0.1f;
+    }
+    CHECK(half_way > 100);
+    const Picture shader = scene.draw(live, view), processor = scene.draw(placed.view(), view);
+    const Picture full = scene.draw(copy_of(live.mesh).view(), view);
+    const auto apart = [&](const Picture& a, const Picture& b) {
+        std::size_t n = 0;
+        for (std::size_t i = 0; i < a.depth.size(); ++i)
+            n += std::abs(a.depth[i] - b.depth[i]) > 1e-4f * std::max(a.depth[i], b.depth[i]);
+        return n;
+    };
+    CHECK(apart(shader, processor) < shader.depth.size() / 10'000); // silhouettes, where a rounding shows
+    CHECK(apart(shader, full) > shader.depth.size() / 100);         // or the measure is blind
+}
+
 TEST_CASE("no background shows between or inside tiles", "[picture]") {
     Scene scene(mountains(513), 5); // 16 x 16 tiles
     const auto holes = [](const Picture& picture) {

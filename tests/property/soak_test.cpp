@@ -1,0 +1,40 @@
+// A hundred thousand frames that teleport: no frame ever does more than its items, and the mesh stays whole.
+#include <catch2/catch.hpp>
+
+#include "support/cut_scene.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+TEST_CASE("in 100,000 frames with random teleports no frame exceeds its items, its capacities or its mesh") {
+    Random random(401);
+    const auto pack = rich_terrain(random, 257, 6);
+    const Terrain& terrain = pack.terrain;
+    CutBudget budget = ample_cut(terrain);
+    budget.vertices = 6'000; // too few now and then
+    Cut cut(terrain, budget);
+    CutSettings settings;
+    settings.error_px = 2;
+    View view = random_view(random, terrain);
+    std::uint64_t converged = 0, governed = 0, changes = 0;
+    for (int frame = 0; frame < 100'000; ++frame) {
+        if (pick(random, 0, 60) == 0) view = random_view(random, terrain);
+        if (pick(random, 0, 400) == 0) settings.items = static_cast<std::uint32_t>(pick(random, 1, 600));
+        if (pick(random, 0, 900) == 0) settings.error_px = std::pow(10.0, uniform(random, -0.5, 1));
+        view = moved(random, view, terrain.spacing_x_m * 0.5);
+        const CutReport report = cut.update({&view, 1}, settings);
+        if (report.items > settings.items || report.vertices > budget.vertices) REQUIRE(report.items <= settings.items);
+        converged += report.converged;
+        governed += report.error_px_effective > report.error_px_asked;
+        changes += report.activations + report.deactivations;
+        if (frame % 2'500 == 0) {
+            CAPTURE(frame);
+            REQUIRE(check_cut(cut) == "");
+            REQUIRE(check_mesh(terrain, cut.mesh()) == "");
+        }
+    }
+    CHECK(converged > 10'000); // all of it was visited: lag, rest, a governed threshold
+    CHECK(converged < 95'000);
+    CHECK(governed > 100);
+    CHECK(changes > 1'000'000);
+}

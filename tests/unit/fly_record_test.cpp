@@ -1,0 +1,94 @@
+// Recordings as files: what is written is read back, and what is not a recording is refused with the line.
+#include <catch2/catch.hpp>
+
+#include <random>
+
+#include "fly/record.h"
+#include "host/failure.h"
+
+using namespace fjell;
+using namespace fjell::fly;
+
+namespace {
+
+Recording random_recording(std::mt19937_64& random) {
+    const auto real = [&] { return std::uniform_real_distribution<double>(-1e6, 1e6)(random) / 3; };
+    Recording r;
+    r.pack_hash = random();
+    r.budget.vertices = static_cast<std::uint32_t>(random() % 1000000);
+    for (int frame = 0; frame < 5; ++frame) {
+        RecordedFrame f;
+        f.views.resize(1 + frame % 3);
+        for (View& v : f.views) {
+            v.eye_m = {real(), real(), real()};
+            v.forward = {real(), real(), real()};
+            v.lambda_px = real();
+        }
+        f.settings.error_px = real();
+        f.settings.items = static_cast<std::uint32_t>(random());
+        f.settings.visits = static_cast<std::uint32_t>(random());
+        f.settings.morph = static_cast<Morph>(frame % 3);
+        f.settings.now_s = real();
+        f.rebuild = frame == 0;
+        f.mesh_hash = random();
+        r.frames.push_back(f);
+    }
+    return r;
+}
+
+std::string refusal(const std::string& text) {
+    try {
+        (void)parse_recording(text, "r.json");
+    } catch (const host::Failure& f) {
+        return f.what();
+    }
+    return {};
+}
+
+} // namespace
+
+TEST_CASE("a recording is read back bit for bit") {
+    std::mt19937_64 random(1);
+    for (int round = 0; round < 50; ++round) {
+        const Recording r = random_recording(random);
+        const std::string text = write_recording(r);
+        const Recording back = parse_recording(text, "r.json");
+        CHECK(write_recording(back) == text);
+        REQUIRE(back.frames.size() == r.frames.size());
+        for (std::size_t i = 0; i < r.frames.size(); ++i) {
+            CHECK(back.frames[i].mesh_hash == r.frames[i].mesh_hash);
+            CHECK(back.frames[i].settings.items == r.frames[i].settings.items);
+            CHECK(back.frames[i].settings.visits == r.frames[i].settings.visits);
+            CHECK(back.frames[i].settings.morph == r.frames[i].settings.morph);
+            CHECK(back.frames[i].settings.error_px == r.frames[i].settings.error_px);
+            REQUIRE(back.frames[i].views.size() == r.frames[i].views.size());
+            CHECK(back.frames[i].views.back().eye_m.y == r.frames[i].views.back().eye_m.y);
+            CHECK(back.frames[i].views.back().lambda_px == r.frames[i].views.back().lambda_px);
+        }
+    }
+}
+
+TEST_CASE("what is not a recording is refused with the line and what to do") {
+    std::mt19937_64 random(2);
+    const std::string text = write_recording(random_recording(random));
+    CHECK(refusal("").find("no frames") != std::string::npos);
+    CHECK(refusal("{}\n").find("r.json:1: not a recording") == 0);
+    CHECK(refusal(text.substr(0, text.size() - 1)).find("r.json:6: the recording ends in the middle") == 0);
+    CHECK(refusal(text + "[]\n").find("r.json:7: not a recording") == 0);
+    std::string later = text;
+    later.replace(later.find("\"version\":1"), 11, "\"version\":2");
+    CHECK(refusal(later).find("r.json:1: not a recording") == 0);
+}
+
+TEST_CASE("a recording cut or changed at any byte is refused or read") {
+    std::mt19937_64 random(3);
+    const std::string text = write_recording(random_recording(random));
+    for (std::size_t at = 0; at < text.size(); at += 7) (void)refusal(text.substr(0, at));
+    std::size_t refused = 0;
+    for (int round = 0; round < 20'000; ++round) {
+        std::string other = text;
+        for (int n = static_cast<int>(random() % 3); n >= 0; --n) other[random() % other.size()] = static_cast<char>(random());
+        refused += !refusal(other).empty();
+    }
+    CHECK(refused > 10'000);
+}
