@@ -75,8 +75,10 @@ void declare_methods(CLI::App& app, Options& o, Flags& f) {
     app.add_option("--morph", f.morph, "vertices come at once (none, default), with the error or with the time")
         ->check(CLI::IsMember({"none", "error", "time"}))
         ->group(incremental);
-    app.add_option("--record", o.record, "write the flight to a file that --replay repeats bit for bit")->group(incremental);
-    app.add_option("--replay", o.replay, "repeat a recording of this pack instead of flying a path")->group(incremental);
+    app.add_option("--record", o.record, "write the flight to a file that --replay repeats bit for bit")
+        ->group(incremental);
+    app.add_option("--replay", o.replay, "repeat a recording of this pack instead of flying a path")
+        ->group(incremental);
     const char* const recursive = "Recursive method";
     app.add_option("--metric", f.metric, "distance to the eye (isotropic, default) or depth along the view")
         ->check(CLI::IsMember({"isotropic", "depth"}))
@@ -184,7 +186,8 @@ void check_together(const Options& o) {
     if (!o.replay.empty()) {
         if (!o.headless) throw Failure(2, "--replay needs --headless");
         if (!o.path.empty() || o.seeded || o.frames || !o.record.empty() || !o.exports.empty())
-            throw Failure(2, "--replay repeats a flight as it was: leave out --path, --seed, --frames, --record, --export");
+            throw Failure(
+                2, "--replay repeats a flight as it was: leave out --path, --seed, --frames, --record, --export");
         if (o.profile.method != Method::incremental)
             throw Failure(2, "--replay needs --method incremental: that is what was recorded");
     }

@@ -160,7 +160,7 @@ std::string table(const Options& o, const Summary& s, const Verification& v) {
 
 } // namespace
 
-Outputs::Outputs(const Options& options) 
+Outputs::Outputs(const Options& options)
     : csv_(open_output(options.csv)), json_(open_output(options.json)), record_(open_output(options.record)) {
     for (const Export& e : options.exports) check_export(e.path);
     if (!options.render_folder.empty()) check_folder(options.render_folder, options.render_folder);

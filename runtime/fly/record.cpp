@@ -23,14 +23,16 @@ std::string hex(std::uint64_t value) {
 }
 
 json view_json(const View& v) {
-    return {v.eye_m.x, v.eye_m.y, v.eye_m.z,   v.forward.x, v.forward.y, v.forward.z, v.up.x,   v.up.y,
+    return {v.eye_m.x, v.eye_m.y,   v.eye_m.z,  v.forward.x, v.forward.y, v.forward.z, v.up.x,     v.up.y,
             v.up.z,    v.fov_y_rad, v.width_px, v.height_px, v.near_m,    v.far_m,     v.lambda_px};
 }
 
 View view_of(const json& j) {
     if (!j.is_array() || j.size() != 15) throw json::other_error::create(600, "a view has 15 numbers", &j);
     View v;
-    const auto vec = [&](std::size_t i) { return Vec3{j.at(i).get<double>(), j.at(i + 1).get<double>(), j.at(i + 2).get<double>()}; };
+    const auto vec = [&](std::size_t i) {
+        return Vec3{j.at(i).get<double>(), j.at(i + 1).get<double>(), j.at(i + 2).get<double>()};
+    };
     v.eye_m = vec(0);
     v.forward = vec(3);
     v.up = vec(6);
@@ -100,7 +102,8 @@ std::uint64_t mesh_hash(const MeshView& mesh) {
     std::uint64_t hash = XXH3_64bits_withSeed(mesh.vertices.data(), mesh.vertices.size_bytes(), 0);
     for (const TileRange& range : mesh.tiles) {
         hash = XXH3_64bits_withSeed(&range, sizeof range, hash);
-        hash = XXH3_64bits_withSeed(mesh.indices.data() + range.first_index, range.index_count * sizeof(std::uint32_t), hash);
+        hash = XXH3_64bits_withSeed(mesh.indices.data() + range.first_index, range.index_count * sizeof(std::uint32_t),
+                                    hash);
     }
     return hash;
 }
@@ -114,14 +117,15 @@ RecordedFrame recorded(std::span<const View> views, const CutSettings& settings,
 }
 
 std::string write_recording(const Recording& r) {
-    std::string text = json{{"fjell", "recording"},
-                            {"version", version},
-                            {"pack", hex(r.pack_hash)},
-                            {"vertices", r.budget.vertices},
-                            {"triangles", r.budget.triangles},
-                            {"chunk_triangles", r.budget.chunk_triangles},
-                            {"views", r.budget.views}}
-                           .dump();
+    std::string text = json{
+        {"fjell", "recording"},
+        {"version", version},
+        {"pack", hex(r.pack_hash)},
+        {"vertices", r.budget.vertices},
+        {"triangles", r.budget.triangles},
+        {"chunk_triangles", r.budget.chunk_triangles},
+        {"views",
+         r.budget.views}}.dump();
     text += '\n';
     for (const RecordedFrame& f : r.frames) {
         text += frame_json(f).dump();
@@ -135,7 +139,8 @@ Recording parse_recording(std::string_view text, const std::string& name) {
     for (std::size_t line = 1; !text.empty(); ++line) {
         const std::size_t end = text.find('\n');
         if (end == std::string_view::npos)
-            throw Failure(1, fmt::format("{}:{}: the recording ends in the middle of a line; copy it again", name, line));
+            throw Failure(1,
+                          fmt::format("{}:{}: the recording ends in the middle of a line; copy it again", name, line));
         try {
             const json j = json::parse(text.substr(0, end));
             if (line == 1)

@@ -1,11 +1,13 @@
 // A run of the live cut in a file, to be replayed bit for bit: bug reports, tests, fuzzing and the editor share it.
 //
-// JSON, one object a line. The first names the pack and the budget, each further one a frame: the views (eye, forward, up,
-// vertical field of view in radians, width and height in pixels, near and far in metres, lambda_px), the settings, the
-// blocks that the frame visited, and a hash of the mesh after it. Numbers are written so that they are read back exactly. A
-// frame that its time ended is replayed by its visits, so the clock of the replaying machine does not matter.
+// JSON, one object a line. The first names the pack and the budget, each further one a frame: the views (eye, forward,
+// up, vertical field of view in radians, width and height in pixels, near and far in metres, lambda_px), the settings,
+// the blocks that the frame visited, and a hash of the mesh after it. Numbers are written so that they are read back
+// exactly. A frame that its time ended is replayed by its visits, so the clock of the replaying machine does not
+// matter.
 //
-// Throws host::Failure: 1 for a file that is damaged, of another version, or of another pack; 3 when it cannot be written.
+// Throws host::Failure: 1 for a file that is damaged, of another version, or of another pack; 3 when it cannot be
+// written.
 #pragma once
 
 #include <cstdint>

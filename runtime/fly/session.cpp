@@ -145,7 +145,8 @@ FrameEntry replay_frame(Session& session, std::size_t frame) {
     CutReport report;
     FrameEntry entry = run_incremental(session, f.views, f.settings, f.rebuild, report);
     if (mesh_hash(cut_mesh(session.cut).mesh) != f.mesh_hash)
-        throw Failure(1, fmt::format("frame {}: the mesh is not the recorded one; was it recorded by another version?", frame));
+        throw Failure(
+            1, fmt::format("frame {}: the mesh is not the recorded one; was it recorded by another version?", frame));
     return entry;
 }
 

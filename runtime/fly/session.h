@@ -26,9 +26,9 @@ struct Session {
     Method method = Method::incremental;
     RecursiveMethod recursive; // one of the two
     LiveCut cut;
-    CutBudget cut_budget; // the profile's, with chunks to suit the terrain
+    CutBudget cut_budget;               // the profile's, with chunks to suit the terrain
     std::optional<Recording> recording; // of --record, frame by frame; or what --replay repeats
-    bool begun = false;   // a frame was updated, or the first one shall be like any other
+    bool begun = false;                 // a frame was updated, or the first one shall be like any other
     double load_seconds = 0;
 
     [[nodiscard]] const Terrain& terrain() const { return loaded.terrain; }

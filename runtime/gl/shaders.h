@@ -27,7 +27,8 @@ struct FrameBlock {
     float morph_eye[max_cut_views][4];   // metres from the eye that the picture is drawn for
     float morph_reach[max_cut_views][4]; // q_start, q_full
 };
-static_assert(sizeof(FrameBlock) == 64 + 9 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views) * 16 && offsetof(FrameBlock, tile) == 192,
+static_assert(sizeof(FrameBlock) == 64 + 9 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views) * 16 &&
+                  offsetof(FrameBlock, tile) == 192,
               "FrameBlock is uploaded: change the block `Frame` in shaders.cpp with it");
 
 // What differs from tile to tile, read once an instance.

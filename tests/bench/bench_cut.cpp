@@ -1,8 +1,8 @@
-// The live cut against the recursive method: the same terrain, views, threshold and run; the recursive one culls, because
-// that is how it is fast, and its nanoseconds a vertex are printed so that nobody has to doubt it.
+// The live cut against the recursive method: the same terrain, views, threshold and run; the recursive one culls,
+// because that is how it is fast, and its nanoseconds a vertex are printed so that nobody has to doubt it.
 //
-// Names: cut/scene/what. Scenes: the mountains of content/terrain (4097 x 4097, 60 m) and, when the folder of real data is
-// there, the Grand Canyon. Every case is one flight; its counters are percentiles over frames.
+// Names: cut/scene/what. Scenes: the mountains of content/terrain (4097 x 4097, 60 m) and, when the folder of real data
+// is there, the Grand Canyon. Every case is one flight; its counters are percentiles over frames.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -63,7 +63,8 @@ std::vector<View> flight(const Terrain& t, double cells, std::size_t frames) {
                            direction.x * std::sin(turned) + direction.z * std::cos(turned)};
         // Heights as a camera follows them: over a hundred cells, not every bump.
         double ground = 0;
-        for (int i = -4; i <= 4; ++i) ground += t.ground_m(eye.x + direction.x * i * 12 * cell, eye.z + direction.z * i * 12 * cell) / 9;
+        for (int i = -4; i <= 4; ++i)
+            ground += t.ground_m(eye.x + direction.x * i * 12 * cell, eye.z + direction.z * i * 12 * cell) / 9;
         eye.y = ground + 400;
         views.push_back(make_view(eye, forward, {0, 1, 0}, 0.7853981633974483, 1280, 960, 10, 2 * (width + depth)));
         eye = eye + direction * (cells * cell);
@@ -131,11 +132,13 @@ Flight fly_cut(const Terrain& terrain, const std::vector<View>& views, const Cut
         f.drawn += report.triangles_drawn;
         f.changes += report.activations + report.deactivations;
         f.evaluations += report.evaluations;
-        f.uploaded += report.vertices_changed * (sizeof(MeshVertex) + sizeof(MorphVertex)) + report.triangles_changed * 12.0;
+        f.uploaded +=
+            report.vertices_changed * (sizeof(MeshVertex) + sizeof(MorphVertex)) + report.triangles_changed * 12.0;
         f.converged += report.converged;
     }
     const auto n = static_cast<double>(views.size());
-    for (double* sum : {&f.vertices, &f.triangles, &f.drawn, &f.changes, &f.evaluations, &f.uploaded, &f.converged}) *sum /= n;
+    for (double* sum : {&f.vertices, &f.triangles, &f.drawn, &f.changes, &f.evaluations, &f.uploaded, &f.converged})
+        *sum /= n;
     return f;
 }
 

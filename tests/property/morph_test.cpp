@@ -169,7 +169,8 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
                 const Vec3 p{terrain.x_m(c.x), height, terrain.z_m(c.y)};
                 const double error_px = std::abs(height - drawn[i]) * view.lambda_px / length(p - view.eye_m);
                 // Heights are floats, and morphing rounds once more: some 2^-22 of the largest height.
-                const double rounding_px = 0x1p-21 * std::max(std::abs(terrain.header.max_m), std::abs(terrain.header.min_m)) *
+                const double rounding_px = 0x1p-21 *
+                                           std::max(std::abs(terrain.header.max_m), std::abs(terrain.header.min_m)) *
                                            view.lambda_px / length(p - view.eye_m);
                 REQUIRE(error_px <= settings.error_px + rounding_px);
             }

@@ -126,8 +126,7 @@ std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
                 return "a vertex lies outside its tile";
             if (at.x >= terrain.tree.columns() || at.y >= terrain.tree.rows())
                 return "a vertex lies outside the terrain";
-            if (v.height_m != terrain.height_m(at))
-                return "a vertex has not its sample's height";
+            if (v.height_m != terrain.height_m(at)) return "a vertex has not its sample's height";
         }
         for_each_triangle(mesh, range, [&](const Triangle& t) {
             const std::int64_t doubled = doubled_area_up(t);

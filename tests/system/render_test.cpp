@@ -257,7 +257,8 @@ TEST_CASE("the shader places morphing vertices where morphed_height_m() says", "
         const float full = placed.vertices[i].height_m, flat = live.morph[i].flat_m;
         placed.vertices[i].height_m =
             morphed_height_m(scene.loaded.terrain, placed.vertices[i], live.morph[i], live.frame);
-        half_way += std::abs(placed.vertices[i].height_m - full) > 0.1f && std::abs(placed.vertices[i].height_m - flat) > 0.1f;
+        half_way +=
+            std::abs(placed.vertices[i].height_m - full) > 0.1f && std::abs(placed.vertices[i].height_m - flat) > 0.1f;
     }
     CHECK(half_way > 100);
     const Picture shader = scene.draw(live, view), processor = scene.draw(placed.view(), view);

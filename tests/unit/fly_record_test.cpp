@@ -87,7 +87,8 @@ TEST_CASE("a recording cut or changed at any byte is refused or read") {
     std::size_t refused = 0;
     for (int round = 0; round < 20'000; ++round) {
         std::string other = text;
-        for (int n = static_cast<int>(random() % 3); n >= 0; --n) other[random() % other.size()] = static_cast<char>(random());
+        for (int n = static_cast<int>(random() % 3); n >= 0; --n)
+            other[random() % other.size()] = static_cast<char>(random());
         refused += !refusal(other).empty();
     }
     CHECK(refused > 10'000);

@@ -2,8 +2,8 @@
 //
 // Where the recursive method (fjell/recursive.h) finds the mesh anew from the roots, this one keeps the set of active
 // vertices and, for every small block of vertices, how far the eye may still move before any of them could change. A
-// frame looks only at blocks whose slack is spent, and activates or deactivates one vertex at a time: after every single
-// step the mesh is whole. It refines all around; the frustum decides what is drawn, and what is done first.
+// frame looks only at blocks whose slack is spent, and activates or deactivates one vertex at a time: after every
+// single step the mesh is whole. It refines all around; the frustum decides what is drawn, and what is done first.
 //
 // Work is counted in items: one block evaluated, or one vertex activated or deactivated, each bounded by a constant.
 // When a frame's items do not suffice, the mesh lags behind the view and the report says by how much. When a capacity
@@ -38,8 +38,8 @@ struct CutBudget {
 };
 
 // How a vertex comes and goes (DESIGN section 6, Morph; thesis 5.4.1). With error and time vertices are activated at
-// error_px / (1 + nesting)^2, on the edge that they split, and reach their height at error_px: the ends of that edge are
-// at rest by then, because errors nest, so the surface is continuous and the screen bound holds.
+// error_px / (1 + nesting)^2, on the edge that they split, and reach their height at error_px: the ends of that edge
+// are at rest by then, because errors nest, so the surface is continuous and the screen bound holds.
 enum class Morph : std::uint8_t {
     none,  // at once
     error, // with the distance, in the vertex shader; what is activated late also takes morph_s, and so does not pop
@@ -49,15 +49,15 @@ enum class Morph : std::uint8_t {
 inline constexpr std::uint32_t unlimited_items = 0xffffffff;
 
 struct CutSettings {
-    double error_px = 1;    // the threshold (kappa), 0.001 to 1e6
-    double hysteresis = 0;  // a vertex goes only when its error is below error_px / (1 + hysteresis); 0 to 10
+    double error_px = 1;      // the threshold (kappa), 0.001 to 1e6
+    double hysteresis = 0;    // a vertex goes only when its error is below error_px / (1 + hysteresis); 0 to 10
     bool corner_safe = false; // bound pixels in the image's corners too
-    std::uint32_t items = unlimited_items; // work that this frame may do
+    std::uint32_t items = unlimited_items;  // work that this frame may do
     std::uint32_t visits = unlimited_items; // blocks that it may visit: repeats a frame that its time has ended
-    double budget_us = 0;   // time that it may take, read every few items; 0: no limit
+    double budget_us = 0;                   // time that it may take, read every few items; 0: no limit
     Morph morph = Morph::none;
-    double morph_s = 0.25;  // time that a late vertex takes to rise; 0.01 to 10
-    double now_s = 0;       // the host's clock, for timed morphing and nothing else; must not run backwards
+    double morph_s = 0.25; // time that a late vertex takes to rise; 0.01 to 10
+    double now_s = 0;      // the host's clock, for timed morphing and nothing else; must not run backwards
 };
 
 enum CutBudgetBit : std::uint32_t {
@@ -78,16 +78,16 @@ struct CutReport {
     std::uint32_t items = 0; // evaluations + activations + deactivations
     std::uint32_t visits = 0;
     std::uint32_t evaluations = 0, activations = 0, deactivations = 0;
-    std::uint32_t vertices = 0;  // active, and the corners of all tiles
-    std::uint32_t triangles = 0; // of the whole terrain
+    std::uint32_t vertices = 0;                         // active, and the corners of all tiles
+    std::uint32_t triangles = 0;                        // of the whole terrain
     std::uint32_t tiles_drawn = 0, triangles_drawn = 0; // of tiles that some view may see
-    std::uint32_t waiting = 0;    // lag: blocks that still have work
-    std::uint32_t blocked = 0;    // of those, for want of a capacity
-    std::uint32_t rising = 0;     // vertices activated late that have not reached their height
-    std::uint32_t exhausted = 0;  // CutBudgetBits
+    std::uint32_t waiting = 0;                          // lag: blocks that still have work
+    std::uint32_t blocked = 0;                          // of those, for want of a capacity
+    std::uint32_t rising = 0;                           // vertices activated late that have not reached their height
+    std::uint32_t exhausted = 0;                        // CutBudgetBits
     double error_px_asked = 0, error_px_effective = 0;
-    bool converged = false; // nothing waits, nothing rises, effective == asked: the screen bound holds
-    bool rebuilt = false;   // by the bulk pass
+    bool converged = false;                 // nothing waits, nothing rises, effective == asked: the screen bound holds
+    bool rebuilt = false;                   // by the bulk pass
     BudgetUse vertex_slots, triangle_slots; // triangle slots in whole chunks
     std::uint32_t vertices_changed = 0, triangles_changed = 0; // slots to upload
     double prepare_us = 0, refine_us = 0, output_us = 0;
@@ -148,9 +148,9 @@ struct MorphFrame {
                                      const MorphFrame& frame);
 
 struct CutMesh {
-    MeshView mesh;                         // all slots; ranges of the tiles that some view may see
-    std::span<const MorphVertex> morph;    // one a vertex slot
-    MorphFrame frame;                      // what the shader makes of them
+    MeshView mesh;                      // all slots; ranges of the tiles that some view may see
+    std::span<const MorphVertex> morph; // one a vertex slot
+    MorphFrame frame;                   // what the shader makes of them
     // Slots written since the previous update, 64 to a word; only the words listed hold any.
     std::span<const std::uint64_t> vertex_bits, triangle_bits;
     std::span<const std::uint32_t> vertex_words, triangle_words;

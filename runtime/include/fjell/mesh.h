@@ -19,7 +19,7 @@ static_assert(sizeof(MeshVertex) == 12, "MeshVertex is uploaded: change the rend
 
 enum class Topology : std::uint8_t { triangles, strip };
 
-struct TileRange { // a tile may have several
+struct TileRange {             // a tile may have several
     std::uint32_t tile;        // row-major
     std::uint32_t first_index; // into MeshView::indices
     std::uint32_t index_count;

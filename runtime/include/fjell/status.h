@@ -9,17 +9,17 @@ namespace fjell {
 
 enum class Code : std::uint8_t {
     ok,
-    truncated,         // the bytes end before the pack does
-    not_a_pack,        // the magic number is missing
-    wrong_version,     // written by another version of the baker
-    wrong_layout,      // same version, another record layout or byte order
-    corrupt,           // a checksum or a cross-check fails
-    out_of_range,      // a number lies outside what the format or the call allows
-    block_too_small,   // the host's block is smaller than required_bytes said
-    budget_too_small,  // a capacity cannot even hold the coarsest mesh
-    out_of_slots,      // every page slot is taken
+    truncated,          // the bytes end before the pack does
+    not_a_pack,         // the magic number is missing
+    wrong_version,      // written by another version of the baker
+    wrong_layout,       // same version, another record layout or byte order
+    corrupt,            // a checksum or a cross-check fails
+    out_of_range,       // a number lies outside what the format or the call allows
+    block_too_small,    // the host's block is smaller than required_bytes said
+    budget_too_small,   // a capacity cannot even hold the coarsest mesh
+    out_of_slots,       // every page slot is taken
     coarser_page_first, // pages are loaded from coarse to fine
-    not_supported      // what was asked does not exist for this pack
+    not_supported       // what was asked does not exist for this pack
 };
 
 struct [[nodiscard]] Status {

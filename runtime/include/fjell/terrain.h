@@ -38,11 +38,11 @@ struct Terrain {
     RadiusScale radii;
     std::uint32_t pages_per_tile = 0, page_capacity = 0;
     std::uint32_t slot_count = 0;
-    const PageEntry* page_table = nullptr;    // tile_count * pages_per_tile
-    const VertexRecord* records = nullptr;    // slot_count * page_capacity
-    const std::uint32_t* slot_page = nullptr; // what each slot holds (tile * pages_per_tile + page), or no_page
+    const PageEntry* page_table = nullptr;     // tile_count * pages_per_tile
+    const VertexRecord* records = nullptr;     // slot_count * page_capacity
+    const std::uint32_t* slot_page = nullptr;  // what each slot holds (tile * pages_per_tile + page), or no_page
     const std::uint32_t* slot_loads = nullptr; // how often a page was loaded into each slot
-    const std::uint32_t* corners = nullptr;   // (tiles_x + 1) * (tiles_y + 1), as stored (corner_void_bit)
+    const std::uint32_t* corners = nullptr;    // (tiles_x + 1) * (tiles_y + 1), as stored (corner_void_bit)
     std::uint32_t pages_missing = 0;
     std::uint64_t changes = 0; // pages loaded or unloaded so far
     TerrainMemory* memory = nullptr;

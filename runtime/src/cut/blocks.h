@@ -78,8 +78,8 @@ struct Site {
     if (kind == PlaneKind::centre) return d == 0 || d == 2 ? 1 : 0;
     return kind == PlaneKind::side_x ? 0 : 1;
 }
-// Parent n (0 or 1): of a side the centre to its north or west, then south or east; of a centre a side_x, then a side_y.
-// Not for a tile's root.
+// Parent n (0 or 1): of a side the centre to its north or west, then south or east; of a centre a side_x, then a
+// side_y. Not for a tile's root.
 [[nodiscard]] constexpr Site parent_site(const Site& v, int n) {
     if (v.kind == PlaneKind::side_x) return {v.z, PlaneKind::centre, v.i, v.j - 1 + n};
     if (v.kind == PlaneKind::side_y) return {v.z, PlaneKind::centre, v.i - 1 + n, v.j};
@@ -139,14 +139,10 @@ struct Halves {
 inline void add_step(PageShape& page, std::uint32_t n, std::uint32_t offset, int z) {
     const auto add = [&](PlaneKind kind, std::uint32_t i0, std::uint32_t j0, std::uint32_t lanes, bool along_y) {
         const std::uint32_t first = offset + block_index<Order::planar>(n, kind, i0, j0);
-        page.blocks[page.count++] = {static_cast<std::uint16_t>(first),
-                                     static_cast<std::uint8_t>(along_y ? n + 1 : 1),
-                                     static_cast<std::uint8_t>(lanes),
-                                     kind,
-                                     static_cast<std::uint8_t>(z),
-                                     static_cast<std::uint8_t>(i0),
-                                     static_cast<std::uint8_t>(j0),
-                                     along_y};
+        page.blocks[page.count++] = {static_cast<std::uint16_t>(first), static_cast<std::uint8_t>(along_y ? n + 1 : 1),
+                                     static_cast<std::uint8_t>(lanes),  kind,
+                                     static_cast<std::uint8_t>(z),      static_cast<std::uint8_t>(i0),
+                                     static_cast<std::uint8_t>(j0),     along_y};
     };
     const std::uint32_t lanes = n < block_lanes ? n : block_lanes;
     for (const PlaneKind kind : {PlaneKind::centre, PlaneKind::side_x, PlaneKind::side_y})

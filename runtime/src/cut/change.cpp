@@ -182,8 +182,7 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
         if (split.parent == no_vertex) continue;
         BlockState& of_parent = s.blocks[split.parent / block_lanes];
         of_parent.child[split.name % 4] &= static_cast<std::uint16_t>(~bit_of(split.parent));
-        if (!(of_parent.parental() & bit_of(split.parent)))
-            consider(s, split.parent, site_of(s, split.parent), true);
+        if (!(of_parent.parental() & bit_of(split.parent))) consider(s, split.parent, site_of(s, split.parent), true);
     }
     return Outcome::done;
 }

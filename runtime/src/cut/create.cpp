@@ -34,9 +34,9 @@ std::uint32_t least_chunks(const Terrain& t) {
 
 // Where the block's parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t page_blocks, blocks, slots, slot_info, draining, queues, buckets, chunks, vertices, morph, made, hole, free_vertices,
-        indices, names, tiles, chunk_tile, chunk_below, free_chunks, vertex_bits, vertex_words, triangle_bits,
-        triangle_words, ranges, hz_places, grids, births, end;
+    std::size_t page_blocks, blocks, slots, slot_info, draining, queues, buckets, chunks, vertices, morph, made, hole,
+        free_vertices, indices, names, tiles, chunk_tile, chunk_below, free_chunks, vertex_bits, vertex_words,
+        triangle_bits, triangle_words, ranges, hz_places, grids, births, end;
 };
 
 Layout layout_of(const Terrain& t, const CutBudget& b) {
@@ -89,8 +89,7 @@ Status check_budget(const Terrain& t, const CutBudget& b) {
         return {Code::out_of_range, "CutBudget::chunk_triangles (8 to 65,536, a power of two)"};
     if (b.views < 1 || b.views > max_cut_views) return {Code::out_of_range, "CutBudget::views (1 to 8)"};
     if (b.vertices < corner_count(t)) return {Code::budget_too_small, "CutBudget::vertices (4 a tile)"};
-    if (chunks_of(b) < least_chunks(t))
-        return {Code::budget_too_small, "CutBudget::triangles (a chunk a tile, and 3)"};
+    if (chunks_of(b) < least_chunks(t)) return {Code::budget_too_small, "CutBudget::triangles (a chunk a tile, and 3)"};
     return {};
 }
 
@@ -122,8 +121,8 @@ void make_corners(CutState& s) {
     const auto nx = static_cast<std::uint32_t>(s.tiles_x) + 1;
     for (std::uint32_t slot = 0; slot < corner_count(t); ++slot) {
         const std::int32_t side = t.tree.side();
-        const Coord at = t.tree.sample(
-            {static_cast<std::int32_t>(slot % nx) * side, static_cast<std::int32_t>(slot / nx) * side});
+        const Coord at =
+            t.tree.sample({static_cast<std::int32_t>(slot % nx) * side, static_cast<std::int32_t>(slot / nx) * side});
         const std::uint32_t stored = t.corners[slot];
         const float height_m = t.lattice.height_m(static_cast<std::int32_t>(stored & ~corner_void_bit));
         s.vertices[slot] = {at.x, at.y, height_m};
@@ -157,7 +156,8 @@ void reset(CutState& s) {
     follow_pages(s);
     clear_lists(s.lists, block_chunks(s.block_count)); // of the roots of pages that have just come
     for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile)
-        if (const std::uint32_t first = s.page_blocks[tile * s.pages_per_tile]; first != nil) s.blocks[first].list = no_list;
+        if (const std::uint32_t first = s.page_blocks[tile * s.pages_per_tile]; first != nil)
+            s.blocks[first].list = no_list;
 }
 
 void begin_at_roots(CutState& s) {
@@ -263,8 +263,9 @@ CutMesh cut_mesh(LiveCut cut) {
     const CutState& s = *cut.state;
     CutMesh out;
     const std::size_t triangles = std::size_t{s.chunk_count} << s.chunk_log2;
-    out.mesh = {Topology::triangles, {s.vertices, s.budget.vertices}, {s.indices, triangles * 3},
-                {s.ranges, s.range_count}, 0, s.budget.vertices};
+    out.mesh = {
+        Topology::triangles, {s.vertices, s.budget.vertices}, {s.indices, triangles * 3}, {s.ranges, s.range_count}, 0,
+        s.budget.vertices};
     out.morph = {s.morph, s.budget.vertices};
     out.frame = s.morph_now;
     out.vertex_bits = {s.dirty_vertices.bits, s.budget.vertices / 64 + 1};

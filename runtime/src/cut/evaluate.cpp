@@ -50,9 +50,9 @@ void evaluate_lanes(const Decision& c, const LaneBlock& b, LaneMargins& out) {
             const auto squared = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
             const auto distance = hn::Sqrt(squared);
             const auto decide = [&](const Reach& with, auto& margin) HWY_ATTR {
-                const auto reach = hn::Add(hn::Mul(hn::Add(radius, hn::Mul(error, hn::Set(d, with.q))),
-                                                   hn::Set(d, reach_grow)),
-                                           hn::Set(d, with.pad));
+                const auto reach =
+                    hn::Add(hn::Mul(hn::Add(radius, hn::Mul(error, hn::Set(d, with.q))), hn::Set(d, reach_grow)),
+                            hn::Set(d, with.pad));
                 margin = hn::Max(margin, hn::Sub(reach, distance));
                 span = hn::Max(span, hn::Add(reach, distance));
                 return bits_of(d, hn::Lt(squared, hn::Mul(reach, reach)));

@@ -1,8 +1,8 @@
 // The decision (tree/wanted.h) for the sixteen lanes of a block at once, with how far each is from changing.
 //
-// For a view, margin = reach - distance in metres: how far the eye may go before the answer can change. Of several views
-// the largest counts: a vertex is wanted when any of them wants it. Margins carry rounding of some 2^-21 of distance and
-// reach; slack() takes off more than that.
+// For a view, margin = reach - distance in metres: how far the eye may go before the answer can change. Of several
+// views the largest counts: a vertex is wanted when any of them wants it. Margins carry rounding of some 2^-21 of
+// distance and reach; slack() takes off more than that.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,9 @@ struct Decision {
     float spacing_x_m, spacing_z_m;
     std::int32_t last_x, last_y; // of the terrain's samples
     std::uint32_t views;
-    bool hysteresis;               // keep differs from reach
-    Reach reach[max_cut_views];    // for vertices that are not active
-    Reach keep[max_cut_views];     // for those that are
+    bool hysteresis;            // keep differs from reach
+    Reach reach[max_cut_views]; // for vertices that are not active
+    Reach keep[max_cut_views];  // for those that are
 };
 
 // Lane n stands at sample (x0 + n dx, y0 + n dy), clamped to the terrain.

@@ -1,6 +1,6 @@
-// Bringing nearer the memory that changes will touch. What a change costs is a chain of cache misses: the parents' vertex
-// slots, the triangles they make, those triangles' corners. For a batch of changes every link of the chain is fetched for
-// all of them before the next one is followed for any.
+// Bringing nearer the memory that changes will touch. What a change costs is a chain of cache misses: the parents'
+// vertex slots, the triangles they make, those triangles' corners. For a batch of changes every link of the chain is
+// fetched for all of them before the next one is followed for any.
 #pragma once
 
 #include "cut/find.h"

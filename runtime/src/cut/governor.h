@@ -5,8 +5,8 @@
 //
 // Steps are sized so that they do not have to be taken back. Up: by a tenth, which frees at most a fifth (the number of
 // vertices goes as the threshold to a power between -1 and -2), so that at least 0.8 of the scarcest capacity stay in
-// use. Down: only below that, and only as far as fills nine tenths by the same law. A terrain whose vertices all come in
-// one step can break any law, so a threshold that has failed is not tried again before use has dropped by a tenth.
+// use. Down: only below that, and only as far as fills nine tenths by the same law. A terrain whose vertices all come
+// in one step can break any law, so a threshold that has failed is not tried again before use has dropped by a tenth.
 #pragma once
 
 #include <algorithm>

@@ -49,7 +49,8 @@ struct Verdict {
         const Vec3 p = Vec3{v.x, v.y, v.z} - s.views[i].eye_m;
         bool inside = true;
         for (int plane = 0; plane < 6 && inside; ++plane)
-            inside = dot(s.frustums[i].normal[plane], p) >= s.frustums[i].offset[plane] - static_cast<double>(v.radius_m);
+            inside =
+                dot(s.frustums[i].normal[plane], p) >= s.frustums[i].offset[plane] - static_cast<double>(v.radius_m);
         if (inside) return true;
     }
     return false;

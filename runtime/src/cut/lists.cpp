@@ -222,8 +222,8 @@ void schedule(Lists& lists, std::uint32_t block, float slack_m, std::uint32_t gr
     b.due_high = static_cast<std::uint16_t>(stored >> 32);
     if (soon) return push_bucket(lists, soon_lists + grade, block);
     // 56 ticks and more go to the second wheel, 448 to the third ...
-    const auto wheel = std::min(
-        (static_cast<std::uint32_t>(std::bit_width((due - now) / first_wheel_ticks)) + 2) / 3, wheel_count - 1);
+    const auto wheel = std::min((static_cast<std::uint32_t>(std::bit_width((due - now) / first_wheel_ticks)) + 2) / 3,
+                                wheel_count - 1);
     const std::uint64_t bucket = due >> (3 * wheel);
     lists.filled[grade][wheel] |= std::uint64_t{1} << (bucket % wheel_buckets);
     push_bucket(lists, bucket_of(grade, wheel, bucket), block);

@@ -1,20 +1,20 @@
 // Lists of blocks: a calendar of when each must be looked at again, and queues of work.
 //
 // The calendar counts, for each grade of errors, how far the worst eye has travelled in metres - plus what changes of
-// threshold amount to at that grade's largest error - in ticks of about 1/32 cell. A block whose smallest slack is d may rest
-// until its grade's odometer has gone that far.
+// threshold amount to at that grade's largest error - in ticks of about 1/32 cell. A block whose smallest slack is d
+// may rest until its grade's odometer has gone that far.
 //
-// Wheels. Eight wheels of 64 buckets a grade; a bucket of wheel k is 8^k ticks wide, and a slack goes to the first wheel
-// that holds it, at least seven buckets ahead. So a block comes up at most a seventh of its slack too early, nothing is
-// carried from wheel to wheel, and a frame that moves little looks at eight numbers a grade. A bucket whose time has come
-// joins the due blocks of its grade without a look at them: that a block is due follows from its tick.
+// Wheels. Eight wheels of 64 buckets a grade; a bucket of wheel k is 8^k ticks wide, and a slack goes to the first
+// wheel that holds it, at least seven buckets ahead. So a block comes up at most a seventh of its slack too early,
+// nothing is carried from wheel to wheel, and a frame that moves little looks at eight numbers a grade. A bucket whose
+// time has come joins the due blocks of its grade without a look at them: that a block is due follows from its tick.
 //
 // Buckets and due blocks are arrays in chunks of a cache line, because what a visit costs is cache misses: with the
-// numbers side by side, the states and records of the next chunk are fetched while this one is worked on. (Links through
-// the blocks made every visit wait for the one before: 150 to 190 ns a visit instead of 60.) A block knows its place in
-// its bucket, so it can leave; there are as many chunks as all blocks can ever need.
-// Rejected: one queue in order of due times (a heap's cost for an order that nothing needs); cascading wheels, which move
-// thousands of blocks at once when a coarse bucket's turn comes.
+// numbers side by side, the states and records of the next chunk are fetched while this one is worked on. (Links
+// through the blocks made every visit wait for the one before: 150 to 190 ns a visit instead of 60.) A block knows its
+// place in its bucket, so it can leave; there are as many chunks as all blocks can ever need. Rejected: one queue in
+// order of due times (a heap's cost for an order that nothing needs); cascading wheels, which move thousands of blocks
+// at once when a coarse bucket's turn comes.
 //
 // Queues of work are short and of blocks just looked at; they are linked through the blocks' states.
 #pragma once
@@ -57,7 +57,7 @@ inline constexpr ListId blocked_lists = retire_list + 1;       // for want of a 
 inline constexpr ListId gated_lists = blocked_lists + 2;       // behind a vertex that is rising; two that take turns
 inline constexpr ListId list_count = gated_lists + 2;
 inline constexpr ListId queue_count = list_count - work_lists;
-inline constexpr ListId held = 0xfffe;    // taken from its list, about to be evaluated
+inline constexpr ListId held = 0xfffe; // taken from its list, about to be evaluated
 inline constexpr ListId no_list = 0xffff;
 
 struct Bucket {
@@ -76,15 +76,15 @@ struct Lists {
     std::uint32_t block_count;
     Link* queues; // queue_count: a queue's first and last block are its head's next and prev
     BlockChunk* chunks;
-    std::uint32_t free_chunk;          // a stack through BlockChunk::next
-    Bucket* buckets;                   // due_lists
+    std::uint32_t free_chunk;                     // a stack through BlockChunk::next
+    Bucket* buckets;                              // due_lists
     std::uint32_t sizes[list_count - soon_lists]; // of the lists after the calendar
     DueBlocks due[grade_count];
     std::uint64_t filled[grade_count][wheel_count]; // buckets that may hold blocks
     double odometer_m[grade_count];
     std::uint64_t tick[grade_count];
     std::uint64_t moves[grade_count]; // times that it was advanced
-    double tick_m, ticks_per_m; // powers of 2: products with them are exact
+    double tick_m, ticks_per_m;       // powers of 2: products with them are exact
 };
 
 [[nodiscard]] constexpr std::uint32_t block_chunks(std::uint32_t block_count) {
@@ -94,7 +94,7 @@ struct Lists {
 void set_tick(Lists& lists, double about_m); // rounded down to a power of 2
 void clear_lists(Lists& lists, std::uint32_t chunk_count);
 
-[[nodiscard]] ListId list_of(const Lists& lists, std::uint32_t block); // or no_list
+[[nodiscard]] ListId list_of(const Lists& lists, std::uint32_t block);            // or no_list
 [[nodiscard]] inline std::uint32_t size(const Lists& lists, std::uint32_t list) { // not of the calendar's
     return lists.sizes[list - soon_lists];
 }

@@ -2,13 +2,13 @@
 //
 // A triangle is named by the vertex at its right angle and a direction: the child of that vertex on its hypotenuse
 // (DESIGN section 3). Activating a vertex replaces the triangle towards it, of each of its parents, by two of its own;
-// deactivating it does the reverse. Neither needs more than the parents' vertex slots, because a triangle's indices name
-// its other corners.
+// deactivating it does the reverse. Neither needs more than the parents' vertex slots, because a triangle's indices
+// name its other corners.
 //
-// Triangles of a tile fill chunks of slots without gaps: a removed one is overwritten by the tile's last. So every chunk
-// is one draw range, nothing degenerate is drawn, and one change touches at most six triangle slots. Triangles that are
-// not drawn - with a corner in a hole, or shrunk to nothing beyond the terrain's rim - are kept the same way, as those of
-// one more tile.
+// Triangles of a tile fill chunks of slots without gaps: a removed one is overwritten by the tile's last. So every
+// chunk is one draw range, nothing degenerate is drawn, and one change touches at most six triangle slots. Triangles
+// that are not drawn - with a corner in a hole, or shrunk to nothing beyond the terrain's rim - are kept the same way,
+// as those of one more tile.
 #pragma once
 
 #include "cut/state.h"

@@ -22,11 +22,12 @@ namespace fjell {
     return most;
 }
 
-// A terrain that ends inside a tile: what would lie beyond the rim stands on it (fjell/tree.h), so there a vertex is not in
-// the middle of the edge that it splits, and where it would have to start is not on the surface. Those vertices do not
-// morph, and neither may any of their ancestors, or one could be half-way when a descendant is at its full height.
-// Derivation: a side of step s lies at most s from its parents, centres of step s; these at most s from theirs, sides of
-// step 2s. So reaching out by 2s and 3s from sides and centres, whatever holds for a vertex holds for its parents.
+// A terrain that ends inside a tile: what would lie beyond the rim stands on it (fjell/tree.h), so there a vertex is
+// not in the middle of the edge that it splits, and where it would have to start is not on the surface. Those vertices
+// do not morph, and neither may any of their ancestors, or one could be half-way when a descendant is at its full
+// height. Derivation: a side of step s lies at most s from its parents, centres of step s; these at most s from theirs,
+// sides of step 2s. So reaching out by 2s and 3s from sides and centres, whatever holds for a vertex holds for its
+// parents.
 [[nodiscard]] inline bool stands_near_cut_rim(const CutState& s, Coord at, int z, bool centre) {
     const Tree& tree = s.terrain->tree;
     const std::int32_t out = (centre ? 3 : 2) << z;
@@ -65,8 +66,8 @@ inline constexpr float unseen_px = 0.01f;
 // Forgets vertices that have reached their height.
 inline void let_rise(CutState& s) {
     s.gate_open = s.morph_now.morph == Morph::none;
-    while (s.birth_count != 0 && (s.morph_now.morph == Morph::none ||
-                                  s.morph_now.now_s - s.births[s.first_birth] >= s.morph_now.morph_s)) {
+    while (s.birth_count != 0 &&
+           (s.morph_now.morph == Morph::none || s.morph_now.now_s - s.births[s.first_birth] >= s.morph_now.morph_s)) {
         s.first_birth = (s.first_birth + 1) % s.budget.vertices;
         --s.birth_count;
         s.gate_open = true;

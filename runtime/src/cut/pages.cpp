@@ -131,7 +131,8 @@ void forget_vertices(CutState& s, std::uint32_t slot) {
     info.touched = false;
     const std::int32_t n = info.shape == 0 ? 1 << s.terrain->tree.tile_log2 : page_squares;
     const std::int32_t columns = s.tiles_x << s.steps[info.z].log2, rows = s.tiles_y << s.steps[info.z].log2;
-    const std::int32_t i0 = (info.tile_x << s.steps[info.z].log2) + info.i0, j0 = (info.tile_y << s.steps[info.z].log2) + info.j0;
+    const std::int32_t i0 = (info.tile_x << s.steps[info.z].log2) + info.i0,
+                       j0 = (info.tile_y << s.steps[info.z].log2) + info.j0;
     const bool rim = info.shape == 0 || i0 == 0 || j0 == 0 || i0 + n >= columns || j0 + n >= rows;
     for (std::uint32_t k = 0; k < s.shapes[info.shape].count; ++k) {
         const std::uint32_t number = slot * max_page_blocks + k;

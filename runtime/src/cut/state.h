@@ -19,8 +19,8 @@ struct BlockState {
     std::uint16_t child[4];  // that child is active; where it is not, an active vertex draws a triangle towards it
     std::uint16_t list;      // that the block was put in (list_of), or no_list
     Link link;
-    // In the calendar: the tick of its grade at which it must be looked at, 48 bits of it. In a queue: which lanes called
-    // for work, activations in the lower half; only a hint of what to fetch.
+    // In the calendar: the tick of its grade at which it must be looked at, 48 bits of it. In a queue: which lanes
+    // called for work, activations in the lower half; only a hint of what to fetch.
     std::uint32_t due;
     std::uint16_t due_high;
     std::uint8_t grade; // of its errors; in the calendar and after
@@ -57,7 +57,7 @@ struct TileList {
     std::uint32_t in_last;
     std::uint32_t total;
     std::uint32_t chunks;
-    bool bounded;      // by the root's sphere; not while page 0 is missing
+    bool bounded; // by the root's sphere; not while page 0 is missing
     double centre_m[3];
     double radius_m;
 };
@@ -121,8 +121,8 @@ struct CutState {
     // The mesh.
     MeshVertex* vertices;
     MorphVertex* morph;
-    std::uint32_t* made; // 4 a vertex slot: the triangle it makes in each direction, or nil
-    std::uint8_t* hole;  // 1 a vertex slot
+    std::uint32_t* made;          // 4 a vertex slot: the triangle it makes in each direction, or nil
+    std::uint8_t* hole;           // 1 a vertex slot
     std::uint32_t* free_vertices; // a stack of given-back slots; those from fresh_vertex on were never taken
     std::uint32_t free_vertex_count, fresh_vertex, vertex_peak;
     std::uint32_t* indices; // 3 a triangle slot: right angle first
@@ -149,8 +149,8 @@ struct CutState {
     CutReport report;
     std::uint64_t frame;
     std::uint32_t item_limit;
-    bool lagging; // the frame before left work undone
-    std::uint32_t short_of; // CutBudgetBits of capacities that an activation has just wanted in vain
+    bool lagging;                     // the frame before left work undone
+    std::uint32_t short_of;           // CutBudgetBits of capacities that an activation has just wanted in vain
     std::uint32_t retired_when_short; // deactivations before it did
     std::uint32_t batches;            // carried out in this frame
     std::uint32_t examined;           // blocks since the last batch, also of the frame before
@@ -162,7 +162,7 @@ struct CutState {
     bool gate_open;           // some vertex has reached its height since the last frame
     // Morphing.
     MorphFrame morph_now, morph_before;
-    float* births;            // born_s of vertices activated late, a ring of budget.vertices: oldest first
+    float* births; // born_s of vertices activated late, a ring of budget.vertices: oldest first
     std::uint32_t first_birth, birth_count;
 };
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "cut/change.h"
 #include "cut/bulk.h"
+#include "cut/change.h"
 #include "cut/fetch.h"
 #include "cut/frame.h"
 #include "cut/governor.h"
@@ -107,6 +107,12 @@ void list_ranges(CutState& s) {
     }
 }
 
+std::uint32_t due(const CutState& s) {
+    std::uint32_t n = 0;
+    for (std::uint32_t grade = 0; grade < grade_count; ++grade) n += size(s.lists, due_lists + grade);
+    return n;
+}
+
 std::uint32_t waiting(const CutState& s) {
     std::uint32_t n = 0;
     for (std::uint32_t list = due_lists; list < list_count; ++list) n += size(s.lists, list);
@@ -153,7 +159,9 @@ constexpr std::uint32_t batch_blocks = 16;
 
 bool out_of_time(CutState& s) {
     if (s.report.visits >= s.settings.visits) return true;
-    if (s.settings.budget_us <= 0 || s.report.items == 0 || microseconds(s.started, Clock::now()) < s.settings.budget_us) return false;
+    if (s.settings.budget_us <= 0 || s.report.items == 0 ||
+        microseconds(s.started, Clock::now()) < s.settings.budget_us)
+        return false;
     s.report.exhausted |= cut_budget_time;
     return true;
 }
@@ -192,14 +200,18 @@ bool carry_out_batch(CutState& s, std::uint32_t list, bool may_retire) {
     return true;
 }
 
-// While the mesh lags, one batch in four gives slots back, or it would outgrow what the view wants.
-constexpr std::uint32_t retire_every = 4;
+// While the mesh lags, some batches give slots back, or it would outgrow what the view wants: one in sixteen while
+// there is room, one in three when there is not.
+std::uint32_t retire_every(const CutState& s) {
+    const bool room = free_vertices(s) > s.budget.vertices / 4 && s.free_chunk_count > s.chunk_count / 4;
+    return room ? 16 : 3;
+}
 
-// The queue that comes next; no_list when all are done. Deactivations come last, but first when a capacity is spent, and
-// then what was blocked is tried again.
+// The queue that comes next; no_list when all are done. Deactivations come last, but first when a capacity is spent,
+// and then what was blocked is tried again.
 std::uint32_t next_queue(CutState& s) {
     const bool can_retire = size(s.lists, retire_list) != 0;
-    if (can_retire && (s.short_of != 0 || (s.lagging && s.batches % retire_every == 0))) return retire_list;
+    if (can_retire && (s.short_of != 0 || (s.lagging && s.batches % retire_every(s) == 0))) return retire_list;
     if (s.short_of != 0 && s.retired_when_short != s.report.deactivations) {
         s.short_of = 0;
         s.turn ^= 1;
@@ -231,6 +243,8 @@ void refine(CutState& s) {
     };
     std::uint32_t grade = grade_count; // of due blocks, plus one
     // While the mesh lags, what is known to be bad does not wait for all that might be.
+    constexpr std::uint32_t many = 4096;
+    s.lagging = s.lagging || due(s) > many; // a teleport
     const std::uint32_t most_examined = s.lagging ? 2 * batch_blocks : unlimited_items;
     while (s.report.items < s.item_limit) {
         while (grade != 0 && size(s.lists, due_lists + grade - 1) == 0) --grade;
@@ -251,7 +265,8 @@ void refine(CutState& s) {
         ++s.batches;
         if (s.short_of != short_before) s.retired_when_short = s.report.deactivations;
     }
-    if (s.report.items >= s.item_limit && waiting(s) != blocked(s) && (s.report.exhausted & cut_budget_time) == 0) s.report.exhausted |= cut_budget_items;
+    if (s.report.items >= s.item_limit && waiting(s) != blocked(s) && (s.report.exhausted & cut_budget_time) == 0)
+        s.report.exhausted |= cut_budget_items;
 }
 
 namespace {
