@@ -15,11 +15,18 @@ namespace {
 using host::Failure;
 using nlohmann::json;
 
-constexpr int version = 1;
+constexpr std::uint32_t version = 1;
 constexpr const char* morph_names[] = {"none", "error", "time"};
 
 std::string hex(std::uint64_t value) {
     return fmt::format("{:016x}", value);
+}
+
+// get<std::uint32_t>() would convert any number, also one that does not fit.
+std::uint32_t whole(const json& j) {
+    if (!j.is_number_unsigned() || j.get<std::uint64_t>() > 0xffffffff)
+        throw json::other_error::create(600, "must be a whole number below 2^32: " + j.dump(), &j);
+    return static_cast<std::uint32_t>(j.get<std::uint64_t>());
 }
 
 json view_json(const View& v) {
@@ -37,8 +44,8 @@ View view_of(const json& j) {
     v.forward = vec(3);
     v.up = vec(6);
     v.fov_y_rad = j.at(9).get<double>();
-    v.width_px = j.at(10).get<std::uint32_t>();
-    v.height_px = j.at(11).get<std::uint32_t>();
+    v.width_px = whole(j.at(10));
+    v.height_px = whole(j.at(11));
     v.near_m = j.at(12).get<double>();
     v.far_m = j.at(13).get<double>();
     v.lambda_px = j.at(14).get<double>();
@@ -72,8 +79,8 @@ RecordedFrame frame_of(const json& j) {
     if (f.views.empty()) throw json::other_error::create(600, "a frame needs a view", &j);
     CutSettings& s = f.settings;
     f.rebuild = j.at("rebuild").get<bool>();
-    s.items = j.at("items").get<std::uint32_t>();
-    s.visits = j.at("visits").get<std::uint32_t>();
+    s.items = whole(j.at("items"));
+    s.visits = whole(j.at("visits"));
     s.error_px = j.at("error_px").get<double>();
     s.hysteresis = j.at("hysteresis").get<double>();
     s.corner_safe = j.at("corner_safe").get<bool>();
@@ -87,13 +94,13 @@ RecordedFrame frame_of(const json& j) {
 }
 
 void read_head(const json& j, Recording& r) {
-    if (j.at("fjell").get<std::string>() != "recording" || j.at("version").get<int>() != version)
+    if (j.at("fjell").get<std::string>() != "recording" || whole(j.at("version")) != version)
         throw json::other_error::create(600, "not a recording of this version", &j);
     r.pack_hash = from_hex(j.at("pack"));
-    r.budget.vertices = j.at("vertices").get<std::uint32_t>();
-    r.budget.triangles = j.at("triangles").get<std::uint32_t>();
-    r.budget.chunk_triangles = j.at("chunk_triangles").get<std::uint32_t>();
-    r.budget.views = j.at("views").get<std::uint32_t>();
+    r.budget.vertices = whole(j.at("vertices"));
+    r.budget.triangles = whole(j.at("triangles"));
+    r.budget.chunk_triangles = whole(j.at("chunk_triangles"));
+    r.budget.views = whole(j.at("views"));
 }
 
 } // namespace

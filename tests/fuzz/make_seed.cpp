@@ -1,5 +1,6 @@
-// Writes seeds into FOLDER/pack for fuzz_pack and into FOLDER/page for fuzz_page: small packs in every order, with
-// tiles of 2 to 64 cells, with and without holes, lossless and not, and their pages decompressed.
+// Writes seeds into FOLDER/pack for fuzz_pack, FOLDER/page for fuzz_page and FOLDER/record for fuzz_record. Of the first
+// two: small packs in every order, with tiles of 2 to 64 cells, with and without holes, lossless and not, and their pages
+// decompressed.
 //
 // Each pack is written three times: as it is, so that hashes are what is attacked; with its hashes repaired after a
 // mutation, so that zstd is; and with chunks that are not compressed, so that records are.
@@ -17,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "fly/record.h"
 #include "input.h"
 #include "support/terrain_fixture.h"
 
@@ -179,7 +181,37 @@ host::LoadedPack make_pack(Random& random, Order order, const SeedPack& seed) {
     return bake_and_load(std::move(dem), options);
 }
 
+// Short recordings of every kind of frame.
+void make_recordings(const std::filesystem::path& folder) {
+    std::filesystem::create_directories(folder);
+    Random random(32);
+    for (int seed = 0; seed < 6; ++seed) {
+        fly::Recording recording;
+        recording.budget.vertices = 4000;
+        for (int frame = 0; frame < 6; ++frame) {
+            fly::RecordedFrame f;
+            f.rebuild = frame == 0 && seed % 2 == 0;
+            for (int n = 0; n <= seed % 3; ++n) {
+                const Vec3 eye{uniform(random, -100, 2000), uniform(random, 0, 900), uniform(random, -100, 2000)};
+                f.views.push_back(make_view(eye, {1, -0.5, uniform(random, -1, 1)}, {0, 1, 0}, 0.8, 640, 480, 1, 1e5));
+            }
+            f.settings.error_px = std::pow(10.0, uniform(random, -1, 1.5));
+            f.settings.items = frame % 2 ? unlimited_items : 50;
+            f.settings.hysteresis = seed == 4 ? 0.5 : 0;
+            f.settings.corner_safe = seed == 5;
+            f.settings.morph = static_cast<Morph>(seed % 3);
+            f.settings.now_s = frame / 60.0;
+            recording.frames.push_back(f);
+        }
+        const std::string text = write_recording(recording);
+        Bytes bytes;
+        append(bytes, std::as_bytes(std::span(text)));
+        write(folder / ("flight_" + std::to_string(seed)), bytes);
+    }
+}
+
 void make_seeds(const std::filesystem::path& folder) {
+    make_recordings(folder / "record");
     SeedWriter seeds(folder);
     Random random(31);
     for (const auto& [order, order_name] :

@@ -15,9 +15,9 @@ namespace {
 // when cut_golden_compilers passes.
 // Of the terrain's records: changes with the baker's errors, radii and heights, and then the others do as well.
 constexpr std::uint64_t terrain_hash = 0xe337ddf737e8197c;
-constexpr std::uint64_t triangles_hash = 0x54e992af0127554f;
+constexpr std::uint64_t triangles_hash = 0x38c15128e9e2c04b;
 // Of the counts in the reports: changes also with the order of work.
-constexpr std::uint64_t work_hash = 0x4b9fa62c33d308f2;
+constexpr std::uint64_t work_hash = 0xd1e5ed64bb36c636;
 
 } // namespace
 

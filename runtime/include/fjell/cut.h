@@ -5,7 +5,8 @@
 // frame looks only at blocks whose slack is spent, and activates or deactivates one vertex at a time: after every
 // single step the mesh is whole. It refines all around; the frustum decides what is drawn, and what is done first.
 //
-// Work is counted in items: one block evaluated, or one vertex activated or deactivated, each bounded by a constant.
+// Work is counted in items: one block evaluated, or one vertex activated or deactivated (with another look at its block),
+// each bounded by a constant. A limit in microseconds is read off the clock before every block.
 // When a frame's items do not suffice, the mesh lags behind the view and the report says by how much. When a capacity
 // does not, the effective threshold rises until it does, and comes back.
 //

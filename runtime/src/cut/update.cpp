@@ -321,7 +321,8 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     CutState& s = *cut.state;
     if (Status v = check(s, views, settings); !v.ok()) return v;
     begin_frame(s, settings);
-    s.item_limit = unlimited_items;
+    s.item_limit = s.settings.visits = unlimited_items;
+    s.settings.budget_us = 0;
     s.report.rebuilt = true;
     CutReport& r = s.report;
     // A rebuild starts afresh: with the asked threshold, or the lowest one above it that the capacities allow.

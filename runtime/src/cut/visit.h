@@ -5,7 +5,8 @@
 
 namespace fjell {
 
-// Both take a block that is held, evaluate it (one item), and put it in the list it belongs to then.
+// Both take a block that is held, evaluate it, and put it in the list it belongs to then. That is one item; so is every
+// vertex activated or deactivated, the first of a visit together with the look at its block.
 
 // Puts it in the queue that its lanes call for, or in the calendar.
 void examine(CutState& s, std::uint32_t block);
