@@ -31,7 +31,7 @@ namespace fjell {
 inline constexpr std::uint32_t max_cut_views = 8;
 
 struct CutBudget {
-    std::uint32_t vertices = 1u << 19;  // slots of the vertex buffer, 52 bytes each; 4 a tile at least
+    std::uint32_t vertices = 1u << 19;  // slots of the vertex buffer, 53 bytes each; 4 a tile at least
     std::uint32_t triangles = 1u << 20; // slots of the index buffer, 16 bytes each
     // Triangles lie tile by tile, in chunks of this many slots: a chunk is one draw range. 8 to 65,536, a power of two.
     std::uint32_t chunk_triangles = 512;

@@ -25,6 +25,15 @@ struct Plan {
         __builtin_prefetch(fetched_at, 1);                                                                             \
     } while (false)
 
+// What looking at a block reads.
+inline void fetch_block(const CutState& s, std::uint32_t block) {
+    FJELL_FETCH(&s.blocks[block]);
+    const VertexRecord* const records =
+        s.terrain->records + std::size_t{block / max_page_blocks} * s.terrain->page_capacity + shape_of(s, block).first;
+    FJELL_FETCH(records);
+    FJELL_FETCH(records + block_lanes - 1);
+}
+
 inline void fetch_record(const CutState& s, std::uint32_t vertex) {
     const std::uint32_t block = vertex / block_lanes, slot = block / max_page_blocks;
     const BlockShape& shape = shape_of(s, block);

@@ -28,9 +28,6 @@ inline constexpr std::uint32_t nil = 0xffffffff;
 
 struct BlockState;
 
-// Not a function of its own: g++ takes one that only prefetches for one without effects, and drops the call.
-#define fetch_line(at) __builtin_prefetch(at, 1)
-
 struct Link { // in a queue: neighbours; in the calendar: the chunk and the place in it
     std::uint32_t next, prev;
 };
@@ -117,7 +114,7 @@ template <typename Fetch>
     if (const std::uint32_t next = chunk.next != nil ? chunk.next : due.filling; next != nil && next != at) {
         const BlockChunk& after = lists.chunks[next];
         if (chunk.count < after.count) fetch(after.blocks[chunk.count]);
-        if (after.next != nil && chunk.count == chunk_blocks / 2) fetch_line(&lists.chunks[after.next]);
+        if (after.next != nil && chunk.count == chunk_blocks / 2) __builtin_prefetch(&lists.chunks[after.next]);
     }
     --lists.sizes[due_lists + grade - soon_lists];
     if (chunk.count != 0) return block;

@@ -231,16 +231,7 @@ std::uint32_t next_queue(CutState& s) {
 } // namespace
 
 void refine(CutState& s) {
-    // always_inline: g++ takes a function that only prefetches for one without effects, and drops the call.
-    const auto fetch = [&](std::uint32_t block) __attribute__((always_inline)) {
-        __builtin_prefetch(&s.blocks[block], 1);
-        const std::uint32_t slot = block / max_page_blocks;
-        const BlockShape& shape = s.shapes[s.slot_info[slot].shape].blocks[block - slot * max_page_blocks];
-        const VertexRecord* const records =
-            s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first;
-        __builtin_prefetch(records);
-        __builtin_prefetch(records + block_lanes - 1);
-    };
+    const auto fetch = [&](std::uint32_t block) { fetch_block(s, block); };
     std::uint32_t grade = grade_count; // of due blocks, plus one
     // While the mesh lags, what is known to be bad does not wait for all that might be.
     constexpr std::uint32_t many = 4096;
