@@ -28,3 +28,54 @@ TEST_CASE("a cut built at once is the same as one refined step by step, and live
         }
     }
 }
+
+TEST_CASE("a host that copies only what was written has the mesh, from the first frame on") {
+    Random random(103);
+    for (int round = 0; round < 120; ++round) {
+        const auto pack = random_terrain(random, 140, 6);
+        const Terrain& terrain = pack.terrain;
+        CutBudget budget = ample_cut(terrain);
+        if (round % 3 == 0) { // a capacity is spent now and then
+            budget.vertices = std::max(budget.vertices / 8, terrain.tile_count() * 4 + 20);
+            budget.triangles = std::max(budget.triangles / 4, budget.chunk_triangles * (terrain.tile_count() + 6));
+        }
+        Cut cut(terrain, budget);
+        std::vector<MeshVertex> vertices(budget.vertices, MeshVertex{-1, -1, -1});
+        std::vector<MorphVertex> morph(budget.vertices, MorphVertex{-1, -1, -1, -1});
+        std::vector<std::uint32_t> indices(cut.mesh().indices.size(), 0xffffffff);
+        View view = random_view(random, terrain);
+        for (int frame = 0; frame < 12; ++frame) {
+            if (pick(random, 0, 3) == 0) view = random_view(random, terrain);
+            view = moved(random, view, random_step_m(random, terrain));
+            CutSettings settings;
+            settings.error_px = random_threshold(random);
+            settings.morph = frame > 6 ? Morph::error : Morph::none;
+            settings.now_s = frame;
+            settings.items = pick(random, 0, 1) ? unlimited_items : 200;
+            pick(random, 0, 3) == 0 ? cut.rebuild({&view, 1}, settings) : cut.update({&view, 1}, settings);
+            const CutMesh live = cut_mesh(cut.cut);
+            for_each_run(live.vertex_bits, live.vertex_words, [&](std::uint32_t first, std::uint32_t count) {
+                for (std::uint32_t i = first; i < first + count; ++i) {
+                    REQUIRE(i < budget.vertices);
+                    vertices[i] = live.mesh.vertices[i], morph[i] = live.morph[i];
+                }
+            });
+            for_each_run(live.triangle_bits, live.triangle_words, [&](std::uint32_t first, std::uint32_t count) {
+                REQUIRE(3 * (first + count) <= indices.size());
+                std::copy_n(live.mesh.indices.begin() + 3 * first, 3 * count, indices.begin() + 3 * first);
+            });
+            std::size_t stale = 0;
+            for (const TileRange& range : cut.mesh().tiles)
+                for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; ++i) {
+                    const std::uint32_t slot = live.mesh.indices[i];
+                    stale += indices[i] != slot || vertices[slot].column != live.mesh.vertices[slot].column ||
+                             vertices[slot].row != live.mesh.vertices[slot].row ||
+                             vertices[slot].height_m != live.mesh.vertices[slot].height_m ||
+                             morph[slot].flat_m != live.morph[slot].flat_m ||
+                             morph[slot].error_m != live.morph[slot].error_m;
+                }
+            CAPTURE(round, frame);
+            REQUIRE(stale == 0);
+        }
+    }
+}

@@ -128,6 +128,7 @@ void make_corners(CutState& s) {
         s.vertices[slot] = {at.x, at.y, height_m};
         s.morph[slot] = {height_m, 0, 0, never_born_s};
         s.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
+        s.dirty_vertices.mark(slot);
     }
 }
 

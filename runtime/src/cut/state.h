@@ -75,7 +75,8 @@ struct DirtyBits {
         slots += (word & bit) == 0;
         word |= bit;
     }
-    void mark_first(std::uint32_t count) { // slots 0 to count - 1, of none so far
+    void mark_first(std::uint32_t count) { // slots 0 to count - 1, and no others
+        clear();
         for (; slots + 64 <= count; slots += 64) {
             bits[slots / 64] = ~std::uint64_t{0};
             words[word_count++] = slots / 64;

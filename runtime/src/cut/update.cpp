@@ -265,8 +265,10 @@ namespace {
 void begin_frame(CutState& s, const CutSettings& settings) {
     s.started = Clock::now();
     s.settings = settings;
-    s.dirty_vertices.clear();
-    s.dirty_triangles.clear();
+    if (s.frame != 0) { // what create_cut() has made is for the first frame to show
+        s.dirty_vertices.clear();
+        s.dirty_triangles.clear();
+    }
     s.report = {};
     s.report.frame = ++s.frame;
     s.report.error_px_asked = settings.error_px;
@@ -318,6 +320,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     CutReport& r = s.report;
     // A rebuild starts afresh: with the asked threshold, or the lowest one above it that the capacities allow.
     s.governor = {settings.error_px, 0, governor_full, false, 0};
+    bool whole = true;
     for (;;) {
         reset(s);
         look(s, views, s.governor.effective_px);
@@ -331,10 +334,11 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         reset(s);
         begin_at_roots(s);
         refine(s);
+        whole = false;
         break;
     }
     r.error_px_effective = s.governor.effective_px;
-    mark_all(s);
+    if (whole) mark_all(s); // otherwise refine() has marked what it made
     r.activations = s.budget.vertices - free_vertices(s) - corner_slots(s);
     r.items = r.evaluations + r.activations;
     const auto built = Clock::now();
