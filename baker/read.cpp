@@ -188,7 +188,7 @@ void check_band(GDALDataset& file, const std::string& path, const ReadOptions& o
 }
 
 // Samples of one kind, and where the first one is, in the file's own columns and rows.
-struct Tally {
+struct FileTally {
     std::uint64_t count = 0;
     int column = 0, row = 0;
 
@@ -198,8 +198,8 @@ struct Tally {
 };
 
 // What has no height, or none that can be believed (read.h).
-struct Census {
-    Tally voids, odd;
+struct FileCensus {
+    FileTally voids, odd;
     double odd_m = 0; // the first, as asked
 };
 
@@ -254,7 +254,7 @@ bool plausible(double metres) {
 
 // A sample's height, or NaN and a mark in the census. A height is odd only when it is so both as the file has it and as
 // asked: 16-bit counts become plausible by --zscale, and exaggerated heights were plausible before.
-float classify(double raw, const Scaling& scaling, int x, int y, Census& census) {
+float classify(double raw, const Scaling& scaling, int x, int y, FileCensus& census) {
     const double metres = scaling.file_m(raw), asked = scaling.asked_m(metres);
     if (plausible(metres) || plausible(asked)) return static_cast<float>(asked);
     if (std::isnan(metres)) {
@@ -291,13 +291,13 @@ private:
 };
 
 // Fills heights_m (no height: NaN) and native_quantum_m.
-Census read_heights(GDALRasterBand& band, const Placement& at, const Scaling& scaling, const std::string& path,
+FileCensus read_heights(GDALRasterBand& band, const Placement& at, const Scaling& scaling, const std::string& path,
                     const GdalMessages& messages, Dem& dem) {
     const auto columns = static_cast<std::size_t>(dem.columns);
     dem.heights_m.resize(columns * static_cast<std::size_t>(dem.rows));
     std::vector<double> raw(columns);
     Marks marks(band);
-    Census census;
+    FileCensus census;
     StepFinder finder(band.GetRasterDataType());
     for (int y = 0; y < dem.rows; ++y) {
         read_row(band, y, raw.data(), path, messages);
@@ -319,7 +319,7 @@ Census read_heights(GDALRasterBand& band, const Placement& at, const Scaling& sc
 }
 
 // Throws for what the user has to decide about, and for a file without any height.
-void refuse_voids(const Census& census, std::uint64_t all, const std::string& path, NoData nodata) {
+void refuse_voids(const FileCensus& census, std::uint64_t all, const std::string& path, NoData nodata) {
     constexpr const char* remedy =
         "give --nodata hole to leave them open or --nodata fill to fill them from their neighbours";
     const auto& [voids, odd, odd_m] = census;
@@ -336,7 +336,7 @@ void refuse_voids(const Census& census, std::uint64_t all, const std::string& pa
                                      path, voids.count, all, voids.column, voids.row, remedy));
 }
 
-void settle_voids(Dem& dem, const Census& census, const Scaling& scaling, const std::string& path, NoData nodata) {
+void settle_voids(Dem& dem, const FileCensus& census, const Scaling& scaling, const std::string& path, NoData nodata) {
     if (census.voids.count + census.odd.count == 0) return;
     refuse_voids(census, dem.heights_m.size(), path, nodata);
     if (nodata != NoData::fill) {
@@ -373,7 +373,7 @@ Dem read_dem(const std::string& path, const ReadOptions& options) {
     dem.crs_wkt = at.crs_wkt;
     messages.forget();
     try {
-        const Census census = read_heights(band, at, scaling, path, messages, dem);
+        const FileCensus census = read_heights(band, at, scaling, path, messages, dem);
         settle_voids(dem, census, scaling, path, options.nodata);
     } catch (const std::bad_alloc&) {
         throw Failure(3,

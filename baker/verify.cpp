@@ -31,7 +31,8 @@ public:
         original.resize(count);
         for (std::int32_t y = 0; y < tree.rows(); ++y)
             for (std::int32_t x = 0; x < tree.columns(); ++x) {
-                original[at({x, y})] = against ? against->at(x, y) : height({x, y});
+                // Under a hole stands whatever continues the ground: there is nothing to compare with.
+                original[at({x, y})] = against && !against->is_void(x, y) ? against->at(x, y) : height({x, y});
                 if (against && against->is_void(x, y) != hole({x, y}))
                     note(report.height_mismatches, fmt::format("sample ({}, {}) is a hole in one of the two", x, y));
             }

@@ -7,8 +7,6 @@
 #include <xxhash.h>
 #include <zstd.h>
 
-#include "baker/dem.h"
-
 namespace fjell::baker {
 
 namespace {
@@ -27,52 +25,97 @@ ZSTD_CCtx* compressor(ChunkKind kind, int zstd_level) {
 
 } // namespace
 
-Chunk compress_chunk(ChunkId id, std::span<const std::byte> raw, int zstd_level) {
-    Chunk chunk{id, static_cast<std::uint32_t>(raw.size()), {}};
-    chunk.stored.resize(ZSTD_compressBound(raw.size()));
-    const std::size_t size = ZSTD_compress2(compressor(id.kind, zstd_level), chunk.stored.data(), chunk.stored.size(),
+void ChunkBatch::add(ChunkId id, std::span<const std::byte> raw, int zstd_level) {
+    const std::size_t from = bytes_.size();
+    bytes_.resize(from + ZSTD_compressBound(raw.size()));
+    const std::size_t size = ZSTD_compress2(compressor(id.kind, zstd_level), bytes_.data() + from, bytes_.size() - from,
                                             raw.data(), raw.size());
     if (ZSTD_isError(size)) throw Failure(3, fmt::format("cannot compress: {}", ZSTD_getErrorName(size)));
-    chunk.stored.resize(size);
-    return chunk;
+    bytes_.resize(from + size);
+    entries_.push_back({id,
+                        {from, XXH3_64bits(bytes_.data() + from, size), static_cast<std::uint32_t>(size),
+                         static_cast<std::uint32_t>(raw.size())}});
 }
 
-PackWriter::PackWriter(const std::string& path) : file_(path) {
+ChunkSpool::ChunkSpool(const std::string& data_path, const std::string& entries_path, const PackHeader& layout,
+                       std::uint64_t bytes_so_far)
+    : layout_(layout), count_(chunk_count(layout)), data_(data_path, WorkFile::grows),
+      entries_(entries_path, count_ * sizeof(ChunkEntry)), end_(bytes_so_far) {}
+
+void ChunkSpool::append(const ChunkBatch& batch) {
+    const std::uint64_t at = end_.fetch_add(batch.bytes_.size());
+    data_.write(at, batch.bytes_);
+    for (const ChunkBatch::Entry& e : batch.entries_) {
+        ChunkEntry entry = e.entry;
+        entry.offset += at;
+        entries_.write(chunk_index(layout_, e.id) * sizeof entry, std::as_bytes(std::span(&entry, 1)));
+    }
+}
+
+std::vector<ChunkEntry> ChunkSpool::entries() const {
+    std::vector<ChunkEntry> all(count_);
+    entries_.read(0, std::as_writable_bytes(std::span(all)));
+    return all;
+}
+
+namespace {
+
+// Chunks that follow each other in the spool are copied in one go.
+class Copier {
+public:
+    Copier(const ChunkSpool& spool, host::AtomicFile& file) : spool_(spool), file_(file) {}
+    void add(std::uint64_t offset, std::uint64_t bytes) {
+        if (offset != from_ + bytes_ || bytes_ + bytes > most) flush(), from_ = offset;
+        bytes_ += bytes;
+    }
+    void flush() {
+        buffer_.resize(bytes_);
+        spool_.read(from_, buffer_);
+        file_.write(buffer_);
+        bytes_ = 0;
+    }
+
+private:
+    static constexpr std::uint64_t most = std::uint64_t{4} << 20;
+    const ChunkSpool& spool_;
+    host::AtomicFile& file_;
+    std::vector<std::byte> buffer_;
+    std::uint64_t from_ = 0, bytes_ = 0;
+};
+
+} // namespace
+
+std::uint64_t assemble_pack(PackHeader header, const ChunkSpool& spool, const std::vector<ChunkId>& sequence,
+                            host::AtomicFile& file, const std::function<void(std::uint64_t)>& moved) {
+    std::memcpy(header.magic, pack_magic, sizeof pack_magic);
+    header.version = pack_version;
+    header.header_bytes = sizeof(PackHeader);
+    header.layout_hash = pack_layout_hash;
     const PackHeader empty{}; // no magic number until the pack is complete
-    file_.write(std::as_bytes(std::span(&empty, 1)));
-}
+    file.write(std::as_bytes(std::span(&empty, 1)));
 
-void PackWriter::begin(const PackHeader& header) {
-    header_ = header;
-    std::memcpy(header_.magic, pack_magic, sizeof pack_magic);
-    header_.version = pack_version;
-    header_.header_bytes = sizeof(PackHeader);
-    header_.layout_hash = pack_layout_hash;
-    directory_.assign(chunk_count(header_), {});
-}
-
-void PackWriter::add(const Chunk& chunk) {
-    ChunkEntry& entry = directory_.at(chunk_index(header_, chunk.id));
-    if (entry.offset != 0) throw std::logic_error("a chunk is written twice");
-    entry.offset = file_.size();
-    entry.hash = XXH3_64bits(chunk.stored.data(), chunk.stored.size());
-    entry.stored_bytes = static_cast<std::uint32_t>(chunk.stored.size());
-    entry.raw_bytes = chunk.raw_bytes;
-    file_.write(chunk.stored);
-}
-
-std::uint64_t PackWriter::finish() {
-    const auto bytes = std::as_bytes(std::span(directory_));
-    header_.directory_offset = file_.size();
-    header_.directory_count = directory_.size();
-    header_.directory_hash = XXH3_64bits(bytes.data(), bytes.size());
-    file_.write(bytes);
-    header_.file_bytes = file_.size();
-    header_.header_hash = XXH3_64bits(&header_, offsetof(PackHeader, header_hash));
-    file_.write_at(0, std::as_bytes(std::span(&header_, 1)));
-    const std::uint64_t size = file_.size();
-    file_.commit();
-    return size;
+    std::vector<ChunkEntry> directory = spool.entries();
+    Copier copier(spool, file);
+    std::uint64_t end = sizeof(PackHeader), done = 0;
+    for (const ChunkId& id : sequence) {
+        ChunkEntry& entry = directory.at(chunk_index(header, id));
+        if (entry.stored_bytes == 0) throw std::logic_error("a chunk is missing");
+        copier.add(entry.offset, entry.stored_bytes);
+        entry.offset = end;
+        end += entry.stored_bytes;
+        if (++done % 1024 == 0) moved(done);
+    }
+    copier.flush();
+    if (done != directory.size()) throw std::logic_error("a chunk is missing from the sequence");
+    const auto bytes = std::as_bytes(std::span(directory));
+    header.directory_offset = file.size();
+    header.directory_count = directory.size();
+    header.directory_hash = XXH3_64bits(bytes.data(), bytes.size());
+    file.write(bytes);
+    header.file_bytes = file.size();
+    header.header_hash = XXH3_64bits(&header, offsetof(PackHeader, header_hash));
+    file.write_at(0, std::as_bytes(std::span(&header, 1)));
+    return file.size();
 }
 
 } // namespace fjell::baker

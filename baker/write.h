@@ -1,36 +1,56 @@
-// Writes a pack beside its place and renames it when complete.
+// Chunks of a pack: compressed as they are made, in any order, and put together in the order in which they are wanted.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <functional>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "baker/store.h"
 #include "fjell/pack.h"
 #include "host/file.h"
 
 namespace fjell::baker {
 
-// One compressed chunk, ready to be written.
-struct Chunk {
-    ChunkId id;
-    std::uint32_t raw_bytes;
-    std::vector<std::byte> stored;
-};
-[[nodiscard]] Chunk compress_chunk(ChunkId id, std::span<const std::byte> raw, int zstd_level);
-
-class PackWriter {
+// Some chunks on their way to the spool, one thread's.
+class ChunkBatch {
 public:
-    explicit PackWriter(const std::string& path);
-    void begin(const PackHeader& header); // everything but offsets, counts and hashes
-    // Chunks may come in any order, each one once.
-    void add(const Chunk& chunk);
-    std::uint64_t finish(); // the file's size
+    void add(ChunkId id, std::span<const std::byte> raw, int zstd_level);
 
 private:
-    host::AtomicFile file_;
-    PackHeader header_{};
-    std::vector<ChunkEntry> directory_;
+    friend class ChunkSpool;
+    struct Entry {
+        ChunkId id;
+        ChunkEntry entry; // offset: in bytes_
+    };
+    std::vector<Entry> entries_;
+    std::vector<std::byte> bytes_;
 };
+
+// Compressed chunks in a work file, by the order in which they came. Any thread may append.
+class ChunkSpool {
+public:
+    ChunkSpool(const std::string& data_path, const std::string& entries_path, const PackHeader& layout,
+               std::uint64_t bytes_so_far);
+    void append(const ChunkBatch& batch);
+    [[nodiscard]] std::uint64_t bytes() const { return end_; } // what has come, whole batches
+    // What a chunk's bytes are worth: entries with offsets in the spool, by chunk_index.
+    [[nodiscard]] std::vector<ChunkEntry> entries() const;
+    void read(std::uint64_t offset, std::span<std::byte> to) const { data_.read(offset, to); }
+
+private:
+    PackHeader layout_;
+    std::uint64_t count_;
+    WorkFile data_, entries_;
+    std::atomic<std::uint64_t> end_;
+};
+
+// Copies the spool's chunks to the file in the order given and completes header and directory. Every chunk of the pack
+// must be in the sequence once. moved(n): n chunks are there. Returns the file's size; it is not yet committed.
+std::uint64_t assemble_pack(PackHeader header, const ChunkSpool& spool, const std::vector<ChunkId>& sequence,
+                            host::AtomicFile& file, const std::function<void(std::uint64_t)>& moved);
 
 } // namespace fjell::baker

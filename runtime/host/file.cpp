@@ -76,9 +76,12 @@ void refuse_overwriting(const std::vector<std::string>& outputs, const std::vect
     }
 }
 
-AtomicFile::AtomicFile(const std::string& path)
-    : path_(std::filesystem::is_symlink(path) ? resolved(path) : path),
-      temporary_(fmt::format("{}.{}.tmp", path_, getpid())) {
+std::string where_written(const std::string& path) {
+    return std::filesystem::is_symlink(path) ? resolved(path) : path;
+}
+
+AtomicFile::AtomicFile(const std::string& path, const std::string& temporary)
+    : path_(where_written(path)), temporary_(temporary.empty() ? fmt::format("{}.{}.tmp", path_, getpid()) : temporary) {
     struct stat info {};
     if (stat(path_.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) {
         if (!S_ISCHR(info.st_mode))
@@ -90,7 +93,7 @@ AtomicFile::AtomicFile(const std::string& path)
     if (fd_ >= 0) return;
     if (errno == ENOENT || errno == ENOTDIR)
         throw Failure(1, fmt::format("{}: the output folder does not exist; create it or choose another", path));
-    fail("open");
+    disk_failure(path_, "open");
 }
 
 AtomicFile::~AtomicFile() {
@@ -99,12 +102,35 @@ AtomicFile::~AtomicFile() {
     if (temporary_ != path_) unlink(temporary_.c_str());
 }
 
-void AtomicFile::fail(const char* doing) const {
+void disk_failure(const std::string& path, const char* doing) {
     const int error = errno;
     const char* remedy = error == ENOSPC || error == EDQUOT || error == EFBIG ? "free some space or choose another disk"
                          : error == EACCES || error == EROFS                  ? "choose a folder you may write to"
                                                                               : "check the disk";
-    throw Failure(3, fmt::format("{}: cannot {}: {}; {}", path_, doing, std::strerror(error), remedy));
+    throw Failure(3, fmt::format("{}: cannot {}: {}; {}", path, doing, std::strerror(error), remedy));
+}
+
+void write_all(int fd, std::uint64_t offset, std::span<const std::byte> bytes, const std::string& path) {
+    while (!bytes.empty()) {
+        ssize_t n = pwrite(fd, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+        if (n < 0 && errno == ESPIPE) n = ::write(fd, bytes.data(), bytes.size()); // a device without places
+        if (n < 0 && errno == EINTR) continue;
+        if (n == 0) errno = ENOSPC; // nothing written and no reason given
+        if (n <= 0) disk_failure(path, "write");
+        bytes = bytes.subspan(static_cast<std::size_t>(n));
+        offset += static_cast<std::uint64_t>(n);
+    }
+}
+
+void read_all(int fd, std::uint64_t offset, std::span<std::byte> bytes, const std::string& path) {
+    while (!bytes.empty()) {
+        const ssize_t n = pread(fd, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+        if (n < 0 && errno == EINTR) continue;
+        if (n == 0) errno = EIO; // shorter than it was made
+        if (n <= 0) disk_failure(path, "read");
+        bytes = bytes.subspan(static_cast<std::size_t>(n));
+        offset += static_cast<std::uint64_t>(n);
+    }
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
@@ -113,29 +139,22 @@ void AtomicFile::write(std::span<const std::byte> bytes) {
 }
 
 void AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
-    while (!bytes.empty()) {
-        ssize_t n = pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-        if (n < 0 && errno == ESPIPE) n = ::write(fd_, bytes.data(), bytes.size()); // a device without places
-        if (n < 0 && errno == EINTR) continue;
-        if (n < 0) fail("write");
-        bytes = bytes.subspan(static_cast<std::size_t>(n));
-        offset += static_cast<std::uint64_t>(n);
-    }
+    write_all(fd_, offset, bytes, path_);
 }
 
 void AtomicFile::commit() {
-    if (fsync(fd_) != 0 && errno != EINVAL && errno != EROFS) fail("flush");
+    if (fsync(fd_) != 0 && errno != EINVAL && errno != EROFS) disk_failure(path_, "flush");
     const int fd = std::exchange(fd_, -1);
     const bool closed = close(fd) == 0;
     if (temporary_ == path_) {
-        if (!closed) fail("close");
+        if (!closed) disk_failure(path_, "close");
         return;
     }
     if (closed && rename(temporary_.c_str(), path_.c_str()) == 0) return;
     const int error = errno;
     unlink(temporary_.c_str());
     errno = error;
-    fail("rename");
+    disk_failure(path_, "rename");
 }
 
 } // namespace fjell::host

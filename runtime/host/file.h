@@ -17,11 +17,21 @@ namespace fjell::host {
 // devices do not count.
 void refuse_overwriting(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
 
+// Throws Failure (3) that says what errno means and what to do about it. doing: "write", "read", ...
+[[noreturn]] void disk_failure(const std::string& path, const char* doing);
+// All of the bytes, however many calls it takes. Throw Failure (3); path: for the message.
+void write_all(int fd, std::uint64_t offset, std::span<const std::byte> bytes, const std::string& path);
+void read_all(int fd, std::uint64_t offset, std::span<std::byte> bytes, const std::string& path);
+
+// Where an output of that name comes to lie: a link's target, also where nothing is yet.
+[[nodiscard]] std::string where_written(const std::string& path);
+
 // A file that exists under its name only when it is complete. Throws Failure (exit code 1: the folder is missing or the
 // name is a folder or a pipe; 3: no space, no permission, a write error).
 class AtomicFile {
 public:
-    explicit AtomicFile(const std::string& path);
+    // temporary: where it is until then, on the same file system; empty: beside its place.
+    explicit AtomicFile(const std::string& path, const std::string& temporary = {});
     ~AtomicFile(); // removes what was not committed
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
@@ -32,7 +42,6 @@ public:
     [[nodiscard]] std::uint64_t size() const { return size_; }
 
 private:
-    [[noreturn]] void fail(const char* doing) const;
     std::string path_, temporary_;
     int fd_ = -1;
     std::uint64_t size_ = 0;

@@ -44,14 +44,28 @@ TEST_CASE("errors and spheres nest and bound the original heights, whatever the 
     }
 }
 
-TEST_CASE("a pack does not depend on the number of threads") {
+TEST_CASE("a pack does not depend on threads, memory or how the work is cut") {
     Random random(12);
-    const baker::Dem dem = random_dem(random, 129, 129, Shape::fractal);
-    baker::BakeOptions options = small_bake(5);
-    const auto one = bake_and_load(dem, options);
-    options.threads = 7;
-    const auto seven = bake_and_load(dem, options);
-    REQUIRE(one.file == seven.file);
+    for (int round = 0; round < 40; ++round) {
+        const int log2 = pick(random, 1, 7);
+        baker::Dem dem = random_dem(random, pick(random, 2, 300), pick(random, 2, 300),
+                                    static_cast<Shape>(round % static_cast<int>(Shape::count)));
+        if (round % 2) add_random_holes(random, dem, log2);
+        baker::BakeOptions options = small_bake(log2);
+        options.order = static_cast<Order>(pick(random, 0, 2));
+        options.estimate = pick(random, 0, 3) ? Estimate::max : Estimate::midpoint;
+        options.region_cells = 512; // all at once
+        const auto whole = bake_and_load(dem, options);
+        options.region_cells = 1 << pick(random, 1, 8);
+        options.threads = pick(random, 2, 7);
+        options.memory_bytes = std::uint64_t{128} << 20;
+        const auto pieces = bake_and_load(dem, options);
+        CAPTURE(round, log2, dem.columns, dem.rows, options.region_cells);
+        REQUIRE(whole.file == pieces.file);
+        const baker::VerifyReport report = baker::verify(pieces.terrain, &dem);
+        CAPTURE(report.first);
+        REQUIRE(report.ok());
+    }
 }
 
 TEST_CASE("integer heights are stored without loss") {

@@ -6,6 +6,7 @@
 
 #include <xxhash.h>
 
+#include "baker/survey.h"
 #include "fjell/terrain.h"
 #include "host/failure.h"
 #include "host/file.h"
@@ -50,6 +51,12 @@ Status with_header(std::vector<std::byte> bytes, const Change& change) {
     return read_all(bytes);
 }
 
+std::vector<std::int32_t> steps_of(const baker::Dem& dem, const host::LoadedPack& pack) {
+    std::vector<std::int32_t> steps(dem.heights_m.size());
+    baker::quantise(dem.heights_m.data(), steps.size(), pack.terrain.lattice, steps.data());
+    return steps;
+}
+
 } // namespace
 
 TEST_CASE("a pack that was read back holds every sample, map and the CRS") {
@@ -60,8 +67,7 @@ TEST_CASE("a pack that was read back holds every sample, map and the CRS") {
     const auto pack = bake_and_load(dem, small_bake(3));
     REQUIRE(pack.crs == dem.crs_wkt);
     REQUIRE(pack.terrain.header.origin_m[0] == 432000.25);
-    const Lattice lattice = baker::choose_lattice(dem, pack.terrain.tree);
-    const auto steps = baker::quantise(dem, lattice);
+    const auto steps = steps_of(dem, pack);
     for (std::int32_t y = 0; y < 25; ++y)
         for (std::int32_t x = 0; x < 33; ++x)
             REQUIRE(pack.terrain.vertex({x, y}).steps == steps[static_cast<std::size_t>(y * 33 + x)]);
@@ -79,7 +85,7 @@ TEST_CASE("a height field of any extents is kept whole, in the fewest tiles that
         REQUIRE(pack.terrain.tree.rows() == rows);
         REQUIRE(pack.terrain.tree.tiles_x == tiles_x);
         REQUIRE(pack.terrain.tree.tiles_y == tiles_y);
-        const auto steps = baker::quantise(dem, baker::choose_lattice(dem, pack.terrain.tree));
+        const auto steps = steps_of(dem, pack);
         for (std::int32_t y = 0; y < rows; ++y)
             for (std::int32_t x = 0; x < columns; ++x)
                 REQUIRE(pack.terrain.vertex({x, y}).steps == steps[static_cast<std::size_t>(y * columns + x)]);
@@ -240,23 +246,40 @@ TEST_CASE("a block that is too small or a budget below the coarsest mesh is refu
     CHECK(create_recursive(pack.terrain, least, {room.get(), bytes}, method).ok());
 }
 
-TEST_CASE("a bake that fails leaves no file, and an old pack stays as it was") {
+TEST_CASE("a bake that fails leaves nothing, one that is interrupted its work; an old pack stays as it was") {
     Random random(25);
     const TemporaryFolder folder;
     const std::string out = folder / "pack.fjell";
-    const auto bake_once = [&](const baker::BakeOptions& options) {
-        return baker::bake(random_dem(random, 33, 33, Shape::noise), options, out);
+    const baker::Dem dem = random_dem(random, 33, 33, Shape::noise);
+    int calls = 0, last = 0, code = 0;
+    const auto bake_until = [&](int call, int with) {
+        calls = 0, last = call, code = with;
+        baker::BakeOptions options = small_bake(3);
+        options.progress = [&](const char*, std::uint64_t, std::uint64_t) {
+            if (++calls == last) throw host::Failure(code, "no more");
+        };
+        return baker::bake(dem, options, out);
     };
-    const auto files = [&] { return std::distance(std::filesystem::directory_iterator(folder.path), {}); };
-    baker::BakeOptions fails = small_bake(3);
-    fails.progress = [](const char*, std::uint64_t, std::uint64_t) { throw host::Failure(130, "interrupted"); };
-    REQUIRE_THROWS_AS(bake_once(fails), host::Failure);
-    REQUIRE(files() == 0);
-    (void)bake_once(small_bake(3));
+    REQUIRE_THROWS_AS(bake_until(2, 3), host::Failure);
+    REQUIRE(folder.names().empty());
+    (void)bake_until(0, 0);
+    const int steps = calls;
+    REQUIRE(steps > 5);
     const auto before = host::read_file(out);
-    REQUIRE_THROWS_AS(bake_once(fails), host::Failure);
-    REQUIRE(host::read_file(out) == before);
-    REQUIRE(files() == 1);
+    for (int call = 1; call <= steps; ++call) {
+        REQUIRE_THROWS_AS(bake_until(call, 3), host::Failure);
+        REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell"});
+        REQUIRE_THROWS_WITH(bake_until(call, 130), Catch::Contains("the same command goes on"));
+        REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell", "pack.fjell.work"});
+        REQUIRE(host::read_file(out) == before);
+        REQUIRE(bake_until(0, 0).resumed);
+        REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell"});
+        REQUIRE(host::read_file(out) == before);
+    }
+    // Another bake's work is of no use.
+    REQUIRE_THROWS_AS(bake_until(4, 130), host::Failure);
+    REQUIRE(!baker::bake(dem, small_bake(4), out).resumed);
+    REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell"});
 }
 
 TEST_CASE("an output that cannot be written is refused with the right exit code and a remedy") {

@@ -1,0 +1,93 @@
+#include "baker/store.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "host/file.h"
+
+namespace fjell::baker {
+
+WorkFile::WorkFile(std::string path, std::uint64_t bytes) : path_(std::move(path)) {
+    if (path_.empty()) {
+        memory_.resize(bytes);
+        return;
+    }
+    fd_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (fd_ < 0) host::disk_failure(path_, "open");
+    struct stat info {};
+    if (bytes == grows) return;
+    if (fstat(fd_, &info) == 0 && static_cast<std::uint64_t>(info.st_size) == bytes) return;
+    // Taken at once where the file system can, so that a disk that is too small is known before the work.
+    const bool taken = bytes == 0 || fallocate(fd_, 0, 0, static_cast<off_t>(bytes)) == 0;
+    if (!taken && errno != EOPNOTSUPP && errno != ENOSYS && errno != EINVAL) host::disk_failure(path_, "reserve");
+    if (ftruncate(fd_, static_cast<off_t>(bytes)) != 0) host::disk_failure(path_, "reserve");
+}
+
+WorkFile::~WorkFile() {
+    if (fd_ >= 0) close(fd_);
+}
+
+void WorkFile::read(std::uint64_t offset, std::span<std::byte> to) const {
+    if (fd_ >= 0)
+        host::read_all(fd_, offset, to, path_);
+    else
+        std::memcpy(to.data(), memory_.data() + offset, to.size());
+}
+
+void WorkFile::write(std::uint64_t offset, std::span<const std::byte> from) {
+    if (fd_ >= 0)
+        host::write_all(fd_, offset, from, path_);
+    else
+        std::memcpy(memory_.data() + offset, from.data(), from.size());
+}
+
+void WorkFile::remove() {
+    if (fd_ >= 0) {
+        close(fd_);
+        unlink(path_.c_str());
+    }
+    fd_ = -1;
+    memory_ = {};
+}
+
+WorkFolder::WorkFolder(const std::string& pack_path) : path_(host::where_written(pack_path) + ".work") {
+    std::error_code error;
+    if (std::filesystem::is_character_file(pack_path, error)) // beside devices is no place for anything
+        path_ = (std::filesystem::temp_directory_path() / fmt::format("fjell-bake-{}.work", getpid())).string();
+    std::filesystem::create_directory(path_, error);
+    if (error) {
+        errno = error.value();
+        if (errno == ENOENT || errno == ENOTDIR)
+            throw Failure(
+                1, fmt::format("{}: the output folder does not exist; create it or choose another", pack_path));
+        host::disk_failure(path_, "make the folder");
+    }
+    lock_ = open(file("lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (lock_ < 0) host::disk_failure(path_, "open the lock in");
+    if (flock(lock_, LOCK_EX | LOCK_NB) == 0) return;
+    close(lock_);
+    throw Failure(1, fmt::format("{}: another bake is writing this pack; wait for it, or choose another name",
+                                 pack_path));
+}
+
+void WorkFolder::empty() {
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(path_, ignored))
+        if (entry.path().filename() != "lock") std::filesystem::remove_all(entry.path(), ignored);
+}
+
+WorkFolder::~WorkFolder() {
+    std::error_code ignored;
+    if (!keep_) std::filesystem::remove_all(path_, ignored);
+    close(lock_);
+}
+
+} // namespace fjell::baker
