@@ -52,12 +52,14 @@ private:
 // it stands.
 template <typename T>
 struct Patch {
+    static constexpr std::size_t slack = 64; // values past the last that may be read: loops in whole vectors
     std::int32_t x = 0, y = 0, columns = 0, rows = 0;
     std::vector<T> values;
 
     Patch() = default;
     Patch(std::int32_t x0, std::int32_t y0, std::int32_t w, std::int32_t h)
-        : x(x0), y(y0), columns(w), rows(h), values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
+        : x(x0), y(y0), columns(w), rows(h), values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) + slack) {}
+    [[nodiscard]] std::size_t area() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
     [[nodiscard]] const T* at(std::int32_t px, std::int32_t py) const { return values.data() + index(px, py); }
     [[nodiscard]] T* at(std::int32_t px, std::int32_t py) { return values.data() + index(px, py); }
     [[nodiscard]] std::size_t index(std::int32_t px, std::int32_t py) const {

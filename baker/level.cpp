@@ -160,12 +160,12 @@ public:
         // Squares beyond the last row or column that the region's own blocks reach into.
         const std::int32_t more = (1 << out.shift) - 1;
         plane(in.nx, in.ny + 1 + more, out.blocks_x, unit, out.side_x,
-              [&](std::int32_t j) { in.finer ? side_x_row(j) : leaf_x_row(j); });
+              [&](std::int32_t j) __attribute__((always_inline)) { in.finer ? side_x_row(j) : leaf_x_row(j); });
         plane(in.nx + 1 + more, in.ny, out.blocks_x + 1, unit, out.side_y,
-              [&](std::int32_t j) { in.finer ? side_y_row(j) : leaf_y_row(j); });
+              [&](std::int32_t j) __attribute__((always_inline)) { in.finer ? side_y_row(j) : leaf_y_row(j); });
         for (std::size_t code = 0; code < radius_codes; ++code) side_m[code] = unit * in.scales.radii.factor[code];
         plane(in.nx, in.ny, out.blocks_x, in.scales.level_radius_m[side_level - 1], out.centre,
-              [&](std::int32_t j) { centre_row(j); });
+              [&](std::int32_t j) __attribute__((always_inline)) { centre_row(j); });
     }
 
 private:

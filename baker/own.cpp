@@ -1,86 +1,16 @@
-// Everything is measured in whole numbers: heights are lattice steps, and over a side of 2s cells a plane through three
-// of them is a multiple of 1 / 2s at every sample. Heights in one tile span less than 2^16 steps, so differences times
-// 2s <= 2^12 fit 32 bits, whatever multiples of 2^32 the terms before lost.
 #include "baker/own.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
-#include "pack/clones.h"
+#include "baker/walk.h"
 
 namespace fjell::baker {
 
 namespace {
 
-using Steps = std::uint32_t; // modulo 2^32
-
-// The largest |2s row[k] - (first + slope k)|. The compiler vectorises this: it is where the bake spends its time.
-[[gnu::always_inline]] inline std::int32_t worst_of_row(const std::int32_t* row, std::int32_t count, Steps first,
-                                                        Steps slope, int shift, std::int32_t worst) {
-    for (std::int32_t k = 0; k < count; ++k) {
-        const auto off = static_cast<std::int32_t>((static_cast<Steps>(row[k]) << shift) -
-                                                   (first + slope * static_cast<Steps>(k)));
-        const std::int32_t size = std::abs(off);
-        worst = size > worst ? size : worst;
-    }
-    return worst;
-}
-
-struct Walk {
-    const std::int32_t* v; // the vertex
-    std::ptrdiff_t stride;
-    std::int32_t s;
-    int shift; // of 2s
-    [[nodiscard]] Steps h(std::int32_t dx, std::int32_t dy) const { return static_cast<Steps>(v[dy * stride + dx]); }
-};
-
-// The triangle above (direction -1) or below a side along x: rows shrink from the hypotenuse to the apex.
-[[gnu::always_inline]] inline std::int32_t side_x_half(const Walk& w, std::int32_t direction, std::int32_t worst) {
-    const auto s = static_cast<Steps>(w.s);
-    const Steps west = w.h(-w.s, 0), east = w.h(w.s, 0), apex = w.h(0, direction * w.s);
-    const Steps slope = east - west, rise = 2 * apex - west - east;
-    for (std::int32_t k = 0; k < w.s; ++k) {
-        const std::int32_t half = w.s - k;
-        worst = worst_of_row(w.v + direction * k * w.stride - half, 2 * half + 1,
-                             (west + east) * s + rise * static_cast<Steps>(k) - slope * static_cast<Steps>(half), slope,
-                             w.shift, worst);
-    }
-    return worst;
-}
-
-// The triangle west (direction -1) or east of a side along y.
-[[gnu::always_inline]] inline std::int32_t side_y_half(const Walk& w, std::int32_t direction, std::int32_t worst) {
-    const auto s = static_cast<Steps>(w.s);
-    const Steps north = w.h(0, -w.s), south = w.h(0, w.s), apex = w.h(direction * w.s, 0);
-    const Steps along = south - north, slope = direction < 0 ? north + south - 2 * apex : 2 * apex - north - south;
-    for (std::int32_t r = -w.s + 1; r < w.s; ++r) {
-        const std::int32_t width = w.s - std::abs(r), from = direction < 0 ? -width : 0;
-        worst = worst_of_row(w.v + r * w.stride + from, width + 1,
-                             (north + south) * s + along * static_cast<Steps>(r) + slope * static_cast<Steps>(from),
-                             slope, w.shift, worst);
-    }
-    return worst;
-}
-
-// The square of side 2s, cut from north-west to south-east (falling) or from south-west to north-east.
-[[gnu::always_inline]] inline std::int32_t centre_square(const Walk& w, bool falling, std::int32_t worst) {
-    const Steps nw = w.h(-w.s, -w.s), ne = w.h(w.s, -w.s), sw = w.h(-w.s, w.s), se = w.h(w.s, w.s);
-    const std::int32_t side = 2 * w.s;
-    for (std::int32_t r = 0; r <= side; ++r) {
-        const std::int32_t* const row = w.v + (r - w.s) * w.stride - w.s;
-        const std::int32_t cut = falling ? r : side - r; // the last of the western triangle, the first of the eastern
-        const auto t = static_cast<Steps>(r), c = static_cast<Steps>(cut);
-        const Steps west_slope = falling ? se - sw : ne - nw, east_slope = falling ? ne - nw : se - sw;
-        const Steps west = (nw << w.shift) + (sw - nw) * t;
-        const Steps on_cut = west + west_slope * c;
-        worst = worst_of_row(row, cut + 1, west, west_slope, w.shift, worst);
-        worst = worst_of_row(row + cut, side - cut + 1, on_cut, east_slope, w.shift, worst);
-    }
-    return worst;
-}
-
-// ---- triangles with holes, or squeezed at the rim ------------------------------------------------------------------
+// ---- triangles with holes, or squeezed at the rim
 
 struct TriangleSum {
     double worst_steps = 0;
@@ -183,57 +113,75 @@ class OwnErrors {
 public:
     OwnErrors(const OwnInput& input, Patch<std::uint8_t>& out)
         : in(input), tree(input.ground.tree), half_quantum(0.5 * static_cast<double>(input.scales.lattice.quantum_m)),
-          to(out) {}
+          to(out), worst(static_cast<std::size_t>(out.columns)) {}
 
-    [[gnu::always_inline]] void run() {
+    // Even rows of a step hold sides along x; odd ones sides along y, and centres between them.
+    void run(int z) {
         const Region& r = in.region;
-        for (int z = 1; z < tree.tile_log2; ++z) {
-            const std::int32_t s = 1 << z;
-            for (std::int32_t y = r.first.y; y <= r.last.y; y += s) {
-                const bool side_row = ((y >> z) & 1) == 0;
-                // Even rows hold sides along x; odd ones centres, and sides along y between them.
-                for (std::int32_t x = r.first.x + (side_row ? s : 0); x <= r.last.x; x += side_row ? 2 * s : s)
-                    *to.at(x / 2, y / 2) = code({x, y}, z);
+        const std::int32_t s = 1 << z, n = (r.last.x - r.first.x) / (2 * s);
+        for (std::int32_t y = r.first.y; y <= r.last.y; y += s)
+            if (((y >> z) & 1) == 0) {
+                row(PlaneKind::side_x, {r.first.x + s, y}, z, n);
+            } else {
+                row(PlaneKind::side_y, {r.first.x, y}, z, n + 1);
+                row(PlaneKind::centre, {r.first.x + s, y}, z, n);
             }
-        }
     }
 
 private:
-    [[gnu::always_inline]] std::uint8_t code(Coord v, int z) const {
-        if (in.ground.has_voids() || straddles_rim(tree, v)) return own_error(in, v);
+    void row(PlaneKind kind, Coord first, int z, std::int32_t count) {
         const std::int32_t s = 1 << z;
-        const Walk w{in.ground.steps.at(v.x, v.y), in.ground.steps.columns, s, z + 1};
-        const bool odd_x = (v.x >> z) & 1, odd_y = (v.y >> z) & 1;
-        const bool falling = z == tree.tile_log2 - 1 || ((((v.x - s) >> (z + 1)) + ((v.y - s) >> (z + 1))) & 1) == 0;
+        std::uint8_t* const codes = to.at(first.x / 2, first.y / 2);
+        std::int32_t plain = in.ground.has_voids() ? 0 : count; // vertices before the first one that stands at the rim
+        while (plain > 0 && straddles_rim(tree, {first.x + 2 * s * (plain - 1), first.y})) --plain;
+        for (std::int32_t i = plain; i < count; ++i) codes[i * s] = own_error(in, {first.x + 2 * s * i, first.y});
+        if (plain == 0) return;
+        const std::int32_t* const v = in.ground.steps.at(first.x, first.y);
+        const std::ptrdiff_t stride = in.ground.steps.columns;
+        const bool root = z == tree.tile_log2 - 1;
+        const bool falling = root || ((((first.x - s) >> (z + 1)) + ((first.y - s) >> (z + 1))) & 1) == 0;
         if (in.estimate == Estimate::midpoint) {
-            const Steps ends = !odd_y   ? w.h(-s, 0) + w.h(s, 0)
-                               : !odd_x ? w.h(0, -s) + w.h(0, s)
-                               : falling ? w.h(-s, -s) + w.h(s, s)
-                                         : w.h(-s, s) + w.h(s, -s);
-            return in.leaf.code(static_cast<std::uint32_t>(std::abs(static_cast<std::int32_t>(2 * w.h(0, 0) - ends))));
+            for (std::int32_t i = 0; i < plain; ++i) {
+                const std::int32_t* const h = v + std::ptrdiff_t{2} * s * i;
+                const std::ptrdiff_t down = s * stride;
+                const std::ptrdiff_t end = kind == PlaneKind::side_x          ? s
+                                           : kind == PlaneKind::side_y        ? down
+                                           : falling != (!root && (i & 1)) ? down + s
+                                                                           : down - s;
+                codes[i * s] = in.leaf.code(static_cast<std::uint32_t>(std::abs(2 * h[0] - h[-end] - h[end])));
+            }
+            return;
         }
-        std::int32_t worst = 0;
-        if (odd_x && odd_y) {
-            worst = centre_square(w, falling, 0);
-        } else if (odd_x) {
-            if (v.y > in.region.first.y) worst = side_x_half(w, -1, worst);
-            if (v.y < in.region.last.y) worst = side_x_half(w, 1, worst);
+        const bool rows = kind == PlaneKind::side_x;
+        VertexRow line{v, stride, s, plain, kind};
+        line.before = !rows || first.y > in.region.first.y;
+        line.after = !rows || first.y < in.region.last.y;
+        line.falling = falling, line.alternate = !root;
+        if (kind == PlaneKind::side_y) { // those on the region's borders are measured inside only
+            if (plain > 1) walk(line, 1, plain - (plain == count ? 2 : 1));
+            line.before = false;
+            walk(line, 0, 1);
+            if (plain == count) line.before = true, line.after = false, walk(line, count - 1, 1);
         } else {
-            if (v.x > in.region.first.x) worst = side_y_half(w, -1, worst);
-            if (v.x < in.region.last.x) worst = side_y_half(w, 1, worst);
+            walk(line, 0, plain);
         }
-        return in.scales.errors.code_up(std::ldexp(static_cast<double>(worst), -z) * half_quantum);
+        const double unit_m = half_quantum / s;
+        for (std::int32_t i = 0; i < plain; ++i)
+            codes[i * s] = in.scales.errors.code_up(worst[static_cast<std::size_t>(i)] * unit_m);
+    }
+
+    void walk(VertexRow line, std::int32_t from, std::int32_t count) {
+        line.first += std::ptrdiff_t{2} * line.s * from;
+        line.count = count;
+        if (count > 0) walk_row(line, worst.data() + from);
     }
 
     const OwnInput& in;
     const Tree& tree;
     const double half_quantum;
     Patch<std::uint8_t>& to;
+    std::vector<std::int32_t> worst;
 };
-
-FJELL_CLONES void run(OwnErrors& stage) {
-    stage.run();
-}
 
 } // namespace
 
@@ -241,7 +189,7 @@ void own_errors(const OwnInput& input, Patch<std::uint8_t>& out) {
     const Region& r = input.region;
     out = {r.first.x / 2, r.first.y / 2, (r.last.x - r.first.x) / 2 + 1, (r.last.y - r.first.y) / 2 + 1};
     OwnErrors stage(input, out);
-    run(stage);
+    for (int z = 1; z < input.ground.tree.tile_log2; ++z) stage.run(z);
 }
 
 } // namespace fjell::baker

@@ -68,7 +68,7 @@ Ground Pipeline::ground_of(const Region& region) const {
     if (!voids_.exists()) return ground;
     Patch<std::uint8_t> voids = patch_for<std::uint8_t>(region, 0);
     load(voids_, voids);
-    if (std::find(voids.values.begin(), voids.values.end(), std::uint8_t{1}) != voids.values.end())
+    if (std::count(voids.values.begin(), voids.values.end(), std::uint8_t{1}) != 0)
         ground.voids = std::move(voids);
     return ground;
 }
@@ -92,7 +92,7 @@ void Pipeline::load_finer(const Region& region, int z, FinerCentres& finer) cons
     Patch<CentreRecord> patch = patch_for<CentreRecord>(region, z);
     const Window known = within(patch, store.columns(), store.rows());
     load(store, patch);
-    for (std::size_t i = 0; i < patch.values.size(); ++i) {
+    for (std::size_t i = 0; i < patch.area(); ++i) {
         finer.steps[i] = patch.values[i].steps;
         finer.error[i] = patch.values[i].error;
         finer.radius[i] = patch.values[i].radius;

@@ -96,9 +96,12 @@ Lattice choose_lattice(const Survey& survey, const LatticeWish& wish) {
 // Heights are not below the base and not above the last step: what is added rounds, what is cut off is positive.
 FJELL_CLONES void quantise(const float* heights_m, std::size_t count, const Lattice& lattice, std::int32_t* steps) {
     const double base = lattice.base_m, per_metre = 1 / static_cast<double>(lattice.quantum_m);
+    constexpr double most = max_lattice_steps;
     for (std::size_t i = 0; i < count; ++i) {
-        const double v = (static_cast<double>(heights_m[i]) - base) * per_metre + 0.5;
-        steps[i] = static_cast<std::int32_t>(v < 0 ? 0 : v > max_lattice_steps ? max_lattice_steps : v);
+        double v = (static_cast<double>(heights_m[i]) - base) * per_metre + 0.5;
+        v = v > 0.0 ? v : 0.0;
+        v = v < most ? v : most;
+        steps[i] = static_cast<std::int32_t>(v);
     }
 }
 
