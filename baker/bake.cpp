@@ -16,8 +16,6 @@ void check(const BakeOptions& options) {
                       "and the mesh cracks");
     if (options.tile_log2 && (options.tile_log2 < min_tile_log2 || options.tile_log2 > max_tile_log2))
         throw Failure(2, "--tile must be a power of two from 2 to 4096, or auto");
-    if (!options.texture_path.empty() && !options.ramp_path.empty())
-        throw Failure(2, "give --texture or --ramp, not both");
 }
 
 } // namespace

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "baker/dem.h"
 #include "baker/source.h"
@@ -24,8 +25,8 @@ struct BakeOptions {
     double nesting = 0.05; // mu, 0.001..1
     Order order = Order::planar;
     double quantum_m = 0;     // the vertical lattice's step; 0: the source's own, or the smallest that is of use
-    std::string texture_path; // an image over the whole DEM; empty: none
-    std::string ramp_path;    // colours by height; empty: meadows to snow when there is no texture
+    std::vector<std::string> texture_paths; // ortho-images (image.h), the last one uppermost
+    std::string ramp_path; // colours by height and slope, also where no image is; empty: meadows to snow
     std::uint32_t max_texture_log2 = 10;
     int compression = 6; // zstd level
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
-#include "baker/blocks.h"
+#include "baker/windows.h"
 
 namespace fjell::baker {
 

@@ -128,8 +128,9 @@ int run_bake(Arguments& a, const CLI::App& app) {
     if (a.inputs.size() > 1)
         throw Failure(2, "more than one height field given; make one of them first (gdalbuildvrt mosaic.vrt A B ...)");
     if (a.output.empty()) throw Failure(2, "no output given; add -o OUT.fjell");
-    refuse_overwriting({a.output, a.json_path}, {a.inputs[0], a.bake.texture_path, a.bake.ramp_path});
+    refuse_overwriting({a.output, a.json_path}, {a.inputs[0], a.bake.ramp_path});
     a.bake.tile_log2 = tile_log2(a.tile);
+    a.bake.memory_bytes = a.memory_mb << 20;
     a.bake.order = order_named(a.order);
     a.bake.estimate = a.estimate == "max" ? Estimate::max : Estimate::midpoint;
     JsonOutput summary(a.json_path);
@@ -248,7 +249,7 @@ Commands declare(CLI::App& app, Arguments& a) {
         ->check(CLI::IsMember({"planar", "hz", "linear"}));
     app.add_option("--quantum", a.bake.quantum_m, "the step of stored heights in metres (default: the source's own)")
         ->check(CLI::PositiveNumber);
-    app.add_option("--texture", a.bake.texture_path, "an image over the whole height field");
+    app.add_option("--texture", a.bake.texture_paths, "an image over the whole height field");
     app.add_option("--ramp", a.bake.ramp_path, "colours by height (JSON, content/ramps)");
     app.add_option("--threads", a.bake.threads, "0: all cores")->check(CLI::Range(0, 1024));
     app.add_option("--memory", a.memory_mb, "MB the bake may use; larger height fields are refused")

@@ -27,6 +27,12 @@ Tree tiling(const HeightSource& source, const BakeOptions& options) {
                           options.tile_log2 ? options.tile_log2 : auto_tile_log2(source.columns, source.rows));
 }
 
+std::unique_ptr<ImageSource> images_of(const HeightSource& source, const BakeOptions& options) {
+    if (options.texture_paths.empty()) return nullptr;
+    return open_images(options.texture_paths, frame_of(source.columns, source.rows, source.spacing_m, source.origin_m,
+                                                       source.crs_wkt));
+}
+
 // A pack that cannot be written should not cost an hour.
 const std::string& checked_output(const std::string& path) {
     (void)host::AtomicFile(path);
@@ -39,7 +45,7 @@ Pipeline::Pipeline(const HeightSource& source, const BakeOptions& options, const
     : source_(source), options_(options), out_path_(checked_output(out_path)), tree_(tiling(source, options)),
       regions_(tree_, options.region_cells), pages_{tree_.tile_log2, options.order}, threads_(resolve_threads(options.threads)),
       plain_z_(options.order == Order::linear ? 0 : std::max(tree_.tile_log2 - page_squares_log2, 0)),
-      folder_(out_path), ledger_(folder_.file("ledger"), identity()), last_checkpoint_(Clock::now()) {
+      folder_(out_path), image_(images_of(source, options)), ledger_(folder_.file("ledger"), identity()), last_checkpoint_(Clock::now()) {
     if (!ledger_.resumed()) folder_.empty();
 }
 
@@ -48,7 +54,7 @@ std::string Pipeline::identity() const {
     return fmt::format("{}\ntile {} estimate {} nesting {} order {} quantum {} ramp {} texels {} level {}\n{}",
                        source_.identity(), tree_.tile_log2, static_cast<int>(o.estimate), o.nesting,
                        static_cast<int>(o.order), o.quantum_m, o.ramp_path.empty() ? "" : host::read_text(o.ramp_path),
-                       o.max_texture_log2, o.compression, o.texture_path);
+                       o.max_texture_log2, o.compression, image_ ? image_->identity() : "");
 }
 
 int Pipeline::workers_for(std::uint64_t bytes) const {

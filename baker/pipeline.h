@@ -14,6 +14,7 @@
 
 #include "baker/bake.h"
 #include "baker/ground.h"
+#include "baker/image.h"
 #include "baker/ledger.h"
 #include "baker/level.h"
 #include "baker/maps.h"
@@ -48,7 +49,9 @@ private:
     void fill();
     void survey();
     void plan();         // lattice, scales, header, spool: from what is known by now
-    void make_maps();    // near mips tile by tile, then far mips
+    void make_maps(); // near mips tile by tile, then far mips
+    void make_near_maps();
+    void make_far_mip(MapKind kind, std::uint32_t mip);
     void vertices();     // the finest step, and own errors of all others
     void level(int z);   // each further step
     void plain_pages();  // pages of several steps, corners, CRS
@@ -101,6 +104,9 @@ private:
     void write_corners();
     [[nodiscard]] std::vector<ChunkId> chunk_sequence() const;
     void plan_maps();
+    void open_texels(MapKind kind, std::uint32_t mip);
+    [[nodiscard]] std::unique_ptr<ImageReader> take_reader();
+    void give_reader(std::unique_ptr<ImageReader> reader);
     [[nodiscard]] PackHeader make_header() const;
     void check_header() const;
     [[nodiscard]] std::string identity() const;
@@ -117,6 +123,7 @@ private:
     const int plain_z_;
 
     WorkFolder folder_;
+    std::unique_ptr<ImageSource> image_; // or none
     Ledger ledger_;
     std::optional<ChunkSpool> spool_;
     std::mutex lock_;
@@ -135,6 +142,7 @@ private:
     Lattice lattice_;
     Scales scales_;
     std::optional<LeafErrors> leaf_;
+    std::vector<std::unique_ptr<ImageReader>> image_readers_;
     MapPlan maps_;
     PackHeader header_{};
 };
