@@ -63,7 +63,11 @@ void check_files(GDALDataset& file, const std::string& path) {
 
 void register_drivers() {
     static std::once_flag once;
-    std::call_once(once, [] { GDALAllRegister(); });
+    std::call_once(once, [] {
+        // Files of a VRT are opened for it alone, so that every thread has its own.
+        if (!CPLGetConfigOption("VRT_SHARED_SOURCE", nullptr)) CPLSetConfigOption("VRT_SHARED_SOURCE", "0");
+        GDALAllRegister();
+    });
 }
 
 void GdalMessages::take(CPLErr level, CPLErrorNum, const char* text) {

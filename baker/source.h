@@ -72,6 +72,8 @@ public:
     std::string crs_wkt;          // empty: none
 
     [[nodiscard]] virtual std::unique_ptr<HeightReader> reader() const = 0;
+    // How many readers at once pay, of at most `threads`: 1 for files that can only be decoded from their start.
+    [[nodiscard]] virtual int readers(int threads) const { return threads; }
     // Windows that cover every sample once, each of at most about `most` samples and no larger than that unless one
     // row or block of the file is, cut along the file's own blocks, in the order that reads it fastest.
     [[nodiscard]] virtual std::vector<Window> windows(std::size_t most) const = 0;
