@@ -86,8 +86,10 @@ TEST_CASE("files that do not fit together are refused, naming both and the comma
 TEST_CASE("more files than a reader keeps open are read all the same") {
     const TempDir dir;
     std::vector<std::string> paths;
-    for (int i = 0; i < 49; ++i)
-        paths.push_back(write(piece(i % 7 * 64, i / 7 * 64, 65, 65), dir / ("f" + std::to_string(i) + ".tif")));
+    for (int i = 0; i < 49; ++i) {
+        const std::string number = std::to_string(i);
+        paths.push_back(write(piece(i % 7 * 64, i / 7 * 64, 65, 65), (dir / number).append(".tif")));
+    }
     check_slope(read_dem(paths, {}), 449, 449);
 }
 

@@ -26,7 +26,7 @@ std::string rough_file(const std::string& path, bool tiled, bool flip_x, bool fl
     std::vector<float> values;
     for (int i = 0; i < 301 * 203; ++i) {
         const int h = i * 7919 % 10007;
-        values.push_back(h % 311 == 0 ? -9999.0f : h % 509 == 0 ? NAN : h == 77 ? 1e30f : static_cast<float>(h) * 0.1f);
+        values.push_back(h % 311 == 0 ? -9999.0f : h % 509 == 0 ? NAN : h == 77 ? 1e30f : static_cast<float>(h / 10.0));
     }
     REQUIRE(file->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, 301, 203, values.data(), 301, 203, GDT_Float32, 0, 0,
                                              nullptr) == CE_None);
