@@ -14,14 +14,17 @@ void add_words(CLI::App& app, const std::string& key, std::optional<std::string>
 
 // Shared by bake and verify --against: how files become heights in metres.
 void add_read_options(CLI::App& app, Recipe& r) {
-    app.add_option("--spacing", r.spacing, "metres between samples: of a file without a georeference, of one in degrees "
-                                           "to take it as a square grid, or to reproject to with --crs CRS");
-    app.add_option("--crs", r.crs, "auto (default: what is in degrees is reprojected to a projection that suits it), "
-                                   "none, or a projected CRS to reproject to, such as EPSG:32633");
+    app.add_option("--spacing", r.spacing,
+                   "metres between samples: of a file without a georeference, of one in degrees "
+                   "to take it as a square grid, or to reproject to with --crs CRS");
+    app.add_option("--crs", r.crs,
+                   "auto (default: what is in degrees is reprojected to a projection that suits it), "
+                   "none, or a projected CRS to reproject to, such as EPSG:32633");
     add_words(app, "encoding", r.encoding, "heights packed into red, green and blue");
     app.add_option_function<std::string>(
         "--bbox", [&r](const std::string& text) { r.bbox = parse_bbox(text); },
-        "WEST,SOUTH,EAST,NORTH: only samples inside, in units of the CRS (after reprojection), or columns and rows from "
+        "WEST,SOUTH,EAST,NORTH: only samples inside, in units of the CRS (after reprojection), or columns and rows "
+        "from "
         "the north-west where there is no georeference");
     app.add_option("--zscale", r.zscale, "multiplies heights (after the file's own scale)");
     app.add_option("--zoffset", r.zoffset, "metres added to heights after --zscale");
@@ -32,9 +35,10 @@ void add_read_options(CLI::App& app, Recipe& r) {
 
 void declare_bake(CLI::App& app, Arguments& a) {
     Recipe& r = a.given;
-    app.add_option("IN", r.inputs,
-                   "the height field: GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT, ...; several of one CRS "
-                   "and spacing make a mosaic, later ones on top");
+    app.add_option(
+        "IN", r.inputs,
+        "the height field: GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT, ...; several of one CRS "
+        "and spacing make a mosaic, later ones on top");
     app.add_option("-o,--output", r.output, "the pack to write");
     app.add_option("--recipe", a.recipe_path, "take from this file what is not given here (--save-recipe writes one)");
     app.add_option("--save-recipe", a.save_recipe_path, "record inputs and options in a file, for --recipe");

@@ -111,8 +111,8 @@ template <typename T>
 void decode_chunks(const T* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& d,
                    const RowPlace& place, Census& census) {
     // A tag that is odd itself is found by looking for odd heights.
-    const bool tag_hides = d.tagged && (plausible(d.scaling.file_m(d.tag)) ||
-                                        plausible(d.scaling.asked_m(d.scaling.file_m(d.tag))));
+    const bool tag_hides =
+        d.tagged && (plausible(d.scaling.file_m(d.tag)) || plausible(d.scaling.asked_m(d.scaling.file_m(d.tag))));
     std::array<float, chunk> heights;
     for (std::size_t at = 0; at < count; at += chunk) {
         const std::size_t n = std::min(chunk, count - at);

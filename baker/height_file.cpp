@@ -56,8 +56,8 @@ void check_coded(GDALDataset& file, const std::string& path) {
 
 // Formats whose blocks can be found without decoding those before them.
 bool is_sequential(GDALDataset& file, const std::string& path) {
-    constexpr std::array<const char*, 12> direct{"GTiff", "COG",  "VRT",  "SRTMHGT", "BMP",  "EHdr",
-                                                 "ENVI",  "HFA",  "DTED", "AIG",     "BT",   "JP2OpenJPEG"};
+    constexpr std::array<const char*, 12> direct{"GTiff", "COG", "VRT",  "SRTMHGT", "BMP", "EHdr",
+                                                 "ENVI",  "HFA", "DTED", "AIG",     "BT",  "JP2OpenJPEG"};
     const std::string name = file.GetDriver() ? file.GetDriver()->GetDescription() : "";
     const bool packed = path.find("/vsigzip/") != std::string::npos || path.find("/vsizip/") != std::string::npos ||
                         path.find("/vsitar/") != std::string::npos;
@@ -79,8 +79,7 @@ std::string identity_of(GDALDataset& file, const std::string& path) {
     char** const names = file.GetFileList();
     for (char** name = names; name && *name; ++name) {
         VSIStatBufL status{};
-        if (VSIStatL(*name, &status) == 0)
-            text += fmt::format("|{} {} {}", *name, status.st_size, status.st_mtime);
+        if (VSIStatL(*name, &status) == 0) text += fmt::format("|{} {} {}", *name, status.st_size, status.st_mtime);
     }
     CSLDestroy(names);
     return text;
@@ -140,9 +139,10 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
 void HeightFile::refuse(const Window& in_file, const GdalMessages& messages) {
     const std::string_view driver = file_->GetDriver() ? file_->GetDriver()->GetDescription() : "";
     if (driver == "VRT")
-        throw Failure(1, fmt::format("{}: one of the files that it names is missing or damaged; fetch that one again, or "
-                                     "make the mosaic again with gdalbuildvrt{}",
-                                     facts_.path, messages.said()));
+        throw Failure(1,
+                      fmt::format("{}: one of the files that it names is missing or damaged; fetch that one again, or "
+                                  "make the mosaic again with gdalbuildvrt{}",
+                                  facts_.path, messages.said()));
     throw Failure(1, fmt::format("{}: damaged or cut short at rows {} to {} of {}; fetch the file again{}", facts_.path,
                                  in_file.y, in_file.y + in_file.rows - 1, facts_.at.rows, messages.said()));
 }

@@ -43,7 +43,7 @@ private:
     GdalFile file_;
     FileFacts facts_;
     Encoding encoding_ = Encoding::none;
-    bool floats_ = false;           // float holds every raw number
+    bool floats_ = false;            // float holds every raw number
     GDALRasterBand* mask_ = nullptr; // none: all are valid
     std::vector<double> raw_;
     std::vector<std::uint8_t> marks_, colours_;

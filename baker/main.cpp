@@ -95,7 +95,7 @@ int run_bake(const Arguments& a) {
     inputs.insert(inputs.end(), {options.texture_path, options.ramp_path});
     refuse_overwriting({output, a.json_path, a.save_recipe_path}, inputs);
     refuse_overwriting({output, a.json_path}, {a.recipe_path}); // a recipe may be saved over the one it came from
-    std::optional<AtomicFile> saved; // opened before the work, like the summary
+    std::optional<AtomicFile> saved;                            // opened before the work, like the summary
     if (!a.save_recipe_path.empty()) saved.emplace(a.save_recipe_path);
     JsonOutput summary(a.json_path);
     ProgressBar bar(a.quiet);

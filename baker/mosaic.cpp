@@ -13,9 +13,9 @@ namespace fjell::baker {
 
 namespace {
 
-constexpr std::size_t most_open = 32;  // files a reader keeps open
-constexpr double off_lattice = 0.05;   // samples that a file may be off its place
-constexpr std::int32_t sliver = 64;    // file borders nearer to each other than this are one for cutting windows
+constexpr std::size_t most_open = 32; // files a reader keeps open
+constexpr double off_lattice = 0.05;  // samples that a file may be off its place
+constexpr std::int32_t sliver = 64;   // file borders nearer to each other than this are one for cutting windows
 
 bool same_crs(const std::string& a, const std::string& b) {
     if (a == b) return true;
@@ -31,9 +31,10 @@ std::string warp_command(const Placement& like, const std::string& path) {
 void check_alike(const FileFacts& a, const FileFacts& b) {
     for (const FileFacts* f : {&a, &b})
         if (f->at.axes == Axes::none)
-            throw Failure(1, fmt::format("{}: has no georeference, so that its place beside {} is not known; give it one "
-                                         "with gdal_edit.py -a_ullr",
-                                         f->path, f == &a ? b.path : a.path));
+            throw Failure(1,
+                          fmt::format("{}: has no georeference, so that its place beside {} is not known; give it one "
+                                      "with gdal_edit.py -a_ullr",
+                                      f->path, f == &a ? b.path : a.path));
     if (!same_crs(a.at.crs_wkt, b.at.crs_wkt) || a.at.axes != b.at.axes)
         throw Failure(1, fmt::format("{}: is in another CRS than {}; bring them together first: {}", b.path, a.path,
                                      warp_command(a.at, b.path)));
@@ -41,14 +42,14 @@ void check_alike(const FileFacts& a, const FileFacts& b) {
         const double samples = axis == 0 ? std::max(a.at.columns, b.at.columns) : std::max(a.at.rows, b.at.rows);
         if (std::abs(b.at.step[axis] / a.at.step[axis] - 1) * samples > off_lattice)
             throw Failure(1, fmt::format("{}: its samples are {} apart, those of {} {}; bring them together first: {}",
-                                         b.path, b.at.step[axis], a.path, a.at.step[axis],
-                                         warp_command(a.at, b.path)));
+                                         b.path, b.at.step[axis], a.path, a.at.step[axis], warp_command(a.at, b.path)));
         const double apart = (b.at.origin[axis] - a.at.origin[axis]) / a.at.step[axis];
         if (!(std::abs(apart - std::round(apart)) <= off_lattice))
             throw Failure(1, fmt::format("{}: its samples lie between those of {}; bring them together first: {}",
                                          b.path, a.path, warp_command(a.at, b.path)));
         if (!(std::abs(apart) + samples < std::numeric_limits<std::int32_t>::max() / 2))
-            throw Failure(1, fmt::format("{}: is too far from {} for one terrain; bake them one by one", b.path, a.path));
+            throw Failure(1,
+                          fmt::format("{}: is too far from {} for one terrain; bake them one by one", b.path, a.path));
     }
 }
 
@@ -160,7 +161,8 @@ void Mosaic::paint(std::size_t index, const Window& window, float* to, Census& c
     };
     wanted_.resize(part.area());
     for (std::int32_t row = 0; row < part.rows; ++row)
-        std::transform(row_of(row), row_of(row) + columns, wanted_.begin() + static_cast<std::ptrdiff_t>(row) * part.columns,
+        std::transform(row_of(row), row_of(row) + columns,
+                       wanted_.begin() + static_cast<std::ptrdiff_t>(row) * part.columns,
                        [](float height) { return static_cast<std::uint8_t>(std::isnan(height)); });
     const bool all = std::find(wanted_.begin(), wanted_.end(), 0) == wanted_.end();
     if (!all && std::find(wanted_.begin(), wanted_.end(), 1) == wanted_.end()) return;

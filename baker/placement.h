@@ -15,9 +15,9 @@ enum class Axes : std::uint8_t { none, metres, degrees, perhaps_degrees };
 struct Placement {
     std::int32_t columns = 0, rows = 0;
     Axes axes = Axes::none;
-    double step[2] = {1, 1};   // from sample to sample, > 0
-    double origin[2] = {0, 0}; // of sample (0, 0): easting or longitude, northing or latitude
-    double unit_m = 1;         // metres in one unit of metre axes
+    double step[2] = {1, 1};             // from sample to sample, > 0
+    double origin[2] = {0, 0};           // of sample (0, 0): easting or longitude, northing or latitude
+    double unit_m = 1;                   // metres in one unit of metre axes
     bool flip_x = false, flip_y = false; // how the file has them
     std::string crs_wkt;                 // empty: none that means anything elsewhere
 

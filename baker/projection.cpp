@@ -56,11 +56,12 @@ std::unique_ptr<OGRSpatialReference> automatic_crs(const Placement& from, const 
     const double south = from.north(from.rows - 0.5), north = from.north(-0.5);
     auto crs = crs_for(source_crs(from), west, south, east, north);
     if (!crs)
-        throw Failure(1, fmt::format("{}: spans {:.0f} x {:.0f} degrees, which no plane holds without squeezing; give "
-                                     "--spacing M (metres between samples) to take them as a square grid, --crs and "
-                                     "--bbox for a part, or project it first with gdalwarp -t_srs EPSG:6933 -r cubic {} "
-                                     "OUT.tif",
-                                     path, east - west, north - south, path));
+        throw Failure(1,
+                      fmt::format("{}: spans {:.0f} x {:.0f} degrees, which no plane holds without squeezing; give "
+                                  "--spacing M (metres between samples) to take them as a square grid, --crs and "
+                                  "--bbox for a part, or project it first with gdalwarp -t_srs EPSG:6933 -r cubic {} "
+                                  "OUT.tif",
+                                  path, east - west, north - south, path));
     return crs;
 }
 
@@ -92,7 +93,8 @@ bool touches(const Transformer& transformer, const Extent& box, const GDALDatase
         for (int i = 0; i <= steps; ++i) {
             double x = box.low[0] + (box.high[0] - box.low[0]) * i / steps;
             double y = box.low[1] + (box.high[1] - box.low[1]) * j / steps;
-            if (transformer.to_source(x, y) && x >= 0 && y >= 0 && x <= const_cast<GDALDataset&>(from).GetRasterXSize() &&
+            if (transformer.to_source(x, y) && x >= 0 && y >= 0 &&
+                x <= const_cast<GDALDataset&>(from).GetRasterXSize() &&
                 y <= const_cast<GDALDataset&>(from).GetRasterYSize())
                 return true;
         }
@@ -122,8 +124,8 @@ std::unique_ptr<OGRSpatialReference> crs_for(const OGRSpatialReference& geograph
         crs->SetProjCS("Polar stereographic");
         crs->CopyGeogCSFrom(&geographic);
         const double side = latitude < 0 ? -1 : 1;
-        crs->SetPS(std::abs(latitude) > 89 ? side * 89 : std::round(latitude), width > 180 ? 0 : std::round(middle), 1, 0,
-                   0);
+        crs->SetPS(std::abs(latitude) > 89 ? side * 89 : std::round(latitude), width > 180 ? 0 : std::round(middle), 1,
+                   0, 0);
         return crs;
     }
     if (width > 90) return nullptr;
@@ -168,9 +170,10 @@ std::unique_ptr<OGRSpatialReference> target_crs(const Placement& from, const Rea
                                      "none to reproject it",
                                      path));
     if (from.axes == Axes::perhaps_degrees)
-        throw Failure(1, fmt::format("{}: has no CRS and looks as if it is in degrees; give --spacing M (metres between "
-                                     "samples), or say so with gdal_translate -a_srs EPSG:4326 {} OUT.tif",
-                                     path, path));
+        throw Failure(1,
+                      fmt::format("{}: has no CRS and looks as if it is in degrees; give --spacing M (metres between "
+                                  "samples), or say so with gdal_translate -a_srs EPSG:4326 {} OUT.tif",
+                                  path, path));
     return automatic_crs(from, path);
 }
 
@@ -219,9 +222,9 @@ Placement target_lattice(GDALDataset& from, const OGRSpatialReference& crs, cons
     std::array<double, 4> around{}; // west, south, east, north
     int columns = 0, rows = 0;
     Extent extent;
-    const bool known = GDALSuggestedWarpOutput2(GDALDataset::ToHandle(&from), GDALGenImgProjTransform,
-                                                transformer.argument(), unused.data(), &columns, &rows, around.data(),
-                                                0) == CE_None;
+    const bool known =
+        GDALSuggestedWarpOutput2(GDALDataset::ToHandle(&from), GDALGenImgProjTransform, transformer.argument(),
+                                 unused.data(), &columns, &rows, around.data(), 0) == CE_None;
     if (known) extent = {{around[0], around[1]}, {around[2], around[3]}};
     double x = 0.5 * from.GetRasterXSize(), y = 0.5 * from.GetRasterYSize();
     if (options.bbox) {
@@ -229,8 +232,8 @@ Placement target_lattice(GDALDataset& from, const OGRSpatialReference& crs, cons
         const Extent box{{west, south}, {east, north}};
         if (!touches(transformer, box, from))
             throw Failure(1, fmt::format("{}: --bbox {},{},{},{} lies outside of it{}", path, west, south, east, north,
-                                         known ? fmt::format("; it spans {:.0f},{:.0f},{:.0f},{:.0f}", around[0], around[1],
-                                                             around[2], around[3])
+                                         known ? fmt::format("; it spans {:.0f},{:.0f},{:.0f},{:.0f}", around[0],
+                                                             around[1], around[2], around[3])
                                                : ""));
         x = (west + east) / 2, y = (south + north) / 2;
         if (!transformer.to_source(x, y)) x = 0.5 * from.GetRasterXSize(), y = 0.5 * from.GetRasterYSize();
@@ -239,7 +242,8 @@ Placement target_lattice(GDALDataset& from, const OGRSpatialReference& crs, cons
             extent.high[axis] = std::min(extent.high[axis], box.high[axis]);
         }
     } else if (!known) {
-        throw Failure(1, fmt::format("{}: does not fit into that CRS; choose a part with --bbox, or another --crs", path));
+        throw Failure(1,
+                      fmt::format("{}: does not fit into that CRS; choose a part with --bbox, or another --crs", path));
     }
     const double spacing_m = options.spacing_m ? *options.spacing_m : spacing_at(transformer, x, y, p.unit_m);
     if (!(spacing_m >= min_spacing_m && spacing_m <= max_spacing_m))
@@ -254,8 +258,8 @@ Placement target_lattice(GDALDataset& from, const OGRSpatialReference& crs, cons
         last[axis] = options.bbox ? std::floor(high - 0.5) : std::ceil(high) - 1;
         if (!(last[axis] - first[axis] < std::numeric_limits<std::int32_t>::max() / 2 &&
               (last[axis] - first[axis]) * step * p.unit_m <= max_extent_m))
-            throw Failure(1, fmt::format("{}: does not fit into that CRS; choose a part with --bbox, or another --crs",
-                                         path));
+            throw Failure(
+                1, fmt::format("{}: does not fit into that CRS; choose a part with --bbox, or another --crs", path));
     }
     if (!(last[0] - first[0] >= 1 && last[1] - first[1] >= 1))
         throw Failure(1, fmt::format("{}: fewer than 2 x 2 samples, {} m apart, lie inside; give a larger --bbox or a "

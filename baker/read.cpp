@@ -66,7 +66,8 @@ std::pair<std::int32_t, std::int32_t> inside(double low, double high, double fro
     if (step < 0) std::swap(first, last);
     first = std::max(0.0, std::ceil(first - slack));
     last = std::min(count - 1.0, std::floor(last + slack));
-    return first <= last ? std::pair{static_cast<std::int32_t>(first), static_cast<std::int32_t>(last)} : std::pair{0, -1};
+    return first <= last ? std::pair{static_cast<std::int32_t>(first), static_cast<std::int32_t>(last)}
+                         : std::pair{0, -1};
 }
 
 Window crop_to(const Plan& plan) {
@@ -76,18 +77,19 @@ Window crop_to(const Plan& plan) {
     auto [west, south, east, north] = *plan.options.bbox;
     const bool counted = p.axes == Axes::none; // columns and rows from the north-west
     if (!(west < east) || !(counted ? north < south : south < north))
-        throw Failure(2, fmt::format("--bbox {},{},{},{}: give WEST,SOUTH,EAST,NORTH with WEST less than EAST and {}", west,
-                                     south, east, north,
+        throw Failure(2, fmt::format("--bbox {},{},{},{}: give WEST,SOUTH,EAST,NORTH with WEST less than EAST and {}",
+                                     west, south, east, north,
                                      counted ? "NORTH less than SOUTH (rows from the north; there is no georeference)"
                                              : "SOUTH less than NORTH"));
     const auto [left, right] = inside(west, east, counted ? 0 : p.origin[0], p.step[0], p.columns);
-    const auto [top, bottom] = counted ? inside(north, south, 0, 1, p.rows) : inside(south, north, p.origin[1], -p.step[1], p.rows);
+    const auto [top, bottom] =
+        counted ? inside(north, south, 0, 1, p.rows) : inside(south, north, p.origin[1], -p.step[1], p.rows);
     if (right < left || bottom < top) {
         const std::string spans =
             counted ? fmt::format("0,{},{},0", p.rows - 1, p.columns - 1)
                     : fmt::format("{},{},{},{}", p.origin[0], p.north(p.rows - 1), p.east(p.columns - 1), p.origin[1]);
-        throw Failure(1, fmt::format("{}: --bbox {},{},{},{} lies outside of it; it spans {}", plan.names(), west, south,
-                                     east, north, spans));
+        throw Failure(1, fmt::format("{}: --bbox {},{},{},{} lies outside of it; it spans {}", plan.names(), west,
+                                     south, east, north, spans));
     }
     if (right == left || bottom == top)
         throw Failure(1, fmt::format("{}: fewer than 2 x 2 samples lie in --bbox {},{},{},{}; give a larger one",
@@ -97,8 +99,8 @@ Window crop_to(const Plan& plan) {
 
 void check_order(const ReadOptions& o) {
     if (o.bbox && !((*o.bbox)[0] < (*o.bbox)[2]))
-        throw Failure(2, fmt::format("--bbox: WEST {} is not less than EAST {}; give WEST,SOUTH,EAST,NORTH", (*o.bbox)[0],
-                                     (*o.bbox)[2]));
+        throw Failure(2, fmt::format("--bbox: WEST {} is not less than EAST {}; give WEST,SOUTH,EAST,NORTH",
+                                     (*o.bbox)[0], (*o.bbox)[2]));
 }
 
 std::shared_ptr<const Plan> make_plan(const std::vector<std::string>& paths, const ReadOptions& options) {
@@ -127,7 +129,8 @@ std::shared_ptr<const Plan> make_plan(const std::vector<std::string>& paths, con
 
 class PlainReader final : public HeightReader {
 public:
-    explicit PlainReader(std::shared_ptr<const Plan> plan) : plan_(std::move(plan)), mosaic_(plan_->layout, plan_->options) {}
+    explicit PlainReader(std::shared_ptr<const Plan> plan)
+        : plan_(std::move(plan)), mosaic_(plan_->layout, plan_->options) {}
     void read(const Window& window, float* to, Census& census) override {
         Census own;
         own.per_unit = census.per_unit;
@@ -243,10 +246,9 @@ Settled FileSource::settle(const Census& census) const {
     const FileFacts& first = plan_->layout.files.front().facts;
     const Scaling& scaling = first.decoding.scaling;
     s.anchor_m = scaling.asked_m(scaling.file_offset_m);
-    const bool alike = std::all_of(
-        plan_->layout.files.begin(), plan_->layout.files.end(), [&](const MosaicFile& f) {
-            return f.facts.decoding.scaling == scaling && f.facts.step == first.step;
-        });
+    const bool alike = std::all_of(plan_->layout.files.begin(), plan_->layout.files.end(), [&](const MosaicFile& f) {
+        return f.facts.decoding.scaling == scaling && f.facts.step == first.step;
+    });
     if (alike && census.per_unit <= 100 && !plan_->warped)
         s.native_quantum_m = first.step / census.per_unit * std::abs(scaling.file_scale * scaling.zscale);
     return s;
@@ -254,9 +256,9 @@ Settled FileSource::settle(const Census& census) const {
 
 std::string FileSource::identity() const {
     const ReadOptions& o = plan_->options;
-    std::string text = fmt::format("crs {} spacing {} encoding {} zscale {} zoffset {} nodata {} bbox", o.crs,
-                                   o.spacing_m.value_or(0), static_cast<int>(o.encoding), o.zscale, o.zoffset_m,
-                                   static_cast<int>(o.nodata));
+    std::string text =
+        fmt::format("crs {} spacing {} encoding {} zscale {} zoffset {} nodata {} bbox", o.crs, o.spacing_m.value_or(0),
+                    static_cast<int>(o.encoding), o.zscale, o.zoffset_m, static_cast<int>(o.nodata));
     if (o.bbox)
         for (const double edge : *o.bbox) text += fmt::format(" {}", edge);
     for (const MosaicFile& f : plan_->layout.files) text += "\n" + f.facts.identity;

@@ -37,7 +37,10 @@ const std::vector<TextField>& text_fields() {
         {"crs", &Recipe::crs, false, {}},
         {"encoding", &Recipe::encoding, false, {"none", "terrarium", "terrain-rgb"}},
         {"nodata", &Recipe::nodata, false, {"hole", "fill", "refuse"}},
-        {"tile", &Recipe::tile, false, {"auto", "2", "4", "8", "16", "32", "64", "128", "256", "512", "1024", "2048", "4096"}},
+        {"tile",
+         &Recipe::tile,
+         false,
+         {"auto", "2", "4", "8", "16", "32", "64", "128", "256", "512", "1024", "2048", "4096"}},
         {"estimate", &Recipe::estimate, false, {"max", "midpoint"}},
         {"order", &Recipe::order, false, {"planar", "hz", "linear"}}};
     return fields;
@@ -79,7 +82,8 @@ std::string text_of(const ordered_json& value, const TextField& field, const std
 }
 
 double number_of(const ordered_json& value, const std::string& key, const std::string& name) {
-    if (!value.is_number() || !std::isfinite(value.get<double>())) refuse(name, fmt::format("\"{}\" must be a number", key));
+    if (!value.is_number() || !std::isfinite(value.get<double>()))
+        refuse(name, fmt::format("\"{}\" must be a number", key));
     return value.get<double>();
 }
 
@@ -123,7 +127,8 @@ void take(Recipe& recipe, const std::string& key, const ordered_json& value, con
     refuse(name, fmt::format("{} is no key of a recipe", quoted(key)));
 }
 
-template <typename Change> void change_paths(Recipe& recipe, Change change) {
+template <typename Change>
+void change_paths(Recipe& recipe, Change change) {
     const auto if_file = [&](std::string& path) {
         if (!path.empty() && !is_gdal_name(path) && std::filesystem::path(path).is_relative()) path = change(path);
     };

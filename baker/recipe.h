@@ -11,8 +11,8 @@
 
 namespace fjell::baker {
 
-// Options of fjell-bake by their names (--zscale is zscale); what is not given has its default. How a bake goes about it
-// (threads, memory, progress) is no part of it.
+// Options of fjell-bake by their names (--zscale is zscale); what is not given has its default. How a bake goes about
+// it (threads, memory, progress) is no part of it.
 struct Recipe {
     std::vector<std::string> inputs;
     std::optional<std::string> output, texture, ramp;

@@ -75,12 +75,13 @@ double unit_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadO
         throw Failure(1,
                       fmt::format("{}: heights are in \"{}\", which is not known here; give --zscale S (metres a unit)",
                                   path, named));
-    if (unit == 0) return 1; // --zscale says what a unit is
+    if (unit == 0) return 1;                                                // --zscale says what a unit is
     if (vertical == 0 || std::abs(vertical / unit - 1) < 1e-5) return unit; // feet of two kinds differ by 2e-6
     if (named.empty()) return vertical;
-    throw Failure(1, fmt::format("{}: its band says that heights are in \"{}\", its CRS in \"{}\"; give it the CRS that "
-                                 "is right (gdal_edit.py -a_srs)",
-                                 path, named, axis));
+    throw Failure(1,
+                  fmt::format("{}: its band says that heights are in \"{}\", its CRS in \"{}\"; give it the CRS that "
+                              "is right (gdal_edit.py -a_srs)",
+                              path, named, axis));
 }
 
 } // namespace

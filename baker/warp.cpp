@@ -109,7 +109,8 @@ void Warp::load(std::int32_t block_x, std::int32_t block_y) {
         }
     if (anywhere) {
         const GdalMessages messages;
-        const CPLErr result = operation_->WarpRegionToBuffer(x, y, window.columns, window.rows, block_.data(), GDT_Float32);
+        const CPLErr result =
+            operation_->WarpRegionToBuffer(x, y, window.columns, window.rows, block_.data(), GDT_Float32);
         source_.rethrow();
         if (result != CE_None) // what it says otherwise is about places that the projection does not know
             throw Failure(3, fmt::format("{}: could not be reprojected at columns {} to {}, rows {} to {}{}",
@@ -127,7 +128,8 @@ void Warp::read(const Window& window, float* to) {
             const std::int32_t from_x = std::max(window.x, held_.x), to_x = std::min(right, held_.x + held_.columns);
             const std::int32_t from_y = std::max(window.y, held_.y), to_y = std::min(bottom, held_.y + held_.rows);
             for (std::int32_t y = from_y; y < to_y; ++y)
-                std::copy_n(block_.data() + static_cast<std::size_t>(y - held_.y) * static_cast<std::size_t>(held_.columns) +
+                std::copy_n(block_.data() +
+                                static_cast<std::size_t>(y - held_.y) * static_cast<std::size_t>(held_.columns) +
                                 static_cast<std::size_t>(from_x - held_.x),
                             to_x - from_x,
                             to + static_cast<std::size_t>(y - window.y) * static_cast<std::size_t>(window.columns) +

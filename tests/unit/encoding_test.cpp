@@ -37,13 +37,11 @@ TEST_CASE("Terrarium and Terrain-RGB pictures are heights, and holes where they 
     const auto hole = [](int x, int y) { return x == 5 && y == 7; };
     ReadOptions o = spaced(30);
     o.encoding = Encoding::terrarium;
-    const std::string terrarium = picture(dir / "t.png", 40, 30, [&](int x, int y) {
-        return hole(x, y) ? -1 : (height(x, y) + 32768) * 256 + x;
-    });
+    const std::string terrarium = picture(
+        dir / "t.png", 40, 30, [&](int x, int y) { return hole(x, y) ? -1 : (height(x, y) + 32768) * 256 + x; });
     const Dem t = read_dem(terrarium, o);
-    const std::string mapbox = picture(dir / "m.png", 40, 30, [&](int x, int y) {
-        return hole(x, y) ? -1 : (height(x, y) + 10000) * 10 + x % 10;
-    });
+    const std::string mapbox = picture(
+        dir / "m.png", 40, 30, [&](int x, int y) { return hole(x, y) ? -1 : (height(x, y) + 10000) * 10 + x % 10; });
     o.encoding = Encoding::terrain_rgb;
     const Dem m = read_dem(mapbox, o);
     CHECK(t.native_quantum_m == 1.0 / 256);

@@ -42,7 +42,7 @@ TEST_CASE("where files overlap the later one is on top, but for its voids; gaps 
     const TempDir dir;
     Raster below = piece(0, 0, 120, 100), above = piece(70, 80, 120, 100);
     for (double& v : above.values) v += 1000;
-    above.values[5 * 120 + 7] = -1; // at (77, 85), over the other file
+    above.values[5 * 120 + 7] = -1;   // at (77, 85), over the other file
     above.values[90 * 120 + 90] = -1; // at (160, 170), over nothing
     tag(above, -1);
     tag(below, -9999);
@@ -70,10 +70,12 @@ TEST_CASE("files that do not fit together are refused, naming both and the comma
     const std::string a = write(piece(0, 0, 50, 40), dir / "a.tif");
     Raster b = piece(50, 0, 50, 40);
     b.crs = "EPSG:32633";
-    check_refusal(refused_all({a, write(b, dir / "b.tif")}), 1, dir / "b.tif", {"another CRS than", a, "gdalwarp -t_srs"});
+    check_refusal(refused_all({a, write(b, dir / "b.tif")}), 1, dir / "b.tif",
+                  {"another CRS than", a, "gdalwarp -t_srs"});
     b = piece(50, 0, 50, 40);
     b.geotransform[1] = 20;
-    check_refusal(refused_all({a, write(b, dir / "c.tif")}), 1, dir / "c.tif", {"samples are 20 apart", a, "-tr 10 10"});
+    check_refusal(refused_all({a, write(b, dir / "c.tif")}), 1, dir / "c.tif",
+                  {"samples are 20 apart", a, "-tr 10 10"});
     b = piece(50, 0, 50, 40);
     b.geotransform[0] += 4;
     check_refusal(refused_all({a, write(b, dir / "d.tif")}), 1, dir / "d.tif", {"lie between those of", a, "gdalwarp"});

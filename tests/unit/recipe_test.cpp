@@ -97,6 +97,7 @@ TEST_CASE("relative paths in a recipe start at its folder, others stay") {
 
 TEST_CASE("a box is four numbers with commas") {
     CHECK(parse_bbox("-3,36.5,-2,1e2") == std::array<double, 4>{-3, 36.5, -2, 100});
-    for (const char* text : {"", "1,2,3", "1,2,3,4,5", "1,2,3,4,", "1 2 3 4", "a,2,3,4", "nan,2,3,4", "1,2,3,inf", "1,,3,4"})
+    for (const char* text :
+         {"", "1,2,3", "1,2,3,4,5", "1,2,3,4,", "1 2 3 4", "a,2,3,4", "nan,2,3,4", "1,2,3,inf", "1,,3,4"})
         CHECK(refusal([&] { (void)parse_bbox(text); }).code == 2);
 }

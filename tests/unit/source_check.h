@@ -32,7 +32,8 @@ inline bool same_bits(HeightReader& reader, const HeightSource& source, const Fi
         const float* const expected = whole.heights_m.data() +
                                       static_cast<std::size_t>(w.y + row) * static_cast<std::size_t>(source.columns) +
                                       static_cast<std::size_t>(w.x);
-        if (std::memcmp(part.data() + row * w.columns, expected, static_cast<std::size_t>(w.columns) * 4) != 0) return false;
+        if (std::memcmp(part.data() + row * w.columns, expected, static_cast<std::size_t>(w.columns) * 4) != 0)
+            return false;
     }
     return true;
 }
@@ -71,7 +72,9 @@ inline void check_windows(const HeightSource& source) {
     const auto reader = source.reader();
     int wrong = 0;
     for (int i = 0; i < 60; ++i) {
-        const auto below = [&](std::int32_t n) { return static_cast<std::int32_t>(random() % static_cast<unsigned>(n)); };
+        const auto below = [&](std::int32_t n) {
+            return static_cast<std::int32_t>(random() % static_cast<unsigned>(n));
+        };
         Window w{below(source.columns), below(source.rows), 0, 0};
         w.columns = 1 + below(source.columns - w.x);
         w.rows = 1 + below(source.rows - w.y);

@@ -19,7 +19,7 @@ std::string rough_file(const std::string& path, bool tiled, bool flip_x, bool fl
                      const_cast<char*>("BLOCKYSIZE=32"), const_cast<char*>("COMPRESS=DEFLATE"), nullptr};
     char* strips[] = {const_cast<char*>("BLOCKYSIZE=8"), nullptr};
     auto* const file = GetGDALDriverManager()->GetDriverByName("GTiff")->Create(path.c_str(), 301, 203, 1, GDT_Float32,
-                                                                               tiled ? tiles : strips);
+                                                                                tiled ? tiles : strips);
     double t[6] = {1000, flip_x ? -10.0 : 10.0, 0, 2000, 0, flip_y ? 10.0 : -10.0};
     file->SetGeoTransform(t);
     file->GetRasterBand(1)->SetNoDataValue(-9999);
@@ -46,7 +46,8 @@ TEST_CASE("windows cover an area once, keep to blocks and to the size asked for"
         blocks.y = up_to(blocks.rows) - 1;
         const std::size_t most = static_cast<std::size_t>(up_to(4000));
         std::map<std::pair<int, int>, int> seen;
-        const bool whole_blocks = blocks.columns < area.columns || static_cast<std::size_t>(area.columns * blocks.rows) <= most;
+        const bool whole_blocks =
+            blocks.columns < area.columns || static_cast<std::size_t>(area.columns * blocks.rows) <= most;
         for (const Window& w : cut_along(area, blocks, most)) {
             for (int y = w.y; y < w.y + w.rows; ++y)
                 for (int x = w.x; x < w.x + w.columns; ++x) ++seen[{x, y}];
@@ -85,7 +86,8 @@ TEST_CASE("a chunk decoded at once is what its samples give one by one") {
             Decoding d;
             if (scaled) d.scaling = {0.25, 12, -1.5, 3};
             std::vector<float> raw(5000);
-            for (float& v : raw) v = static_cast<float>(static_cast<int>(random() % 20000) - 5000) * (kind == 2 ? 0.013f : 1.0f);
+            for (float& v : raw)
+                v = static_cast<float>(static_cast<int>(random() % 20000) - 5000) * (kind == 2 ? 0.013f : 1.0f);
             if (kind == 1)
                 for (std::size_t i = 0; i < raw.size(); i += 700) raw[i] = i % 1400 ? NAN : 1e9f;
             std::vector<float> at_once(raw.size()), single(raw.size());

@@ -70,8 +70,7 @@ TEST_CASE("a projection is chosen that suits a place and its extents") {
 TEST_CASE("a plane on the ground is a plane after reprojection, at its place, square and about as fine as before") {
     const TempDir dir;
     const Eastings plane;
-    const std::string path =
-        write(degrees([&](double x, double y) { return plane.at(x, y); }), dir / "a.tif");
+    const std::string path = write(degrees([&](double x, double y) { return plane.at(x, y); }), dir / "a.tif");
     const Dem dem = read_dem(path, {});
     CHECK(dem.spacing_m[0] == dem.spacing_m[1]);
     CHECK(dem.spacing_m[0] == Approx(66.5).epsilon(0.01)); // 46.4 m x 95.5 m at 60.8 N
@@ -220,7 +219,8 @@ TEST_CASE("real fields in degrees are reprojected to where GDAL's own program pu
     const TempDir dir;
     char command[512];
     std::snprintf(command, sizeof command,
-                  "gdalwarp -q -et 0 -r cubic -dstnodata -9999 -ot Float32 -t_srs EPSG:32630 -te %.9f %.9f %.9f %.9f -ts %d %d %s %s",
+                  "gdalwarp -q -et 0 -r cubic -dstnodata -9999 -ot Float32 -t_srs EPSG:32630 -te %.9f %.9f %.9f %.9f "
+                  "-ts %d %d %s %s",
                   dem.origin_m[0] - dem.spacing_m[0] / 2, dem.origin_m[1] - (dem.rows - 0.5) * dem.spacing_m[1],
                   dem.origin_m[0] + (dem.columns - 0.5) * dem.spacing_m[0], dem.origin_m[1] + dem.spacing_m[1] / 2,
                   dem.columns, dem.rows, path.c_str(), (dir / "w.tif").c_str());
