@@ -99,6 +99,7 @@ int run_bake(const Arguments& a) {
     if (!a.save_recipe_path.empty()) saved.emplace(a.save_recipe_path);
     JsonOutput summary(a.json_path);
     ProgressBar bar(a.quiet);
+    limit_gdal_cache((a.memory_mb << 20) / 16);
     bar("read", 0, 1);
     Dem dem = read_dem(recipe.inputs, reading);
     bar("read", 1, 1);

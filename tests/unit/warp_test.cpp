@@ -206,6 +206,13 @@ TEST_CASE("a vertical axis in feet counts where the band says nothing, and one t
     r.crs = "EPSG:2263+6360"; // New York, NAVD88 in US survey feet
     const std::string path = write(r, dir / "a.tif");
     CHECK(read_dem(path, {}).at(3, 4) == Approx(slope(3, 4) * 1200 / 3937));
+    // GDAL makes a band's unit of a GeoTIFF's axis; a VRT has only what it says.
+    write_text(dir / "a.vrt",
+               "<VRTDataset rasterXSize=\"20\" rasterYSize=\"15\"><SRS>EPSG:2263+6360</SRS><GeoTransform>"
+               "995,10,0,2005,0,-10</GeoTransform><VRTRasterBand dataType=\"Float32\" band=\"1\">"
+               "<SimpleSource><SourceFilename relativeToVRT=\"1\">a.tif</SourceFilename><SourceBand>1"
+               "</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>");
+    CHECK(read_dem(dir / "a.vrt", {}).at(3, 4) == Approx(slope(3, 4) * 1200 / 3937));
     r.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetUnitType("metre"); };
     const std::string both = write(r, dir / "b.tif");
     check_refusal(refused(both), 1, both, {"\"metre\"", "US survey foot", "gdal_edit.py -a_srs"});
