@@ -117,18 +117,15 @@ OGRSpatialReference source_crs(const Placement& from) {
 std::unique_ptr<OGRSpatialReference> crs_for(const OGRSpatialReference& geographic, double west, double south,
                                              double east, double north) {
     const double middle = wrapped((west + east) / 2), latitude = (south + north) / 2, width = east - west;
-    if (north - south > 90) return nullptr;
+    if (north - south > 90 || width > 90) return nullptr;
     auto crs = blank();
-    const bool cap = (south >= 60 || north <= -60) && width > 90;
-    if (north > 84 || south < -84 || cap) {
+    if (north > 84 || south < -84) {
         crs->SetProjCS("Polar stereographic");
         crs->CopyGeogCSFrom(&geographic);
         const double side = latitude < 0 ? -1 : 1;
-        crs->SetPS(std::abs(latitude) > 89 ? side * 89 : std::round(latitude), width > 180 ? 0 : std::round(middle), 1,
-                   0, 0);
+        crs->SetPS(std::abs(latitude) > 89 ? side * 89 : std::round(latitude), std::round(middle), 1, 0, 0);
         return crs;
     }
-    if (width > 90) return nullptr;
     if (width <= 12) {
         const int zone = std::min(60, static_cast<int>(std::floor((middle + 180) / 6)) + 1);
         const bool north_half = latitude >= 0;

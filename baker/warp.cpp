@@ -1,5 +1,5 @@
 // GDAL's warper gives other numbers when it is given other chunks or other memory. Here its kernel is given one block
-// at a time, always the same ones, with GDAL's exact transformation and a fixed resampling ratio, so that a sample
+// at a time, always the same ones, with a fixed resampling ratio and fixed bounds of transformation, so that a sample
 // depends on nothing but its place. Cubic interpolation keeps crests and valleys that bilinear flattens; beside a void,
 // where it lacks one of its 16 samples, GDAL falls back to the bilinear of those that there are.
 #include "baker/warp.h"
@@ -10,6 +10,7 @@
 
 #include <cpl_string.h>
 #include <fmt/format.h>
+#include <gdal_alg.h>
 
 namespace fjell::baker {
 
@@ -28,14 +29,27 @@ int* first_band() {
     return band;
 }
 
-// Target samples per source sample along an axis in the middle of the target, at most 1: below, GDAL takes means over
-// wider surroundings so that nothing aliases.
-double ratio(const Transformer& transformer, const Placement& to, int axis) {
-    double ax = 0.5 * to.columns - 0.5 * (axis == 0), ay = 0.5 * to.rows - 0.5 * (axis == 1);
-    double bx = 0.5 * to.columns + 0.5 * (axis == 0), by = 0.5 * to.rows + 0.5 * (axis == 1);
-    if (!transformer.to_source(ax, ay) || !transformer.to_source(bx, by)) return 1;
-    const double source = std::hypot(bx - ax, by - ay);
-    return source > 1.25 && std::isfinite(source) ? 1 / source : 1;
+// Places of the source are right to this many samples: exact transformation of every sample took ten times as long as
+// all else. GDAL interpolates along rows of what it is given, which are always the same blocks.
+constexpr double place_error = 0.01;
+
+// Target samples per source sample, at most 1: below, GDAL takes means over wider surroundings so that nothing aliases.
+// In the middle of the source, or of the target where that is elsewhere.
+double ratio(const Transformer& transformer, const Placement& from, const Placement& to) {
+    double x = 0.5 * to.columns, y = 0.5 * to.rows;
+    double middle_x = 0.5 * from.columns, middle_y = 0.5 * from.rows;
+    if (double tx = middle_x, ty = middle_y;
+        !transformer.to_target(tx, ty) || tx < 0 || ty < 0 || tx > to.columns || ty > to.rows)
+        if (transformer.to_source(x, y)) middle_x = x, middle_y = y;
+    double area = 1;
+    for (const int axis : {0, 1}) {
+        double ax = middle_x - 0.5 * (axis == 0), ay = middle_y - 0.5 * (axis == 1);
+        double bx = middle_x + 0.5 * (axis == 0), by = middle_y + 0.5 * (axis == 1);
+        if (!transformer.to_target(ax, ay) || !transformer.to_target(bx, by)) return 1;
+        area *= std::hypot(bx - ax, by - ay);
+    }
+    const double scale = std::sqrt(area);
+    return scale < 0.8 && scale > 0.001 ? scale : 1;
 }
 
 struct OptionsFree {
@@ -58,14 +72,16 @@ Warp::Warp(const Layout& from, const Placement& to, const ReadOptions& options)
     o->panDstBands = first_band();
     o->padfSrcNoDataReal = one_number(nothing);
     o->padfDstNoDataReal = one_number(nothing);
-    o->pfnTransformer = GDALGenImgProjTransform;
-    o->pTransformerArg = transformer_.argument();
+    approximate_.reset(GDALCreateApproxTransformer(GDALGenImgProjTransform, transformer_.argument(), place_error));
+    o->pfnTransformer = GDALApproxTransform;
+    o->pTransformerArg = approximate_.get();
     CPLStringList settings;
     settings.SetNameValue("NUM_THREADS", "1");
     settings.SetNameValue("SAMPLE_GRID", "YES");
     settings.SetNameValue("SOURCE_EXTRA", "4");
-    settings.SetNameValue("XSCALE", fmt::format("{}", ratio(transformer_, to, 0)).c_str());
-    settings.SetNameValue("YSCALE", fmt::format("{}", ratio(transformer_, to, 1)).c_str());
+    const std::string scale = fmt::format("{}", ratio(transformer_, from.at, to));
+    settings.SetNameValue("XSCALE", scale.c_str());
+    settings.SetNameValue("YSCALE", scale.c_str());
     o->papszWarpOptions = settings.StealList();
     const GdalMessages messages;
     operation_ = std::make_unique<GDALWarpOperation>();
@@ -74,6 +90,9 @@ Warp::Warp(const Layout& from, const Placement& to, const ReadOptions& options)
 }
 
 Warp::~Warp() = default;
+void Warp::ApproximateFree::operator()(void* transformer) const {
+    GDALDestroyApproxTransformer(transformer);
+}
 
 void Warp::fetch(const Window& window, float* to) {
     Census census;

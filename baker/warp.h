@@ -37,6 +37,10 @@ private:
     Mosaic mosaic_;
     PlacedDataset source_;
     Transformer transformer_;
+    struct ApproximateFree {
+        void operator()(void* transformer) const;
+    };
+    std::unique_ptr<void, ApproximateFree> approximate_;
     std::unique_ptr<GDALWarpOperation> operation_;
     std::vector<float> block_; // the last one
     Window held_;
