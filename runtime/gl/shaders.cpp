@@ -137,10 +137,12 @@ layout(location = 0) out vec4 out_colour;
 layout(binding = 0) uniform sampler2DArray colour_map;
 layout(binding = 1) uniform sampler2DArray normal_map;
 
-// x east, y up, z south. The map stores east and south; up follows, because the terrain has no overhangs.
+// x east, y up, z south. The map stores east and south, 0 as the byte 128 (fjell/texture.h); up follows, because the
+// terrain has no overhangs.
 vec3 world_normal() {
 #ifdef NORMAL_MAP
-    vec2 slope = texture(normal_map, vec3(surface.sample_at * grid2.x + grid2.y, surface.layer)).rg;
+    vec2 codes = texture(normal_map, vec3(surface.sample_at * grid2.x + grid2.y, surface.layer)).rg;
+    vec2 slope = codes * (255.0 / 127.0) - 128.0 / 127.0;
     return vec3(slope.x, sqrt(max(1.0 - dot(slope, slope), 0.0)), slope.y);
 #else
     vec3 n = normalize(cross(dFdx(surface.position), dFdy(surface.position)));

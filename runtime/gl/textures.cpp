@@ -12,13 +12,16 @@ namespace {
 struct MapKind {
     ChunkKind chunk;
     const char* name;
-    GLenum internal, format, type;
-    std::uint32_t gpu_bytes; // a texel
+    GLenum format;
+    const char* extension; // that has the format; none: the core
 };
-constexpr MapKind colour_kind{ChunkKind::colour, "colour map", GL_SRGB8, GL_RGB, GL_UNSIGNED_BYTE, 4};
-constexpr MapKind normal_kind{ChunkKind::normal, "normal map", GL_RG8_SNORM, GL_RG, GL_BYTE, 2};
+constexpr MapKind colour_kind{ChunkKind::colour, "colour map", GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, "GL_EXT_texture_compression_s3tc"};
+constexpr MapKind normal_kind{ChunkKind::normal, "normal map", GL_COMPRESSED_RG_RGTC2, nullptr};
 
 std::string check_limits(const MapKind& kind, std::uint32_t tiles, std::uint32_t side) {
+    if (kind.extension && !epoxy_has_gl_extension(kind.extension))
+        return std::string("this GPU's driver lacks ") + kind.extension + " for the " + kind.name +
+               "; update it";
     int layers = 0, largest = 0;
     glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
@@ -55,25 +58,24 @@ std::string load_map(const Pack& pack, const MapKind& kind, std::uint32_t log2_s
     unsigned name = 0;
     glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
     texture = Texture(name);
-    glTextureStorage3D(name, static_cast<GLsizei>(mips), kind.internal, static_cast<GLsizei>(side),
+    glTextureStorage3D(name, static_cast<GLsizei>(mips), kind.format, static_cast<GLsizei>(side),
                        static_cast<GLsizei>(side), static_cast<GLsizei>(tiles));
     if (glGetError() != GL_NO_ERROR)
         return std::string("the GPU has no room for the ") + kind.name + "; bake with smaller textures";
     set_sampling(name, mips, anisotropy);
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    std::vector<std::byte> texels;
+    std::vector<std::byte> blocks;
     for (std::uint32_t mip = 0; mip < mips; ++mip) {
-        texels.resize(chunk_raw_bytes(pack.header, {kind.chunk, 0, mip}));
+        blocks.resize(chunk_raw_bytes(pack.header, {kind.chunk, 0, mip}));
         const auto mip_side = static_cast<GLsizei>(side >> mip);
         for (std::uint32_t tile = 0; tile < tiles; ++tile) {
-            const Status status = read_chunk(pack, {kind.chunk, tile, mip}, texels);
+            const Status status = read_chunk(pack, {kind.chunk, tile, mip}, blocks);
             if (!status.ok())
                 return std::string("the ") + kind.name + " of tile " + std::to_string(tile) + ", mip " +
                        std::to_string(mip) + " (" + status.field + "): " + message(status.code);
-            glTextureSubImage3D(name, static_cast<GLint>(mip), 0, 0, static_cast<GLint>(tile), mip_side, mip_side, 1,
-                                kind.format, kind.type, texels.data());
+            glCompressedTextureSubImage3D(name, static_cast<GLint>(mip), 0, 0, static_cast<GLint>(tile), mip_side,
+                                          mip_side, 1, kind.format, static_cast<GLsizei>(blocks.size()), blocks.data());
         }
-        bytes += std::uint64_t{tiles} * (side >> mip) * (side >> mip) * kind.gpu_bytes;
+        bytes += std::uint64_t{tiles} * blocks.size();
     }
     return {};
 }

@@ -1,6 +1,6 @@
 // The pack's colour and normal maps as array textures, one layer a tile, all mips resident.
 //
-// Internal to runtime/gl. Cost: 4 bytes a colour texel and 2 a normal texel on the GPU, times 4/3 for the mips.
+// Internal to runtime/gl. Cost: half a byte a colour texel and 1 a normal texel on the GPU, times 4/3 for the mips.
 // Failure: one line that names the chunk or the limit.
 #pragma once
 

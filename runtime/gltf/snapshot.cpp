@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "fjell/texture.h"
 #include "gltf/refused.h"
 #include "gltf/scene.h"
 #include "host/failure.h"
@@ -89,7 +90,8 @@ void add_tiles(const Pack& pack, const Terrain& terrain, const MeshView& mesh, s
                SceneBuilder& scene, SnapshotResult& result) {
     const ColourMip mip = choose_mip(pack.header, max_texture_px);
     result.texture_px = mip.side_px;
-    std::vector<std::byte> rgb(mip.side_px ? chunk_raw_bytes(pack.header, {ChunkKind::colour, 0, mip.level}) : 0);
+    std::vector<std::byte> blocks(mip.side_px ? chunk_raw_bytes(pack.header, {ChunkKind::colour, 0, mip.level}) : 0);
+    std::vector<std::uint8_t> rgb(std::size_t{mip.side_px} * mip.side_px * 3);
     TileCollector collector(terrain, mip.side_px);
     for (const TileRange& range : mesh.tiles) {
         const TileGeometry geometry = collector.collect(mesh, range);
@@ -98,8 +100,9 @@ void add_tiles(const Pack& pack, const Terrain& terrain, const MeshView& mesh, s
             fmt::format("tile {} {}", range.tile % pack.header.tiles_x, range.tile / pack.header.tiles_x);
         int texture = -1;
         if (mip.side_px) {
-            require(read_chunk(pack, {ChunkKind::colour, range.tile, mip.level}, rgb), "the pack's colour chunk");
-            texture = scene.add_texture(name, mip.side_px, rgb);
+            require(read_chunk(pack, {ChunkKind::colour, range.tile, mip.level}, blocks), "the pack's colour chunk");
+            decode_colour(blocks, mip.side_px, rgb);
+            texture = scene.add_texture(name, mip.side_px, std::as_bytes(std::span(rgb)));
         }
         scene.add_tile(name, geometry, {collector.tile_x_m(range.tile), 0, collector.tile_z_m(range.tile)}, texture);
         ++result.tiles;

@@ -18,9 +18,9 @@
 namespace fjell {
 
 inline constexpr char pack_magic[8] = {'F', 'J', 'E', 'L', 'L', 'P', 'K', '\n'};
-inline constexpr std::uint32_t pack_version = 2;
+inline constexpr std::uint32_t pack_version = 3;
 // Changes with every stored layout; also tells a byte-swapped file from ours.
-inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0002'0004'0cd0ull;
+inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0003'0004'0810ull;
 inline constexpr std::uint32_t max_texture_log2 = 12;
 inline constexpr std::uint32_t max_columns = 1u << 20;
 inline constexpr double min_spacing_m = 1e-3, max_spacing_m = 1e6;
@@ -100,14 +100,11 @@ inline constexpr std::uint32_t page_radii = 64 + 72 + 72;
 // A tile corner's stored height: lattice steps, the highest bit set for a hole.
 inline constexpr std::uint32_t corner_void_bit = 0x80000000;
 
-// Textures. Mip m of a map with 2^k texels a side has 2^(k-m); the smallest has 4 (or all of it, when k < 2). The first
-// and last texel centre of *every* mip lie on the tile's border, and both neighbours store the same values there: no
-// seam under clamp-to-edge. Colour is RGB, 8 bits, sRGB. Normal is two signed-normalised bytes: east and south slope
-// components of the unit normal; up follows.
-inline constexpr std::uint32_t colour_texel_bytes = 3;
-inline constexpr std::uint32_t normal_texel_bytes = 2;
+// Textures. Mip m of a map with 2^k texels a side has 2^(k-m); the smallest has 4. The first and last texel centre of
+// *every* mip lie on the tile's border, and both neighbours compress the same values there: no seam under clamp-to-edge.
+// Colour is BC1 of sRGB, normal BC5 of the east and south components of the unit normal (up follows): fjell/texture.h.
 [[nodiscard]] constexpr std::uint32_t mip_count(std::uint32_t log2_side) {
-    return log2_side == 0 ? 0 : log2_side < 2 ? 1 : log2_side - 1;
+    return log2_side < 2 ? 0 : log2_side - 1;
 }
 
 struct Pack {

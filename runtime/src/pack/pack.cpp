@@ -10,6 +10,8 @@
 #include <xxhash.h>
 #include <zstd.h>
 
+#include "fjell/texture.h"
+
 namespace fjell {
 
 static_assert(std::endian::native == std::endian::little,
@@ -78,8 +80,8 @@ Status check_ranges(const PackHeader& h) {
     for (const float height : {h.base_m, h.min_m, h.max_m})
         if (!in_range(height, -1e7, 1e7)) return bad("heights");
     if (!in_range(h.max_error_m, 0, 1e9)) return bad("max_error_m");
-    if (h.colour_log2 > max_texture_log2) return bad("colour_log2");
-    if (h.normal_log2 > max_texture_log2) return bad("normal_log2");
+    if (h.colour_log2 == 1 || h.colour_log2 > max_texture_log2) return bad("colour_log2");
+    if (h.normal_log2 == 1 || h.normal_log2 > max_texture_log2) return bad("normal_log2");
     if (h.crs_bytes > (1u << 20)) return bad("crs_bytes");
     return check_scales(h);
 }
@@ -129,13 +131,13 @@ std::uint64_t chunk_count(const PackHeader& h) {
 }
 
 std::size_t chunk_raw_bytes(const PackHeader& h, ChunkId id) {
-    const auto texels = [&](std::uint32_t log2_side) { return std::size_t{1} << (2 * (log2_side - id.item)); };
+    const auto blocks = [&](std::uint32_t log2_side) { return blocks_of(1u << (log2_side - id.item)); };
     switch (id.kind) {
     case ChunkKind::corners: return (std::size_t{h.tiles_x} + 1) * (std::size_t{h.tiles_y} + 1) * 4;
     case ChunkKind::geometry:
         return max_page_raw_bytes(PageLayout{static_cast<int>(h.tile_log2), h.order}.page_vertices(id.item));
-    case ChunkKind::colour: return texels(h.colour_log2) * colour_texel_bytes;
-    case ChunkKind::normal: return texels(h.normal_log2) * normal_texel_bytes;
+    case ChunkKind::colour: return blocks(h.colour_log2) * colour_block_bytes;
+    case ChunkKind::normal: return blocks(h.normal_log2) * normal_block_bytes;
     case ChunkKind::crs: break;
     }
     return h.crs_bytes;
