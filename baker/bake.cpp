@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "baker/image.h"
+#include "baker/maps.h"
 #include "baker/parallel.h"
 #include "baker/write.h"
 
@@ -37,37 +39,27 @@ struct Bake {
     Lattice lattice;
     std::vector<std::int32_t> steps;
     VertexErrors errors;
-    std::optional<Image> image;
-    std::optional<Ramp> ramp;
-    std::uint32_t colour_log2 = 0, normal_log2 = 0;
+    std::unique_ptr<ImageSource> image;
+    MapPlan plan;
     int threads = 1;
-
-    [[nodiscard]] MapBuilder maps() const { return {dem, tree, colour_log2, normal_log2}; }
 };
 
-// Meadows, forest edge, rock, snow: for height fields that come without colours.
-Ramp default_ramp() {
-    return {{{0.0, {92, 112, 66}},
-             {0.35, {128, 126, 84}},
-             {0.6, {140, 124, 104}},
-             {0.8, {150, 144, 138}},
-             {1.0, {240, 242, 246}}},
-            true};
-}
-
-void prepare_colour(Bake& b) {
+void plan_maps(Bake& b) {
     const double side = b.tree.side();
     const std::uint32_t most = std::min(b.options.max_texture_log2, max_texture_log2);
-    b.normal_log2 = fitting_log2(side, most);
-    if (!b.options.texture_path.empty()) {
-        b.image = read_image(b.options.texture_path);
-        const double per_tile =
-            side * std::max(b.image->width / (b.dem.columns - 1.0), b.image->height / (b.dem.rows - 1.0));
-        b.colour_log2 = fitting_log2(per_tile, most);
-        return;
-    }
-    b.ramp = absolute(b.options.ramp_path.empty() ? default_ramp() : read_ramp(b.options.ramp_path), b.dem);
-    b.colour_log2 = fitting_log2(side, most);
+    const auto [least_m, most_m] = std::minmax_element(b.dem.heights_m.begin(), b.dem.heights_m.end());
+    b.plan.tree = b.tree;
+    std::copy_n(b.dem.spacing_m, 2, b.plan.spacing_m);
+    b.plan.normal_log2 = fitting_log2(side, most);
+    b.plan.ramp =
+        absolute(b.options.ramp_path.empty() ? default_ramp() : read_ramp(b.options.ramp_path), *least_m, *most_m);
+    // Colours of a ramp change slowly, and normals carry the detail: half the samples' density.
+    b.plan.colour_log2 = fitting_log2(side / 2, most);
+    if (b.options.texture_path.empty()) return;
+    b.image = open_images({b.options.texture_path}, ground_of(b.dem.columns, b.dem.rows, b.dem.spacing_m,
+                                                              b.dem.origin_m, b.dem.crs_wkt));
+    b.plan.image = b.image.get();
+    b.plan.colour_log2 = fitting_log2(side * b.image->pixels_per_sample(), most);
 }
 
 PackHeader header_of(const Bake& b) {
@@ -94,8 +86,8 @@ PackHeader header_of(const Bake& b) {
     h.error_nesting_steps = b.errors.nesting_steps;
     std::copy_n(b.errors.level_radius_m, std::size(h.level_radius_m), h.level_radius_m);
     h.voids = void_count(b.dem);
-    h.colour_log2 = b.colour_log2;
-    h.normal_log2 = b.normal_log2;
+    h.colour_log2 = b.plan.colour_log2;
+    h.normal_log2 = b.plan.normal_log2;
     h.crs_bytes = static_cast<std::uint32_t>(b.dem.crs_wkt.size());
     return h;
 }
@@ -178,17 +170,66 @@ std::uint64_t write_geometry(PackWriter& writer, const Bake& b) {
     });
 }
 
-std::uint64_t write_maps(PackWriter& writer, const Bake& b, ChunkKind kind) {
-    const bool colour = kind == ChunkKind::colour;
-    const std::uint64_t mips = mip_count(colour ? b.colour_log2 : b.normal_log2);
-    const auto tiles = static_cast<std::uint64_t>(b.tree.tiles_x) * static_cast<std::uint64_t>(b.tree.tiles_y);
-    return write_chunks(writer, b, colour ? "colours" : "normals", tiles * mips, [&](std::uint64_t i) {
-        const auto tile = static_cast<std::uint32_t>(i / mips), mip = static_cast<std::uint32_t>(i % mips);
-        const auto texels =
-            colour ? colour_mip(b.maps(), b.image ? &*b.image : nullptr, b.ramp ? &*b.ramp : nullptr, tile, mip)
-                   : normal_mip(b.maps(), tile, mip);
-        return compress_chunk({kind, tile, mip}, std::as_bytes(std::span(texels)), b.options.compression);
+// The window of a mip's grid that a tile needs, from what the tiles of that mip kept.
+Texels gather(const MapPlan& plan, MapKind kind, std::uint32_t mip, const Window& window,
+              const std::vector<Texels>& kept) {
+    const std::size_t n = channels(kind);
+    const std::int32_t cells = plan.texels(kind, mip, 0).columns - 1;
+    Texels texels;
+    for (std::int32_t y = window.y; y < window.y + window.rows; ++y)
+        for (std::int32_t x = window.x; x < window.x + window.columns; ++x) {
+            const std::int32_t tx = std::min(x / cells, plan.tree.tiles_x - 1),
+                               ty = std::min(y / cells, plan.tree.tiles_y - 1);
+            const auto tile = static_cast<std::size_t>(ty * plan.tree.tiles_x + tx);
+            const auto at = static_cast<std::size_t>((y - ty * cells) * (cells + 1) + x - tx * cells) * n;
+            for (std::size_t c = 0; c < n; ++c) texels.push_back(kept[tile][at + c]);
+        }
+    return texels;
+}
+
+std::uint64_t write_maps(PackWriter& writer, const Bake& b) {
+    const MapPlan& plan = b.plan;
+    const auto tiles = static_cast<std::uint32_t>(b.tree.tiles_x * b.tree.tiles_y);
+    std::vector<NearMaps> near(tiles);
+    parallel_for(tiles, b.threads, [&](std::int64_t i) {
+        const auto tile = static_cast<std::uint32_t>(i);
+        const Window w = heights_for_maps(plan, tile);
+        std::vector<float> heights;
+        for (std::int32_t y = w.y; y < w.y + w.rows; ++y) {
+            const auto row = b.dem.heights_m.begin() + static_cast<std::ptrdiff_t>(b.dem.index(w.x, y));
+            heights.insert(heights.end(), row, row + w.columns);
+        }
+        const auto reader = plan.image ? plan.image->reader() : nullptr;
+        near[static_cast<std::size_t>(i)] = near_maps(plan, tile, heights.data(), reader.get());
     });
+    std::uint64_t bytes = 0;
+    for (const MapKind kind : {MapKind::colour, MapKind::normal}) {
+        const bool colour = kind == MapKind::colour;
+        const ChunkKind chunk = colour ? ChunkKind::colour : ChunkKind::normal;
+        const std::uint32_t mips = mip_count(plan.log2_side(kind)), first_far = std::min(near_mips, mips);
+        bytes += write_chunks(writer, b, colour ? "colours" : "normals", std::uint64_t{tiles} * first_far,
+                              [&](std::uint64_t i) {
+                                  const auto mip = static_cast<std::uint32_t>(i / tiles), tile = static_cast<std::uint32_t>(i % tiles);
+                                  const NearMaps& made = near[tile];
+                                  return compress_chunk({chunk, tile, mip}, (colour ? made.colour : made.normal)[mip].blocks,
+                                                        b.options.compression);
+                              });
+        std::vector<Texels> kept(tiles);
+        for (std::uint32_t tile = 0; tile < tiles && mips > 0; ++tile)
+            kept[tile] = (colour ? near[tile].colour : near[tile].normal).back().texels;
+        for (std::uint32_t mip = first_far; mip < mips; ++mip) {
+            std::vector<Texels> next(tiles);
+            bytes += write_chunks(writer, b, "maps", tiles, [&](std::uint64_t i) {
+                const auto tile = static_cast<std::uint32_t>(i);
+                MipTexels made = far_mip(plan, kind, mip, tile,
+                                         gather(plan, kind, mip - 1, finer_texels(plan, kind, mip, tile), kept));
+                next[tile] = std::move(made.texels);
+                return compress_chunk({chunk, tile, mip}, made.blocks, b.options.compression);
+            });
+            kept = std::move(next);
+        }
+    }
+    return bytes;
 }
 
 void check(const BakeOptions& options) {
@@ -220,9 +261,9 @@ BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_pat
     const auto start = Clock::now();
     PackWriter writer(out_path); // first: a missing folder should not cost an hour
     BakeSummary summary;
-    Bake b{options, std::move(dem), {}, {}, {}, {}, {}, {}, 0, 0, resolve_threads(options.threads)};
+    Bake b{options, std::move(dem), {}, {}, {}, {}, {}, {}, resolve_threads(options.threads)};
     b.tree = tiling(b.dem, options);
-    prepare_colour(b);
+    plan_maps(b);
     b.lattice = choose_lattice(b.dem, b.tree, options.quantum_m);
     b.steps = quantise(b.dem, b.lattice);
     check_header(b);
@@ -238,7 +279,7 @@ BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_pat
     summary.geometry_bytes = write_geometry(writer, b);
     const auto textures_start = Clock::now();
     summary.directory_bytes = chunk_index(header, {ChunkKind::colour, 0, 0}) * sizeof(ChunkEntry) + sizeof(PackHeader);
-    summary.texture_bytes = write_maps(writer, b, ChunkKind::colour) + write_maps(writer, b, ChunkKind::normal);
+    summary.texture_bytes = write_maps(writer, b);
     summary.seconds_textures = seconds_since(textures_start);
     if (header.crs_bytes)
         writer.add(
