@@ -1,8 +1,9 @@
+// Ramps and images: what they mean, and what is refused.
 #include <algorithm>
 #include <cmath>
 
 #include "baker/colour.h"
-#include "baker/read.h"
+#include "baker/image.h"
 #include "raster.h"
 
 using namespace fjell;
@@ -11,192 +12,80 @@ using namespace fjell::test;
 
 namespace {
 
-Dem dem_of(const Tree& tree, const std::function<double(int, int)>& height) {
-    Dem dem;
-    dem.columns = tree.columns();
-    dem.rows = tree.rows();
-    dem.spacing_m[0] = 10;
-    dem.spacing_m[1] = 20;
-    for (int y = 0; y < dem.rows; ++y)
-        for (int x = 0; x < dem.columns; ++x) dem.heights_m.push_back(static_cast<float>(height(x, y)));
-    return dem;
-}
 double bumps(int x, int y) {
     return (x * 7919 + y * 104729) % 97 + 0.3 * x;
 }
 
-Image noise(int width, int height) {
-    Image image{width, height, {}};
-    std::uint32_t state = 1;
-    for (int i = 0; i < width * height * 3; ++i)
-        image.rgb.push_back(static_cast<std::uint8_t>((state = state * 1664525 + 1013904223) >> 24));
-    return image;
+std::vector<int> painted(const Ramp& ramp, double height, double degrees = 0) {
+    float rgb[3];
+    RampPainter(ramp).paint(static_cast<float>(height), static_cast<float>(std::cos(degrees * 3.14159265358979 / 180)), rgb);
+    return {static_cast<int>(rgb[0] + 0.5f), static_cast<int>(rgb[1] + 0.5f), static_cast<int>(rgb[2] + 0.5f)};
 }
 
-int as_signed(std::uint8_t v) {
-    return static_cast<std::int8_t>(v);
+// A terrain of that many samples without a CRS: images are stretched over it.
+Ground plain(int columns, int rows) {
+    return {columns, rows, {0, 0}, {0, 0}, ""};
 }
 
-// Texels of the shared column (or row) of two neighbours, equal bit for bit.
-void check_borders(const Tree& tree, std::uint32_t log2, std::size_t channels,
-                   const std::function<std::vector<std::uint8_t>(std::uint32_t tile, std::uint32_t mip)>& make) {
-    const auto wide = static_cast<std::uint32_t>(tree.tiles_x);
-    for (std::uint32_t mip = 0; log2 - mip >= 2; ++mip) {
-        const std::size_t n = std::size_t{1} << (log2 - mip);
-        const auto here = make(0, mip), east = make(1, mip), south = make(wide, mip);
-        REQUIRE(here.size() == n * n * channels);
-        for (std::size_t i = 0; i < n; ++i)
-            for (std::size_t c = 0; c < channels; ++c) {
-                REQUIRE(here[(i * n + n - 1) * channels + c] == east[i * n * channels + c]);
-                REQUIRE(here[((n - 1) * n + i) * channels + c] == south[i * channels + c]);
-            }
-    }
+// UTM zone 32, as WKT.
+std::string utm() {
+    OGRSpatialReference crs;
+    crs.importFromEPSG(32632);
+    char* text = nullptr;
+    crs.exportToWkt(&text);
+    const std::string wkt = text;
+    CPLFree(text);
+    return wkt;
 }
 
-Ramp grey_ramp() {
-    return {{{0, {0, 0, 0}}, {255, {255, 255, 255}}}, false};
+std::vector<std::uint8_t> pixels(const ImageSource& image, const Window& w, std::size_t layer = 0) {
+    std::vector<std::uint8_t> rgba(w.area() * 4);
+    image.reader()->read(layer, w, rgba.data());
+    return rgba;
 }
 
 } // namespace
 
-TEST_CASE("neighbouring tiles store equal texels on their border, in every mip") {
-    const Tree tree{4, 3, 2};
-    const Dem dem = dem_of(tree, bumps);
-    for (const std::uint32_t log2 : {4u, 6u, 3u}) {
-        const MapBuilder maps{dem, tree, log2, log2};
-        const Ramp ramp = grey_ramp();
-        for (const int width : {49, 211, 20}) {
-            const Image image = noise(width, width * 2 / 3);
-            check_borders(tree, log2, 3,
-                          [&](auto tile, auto mip) { return colour_mip(maps, &image, nullptr, tile, mip); });
-        }
-        check_borders(tree, log2, 3, [&](auto tile, auto mip) { return colour_mip(maps, nullptr, &ramp, tile, mip); });
-        check_borders(tree, log2, 2, [&](auto tile, auto mip) { return normal_mip(maps, tile, mip); });
-    }
-}
-
-TEST_CASE("a constant image gives constant mips of the same colour") {
-    const Tree tree{4, 2, 1};
-    const Dem dem = dem_of(tree, bumps);
-    for (int v = 0; v < 256; ++v) {
-        Image image{37, 23, {}};
-        for (int i = 0; i < 37 * 23; ++i)
-            for (const int c : {v, 255 - v, v / 2}) image.rgb.push_back(static_cast<std::uint8_t>(c));
-        const MapBuilder maps{dem, tree, 4, 4};
-        for (std::uint32_t mip = 0; mip <= 2; ++mip) {
-            const auto rgb = colour_mip(maps, &image, nullptr, 1, mip);
-            for (std::size_t i = 0; i < rgb.size(); ++i) REQUIRE(rgb[i] == image.rgb[i % 3]);
-        }
-    }
-}
-
-TEST_CASE("black and white average in light, not in code values") {
-    const Tree tree{6, 1, 1};
-    const Dem dem = dem_of(tree, bumps);
-    Image image{256, 256, {}};
-    for (int y = 0; y < 256; ++y)
-        for (int x = 0; x < 256; ++x) image.rgb.insert(image.rgb.end(), 3, (x + y) % 2 ? 255 : 0);
-    const auto rgb = colour_mip({dem, tree, 4, 4}, &image, nullptr, 0, 0);
-    // Half the light is code 188; the tent's 17 pixels a side leave less than 1/17 of it uneven.
-    for (const std::uint8_t v : rgb) CHECK(std::abs(v - 188) <= 6);
-}
-
-TEST_CASE("an image lies with its outer edge on the outermost samples") {
-    const Tree tree{4, 2, 1};
-    const Dem dem = dem_of(tree, bumps);
-    // Red rises from west to east, green from north to south, linearly in light at the pixels' middles.
-    Image image{320, 160, {}};
-    for (int y = 0; y < 160; ++y)
-        for (int x = 0; x < 320; ++x)
-            for (const int c : {x * 255 / 319, y * 255 / 159, 0}) image.rgb.push_back(static_cast<std::uint8_t>(c));
-    const MapBuilder maps{dem, tree, 5, 4};
-    for (std::uint32_t tile = 0; tile < 2; ++tile) {
-        const auto rgb = colour_mip(maps, &image, nullptr, tile, 0);
-        for (std::size_t j = 0; j < 32; ++j)
-            for (std::size_t i = 0; i < 32; ++i) {
-                const double u = (static_cast<double>(i) / 31 + tile) / 2, v = static_cast<double>(j) / 31;
-                // Within a texel's footprint of 5 pixels: 255 * 5 / 160 on the coarser axis.
-                CHECK(std::abs(rgb[(j * 32 + i) * 3] - 255 * u) <= 8);
-                CHECK(std::abs(rgb[(j * 32 + i) * 3 + 1] - 255 * v) <= 8);
-            }
-    }
-}
-
-TEST_CASE("a mirrored image gives mirrored mips") {
-    const Tree tree{4, 1, 1};
-    const Dem dem = dem_of(tree, bumps);
-    for (const int width : {7, 16, 90}) {
-        const Image image = noise(width, width);
-        Image turned = image; // half a turn: both axes at once
-        for (std::size_t i = 0, n = image.rgb.size() / 3; i < n; ++i)
-            std::copy_n(image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * (n - 1 - i)), 3,
-                        turned.rgb.begin() + static_cast<std::ptrdiff_t>(3 * i));
-        for (std::uint32_t mip = 0; mip <= 2; ++mip) {
-            const auto a = colour_mip({dem, tree, 4, 4}, &image, nullptr, 0, mip);
-            const auto b = colour_mip({dem, tree, 4, 4}, &turned, nullptr, 0, mip);
-            const std::size_t n = a.size() / 3;
-            for (std::size_t i = 0; i < a.size(); ++i) // sums in the other order: a code at a tie
-                REQUIRE(std::abs(a[i] - b[3 * (n - 1 - i / 3) + i % 3]) <= 1);
-        }
-    }
-}
-
-TEST_CASE("an image covers the terrain, not its tiles; texels beyond the rim take the nearest colour") {
-    const Tree tree = Tree::covering(9, 17, 4); // the eastern half of the tile lies beyond
-    const Dem dem = dem_of(tree, bumps);
-    REQUIRE(dem.columns == 9);
-    Image image{330, 330, {}};
-    for (int i = 0; i < 330 * 330; ++i)
-        for (const int c : {i % 330 * 255 / 329, 0, 0}) image.rgb.push_back(static_cast<std::uint8_t>(c));
-    const auto rgb = colour_mip({dem, tree, 4, 4}, &image, nullptr, 0, 0);
-    CHECK(std::abs(rgb[4 * 3] - 255 * 4 * 16 / 15 / 8) <=
-          12); // texel 4 of 0..15 over 16 cells of which 8 carry the image
-    for (std::size_t x = 9; x < 16; ++x) CHECK(rgb[x * 3] == 255);
-}
-
 TEST_CASE("a ramp colours heights between its stops, and holds beyond them") {
-    const Tree tree{4, 1, 1};
-    const Ramp ramp{{{0, {10, 20, 30}}, {100, {110, 220, 30}}}, false};
-    const auto colour = [&](double height) {
-        const Dem dem = dem_of(tree, [=](int, int) { return height; });
-        return colour_mip({dem, tree, 4, 4}, nullptr, &ramp, 0, 1);
-    };
-    const auto first = [](const std::vector<std::uint8_t>& rgb) {
-        return std::vector<int>(rgb.begin(), rgb.begin() + 3);
-    };
-    CHECK(first(colour(-50)) == std::vector<int>{10, 20, 30});
-    CHECK(first(colour(0)) == std::vector<int>{10, 20, 30});
-    CHECK(first(colour(50)) == std::vector<int>{60, 120, 30});
-    CHECK(first(colour(100)) == std::vector<int>{110, 220, 30});
-    CHECK(first(colour(1e6)) == std::vector<int>{110, 220, 30});
+    const Ramp ramp{{{0, {10, 20, 30}}, {100, {110, 220, 30}}}, false, {}};
+    CHECK(painted(ramp, -50) == std::vector<int>{10, 20, 30});
+    CHECK(painted(ramp, 0) == std::vector<int>{10, 20, 30});
+    CHECK(painted(ramp, 50) == std::vector<int>{60, 120, 30});
+    CHECK(painted(ramp, 100) == std::vector<int>{110, 220, 30});
+    CHECK(painted(ramp, 1e6) == std::vector<int>{110, 220, 30});
+    CHECK(painted(ramp, 50, 89) == std::vector<int>{60, 120, 30}); // without slopes steepness does not matter
 }
 
-TEST_CASE("a relative ramp spans the DEM's own heights") {
-    const Tree tree{4, 2, 1};
-    const Dem dem = dem_of(tree, [](int x, int) { return 300 + 10 * x; });
-    Ramp relative{{{0, {0, 0, 0}}, {1, {255, 255, 255}}}, true};
-    const Ramp metres = absolute(relative, dem);
+TEST_CASE("steep ground passes into the colours of its slope, in proportion to the cosine") {
+    const Ramp ramp{{{0, {0, 0, 0}}, {100, {0, 0, 0}}},
+                    false,
+                    {{30, 40, {{0, {100, 0, 0}}, {100, {200, 0, 0}}}}, {60, 70, {{0, {0, 0, 250}}}}}};
+    CHECK(painted(ramp, 50, 0) == std::vector<int>{0, 0, 0});
+    CHECK(painted(ramp, 50, 29.9) == std::vector<int>{0, 0, 0});
+    CHECK(painted(ramp, 50, 40.1) == std::vector<int>{150, 0, 0});
+    CHECK(painted(ramp, 100, 59.9) == std::vector<int>{200, 0, 0});
+    CHECK(painted(ramp, 50, 80) == std::vector<int>{0, 0, 250});
+    const double half = std::acos((std::cos(30 * 3.14159265358979 / 180) + std::cos(40 * 3.14159265358979 / 180)) / 2) *
+                        180 / 3.14159265358979;
+    CHECK(painted(ramp, 100, half) == std::vector<int>{100, 0, 0});
+}
+
+TEST_CASE("a relative ramp spans the terrain's own heights, slopes included") {
+    const Ramp relative{{{0, {0, 0, 0}}, {1, {255, 255, 255}}}, true, {{10, 20, {{0.5, {1, 2, 3}}, {1, {4, 5, 6}}}}}};
+    const Ramp metres = absolute(relative, 300, 620);
     CHECK_FALSE(metres.relative);
     CHECK(metres.stops[0].height_m == 300);
     CHECK(metres.stops[1].height_m == 620);
-    CHECK(colour_mip({dem, tree, 4, 4}, nullptr, &relative, 1, 0) ==
-          colour_mip({dem, tree, 4, 4}, nullptr, &metres, 1, 0));
+    CHECK(metres.slopes[0].stops[0].height_m == 460);
+    CHECK(painted(absolute(relative, 5, 5), 5) == std::vector<int>{255, 255, 255}); // flat: no division by its range
 }
 
-TEST_CASE("an inclined plane has its own normal everywhere, rim included, to a code") {
-    const Tree tree{4, 2, 2};
-    for (const auto& [east, south] : {std::pair{0.0, 0.0}, {0.5, 0.0}, {0.0, -0.25}, {-2.0, 1.0}, {3.0, 4.0}}) {
-        const Dem dem = dem_of(tree, [e = east, s = south](int x, int y) { return 1000 + e * 10 * x + s * 20 * y; });
-        const double up = 1 / std::sqrt(1 + east * east + south * south);
-        for (std::uint32_t tile = 0; tile < 4; ++tile)
-            for (std::uint32_t mip = 0; mip <= 3; ++mip) {
-                const auto normals = normal_mip({dem, tree, 5, 5}, tile, mip);
-                for (std::size_t i = 0; i < normals.size(); i += 2) {
-                    REQUIRE(std::abs(as_signed(normals[i]) / 127.0 + east * up) <= 0.501 / 127);
-                    REQUIRE(std::abs(as_signed(normals[i + 1]) / 127.0 + south * up) <= 0.501 / 127);
-                }
-            }
+TEST_CASE("light and sRGB are each other's inverse for every code") {
+    for (int v = 0; v < 256; ++v) {
+        const float light = light_of_srgb(static_cast<float>(v));
+        CHECK(srgb_of_light()[static_cast<std::size_t>(light * 65535 + 0.5f)] == v);
     }
+    CHECK(light_of_srgb(188) == Approx(0.503).margin(0.002));
 }
 
 TEST_CASE("a map's size keeps its source's detail up to the limit") {
@@ -208,31 +97,38 @@ TEST_CASE("a map's size keeps its source's detail up to the limit") {
     for (double t = 1; t < 1024; ++t) CHECK((1u << fitting_log2(t, 10)) * 1.125 >= t);
 }
 
-TEST_CASE("images of every kind become 8-bit RGB") {
+TEST_CASE("images of every kind become red, green, blue and alpha") {
     const TempDir dir;
     Raster r = raster(6, 5, [](int x, int y) { return 10 * x + y; });
     r.geotransform.clear();
     r.type = GDT_Byte;
-    const auto texel = [](const Image& image, int x, int y) {
-        const auto* at = &image.rgb[static_cast<std::size_t>(y * image.width + x) * 3];
-        return std::vector<int>(at, at + 3);
+    const auto texel = [](const std::string& path) {
+        const auto image = open_images({path}, plain(3, 3));
+        REQUIRE(image->layers.size() == 1);
+        CHECK(image->layers[0].columns == 6);
+        CHECK(image->layers[0].rows == 5);
+        CHECK(image->layers[0].per_sample[0] == 3); // stretched: two cells for six pixels
+        const auto rgba = pixels(*image, {2, 1, 3, 3}); // (3, 2) is in its middle
+        return std::vector<int>(rgba.begin() + 16, rgba.begin() + 20);
     };
-    SECTION("grey") {
-        CHECK(texel(read_image(write(r, dir / "a.png", "PNG")), 3, 2) == std::vector<int>{32, 32, 32});
+    SECTION("grey") { CHECK(texel(write(r, dir / "a.png", "PNG")) == std::vector<int>{32, 32, 32, 255}); }
+    SECTION("grey with a value that means nothing") {
+        r.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetNoDataValue(32); };
+        CHECK(texel(write(r, dir / "a.tif")) == std::vector<int>{32, 32, 32, 0});
     }
     SECTION("grey of 16 bits") {
         r.type = GDT_UInt16;
         for (double& v : r.values) v *= 257;
-        CHECK(texel(read_image(write(r, dir / "a.png", "PNG")), 3, 2) == std::vector<int>{32, 32, 32});
+        CHECK(texel(write(r, dir / "a.png", "PNG")) == std::vector<int>{32, 32, 32, 255});
     }
     SECTION("red, green, blue, with and without alpha") {
         for (const int bands : {3, 4}) {
             r.bands = bands;
-            r.more = [](GDALDataset& file) { file.GetRasterBand(2)->Fill(200); };
-            const Image image = read_image(write(r, dir / "a.png", "PNG"));
-            CHECK(image.width == 6);
-            CHECK(image.height == 5);
-            CHECK(texel(image, 3, 2) == std::vector<int>{32, 200, 32});
+            r.more = [=](GDALDataset& file) {
+                file.GetRasterBand(2)->Fill(200);
+                if (bands == 4) file.GetRasterBand(4)->Fill(77);
+            };
+            CHECK(texel(write(r, dir / "a.png", "PNG")) == std::vector<int>{32, 200, 32, bands == 4 ? 77 : 255});
         }
     }
     SECTION("palette") {
@@ -245,13 +141,92 @@ TEST_CASE("images of every kind become 8-bit RGB") {
             }
             file.GetRasterBand(1)->SetColorTable(&table);
         };
-        CHECK(texel(read_image(write(r, dir / "a.png", "PNG")), 3, 2) == std::vector<int>{32, 64, 223});
+        CHECK(texel(write(r, dir / "a.png", "PNG")) == std::vector<int>{32, 64, 223, 255});
+    }
+}
+
+TEST_CASE("a georeferenced image lies by its coordinates") {
+    const TempDir dir;
+    // 40 x 30 pixels of 5 m; its outer corner at (900, 2100).
+    Raster r = raster(40, 30, [](int x, int y) { return 5 * x + y; });
+    r.type = GDT_Byte;
+    r.geotransform = {900, 5, 0, 2100, 0, -5};
+    r.crs = "EPSG:32632";
+    const std::string path = write(r, dir / "a.tif");
+    const double spacing[2] = {10, 20}, origin[2] = {1000, 2000};
+    const Ground ground = ground_of(9, 3, spacing, origin, utm());
+    const auto image = open_images({path}, ground);
+    CHECK(image->layers[0].first_px[0] == 20);
+    CHECK(image->layers[0].first_px[1] == 20);
+    CHECK(image->layers[0].per_sample[0] == 2);
+    CHECK(image->layers[0].per_sample[1] == 4);
+    CHECK(image->pixels_per_sample() == 4);
+    SECTION("several make a mosaic, the last uppermost") {
+        CHECK(open_images({path, path}, ground)->layers.size() == 2);
+        r.geotransform.clear();
+        const std::string plain_image = write(r, dir / "b.tif");
+        check_refusal(refusal([&] { (void)open_images({path, plain_image}, ground); }), 1, plain_image, {"georeference"});
+    }
+    SECTION("beside the terrain it is refused with both places") {
+        const double far_away[2] = {9000, 2000};
+        check_refusal(refusal([&] { (void)open_images({path}, ground_of(9, 3, spacing, far_away, utm())); }), 1, path,
+                      {"beside the terrain", "900", "9000"});
+    }
+    SECTION("over a terrain without CRS, or in degrees, it is stretched") {
+        CHECK(open_images({path}, plain(9, 3))->layers[0].first_px[0] == 0);
+        OGRSpatialReference degrees;
+        degrees.importFromEPSG(4326);
+        char* text = nullptr;
+        degrees.exportToWkt(&text);
+        CHECK(ground_of(9, 3, spacing, origin, text).step[0] == 0);
+        CPLFree(text);
+    }
+    SECTION("its identity names the file and changes with it") {
+        const std::string before = image->identity();
+        CHECK(before.find("a.tif") != std::string::npos);
+        CHECK(open_images({path}, ground)->identity() == before);
+        std::filesystem::last_write_time(path, std::filesystem::file_time_type::clock::now() + std::chrono::seconds(9));
+        CHECK(open_images({path}, ground)->identity() != before);
+    }
+}
+
+TEST_CASE("an image in another CRS is warped, and its pixels do not depend on how they are read") {
+    const TempDir dir;
+    // A degree and a half around 9 E, 45 N (zone 32's middle): red rises eastwards.
+    Raster r = raster(700, 400, [](int x, int) { return x / 3; });
+    r.type = GDT_Byte;
+    r.bands = 3;
+    r.geotransform = {8.25, 1.5 / 700, 0, 45.5, 0, -1.0 / 400};
+    r.crs = "EPSG:4326";
+    const std::string path = write(r, dir / "a.tif");
+    const double spacing[2] = {100, 100}, origin[2] = {490000, 4990000};
+    const auto image = open_images({path}, ground_of(201, 101, spacing, origin, utm()));
+    const ImageLayer& l = image->layers[0];
+    // The middle of the terrain is (500000, 4985000), 9 E: the middle of the image, 350 / 3.
+    const auto x = static_cast<int>(l.first_px[0] + 100 * l.per_sample[0]);
+    const auto y = static_cast<int>(l.first_px[1] + 50 * l.per_sample[1]);
+    const auto middle = pixels(*image, {x, y, 1, 1});
+    CHECK(std::abs(middle[0] - 350 / 3) <= 1);
+    CHECK(middle[3] == 255);
+    // Outside of the source, in the corner of the warped frame, there is nothing.
+    CHECK(pixels(*image, {0, 0, 1, 1})[3] == 0);
+    const Window all{3, 5, std::min(l.columns, 640) - 3, std::min(l.rows, 300) - 5};
+    const auto whole = pixels(*image, all);
+    const auto reader = image->reader();
+    for (int round = 40; round-- > 0;) { // windows of all kinds, backwards
+        const Window w{all.x + round * 13, all.y + round * 5, 1 + round % 60, 1 + round % 7 * 11};
+        std::vector<std::uint8_t> rgba(w.area() * 4);
+        reader->read(0, w, rgba.data());
+        for (int j = 0; j < w.rows; ++j)
+            for (int i = 0; i < 4 * w.columns; ++i)
+                REQUIRE(rgba[static_cast<std::size_t>(j * 4 * w.columns + i)] ==
+                        whole[static_cast<std::size_t>((w.y - all.y + j) * 4 * all.columns + 4 * (w.x - all.x) + i)]);
     }
 }
 
 TEST_CASE("what is no image is refused with what to do") {
     const TempDir dir;
-    const auto refused = [](const std::string& path) { return refusal([&] { (void)read_image(path); }); };
+    const auto refused = [](const std::string& path) { return refusal([&] { (void)open_images({path}, plain(5, 5)); }); };
     check_refusal(refused(dir / "missing.png"), 1, dir / "missing.png", {"no such file"});
     check_refusal(refused(dir / "."), 1, dir / ".", {"is a folder"});
     write_text(dir / "text.jpg", "no picture");
@@ -260,9 +235,25 @@ TEST_CASE("what is no image is refused with what to do") {
     check_refusal(refused(heights), 1, heights, {"Float32", "gdal_translate -ot Byte"});
 }
 
+TEST_CASE("an image that is cut short is refused while it is read") {
+    const TempDir dir;
+    Raster r = raster(300, 300, bumps);
+    r.type = GDT_Byte;
+    r.geotransform.clear();
+    const std::string path = write(r, dir / "a.png", "PNG");
+    std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+    check_refusal(refusal([&] { (void)pixels(*open_images({path}, plain(5, 5)), {0, 0, 300, 300}); }), 1, path,
+                  {"cut short"});
+}
+
 TEST_CASE("the ramps in content/ are ramps") {
     const std::string folder = std::string(FJELL_SOURCE_DIR) + "/content/ramps/";
-    CHECK(read_ramp(folder + "alpine.json").relative);
+    const Ramp alpine = read_ramp(folder + "alpine.json"), standard = default_ramp();
+    CHECK(alpine.relative);
+    CHECK(alpine.slopes.size() == 2);
+    CHECK(standard.stops.size() == alpine.stops.size());
+    CHECK(standard.slopes.back().stops.back().rgb[2] == alpine.slopes.back().stops.back().rgb[2]);
+    CHECK(read_ramp(folder + "canyon.json").slopes.empty()); // what was a ramp before still is one
     const Ramp earth = read_ramp(folder + "earth.json");
     CHECK_FALSE(earth.relative);
     CHECK(earth.stops.front().height_m <= -10000);
@@ -278,7 +269,7 @@ TEST_CASE("a ramp that is not one is refused, naming the stop") {
     };
     const std::string a = R"({"height_m": 0, "rgb": [0, 0, 0]})", b = R"({"height_m": 9, "rgb": [9, 9, 9]})";
     CHECK(refused("{\"stops\": [" + a + ", " + b + "]}").code == 0);
-    check_refusal(refused("oops"), 1, path, {"not a JSON object", "content/ramps/earth.json"});
+    check_refusal(refused("oops"), 1, path, {"not a JSON object", "content/ramps/alpine.json"});
     check_refusal(refused("{\"stops\": [" + a + "]}"), 1, path, {"at least two"});
     check_refusal(refused("{\"stops\": [" + b + ", " + a + "]}"), 1, path, {"stop 1", "rise"});
     check_refusal(refused("{\"stops\": [" + a + ", {\"height_m\": 9, \"rgb\": [9, 9, 999]}]}"), 1, path,
@@ -288,5 +279,23 @@ TEST_CASE("a ramp that is not one is refused, naming the stop") {
     check_refusal(refused("{\"stops\": [" + a + ", {\"height\": 9, \"rgb\": [9, 9, 9]}]}"), 1, path,
                   {"stop 1", "height_m"});
     check_refusal(refused("{\"stopps\": []}"), 1, path, {"unknown field \"stopps\""});
+    const auto sloped = [&](const std::string& slopes) {
+        return refused("{\"stops\": [" + a + ", " + b + "], \"slopes\": " + slopes + "}");
+    };
+    const std::string rock = R"("rgb": [1, 2, 3])";
+    CHECK(sloped(R"([{"from_degrees": 20, "degrees": 30, )" + rock + "}]").code == 0);
+    CHECK(sloped(R"([{"from_degrees": 20, "degrees": 30, "stops": [)" + a + ", " + b + "]}]").code == 0);
+    check_refusal(sloped("{}"), 1, path, {"\"slopes\" must be a list"});
+    check_refusal(sloped(R"([{"degrees": 30, )" + rock + "}]"), 1, path, {"slope 0", "from_degrees"});
+    check_refusal(sloped(R"([{"from_degrees": 20, "degrees": 30}])"), 1, path, {"slope 0", "\"rgb\"", "\"stops\""});
+    check_refusal(sloped(R"([{"from_degrees": 20, "degrees": 95, )" + rock + "}]"), 1, path, {"slope 0", "0..90"});
+    check_refusal(sloped(R"([{"from_degrees": 30, "degrees": 30, )" + rock + "}]"), 1, path, {"slope 0", "above"});
+    check_refusal(sloped(R"([{"from_degrees": 20, "degrees": 30, "rgb": [1, 2]}])"), 1, path,
+                  {"slope 0", "three numbers"});
+    check_refusal(sloped(R"([{"from_degrees": 20, "degrees": 30, "stops": [)" + b + ", " + a + "]}]"), 1, path,
+                  {"slope 0, stop 1", "rise"});
+    check_refusal(sloped(R"([{"from_degrees": 20, "degrees": 30, )" + rock + R"(}, {"from_degrees": 29, "degrees": 40, )" +
+                         rock + "}]"),
+                  1, path, {"slope 1", "ends"});
     check_refusal(refusal([&] { (void)read_ramp(dir / "none.json"); }), 1, dir / "none.json", {"No such file"});
 }
