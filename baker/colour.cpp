@@ -13,14 +13,6 @@ double linear_of(double srgb) { // 0..1
     return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
 }
 
-struct LightTable {
-    std::array<float, 257> light{};
-    LightTable() {
-        for (std::size_t v = 0; v < light.size(); ++v)
-            light[v] = static_cast<float>(linear_of(std::min(static_cast<double>(v) / 255, 1.0)));
-    }
-};
-
 // Codes change at the middles between them, in sRGB.
 struct SrgbTable {
     std::array<std::uint8_t, 65536> code{};
@@ -43,10 +35,13 @@ float up_of(double degrees) {
 
 } // namespace
 
-float light_of_srgb(float code) {
-    static const LightTable table;
-    const auto v = static_cast<std::size_t>(code);
-    return table.light[v] + (table.light[v + 1] - table.light[v]) * (code - static_cast<float>(v));
+LightOfSrgb::LightOfSrgb() {
+    for (std::size_t v = 0; v < light_.size(); ++v)
+        light_[v] = static_cast<float>(linear_of(std::min(static_cast<double>(v) / 255, 1.0)));
+}
+const LightOfSrgb& LightOfSrgb::table() {
+    static const LightOfSrgb made;
+    return made;
 }
 
 const std::uint8_t* srgb_of_light() {

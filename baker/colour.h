@@ -5,6 +5,8 @@
 // proportion to the cosine of its steepness. All in sRGB.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -52,8 +54,23 @@ private:
     std::vector<Layer> layers_;
 };
 
-// 0..1 of light for 0..255 of sRGB, and back; light in 65,535ths.
-[[nodiscard]] float light_of_srgb(float code);
+// 0..1 of light for 0..255 of sRGB: straight between whole codes, which is within 10^-5 of the curve.
+class LightOfSrgb {
+public:
+    [[nodiscard]] static const LightOfSrgb& table();
+    [[nodiscard]] float at(float code) const {
+        const auto v = static_cast<std::size_t>(static_cast<std::int32_t>(code));
+        return light_[v] + (light_[v + 1] - light_[v]) * (code - static_cast<float>(static_cast<std::int32_t>(code)));
+    }
+
+private:
+    LightOfSrgb();
+    std::array<float, 257> light_{};
+};
+[[nodiscard]] inline float light_of_srgb(float code) {
+    return LightOfSrgb::table().at(code);
+}
+// And back; light in 65,535ths.
 [[nodiscard]] const std::uint8_t* srgb_of_light(); // 65,536 codes
 
 // log2 texels a side that keep a source of that many pixels a tile: at most max_log2.

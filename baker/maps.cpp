@@ -13,6 +13,7 @@
 #include "baker/maps_source.h"
 #include "fjell/pack.h"
 #include "fjell/texture.h"
+#include "pack/clones.h"
 
 namespace fjell::baker {
 
@@ -80,13 +81,28 @@ float unit_clamped(float v) {
     return v > 1 ? 1 : v;
 }
 
+FJELL_CLONES void to_light16(const float* light, std::size_t n, std::uint16_t* __restrict to) {
+    for (std::size_t i = 0; i < n; ++i) {
+        float v = light[i] < 0 ? 0 : light[i];
+        v = v > 1 ? 1 : v;
+        to[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(v * light_unit + 0.5f));
+    }
+}
 void to_srgb(const float* light, std::size_t n, std::uint8_t* to) {
     const std::uint8_t* const code = srgb_of_light();
-    for (std::size_t i = 0; i < n; ++i) to[i] = code[light16(light[i])];
+    std::uint16_t light16[64];
+    for (std::size_t first = 0; first < n; first += 64) {
+        const std::size_t count = std::min<std::size_t>(64, n - first);
+        to_light16(light + first, count, light16);
+        for (std::size_t i = 0; i < count; ++i) to[first + i] = code[light16[i]];
+    }
 }
-void to_normal_codes(const float* v, std::size_t n, std::uint8_t* to) {
-    for (std::size_t i = 0; i < n; ++i)
-        to[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(unit_clamped(v[i]) * 127.0f + 128.5f));
+FJELL_CLONES void to_normal_codes(const float* from, std::size_t n, std::uint8_t* __restrict to) {
+    for (std::size_t i = 0; i < n; ++i) {
+        float v = from[i] < -1 ? -1 : from[i];
+        v = v > 1 ? 1 : v;
+        to[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(v * 127.0f + 128.5f));
+    }
 }
 
 // Blocks of the tile's own texels; planes may hold more around them.

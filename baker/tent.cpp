@@ -37,6 +37,17 @@ void weigh(const TentAxis& axis, std::int32_t texel, float* to, std::int32_t ski
         to[skip + k] = static_cast<float>(sum > 0 ? weight(k) / sum : 1.0 / count);
 }
 
+void find_runs(Taps& t) {
+    for (std::int32_t begin = 0; begin < t.count;) {
+        const std::int32_t* const first = t.first.data() + begin;
+        const std::int32_t left = t.count - begin, stride = left > 1 ? first[1] - first[0] : 1;
+        std::int32_t count = 1;
+        while (count < left && first[count] - first[count - 1] == stride) ++count;
+        t.runs.push_back({begin, count, stride});
+        begin += count;
+    }
+}
+
 } // namespace
 
 Taps make_taps(const TentAxis& axis, std::int32_t first_texel, std::int32_t count) {
@@ -57,6 +68,7 @@ Taps make_taps(const TentAxis& axis, std::int32_t first_texel, std::int32_t coun
         weigh(axis, texel, t.weights.data() + i * taps, axis.first(texel) - first);
         for (std::size_t k = 0; k < taps; ++k) t.across[k * n + i] = t.weights[i * taps + k];
     }
+    find_runs(t);
     return t;
 }
 
@@ -74,22 +86,35 @@ FJELL_CLONES void add_three(float* to, const float* const (&from)[3], const floa
     for (std::size_t i = 0; i < n; ++i) to[i] = u * a[i] + v * b[i] + w * c[i];
 }
 
+// One tap of a run. A known stride lets the compiler load side by side.
+FJELL_CLONES void add_tap_1(float* __restrict to, const float* __restrict from, const float* __restrict w, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) to[i] += w[i] * from[i];
+}
+FJELL_CLONES void add_tap_2(float* __restrict to, const float* __restrict from, const float* __restrict w, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) to[i] += w[i] * from[2 * i];
+}
+FJELL_CLONES void set_three_1(float* __restrict to, const float* __restrict from, const float* __restrict u,
+                              const float* __restrict v, const float* __restrict w, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) to[i] = u[i] * from[i] + v[i] * from[i + 1] + w[i] * from[i + 2];
+}
+void add_tap(float* to, const float* from, const float* w, std::size_t n, std::size_t stride) {
+    if (stride == 1) return add_tap_1(to, from, w, n);
+    if (stride == 2) return add_tap_2(to, from, w, n);
+    for (std::size_t i = 0; i < n; ++i) to[i] += w[i] * from[stride * i];
+}
+
+// to: zero.
 void sum_across(const Taps& x, const float* from, float* to) {
-    const auto n = static_cast<std::size_t>(x.count);
-    const std::int32_t* first = x.first.data();
-    if (x.taps == 3) { // the common case, one pass
-        const float *u = x.across.data(), *v = u + n, *w = v + n;
-        for (std::size_t i = 0; i < n; ++i) {
-            const float* at = from + first[i];
-            to[i] = u[i] * at[0] + v[i] * at[1] + w[i] * at[2];
+    const auto all = static_cast<std::size_t>(x.count);
+    for (const Taps::Run& run : x.runs) {
+        const auto begin = static_cast<std::size_t>(run.begin), n = static_cast<std::size_t>(run.count);
+        const float *at = from + x.first[begin], *w = x.across.data() + begin;
+        if (x.taps == 3 && run.stride == 1) {
+            set_three_1(to + begin, at, w, w + all, w + 2 * all, n);
+            continue;
         }
-        return;
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-        const float *at = from + first[i], *w = x.weights.data() + i * static_cast<std::size_t>(x.taps);
-        float sum = w[0] * at[0];
-        for (std::int32_t k = 1; k < x.taps; ++k) sum += w[k] * at[k];
-        to[i] = sum;
+        for (std::int32_t k = 0; k < x.taps; ++k, w += all)
+            add_tap(to + begin, at + k, w, n, static_cast<std::size_t>(run.stride));
     }
 }
 

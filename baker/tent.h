@@ -34,6 +34,11 @@ struct Taps {
     std::vector<std::int32_t> first;               // count, from source_first
     std::vector<float> weights;                    // count * taps
     std::vector<float> across;                     // the same, taps * count
+    // Runs of texels whose first pixels lie equally far apart: nearly all of them, because grids are regular.
+    struct Run {
+        std::int32_t begin, count, stride;
+    };
+    std::vector<Run> runs;
 };
 [[nodiscard]] Taps make_taps(const TentAxis& axis, std::int32_t first_texel, std::int32_t count);
 
