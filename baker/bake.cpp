@@ -56,8 +56,8 @@ void plan_maps(Bake& b) {
     // Colours of a ramp change slowly, and normals carry the detail: half the samples' density.
     b.plan.colour_log2 = fitting_log2(side / 2, most);
     if (b.options.texture_path.empty()) return;
-    b.image = open_images({b.options.texture_path}, ground_of(b.dem.columns, b.dem.rows, b.dem.spacing_m,
-                                                              b.dem.origin_m, b.dem.crs_wkt));
+    b.image = open_images({b.options.texture_path},
+                          ground_of(b.dem.columns, b.dem.rows, b.dem.spacing_m, b.dem.origin_m, b.dem.crs_wkt));
     b.plan.image = b.image.get();
     b.plan.colour_log2 = fitting_log2(side * b.image->pixels_per_sample(), most);
 }
@@ -207,13 +207,13 @@ std::uint64_t write_maps(PackWriter& writer, const Bake& b) {
         const bool colour = kind == MapKind::colour;
         const ChunkKind chunk = colour ? ChunkKind::colour : ChunkKind::normal;
         const std::uint32_t mips = mip_count(plan.log2_side(kind)), first_far = std::min(near_mips, mips);
-        bytes += write_chunks(writer, b, colour ? "colours" : "normals", std::uint64_t{tiles} * first_far,
-                              [&](std::uint64_t i) {
-                                  const auto mip = static_cast<std::uint32_t>(i / tiles), tile = static_cast<std::uint32_t>(i % tiles);
-                                  const NearMaps& made = near[tile];
-                                  return compress_chunk({chunk, tile, mip}, (colour ? made.colour : made.normal)[mip].blocks,
-                                                        b.options.compression);
-                              });
+        bytes += write_chunks(
+            writer, b, colour ? "colours" : "normals", std::uint64_t{tiles} * first_far, [&](std::uint64_t i) {
+                const auto mip = static_cast<std::uint32_t>(i / tiles), tile = static_cast<std::uint32_t>(i % tiles);
+                const NearMaps& made = near[tile];
+                return compress_chunk({chunk, tile, mip}, (colour ? made.colour : made.normal)[mip].blocks,
+                                      b.options.compression);
+            });
         std::vector<Texels> kept(tiles);
         for (std::uint32_t tile = 0; tile < tiles && mips > 0; ++tile)
             kept[tile] = (colour ? near[tile].colour : near[tile].normal).back().texels;
