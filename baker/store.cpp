@@ -20,15 +20,17 @@ WorkFile::WorkFile(std::string path, std::uint64_t bytes) : path_(std::move(path
         memory_.resize(bytes);
         return;
     }
-    fd_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    fd_ = host::uninterrupted([&] { return open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666); });
     if (fd_ < 0) host::disk_failure(path_, "open");
     struct stat info {};
     if (bytes == grows) return;
     if (fstat(fd_, &info) == 0 && static_cast<std::uint64_t>(info.st_size) == bytes) return;
     // Taken at once where the file system can, so that a disk that is too small is known before the work.
-    const bool taken = bytes == 0 || fallocate(fd_, 0, 0, static_cast<off_t>(bytes)) == 0;
+    const bool taken =
+        bytes == 0 || host::uninterrupted([&] { return fallocate(fd_, 0, 0, static_cast<off_t>(bytes)); }) == 0;
     if (!taken && errno != EOPNOTSUPP && errno != ENOSYS && errno != EINVAL) host::disk_failure(path_, "reserve");
-    if (ftruncate(fd_, static_cast<off_t>(bytes)) != 0) host::disk_failure(path_, "reserve");
+    if (host::uninterrupted([&] { return ftruncate(fd_, static_cast<off_t>(bytes)); }) != 0)
+        host::disk_failure(path_, "reserve");
 }
 
 WorkFile::~WorkFile() {
