@@ -66,7 +66,7 @@ public:
         return std::make_unique<FileReader>(path_, columns);
     }
     [[nodiscard]] std::vector<Window> windows(std::size_t) const override { // whole rows, as few as make many windows
-        return cut_along({0, 0, columns, rows}, {columns, 1, 0, 0}, static_cast<std::size_t>(columns) * 16);
+        return cut_along({0, 0, columns, rows}, {columns, 1, 0, 0}, static_cast<std::size_t>(columns) * 8);
     }
     [[nodiscard]] Settled settle(const Census& census) const override {
         return {0.1, static_cast<double>(census.least_m), census.voids.count > 0};
