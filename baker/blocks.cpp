@@ -1,6 +1,6 @@
 // BC1. Colours of a block lie close to a line: its direction is the principal axis of their covariance (power iteration
-// from the covariance's column of most variance, which is never at right angles to it), its ends the outermost projections.
-// With the texels' indices k / 3 known, the ends that minimise the squared error solve
+// from the covariance's column of most variance, which is never at right angles to it), its ends the outermost
+// projections. With the texels' indices k / 3 known, the ends that minimise the squared error solve
 //     | sum (3-k)^2   sum k(3-k) | |a|       | sum (3-k) p |
 //     | sum k(3-k)    sum k^2    | |b| = 3 * | sum k p     |
 // Rounded to 5-6-5 bits they may miss a nearly constant block by 4 codes where its colour has an end-point pair whose
@@ -53,12 +53,14 @@ FJELL_CLONES void find_axis(Colours& s) {
     Floats rr = {}, rg = {}, rb = {}, gg = {}, gb = {}, bb = {};
     for (int i = 0; i < 16; ++i)
         for (std::size_t l = 0; l < lanes; ++l) {
-            const float r = s.p[i][0][l] - s.mean[0][l], g = s.p[i][1][l] - s.mean[1][l], b = s.p[i][2][l] - s.mean[2][l];
+            const float r = s.p[i][0][l] - s.mean[0][l], g = s.p[i][1][l] - s.mean[1][l],
+                        b = s.p[i][2][l] - s.mean[2][l];
             rr[l] += r * r, rg[l] += r * g, rb[l] += r * b, gg[l] += g * g, gb[l] += g * b, bb[l] += b * b;
         }
     for (std::size_t l = 0; l < lanes; ++l) {
         s.spread[l] = rr[l] + gg[l] + bb[l];
-        float x = gg[l] >= bb[l] ? rg[l] : rb[l], y = gg[l] >= bb[l] ? gg[l] : gb[l], z = gg[l] >= bb[l] ? gb[l] : bb[l];
+        float x = gg[l] >= bb[l] ? rg[l] : rb[l], y = gg[l] >= bb[l] ? gg[l] : gb[l],
+              z = gg[l] >= bb[l] ? gb[l] : bb[l];
         const float second = gg[l] >= bb[l] ? gg[l] : bb[l];
         x = rr[l] >= second ? rr[l] : x, y = rr[l] >= second ? rg[l] : y, z = rr[l] >= second ? rb[l] : z;
         s.axis[0][l] = x, s.axis[1][l] = y, s.axis[2][l] = z;
@@ -78,8 +80,8 @@ FJELL_CLONES void find_ends(Colours& s) {
     for (std::size_t l = 0; l < lanes; ++l) low[l] = high[l] = 0; // the mean lies between
     for (int i = 0; i < 16; ++i)
         for (std::size_t l = 0; l < lanes; ++l) {
-            const float t = (s.p[i][0][l] - s.mean[0][l]) * s.axis[0][l] + (s.p[i][1][l] - s.mean[1][l]) * s.axis[1][l] +
-                            (s.p[i][2][l] - s.mean[2][l]) * s.axis[2][l];
+            const float t = (s.p[i][0][l] - s.mean[0][l]) * s.axis[0][l] +
+                            (s.p[i][1][l] - s.mean[1][l]) * s.axis[1][l] + (s.p[i][2][l] - s.mean[2][l]) * s.axis[2][l];
             s.index[i][l] = t;
             low[l] = t < low[l] ? t : low[l];
             high[l] = t > high[l] ? t : high[l];
@@ -159,7 +161,8 @@ FJELL_CLONES void choose_indices(Colours& s) {
         }
 }
 
-// For each 8-bit value the two codes whose two-to-one mix, as readers compute it, is nearest; of these the closest pair.
+// For each 8-bit value the two codes whose two-to-one mix, as readers compute it, is nearest; of these the closest
+// pair.
 struct Mixes {
     struct Pair {
         std::uint8_t heavy = 0, light = 0, value = 0;

@@ -24,15 +24,6 @@ std::string one_line(const char* text) {
     return line;
 }
 
-// A name for one of GDAL's drivers or file systems, not a file's: NETCDF:"a.nc":height, /vsizip/..., and so on.
-bool is_gdal_name(const std::string& path) {
-    if (path.starts_with("/vsi")) return true;
-    const std::size_t colon = path.find(':');
-    return colon != std::string::npos && colon > 1 &&
-           std::all_of(path.begin(), path.begin() + static_cast<std::ptrdiff_t>(colon),
-                       [](unsigned char c) { return std::isalnum(c) || c == '_'; });
-}
-
 // GDAL knows HGT files by name and size alone.
 const char* naming_hint(const std::string& path) {
     return path.ends_with(".hgt") || path.ends_with(".HGT")
@@ -61,9 +52,21 @@ void check_files(GDALDataset& file, const std::string& path) {
 
 } // namespace
 
+bool is_gdal_name(const std::string& path) {
+    if (path.starts_with("/vsi")) return true;
+    const std::size_t colon = path.find(':');
+    return colon != std::string::npos && colon > 1 &&
+           std::all_of(path.begin(), path.begin() + static_cast<std::ptrdiff_t>(colon),
+                       [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+}
+
 void register_drivers() {
     static std::once_flag once;
-    std::call_once(once, [] { GDALAllRegister(); });
+    std::call_once(once, [] {
+        // Files of a VRT are opened for it alone, so that every thread has its own.
+        if (!CPLGetConfigOption("VRT_SHARED_SOURCE", nullptr)) CPLSetConfigOption("VRT_SHARED_SOURCE", "0");
+        GDALAllRegister();
+    });
 }
 
 void GdalMessages::take(CPLErr level, CPLErrorNum, const char* text) {

@@ -37,6 +37,9 @@ using GdalFile = std::unique_ptr<GDALDataset, GdalClose>;
 
 void register_drivers(); // once for the whole process; safe to repeat
 
+// A name for one of GDAL's drivers or file systems, not a file's: NETCDF:"a.nc":height, /vsizip/..., and so on.
+[[nodiscard]] bool is_gdal_name(const std::string& path);
+
 // Opens a raster for reading. Throws Failure 1: no such file, a folder, not a raster GDAL knows, no bands. Names such
 // as NETCDF:"file.nc":variable pass through to GDAL. what: "a height field" or "an image", for the messages.
 [[nodiscard]] GdalFile open_raster(const std::string& path, const char* what, GdalMessages& messages);

@@ -60,14 +60,16 @@ GdalFile expand_palette(GDALDataset& file, const Recipe& recipe, const GdalMessa
     GDALTranslateOptions* const options = GDALTranslateOptionsNew(const_cast<char**>(words), nullptr);
     GDALDatasetH made = GDALTranslate("", GDALDataset::ToHandle(&file), options, nullptr);
     GDALTranslateOptionsFree(options);
-    return checked(made, recipe, "its palette cannot be expanded; convert it with gdal_translate -expand rgb", messages);
+    return checked(made, recipe, "its palette cannot be expanded; convert it with gdal_translate -expand rgb",
+                   messages);
 }
 
 // Everything that GDAL would choose by itself is fixed: memory for chunks, threads, the error of approximated
 // coordinates, overviews.
 GdalFile warp(GDALDataset& file, const Recipe& recipe, const GdalMessages& messages) {
-    const char* const words[] = {"-of", "VRT", "-t_srs", recipe.warp_to.c_str(), "-r", "bilinear", "-dstalpha", "-et",
-                                 "0.125", "-wm", "64", "-ovr", "NONE", "-wo", "NUM_THREADS=1", nullptr};
+    const char* const words[] = {
+        "-of",  "VRT",  "-t_srs", recipe.warp_to.c_str(), "-r",   "bilinear", "-dstalpha", "-et", "0.125", "-wm", "64",
+        "-ovr", "NONE", "-wo",    "NUM_THREADS=1",        nullptr};
     GDALWarpAppOptions* const options = GDALWarpAppOptionsNew(const_cast<char**>(words), nullptr);
     GDALDatasetH from = GDALDataset::ToHandle(&file);
     GDALDatasetH made = GDALWarp("", nullptr, 1, &from, options, nullptr);
@@ -159,7 +161,8 @@ private:
     std::vector<std::uint16_t> wide_;
 };
 
-// ---- where an image lies ---------------------------------------------------------------------------------------------
+// ---- where an image lies
+// ---------------------------------------------------------------------------------------------
 
 bool same_crs(const OGRSpatialReference& a, const OGRSpatialReference& b) {
     const char* const options[] = {"IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES", "CRITERION=EQUIVALENT", nullptr};
@@ -210,8 +213,8 @@ ImageLayer placed(GDALDataset& file, const Frame& ground, const std::string& pat
         throw Failure(1, fmt::format("{}: lies beside the terrain: it covers x {:.0f}..{:.0f}, y {:.0f}..{:.0f} in the "
                                      "terrain's CRS, the terrain x {:.0f}..{:.0f}, y {:.0f}..{:.0f}; give an image of "
                                      "the same place, or remove its georeference to stretch it over the terrain",
-                                     path, g.t[0], g.t[0] + layer.columns * g.t[1], g.t[3] + layer.rows * g.t[5], g.t[3],
-                                     ground.origin[0], ground.origin[0] + (ground.columns - 1) * ground.step[0],
+                                     path, g.t[0], g.t[0] + layer.columns * g.t[1], g.t[3] + layer.rows * g.t[5],
+                                     g.t[3], ground.origin[0], ground.origin[0] + (ground.columns - 1) * ground.step[0],
                                      ground.origin[1] - (ground.rows - 1) * ground.step[1], ground.origin[1]));
     return layer;
 }

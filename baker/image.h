@@ -7,9 +7,9 @@
 // scaled down.
 //
 // An image is read by rows from its full resolution, never through overviews: what a pixel is does not depend on who
-// asks. A warped one is computed in blocks of one fixed grid for the same reason. A format that is not tiled (PNG, JPEG) is
-// decoded from its first row on wherever GDAL's cache (GDAL_CACHEMAX) does not hold a row of tiles of it: make it a
-// tiled GeoTIFF when it is large.
+// asks. A warped one is computed in blocks of one fixed grid for the same reason. A format that is not tiled (PNG,
+// JPEG) is decoded from its first row on wherever GDAL's cache (GDAL_CACHEMAX) does not hold a row of tiles of it: make
+// it a tiled GeoTIFF when it is large.
 #pragma once
 
 #include <algorithm>

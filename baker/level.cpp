@@ -14,7 +14,7 @@ FinerCentres::FinerCentres(std::int32_t nx, std::int32_t ny) : stride(2 * (nx + 
     const std::size_t count = static_cast<std::size_t>(stride) * static_cast<std::size_t>(2 * (ny + reach + 2));
     steps.resize(count);
     error.resize(count);
-    radius.resize(count);
+    radius_m.resize(count);
 }
 
 // ---- errors --------------------------------------------------------------------------------------------------------
@@ -152,11 +152,6 @@ public:
     [[gnu::always_inline]] void run() {
         const int side_level = 2 * (in.tree.tile_log2 - 1 - in.z) + 1;
         const float unit = in.scales.level_radius_m[side_level];
-        if (in.finer) {
-            for (std::size_t code = 0; code < radius_codes; ++code)
-                finer_m[code] = in.scales.level_radius_m[side_level + 1] * in.scales.radii.factor[code];
-            finer_m[radius_codes] = 0; // none
-        }
         // Squares beyond the last row or column that the region's own blocks reach into.
         const std::int32_t more = (1 << out.shift) - 1;
         plane(in.nx, in.ny + 1 + more, out.blocks_x, unit, out.side_x,
@@ -224,16 +219,18 @@ private:
                                          std::int32_t count) {
         const FinerCentres& f = *in.finer;
         const float ground = across;
-        const auto child = [&](std::size_t at, std::int32_t own) {
-            const float dh = climb_m(f.steps[at], own);
-            return std::sqrt(ground + dh * dh) + finer_m[f.radius[at]];
-        };
-        for (std::int32_t i = 0; i < count; ++i) {
-            const std::size_t k = 2 * static_cast<std::size_t>(i);
-            const float a = child(north + k, h[i]), b = child(north + k + 1, h[i]), c = child(south + k, h[i]),
-                        d = child(south + k + 1, h[i]);
-            const float ab = a > b ? a : b, cd = c > d ? c : d;
-            line[static_cast<std::size_t>(i)] = (ab > cd ? ab : cd) * float_rounding;
+        float* const to = line.data();
+        std::fill_n(to, count, 0.0f);
+        for (const std::size_t row : {north, south}) {
+            const std::int32_t* const steps = f.steps.data() + row;
+            const float* const radius = f.radius_m.data() + row;
+            for (std::int32_t i = 0; i < count; ++i) {
+                const float da = climb_m(steps[2 * i], h[i]), db = climb_m(steps[2 * i + 1], h[i]);
+                const float a = std::sqrt(ground + da * da) + radius[2 * i];
+                const float b = std::sqrt(ground + db * db) + radius[2 * i + 1];
+                const float most = (a > b ? a : b) * float_rounding;
+                to[i] = most > to[i] ? most : to[i];
+            }
         }
     }
     [[gnu::always_inline]] void side_x_row(std::int32_t j) {
@@ -247,39 +244,40 @@ private:
     [[gnu::always_inline]] void centre_row(std::int32_t j) {
         const auto& steps = in.steps;
         const std::int32_t* const h = steps.centre.row(j);
-        const std::int32_t* const sides[4] = {steps.side_x.row(j), steps.side_x.row(j + 1), steps.side_y.row(j),
-                                              steps.side_y.row(j) + 1};
-        const std::int32_t blocks = out.blocks_x;
-        const std::uint8_t* const radii[4] = {out.side_x.data() + (j >> out.shift) * blocks,
-                                              out.side_x.data() + ((j + 1) >> out.shift) * blocks,
-                                              out.side_y.data() + (j >> out.shift) * (blocks + 1),
-                                              out.side_y.data() + (j >> out.shift) * (blocks + 1)};
-        std::fill_n(line.begin(), in.nx, 0.0f);
-        for (int k = 0; k < 4; ++k) {
-            const std::int32_t* const side = sides[k];
-            const float ground = k < 2 ? along_y : along_x;
-            expand(radii[k], k == 3 ? 1 : 0);
-            for (std::int32_t i = 0; i < in.nx; ++i) {
-                const float dh = climb_m(side[i], h[i]);
-                const float r = (std::sqrt(ground + dh * dh) + expanded[static_cast<std::size_t>(i)]) * float_rounding;
-                float& to = line[static_cast<std::size_t>(i)];
-                to = r > to ? r : to;
-            }
+        const std::int32_t* const north = steps.side_x.row(j);
+        const std::int32_t* const south = steps.side_x.row(j + 1);
+        const std::int32_t* const side_y = steps.side_y.row(j);
+        expand(out.side_x, out.blocks_x, j, north_m);
+        expand(out.side_x, out.blocks_x, j + 1, south_m);
+        expand(out.side_y, out.blocks_x + 1, j, side_y_m);
+        float* const to = line.data();
+        for (std::int32_t i = 0; i < in.nx; ++i) {
+            const float dn = climb_m(north[i], h[i]), ds = climb_m(south[i], h[i]);
+            const float dw = climb_m(side_y[i], h[i]), de = climb_m(side_y[i + 1], h[i]);
+            const float n = std::sqrt(along_y + dn * dn) + north_m[static_cast<std::size_t>(i)];
+            const float s = std::sqrt(along_y + ds * ds) + south_m[static_cast<std::size_t>(i)];
+            const float w = std::sqrt(along_x + dw * dw) + side_y_m[static_cast<std::size_t>(i)];
+            const float e = std::sqrt(along_x + de * de) + side_y_m[static_cast<std::size_t>(i) + 1];
+            const float ns = n > s ? n : s, we = w > e ? w : e;
+            to[i] = (ns > we ? ns : we) * float_rounding;
         }
     }
-    // A row of blocks' radii in metres, a square each, from column `first` on.
-    [[gnu::always_inline]] void expand(const std::uint8_t* codes, std::int32_t first) {
-        expanded.resize(static_cast<std::size_t>(in.nx));
-        for (std::int32_t i = 0; i < in.nx; ++i)
-            expanded[static_cast<std::size_t>(i)] = side_m[codes[(i + first) >> out.shift]];
+    // The radii in metres of a row of squares, from those of their blocks.
+    [[gnu::always_inline]] void expand(const std::vector<std::uint8_t>& codes, std::int32_t blocks, std::int32_t j,
+                                       std::vector<float>& to) {
+        const std::uint8_t* const row = codes.data() + (j >> out.shift) * blocks;
+        const std::int32_t size = 1 << out.shift;
+        to.resize(static_cast<std::size_t>(blocks * size));
+        for (std::int32_t b = 0; b < blocks; ++b)
+            for (std::int32_t i = 0; i < size; ++i) to[static_cast<std::size_t>(b * size + i)] = side_m[row[b]];
     }
 
     const LevelInput& in;
     Radii& out;
     float quantum = 1, height_pad = 0, leaf_pad = 0;
     float along_x = 0, along_y = 0, across = 0; // squares of distances along the ground
-    std::vector<float> line, expanded;
-    std::array<float, 256> finer_m{}, side_m{};
+    std::vector<float> line, north_m, south_m, side_y_m;
+    std::array<float, radius_codes> side_m{};
 };
 
 FJELL_CLONES void run(RadiusStage& stage) {

@@ -61,7 +61,8 @@ void take_apart(const Patch<T>& from, Planes<T>& to) {
 struct FinerCentres {
     std::int32_t stride = 0;
     std::vector<std::int32_t> steps;
-    std::vector<std::uint8_t> error, radius;
+    std::vector<std::uint8_t> error;
+    std::vector<float> radius_m;
 
     FinerCentres() = default;
     FinerCentres(std::int32_t nx, std::int32_t ny);

@@ -66,7 +66,8 @@ private:
 };
 
 Planes coarser(const MipAxes& from, const Planes& finer, const Window& texels) {
-    const Taps x = make_taps(from.axes[0], texels.x, texels.columns), y = make_taps(from.axes[1], texels.y, texels.rows);
+    const Taps x = make_taps(from.axes[0], texels.x, texels.columns),
+               y = make_taps(from.axes[1], texels.y, texels.rows);
     PlaneRows rows(finer, x.source_first);
     return tent(x, y, texels, rows, static_cast<int>(finer.channel.size()));
 }
@@ -118,7 +119,8 @@ std::vector<std::byte> compress(MapKind kind, const Planes& planes, const Window
         for (std::size_t i = 0; i < 4; ++i)
             for (std::size_t c = 0; c < channels(kind); ++c) {
                 const float* const from =
-                    planes.row(static_cast<int>(c), tile.y + static_cast<std::int32_t>(4 * j + i)) + (tile.x - planes.at.x);
+                    planes.row(static_cast<int>(c), tile.y + static_cast<std::int32_t>(4 * j + i)) +
+                    (tile.x - planes.at.x);
                 std::uint8_t* const to = codes.data() + (i * 3 + c) * side;
                 colour ? to_srgb(from, side, to) : to_normal_codes(from, side, to);
                 (colour ? rgb.rows[i][c] : xz.rows[i][c % 2]) = to;
@@ -137,9 +139,9 @@ Texels stored(MapKind kind, const Planes& planes, const Window& tile) {
         for (std::int32_t x = tile.x; x < tile.x + tile.columns; ++x)
             for (std::size_t c = 0; c < n; ++c) {
                 const float v = planes.row(static_cast<int>(c), y)[x - planes.at.x];
-                *to++ = kind == MapKind::colour
-                            ? light16(v)
-                            : static_cast<std::uint16_t>(static_cast<std::int32_t>(unit_clamped(v) * normal_unit + 32768.5f));
+                *to++ = kind == MapKind::colour ? light16(v)
+                                                : static_cast<std::uint16_t>(static_cast<std::int32_t>(
+                                                      unit_clamped(v) * normal_unit + 32768.5f));
             }
     return texels;
 }
@@ -182,8 +184,8 @@ Window MapPlan::grid(MapKind kind, std::uint32_t mip) const {
 Window MapPlan::texels(MapKind kind, std::uint32_t mip, std::uint32_t tile) const {
     const std::int32_t side = side_of(*this, kind, mip);
     const auto tiles_x = static_cast<std::uint32_t>(tree.tiles_x);
-    return {static_cast<std::int32_t>(tile % tiles_x) * (side - 1), static_cast<std::int32_t>(tile / tiles_x) * (side - 1),
-            side, side};
+    return {static_cast<std::int32_t>(tile % tiles_x) * (side - 1),
+            static_cast<std::int32_t>(tile / tiles_x) * (side - 1), side, side};
 }
 
 SampleAxes sample_axes(const MapPlan& plan, MapKind kind) {
@@ -212,13 +214,12 @@ NearMaps near_maps(const MapPlan& plan, std::uint32_t tile, const float* heights
     NearMaps maps;
     if (plan.colour_log2 != 0) {
         const auto windows = near_windows(plan, MapKind::colour, tile);
-        maps.colour = near_mips_of(plan, MapKind::colour, tile, windows,
-                                   first_colours(plan, heights, windows.front(), reader));
+        maps.colour =
+            near_mips_of(plan, MapKind::colour, tile, windows, first_colours(plan, heights, windows.front(), reader));
     }
     if (plan.normal_log2 != 0) {
         const auto windows = near_windows(plan, MapKind::normal, tile);
-        maps.normal =
-            near_mips_of(plan, MapKind::normal, tile, windows, first_normals(plan, heights, windows.front()));
+        maps.normal = near_mips_of(plan, MapKind::normal, tile, windows, first_normals(plan, heights, windows.front()));
     }
     return maps;
 }
@@ -229,7 +230,8 @@ Window finer_texels(const MapPlan& plan, MapKind kind, std::uint32_t mip, std::u
 
 MipTexels far_mip(const MapPlan& plan, MapKind kind, std::uint32_t mip, std::uint32_t tile, const Texels& finer) {
     const Window own = plan.texels(kind, mip, tile);
-    const Planes planes = coarser(mip_axes(plan, kind, mip), loaded(kind, finer, finer_texels(plan, kind, mip, tile)), own);
+    const Planes planes =
+        coarser(mip_axes(plan, kind, mip), loaded(kind, finer, finer_texels(plan, kind, mip, tile)), own);
     return {compress(kind, planes, own), stored(kind, planes, own)};
 }
 

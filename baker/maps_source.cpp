@@ -88,7 +88,8 @@ private:
 Planes filtered(const MapPlan& plan, MapKind kind, const HeightWindow& heights, const Window& texels,
                 std::array<GroundRows::Channel, 2> channels) {
     const SampleAxes from = sample_axes(plan, kind);
-    const Taps x = make_taps(from.axes[0], texels.x, texels.columns), y = make_taps(from.axes[1], texels.y, texels.rows);
+    const Taps x = make_taps(from.axes[0], texels.x, texels.columns),
+               y = make_taps(from.axes[1], texels.y, texels.rows);
     GroundRows rows(plan, heights, x, y, channels);
     return tent(x, y, texels, rows, 2);
 }
@@ -162,7 +163,8 @@ void blend(const std::vector<float>& sums, const Window& over, Planes& light) {
 // texel rows that see it.
 void lay_image(const MapPlan& plan, ImageReader& reader, std::size_t layer, Planes& light) {
     const Window& at = light.at;
-    const TentAxis ax = image_axis(plan, plan.image->layers[layer], 0), ay = image_axis(plan, plan.image->layers[layer], 1);
+    const TentAxis ax = image_axis(plan, plan.image->layers[layer], 0),
+                   ay = image_axis(plan, plan.image->layers[layer], 1);
     const Run run_x = covered(ax, at.x, at.columns), run_y = covered(ay, at.y, at.rows);
     if (run_x.count == 0 || run_y.count == 0) return;
     const Taps x = make_taps(ax, run_x.first, run_x.count), y = make_taps(ay, run_y.first, run_y.count);

@@ -113,12 +113,16 @@ class OwnErrors {
 public:
     OwnErrors(const OwnInput& input, Patch<std::uint8_t>& out)
         : in(input), tree(input.ground.tree), half_quantum(0.5 * static_cast<double>(input.scales.lattice.quantum_m)),
-          to(out), worst(static_cast<std::size_t>(out.columns)) {}
+          to(out), worst(static_cast<std::size_t>(out.columns) + walk_slack) {}
 
     // Even rows of a step hold sides along x; odd ones sides along y, and centres between them.
     void run(int z) {
         const Region& r = in.region;
         const std::int32_t s = 1 << z, n = (r.last.x - r.first.x) / (2 * s);
+        small = z <= 2 && in.estimate == Estimate::max && !in.ground.has_voids();
+        if (small)
+            phases = Phases::of(in.ground.steps.at(r.first.x, r.first.y), in.ground.steps.columns, n,
+                                r.last.y - r.first.y + 1, 2 * s);
         for (std::int32_t y = r.first.y; y <= r.last.y; y += s)
             if (((y >> z) & 1) == 0) {
                 row(PlaneKind::side_x, {r.first.x + s, y}, z, n);
@@ -157,7 +161,12 @@ private:
         line.before = !rows || first.y > in.region.first.y;
         line.after = !rows || first.y < in.region.last.y;
         line.falling = falling, line.alternate = !root;
-        if (kind == PlaneKind::side_y) { // those on the region's borders are measured inside only
+        if (small && plain == count) {
+            SmallRow side{phases, first.y - in.region.first.y, count, kind};
+            side.before = line.before, side.after = line.after;
+            side.falling = line.falling, side.alternate = line.alternate;
+            walk_small_row(side, worst.data());
+        } else if (kind == PlaneKind::side_y) { // those on the region's borders are measured inside only
             if (plain > 1) walk(line, 1, plain - (plain == count ? 2 : 1));
             line.before = false;
             walk(line, 0, 1);
@@ -181,6 +190,8 @@ private:
     const double half_quantum;
     Patch<std::uint8_t>& to;
     std::vector<std::int32_t> worst;
+    bool small = false; // this step's vertices go side by side
+    Phases phases;
 };
 
 } // namespace

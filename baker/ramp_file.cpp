@@ -64,8 +64,10 @@ double parse_degrees(const std::string& path, const Json& json, const char* fiel
 Ramp::Layer parse_layer(const std::string& path, const Json& json, const std::string& where) {
     if (!json.is_object() || json.size() != 3 || !json.contains("from_degrees") || !json.contains("degrees") ||
         json.contains("rgb") == json.contains("stops"))
-        refuse(path, where + " must have \"from_degrees\", \"degrees\", one of \"rgb\" and \"stops\", and nothing else");
-    Ramp::Layer layer{parse_degrees(path, json, "from_degrees", where), parse_degrees(path, json, "degrees", where), {}};
+        refuse(path,
+               where + " must have \"from_degrees\", \"degrees\", one of \"rgb\" and \"stops\", and nothing else");
+    Ramp::Layer layer{
+        parse_degrees(path, json, "from_degrees", where), parse_degrees(path, json, "degrees", where), {}};
     if (layer.degrees - layer.from_degrees < 0.1)
         refuse(path, where + ": \"degrees\" must be at least 0.1 above \"from_degrees\"");
     if (json.contains("stops")) {

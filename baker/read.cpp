@@ -3,34 +3,27 @@
 #include "baker/read.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <new>
-#include <optional>
-#include <string_view>
 
 #include <fmt/format.h>
-#include <ogr_spatialref.h>
 
 #include "baker/fill.h"
 #include "baker/gdal_file.h"
+#include "baker/mosaic.h"
+#include "baker/projection.h"
+#include "baker/warp.h"
 #include "fjell/pack.h"
 
 namespace fjell::baker {
 
 namespace {
 
-// Nothing on Earth, Mars or Venus lies outside; undeclared voids (-32767, -99999, 1e38) do.
-constexpr double lowest_m = -12000, highest_m = 30000;
-constexpr double bytes_per_sample = 28; // what a bake holds at its peak
+constexpr double bytes_per_sample = 28; // what a bake in memory holds at its peak
 
-bool near_zero(double v, double beside) {
-    return std::abs(v) <= 1e-9 * std::abs(beside);
-}
-
-void check_options(const ReadOptions& o) {
+void check_options(const std::vector<std::string>& paths, const ReadOptions& o) {
+    if (paths.empty()) throw Failure(2, "no height field given; name at least one file");
     if (o.spacing_m && !(*o.spacing_m >= min_spacing_m && *o.spacing_m <= max_spacing_m))
         throw Failure(2, fmt::format("--spacing {} is out of range; give metres between samples in {}..{:.0f}",
                                      *o.spacing_m, min_spacing_m, max_spacing_m));
@@ -38,350 +31,313 @@ void check_options(const ReadOptions& o) {
         throw Failure(2, fmt::format("--zscale {} is out of range; give a factor of size 1e-6..1e6", o.zscale));
     if (!(std::abs(o.zoffset_m) <= 1e7))
         throw Failure(2, fmt::format("--zoffset {} is out of range; give metres in -1e7..1e7", o.zoffset_m));
+    if (!o.bbox) return;
+    for (const double edge : *o.bbox)
+        if (!(std::abs(edge) <= 1e9))
+            throw Failure(2, fmt::format("--bbox: {} is out of range; give WEST,SOUTH,EAST,NORTH", edge));
 }
 
-// Metres in one unit of the band; no unit means metres, 0 that it is not known.
-double unit_in_metres(const char* name) {
-    std::string unit(name ? name : "");
-    std::transform(unit.begin(), unit.end(), unit.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    struct Unit {
-        std::string_view name;
-        double metres;
-    };
-    constexpr double survey_foot = 1200.0 / 3937;
-    constexpr std::array<Unit, 30> units{{{"", 1},
-                                          {"m", 1},
-                                          {"metre", 1},
-                                          {"metres", 1},
-                                          {"meter", 1},
-                                          {"meters", 1},
-                                          {"ft", 0.3048},
-                                          {"foot", 0.3048},
-                                          {"feet", 0.3048},
-                                          {"international foot", 0.3048},
-                                          {"international feet", 0.3048},
-                                          {"us survey foot", survey_foot},
-                                          {"us survey feet", survey_foot},
-                                          {"us_survey_foot", survey_foot},
-                                          {"foot_us", survey_foot},
-                                          {"ftus", survey_foot},
-                                          {"us-ft", survey_foot},
-                                          {"usft", survey_foot},
-                                          {"sfoot", survey_foot},
-                                          {"survey foot", survey_foot},
-                                          {"km", 1000},
-                                          {"kilometre", 1000},
-                                          {"kilometer", 1000},
-                                          {"dm", 0.1},
-                                          {"decimetre", 0.1},
-                                          {"decimeter", 0.1},
-                                          {"cm", 0.01},
-                                          {"centimetre", 0.01},
-                                          {"centimeter", 0.01},
-                                          {"mm", 0.001}}};
-    const auto found = std::find_if(units.begin(), units.end(), [&](const Unit& u) { return u.name == unit; });
-    return found == units.end() ? 0 : found->metres;
-}
-
-// Where the samples stand, with row 0 in the north and column 0 in the west.
-struct Placement {
-    double spacing_m[2] = {0, 0};
-    double origin[2] = {0, 0};
-    bool flip_x = false, flip_y = false;
-    std::string crs_wkt;
+// What a source and all its readers know; never changes.
+struct Plan {
+    ReadOptions options;
+    Layout layout;
+    bool warped = false;
+    Placement target; // what windows are cut from: the layout's own lattice, or the one it is reprojected to
+    Window crop;      // of the target: the source's extents
+    [[nodiscard]] const std::string& name() const { return layout.files.front().facts.path; }
+    [[nodiscard]] std::string names() const {
+        const std::size_t more = layout.files.size() - 1;
+        return more ? fmt::format("{} and {} more", name(), more) : name();
+    }
 };
 
-bool names_degrees(GDALDataset& file) {
-    const char* const* metadata = file.GetMetadata();
-    for (const char* const* entry = metadata; entry && *entry; ++entry) {
-        const std::string_view line(*entry);
-        if (line.find("units=degree") != std::string_view::npos) return true; // netCDF: degrees_east, degrees_north
-    }
-    return false;
-}
-
-// No CRS, but every place is a latitude and longitude, and no pixel is larger than 5 degrees: an ASCII grid of a globe.
-bool looks_like_degrees(const double* t, int columns, int rows) {
-    const double west = std::min(t[0], t[0] + columns * t[1]), east = std::max(t[0], t[0] + columns * t[1]);
-    const double south = std::min(t[3], t[3] + rows * t[5]), north = std::max(t[3], t[3] + rows * t[5]);
-    return west >= -181 && east <= 361 && south >= -91 && north <= 91 && std::abs(t[1]) <= 5 && std::abs(t[5]) <= 5;
-}
-
-Placement place(GDALDataset& file, const std::string& path, const ReadOptions& options) {
-    Placement p;
-    std::array<double, 6> t{};
-    const bool referenced = file.GetGeoTransform(t.data()) == CE_None;
-    const OGRSpatialReference* const crs = file.GetSpatialRef();
-    if (options.spacing_m) p.spacing_m[0] = p.spacing_m[1] = *options.spacing_m;
-    if (!referenced) {
-        if (options.spacing_m) return p;
-        throw Failure(1, fmt::format("{}: has no georeference; give --spacing M (metres between samples)", path));
-    }
-    if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); }) || t[1] == 0 || t[5] == 0 ||
-        !near_zero(t[2], t[1]) || !near_zero(t[4], t[5]))
-        throw Failure(1, fmt::format("{}: its grid is rotated or sheared; straighten it first with gdalwarp", path));
-    const int columns = file.GetRasterXSize(), rows = file.GetRasterYSize();
-    if (!options.spacing_m) {
-        if (crs ? crs->IsGeographic() != 0 : names_degrees(file) || looks_like_degrees(t.data(), columns, rows))
-            throw Failure(1, fmt::format("{}: is in degrees; give --spacing M (metres between samples), or project it "
-                                         "first with gdalwarp",
-                                         path));
-        const double unit = crs ? crs->GetLinearUnits() : 1;
-        p.spacing_m[0] = std::abs(t[1]) * unit;
-        p.spacing_m[1] = std::abs(t[5]) * unit;
-    }
-    p.flip_x = t[1] < 0;
-    p.flip_y = t[5] > 0;
-    p.origin[0] = t[0] + t[1] * (p.flip_x ? columns - 0.5 : 0.5);
-    p.origin[1] = t[3] + t[5] * (p.flip_y ? rows - 0.5 : 0.5);
-    // A local frame says nothing about where on Earth it is; other programs could do nothing with it.
-    if (crs && !crs->IsLocal()) {
-        char* wkt = nullptr;
-        if (crs->exportToWkt(&wkt) == OGRERR_NONE && wkt) p.crs_wkt = wkt;
-        CPLFree(wkt);
-    }
-    return p;
-}
-
-void check_placement(const Placement& p, const std::string& path) {
-    for (const double spacing : p.spacing_m)
-        if (!(spacing >= min_spacing_m && spacing <= max_spacing_m))
+void check_spacing(const Placement& p, const std::string& path) {
+    for (const double step : p.step)
+        if (!(step * p.unit_m >= min_spacing_m && step * p.unit_m <= max_spacing_m))
             throw Failure(1, fmt::format("{}: its samples are {} m apart; give --spacing M in {}..{:.0f}", path,
-                                         spacing, min_spacing_m, max_spacing_m));
+                                         step * p.unit_m, min_spacing_m, max_spacing_m));
 }
 
-// An identity table of greys, as 8-bit BMPs carry, is no palette.
-bool is_grey_table(const GDALColorTable& table) {
-    for (int i = 0; i < table.GetColorEntryCount(); ++i) {
-        const GDALColorEntry& c = *table.GetColorEntry(i);
-        if (c.c1 != i || c.c2 != i || c.c3 != i) return false;
+// Samples inside the box, both ends included, along one axis on which sample i stands at from + i * step. What is off
+// by rounding alone is inside.
+std::pair<std::int32_t, std::int32_t> inside(double low, double high, double from, double step, std::int32_t count) {
+    constexpr double slack = 1e-6;
+    double first = (low - from) / step, last = (high - from) / step;
+    if (step < 0) std::swap(first, last);
+    first = std::max(0.0, std::ceil(first - slack));
+    last = std::min(count - 1.0, std::floor(last + slack));
+    return first <= last ? std::pair{static_cast<std::int32_t>(first), static_cast<std::int32_t>(last)}
+                         : std::pair{0, -1};
+}
+
+Window crop_to(const Plan& plan) {
+    const Placement& p = plan.target;
+    const Window all{0, 0, p.columns, p.rows};
+    if (!plan.options.bbox) return all;
+    auto [west, south, east, north] = *plan.options.bbox;
+    const bool counted = p.axes == Axes::none; // columns and rows from the north-west
+    if (!(west < east) || !(counted ? north < south : south < north))
+        throw Failure(2, fmt::format("--bbox {},{},{},{}: give WEST,SOUTH,EAST,NORTH with WEST less than EAST and {}",
+                                     west, south, east, north,
+                                     counted ? "NORTH less than SOUTH (rows from the north; there is no georeference)"
+                                             : "SOUTH less than NORTH"));
+    const auto [left, right] = inside(west, east, counted ? 0 : p.origin[0], p.step[0], p.columns);
+    const auto [top, bottom] =
+        counted ? inside(north, south, 0, 1, p.rows) : inside(south, north, p.origin[1], -p.step[1], p.rows);
+    if (right < left || bottom < top) {
+        const std::string spans =
+            counted ? fmt::format("0,{},{},0", p.rows - 1, p.columns - 1)
+                    : fmt::format("{},{},{},{}", p.origin[0], p.north(p.rows - 1), p.east(p.columns - 1), p.origin[1]);
+        throw Failure(1, fmt::format("{}: --bbox {},{},{},{} lies outside of it; it spans {}", plan.names(), west,
+                                     south, east, north, spans));
     }
-    return true;
+    if (right == left || bottom == top)
+        throw Failure(1, fmt::format("{}: fewer than 2 x 2 samples lie in --bbox {},{},{},{}; give a larger one",
+                                     plan.names(), west, south, east, north));
+    return {left, top, right - left + 1, bottom - top + 1};
 }
 
-void check_band(GDALDataset& file, const std::string& path, const ReadOptions& options) {
-    GDALRasterBand& band = *file.GetRasterBand(1);
-    const int columns = file.GetRasterXSize(), rows = file.GetRasterYSize();
-    if (columns < 2 || rows < 2)
-        throw Failure(1,
-                      fmt::format("{}: has {} x {} samples; a height field needs at least 2 x 2", path, columns, rows));
-    const double needed = bytes_per_sample * columns * rows;
-    if (needed > static_cast<double>(options.memory_bytes))
-        throw Failure(3,
-                      fmt::format("{}: {} x {} samples need about {:.0f} MB; give --memory MB of at least that, or cut "
-                                  "the file with gdal_translate -srcwin",
-                                  path, columns, rows, std::ceil(needed / 1e6)));
-    const GDALDataType type = band.GetRasterDataType();
-    if (GDALDataTypeIsComplex(type))
-        throw Failure(1, fmt::format("{}: holds complex numbers, not heights; extract one part first", path));
-    const bool bytes_rgb = file.GetRasterCount() >= 3 && type == GDT_Byte;
-    if (bytes_rgb || band.GetColorInterpretation() == GCI_RedBand)
-        throw Failure(
-            1, fmt::format("{}: has {} bands of colour; is this an image, or Terrarium or Mapbox heights? Convert "
-                           "it to one band of heights first (gdal_calc.py)",
-                           path, file.GetRasterCount()));
-    const GDALColorTable* const table = band.GetColorTable();
-    if (table && !is_grey_table(*table))
-        throw Failure(
-            1, fmt::format("{}: is a palette image, whose numbers are no heights; convert it to grey first", path));
+void check_order(const ReadOptions& o) {
+    if (o.bbox && !((*o.bbox)[0] < (*o.bbox)[2]))
+        throw Failure(2, fmt::format("--bbox: WEST {} is not less than EAST {}; give WEST,SOUTH,EAST,NORTH",
+                                     (*o.bbox)[0], (*o.bbox)[2]));
 }
 
-// Samples of one kind, and where the first one is, in the file's own columns and rows.
-struct FileTally {
-    std::uint64_t count = 0;
-    int column = 0, row = 0;
-
-    void add(int x, int y) {
-        if (count++ == 0) column = x, row = y;
-    }
-};
-
-// What has no height, or none that can be believed (read.h).
-struct FileCensus {
-    FileTally voids, odd;
-    double odd_m = 0; // the first, as asked
-};
-
-// raw -> metres as in the file -> metres as asked.
-struct Scaling {
-    double file_scale = 1, file_offset_m = 0, zscale = 1, zoffset_m = 0;
-
-    [[nodiscard]] double file_m(double raw) const { return raw * file_scale + file_offset_m; }
-    [[nodiscard]] double asked_m(double metres) const { return metres * zscale + zoffset_m; }
-};
-
-Scaling scaling_of(GDALRasterBand& band, const ReadOptions& options, const std::string& path) {
-    int known = 0;
-    double unit = unit_in_metres(band.GetUnitType());
-    if (unit == 0) {
-        if (options.zscale == 1)
-            throw Failure(
-                1, fmt::format("{}: heights are in \"{}\", which is not known here; give --zscale S (metres a unit)",
-                               path, band.GetUnitType()));
-        unit = 1; // --zscale says what a unit is
-    }
-    const double scale = band.GetScale(&known), offset = band.GetOffset(&known);
-    Scaling s{scale * unit, offset * unit, options.zscale, options.zoffset_m};
-    if (!std::isfinite(s.file_scale) || s.file_scale == 0 || !std::isfinite(s.file_offset_m))
-        throw Failure(1,
-                      fmt::format("{}: its band has scale {} and offset {}; set them right with gdal_edit.py -scale 1 "
-                                  "-offset 0",
-                                  path, scale, offset));
-    return s;
-}
-
-// Finds the coarsest of 1, 0.1 and 0.01 that all raw numbers are multiples of, as floats.
-class StepFinder {
-public:
-    explicit StepFinder(GDALDataType type) : per_unit_(1), whole_(GDALDataTypeIsInteger(type) != 0) {}
-    void see(double raw) {
-        if (whole_) return;
-        while (per_unit_ <= 100 &&
-               static_cast<float>(std::round(raw * per_unit_) / per_unit_) != static_cast<float>(raw))
-            per_unit_ *= 10;
-    }
-    [[nodiscard]] double step() const { return per_unit_ <= 100 ? 1 / per_unit_ : 0; }
-
-private:
-    double per_unit_;
-    bool whole_;
-};
-
-bool plausible(double metres) {
-    return metres >= lowest_m && metres <= highest_m;
-}
-
-// A sample's height, or NaN and a mark in the census. A height is odd only when it is so both as the file has it and as
-// asked: 16-bit counts become plausible by --zscale, and exaggerated heights were plausible before.
-float classify(double raw, const Scaling& scaling, int x, int y, FileCensus& census) {
-    const double metres = scaling.file_m(raw), asked = scaling.asked_m(metres);
-    if (plausible(metres) || plausible(asked)) return static_cast<float>(asked);
-    if (std::isnan(metres)) {
-        census.voids.add(x, y);
+std::shared_ptr<const Plan> make_plan(const std::vector<std::string>& paths, const ReadOptions& options) {
+    check_options(paths, options);
+    check_order(options);
+    auto plan = std::make_shared<Plan>();
+    plan->options = options;
+    plan->layout = lay_out(paths, options);
+    plan->target = plan->layout.at;
+    const GdalMessages quiet;
+    const auto crs = target_crs(plan->layout.at, options, plan->names());
+    if (crs) {
+        if (options.bbox && !((*options.bbox)[1] < (*options.bbox)[3]))
+            throw Failure(2, fmt::format("--bbox: SOUTH {} is not less than NORTH {}; give WEST,SOUTH,EAST,NORTH",
+                                         (*options.bbox)[1], (*options.bbox)[3]));
+        PlacedDataset from(plan->layout.at, source_crs(plan->layout.at), [](const Window&, float*) {});
+        plan->warped = true;
+        plan->target = target_lattice(from, *crs, options, plan->names());
+        plan->crop = {0, 0, plan->target.columns, plan->target.rows};
     } else {
-        if (census.odd.count == 0) census.odd_m = asked;
-        census.odd.add(x, y);
+        if (!options.spacing_m) check_spacing(plan->target, plan->name());
+        plan->crop = crop_to(*plan);
     }
-    return std::numeric_limits<float>::quiet_NaN();
+    return plan;
 }
 
-// What the file itself says is no height. GDAL's mask speaks for one source alone, the strongest: where that is a mask
-// of its own, the tag has to be asked beside it.
-class Marks {
+class PlainReader final : public HeightReader {
 public:
-    explicit Marks(GDALRasterBand& band) : valid_(static_cast<std::size_t>(band.GetXSize()), 255) {
-        const int flags = band.GetMaskFlags();
-        if (!(flags & GMF_ALL_VALID)) mask_ = band.GetMaskBand();
-        int tagged = 0;
-        const double tag = band.GetNoDataValue(&tagged);
-        if (tagged && !(flags & GMF_NODATA)) tag_ = static_cast<float>(tag);
-    }
-    void read(int y, const std::string& path, const GdalMessages& messages) {
-        if (mask_) read_row(*mask_, y, valid_.data(), path, messages);
-    }
-    [[nodiscard]] bool is_void(std::size_t x, double raw) const {
-        return valid_[x] == 0 || static_cast<float>(raw) == tag_;
+    explicit PlainReader(std::shared_ptr<const Plan> plan)
+        : plan_(std::move(plan)), mosaic_(plan_->layout, plan_->options) {}
+    void read(const Window& window, float* to, Census& census) override {
+        Census own;
+        own.per_unit = census.per_unit;
+        const Window& crop = plan_->crop;
+        mosaic_.read({window.x + crop.x, window.y + crop.y, window.columns, window.rows}, to, own);
+        for (Tally* t : {&own.voids, &own.odd}) t->column -= crop.x, t->row -= crop.y;
+        census.add(own);
     }
 
 private:
-    GDALRasterBand* mask_ = nullptr; // none: all are valid
-    std::vector<std::uint8_t> valid_;
-    float tag_ = std::numeric_limits<float>::quiet_NaN(); // none
+    std::shared_ptr<const Plan> plan_;
+    Mosaic mosaic_;
 };
 
-// Fills heights_m (no height: NaN) and native_quantum_m.
-FileCensus read_heights(GDALRasterBand& band, const Placement& at, const Scaling& scaling, const std::string& path,
-                    const GdalMessages& messages, Dem& dem) {
-    const auto columns = static_cast<std::size_t>(dem.columns);
-    dem.heights_m.resize(columns * static_cast<std::size_t>(dem.rows));
-    std::vector<double> raw(columns);
-    Marks marks(band);
-    FileCensus census;
-    StepFinder finder(band.GetRasterDataType());
-    for (int y = 0; y < dem.rows; ++y) {
-        read_row(band, y, raw.data(), path, messages);
-        marks.read(y, path, messages);
-        float* const row = dem.heights_m.data() + columns * static_cast<std::size_t>(at.flip_y ? dem.rows - 1 - y : y);
-        for (std::size_t x = 0; x < columns; ++x) {
-            float& height = row[at.flip_x ? columns - 1 - x : x];
-            if (marks.is_void(x, raw[x])) {
-                census.voids.add(static_cast<int>(x), y);
-                height = std::numeric_limits<float>::quiet_NaN();
+class WarpedReader final : public HeightReader {
+public:
+    explicit WarpedReader(std::shared_ptr<const Plan> plan)
+        : plan_(std::move(plan)), warp_(plan_->layout, plan_->target, plan_->options) {}
+    void read(const Window& window, float* to, Census& census) override {
+        warp_.read(window, to);
+        census.per_unit = 1000; // interpolated heights have no step
+        const auto columns = static_cast<std::size_t>(window.columns);
+        for (std::size_t i = 0; i < window.area(); ++i) {
+            if (std::isnan(to[i])) {
+                census.voids.add(window.x + static_cast<std::int32_t>(i % columns),
+                                 window.y + static_cast<std::int32_t>(i / columns));
                 continue;
             }
-            height = classify(raw[x], scaling, static_cast<int>(x), y, census);
-            if (!std::isnan(height)) finder.see(raw[x]);
+            census.least_m = std::min(census.least_m, to[i]);
+            census.most_m = std::max(census.most_m, to[i]);
         }
     }
-    dem.native_quantum_m = finder.step() * std::abs(scaling.file_scale * scaling.zscale);
-    return census;
+
+private:
+    std::shared_ptr<const Plan> plan_;
+    Warp warp_;
+};
+
+class FileSource final : public HeightSource {
+public:
+    explicit FileSource(std::shared_ptr<const Plan> plan) : plan_(std::move(plan)) {
+        const Placement& p = plan_->target;
+        const ReadOptions& o = plan_->options;
+        columns = plan_->crop.columns;
+        rows = plan_->crop.rows;
+        for (const int axis : {0, 1}) spacing_m[axis] = o.spacing_m ? *o.spacing_m : p.step[axis] * p.unit_m;
+        if (p.axes == Axes::none) return;
+        origin_m[0] = p.east(plan_->crop.x);
+        origin_m[1] = p.north(plan_->crop.y);
+        crs_wkt = p.crs_wkt;
+    }
+    std::unique_ptr<HeightReader> reader() const override {
+        if (plan_->warped) return std::make_unique<WarpedReader>(plan_);
+        return std::make_unique<PlainReader>(plan_);
+    }
+    int readers(int threads) const override {
+        const auto sequential = [](const MosaicFile& f) { return f.facts.sequential; };
+        const auto& files = plan_->layout.files;
+        // Readers of a mosaic work in different files most of the time.
+        return files.size() == 1 && std::any_of(files.begin(), files.end(), sequential) ? 1 : threads;
+    }
+    std::vector<Window> windows(std::size_t most) const override;
+    Settled settle(const Census& census) const override;
+    std::string identity() const override;
+
+private:
+    void refuse_voids(const Census& census) const;
+    std::shared_ptr<const Plan> plan_;
+};
+
+std::vector<Window> FileSource::windows(std::size_t most) const {
+    const Window& crop = plan_->crop;
+    if (plan_->warped) return cut_along(crop, Blocks{warp_block, warp_block, 0, 0}, most);
+    std::vector<Window> windows = cut_along(plan_->layout, crop, most);
+    for (Window& w : windows) w.x -= crop.x, w.y -= crop.y;
+    // A format that is decoded from its start begins where the file does.
+    const FileFacts& first = plan_->layout.files.front().facts;
+    if (plan_->layout.files.size() == 1 && first.at.flip_y) std::reverse(windows.begin(), windows.end());
+    return windows;
 }
 
-// Throws for what the user has to decide about, and for a file without any height.
-void refuse_voids(const FileCensus& census, std::uint64_t all, const std::string& path, NoData nodata) {
+// Throws for what the user has to decide about, and for files without any height.
+void FileSource::refuse_voids(const Census& census) const {
     constexpr const char* remedy =
         "give --nodata hole to leave them open or --nodata fill to fill them from their neighbours";
-    const auto& [voids, odd, odd_m] = census;
-    if (voids.count + odd.count == all)
+    const std::string path = plan_->names();
+    const NoData nodata = plan_->options.nodata;
+    const std::uint64_t all = plan_->crop.area();
+    const auto& voids = census.voids;
+    const auto& odd = census.odd;
+    if (!(census.least_m <= census.most_m))
         throw Failure(1,
                       fmt::format("{}: all {} samples are no-data, NaN or outside {}..{} m; give a file with heights",
                                   path, all, lowest_m, highest_m));
     if (odd.count && (nodata == NoData::automatic || nodata == NoData::refuse))
         throw Failure(1, fmt::format("{}: {} of {} heights lie outside {}..{} m, the first {} m at column {}, row {}; "
                                      "if they are voids, {}; if the unit is another, give --zscale S",
-                                     path, odd.count, all, lowest_m, highest_m, odd_m, odd.column, odd.row, remedy));
-    if (voids.count && nodata == NoData::refuse)
+                                     path, odd.count, all, lowest_m, highest_m, census.odd_m, odd.column, odd.row,
+                                     remedy));
+    if (voids.count && nodata == NoData::refuse && !plan_->warped) // corners of what is reprojected are no one's fault
         throw Failure(1, fmt::format("{}: {} of {} samples are no-data or NaN, the first at column {}, row {}; {}",
                                      path, voids.count, all, voids.column, voids.row, remedy));
 }
 
-void settle_voids(Dem& dem, const FileCensus& census, const Scaling& scaling, const std::string& path, NoData nodata) {
-    if (census.voids.count + census.odd.count == 0) return;
-    refuse_voids(census, dem.heights_m.size(), path, nodata);
-    if (nodata != NoData::fill) {
+Settled FileSource::settle(const Census& census) const {
+    refuse_voids(census);
+    // Squares of heights must stay far from float's largest value, like those of extents.
+    if (census.least_m < -max_extent_m || census.most_m > max_extent_m)
+        throw Failure(2, fmt::format("{}: heights become {}..{} m; give a smaller --zscale", plan_->names(),
+                                     census.least_m, census.most_m));
+    Settled s;
+    s.holes = census.voids.count + census.odd.count > 0 && plan_->options.nodata != NoData::fill;
+    const FileFacts& first = plan_->layout.files.front().facts;
+    const Scaling& scaling = first.decoding.scaling;
+    s.anchor_m = scaling.asked_m(scaling.file_offset_m);
+    const bool alike = std::all_of(plan_->layout.files.begin(), plan_->layout.files.end(), [&](const MosaicFile& f) {
+        return f.facts.decoding.scaling == scaling && f.facts.step == first.step;
+    });
+    if (alike && census.per_unit <= 100 && !plan_->warped)
+        s.native_quantum_m = first.step / census.per_unit * std::abs(scaling.file_scale * scaling.zscale);
+    return s;
+}
+
+std::string FileSource::identity() const {
+    const ReadOptions& o = plan_->options;
+    std::string text =
+        fmt::format("crs {} spacing {} encoding {} zscale {} zoffset {} nodata {} bbox", o.crs, o.spacing_m.value_or(0),
+                    static_cast<int>(o.encoding), o.zscale, o.zoffset_m, static_cast<int>(o.nodata));
+    if (o.bbox)
+        for (const double edge : *o.bbox) text += fmt::format(" {}", edge);
+    for (const MosaicFile& f : plan_->layout.files) text += "\n" + f.facts.identity;
+    return text;
+}
+
+void check_memory(const HeightSource& source, const std::string& path, const ReadOptions& options) {
+    const double needed = bytes_per_sample * source.columns * source.rows;
+    if (needed > static_cast<double>(options.memory_bytes))
+        throw Failure(3,
+                      fmt::format("{}: {} x {} samples need about {:.0f} MB; give --memory MB of at least that, or a "
+                                  "part of it with --bbox",
+                                  path, source.columns, source.rows, std::ceil(needed / 1e6)));
+}
+
+Census read_all(const HeightSource& source, Dem& dem) {
+    constexpr std::size_t at_once = std::size_t{1} << 21; // samples
+    dem.heights_m.resize(static_cast<std::size_t>(dem.columns) * static_cast<std::size_t>(dem.rows));
+    const auto reader = source.reader();
+    std::vector<float> part;
+    Census census;
+    for (const Window& w : source.windows(at_once)) {
+        host::check_interrupt();
+        if (w.columns == dem.columns) {
+            reader->read(w, dem.heights_m.data() + dem.index(0, w.y), census);
+            continue;
+        }
+        part.resize(w.area());
+        reader->read(w, part.data(), census);
+        for (std::int32_t row = 0; row < w.rows; ++row)
+            std::copy_n(part.begin() + std::ptrdiff_t{row} * w.columns, w.columns,
+                        dem.heights_m.begin() + static_cast<std::ptrdiff_t>(dem.index(w.x, w.y + row)));
+    }
+    return census;
+}
+
+void settle_voids(Dem& dem, const Settled& settled, bool any) {
+    if (!any) return;
+    if (settled.holes) {
         dem.voids.resize(dem.heights_m.size());
         std::transform(dem.heights_m.begin(), dem.heights_m.end(), dem.voids.begin(),
                        [](float height) { return static_cast<std::uint8_t>(std::isnan(height)); });
     }
-    fill_voids(dem.heights_m, dem.columns, dem.rows, dem.native_quantum_m, scaling.asked_m(scaling.file_offset_m));
-}
-
-// Squares of heights must stay far from float's largest value, like those of extents.
-void check_range(const Dem& dem, const std::string& path) {
-    const auto [least, most] = std::minmax_element(dem.heights_m.begin(), dem.heights_m.end());
-    if (*least < -max_extent_m || *most > max_extent_m)
-        throw Failure(2, fmt::format("{}: heights become {}..{} m; give a smaller --zscale", path, *least, *most));
+    fill_voids(dem.heights_m, dem.columns, dem.rows, settled.native_quantum_m, settled.anchor_m);
 }
 
 } // namespace
 
-Dem read_dem(const std::string& path, const ReadOptions& options) {
-    check_options(options);
-    GdalMessages messages;
-    const GdalFile file = open_raster(path, "a height field", messages);
-    check_band(*file, path, options);
-    const Placement at = place(*file, path, options);
-    check_placement(at, path);
-    GDALRasterBand& band = *file->GetRasterBand(1);
-    const Scaling scaling = scaling_of(band, options, path);
+std::unique_ptr<HeightSource> open_source(const std::vector<std::string>& paths, const ReadOptions& options) {
+    return std::make_unique<FileSource>(make_plan(paths, options));
+}
+
+void limit_gdal_cache(std::size_t bytes) {
+    GDALSetCacheMax64(static_cast<GIntBig>(bytes));
+}
+
+Dem read_dem(const std::vector<std::string>& paths, const ReadOptions& options) {
+    const auto source = open_source(paths, options);
+    check_memory(*source, paths.front(), options);
     Dem dem;
-    dem.columns = file->GetRasterXSize();
-    dem.rows = file->GetRasterYSize();
-    std::copy_n(at.spacing_m, 2, dem.spacing_m);
-    std::copy_n(at.origin, 2, dem.origin_m);
-    dem.crs_wkt = at.crs_wkt;
-    messages.forget();
+    dem.columns = source->columns;
+    dem.rows = source->rows;
+    std::copy_n(source->spacing_m, 2, dem.spacing_m);
+    std::copy_n(source->origin_m, 2, dem.origin_m);
+    dem.crs_wkt = source->crs_wkt;
     try {
-        const FileCensus census = read_heights(band, at, scaling, path, messages, dem);
-        settle_voids(dem, census, scaling, path, options.nodata);
+        const Census census = read_all(*source, dem);
+        const Settled settled = source->settle(census);
+        dem.native_quantum_m = settled.native_quantum_m;
+        settle_voids(dem, settled, census.voids.count + census.odd.count > 0);
     } catch (const std::bad_alloc&) {
-        throw Failure(3,
-                      fmt::format("{}: not enough memory for {} x {} samples; cut the file with gdal_translate -srcwin",
-                                  path, dem.columns, dem.rows));
+        throw Failure(3, fmt::format("{}: not enough memory for {} x {} samples; take a part of it with --bbox",
+                                     paths.front(), dem.columns, dem.rows));
     }
-    check_range(dem, path);
     return dem;
+}
+
+Dem read_dem(const std::string& path, const ReadOptions& options) {
+    return read_dem(std::vector<std::string>{path}, options);
 }
 
 } // namespace fjell::baker

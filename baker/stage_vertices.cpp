@@ -92,10 +92,13 @@ void Pipeline::load_finer(const Region& region, int z, FinerCentres& finer) cons
     Patch<CentreRecord> patch = patch_for<CentreRecord>(region, z);
     const Window known = within(patch, store.columns(), store.rows());
     load(store, patch);
+    const float unit_m = scales_.level_radius_m[2 * (tree_.tile_log2 - z)];
+    float radius_m[radius_codes];
+    for (std::size_t code = 0; code < radius_codes; ++code) radius_m[code] = unit_m * scales_.radii.factor[code];
     for (std::size_t i = 0; i < patch.area(); ++i) {
         finer.steps[i] = patch.values[i].steps;
         finer.error[i] = patch.values[i].error;
-        finer.radius[i] = patch.values[i].radius;
+        finer.radius_m[i] = radius_m[patch.values[i].radius];
     }
     // Where there are no centres they ask for nothing.
     for (std::int32_t y = 0; y < patch.rows; ++y)
@@ -108,7 +111,7 @@ void Pipeline::load_finer(const Region& region, int z, FinerCentres& finer) cons
             }
             const std::size_t i = patch.index(x + patch.x, y + patch.y);
             finer.error[i] = 0;
-            finer.radius[i] = radius_codes;
+            finer.radius_m[i] = 0;
         }
 }
 

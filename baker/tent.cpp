@@ -33,8 +33,7 @@ void weigh(const TentAxis& axis, std::int32_t texel, float* to, std::int32_t ski
     const auto weight = [&](std::int32_t k) { return std::max(1 - std::abs(first + k - centre) / radius, 0.0); };
     double sum = 0;
     for (std::int32_t k = 0; k < count; ++k) sum += weight(k);
-    for (std::int32_t k = 0; k < count; ++k)
-        to[skip + k] = static_cast<float>(sum > 0 ? weight(k) / sum : 1.0 / count);
+    for (std::int32_t k = 0; k < count; ++k) to[skip + k] = static_cast<float>(sum > 0 ? weight(k) / sum : 1.0 / count);
 }
 
 void find_runs(Taps& t) {
@@ -87,10 +86,12 @@ FJELL_CLONES void add_three(float* to, const float* const (&from)[3], const floa
 }
 
 // One tap of a run. A known stride lets the compiler load side by side.
-FJELL_CLONES void add_tap_1(float* __restrict to, const float* __restrict from, const float* __restrict w, std::size_t n) {
+FJELL_CLONES void add_tap_1(float* __restrict to, const float* __restrict from, const float* __restrict w,
+                            std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) to[i] += w[i] * from[i];
 }
-FJELL_CLONES void add_tap_2(float* __restrict to, const float* __restrict from, const float* __restrict w, std::size_t n) {
+FJELL_CLONES void add_tap_2(float* __restrict to, const float* __restrict from, const float* __restrict w,
+                            std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) to[i] += w[i] * from[2 * i];
 }
 FJELL_CLONES void set_three_1(float* __restrict to, const float* __restrict from, const float* __restrict u,

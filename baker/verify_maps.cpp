@@ -20,8 +20,8 @@ namespace {
 
 struct Mip {
     std::uint32_t side = 0, channels = 0;
-    std::vector<std::uint8_t> codes;        // interleaved
-    std::vector<std::uint8_t> tolerance;    // a texel
+    std::vector<std::uint8_t> codes;     // interleaved
+    std::vector<std::uint8_t> tolerance; // a texel
 
     [[nodiscard]] std::size_t at(std::uint32_t x, std::uint32_t y) const { return std::size_t{y} * side + x; }
     [[nodiscard]] int code(std::size_t texel, std::uint32_t c) const { return codes[texel * channels + c]; }
@@ -74,7 +74,8 @@ private:
     };
 
     void check_kind(ChunkKind kind) {
-        const std::uint32_t mips = mip_count(kind == ChunkKind::colour ? pack.header.colour_log2 : pack.header.normal_log2);
+        const std::uint32_t mips =
+            mip_count(kind == ChunkKind::colour ? pack.header.colour_log2 : pack.header.normal_log2);
         const std::uint32_t tiles_x = pack.header.tiles_x;
         std::vector<Border> east(mips), south(std::size_t{mips} * tiles_x);
         for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile) {
@@ -98,7 +99,8 @@ private:
     static Border border(const Mip& mip, std::uint32_t x, std::uint32_t y, std::uint32_t dx, std::uint32_t dy) {
         Border b;
         for (std::uint32_t i = 0; i < mip.side; ++i, x += dx, y += dy) {
-            for (std::uint32_t c = 0; c < mip.channels; ++c) b.codes.push_back(mip.codes[mip.at(x, y) * mip.channels + c]);
+            for (std::uint32_t c = 0; c < mip.channels; ++c)
+                b.codes.push_back(mip.codes[mip.at(x, y) * mip.channels + c]);
             b.tolerance.push_back(mip.tolerance[mip.at(x, y)]);
         }
         return b;
@@ -114,16 +116,18 @@ private:
             std::uint32_t& most = colour ? report.colour_border_most : report.normal_border_most;
             most = std::max(most, off);
             if (off > allowed)
-                note(report.border_violations, fmt::format("texel {} of the {} border differs from the neighbour's by {} "
-                                                           "codes, more than the {} of compression",
-                                                           i / channels, side, off, allowed));
+                note(report.border_violations,
+                     fmt::format("texel {} of the {} border differs from the neighbour's by {} "
+                                 "codes, more than the {} of compression",
+                                 i / channels, side, off, allowed));
         }
         (colour ? colour_borders : normal_borders) += ours.codes.size();
     }
 
     void check_lengths(const Mip& mip) {
         for (std::size_t i = 0; i < mip.tolerance.size(); ++i) {
-            const double length = std::hypot(normal_component(mip.codes[2 * i]), normal_component(mip.codes[2 * i + 1]));
+            const double length =
+                std::hypot(normal_component(mip.codes[2 * i]), normal_component(mip.codes[2 * i + 1]));
             if (length > 1 + std::sqrt(2.0) * mip.tolerance[i] / 127)
                 note(report.length_violations,
                      fmt::format("the normal at ({}, {}) is {:.3f} long", i % mip.side, i / mip.side, length));

@@ -115,6 +115,92 @@ void walk_lanes(const VertexRow& row, std::int32_t* worst) {
     }
 }
 
+// Vertices i, i + 1, ... of a row, one a lane.
+class SmallVertices {
+public:
+    using D = hn::ScalableTag<std::int32_t>;
+    using V = hn::Vec<D>;
+
+    HWY_ATTR SmallVertices(const SmallRow& row, std::int32_t i)
+        : r(row), first(i), s(row.samples.period / 2), shift(row.samples.period == 4 ? 2 : 3), most(hn::Zero(D())) {}
+
+    HWY_INLINE V h(std::int32_t column, std::int32_t down) const {
+        return hn::LoadU(D(), r.samples.line(column, r.y + down) + first);
+    }
+    HWY_INLINE V times(V v, std::int32_t k) const { return hn::Mul(v, hn::Set(D(), k)); }
+    HWY_INLINE void take(std::int32_t column, std::int32_t down, V line) {
+        most = hn::Max(most, hn::Abs(hn::Sub(hn::ShiftLeftSame(h(column, down), shift), line)));
+    }
+
+    // middle: the column of the vertices. down: 1 or -1.
+    HWY_INLINE void side_x_half(std::int32_t middle, std::int32_t down) {
+        const V west = h(middle - s, 0), east = h(middle + s, 0), apex = h(middle, down * s);
+        const V ends = hn::Add(west, east), slope = hn::Sub(east, west), rise = hn::Sub(hn::Add(apex, apex), ends);
+        for (std::int32_t k = 0; k < s; ++k) {
+            const std::int32_t half = s - k;
+            V line = hn::Sub(hn::Add(times(ends, s), times(rise, k)), times(slope, half));
+            for (std::int32_t x = -half; x <= half; ++x, line = hn::Add(line, slope)) take(middle + x, down * k, line);
+        }
+    }
+    // across: 1 or -1.
+    HWY_INLINE void side_y_half(std::int32_t middle, std::int32_t across) {
+        const V north = h(middle, -s), south = h(middle, s), apex = h(middle + across * s, 0);
+        const V ends = hn::Add(north, south), along = hn::Sub(south, north), rise = hn::Sub(hn::Add(apex, apex), ends);
+        for (std::int32_t y = -s + 1; y < s; ++y) {
+            V line = hn::Add(times(ends, s), times(along, y));
+            for (std::int32_t x = 0; x <= s - std::abs(y); ++x, line = hn::Add(line, rise))
+                take(middle + across * x, y, line);
+        }
+    }
+    HWY_INLINE void centre(std::int32_t middle) {
+        const V nw = h(middle - s, -s), ne = h(middle + s, -s), sw = h(middle - s, s), se = h(middle + s, s);
+        const V north = hn::Sub(ne, nw), south = hn::Sub(se, sw), down = hn::Sub(sw, nw);
+        // Squares are cut alternately: both lines are followed, and each lane takes its own.
+        const auto turned = hn::And(hn::Iota(D(), first & 1), hn::Set(D(), r.alternate ? 1 : 0));
+        const auto falling = hn::Eq(turned, hn::Set(D(), r.falling ? 0 : 1));
+        V west = hn::ShiftLeftSame(nw, shift);
+        for (std::int32_t y = 0; y <= 2 * s; ++y, west = hn::Add(west, down)) {
+            V fall = west, rise = west;
+            for (std::int32_t x = 0; x <= 2 * s; ++x) {
+                take(middle - s + x, y - s, hn::IfThenElse(falling, fall, rise));
+                fall = hn::Add(fall, x < y ? south : north);
+                rise = hn::Add(rise, x < 2 * s - y ? north : south);
+            }
+        }
+    }
+
+    const SmallRow& r;
+    std::int32_t first, s;
+    int shift;
+    V most;
+};
+
+void walk_small_lanes(const SmallRow& row, std::int32_t* worst) {
+    const hn::ScalableTag<std::int32_t> d;
+    const std::int32_t s = row.samples.period / 2;
+    for (std::int32_t i = 0; i < row.count; i += static_cast<std::int32_t>(hn::Lanes(d))) {
+        SmallVertices v(row, i);
+        switch (row.kind) {
+        case PlaneKind::side_x:
+            if (row.before) v.side_x_half(s, -1);
+            if (row.after) v.side_x_half(s, 1);
+            break;
+        case PlaneKind::side_y: {
+            const auto lane = hn::Iota(d, i);
+            v.side_y_half(0, -1);
+            if (!row.open_west) v.most = hn::IfThenElseZero(hn::Ne(lane, hn::Zero(d)), v.most);
+            SmallVertices east(row, i);
+            east.side_y_half(0, 1);
+            if (!row.open_east) east.most = hn::IfThenElseZero(hn::Ne(lane, hn::Set(d, row.count - 1)), east.most);
+            v.most = hn::Max(v.most, east.most);
+            break;
+        }
+        case PlaneKind::centre: v.centre(s); break;
+        }
+        hn::StoreU(v.most, d, worst + i);
+    }
+}
+
 } // namespace fjell::baker::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -123,6 +209,25 @@ HWY_AFTER_NAMESPACE();
 namespace fjell::baker {
 
 HWY_EXPORT(walk_lanes);
+HWY_EXPORT(walk_small_lanes);
+
+void walk_small_row(const SmallRow& row, std::int32_t* worst) {
+    HWY_DYNAMIC_DISPATCH(walk_small_lanes)(row, worst);
+}
+
+Phases Phases::of(const std::int32_t* samples, std::ptrdiff_t stride, std::int32_t periods, std::int32_t rows,
+                  std::int32_t period) {
+    Phases p;
+    p.period = period, p.columns = periods + 1, p.rows = rows;
+    p.values.resize(front + static_cast<std::size_t>(rows) * static_cast<std::size_t>(period) * p.length());
+    for (std::int32_t y = 0; y < rows; ++y, samples += stride)
+        for (std::int32_t k = 0; k < period; ++k) {
+            auto* const to = const_cast<std::int32_t*>(p.line(k, y));
+            const std::int32_t count = periods + (k == 0);
+            for (std::int32_t i = 0; i < count; ++i) to[i] = samples[i * period + k];
+        }
+    return p;
+}
 
 void walk_row(const VertexRow& row, std::int32_t* worst) {
     HWY_DYNAMIC_DISPATCH(walk_lanes)(row, worst);

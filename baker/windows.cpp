@@ -16,7 +16,8 @@ std::int64_t next_border(std::int64_t at, std::int64_t first, std::int64_t size,
 } // namespace
 
 std::vector<Window> cut_along(const Window& area, const Blocks& blocks, std::size_t most) {
-    const std::int64_t width = area.columns, limit = static_cast<std::int64_t>(std::clamp<std::size_t>(most, 1, std::size_t{1} << 40));
+    const std::int64_t width = area.columns,
+                       limit = static_cast<std::int64_t>(std::clamp<std::size_t>(most, 1, std::size_t{1} << 40));
     const std::int64_t right = std::int64_t{area.x} + area.columns, bottom = std::int64_t{area.y} + area.rows;
     Blocks b = blocks;
     const bool wide = b.columns >= area.columns;

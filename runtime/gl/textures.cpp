@@ -15,13 +15,13 @@ struct MapKind {
     GLenum format;
     const char* extension; // that has the format; none: the core
 };
-constexpr MapKind colour_kind{ChunkKind::colour, "colour map", GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, "GL_EXT_texture_compression_s3tc"};
+constexpr MapKind colour_kind{ChunkKind::colour, "colour map", GL_COMPRESSED_SRGB_S3TC_DXT1_EXT,
+                              "GL_EXT_texture_compression_s3tc"};
 constexpr MapKind normal_kind{ChunkKind::normal, "normal map", GL_COMPRESSED_RG_RGTC2, nullptr};
 
 std::string check_limits(const MapKind& kind, std::uint32_t tiles, std::uint32_t side) {
     if (kind.extension && !epoxy_has_gl_extension(kind.extension))
-        return std::string("this GPU's driver lacks ") + kind.extension + " for the " + kind.name +
-               "; update it";
+        return std::string("this GPU's driver lacks ") + kind.extension + " for the " + kind.name + "; update it";
     int layers = 0, largest = 0;
     glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);

@@ -3,12 +3,16 @@
 // Names: stage/scene/parameter. Scene: the north-west 2049 x 2049 samples of content/terrain/mountains.json.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "baker/bake.h"
+#include "baker/level.h"
+#include "baker/own.h"
+#include "baker/page_pack.h"
 #include "baker/read.h"
 #include "baker/verify.h"
 #include "fjell/terrain.h"
@@ -45,12 +49,73 @@ void copy(benchmark::State& state) {
     rate(state);
 }
 
-void errors(benchmark::State& state, Estimate estimate, int threads) {
-    const Tree tree = Tree::covering(dem().columns, dem().rows, 9);
-    const Lattice lattice = baker::choose_lattice(dem(), tree);
-    const auto steps = baker::quantise(dem(), lattice);
-    for (auto _ : state)
-        benchmark::DoNotOptimize(baker::compute_errors({dem(), steps, lattice, tree, estimate, 0.05, threads}));
+// The error stage as the bake runs it, tile after tile, without the work files around it: lattice steps, errors by
+// themselves, errors and radii of the finest step, which is three quarters of all vertices. pages: and its pages, packed.
+class ErrorStage {
+public:
+    explicit ErrorStage(Estimate estimate) : estimate_(estimate) {
+        baker::Survey survey;
+        for_each_tile([&](Coord corner) {
+            survey.add(baker::survey_tile(at(corner), side + 1, side + 1, dem().columns));
+        });
+        const baker::Lattice lattice = baker::choose_lattice(survey, {{60, 60}, 0.1, 0});
+        scales_ = baker::choose_scales({tree_, {60, 60}, lattice, survey, 0.05});
+        leaf_ = LeafErrors(scales_.errors, lattice.quantum_m);
+    }
+
+    void run(bool pages) {
+        for_each_tile([&](Coord corner) { tile(corner, pages); });
+    }
+
+private:
+    static constexpr std::int32_t side = 512, squares = side / 2;
+
+    static const float* at(Coord c) { return dem().heights_m.data() + dem().index(c.x, c.y); }
+    template <typename Visit>
+    void for_each_tile(const Visit& visit) {
+        for (std::int32_t y = 0; y + 1 < dem().rows; y += side)
+            for (std::int32_t x = 0; x + 1 < dem().columns; x += side) visit(Coord{x, y});
+    }
+
+    void tile(Coord corner, bool pages) {
+        constexpr std::int32_t around = 2, width = 2 * (squares + baker::reach + 2);
+        baker::Ground ground{tree_, {corner.x - around, corner.y - around, width, width}, {}};
+        for (std::int32_t y = 0; y < width; ++y) {
+            const std::int32_t row = std::clamp(ground.steps.y + y, 0, dem().rows - 1),
+                               x0 = std::max(ground.steps.x, 0), x1 = std::min(ground.steps.x + width, dem().columns);
+            baker::quantise(at({x0, row}), static_cast<std::size_t>(x1 - x0), scales_.lattice,
+                            ground.steps.at(x0, ground.steps.y + y));
+        }
+        const baker::Region region{corner, {corner.x + side, corner.y + side}};
+        baker::Patch<std::uint8_t> own;
+        baker::own_errors({ground, region, scales_, leaf_, estimate_, {60, 60}}, own);
+        benchmark::DoNotOptimize(own.values.data());
+        baker::Planes<std::int32_t> steps(squares, squares);
+        baker::take_apart(ground.steps, steps);
+        baker::Planes<std::uint8_t> error(squares, squares);
+        const baker::LevelInput level{scales_,          tree_,   {60, 60}, 0,
+                                      {corner.x / 2, corner.y / 2}, squares, squares,  steps, error};
+        baker::leaf_errors(level, leaf_);
+        baker::climb_errors(level);
+        baker::Radii radii;
+        baker::climb_radii(level, radii);
+        benchmark::DoNotOptimize(radii.centre.data());
+        constexpr std::int32_t page = page_squares;
+        for (std::int32_t j = 0; pages && j < squares; j += page)
+            for (std::int32_t i = 0; i < squares; i += page)
+                benchmark::DoNotOptimize(
+                    baker::pack_block({steps, error, nullptr, radii, i, j, &leaf_, scales_.errors}).data());
+    }
+
+    const Tree tree_ = Tree::covering(dem().columns, dem().rows, 9);
+    Estimate estimate_;
+    baker::Scales scales_;
+    LeafErrors leaf_;
+};
+
+void errors(benchmark::State& state, Estimate estimate, bool pages) {
+    ErrorStage stage(estimate);
+    for (auto _ : state) stage.run(pages);
     rate(state);
 }
 
@@ -128,9 +193,9 @@ int main(int argc, char** argv) {
         benchmark::RegisterBenchmark(name, run)->Unit(benchmark::kMillisecond)->UseRealTime();
     };
     declare("copy/mountains-2049/floats", copy);
-    declare("errors/mountains-2049/max-1-thread", [](auto& s) { errors(s, fjell::Estimate::max, 1); });
-    declare("errors/mountains-2049/max-2-threads", [](auto& s) { errors(s, fjell::Estimate::max, 2); });
-    declare("errors/mountains-2049/midpoint-1-thread", [](auto& s) { errors(s, fjell::Estimate::midpoint, 1); });
+    declare("errors/mountains-2049/max", [](auto& s) { errors(s, fjell::Estimate::max, false); });
+    declare("errors/mountains-2049/midpoint", [](auto& s) { errors(s, fjell::Estimate::midpoint, false); });
+    declare("errors/mountains-2049/max-and-pages", [](auto& s) { errors(s, fjell::Estimate::max, true); });
     declare("bake/mountains-2049/1-thread", [](auto& s) { whole_bake(s, 1); });
     declare("bake/mountains-2049/2-threads", [](auto& s) { whole_bake(s, 2); });
     declare("load/mountains-2049/whole", load);

@@ -36,7 +36,7 @@ baker::MapPlan plan_of(std::uint32_t colour_log2, std::uint32_t normal_log2) {
 
 void per_sample(benchmark::State& state, double samples) {
     state.counters["ns_each"] = benchmark::Counter(samples * static_cast<double>(state.iterations()) * 1e-9,
-                                              benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+                                                   benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
 void near_maps(benchmark::State& state, const baker::MapPlan& plan) {
@@ -57,9 +57,7 @@ public:
         layers = {{side, side, {0, 0}, {side / 2048.0, side / 2048.0}}};
         for (std::size_t i = 0; i < row_.size(); ++i) row_[i] = i % 4 == 3 ? 255 : static_cast<std::uint8_t>(i / 16);
     }
-    [[nodiscard]] std::unique_ptr<baker::ImageReader> reader() const override {
-        return std::make_unique<Reader>(row_);
-    }
+    [[nodiscard]] std::unique_ptr<baker::ImageReader> reader() const override { return std::make_unique<Reader>(row_); }
     [[nodiscard]] std::string identity() const override { return {}; }
 
 private:
@@ -87,7 +85,8 @@ const std::vector<std::uint8_t>& texels() {
         std::vector<std::uint8_t> all(512 * 512);
         std::uint32_t grain = 1;
         for (std::size_t i = 0; i < all.size(); ++i)
-            all[i] = static_cast<std::uint8_t>(100 + i % 512 / 8 + i / 8192 + (grain = grain * 1664525 + 1013904223) / (1u << 28));
+            all[i] = static_cast<std::uint8_t>(100 + i % 512 / 8 + i / 8192 +
+                                               (grain = grain * 1664525 + 1013904223) / (1u << 28));
         return all;
     }();
     return made;

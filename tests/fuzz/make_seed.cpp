@@ -1,5 +1,5 @@
-// Writes seeds into FOLDER/pack for fuzz_pack, FOLDER/page for fuzz_page and FOLDER/record for fuzz_record. Of the first
-// two: small packs in every order, with tiles of 2 to 64 cells, with and without holes, lossless and not, and their pages
+// Writes seeds into FOLDER/pack for fuzz_pack, FOLDER/page for fuzz_page, FOLDER/record for fuzz_record and FOLDER/recipe
+// for fuzz_recipe. Of the first two: small packs in every order, with tiles of 2 to 64 cells, with and without holes, lossless and not, and their pages
 // decompressed.
 //
 // Each pack is written three times: as it is, so that hashes are what is attacked; with its hashes repaired after a
@@ -210,8 +210,18 @@ void make_recordings(const std::filesystem::path& folder) {
     }
 }
 
+void make_recipes(const std::filesystem::path& folder) {
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "full.json") << R"({"inputs": ["a.tif", "/b/c.vrt"], "output": "o.fjell", "texture": "t.png",
+"ramp": "r.json", "crs": "EPSG:32633", "encoding": "terrain-rgb", "nodata": "fill", "tile": 512, "estimate": "max",
+"order": "hz", "spacing": 30.5, "zscale": -1e-3, "zoffset": 0, "nesting": 0.05, "quantum": 0.01,
+"bbox": [-3.5, 1e2, 0, 4000000]})";
+    std::ofstream(folder / "least.json") << R"({"inputs": []})";
+}
+
 void make_seeds(const std::filesystem::path& folder) {
     make_recordings(folder / "record");
+    make_recipes(folder / "recipe");
     SeedWriter seeds(folder);
     Random random(31);
     for (const auto& [order, order_name] :

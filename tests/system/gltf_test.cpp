@@ -9,8 +9,8 @@
 
 #include <tiny_gltf.h>
 
-#include "fjell/texture.h"
 #include "baker/read.h"
+#include "fjell/texture.h"
 #include "gltf/baked.h"
 #include "gltf/snapshot.h"
 

@@ -51,6 +51,12 @@ TEST_CASE("every real height field is baked whole, verified and flown within its
         {"dem/craterlake_elev_i16_30m.tif", " --spacing 30 --nodata hole", 429, 279, true},
         {"formats/N37W003.hgt", " --spacing 90", 1201, 1201, false},
         {"formats/grand_canyon_copdem_512_f32.tif", " --spacing 200", 512, 512, false},
+        // In degrees, reprojected: holes at the corners.
+        {"formats/N37W003.hgt", "", 1080, 1352, true},
+        {"formats/grand_canyon_copdem_512_f32.tif", "", 470, 577, true},
+        {"formats/luxembourg_terra_elev_i16_nodata.tif", "", 82, 116, true},
+        {"dem/craterlake_elev_i16_30m.tif", " --nodata hole", 372, 330, true},
+        {"formats/terrarium_256.png", " --spacing 100 --encoding terrarium", 256, 256, false},
         {"formats/grand_canyon_crop_513_u8.bmp", " --spacing 60 --zscale 14.4 --zoffset 127", 513, 513, false},
         {"formats/luxembourg_elev_i16_nodata.asc", " --spacing 900", 95, 90, true},
         {"formats/luxembourg_terra_elev_i16_nodata.tif", " --spacing 900", 95, 90, true},
@@ -73,6 +79,23 @@ TEST_CASE("every real height field is baked whole, verified and flown within its
         CHECK(flight["verified_error_px_max"] <= 1.0);
         CHECK(flight["triangles_mean"] > 100);
     }
+}
+
+TEST_CASE("Spain and a tile inside of it, in degrees, make one field in metres that a region is cut from") {
+    const std::string spain = real("dem/spain_sierra_nevada_srtm3_3601x2401_i16.tif"),
+                      tile = real("formats/N37W003.hgt");
+    if (spain.empty() || tile.empty()) return;
+    const TemporaryFolder folder;
+    const json whole = bake_and_verify(folder, spain, "");
+    CHECK(whole["columns"] == 3268);
+    CHECK(whole["rows"] == 2704);
+    const json info = json::parse(run_in(folder.path, bake + "info out.fjell --json").out);
+    CHECK(info["epsg"] == 32630);
+    CHECK(info["crs_name"] == "WGS 84 / UTM zone 30N");
+    CHECK(info["spacing_m"][0] == info["spacing_m"][1]);
+    const json part = bake_and_verify(folder, spain + " " + tile, " --bbox 480000,4100000,520000,4150000");
+    CHECK(part["columns"] == 484);
+    CHECK(part["holes"] == 0);
 }
 
 TEST_CASE(

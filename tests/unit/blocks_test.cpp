@@ -63,8 +63,8 @@ Strip noise(std::size_t blocks, int amplitude, unsigned seed) {
         for (std::size_t c = 0; c < 3; ++c) {
             const int base = static_cast<int>(random() % 256);
             for (std::size_t i = 0; i < 16; ++i)
-                s.at(c, 4 * b + i % 4, i / 4) = static_cast<std::uint8_t>(
-                    std::clamp(base + static_cast<int>(random() % static_cast<unsigned>(2 * amplitude + 1)) - amplitude, 0, 255));
+                s.at(c, 4 * b + i % 4, i / 4) = static_cast<std::uint8_t>(std::clamp(
+                    base + static_cast<int>(random() % static_cast<unsigned>(2 * amplitude + 1)) - amplitude, 0, 255));
         }
     return s;
 }
@@ -111,8 +111,7 @@ TEST_CASE("a block does not depend on those beside it") {
     for (const std::size_t b : {0u, 31u, 32u, 76u}) {
         Strip one(1);
         for (std::size_t c = 0; c < 3; ++c)
-            for (std::size_t i = 0; i < 16; ++i)
-                one.at(c, i % 4, i / 4) = all.plane[c][i / 4 * 77 * 4 + 4 * b + i % 4];
+            for (std::size_t i = 0; i < 16; ++i) one.at(c, i % 4, i / 4) = all.plane[c][i / 4 * 77 * 4 + 4 * b + i % 4];
         CHECK(std::memcmp(one.bc1().data(), bc1.data() + 8 * b, 8) == 0);
         CHECK(std::memcmp(one.bc5().data(), bc5.data() + 16 * b, 16) == 0);
     }
@@ -158,7 +157,8 @@ TEST_CASE("decoders follow the formats' definitions") {
           std::vector<int>{0, 0, 255, 255, 0, 0, 127, 0, 127, 0, 0, 0});
     // Codes 0..7 in 3 bits each: 0b111'110'101'100'011'010'001'000.
     const auto eight = normals(block({240, 100, 0x88, 0xc6, 0xfa, 0, 0, 0, 100, 240, 0x88, 0xc6, 0xfa, 0, 0, 0}), 0);
-    CHECK(first(eight, 16) == std::vector<int>{240, 100, 100, 240, 220, 128, 200, 156, 180, 184, 160, 212, 140, 0, 120, 255});
+    CHECK(first(eight, 16) ==
+          std::vector<int>{240, 100, 100, 240, 220, 128, 200, 156, 180, 184, 160, 212, 140, 0, 120, 255});
     CHECK(normal_component(128) == 0);
     CHECK(normal_component(255) == 1);
     CHECK(normal_component(1) == -1);

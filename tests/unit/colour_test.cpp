@@ -18,7 +18,8 @@ double bumps(int x, int y) {
 
 std::vector<int> painted(const Ramp& ramp, double height, double degrees = 0) {
     float rgb[3];
-    RampPainter(ramp).paint(static_cast<float>(height), static_cast<float>(std::cos(degrees * 3.14159265358979 / 180)), rgb);
+    RampPainter(ramp).paint(static_cast<float>(height), static_cast<float>(std::cos(degrees * 3.14159265358979 / 180)),
+                            rgb);
     return {static_cast<int>(rgb[0] + 0.5f), static_cast<int>(rgb[1] + 0.5f), static_cast<int>(rgb[2] + 0.5f)};
 }
 
@@ -107,11 +108,13 @@ TEST_CASE("images of every kind become red, green, blue and alpha") {
         REQUIRE(image->layers.size() == 1);
         CHECK(image->layers[0].columns == 6);
         CHECK(image->layers[0].rows == 5);
-        CHECK(image->layers[0].per_sample[0] == 3); // stretched: two cells for six pixels
+        CHECK(image->layers[0].per_sample[0] == 3);     // stretched: two cells for six pixels
         const auto rgba = pixels(*image, {2, 1, 3, 3}); // (3, 2) is in its middle
         return std::vector<int>(rgba.begin() + 16, rgba.begin() + 20);
     };
-    SECTION("grey") { CHECK(texel(write(r, dir / "a.png", "PNG")) == std::vector<int>{32, 32, 32, 255}); }
+    SECTION("grey") {
+        CHECK(texel(write(r, dir / "a.png", "PNG")) == std::vector<int>{32, 32, 32, 255});
+    }
     SECTION("grey with a value that means nothing") {
         r.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetNoDataValue(32); };
         CHECK(texel(write(r, dir / "a.tif")) == std::vector<int>{32, 32, 32, 0});
@@ -165,7 +168,10 @@ TEST_CASE("a georeferenced image lies by its coordinates") {
         CHECK(open_images({path, path}, ground)->layers.size() == 2);
         r.geotransform.clear();
         const std::string plain_image = write(r, dir / "b.tif");
-        check_refusal(refusal([&] { (void)open_images({path, plain_image}, ground); }), 1, plain_image, {"georeference"});
+        check_refusal(refusal([&] {
+                          (void)open_images({path, plain_image}, ground);
+                      }),
+                      1, plain_image, {"georeference"});
     }
     SECTION("beside the terrain it is refused with both places") {
         const double far_away[2] = {9000, 2000};
@@ -226,7 +232,9 @@ TEST_CASE("an image in another CRS is warped, and its pixels do not depend on ho
 
 TEST_CASE("what is no image is refused with what to do") {
     const TempDir dir;
-    const auto refused = [](const std::string& path) { return refusal([&] { (void)open_images({path}, plain(5, 5)); }); };
+    const auto refused = [](const std::string& path) {
+        return refusal([&] { (void)open_images({path}, plain(5, 5)); });
+    };
     check_refusal(refused(dir / "missing.png"), 1, dir / "missing.png", {"no such file"});
     check_refusal(refused(dir / "."), 1, dir / ".", {"is a folder"});
     write_text(dir / "text.jpg", "no picture");
@@ -242,8 +250,10 @@ TEST_CASE("an image that is cut short is refused while it is read") {
     r.geotransform.clear();
     const std::string path = write(r, dir / "a.png", "PNG");
     std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
-    check_refusal(refusal([&] { (void)pixels(*open_images({path}, plain(5, 5)), {0, 0, 300, 300}); }), 1, path,
-                  {"cut short"});
+    check_refusal(refusal([&] {
+                      (void)pixels(*open_images({path}, plain(5, 5)), {0, 0, 300, 300});
+                  }),
+                  1, path, {"cut short"});
 }
 
 TEST_CASE("the ramps in content/ are ramps") {
@@ -294,8 +304,8 @@ TEST_CASE("a ramp that is not one is refused, naming the stop") {
                   {"slope 0", "three numbers"});
     check_refusal(sloped(R"([{"from_degrees": 20, "degrees": 30, "stops": [)" + b + ", " + a + "]}]"), 1, path,
                   {"slope 0, stop 1", "rise"});
-    check_refusal(sloped(R"([{"from_degrees": 20, "degrees": 30, )" + rock + R"(}, {"from_degrees": 29, "degrees": 40, )" +
-                         rock + "}]"),
+    check_refusal(sloped(R"([{"from_degrees": 20, "degrees": 30, )" + rock +
+                         R"(}, {"from_degrees": 29, "degrees": 40, )" + rock + "}]"),
                   1, path, {"slope 1", "ends"});
     check_refusal(refusal([&] { (void)read_ramp(dir / "none.json"); }), 1, dir / "none.json", {"No such file"});
 }

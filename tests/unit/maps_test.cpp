@@ -42,7 +42,8 @@ std::array<std::uint8_t, 4> speckles(int x, int y) {
 
 // Texels of the shared column (or row) of neighbours, equal before they are compressed.
 void require_equal_borders(const MapPlan& plan, const Maps& maps, MapKind kind) {
-    const auto tiles_x = static_cast<std::uint32_t>(plan.tree.tiles_x), tiles_y = static_cast<std::uint32_t>(plan.tree.tiles_y);
+    const auto tiles_x = static_cast<std::uint32_t>(plan.tree.tiles_x),
+               tiles_y = static_cast<std::uint32_t>(plan.tree.tiles_y);
     const std::size_t n = channels(kind);
     int compared = 0;
     for (std::uint32_t m = 0; m < maps.of(kind).size(); ++m) {
@@ -125,7 +126,8 @@ TEST_CASE("every mip of normals is a tent over the one before, the first over th
         for (int x = 0; x < width; ++x) {
             const int w = std::max(x - 1, 0), e = std::min(x + 1, width - 1), n = std::max(y - 1, 0),
                       s = std::min(y + 1, width - 1);
-            const double east = (bumps(e, y) - bumps(w, y)) / (e - w) / 10, south = (bumps(x, s) - bumps(x, n)) / (s - n) / 20;
+            const double east = (bumps(e, y) - bumps(w, y)) / (e - w) / 10,
+                         south = (bumps(x, s) - bumps(x, n)) / (s - n) / 20;
             grid.push_back(-east / std::sqrt(1 + east * east + south * south));
         }
     for (std::uint32_t m = 0; m < 4; ++m) {
@@ -149,8 +151,10 @@ TEST_CASE("every mip of normals is a tent over the one before, the first over th
                 for (int i = 0; i <= cells; ++i) {
                     const auto at = static_cast<std::size_t>(j * (cells + 1) + i);
                     const double v = (maps.normal[m][static_cast<std::size_t>(tile)].texels[2 * at] - 32768) / 32767.0;
-                    REQUIRE(v == Approx(coarse[static_cast<std::size_t>((tile / 2 * cells + j) * next + tile % 2 * cells + i)])
-                                     .margin(4e-5)); // floats on the way, and 16 bits a mip
+                    REQUIRE(
+                        v ==
+                        Approx(coarse[static_cast<std::size_t>((tile / 2 * cells + j) * next + tile % 2 * cells + i)])
+                            .margin(4e-5)); // floats on the way, and 16 bits a mip
                 }
         grid = coarse;
         width = next;
@@ -280,10 +284,12 @@ TEST_CASE("a pack's maps are verified, and a spoilt one is noticed") {
     CHECK(report.texels > 6 * (32 * 32 + 16 * 16));
     // Take another tile's maps for tile 1.
     for (const ChunkKind kind : {ChunkKind::colour, ChunkKind::normal}) {
-        auto directory = std::vector<std::byte>(pack.pack.directory,
-                                                pack.pack.directory + pack.pack.header.directory_count * sizeof(ChunkEntry));
+        auto directory = std::vector<std::byte>(
+            pack.pack.directory, pack.pack.directory + pack.pack.header.directory_count * sizeof(ChunkEntry));
         const auto swap = [&](ChunkId a, ChunkId b) {
-            const auto at = [&](ChunkId id) { return directory.data() + chunk_index(pack.pack.header, id) * sizeof(ChunkEntry); };
+            const auto at = [&](ChunkId id) {
+                return directory.data() + chunk_index(pack.pack.header, id) * sizeof(ChunkEntry);
+            };
             std::swap_ranges(at(a), at(a) + sizeof(ChunkEntry), at(b));
         };
         Pack spoilt = pack.pack;

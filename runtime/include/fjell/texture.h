@@ -1,9 +1,9 @@
 // Maps as the pack stores them: BC1 (colour) and BC5 (normals), 4 x 4 texels a block, row by row; and the way back.
 //
-// BC1, 8 bytes: two colours of 5-6-5 bits, then 2 bits a texel that choose them or a third between. BC5, 16 bytes: twice
-// two bytes and 3 bits a texel that choose them or a seventh between; first the east, then the south component of the
-// unit normal, as 128 + 127 v, so that 128 is exactly 0. Both little-endian, the texel in the north-west in the lowest
-// bits (OpenGL: EXT_texture_compression_s3tc, ARB_texture_compression_rgtc).
+// BC1, 8 bytes: two colours of 5-6-5 bits, then 2 bits a texel that choose them or a third between. BC5, 16 bytes:
+// twice two bytes and 3 bits a texel that choose them or a seventh between; first the east, then the south component of
+// the unit normal, as 128 + 127 v, so that 128 is exactly 0. Both little-endian, the texel in the north-west in the
+// lowest bits (OpenGL: EXT_texture_compression_s3tc, ARB_texture_compression_rgtc).
 //
 // side: texels a side, at least 4, a power of two. Pure, thread-safe, O(texels), allocates nothing. Any bytes decode to
 // something.

@@ -1,0 +1,41 @@
+// What fjell-bake is told.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "baker/picture.h"
+#include "baker/recipe.h"
+
+namespace fjell::baker {
+
+struct Arguments {
+    Recipe given; // bake
+    std::string recipe_path, save_recipe_path, json_path;
+    int threads = 0;
+    std::size_t memory_mb = 512;
+    double checkpoint_s = 5;
+    bool quiet = false;
+
+    std::string pack; // info, verify
+    bool info_json = false;
+    std::string picture_path;
+    PictureOptions picture;
+
+    Recipe against; // verify: its inputs and read options
+    std::string against_recipe_path;
+
+    std::string terrain_path, dem_path; // synth
+};
+
+struct Commands {
+    CLI::App* info;
+    CLI::App* verify;
+    CLI::App* synth;
+};
+
+[[nodiscard]] Commands declare_arguments(CLI::App& app, Arguments& arguments);
+
+} // namespace fjell::baker
