@@ -3,8 +3,8 @@
 // FJELL_FAULT="CALLS TEXT WHAT WHEN": of CALLS (names with commas between, or all), those on files whose path contains
 // TEXT are counted, and WHAT happens to the one numbered WHEN, from 1 on: `7`, `7+` (from the seventh on) or `%7` (every
 // seventh). WHAT is a name of errno; `short` (half of the bytes); `kill` or `interrupt` (SIGKILL or SIGINT before the
-// call); `none`. FJELL_FAULT_COUNT=FILE: how many there were, written when the program ends. Of streams, reading is
-// seen under the name `fread`, and fails as if the file had ended.
+// call); `none`. FJELL_FAULT_COUNT=FILE: how many there were, written when the program ends. Of streams, `fread` and
+// `fwrite` are seen as they are asked, and move nothing when they fail.
 //
 // Built without sanitizers and without anything of Fjell's: it is loaded before all else.
 #include <atomic>
@@ -201,6 +201,11 @@ ssize_t read(int fd, void* bytes, size_t size) {
 size_t fread(void* bytes, size_t size, size_t n, FILE* file) {
     static const auto real = next<size_t (*)(void*, size_t, size_t, FILE*)>("fread");
     return decide("fread", fileno(file)) == Do::fail ? 0 : real(bytes, size, n, file);
+}
+
+size_t fwrite(const void* bytes, size_t size, size_t n, FILE* file) {
+    static const auto real = next<size_t (*)(const void*, size_t, size_t, FILE*)>("fwrite");
+    return decide("fwrite", fileno(file)) == Do::fail ? 0 : real(bytes, size, n, file);
 }
 
 int fsync(int fd) {

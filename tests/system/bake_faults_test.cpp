@@ -415,6 +415,40 @@ TEST_CASE("a ramp that is away for a while costs nothing") {
     CHECK(!std::filesystem::exists(folder / "out.fjell.work"));
 }
 
+TEST_CASE("a height field that is made is there as a whole or not at all") {
+    const TemporaryFolder folder, aside;
+    const std::string synth = FJELL_BIN_DIR "/fjell-bake synth recipe.json -o out.tif";
+    spit(folder / "recipe.json", R"({"columns": 600, "rows": 300, "spacing_m": 60})");
+    REQUIRE(run_in(folder.path, with({"all", "none", "1", "out.tif"}, synth, aside / "count")).code == 0);
+    const std::string whole = slurp(folder / "out.tif");
+    const auto names = folder.names();
+    REQUIRE(names == std::vector<std::string>{"out.tif", "recipe.json"});
+    spit(folder / "out.tif", old_pack);
+    const auto fails = [&](const std::string& command) {
+        const Run r = run_in(folder.path, command);
+        CAPTURE(command, r.err);
+        CHECK(r.code == 3);
+        CHECK(one_line(r.err));
+        CHECK((slurp(folder / "out.tif") == old_pack));
+        CHECK(folder.names() == names);
+    };
+    for (const char* when : {"1", "1+", "2", "3", "5+", "7"}) fails(with({"fwrite", "ENOSPC", when, "out.tif"}, synth));
+    fails(with({"fsync", "EIO", "1", "out.tif"}, synth));
+    fails(with({"rename", "EACCES", "1", "out.tif"}, synth));
+    for (const char* blocks : {"0", "20", "200"}) fails("ulimit -f " + std::string(blocks) + "; " + synth + " 2>&1 | cat >&2; exit 3");
+    const long calls = std::strtol(slurp(aside / "count").c_str(), nullptr, 10);
+    for (const long n : spread(calls, 6)) {
+        const Run r = run_in(folder.path, with({"all", "kill", std::to_string(n), "out.tif"}, synth));
+        CAPTURE(n, calls);
+        CHECK((r.code == 0 || r.code == 128 + SIGKILL));
+        if (r.code != 0) CHECK((slurp(folder / "out.tif") == old_pack || slurp(folder / "out.tif") == whole));
+        CHECK(run_in(folder.path, synth).code == 0);
+        CHECK((slurp(folder / "out.tif") == whole));
+        CHECK(folder.names() == names);
+        spit(folder / "out.tif", old_pack);
+    }
+}
+
 TEST_CASE("the tool holds the same under faults") {
     const TemporaryFolder folder;
     const std::string bake = FJELL_BIN_DIR "/fjell-bake dem.tif -o out.fjell --tile 64 --threads 2 --quiet";
