@@ -68,7 +68,8 @@ Ledger::Stored Ledger::pack() const {
 void Ledger::write() {
     const Stored stored = pack();
     const std::string temporary = path_ + ".new";
-    const int fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    const int fd = host::uninterrupted(
+        [&] { return open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666); });
     if (fd < 0) host::disk_failure(temporary, "open");
     try {
         host::write_all(fd, 0, std::as_bytes(std::span(&stored, 1)), temporary);

@@ -33,20 +33,20 @@ std::unique_ptr<ImageSource> images_of(const HeightSource& source, const BakeOpt
                                                        source.crs_wkt));
 }
 
-// A pack that cannot be written should not cost an hour.
-const std::string& checked_output(const std::string& path) {
-    (void)host::AtomicFile(path);
-    return path;
-}
-
 } // namespace
 
 Pipeline::Pipeline(const HeightSource& source, const BakeOptions& options, const std::string& out_path)
-    : source_(source), options_(options), out_path_(checked_output(out_path)), tree_(tiling(source, options)),
+    : source_(source), options_(options), out_path_(out_path), tree_(tiling(source, options)),
       regions_(tree_, options.region_cells), pages_{tree_.tile_log2, options.order}, threads_(resolve_threads(options.threads)),
       plain_z_(options.order == Order::linear ? 0 : std::max(tree_.tile_log2 - page_squares_log2, 0)),
       folder_(out_path), image_(images_of(source, options)), ledger_(folder_.file("ledger"), identity()), last_checkpoint_(Clock::now()) {
     if (!ledger_.resumed()) folder_.empty();
+    folder_.keep(false);
+    (void)host::AtomicFile(out_path_, temporary()); // a pack that cannot be written should not cost an hour
+}
+
+std::string Pipeline::temporary() const {
+    return std::filesystem::is_character_file(out_path_) ? "" : file("pack");
 }
 
 std::string Pipeline::identity() const {
@@ -182,8 +182,8 @@ BakeSummary Pipeline::run() {
         summary.file_bytes = assemble(summary);
     } catch (const Failure& failure) {
         const bool interrupted = failure.exit_code == 130;
-        const bool input_lost = failure.exit_code == 1 && ledger_.state.stage == index(Stage::read) &&
-                                ledger_.state.done > 0 && seconds_since(start) > options_.checkpoint_s;
+        const bool input_lost = failure.exit_code == 1 && input_at_work_ &&
+                                (summary.resumed || seconds_since(start) > options_.checkpoint_s);
         if (!interrupted && !input_lost) throw;
         checkpoint();
         folder_.keep();
@@ -233,7 +233,7 @@ std::vector<ChunkId> Pipeline::chunk_sequence() const {
 std::uint64_t Pipeline::assemble(BakeSummary& summary) {
     header_.max_error_m = ledger_.state.max_error_m;
     const std::vector<ChunkId> sequence = chunk_sequence();
-    host::AtomicFile out(out_path_, std::filesystem::is_character_file(out_path_) ? "" : file("pack"));
+    host::AtomicFile out(out_path_, temporary());
     const std::uint64_t bytes = assemble_pack(header_, *spool_, sequence, out, [&](std::uint64_t n) {
         if (options_.progress) options_.progress("write", n, sequence.size());
     });

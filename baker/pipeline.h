@@ -80,6 +80,7 @@ private:
 
     // ---- pieces of the terrain
     [[nodiscard]] std::string file(const std::string& name) const { return folder_.file(name); }
+    [[nodiscard]] std::string temporary() const; // where the pack grows; empty: at its own place
     [[nodiscard]] const Store<float>& heights() const { return filled_.exists() ? filled_ : raw_; }
     // The places of step 2^z from twice square (-1, -1) of the region on, as level.h wants them.
     [[nodiscard]] Ground ground_of(const Region& region) const;
@@ -125,6 +126,7 @@ private:
     WorkFolder folder_;
     std::unique_ptr<ImageSource> image_; // or none
     Ledger ledger_;
+    bool input_at_work_ = false; // what fails now is the input, which may come back
     std::optional<ChunkSpool> spool_;
     std::mutex lock_;
     std::chrono::steady_clock::time_point last_checkpoint_;

@@ -38,8 +38,9 @@ private:
 
 void Pipeline::read() {
     const std::uint32_t stage = index(Stage::read);
-    // Kept for colours and normals; gone when those are made.
-    if (!done(index(Stage::vertices))) raw_ = {file("heights"), tree_.columns(), tree_.rows()};
+    // Kept for colours and normals; gone when those are made, or when the filled ones are.
+    const bool filled = done(index(Stage::fill)) && ledger_.state.has_voids;
+    if (!done(index(Stage::vertices)) && !filled) raw_ = {file("heights"), tree_.columns(), tree_.rows()};
     if (done(stage)) return;
     const std::vector<Window> windows = source_.windows(window_samples);
     std::size_t largest = 0;
@@ -48,6 +49,7 @@ void Pipeline::read() {
     ReaderPool readers(source_);
     const int workers = std::min(source_.readers(threads_), workers_for(largest * 2 * sizeof(float)));
     const double each = static_cast<double>(tree_.columns()) * tree_.rows() / static_cast<double>(windows.size());
+    input_at_work_ = true;
     run_units({stage, "read", windows.size(), workers, each,
                [&](std::uint64_t i) { ledger_.state.census.add(met[i]); }},
               [&](std::uint64_t i) {
@@ -57,6 +59,7 @@ void Pipeline::read() {
                   raw_.write(windows[i], heights.data(), windows[i].columns);
                   readers.give(std::move(reader));
               });
+    input_at_work_ = false;
     const Settled settled = source_.settle(ledger_.state.census);
     LedgerState& state = ledger_.state;
     state.has_voids = state.census.voids.count + state.census.odd.count > 0;
@@ -74,10 +77,7 @@ void Pipeline::fill() {
         filled_ = {file("filled"), columns, rows};
         if (state.holes) voids_ = {file("voids"), columns, rows};
     }
-    if (done(stage)) {
-        if (state.has_voids) raw_.remove();
-        return;
-    }
+    if (done(stage)) return;
     if (state.has_voids) {
         if (options_.progress) options_.progress("fill", 0, 1);
         if (state.holes) {

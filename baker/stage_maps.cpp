@@ -63,6 +63,7 @@ void Pipeline::make_near_maps() {
     const double places = tree_.side() + 32.0, texels = static_cast<double>(1u << maps_.colour_log2);
     // Heights, and texels of both maps on their way from floats to blocks.
     const auto bytes = static_cast<std::uint64_t>(places * places * 20 + texels * texels * 24) + (std::uint64_t{2} << 20);
+    input_at_work_ = true;
     run_units({stage, "maps", tiles, workers_for(bytes),
                static_cast<double>(tree_.columns()) * tree_.rows() / static_cast<double>(tiles)},
               [&](std::uint64_t u) {
@@ -84,6 +85,7 @@ void Pipeline::make_near_maps() {
                   }
                   spool_->append(batch);
               });
+    input_at_work_ = false;
     image_readers_.clear();
     finish(stage);
 }

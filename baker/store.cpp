@@ -20,15 +20,17 @@ WorkFile::WorkFile(std::string path, std::uint64_t bytes) : path_(std::move(path
         memory_.resize(bytes);
         return;
     }
-    fd_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    fd_ = host::uninterrupted([&] { return open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666); });
     if (fd_ < 0) host::disk_failure(path_, "open");
     struct stat info {};
     if (bytes == grows) return;
     if (fstat(fd_, &info) == 0 && static_cast<std::uint64_t>(info.st_size) == bytes) return;
     // Taken at once where the file system can, so that a disk that is too small is known before the work.
-    const bool taken = bytes == 0 || fallocate(fd_, 0, 0, static_cast<off_t>(bytes)) == 0;
+    const bool taken =
+        bytes == 0 || host::uninterrupted([&] { return fallocate(fd_, 0, 0, static_cast<off_t>(bytes)); }) == 0;
     if (!taken && errno != EOPNOTSUPP && errno != ENOSYS && errno != EINVAL) host::disk_failure(path_, "reserve");
-    if (ftruncate(fd_, static_cast<off_t>(bytes)) != 0) host::disk_failure(path_, "reserve");
+    if (host::uninterrupted([&] { return ftruncate(fd_, static_cast<off_t>(bytes)); }) != 0)
+        host::disk_failure(path_, "reserve");
 }
 
 WorkFile::~WorkFile() {
@@ -62,20 +64,40 @@ WorkFolder::WorkFolder(const std::string& pack_path) : path_(host::where_written
     std::error_code error;
     if (std::filesystem::is_character_file(pack_path, error)) // beside devices is no place for anything
         path_ = (std::filesystem::temp_directory_path() / fmt::format("fjell-bake-{}.work", getpid())).string();
-    std::filesystem::create_directory(path_, error);
-    if (error) {
-        errno = error.value();
-        if (errno == ENOENT || errno == ENOTDIR)
-            throw Failure(
-                1, fmt::format("{}: the output folder does not exist; create it or choose another", pack_path));
-        host::disk_failure(path_, "make the folder");
+    do {
+        std::filesystem::create_directory(path_, error);
+        if (error) {
+            errno = error.value();
+            if (errno == ENOENT || errno == ENOTDIR)
+                throw Failure(
+                    1, fmt::format("{}: the output folder does not exist; create it or choose another", pack_path));
+            host::disk_failure(path_, "make the folder");
+        }
+    } while (!take_lock(pack_path));
+    for (const auto& entry : std::filesystem::directory_iterator(path_, error))
+        keep_ = keep_ || entry.path().filename() != "lock";
+}
+
+bool WorkFolder::take_lock(const std::string& pack_path) {
+    const std::string name = file("lock");
+    lock_ = host::uninterrupted([&] { return open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666); });
+    if (lock_ < 0 && errno == ENOENT) return false;
+    if (lock_ < 0) {
+        const int why = errno;
+        rmdir(path_.c_str()); // only when there is nothing in it
+        errno = why;
+        host::disk_failure(path_, "open the lock in");
     }
-    lock_ = open(file("lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (lock_ < 0) host::disk_failure(path_, "open the lock in");
-    if (flock(lock_, LOCK_EX | LOCK_NB) == 0) return;
+    struct stat held {}, there {};
+    if (host::uninterrupted([&] { return flock(lock_, LOCK_EX | LOCK_NB); }) != 0) {
+        close(lock_);
+        throw Failure(1, fmt::format("{}: another bake is writing this pack; wait for it, or choose another name",
+                                     pack_path));
+    }
+    // Whoever had it may have removed it between our two calls: then what is held is a lock on nothing.
+    if (fstat(lock_, &held) == 0 && stat(name.c_str(), &there) == 0 && held.st_ino == there.st_ino) return true;
     close(lock_);
-    throw Failure(1, fmt::format("{}: another bake is writing this pack; wait for it, or choose another name",
-                                 pack_path));
+    return false;
 }
 
 void WorkFolder::empty() {
@@ -84,9 +106,13 @@ void WorkFolder::empty() {
         if (entry.path().filename() != "lock") std::filesystem::remove_all(entry.path(), ignored);
 }
 
+// The lock goes last, and the folder only when it is empty: another bake may have moved in by then.
 WorkFolder::~WorkFolder() {
-    std::error_code ignored;
-    if (!keep_) std::filesystem::remove_all(path_, ignored);
+    if (!keep_) {
+        empty();
+        unlink(file("lock").c_str());
+        rmdir(path_.c_str());
+    }
     close(lock_);
 }
 

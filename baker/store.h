@@ -83,7 +83,8 @@ private:
     WorkFile file_;
 };
 
-// The folder PACK.work. One process at a time. Unless it is kept, the destructor removes it with all that is in it.
+// The folder PACK.work. One process at a time. Unless it is kept, the destructor removes it with all that is in it. What
+// an earlier run has left is kept until keep(false): a failure before its worth is known must not cost hours.
 class WorkFolder {
 public:
     // Throws Failure: 3 when it cannot be made, 1 when another bake is at work in it.
@@ -93,11 +94,12 @@ public:
     WorkFolder& operator=(const WorkFolder&) = delete;
 
     void empty(); // removes what is in it
-    void keep() { keep_ = true; }
+    void keep(bool kept = true) { keep_ = kept; }
     [[nodiscard]] const std::string& path() const { return path_; }
     [[nodiscard]] std::string file(const std::string& name) const { return path_ + "/" + name; }
 
 private:
+    [[nodiscard]] bool take_lock(const std::string& pack_path); // false: the folder went away meanwhile
     std::string path_;
     int lock_ = -1;
     bool keep_ = false;

@@ -12,7 +12,7 @@
 //
 // Only + - * / and sqrt, in double and float without contraction, and integer hashes: same recipe, same bytes, on every
 // machine and compiler.
-#include "baker/read.h"
+#include "baker/synth.h"
 
 #include <algorithm>
 #include <array>
@@ -23,13 +23,15 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/parallel.h"
+#include "baker/read.h"
+#include "baker/windows.h"
 #include "host/file.h"
 
 namespace fjell::baker {
 
 namespace {
 
-struct Recipe {
+struct LandRecipe {
     std::int32_t columns = 1025, rows = 1025;
     double spacing_m = 60;
     std::uint32_t seed = 1;
@@ -163,7 +165,7 @@ float smooth(float t) {
 // A landscape in units of one feature (positions) and of the relief (heights, about 0..1).
 class Landscape {
 public:
-    Landscape(const Recipe& recipe)
+    Landscape(const LandRecipe& recipe)
         : seed_(hash(static_cast<std::int32_t>(recipe.seed), 0x5bd1e995, 0x27220A95u)),
           finest_(recipe.feature_m / (2 * recipe.spacing_m)), gain_(static_cast<float>(0.30 + 0.35 * recipe.roughness)),
           warp_(0.45 * recipe.warp), gullies_(static_cast<float>(recipe.gullies)),
@@ -283,10 +285,10 @@ struct Entry {
     double value;
 };
 
-Recipe parse_recipe(const std::string& text) {
+LandRecipe parse_land(const std::string& text) {
     const auto json = nlohmann::json::parse(text, nullptr, false, true);
     if (!json.is_object()) refuse("not a JSON object; see content/terrain/mountains.json for one that is");
-    Recipe r;
+    LandRecipe r;
     std::array<Entry, 12> entries{{{"columns", 2, 65537, true, static_cast<double>(r.columns)},
                                    {"rows", 2, 65537, true, static_cast<double>(r.rows)},
                                    {"spacing_m", 1e-3, 1e6, false, r.spacing_m},
@@ -333,48 +335,110 @@ Recipe parse_recipe(const std::string& text) {
     return r;
 }
 
-Dem raise(const Recipe& recipe, int threads) {
-    Dem dem;
-    dem.columns = recipe.columns;
-    dem.rows = recipe.rows;
-    dem.spacing_m[0] = dem.spacing_m[1] = recipe.spacing_m;
-    dem.native_quantum_m = 0.1;
-    const auto columns = static_cast<std::size_t>(dem.columns);
-    dem.heights_m.resize(columns * static_cast<std::size_t>(dem.rows));
-    const Landscape land(recipe);
-    const double scale = recipe.spacing_m / recipe.feature_m;
-    parallel_for(dem.rows, resolve_threads(threads), [&](std::int64_t y) {
-        Landscape::Row memory;
-        float* row = dem.heights_m.data() + static_cast<std::size_t>(y) * columns;
-        for (std::size_t x = 0; x < columns; ++x) {
-            const double up = land.height(memory, static_cast<double>(x) * scale, static_cast<double>(y) * scale);
-            // To whole decimetres: a DEM with a step of its own is lossless in a pack.
-            const std::int32_t steps = whole((recipe.base_m + recipe.relief_m * up) * 10 + 0.5);
-            row[x] = static_cast<float>(steps * 0.1);
+class LandReader final : public HeightReader {
+public:
+    LandReader(const Landscape& land, const LandRecipe& recipe) : land_(land), recipe_(recipe) {}
+    void read(const Window& window, float* to, Census& census) override {
+        census.per_unit = 1; // the quantum is known
+        const double scale = recipe_.spacing_m / recipe_.feature_m;
+        for (std::int32_t y = window.y; y < window.y + window.rows; ++y) {
+            Landscape::Row memory;
+            for (std::int32_t x = window.x; x < window.x + window.columns; ++x, ++to) {
+                const double up = land_.height(memory, static_cast<double>(x) * scale, static_cast<double>(y) * scale);
+                // To whole decimetres: a DEM with a step of its own is lossless in a pack.
+                const std::int32_t steps = whole((recipe_.base_m + recipe_.relief_m * up) * 10 + 0.5);
+                *to = static_cast<float>(steps * 0.1);
+                census.least_m = std::min(census.least_m, *to);
+                census.most_m = std::max(census.most_m, *to);
+            }
         }
+    }
+
+private:
+    const Landscape& land_;
+    const LandRecipe& recipe_;
+};
+
+class LandSource final : public HeightSource {
+public:
+    explicit LandSource(const LandRecipe& recipe) : recipe_(recipe), land_(recipe) {
+        columns = recipe.columns;
+        rows = recipe.rows;
+        spacing_m[0] = spacing_m[1] = recipe.spacing_m;
+    }
+    [[nodiscard]] std::unique_ptr<HeightReader> reader() const override {
+        return std::make_unique<LandReader>(land_, recipe_);
+    }
+    [[nodiscard]] std::vector<Window> windows(std::size_t most) const override {
+        return cut_along({0, 0, columns, rows}, {columns, 1, 0, 0}, most);
+    }
+    [[nodiscard]] Settled settle(const Census&) const override { return {0.1, 0, false}; }
+    // The number changes when the landscape of a recipe does.
+    [[nodiscard]] std::string identity() const override {
+        const LandRecipe& r = recipe_;
+        return fmt::format("mountains 1: {} x {}, {} m, seed {} base {} relief {} feature {} octaves {} roughness {} warp {} "
+                           "gullies {} lowland {}",
+                           r.columns, r.rows, r.spacing_m, r.seed, r.base_m, r.relief_m, r.feature_m, r.octaves,
+                           r.roughness, r.warp, r.gullies, r.lowland);
+    }
+
+private:
+    LandRecipe recipe_;
+    Landscape land_;
+};
+
+Dem raise(const HeightSource& source, int threads) {
+    Dem dem;
+    dem.columns = source.columns;
+    dem.rows = source.rows;
+    std::copy_n(source.spacing_m, 2, dem.spacing_m);
+    dem.native_quantum_m = 0.1;
+    dem.heights_m.resize(static_cast<std::size_t>(dem.columns) * static_cast<std::size_t>(dem.rows));
+    parallel_for(dem.rows, resolve_threads(threads), [&](std::int64_t row) {
+        const auto y = static_cast<std::int32_t>(row);
+        Census unused;
+        source.reader()->read({0, y, dem.columns, 1}, dem.heights_m.data() + dem.index(0, y), unused);
     });
     return dem;
 }
 
 } // namespace
 
-Dem synthesise_text(const std::string& recipe_json, int threads) {
-    const Recipe recipe = parse_recipe(recipe_json);
+std::unique_ptr<HeightSource> synth_source(const std::string& recipe_json) {
+    return std::make_unique<LandSource>(parse_land(recipe_json));
+}
+
+namespace {
+
+// What make() says of a recipe's text, headed by the file's name.
+template <typename Make>
+auto of_file(const std::string& path, const Make& make) {
+    const std::string text = host::read_text(path);
     try {
-        return raise(recipe, threads);
+        return make(text);
+    } catch (const Failure& failure) {
+        throw Failure(failure.exit_code, fmt::format("{}: {}", path, failure.what()));
+    }
+}
+
+} // namespace
+
+std::unique_ptr<HeightSource> open_synth(const std::string& recipe_path) {
+    return of_file(recipe_path, [](const std::string& text) { return synth_source(text); });
+}
+
+Dem synthesise_text(const std::string& recipe_json, int threads) {
+    const auto source = synth_source(recipe_json);
+    try {
+        return raise(*source, threads);
     } catch (const std::bad_alloc&) {
         throw Failure(3, fmt::format("recipe: not enough memory for {} x {} samples; give fewer columns and rows",
-                                     recipe.columns, recipe.rows));
+                                     source->columns, source->rows));
     }
 }
 
 Dem synthesise(const std::string& recipe_path, int threads) {
-    const std::string text = host::read_text(recipe_path);
-    try {
-        return synthesise_text(text, threads);
-    } catch (const Failure& failure) {
-        throw Failure(failure.exit_code, fmt::format("{}: {}", recipe_path, failure.what()));
-    }
+    return of_file(recipe_path, [&](const std::string& text) { return synthesise_text(text, threads); });
 }
 
 } // namespace fjell::baker

@@ -1,61 +1,77 @@
-#include "baker/read.h"
+#include "baker/write_dem.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <functional>
+#include <mutex>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include <cpl_string.h>
-#include <cpl_vsi.h>
 #include <fmt/format.h>
 #include <ogr_spatialref.h>
 
+#include "baker/fill.h"
 #include "baker/gdal_file.h"
+#include "baker/parallel.h"
+#include "baker/read.h"
+#include "baker/store.h"
 #include "host/file.h"
 
 namespace fjell::baker {
 
 namespace {
 
-// A file in memory, so that the disk only ever sees a complete one.
-class MemoryFile {
-public:
-    MemoryFile() : name_(fmt::format("/vsimem/fjell-{}.tif", static_cast<const void*>(this))) {}
-    ~MemoryFile() { VSIUnlink(name_.c_str()); }
-    MemoryFile(const MemoryFile&) = delete;
-    MemoryFile& operator=(const MemoryFile&) = delete;
+constexpr std::int32_t tile = 256; // samples a side
 
-    [[nodiscard]] const std::string& name() const { return name_; }
-    [[nodiscard]] std::span<const std::byte> bytes() const {
-        vsi_l_offset size = 0;
-        const GByte* const data = VSIGetMemFileBuffer(name_.c_str(), &size, FALSE);
-        return {reinterpret_cast<const std::byte*>(data), data ? static_cast<std::size_t>(size) : 0};
-    }
-
-private:
-    std::string name_;
+// Heights without holes, from wherever they lie: rows y and on, as many as `to` holds.
+struct Heights {
+    std::int32_t columns, rows;
+    const double *spacing_m, *origin_m;
+    const std::string& crs_wkt;
+    double native_quantum_m;
+    float least_m, most_m;
+    std::function<void(std::int32_t y, std::span<float> to)> read;
 };
+
+// visit(y, rows): a row of tiles after the other, until it says no.
+template <typename Visit>
+bool each_band(const Heights& heights, std::vector<float>& rows, const Visit& visit) {
+    for (std::int32_t y = 0; y < heights.rows; y += tile) {
+        host::check_interrupt();
+        const std::int32_t n = std::min(tile, heights.rows - y);
+        rows.resize(static_cast<std::size_t>(heights.columns) * static_cast<std::size_t>(n));
+        heights.read(y, rows);
+        if (!visit(y, n)) return false;
+    }
+    return true;
+}
 
 // 16 bits with scale and offset, when every height comes back from them bit for bit.
 struct Lattice16 {
     double step_m, base_m;
     [[nodiscard]] double steps(float height) const { return std::round((height - base_m) / step_m); }
 };
-std::optional<Lattice16> lattice_of(const Dem& dem) {
-    if (!(dem.native_quantum_m > 0)) return {};
-    const auto [least, most] = std::minmax_element(dem.heights_m.begin(), dem.heights_m.end());
-    const double q = dem.native_quantum_m;
+std::optional<Lattice16> lattice_of(const Heights& heights) {
+    if (!(heights.native_quantum_m > 0)) return {};
+    const double q = heights.native_quantum_m;
     // The base is itself a whole number of steps where it can be: 123.4f is not 123.4.
-    const double whole = std::round(*least / q) * q;
-    const Lattice16 lattice{q, static_cast<float>(whole) == *least ? whole : *least};
-    if (lattice.steps(*most) > 65535) return {};
-    const bool exact = std::all_of(dem.heights_m.begin(), dem.heights_m.end(), [&](float h) {
-        return static_cast<float>(lattice.steps(h) * lattice.step_m + lattice.base_m) == h;
+    const double whole = std::round(heights.least_m / q) * q;
+    const Lattice16 lattice{q, static_cast<float>(whole) == heights.least_m ? whole : heights.least_m};
+    if (lattice.steps(heights.most_m) > 65535) return {};
+    std::vector<float> band;
+    const bool exact = each_band(heights, band, [&](std::int32_t, std::int32_t) {
+        return std::all_of(band.begin(), band.end(), [&](float h) {
+            return static_cast<float>(lattice.steps(h) * lattice.step_m + lattice.base_m) == h;
+        });
     });
     return exact ? std::optional(lattice) : std::nullopt;
 }
 
-void set_place(GDALDataset& file, const Dem& dem) {
+void set_place(GDALDataset& file, const Heights& dem) {
     // Pixels are samples: the origin is the north-west pixel's corner, half a pixel out.
     std::array<double, 6> t{dem.origin_m[0] - dem.spacing_m[0] / 2,
                             dem.spacing_m[0],
@@ -74,52 +90,125 @@ void set_place(GDALDataset& file, const Dem& dem) {
     file.SetSpatialRef(&crs);
 }
 
-bool write_rows(GDALDataset& file, const Dem& dem, const std::optional<Lattice16>& lattice) {
+// Writes the bands, or reads them back and compares.
+bool move_rows(GDALDataset& file, const Heights& heights, const std::optional<Lattice16>& lattice, GDALRWFlag way) {
     GDALRasterBand& band = *file.GetRasterBand(1);
+    std::vector<float> rows, found;
+    return each_band(heights, rows, [&](std::int32_t y, std::int32_t n) {
+        if (lattice) for (float& h : rows) h = static_cast<float>(lattice->steps(h));
+        found.resize(way == GF_Read ? rows.size() : 0);
+        if (band.RasterIO(way, 0, y, heights.columns, n, way == GF_Read ? found.data() : rows.data(), heights.columns, n,
+                          GDT_Float32, 0, 0, nullptr) != CE_None)
+            return false;
+        // Tiles are complete: GDAL need not keep any.
+        return band.FlushCache() == CE_None && (way == GF_Write || found == rows);
+    });
+}
+
+GdalFile create(GDALDriver& driver, const std::string& name, const Heights& heights,
+                const std::optional<Lattice16>& lattice) {
+    CPLStringList options;
+    options.SetNameValue("TILED", "YES");
+    options.SetNameValue("BLOCKXSIZE", std::to_string(tile).c_str());
+    options.SetNameValue("BLOCKYSIZE", std::to_string(tile).c_str());
+    options.SetNameValue("COMPRESS", "DEFLATE");
+    options.SetNameValue("PREDICTOR", lattice ? "2" : "3");
+    options.SetNameValue("BIGTIFF", "IF_SAFER");
+    GdalFile file(driver.Create(name.c_str(), heights.columns, heights.rows, 1, lattice ? GDT_UInt16 : GDT_Float32,
+                                options.List()));
+    if (!file) return file;
+    set_place(*file, heights);
+    GDALRasterBand& band = *file->GetRasterBand(1);
     if (lattice) {
         band.SetScale(lattice->step_m);
         band.SetOffset(lattice->base_m);
     }
     band.SetUnitType("m");
-    const auto columns = static_cast<std::size_t>(dem.columns);
-    std::vector<float> row(columns);
-    for (int y = 0; y < dem.rows; ++y) {
-        const float* const from = dem.heights_m.data() + static_cast<std::size_t>(y) * columns;
-        std::transform(from, from + columns, row.begin(),
-                       [&](float h) { return lattice ? static_cast<float>(lattice->steps(h)) : h; });
-        if (band.RasterIO(GF_Write, 0, y, dem.columns, 1, row.data(), dem.columns, 1, GDT_Float32, 0, 0, nullptr) !=
-            CE_None)
-            return false;
+    return file;
+}
+
+void write_heights(const Heights& heights, const std::string& path, const std::string& temporary) {
+    host::AtomicFile out(path, temporary);
+    GdalMessages messages;
+    register_drivers();
+    GDALDriver* const driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+    if (!driver) throw Failure(3, fmt::format("{}: this GDAL has no GeoTIFF driver; install libgdal with it", path));
+    const std::optional<Lattice16> lattice = lattice_of(heights);
+    GdalFile file = create(*driver, temporary, heights, lattice); // the same file: it is cut to nothing and filled
+    bool written = file && move_rows(*file, heights, lattice, GF_Write);
+    file.reset(); // closing writes the rest, and does not say when it cannot
+    if (written && !messages.failed()) {
+        file.reset(GDALDataset::Open(temporary.c_str(), GDAL_OF_RASTER));
+        written = file && move_rows(*file, heights, lattice, GF_Read);
+        file.reset();
     }
-    return true;
+    if (!written || messages.failed())
+        throw Failure(3, fmt::format("{}: cannot be written; free some space or choose another disk{}", path,
+                                     messages.said()));
+    out.commit();
+}
+
+void refuse_device(const std::string& path) {
+    if (std::filesystem::is_character_file(path))
+        throw Failure(1, fmt::format("{}: is a device; give the height field a file name", path));
 }
 
 } // namespace
 
 void write_dem(const Dem& dem, const std::string& path) {
-    host::AtomicFile out(path); // first: a missing folder should not cost the work
-    GdalMessages messages;
-    register_drivers();
-    GDALDriver* const driver = GetGDALDriverManager()->GetDriverByName("GTiff");
-    if (!driver) throw Failure(3, fmt::format("{}: this GDAL has no GeoTIFF driver; install libgdal with it", path));
-    const std::optional<Lattice16> lattice = lattice_of(dem);
-    CPLStringList options;
-    options.SetNameValue("COMPRESS", "DEFLATE");
-    options.SetNameValue("PREDICTOR", lattice ? "2" : "3");
-    options.SetNameValue("BIGTIFF", "IF_SAFER");
-    const MemoryFile memory;
-    GdalFile file(driver->Create(memory.name().c_str(), dem.columns, dem.rows, 1, lattice ? GDT_UInt16 : GDT_Float32,
-                                 options.List()));
-    bool written = file != nullptr;
-    if (written) {
-        set_place(*file, dem);
-        written = write_rows(*file, dem, lattice);
+    refuse_device(path);
+    WorkFolder folder(path); // first: a missing folder should not cost the work
+    folder.empty();
+    folder.keep(false);
+    const auto [least, most] = std::minmax_element(dem.heights_m.begin(), dem.heights_m.end());
+    write_heights({dem.columns, dem.rows, dem.spacing_m, dem.origin_m, dem.crs_wkt, dem.native_quantum_m, *least, *most,
+                   [&](std::int32_t y, std::span<float> to) {
+                       std::copy_n(dem.heights_m.data() + dem.index(0, y), to.size(), to.data());
+                   }},
+                  path, folder.file("dem.tif"));
+}
+
+void write_dem(const HeightSource& source, const std::string& path, int threads, const Progress& progress) {
+    refuse_device(path);
+    WorkFolder folder(path);
+    folder.empty();
+    folder.keep(false);
+    (void)host::AtomicFile(path, folder.file("dem.tif")); // a file that cannot be written should not cost an hour
+    Store<float> heights(folder.file("heights"), source.columns, source.rows);
+    const std::vector<Window> windows = source.windows(std::size_t{1} << 20);
+    const int workers = source.readers(resolve_threads(threads));
+    Census census;
+    std::mutex lock;
+    std::uint64_t done = 0;
+    parallel_for(static_cast<std::int64_t>(windows.size()), workers, [&](std::int64_t i) {
+        const Window& w = windows[static_cast<std::size_t>(i)];
+        std::vector<float> read(w.area());
+        Census met;
+        source.reader()->read(w, read.data(), met);
+        heights.write(w, read.data(), w.columns);
+        const std::lock_guard hold(lock);
+        census.add(met);
+        if (progress) progress("read", ++done, windows.size());
+    });
+    const Settled settled = source.settle(census);
+    if (census.voids.count + census.odd.count > 0) {
+        Store<float> filled(folder.file("filled"), source.columns, source.rows);
+        const auto make = [&](const std::string& name, std::int64_t columns, std::int64_t rows) {
+            return Store<float>(folder.file(name), columns, rows);
+        };
+        fill_voids({heights, {settled.native_quantum_m, settled.anchor_m}, workers, make}, filled);
+        heights.remove();
+        heights = std::move(filled);
     }
-    file.reset(); // closing writes the rest
-    if (!written || messages.failed() || memory.bytes().empty())
-        throw Failure(3, fmt::format("{}: cannot be written; is there enough memory?{}", path, messages.said()));
-    out.write(memory.bytes());
-    out.commit();
+    float least = census.least_m, most = census.most_m;
+    write_heights({source.columns, source.rows, source.spacing_m, source.origin_m, source.crs_wkt,
+                   settled.native_quantum_m, least, most,
+                   [&](std::int32_t y, std::span<float> to) {
+                       const Window w{0, y, source.columns, static_cast<std::int32_t>(to.size()) / source.columns};
+                       heights.read(w, to.data(), w.columns);
+                       if (progress) progress("write", static_cast<std::uint64_t>(y), static_cast<std::uint64_t>(source.rows));
+                   }},
+                  path, folder.file("dem.tif"));
 }
 
 } // namespace fjell::baker

@@ -21,7 +21,8 @@ void on_signal(int) {
 int say(const char* name, int code, std::string text) {
     for (char& c : text)
         if (c == '\n') c = ' '; // one line, whatever a library said
-    fmt::print(stderr, "{}: {}\n", name, text);
+    text = fmt::format("{}: {}\n", name, text);
+    (void)std::fputs(text.c_str(), stderr); // whether anyone can hear it or not
     return code;
 }
 } // namespace

@@ -17,7 +17,9 @@
 namespace fjell::host {
 
 std::vector<std::byte> read_file(const std::string& path) {
-    const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe without a writer must not hang
+    const int fd = uninterrupted([&] {
+        return open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe without a writer must not hang
+    });
     if (fd < 0) throw Failure(1, fmt::format("{}: {}; give an existing file", path, std::strerror(errno)));
     const struct Closer {
         int fd;
@@ -89,7 +91,7 @@ AtomicFile::AtomicFile(const std::string& path, const std::string& temporary)
                                          S_ISDIR(info.st_mode) ? "folder" : "pipe or the like"));
         temporary_ = path_; // a device such as /dev/full cannot be renamed over: it is written in place
     }
-    fd_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    fd_ = uninterrupted([&] { return open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666); });
     if (fd_ >= 0) return;
     if (errno == ENOENT || errno == ENOTDIR)
         throw Failure(1, fmt::format("{}: the output folder does not exist; create it or choose another", path));
@@ -143,7 +145,7 @@ void AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes
 }
 
 void AtomicFile::commit() {
-    if (fsync(fd_) != 0 && errno != EINVAL && errno != EROFS) disk_failure(path_, "flush");
+    if (uninterrupted([&] { return fsync(fd_); }) != 0 && errno != EINVAL && errno != EROFS) disk_failure(path_, "flush");
     const int fd = std::exchange(fd_, -1);
     const bool closed = close(fd) == 0;
     if (temporary_ == path_) {

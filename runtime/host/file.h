@@ -1,6 +1,7 @@
 // Files for tools: read whole, written beside their place and renamed.
 #pragma once
 
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -19,6 +20,13 @@ void refuse_overwriting(const std::vector<std::string>& outputs, const std::vect
 
 // Throws Failure (3) that says what errno means and what to do about it. doing: "write", "read", ...
 [[noreturn]] void disk_failure(const std::string& path, const char* doing);
+// Calls that a signal has cut short are made again.
+template <typename Call>
+auto uninterrupted(const Call& call) {
+    auto result = call();
+    while (result < 0 && errno == EINTR) result = call();
+    return result;
+}
 // All of the bytes, however many calls it takes. Throw Failure (3); path: for the message.
 void write_all(int fd, std::uint64_t offset, std::span<const std::byte> bytes, const std::string& path);
 void read_all(int fd, std::uint64_t offset, std::span<std::byte> bytes, const std::string& path);

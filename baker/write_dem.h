@@ -1,0 +1,19 @@
+// Height fields as GeoTIFF, of any size.
+#pragma once
+
+#include <string>
+
+#include "baker/bake.h"
+#include "baker/dem.h"
+#include "baker/source.h"
+
+namespace fjell::baker {
+
+// Writes a source as a tiled GeoTIFF: UInt16 with scale and offset when that holds every height bit for bit, else
+// Float32. Holes are written as the ground that continues over them (fill.h). Through a folder PATH.work: 4 bytes a
+// sample of disk, 8 with holes, and about 32 MB and 2 KB a column of memory, whatever the size. What is written is read
+// back before it is renamed to its place; on any failure or interruption nothing is left. threads: 0: all cores.
+// Throws Failure: 1 no such folder, 3 the disk.
+void write_dem(const HeightSource& source, const std::string& path, int threads = 0, const Progress& progress = {});
+
+} // namespace fjell::baker
