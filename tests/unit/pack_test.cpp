@@ -255,6 +255,7 @@ TEST_CASE("a bake that fails leaves nothing, one that is interrupted its work; a
     const auto bake_until = [&](int call, int with) {
         calls = 0, last = call, code = with;
         baker::BakeOptions options = small_bake(3);
+        options.checkpoint_s = 5; // on the disk, though it would fit the memory
         options.progress = [&](const char*, std::uint64_t, std::uint64_t) {
             if (++calls == last) throw host::Failure(code, "no more");
         };
@@ -279,6 +280,11 @@ TEST_CASE("a bake that fails leaves nothing, one that is interrupted its work; a
     // Another bake's work is of no use.
     REQUIRE_THROWS_AS(bake_until(4, 130), host::Failure);
     REQUIRE(!baker::bake(dem, small_bake(4), out).resumed);
+    REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell"});
+    // In memory there is nothing to go on from.
+    baker::BakeOptions in_memory = small_bake(3);
+    in_memory.progress = [](const char*, std::uint64_t, std::uint64_t) { throw host::Failure(130, "no more"); };
+    REQUIRE_THROWS_WITH(baker::bake(dem, in_memory, out), Catch::Contains("nothing is left"));
     REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell"});
 }
 
