@@ -18,6 +18,7 @@
 #include "baker/progress.h"
 #include "baker/read.h"
 #include "baker/recipe.h"
+#include "baker/synth.h"
 #include "baker/verify.h"
 #include "host/file.h"
 #include "host/load.h"
@@ -85,6 +86,12 @@ void save_recipe(const Recipe& recipe, const std::string& path, AtomicFile& file
     file.commit();
 }
 
+// Files of heights, or one of content/terrain: mountains are made as they are asked for.
+std::unique_ptr<HeightSource> open_inputs(const Recipe& recipe) {
+    if (recipe.inputs.size() == 1 && recipe.inputs[0].ends_with(".json")) return open_synth(recipe.inputs[0]);
+    return open_source(recipe.inputs, read_options(recipe));
+}
+
 int run_bake(const Arguments& a) {
     const Recipe recipe = complete(a.given, a.recipe_path);
     if (recipe.inputs.empty()) throw Failure(2, "no height field given; see fjell-bake --help");
@@ -105,7 +112,7 @@ int run_bake(const Arguments& a) {
     options.checkpoint_s = a.checkpoint_s;
     options.progress = std::ref(bar);
     limit_gdal_cache(options.memory_bytes / 16);
-    const BakeSummary s = bake(*open_source(recipe.inputs, read_options(recipe)), options, output);
+    const BakeSummary s = bake(*open_inputs(recipe), options, output);
     if (saved) save_recipe(recipe, a.save_recipe_path, *saved);
     summary.write(summary_json(s));
     if (a.quiet) return 0;
