@@ -415,6 +415,25 @@ TEST_CASE("a ramp that is away for a while costs nothing") {
     CHECK(!std::filesystem::exists(folder / "out.fjell.work"));
 }
 
+TEST_CASE("a height field that was exchanged for another of its size in the same second is read anew") {
+    const TemporaryFolder folder;
+    const std::string bake = FJELL_BIN_DIR "/fjell-bake dem.asc -o out.fjell --tile 32 --threads 1 --quiet";
+    const auto field = [&](int factor, const char* second) {
+        std::string text = "ncols 70\nnrows 70\nxllcorner 1000\nyllcorner 1000\ncellsize 30\n";
+        for (int i = 0; i < 70 * 70; ++i) text += std::to_string(100 + i * factor % 97) + (i % 70 == 69 ? "\n" : " ");
+        spit(folder / "dem.asc", text);
+        REQUIRE(run_in(folder.path, "touch -d '2026-01-02 03:04:" + std::string(second) + "' dem.asc").code == 0);
+    };
+    field(7, "05.5");
+    REQUIRE(run_in(folder.path, bake).code == 0);
+    const std::string whole = slurp(folder / "out.fjell");
+    field(5, "05.1");
+    REQUIRE(run_in(folder.path, with({"fsync", "kill", "1"}, bake)).code == 128 + SIGKILL);
+    field(7, "05.5");
+    CHECK(run_in(folder.path, bake).code == 0);
+    CHECK((slurp(folder / "out.fjell") == whole));
+}
+
 TEST_CASE("a height field that is made is there as a whole or not at all") {
     const TemporaryFolder folder, aside;
     const std::string synth = FJELL_BIN_DIR "/fjell-bake synth recipe.json -o out.tif";
