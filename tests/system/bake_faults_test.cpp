@@ -369,6 +369,20 @@ TEST_CASE("what a killed bake has left is kept while others are at work in it, a
     }
 }
 
+TEST_CASE("a folder of that name that no bake has made is left alone") {
+    const Scene scene;
+    std::filesystem::create_directory(scene.folder / "out.fjell.work");
+    spit(scene.folder / "out.fjell.work/thesis.txt", "years of work");
+    const Run r = scene.run();
+    CHECK(r.code == 1);
+    CHECK(one_line(r.err));
+    CHECK(r.err.find("move it away") != std::string::npos);
+    CHECK(slurp(scene.folder / "out.fjell.work/thesis.txt") == "years of work");
+    CHECK(scene.old());
+    std::filesystem::remove(scene.folder / "out.fjell.work/thesis.txt"); // an empty one is nobody's
+    scene.recovers(false);
+}
+
 TEST_CASE("a link to a pack on another disk is followed, by what is beside the pack too") {
     Scene scene;
     const TemporaryFolder far;
