@@ -16,7 +16,7 @@ struct Arguments {
     std::string recipe_path, save_recipe_path, json_path;
     int threads = 0;
     std::size_t memory_mb = 512;
-    double checkpoint_s = 5;
+    std::optional<double> checkpoint_s;
     bool quiet = false;
 
     std::string pack; // info, verify

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,9 @@ struct BakeOptions {
     int threads = 0;                                       // 0: all cores
     std::uint64_t memory_bytes = std::uint64_t{512} << 20; // resident at most, with the program itself
     std::int32_t region_cells = 256;                       // a side of what is worked on at once, at least; or one tile
-    double checkpoint_s = 5;                               // how often the way so far is secured
+    // How often the way so far is secured, in a folder beside the pack. Not given: every 5 s, and bakes that fit the
+    // memory do without: they are over before it would matter.
+    std::optional<double> checkpoint_s;
     Progress progress;
 };
 

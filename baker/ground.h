@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "baker/source.h"
+#include "baker/store.h"
 #include "fjell/tree.h"
 
 namespace fjell::baker {
@@ -54,7 +54,7 @@ template <typename T>
 struct Patch {
     static constexpr std::size_t slack = 64; // values past the last that may be read: loops in whole vectors
     std::int32_t x = 0, y = 0, columns = 0, rows = 0;
-    std::vector<T> values;
+    Buffer<T> values; // not cleared
 
     Patch() = default;
     Patch(std::int32_t x0, std::int32_t y0, std::int32_t w, std::int32_t h)

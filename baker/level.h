@@ -24,7 +24,7 @@ inline constexpr std::int32_t reach = 1 << radius_block_log2;
 template <typename T>
 struct Plane {
     std::int32_t stride = 0;
-    std::vector<T> values;
+    Buffer<T> values; // not cleared
 
     Plane() = default;
     Plane(std::int32_t nx, std::int32_t ny)
@@ -60,9 +60,9 @@ void take_apart(const Patch<T>& from, Planes<T>& to) {
 // terrain have no error and no radius.
 struct FinerCentres {
     std::int32_t stride = 0;
-    std::vector<std::int32_t> steps;
-    std::vector<std::uint8_t> error;
-    std::vector<float> radius_m;
+    Buffer<std::int32_t> steps;
+    Buffer<std::uint8_t> error;
+    Buffer<float> radius_m;
 
     FinerCentres() = default;
     FinerCentres(std::int32_t nx, std::int32_t ny);

@@ -199,6 +199,7 @@ private:
 void own_errors(const OwnInput& input, Patch<std::uint8_t>& out) {
     const Region& r = input.region;
     out = {r.first.x / 2, r.first.y / 2, (r.last.x - r.first.x) / 2 + 1, (r.last.y - r.first.y) / 2 + 1};
+    std::fill(out.values.begin(), out.values.end(), std::uint8_t{0}); // corners of tiles
     OwnErrors stage(input, out);
     for (int z = 1; z < input.ground.tree.tile_log2; ++z) stage.run(z);
 }

@@ -17,6 +17,9 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+// What the program and GDAL take before any work, and what stays beside it.
+constexpr std::uint64_t base_bytes = std::uint64_t{96} << 20;
+
 Tree tiling(const HeightSource& source, const BakeOptions& options) {
     const double extent =
         std::max((source.columns - 1) * source.spacing_m[0], (source.rows - 1) * source.spacing_m[1]);
@@ -39,14 +42,24 @@ Pipeline::Pipeline(const HeightSource& source, const BakeOptions& options, const
     : source_(source), options_(options), out_path_(out_path), tree_(tiling(source, options)),
       regions_(tree_, options.region_cells), pages_{tree_.tile_log2, options.order}, threads_(resolve_threads(options.threads)),
       plain_z_(options.order == Order::linear ? 0 : std::max(tree_.tile_log2 - page_squares_log2, 0)),
-      folder_(out_path), image_(images_of(source, options)), ledger_(folder_.file("ledger"), identity()), last_checkpoint_(Clock::now()) {
+      folder_(out_path), in_memory_(fits_memory()), image_(images_of(source, options)),
+      ledger_(folder_.file("ledger"), identity()), last_checkpoint_(Clock::now()) {
     if (!ledger_.resumed()) folder_.empty();
     folder_.keep(false);
     (void)host::AtomicFile(out_path_, temporary()); // a pack that cannot be written should not cost an hour
 }
 
 std::string Pipeline::temporary() const {
-    return std::filesystem::is_character_file(out_path_) ? "" : file("pack");
+    return std::filesystem::is_character_file(out_path_) ? "" : folder_.file("pack");
+}
+
+// What all stores take together at their most: heights, the finest step's places and centres, texels between mips, the
+// pack's chunks. (Where there are voids: heights twice, before the others come.)
+bool Pipeline::fits_memory() const {
+    if (options_.checkpoint_s || std::filesystem::exists(folder_.file("ledger"))) return false;
+    constexpr double bytes_per_sample = 13;
+    const double stores = bytes_per_sample * tree_.lattice_columns() * tree_.lattice_rows();
+    return stores + static_cast<double>(base_bytes) <= 0.75 * static_cast<double>(options_.memory_bytes);
 }
 
 std::string Pipeline::identity() const {
@@ -58,13 +71,13 @@ std::string Pipeline::identity() const {
 }
 
 int Pipeline::workers_for(std::uint64_t bytes) const {
-    // What the program and GDAL take before any work, and what stays beside it.
-    constexpr std::uint64_t base = std::uint64_t{96} << 20;
-    const std::uint64_t rest = options_.memory_bytes > base ? options_.memory_bytes - base : 0;
+    const std::uint64_t taken = in_memory_ ? options_.memory_bytes / 4 * 3 : base_bytes;
+    const std::uint64_t rest = options_.memory_bytes > taken ? options_.memory_bytes - taken : 0;
     const std::uint64_t fit = rest / std::max<std::uint64_t>(bytes, 1);
+    if (fit == 0 && in_memory_) return 1;
     if (fit == 0)
         throw Failure(2, fmt::format("tiles of {} cells need {} MB; give a larger --memory, or a smaller --tile",
-                                     tree_.side(), (bytes + base) / 1'000'000 + 1));
+                                     tree_.side(), (bytes + taken) / 1'000'000 + 1));
     return static_cast<int>(std::min<std::uint64_t>(fit, static_cast<std::uint64_t>(threads_)));
 }
 
@@ -85,7 +98,7 @@ void Pipeline::run_units(const StageRun& stage, const std::function<void(std::ui
         while (state.done < stage.count && complete[state.done]) ++state.done;
         if (stage.in_order)
             for (std::uint64_t k = before; k < state.done; ++k) stage.in_order(k);
-        if (seconds_since(last_checkpoint_) >= options_.checkpoint_s) checkpoint();
+        if (seconds_since(last_checkpoint_) >= checkpoint_s()) checkpoint();
         if (options_.progress)
             options_.progress(stage.name, static_cast<std::uint64_t>(static_cast<double>(state.done) * stage.each),
                               static_cast<std::uint64_t>(static_cast<double>(stage.count) * stage.each));
@@ -93,9 +106,10 @@ void Pipeline::run_units(const StageRun& stage, const std::function<void(std::ui
 }
 
 void Pipeline::checkpoint() {
+    last_checkpoint_ = Clock::now();
+    if (in_memory_) return;
     if (spool_) ledger_.state.spool_bytes = spool_->bytes();
     ledger_.write();
-    last_checkpoint_ = Clock::now();
 }
 
 void Pipeline::finish(std::uint32_t stage) {
@@ -183,8 +197,9 @@ BakeSummary Pipeline::run() {
     } catch (const Failure& failure) {
         const bool interrupted = failure.exit_code == 130;
         const bool input_lost = failure.exit_code == 1 && input_at_work_ &&
-                                (summary.resumed || seconds_since(start) > options_.checkpoint_s);
-        if (!interrupted && !input_lost) throw;
+                                (summary.resumed || seconds_since(start) > checkpoint_s());
+        if (interrupted && in_memory_) throw Failure(130, "interrupted; nothing is left behind");
+        if (in_memory_ || (!interrupted && !input_lost)) throw;
         checkpoint();
         folder_.keep();
         throw Failure(failure.exit_code, fmt::format("{}; the same command goes on from there, or delete {}",

@@ -79,7 +79,10 @@ private:
     }
 
     // ---- pieces of the terrain
-    [[nodiscard]] std::string file(const std::string& name) const { return folder_.file(name); }
+    // Of a store; empty: in memory.
+    [[nodiscard]] std::string file(const std::string& name) const { return in_memory_ ? "" : folder_.file(name); }
+    [[nodiscard]] bool fits_memory() const;
+    [[nodiscard]] double checkpoint_s() const { return options_.checkpoint_s.value_or(5); }
     [[nodiscard]] std::string temporary() const; // where the pack grows; empty: at its own place
     [[nodiscard]] const Store<float>& heights() const { return filled_.exists() ? filled_ : raw_; }
     // The places of step 2^z from twice square (-1, -1) of the region on, as level.h wants them.
@@ -101,7 +104,7 @@ private:
     void store_own(std::int64_t region_index, const Region& region, const Patch<std::uint8_t>& own);
     void open_level_stores(int z);
     [[nodiscard]] std::int32_t squares(std::int32_t cells, int z) const { return cells >> (z + 1); }
-    [[nodiscard]] Survey survey_region(const Region& region, std::vector<float>& buffer) const;
+    [[nodiscard]] Survey survey_region(const Region& region, Buffer<float>& buffer) const;
     void write_corners();
     [[nodiscard]] std::vector<ChunkId> chunk_sequence() const;
     void plan_maps();
@@ -124,6 +127,7 @@ private:
     const int plain_z_;
 
     WorkFolder folder_;
+    const bool in_memory_; // nothing but the pack itself goes to the folder, and nothing can be resumed
     std::unique_ptr<ImageSource> image_; // or none
     Ledger ledger_;
     bool input_at_work_ = false; // what fails now is the input, which may come back

@@ -54,7 +54,7 @@ void Pipeline::read() {
                [&](std::uint64_t i) { ledger_.state.census.add(met[i]); }},
               [&](std::uint64_t i) {
                   std::unique_ptr<HeightReader> reader = readers.take();
-                  std::vector<float> heights(windows[i].area());
+                  Buffer<float> heights(windows[i].area());
                   reader->read(windows[i], heights.data(), met[i]);
                   raw_.write(windows[i], heights.data(), windows[i].columns);
                   readers.give(std::move(reader));
@@ -106,7 +106,7 @@ void Pipeline::fill() {
     if (state.has_voids) raw_.remove();
 }
 
-Survey Pipeline::survey_region(const Region& region, std::vector<float>& buffer) const {
+Survey Pipeline::survey_region(const Region& region, Buffer<float>& buffer) const {
     const Coord last = tree_.sample(region.last);
     const Window w{region.first.x, region.first.y, last.x - region.first.x + 1, last.y - region.first.y + 1};
     buffer.resize(w.area());
@@ -136,7 +136,7 @@ void Pipeline::survey() {
     run_units({stage, "survey", found.size(), workers_for(static_cast<std::uint64_t>(side * side * 5)),
                static_cast<double>(tree_.columns()) * tree_.rows() / static_cast<double>(found.size())},
               [&](std::uint64_t i) {
-                  thread_local std::vector<float> buffer;
+                  thread_local Buffer<float> buffer;
                   found[i] = survey_region(regions_.at(static_cast<std::int64_t>(i)), buffer);
               });
     for (const Survey& s : found) ledger_.state.survey.add(s);

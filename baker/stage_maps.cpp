@@ -69,7 +69,7 @@ void Pipeline::make_near_maps() {
               [&](std::uint64_t u) {
                   const auto tile = static_cast<std::uint32_t>(u);
                   const Window w = heights_for_maps(maps_, tile);
-                  std::vector<float> heights_m(w.area());
+                  Buffer<float> heights_m(w.area());
                   heights().read(w, heights_m.data(), w.columns);
                   std::unique_ptr<ImageReader> reader = take_reader();
                   const NearMaps near = near_maps(maps_, tile, heights_m.data(), reader.get());
@@ -83,7 +83,7 @@ void Pipeline::make_near_maps() {
                       if (mip_count(maps_.log2_side(kind)) > near_mips)
                           store_texels(kind, near_mips - 1, tile, mips.back().texels);
                   }
-                  spool_->append(batch);
+                  spool_->append(std::move(batch));
               });
     input_at_work_ = false;
     image_readers_.clear();
@@ -94,7 +94,7 @@ void Pipeline::make_far_mip(MapKind kind, std::uint32_t mip) {
     const std::uint32_t stage = index(Stage::maps, 1 + static_cast<int>(kind) * 32 + static_cast<int>(mip));
     if (done(stage)) return;
     const auto k = static_cast<std::size_t>(kind);
-    open_texels(kind, mip - 1);
+    if (!texels_[k][(mip - 1) & 1].exists()) open_texels(kind, mip - 1);
     open_texels(kind, mip);
     // Tiles are small by now: many at once, in rows.
     const auto down = static_cast<std::uint64_t>(tree_.tiles_y);
@@ -110,7 +110,7 @@ void Pipeline::make_far_mip(MapKind kind, std::uint32_t mip) {
             batch.add({chunk_of(kind), tile, mip}, made.blocks, options_.compression);
             store_texels(kind, mip, tile, made.texels);
         }
-        spool_->append(batch);
+        spool_->append(std::move(batch));
     });
     finish(stage);
     texels_[k][(mip - 1) & 1].remove();

@@ -59,7 +59,7 @@ Ground Pipeline::ground_of(const Region& region) const {
     Ground ground{tree_, patch_for<std::int32_t>(region, 0), {}};
     Patch<std::int32_t>& steps = ground.steps;
     const Window known = within(steps, tree_.columns(), tree_.rows());
-    std::vector<float> heights_m(known.area());
+    Buffer<float> heights_m(known.area());
     heights().read(known, heights_m.data(), known.columns);
     for (std::int32_t y = 0; y < known.rows; ++y)
         quantise(heights_m.data() + std::ptrdiff_t{y} * known.columns, static_cast<std::size_t>(known.columns), lattice_,
@@ -198,7 +198,7 @@ void Pipeline::open_level_stores(int z) {
         centres_[step & 1] = {file("centres" + std::to_string(step)), (tree_.lattice_columns() - 1) >> (step + 1),
                               (tree_.lattice_rows() - 1) >> (step + 1)};
     };
-    if (z > 0) open(z), open_centres(z - 1);
+    if (z > 0 && !level_[z & 1].exists()) open(z), open_centres(z - 1);
     open(z + 1), open_centres(z);
     if (plain_.exists()) return;
     const auto [w, h] = places(plain_z_);
@@ -215,16 +215,17 @@ void Pipeline::keep_level(const LevelResult& result) {
         return voids && voids->row(j)[i] ? v | void_flag : v;
     };
     const Planes<std::uint8_t>* const voids = result.voids;
-    std::vector<std::uint32_t> corners;
-    std::vector<CentreRecord> centres;
+    Buffer<std::uint32_t> corners(static_cast<std::size_t>(in.nx + 1) * static_cast<std::size_t>(in.ny + 1));
+    Buffer<CentreRecord> centres(static_cast<std::size_t>(in.nx) * static_cast<std::size_t>(in.ny));
     for (std::int32_t j = 0; j <= in.ny; ++j)
         for (std::int32_t i = 0; i <= in.nx; ++i)
-            corners.push_back(flagged(in.steps.corner, voids ? &voids->corner : nullptr, i, j));
+            corners[static_cast<std::size_t>(j) * static_cast<std::size_t>(in.nx + 1) + static_cast<std::size_t>(i)] =
+                flagged(in.steps.corner, voids ? &voids->corner : nullptr, i, j);
     level_[(z + 1) & 1].write({in.square.x, in.square.y, in.nx + 1, in.ny + 1}, corners.data(), in.nx + 1);
     for (std::int32_t j = 0; j < in.ny; ++j)
         for (std::int32_t i = 0; i < in.nx; ++i)
-            centres.push_back({in.steps.centre.row(j)[i], in.error.centre.row(j)[i],
-                               result.radii.at(PlaneKind::centre, i, j), 0});
+            centres[static_cast<std::size_t>(j) * static_cast<std::size_t>(in.nx) + static_cast<std::size_t>(i)] = {
+                in.steps.centre.row(j)[i], in.error.centre.row(j)[i], result.radii.at(PlaneKind::centre, i, j), 0};
     centres_[z & 1].write({in.square.x, in.square.y, in.nx, in.ny}, centres.data(), in.nx);
     if (z >= plain_z_) keep_records(result);
 }
@@ -290,7 +291,7 @@ void Pipeline::pack_pages(const LevelResult& result) {
                           options_.compression);
             }
     });
-    spool_->append(batch);
+    spool_->append(std::move(batch));
 }
 
 namespace {
@@ -395,7 +396,7 @@ void Pipeline::write_corners() {
     batch.add({ChunkKind::corners, 0, 0}, std::as_bytes(std::span(corners)), options_.compression);
     if (header_.crs_bytes)
         batch.add({ChunkKind::crs, 0, 0}, std::as_bytes(std::span(source_.crs_wkt)), options_.compression);
-    spool_->append(batch);
+    spool_->append(std::move(batch));
 }
 
 void Pipeline::plain_pages() {
@@ -432,7 +433,7 @@ void Pipeline::plain_pages() {
                   for (std::uint32_t page = 0; page < pages; ++page)
                       batch.add({ChunkKind::geometry, static_cast<std::uint32_t>(tile), page},
                                 pack_plain(pages_, page, vertex), options_.compression);
-                  spool_->append(batch);
+                  spool_->append(std::move(batch));
               });
     ledger_.state.max_error_m = scales_.errors.metres[*std::max_element(worst.begin(), worst.end())];
     write_corners();

@@ -17,7 +17,7 @@ namespace fjell::baker {
 
 WorkFile::WorkFile(std::string path, std::uint64_t bytes) : path_(std::move(path)) {
     if (path_.empty()) {
-        memory_.resize(bytes);
+        memory_.assign(bytes, std::byte{0});
         return;
     }
     fd_ = host::uninterrupted([&] { return open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666); });

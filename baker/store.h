@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <new>
 #include <span>
 #include <string>
 #include <utility>
@@ -12,6 +14,25 @@
 #include "baker/source.h"
 
 namespace fjell::baker {
+
+// A vector's memory is not cleared before it is written.
+template <typename T>
+struct Uninitialised : std::allocator<T> {
+    template <typename U>
+    struct rebind {
+        using other = Uninitialised<U>;
+    };
+    template <typename U>
+    void construct(U* at) noexcept {
+        ::new (static_cast<void*>(at)) U; // no value: scalars stay as they are
+    }
+    template <typename U, typename... From>
+    void construct(U* at, From&&... from) {
+        ::new (static_cast<void*>(at)) U(std::forward<From>(from)...);
+    }
+};
+template <typename T>
+using Buffer = std::vector<T, Uninitialised<T>>;
 
 // A file of fixed size, or as much memory where there is no path. Reads and writes of different places may run at the
 // same time. Throws Failure (3: the disk).
@@ -40,7 +61,7 @@ private:
     }
     std::string path_;
     int fd_ = -1;
-    std::vector<std::byte> memory_;
+    Buffer<std::byte> memory_;
 };
 
 // columns x rows of T, row by row.

@@ -1,5 +1,6 @@
 #include "baker/write.h"
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 
@@ -39,17 +40,43 @@ void ChunkBatch::add(ChunkId id, std::span<const std::byte> raw, int zstd_level)
 
 ChunkSpool::ChunkSpool(const std::string& data_path, const std::string& entries_path, const PackHeader& layout,
                        std::uint64_t bytes_so_far)
-    : layout_(layout), count_(chunk_count(layout)), data_(data_path, WorkFile::grows),
-      entries_(entries_path, count_ * sizeof(ChunkEntry)), end_(bytes_so_far) {}
+    : layout_(layout), count_(chunk_count(layout)), entries_(entries_path, count_ * sizeof(ChunkEntry)),
+      end_(bytes_so_far), in_memory_(data_path.empty()) {
+    if (!in_memory_) data_ = WorkFile(data_path, WorkFile::grows);
+}
 
-void ChunkSpool::append(const ChunkBatch& batch) {
-    const std::uint64_t at = end_.fetch_add(batch.bytes_.size());
-    data_.write(at, batch.bytes_);
+void ChunkSpool::append(ChunkBatch batch) {
+    std::unique_lock hold(lock_);
+    const std::uint64_t at = end_;
+    end_ += batch.bytes_.size();
+    if (in_memory_) {
+        batch.bytes_.shrink_to_fit();
+        batches_.push_back(std::move(batch.bytes_));
+        begins_.push_back(at);
+    }
+    hold.unlock();
+    if (!in_memory_) data_.write(at, batch.bytes_);
     for (const ChunkBatch::Entry& e : batch.entries_) {
         ChunkEntry entry = e.entry;
         entry.offset += at;
         entries_.write(chunk_index(layout_, e.id) * sizeof entry, std::as_bytes(std::span(&entry, 1)));
     }
+}
+
+void ChunkSpool::read(std::uint64_t offset, std::span<std::byte> to) const {
+    if (!in_memory_) return data_.read(offset, to);
+    auto batch = static_cast<std::size_t>(std::upper_bound(begins_.begin(), begins_.end(), offset) - begins_.begin()) - 1;
+    for (; !to.empty(); ++batch) {
+        const std::size_t from = offset - begins_[batch], count = std::min(to.size(), batches_[batch].size() - from);
+        std::memcpy(to.data(), batches_[batch].data() + from, count);
+        to = to.subspan(count);
+        offset += count;
+    }
+}
+
+std::uint64_t ChunkSpool::bytes() {
+    const std::lock_guard hold(lock_);
+    return end_;
 }
 
 std::vector<ChunkEntry> ChunkSpool::entries() const {

@@ -1,7 +1,6 @@
 // Chunks of a pack: compressed as they are made, in any order, and put together in the order in which they are wanted.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <mutex>
@@ -35,17 +34,22 @@ class ChunkSpool {
 public:
     ChunkSpool(const std::string& data_path, const std::string& entries_path, const PackHeader& layout,
                std::uint64_t bytes_so_far);
-    void append(const ChunkBatch& batch);
-    [[nodiscard]] std::uint64_t bytes() const { return end_; } // what has come, whole batches
+    void append(ChunkBatch batch);
+    [[nodiscard]] std::uint64_t bytes(); // what has come, whole batches
     // What a chunk's bytes are worth: entries with offsets in the spool, by chunk_index.
     [[nodiscard]] std::vector<ChunkEntry> entries() const;
-    void read(std::uint64_t offset, std::span<std::byte> to) const { data_.read(offset, to); }
+    void read(std::uint64_t offset, std::span<std::byte> to) const;
 
 private:
     PackHeader layout_;
     std::uint64_t count_;
     WorkFile data_, entries_;
-    std::atomic<std::uint64_t> end_;
+    std::mutex lock_; // of what follows
+    std::uint64_t end_;
+    // In memory: batches as they came, and where each begins.
+    bool in_memory_;
+    std::vector<std::vector<std::byte>> batches_;
+    std::vector<std::uint64_t> begins_;
 };
 
 // Copies the spool's chunks to the file in the order given and completes header and directory. Every chunk of the pack

@@ -14,6 +14,7 @@
 #include "baker/own.h"
 #include "baker/page_pack.h"
 #include "baker/read.h"
+#include "baker/survey.h"
 #include "baker/verify.h"
 #include "fjell/terrain.h"
 #include "host/load.h"
@@ -58,7 +59,7 @@ public:
         for_each_tile([&](Coord corner) {
             survey.add(baker::survey_tile(at(corner), side + 1, side + 1, dem().columns));
         });
-        const baker::Lattice lattice = baker::choose_lattice(survey, {{60, 60}, 0.1, 0});
+        const Lattice lattice = baker::choose_lattice(survey, {{60, 60}, 0.1, 0});
         scales_ = baker::choose_scales({tree_, {60, 60}, lattice, survey, 0.05});
         leaf_ = LeafErrors(scales_.errors, lattice.quantum_m);
     }

@@ -149,7 +149,8 @@ TEST_CASE("ground without holes costs nothing: the flag of a hole changes no err
             const Coord v{x, y};
             const auto before = solid.terrain.vertex(v), after = holed.terrain.vertex(v);
             const std::int32_t reach = solid.terrain.tree.is_corner(v) ? 0 : 2 << Tree::step_log2(v);
-            REQUIRE(before.steps == after.steps);
+            // The hole's own vertex stands on what continues the ground around it.
+            if (x != 100 || y != 100) REQUIRE(before.steps == after.steps);
             if (std::max(std::abs(x - 100), std::abs(y - 100)) > 2 * reach)
                 REQUIRE(std::abs(before.error_m - after.error_m) <=
                         0.051 * std::max(before.error_m, after.error_m)); // the scale may begin elsewhere

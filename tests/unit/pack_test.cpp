@@ -255,6 +255,7 @@ TEST_CASE("a bake that fails leaves nothing, one that is interrupted its work; a
     const auto bake_until = [&](int call, int with) {
         calls = 0, last = call, code = with;
         baker::BakeOptions options = small_bake(3);
+        options.checkpoint_s = 5; // on the disk, though it would fit the memory
         options.progress = [&](const char*, std::uint64_t, std::uint64_t) {
             if (++calls == last) throw host::Failure(code, "no more");
         };
@@ -285,6 +286,11 @@ TEST_CASE("a bake that fails leaves nothing, one that is interrupted its work; a
     other_regions.region_cells = 8;
     REQUIRE(!baker::bake(dem, other_regions, out).resumed);
     REQUIRE(host::read_file(out) == before);
+    REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell"});
+    // In memory there is nothing to go on from.
+    baker::BakeOptions in_memory = small_bake(3);
+    in_memory.progress = [](const char*, std::uint64_t, std::uint64_t) { throw host::Failure(130, "no more"); };
+    REQUIRE_THROWS_WITH(baker::bake(dem, in_memory, out), Catch::Contains("nothing is left"));
     REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell"});
 }
 
