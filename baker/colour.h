@@ -28,6 +28,7 @@ struct Ramp {
 };
 // content/README.md has the format. Throws Failure.
 [[nodiscard]] Ramp read_ramp(const std::string& path);
+[[nodiscard]] Ramp parse_ramp(const std::string& text, const std::string& name); // name: of the file, for messages
 // Meadow, forest, scree, rock and snow over the terrain's range of heights: content/ramps/alpine.json.
 [[nodiscard]] Ramp default_ramp();
 // The ramp in metres for terrain of that range; one that is in metres already comes back as it is.

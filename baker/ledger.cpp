@@ -7,8 +7,10 @@
 #include <type_traits>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <xxhash.h>
 
 #include "fjell/pack.h"
@@ -27,6 +29,13 @@ namespace {
 
 constexpr char magic[8] = {'F', 'J', 'E', 'L', 'L', 'W', 'K', '1'};
 
+// Another build may cut the work, or reckon, differently.
+std::string program() {
+    struct stat info {};
+    if (stat("/proc/self/exe", &info) != 0) return {};
+    return fmt::format("{} {}.{:09}", info.st_size, info.st_mtim.tv_sec, info.st_mtim.tv_nsec);
+}
+
 std::string start_of_machine() {
     std::ifstream file("/proc/sys/kernel/random/boot_id");
     std::string id;
@@ -38,7 +47,8 @@ std::string start_of_machine() {
 
 Ledger::Ledger(std::string path, const std::string& identity) : path_(std::move(path)) {
     static_assert(std::is_trivially_copyable_v<LedgerState>, "LedgerState is stored as it is");
-    const std::string all = identity + '\n' + start_of_machine() + '\n' + std::to_string(pack_layout_hash) + '\n' +
+    const std::string all = identity + '\n' + start_of_machine() + '\n' + program() + '\n' +
+                            std::to_string(pack_layout_hash) + '\n' +
                             std::to_string(sizeof(Stored));
     const XXH128_hash_t hash = XXH3_128bits(all.data(), all.size());
     identity_ = {hash.low64, hash.high64};

@@ -84,22 +84,23 @@ Variable read_variable(Header& header, const std::vector<std::uint64_t>& dimensi
             values = length > 0 && values > sane / length ? sane : values * length;
     }
     skip_attributes(header);
-    v.bytes = values * type_bytes(header.number(4));
+    v.bytes = std::min(values * type_bytes(header.number(4)), sane);
     header.count(); // vsize: redundant, and wrong beyond 4 GB
-    v.begin = header.number(header.version() == 1 ? 4 : 8);
+    v.begin = std::min(header.number(header.version() == 1 ? 4 : 8), sane);
     return v;
 }
 
 std::uint64_t end_of(const std::vector<Variable>& variables, std::uint64_t records) {
     std::uint64_t record_bytes = 0, kinds = 0, end = 0;
     for (const Variable& v : variables)
-        if (v.records) record_bytes += (v.bytes + 3) / 4 * 4, ++kinds;
+        if (v.records) record_bytes = std::min(record_bytes + (v.bytes + 3) / 4 * 4, sane), ++kinds;
     for (const Variable& v : variables) {
         if (!v.records) end = std::max(end, v.begin + v.bytes);
         // A lone record variable is not padded.
         const std::uint64_t stride = kinds == 1 ? v.bytes : record_bytes;
-        if (v.records && records > 0 && records < 0xffffffff)
-            end = std::max(end, v.begin + (records - 1) * stride + v.bytes);
+        if (!v.records || records == 0 || records >= 0xffffffff) continue;
+        const std::uint64_t before = stride > sane / records ? sane : (records - 1) * stride;
+        end = std::max(end, v.begin + before + v.bytes);
     }
     return end;
 }

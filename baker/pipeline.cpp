@@ -64,8 +64,8 @@ bool Pipeline::fits_memory() const {
 
 std::string Pipeline::identity() const {
     const BakeOptions& o = options_;
-    return fmt::format("{}\ntile {} estimate {} nesting {} order {} quantum {} ramp {} texels {} level {}\n{}",
-                       source_.identity(), tree_.tile_log2, static_cast<int>(o.estimate), o.nesting,
+    return fmt::format("{}\ntile {} regions {} estimate {} nesting {} order {} quantum {} ramp {} texels {} level {}\n{}",
+                       source_.identity(), tree_.tile_log2, regions_.cells(), static_cast<int>(o.estimate), o.nesting,
                        static_cast<int>(o.order), o.quantum_m, o.ramp_path.empty() ? "" : host::read_text(o.ramp_path),
                        o.max_texture_log2, o.compression, image_ ? image_->identity() : "");
 }

@@ -90,7 +90,13 @@ void parse_slopes(const std::string& path, const Json& list, Ramp& ramp) {
     }
 }
 
-Ramp parse_ramp(const std::string& path, const std::string& text) {
+constexpr char alpine[] = {
+#include "alpine.inc"
+};
+
+} // namespace
+
+Ramp parse_ramp(const std::string& text, const std::string& path) {
     const Json json = Json::parse(text, nullptr, false, true);
     if (!json.is_object()) refuse(path, "is not a JSON object");
     for (const auto& [key, value] : json.items())
@@ -106,18 +112,12 @@ Ramp parse_ramp(const std::string& path, const std::string& text) {
     return ramp;
 }
 
-constexpr char alpine[] = {
-#include "alpine.inc"
-};
-
-} // namespace
-
 Ramp read_ramp(const std::string& path) {
-    return parse_ramp(path, host::read_text(path));
+    return parse_ramp(host::read_text(path), path);
 }
 
 Ramp default_ramp() {
-    return parse_ramp("the default ramp", std::string(alpine, std::size(alpine)));
+    return parse_ramp(std::string(alpine, std::size(alpine)), "the default ramp");
 }
 
 } // namespace fjell::baker

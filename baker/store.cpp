@@ -80,6 +80,13 @@ WorkFolder::WorkFolder(const std::string& pack_path) : path_(host::where_written
 
 bool WorkFolder::take_lock(const std::string& pack_path) {
     const std::string name = file("lock");
+    std::error_code ignored;
+    // Asked twice: a bake that moves in makes its lock first.
+    if (!std::filesystem::exists(name, ignored) && !std::filesystem::is_empty(path_, ignored) && !ignored &&
+        !std::filesystem::exists(name, ignored))
+        throw Failure(1, fmt::format("{}: is not a bake's folder, and what is in it would be lost; move it away, or choose "
+                                     "another name for {}",
+                                     path_, pack_path));
     lock_ = host::uninterrupted([&] { return open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666); });
     if (lock_ < 0 && errno == ENOENT) return false;
     if (lock_ < 0) {
@@ -100,16 +107,21 @@ bool WorkFolder::take_lock(const std::string& pack_path) {
     return false;
 }
 
-void WorkFolder::empty() {
-    std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator(path_, ignored))
-        if (entry.path().filename() != "lock") std::filesystem::remove_all(entry.path(), ignored);
+bool WorkFolder::empty() {
+    std::error_code error, first, failed;
+    std::filesystem::directory_iterator at(path_, first);
+    while (!first && at != std::filesystem::directory_iterator()) {
+        if (at->path().filename() != "lock") std::filesystem::remove_all(at->path(), error);
+        at.increment(first);
+        if (error) failed = error;
+    }
+    return !first && !failed;
 }
 
-// The lock goes last, and the folder only when it is empty: another bake may have moved in by then.
+// The lock goes last, by which the folder is known for ours, and the folder only when it is empty: another bake may have
+// moved in by then.
 WorkFolder::~WorkFolder() {
-    if (!keep_) {
-        empty();
+    if (!keep_ && empty()) {
         unlink(file("lock").c_str());
         rmdir(path_.c_str());
     }

@@ -108,13 +108,13 @@ private:
 // an earlier run has left is kept until keep(false): a failure before its worth is known must not cost hours.
 class WorkFolder {
 public:
-    // Throws Failure: 3 when it cannot be made, 1 when another bake is at work in it.
+    // Throws Failure: 3 when it cannot be made, 1 when another bake is at work in it, or it is somebody else's.
     explicit WorkFolder(const std::string& pack_path);
     ~WorkFolder();
     WorkFolder(const WorkFolder&) = delete;
     WorkFolder& operator=(const WorkFolder&) = delete;
 
-    void empty(); // removes what is in it
+    bool empty(); // removes what is in it, but for the lock; false when something stays
     void keep(bool kept = true) { keep_ = kept; }
     [[nodiscard]] const std::string& path() const { return path_; }
     [[nodiscard]] std::string file(const std::string& name) const { return path_ + "/" + name; }

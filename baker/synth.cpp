@@ -332,6 +332,8 @@ LandRecipe parse_land(const std::string& text) {
          value(11)};
     if (r.feature_m < 4 * r.spacing_m)
         refuse(fmt::format("\"feature_m\" must be at least 4 spacings ({} m), or no mountain shows", 4 * r.spacing_m));
+    // Places in the finest octave must be whole numbers of 32 bits (whole()), the warp's half a feature included.
+    if (r.feature_m > 1e9 * r.spacing_m) refuse("\"feature_m\" must be at most 1e9 spacings");
     return r;
 }
 

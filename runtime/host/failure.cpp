@@ -20,7 +20,7 @@ void on_signal(int) {
 
 int say(const char* name, int code, std::string text) {
     for (char& c : text)
-        if (c == '\n') c = ' '; // one line, whatever a library said
+        if (static_cast<unsigned char>(c) < ' ' || c == 0x7f) c = ' '; // one line, whatever a file or a library said
     text = fmt::format("{}: {}\n", name, text);
     (void)std::fputs(text.c_str(), stderr); // whether anyone can hear it or not
     return code;

@@ -1,6 +1,5 @@
-// Writes seeds into FOLDER/pack for fuzz_pack, FOLDER/page for fuzz_page, FOLDER/record for fuzz_record and FOLDER/recipe
-// for fuzz_recipe. Of the first two: small packs in every order, with tiles of 2 to 64 cells, with and without holes, lossless and not, and their pages
-// decompressed.
+// Writes seeds for each fuzz_X into FOLDER/X. Of packs and pages: small packs in every order, with tiles of 2 to 64 cells,
+// with and without holes, lossless and not, and their pages decompressed. Of texts: what content/ and profiles/ have.
 //
 // Each pack is written three times: as it is, so that hashes are what is attacked; with its hashes repaired after a
 // mutation, so that zstd is; and with chunks that are not compressed, so that records are.
@@ -11,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <span>
 #include <sstream>
 #include <stdexcept>
@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "baker/ledger.h"
 #include "fly/record.h"
 #include "input.h"
 #include "support/terrain_fixture.h"
@@ -219,9 +220,70 @@ void make_recipes(const std::filesystem::path& folder) {
     std::ofstream(folder / "least.json") << R"({"inputs": []})";
 }
 
+void write_text(const std::filesystem::path& path, const std::string& text) {
+    Bytes bytes;
+    append(bytes, std::as_bytes(std::span(text)));
+    write(path, bytes);
+}
+
+void copy_texts(const std::filesystem::path& to, const std::filesystem::path& from) {
+    std::filesystem::create_directories(to);
+    for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(FJELL_SOURCE_DIR) / from))
+        if (entry.file_size() < most_seed_bytes)
+            std::filesystem::copy_file(entry.path(), to / entry.path().filename(),
+                                       std::filesystem::copy_options::overwrite_existing);
+}
+
+// Headers with two dimensions, an attribute and two variables, one of which has records.
+void make_netcdf(const std::filesystem::path& folder) {
+    std::filesystem::create_directories(folder);
+    for (const int version : {1, 2, 5}) {
+        std::string text = "CDF";
+        text += static_cast<char>(version);
+        const auto number = [&](std::uint64_t value, int bytes) {
+            while (bytes-- > 0) text += static_cast<char>(value >> (8 * bytes) & 0xff);
+        };
+        const int wide = version == 5 ? 8 : 4, offset = version == 1 ? 4 : 8;
+        const auto name = [&](const char* what) { number(4, wide), text += what; }; // of four letters
+        number(3, wide);
+        number(10, 4), number(2, wide);
+        name("time"), number(0, wide), name("cols"), number(7, wide);
+        number(12, 4), number(1, wide), name("unit"), number(2, 4), number(1, wide), text.append("m\0\0\0", 4);
+        number(11, 4), number(2, wide);
+        for (const std::uint64_t first : {0, 1}) {
+            name("elev"), number(2 - first, wide); // dimensions
+            for (std::uint64_t d = first; d < 2; ++d) number(d, wide);
+            number(0, 4), number(0, wide);                              // no attributes
+            number(3, 4), number(16, wide), number(300, offset); // shorts
+        }
+        write_text(folder / ("cdf" + std::to_string(version)), text);
+    }
+}
+
+void make_ledger(const std::filesystem::path& folder) {
+    std::filesystem::create_directories(folder);
+    const std::string path = (folder / "taken").string();
+    baker::Ledger ledger(path, "fuzz");
+    ledger.state.stage = 400;
+    ledger.state.done = 17;
+    ledger.state.spool_bytes = 12345;
+    ledger.write();
+    std::ifstream file(path, std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(file), {});
+    write_text(folder / "as_it_is", std::string(1, '\0') + bytes);
+    write_text(path, std::string(1, '\1') + bytes);
+}
+
 void make_seeds(const std::filesystem::path& folder) {
     make_recordings(folder / "record");
     make_recipes(folder / "recipe");
+    copy_texts(folder / "terrain", {"content/terrain"});
+    copy_texts(folder / "ramp", {"content/ramps"});
+    copy_texts(folder / "path", {"content/paths"});
+    write_text(folder / "path/recorded", "F 0  1 0 0  0 1 0  0 0 1  0.1 0.2 0.3  1\nF 0  1 0 0  0 1 0  0 0 1  0.2 0.2 0.3  1\n");
+    copy_texts(folder / "profile", {"profiles"});
+    make_netcdf(folder / "netcdf");
+    make_ledger(folder / "ledger");
     SeedWriter seeds(folder);
     Random random(31);
     for (const auto& [order, order_name] :

@@ -280,6 +280,12 @@ TEST_CASE("a bake that fails leaves nothing, one that is interrupted its work; a
     // Another bake's work is of no use.
     REQUIRE_THROWS_AS(bake_until(4, 130), host::Failure);
     REQUIRE(!baker::bake(dem, small_bake(4), out).resumed);
+    // Nor is one that is cut otherwise, though it comes to the same.
+    REQUIRE_THROWS_AS(bake_until(steps / 2, 130), host::Failure);
+    baker::BakeOptions other_regions = small_bake(3);
+    other_regions.region_cells = 8;
+    REQUIRE(!baker::bake(dem, other_regions, out).resumed);
+    REQUIRE(host::read_file(out) == before);
     REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell"});
     // In memory there is nothing to go on from.
     baker::BakeOptions in_memory = small_bake(3);
