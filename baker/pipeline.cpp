@@ -29,8 +29,7 @@ Tree tiling(const HeightSource& source, const BakeOptions& options) {
 
 std::unique_ptr<ImageSource> images_of(const HeightSource& source, const BakeOptions& options) {
     if (options.texture_paths.empty()) return nullptr;
-    return open_images(options.texture_paths, frame_of(source.columns, source.rows, source.spacing_m, source.origin_m,
-                                                       source.crs_wkt));
+    return open_images(options.texture_paths, frame_of(source));
 }
 
 // A pack that cannot be written should not cost an hour.

@@ -42,6 +42,16 @@ std::string wkt_of(const OGRSpatialReference& crs) {
     return wkt;
 }
 
+void crs_step_of(const double (&spacing_m)[2], const std::string& crs_wkt, double (&step)[2]) {
+    step[0] = step[1] = 0;
+    OGRSpatialReference crs;
+    if (crs_wkt.empty() || crs.importFromWkt(crs_wkt.c_str()) != OGRERR_NONE) return;
+    if (!crs.IsProjected() && !crs.IsLocal()) return;
+    const double unit_m = crs.GetLinearUnits();
+    for (const int axis : {0, 1})
+        if (unit_m > 0) step[axis] = spacing_m[axis] / unit_m;
+}
+
 Placement place(GDALDataset& file, const std::string& path) {
     Placement p;
     p.columns = file.GetRasterXSize();

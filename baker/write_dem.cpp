@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <cpl_string.h>
@@ -11,6 +12,7 @@
 #include <ogr_spatialref.h>
 
 #include "baker/gdal_file.h"
+#include "baker/placement.h"
 #include "host/file.h"
 
 namespace fjell::baker {
@@ -56,26 +58,28 @@ std::optional<Lattice16> lattice_of(const Dem& dem) {
 }
 
 void set_place(GDALDataset& file, const Dem& dem) {
-    // Pixels are samples: the origin is the north-west pixel's corner, half a pixel out.
-    std::array<double, 6> t{dem.origin_m[0] - dem.spacing_m[0] / 2,
-                            dem.spacing_m[0],
-                            0,
-                            dem.origin_m[1] + dem.spacing_m[1] / 2,
-                            0,
-                            -dem.spacing_m[1]};
-    file.SetGeoTransform(t.data());
+    double step[2] = {dem.crs_step[0], dem.crs_step[1]};
+    if (!(step[0] > 0 && step[1] > 0)) crs_step_of(dem.spacing_m, dem.crs_wkt, step);
     OGRSpatialReference crs;
-    // Without a CRS of its own it gets a local one in metres, or a small terrain at the origin looks like degrees.
-    if (dem.crs_wkt.empty() || crs.importFromWkt(dem.crs_wkt.c_str()) != OGRERR_NONE || crs.IsGeographic()) {
+    // Without a CRS of its own, or with one that its spacing means nothing in, it gets a local one in metres, or a small
+    // terrain at the origin looks like degrees.
+    if (!(step[0] > 0 && step[1] > 0) || dem.crs_wkt.empty() ||
+        crs.importFromWkt(dem.crs_wkt.c_str()) != OGRERR_NONE) {
+        std::copy_n(dem.spacing_m, 2, step);
         crs.Clear();
         crs.SetLocalCS("local metres");
         crs.SetLinearUnits("metre", 1);
     }
+    // Pixels are samples: the origin is the north-west pixel's corner, half a pixel out.
+    std::array<double, 6> t{dem.origin_m[0] - step[0] / 2, step[0], 0, dem.origin_m[1] + step[1] / 2, 0, -step[1]};
+    file.SetGeoTransform(t.data());
     file.SetSpatialRef(&crs);
 }
 
-bool write_rows(GDALDataset& file, const Dem& dem, const std::optional<Lattice16>& lattice) {
+bool write_rows(GDALDataset& file, const Dem& dem, const std::optional<Lattice16>& lattice, DemForm form) {
     GDALRasterBand& band = *file.GetRasterBand(1);
+    const bool open_holes = form == DemForm::plain && !dem.voids.empty();
+    if (open_holes) band.SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
     if (lattice) {
         band.SetScale(lattice->step_m);
         band.SetOffset(lattice->base_m);
@@ -87,6 +91,8 @@ bool write_rows(GDALDataset& file, const Dem& dem, const std::optional<Lattice16
         const float* const from = dem.heights_m.data() + static_cast<std::size_t>(y) * columns;
         std::transform(from, from + columns, row.begin(),
                        [&](float h) { return lattice ? static_cast<float>(lattice->steps(h)) : h; });
+        for (int x = 0; open_holes && x < dem.columns; ++x)
+            if (dem.is_void(x, y)) row[static_cast<std::size_t>(x)] = std::numeric_limits<float>::quiet_NaN();
         if (band.RasterIO(GF_Write, 0, y, dem.columns, 1, row.data(), dem.columns, 1, GDT_Float32, 0, 0, nullptr) !=
             CE_None)
             return false;
@@ -96,13 +102,13 @@ bool write_rows(GDALDataset& file, const Dem& dem, const std::optional<Lattice16
 
 } // namespace
 
-void write_dem(const Dem& dem, const std::string& path) {
+void write_dem(const Dem& dem, const std::string& path, DemForm form) {
     host::AtomicFile out(path); // first: a missing folder should not cost the work
     GdalMessages messages;
     register_drivers();
     GDALDriver* const driver = GetGDALDriverManager()->GetDriverByName("GTiff");
     if (!driver) throw Failure(3, fmt::format("{}: this GDAL has no GeoTIFF driver; install libgdal with it", path));
-    const std::optional<Lattice16> lattice = lattice_of(dem);
+    const std::optional<Lattice16> lattice = form == DemForm::plain ? std::nullopt : lattice_of(dem);
     CPLStringList options;
     options.SetNameValue("COMPRESS", "DEFLATE");
     options.SetNameValue("PREDICTOR", lattice ? "2" : "3");
@@ -113,13 +119,17 @@ void write_dem(const Dem& dem, const std::string& path) {
     bool written = file != nullptr;
     if (written) {
         set_place(*file, dem);
-        written = write_rows(*file, dem, lattice);
+        written = write_rows(*file, dem, lattice, form);
     }
     file.reset(); // closing writes the rest
     if (!written || messages.failed() || memory.bytes().empty())
         throw Failure(3, fmt::format("{}: cannot be written; is there enough memory?{}", path, messages.said()));
     out.write(memory.bytes());
     out.commit();
+}
+
+void write_dem(const HeightSource& source, const std::string& path, DemForm form) {
+    write_dem(read_dem(source, path), path, form);
 }
 
 } // namespace fjell::baker
