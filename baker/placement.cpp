@@ -73,6 +73,9 @@ Placement place(GDALDataset& file, const std::string& path) {
     p.step[0] = std::abs(t[1]);
     p.step[1] = std::abs(t[5]);
     p.origin[0] = t[0] + t[1] * (p.flip_x ? p.columns - 0.5 : 0.5);
+    // Longitudes count from anywhere, but projections know no more than a turn to each side.
+    if (p.axes == Axes::degrees && (p.origin[0] >= 360 || p.east(p.columns - 1) <= -360))
+        p.origin[0] -= 360 * std::floor((p.origin[0] + 180) / 360);
     p.origin[1] = t[3] + t[5] * (p.flip_y ? p.rows - 0.5 : 0.5);
     // A local frame says nothing about where on Earth it is; other programs could do nothing with it.
     if (crs && !crs->IsLocal()) p.crs_wkt = wkt_of(*crs);
