@@ -81,6 +81,9 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
                          "the height field it was baked from, one file or several (give the same read options)");
     c.verify->add_option("--recipe", a.against_recipe_path, "the recipe it was baked from, instead of --against");
     add_read_options(*c.verify, a.against);
+    c.heights = app.add_subcommand("heights", "write a pack's heights as a GeoTIFF, holes as no-data");
+    c.heights->add_option("PACK", a.pack)->required();
+    c.heights->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
     c.synth = app.add_subcommand("synth", "make a height field from a recipe");
     c.synth->add_option("RECIPE", a.terrain_path)->required();
     c.synth->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();

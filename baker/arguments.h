@@ -19,7 +19,7 @@ struct Arguments {
     std::optional<double> checkpoint_s;
     bool quiet = false;
 
-    std::string pack; // info, verify
+    std::string pack; // info, verify, heights
     bool info_json = false;
     std::string picture_path;
     PictureOptions picture;
@@ -27,12 +27,13 @@ struct Arguments {
     Recipe against; // verify: its inputs and read options
     std::string against_recipe_path;
 
-    std::string terrain_path, dem_path; // synth
+    std::string terrain_path, dem_path; // synth, heights
 };
 
 struct Commands {
     CLI::App* info;
     CLI::App* verify;
+    CLI::App* heights;
     CLI::App* synth;
 };
 

@@ -49,7 +49,8 @@ struct BakeSummary {
     std::uint64_t voids = 0; // samples that are holes
     std::uint64_t file_bytes = 0, geometry_bytes = 0, directory_bytes = 0, texture_bytes = 0;
     bool resumed = false; // an interrupted bake was gone on with
-    double seconds_read = 0, seconds_errors = 0, seconds_textures = 0, seconds_total = 0;
+    // Read, filled and surveyed; maps; vertices; put together and on the disk; everything.
+    double seconds_read = 0, seconds_textures = 0, seconds_errors = 0, seconds_write = 0, seconds_total = 0;
 };
 
 // Bakes to OUT beside its place and renames; an old pack stays until then. Throws Failure. When that is an interruption

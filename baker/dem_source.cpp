@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include "baker/placement.h"
 #include "baker/windows.h"
 
 namespace fjell::baker {
@@ -47,6 +48,8 @@ DemSource::DemSource(Dem dem) : dem_(std::move(dem)) {
     std::copy_n(dem_.spacing_m, 2, spacing_m);
     std::copy_n(dem_.origin_m, 2, origin_m);
     crs_wkt = dem_.crs_wkt;
+    std::copy_n(dem_.crs_step, 2, crs_step);
+    if (!(crs_step[0] > 0 && crs_step[1] > 0)) crs_step_of(spacing_m, crs_wkt, crs_step);
 }
 
 std::unique_ptr<HeightReader> DemSource::reader() const {
@@ -66,8 +69,9 @@ Settled DemSource::settle(const Census& census) const {
 }
 
 std::string DemSource::identity() const {
-    return fmt::format("{} x {} in memory, {} {} at {} {} step {} heights {:016x} voids {:016x} crs {:016x}", columns,
-                       rows, spacing_m[0], spacing_m[1], origin_m[0], origin_m[1], dem_.native_quantum_m,
+    return fmt::format("{} x {} in memory, {} {} ({} {}) at {} {} step {} heights {:016x} voids {:016x} crs {:016x}",
+                       columns, rows, spacing_m[0], spacing_m[1], crs_step[0], crs_step[1], origin_m[0], origin_m[1],
+                       dem_.native_quantum_m,
                        hash(dem_.heights_m.data(), dem_.heights_m.size() * sizeof(float)),
                        hash(dem_.voids.data(), dem_.voids.size()), hash(crs_wkt.data(), crs_wkt.size()));
 }

@@ -203,15 +203,20 @@ ImageLayer stretched(GDALDataset& file, const Frame& ground) {
 ImageLayer placed(GDALDataset& file, const Frame& ground, const std::string& path) {
     const Georeference g = georeference(file);
     ImageLayer layer{file.GetRasterXSize(), file.GetRasterYSize(), {0, 0}, {1, 1}};
-    layer.first_px[0] = (ground.origin[0] - g.t[0]) / g.t[1];
+    double west = ground.origin[0] - g.t[0];
+    if (crs_of(ground.crs_wkt).IsGeographic()) { // 0..360 and -180..180 name the same places: the nearest turn
+        const double off = west + 0.5 * ((ground.columns - 1) * ground.step[0] - layer.columns * g.t[1]);
+        west -= 360 * std::round(off / 360);
+    }
+    layer.first_px[0] = west / g.t[1];
     layer.first_px[1] = (ground.origin[1] - g.t[3]) / g.t[5];
     layer.per_sample[0] = ground.step[0] / g.t[1];
     layer.per_sample[1] = -ground.step[1] / g.t[5];
     const double end[2] = {layer.first_px[0] + (ground.columns - 1) * layer.per_sample[0],
                            layer.first_px[1] + (ground.rows - 1) * layer.per_sample[1]};
     if (end[0] <= 0 || end[1] <= 0 || layer.first_px[0] >= layer.columns || layer.first_px[1] >= layer.rows)
-        throw Failure(1, fmt::format("{}: lies beside the terrain: it covers x {:.0f}..{:.0f}, y {:.0f}..{:.0f} in the "
-                                     "terrain's CRS, the terrain x {:.0f}..{:.0f}, y {:.0f}..{:.0f}; give an image of "
+        throw Failure(1, fmt::format("{}: lies beside the terrain: it covers x {:.10g}..{:.10g}, y {:.10g}..{:.10g} in the "
+                                     "terrain's CRS, the terrain x {:.10g}..{:.10g}, y {:.10g}..{:.10g}; give an image of "
                                      "the same place, or remove its georeference to stretch it over the terrain",
                                      path, g.t[0], g.t[0] + layer.columns * g.t[1], g.t[3] + layer.rows * g.t[5],
                                      g.t[3], ground.origin[0], ground.origin[0] + (ground.columns - 1) * ground.step[0],
@@ -251,8 +256,8 @@ private:
         const Georeference g = georeference(opened->top());
         if (!g.there || ground.crs_wkt.empty() || ground.step[0] <= 0) {
             if (count > 1)
-                throw Failure(1, fmt::format("{}: several images need georeferences, and a terrain with a CRS that "
-                                             "counts metres; give one image, or project all with gdalwarp",
+                throw Failure(1, fmt::format("{}: several images need georeferences, and a terrain with a CRS; give "
+                                             "one image, or place all with gdalwarp",
                                              path));
             layers.push_back(stretched(opened->top(), ground));
         } else {
@@ -271,15 +276,12 @@ private:
 
 } // namespace
 
-Frame frame_of(std::int32_t columns, std::int32_t rows, const double (&spacing_m)[2], const double (&origin)[2],
-                 const std::string& crs_wkt) {
-    Frame ground{columns, rows, {origin[0], origin[1]}, {0, 0}, crs_wkt};
-    if (crs_wkt.empty()) return ground;
-    const OGRSpatialReference crs = crs_of(crs_wkt);
-    if (!crs.IsProjected() && !crs.IsLocal()) return ground; // degrees
-    const double unit = crs.GetLinearUnits();
-    for (int axis = 0; axis < 2 && unit > 0; ++axis) ground.step[axis] = spacing_m[axis] / unit;
-    return ground;
+Frame frame_of(const HeightSource& ground) {
+    return {ground.columns,
+            ground.rows,
+            {ground.origin_m[0], ground.origin_m[1]},
+            {ground.crs_step[0], ground.crs_step[1]},
+            ground.crs_wkt};
 }
 
 std::unique_ptr<ImageSource> open_images(const std::vector<std::string>& paths, const Frame& ground) {

@@ -1,7 +1,7 @@
 // Ortho-images of any size, kind and CRS, read by windows: never a whole one in memory.
 //
-// Where an image lies: georeferenced, over a terrain with a CRS that counts metres: by its coordinates, warped to the
-// terrain's CRS where its own is another. Without georeference, or over a terrain without or in degrees: stretched, its
+// Where an image lies: georeferenced, over a terrain with a CRS: by its coordinates, warped to the terrain's CRS where its
+// own is another; whole turns of longitude do not count. Without georeference, or over a terrain without: stretched, its
 // outer edge on the outermost samples. Several are laid on top of each other, the last one uppermost; each must be
 // georeferenced. Kinds: grey, palette, red-green-blue, each with or without alpha, mask or no-data value; 8 bits, or 16
 // scaled down.
@@ -67,9 +67,7 @@ struct Frame {
     double step[2] = {1, 1};   // from sample to sample in CRS units, the second southwards; 0: not known
     std::string crs_wkt;       // empty: none
 };
-// Spacing is metres: the step is known where the CRS counts metres (or feet, and so on), not where it counts degrees.
-[[nodiscard]] Frame frame_of(std::int32_t columns, std::int32_t rows, const double (&spacing_m)[2],
-                               const double (&origin)[2], const std::string& crs_wkt);
+[[nodiscard]] Frame frame_of(const HeightSource& ground);
 
 // Throws Failure: no such file, no image, images that do not go together, or that do not meet the terrain.
 [[nodiscard]] std::unique_ptr<ImageSource> open_images(const std::vector<std::string>& paths, const Frame& ground);

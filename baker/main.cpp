@@ -1,4 +1,4 @@
-// fjell-bake: IN -o OUT.fjell, info, verify, synth. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the machine
+// fjell-bake: IN -o OUT.fjell, info, verify, heights, synth. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the machine
 // is.
 #include <cstdio>
 #include <optional>
@@ -14,12 +14,15 @@
 #include "baker/arguments.h"
 #include "baker/bake.h"
 #include "baker/crs_label.h"
+#include "baker/pack_source.h"
 #include "baker/picture.h"
 #include "baker/progress.h"
 #include "baker/read.h"
 #include "baker/recipe.h"
 #include "baker/synth.h"
 #include "baker/verify.h"
+#include "baker/verify_maps.h"
+#include "baker/write_dem.h"
 #include "host/file.h"
 #include "host/load.h"
 
@@ -70,8 +73,11 @@ json summary_json(const BakeSummary& s) {
             {"directory_bytes", s.directory_bytes},
             {"holes", s.voids},
             {"texture_bytes", s.texture_bytes},
-            {"seconds_errors", s.seconds_errors},
+            {"resumed", s.resumed},
+            {"seconds_read", s.seconds_read},
             {"seconds_textures", s.seconds_textures},
+            {"seconds_errors", s.seconds_errors},
+            {"seconds_write", s.seconds_write},
             {"seconds_total", s.seconds_total}};
 }
 
@@ -174,21 +180,32 @@ int run_info(const Arguments& a) {
     return 0;
 }
 
+// Throws when what the pack is compared with has its samples elsewhere.
+void check_spacing(const HeightSource& against, const std::string& name, const PackHeader& header) {
+    for (const int axis : {0, 1})
+        if (std::abs(against.spacing_m[axis] / header.spacing_m[axis] - 1) > 1e-9)
+            throw Failure(
+                1, fmt::format("{}: its samples are {} m apart, the pack's {} m; give the --spacing it was baked with",
+                               name, against.spacing_m[axis], header.spacing_m[axis]));
+}
+
 int run_verify(const Arguments& a) {
     const Recipe source = complete(a.against, a.against_recipe_path);
     const LoadedPack loaded = load_pack(a.pack, LoadTerrain::yes);
     std::optional<Dem> against;
-    if (!source.inputs.empty()) against = read_dem(source.inputs, read_options(source));
+    if (!source.inputs.empty()) {
+        const auto opened = open_source(source.inputs, read_options(source));
+        check_spacing(*opened, source.inputs.front(), loaded.pack.header);
+        against = read_dem(*opened, source.inputs.front());
+    }
     VerifyReport r = verify(loaded.terrain, against ? &*against : nullptr);
-    r.chunks = check_all_chunks(loaded);
+    r.chunks = check_all_chunks(loaded.pack, a.pack);
+    const MapsReport maps = check_maps(loaded.pack);
     fmt::print("{} vertices: {} nesting, {} sphere, {} border, {} rim violations\n", r.vertices, r.nesting_violations,
                r.sphere_violations, r.border_mismatches, r.rim_violations);
     fmt::print("{} chunks: checksums hold\n", r.chunks);
-    for (const int axis : {0, 1})
-        if (against && std::abs(against->spacing_m[axis] / loaded.pack.header.spacing_m[axis] - 1) > 1e-9)
-            throw Failure(
-                1, fmt::format("{}: its samples are {} m apart, the pack's {} m; give the --spacing it was baked with",
-                               source.inputs.front(), against->spacing_m[axis], loaded.pack.header.spacing_m[axis]));
+    fmt::print("{} texels, {} on borders of tiles: {} mip, {} border, {} length violations\n", maps.texels,
+               maps.border_texels, maps.mip_violations, maps.border_violations, maps.length_violations);
     if (against)
         fmt::print("heights against {}: {} off by more than half a quantum\n", fmt::join(source.inputs, " "),
                    r.height_mismatches);
@@ -197,17 +214,30 @@ int run_verify(const Arguments& a) {
                    r.true_error_violations);
     else
         fmt::print("true error: not promised by the mid-point estimate, not checked\n");
-    if (!r.ok()) throw Failure(1, fmt::format("{}: {}; bake it again", a.pack, r.first));
+    if (!r.ok() || !maps.ok())
+        throw Failure(1, fmt::format("{}: {}; bake it again", a.pack, r.ok() ? maps.first : r.first));
     fmt::print("ok\n");
+    return 0;
+}
+
+void require_tif(const std::string& path) {
+    if (!path.ends_with(".tif") && !path.ends_with(".tiff"))
+        throw Failure(2,
+                      fmt::format("{}: height fields are written as GeoTIFF; give a name that ends in .tif", path));
+}
+
+int run_heights(const Arguments& a) {
+    refuse_overwriting({a.dem_path}, {a.pack});
+    require_tif(a.dem_path);
+    write_dem(PackSource(a.pack), a.dem_path, DemForm::plain);
     return 0;
 }
 
 int run_synth(const Arguments& a) {
     refuse_overwriting({a.dem_path}, {a.terrain_path});
-    if (!a.dem_path.ends_with(".tif") && !a.dem_path.ends_with(".tiff"))
-        throw Failure(
-            2, fmt::format("{}: height fields are written as GeoTIFF; give a name that ends in .tif", a.dem_path));
-    write_dem(synthesise(a.terrain_path), a.dem_path);
+    require_tif(a.dem_path);
+    ProgressBar bar(a.quiet);
+    write_dem(*open_synth(a.terrain_path), a.dem_path, DemForm::compact, 0, std::ref(bar));
     return 0;
 }
 
@@ -222,12 +252,14 @@ int run(int argc, char** argv) {
     } catch (const CLI::ParseError& e) {
         throw Failure(2, fmt::format("{}; see fjell-bake --help", e.what()));
     }
-    const bool other = commands.info->parsed() || commands.verify->parsed() || commands.synth->parsed();
+    const bool other = commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() ||
+                       commands.synth->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))
-        throw Failure(2, "info, verify and synth bake nothing; leave out the height field and -o, or the command");
+        throw Failure(2, "info, verify, heights and synth bake nothing; leave out the height field and -o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);
     if (commands.verify->parsed()) return run_verify(a);
+    if (commands.heights->parsed()) return run_heights(a);
     if (commands.synth->parsed()) return run_synth(a);
     return run_bake(a);
 }

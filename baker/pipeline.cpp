@@ -32,8 +32,7 @@ Tree tiling(const HeightSource& source, const BakeOptions& options) {
 
 std::unique_ptr<ImageSource> images_of(const HeightSource& source, const BakeOptions& options) {
     if (options.texture_paths.empty()) return nullptr;
-    return open_images(options.texture_paths, frame_of(source.columns, source.rows, source.spacing_m, source.origin_m,
-                                                       source.crs_wkt));
+    return open_images(options.texture_paths, frame_of(source));
 }
 
 } // namespace
@@ -184,6 +183,7 @@ BakeSummary Pipeline::run() {
         read();
         fill();
         survey();
+        summary.seconds_read = seconds_since(start);
         plan();
         const auto maps_start = Clock::now();
         make_maps();
@@ -193,7 +193,9 @@ BakeSummary Pipeline::run() {
         for (int z = 1; z < tree_.tile_log2; ++z) level(z);
         summary.seconds_errors = seconds_since(errors_start);
         plain_pages();
+        const auto write_start = Clock::now();
         summary.file_bytes = assemble(summary);
+        summary.seconds_write = seconds_since(write_start);
     } catch (const Failure& failure) {
         const bool interrupted = failure.exit_code == 130;
         const bool input_lost = failure.exit_code == 1 && input_at_work_ &&

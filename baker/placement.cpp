@@ -42,6 +42,16 @@ std::string wkt_of(const OGRSpatialReference& crs) {
     return wkt;
 }
 
+void crs_step_of(const double (&spacing_m)[2], const std::string& crs_wkt, double (&step)[2]) {
+    step[0] = step[1] = 0;
+    OGRSpatialReference crs;
+    if (crs_wkt.empty() || crs.importFromWkt(crs_wkt.c_str()) != OGRERR_NONE) return;
+    if (!crs.IsProjected() && !crs.IsLocal()) return;
+    const double unit_m = crs.GetLinearUnits();
+    for (const int axis : {0, 1})
+        if (unit_m > 0) step[axis] = spacing_m[axis] / unit_m;
+}
+
 Placement place(GDALDataset& file, const std::string& path) {
     Placement p;
     p.columns = file.GetRasterXSize();
@@ -63,6 +73,9 @@ Placement place(GDALDataset& file, const std::string& path) {
     p.step[0] = std::abs(t[1]);
     p.step[1] = std::abs(t[5]);
     p.origin[0] = t[0] + t[1] * (p.flip_x ? p.columns - 0.5 : 0.5);
+    // Longitudes count from anywhere, but projections know no more than a turn to each side.
+    if (p.axes == Axes::degrees && (p.origin[0] >= 360 || p.east(p.columns - 1) <= -360))
+        p.origin[0] -= 360 * std::floor((p.origin[0] + 180) / 360);
     p.origin[1] = t[3] + t[5] * (p.flip_y ? p.rows - 0.5 : 0.5);
     // A local frame says nothing about where on Earth it is; other programs could do nothing with it.
     if (crs && !crs->IsLocal()) p.crs_wkt = wkt_of(*crs);

@@ -28,6 +28,9 @@ struct Placement {
 // Throws Failure 1 for a grid that is rotated or sheared, or absurd.
 [[nodiscard]] Placement place(GDALDataset& file, const std::string& path);
 
+// What a spacing is in units of the CRS, where that counts metres, feet and so on; 0 in degrees and without a CRS.
+void crs_step_of(const double (&spacing_m)[2], const std::string& crs_wkt, double (&step)[2]);
+
 [[nodiscard]] std::string wkt_of(const OGRSpatialReference& crs);
 
 } // namespace fjell::baker

@@ -55,6 +55,10 @@ std::unique_ptr<OGRSpatialReference> automatic_crs(const Placement& from, const 
     const double west = from.east(-0.5), east = from.east(from.columns - 0.5);
     const double south = from.north(from.rows - 0.5), north = from.north(-0.5);
     auto crs = crs_for(source_crs(from), west, south, east, north);
+    if (!crs && (south >= 60 || north <= -60))
+        throw Failure(1, fmt::format("{}: spans {:.0f} degrees around a pole; give --crs {} for a plane that touches the "
+                                     "pole, or --bbox with it for a part",
+                                     path, east - west, south >= 60 ? "EPSG:3995" : "EPSG:3031"));
     if (!crs)
         throw Failure(1,
                       fmt::format("{}: spans {:.0f} x {:.0f} degrees, which no plane holds without squeezing; give "

@@ -178,6 +178,7 @@ public:
         rows = plan_->crop.rows;
         for (const int axis : {0, 1}) spacing_m[axis] = o.spacing_m ? *o.spacing_m : p.step[axis] * p.unit_m;
         if (p.axes == Axes::none) return;
+        std::copy_n(p.step, 2, crs_step);
         origin_m[0] = p.east(plan_->crop.x);
         origin_m[1] = p.north(plan_->crop.y);
         crs_wkt = p.crs_wkt;
@@ -315,25 +316,30 @@ void limit_gdal_cache(std::size_t bytes) {
     GDALSetCacheMax64(static_cast<GIntBig>(bytes));
 }
 
-Dem read_dem(const std::vector<std::string>& paths, const ReadOptions& options) {
-    const auto source = open_source(paths, options);
-    check_memory(*source, paths.front(), options);
+Dem read_dem(const HeightSource& source, const std::string& name) {
     Dem dem;
-    dem.columns = source->columns;
-    dem.rows = source->rows;
-    std::copy_n(source->spacing_m, 2, dem.spacing_m);
-    std::copy_n(source->origin_m, 2, dem.origin_m);
-    dem.crs_wkt = source->crs_wkt;
+    dem.columns = source.columns;
+    dem.rows = source.rows;
+    std::copy_n(source.spacing_m, 2, dem.spacing_m);
+    std::copy_n(source.origin_m, 2, dem.origin_m);
+    std::copy_n(source.crs_step, 2, dem.crs_step);
+    dem.crs_wkt = source.crs_wkt;
     try {
-        const Census census = read_all(*source, dem);
-        const Settled settled = source->settle(census);
+        const Census census = read_all(source, dem);
+        const Settled settled = source.settle(census);
         dem.native_quantum_m = settled.native_quantum_m;
         settle_voids(dem, settled, census.voids.count + census.odd.count > 0);
     } catch (const std::bad_alloc&) {
-        throw Failure(3, fmt::format("{}: not enough memory for {} x {} samples; take a part of it with --bbox",
-                                     paths.front(), dem.columns, dem.rows));
+        throw Failure(3, fmt::format("{}: not enough memory for {} x {} samples; take a part of it with --bbox", name,
+                                     dem.columns, dem.rows));
     }
     return dem;
+}
+
+Dem read_dem(const std::vector<std::string>& paths, const ReadOptions& options) {
+    const auto source = open_source(paths, options);
+    check_memory(*source, paths.front(), options);
+    return read_dem(*source, paths.front());
 }
 
 Dem read_dem(const std::string& path, const ReadOptions& options) {

@@ -57,7 +57,9 @@ struct ReadOptions {
 // GDAL keeps decoded blocks of all open files in at most this many bytes (default: 5% of the machine's memory).
 void limit_gdal_cache(std::size_t bytes);
 
-// The whole of a source in memory. Throws Failure as open_source does, and 3: more samples than memory_bytes allows.
+// The whole of a source in memory. Throws Failure as reading and settling do; name: for messages.
+[[nodiscard]] Dem read_dem(const HeightSource& source, const std::string& name);
+// Throws Failure as open_source does, and 3: more samples than memory_bytes allows.
 // O(samples), one thread; 4 bytes a sample, 5 with holes, and 1.4 and 8 a void more while voids are filled.
 [[nodiscard]] Dem read_dem(const std::vector<std::string>& paths, const ReadOptions& options);
 [[nodiscard]] Dem read_dem(const std::string& path, const ReadOptions& options);
@@ -67,9 +69,5 @@ void limit_gdal_cache(std::size_t bytes);
 // one.
 [[nodiscard]] Dem synthesise(const std::string& recipe_path, int threads = 0);
 [[nodiscard]] Dem synthesise_text(const std::string& recipe_json, int threads = 0);
-
-// Writes a DEM as a GeoTIFF (UInt16 with scale and offset when native_quantum_m allows it, else Float32), beside its
-// place, then renamed. Holes are written as the ground that continues over them. Throws Failure.
-void write_dem(const Dem& dem, const std::string& path);
 
 } // namespace fjell::baker

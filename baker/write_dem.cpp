@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -17,6 +19,7 @@
 #include "baker/fill.h"
 #include "baker/gdal_file.h"
 #include "baker/parallel.h"
+#include "baker/placement.h"
 #include "baker/read.h"
 #include "baker/store.h"
 #include "host/file.h"
@@ -27,13 +30,15 @@ namespace {
 
 constexpr std::int32_t tile = 256; // samples a side
 
-// Heights without holes, from wherever they lie: rows y and on, as many as `to` holds.
+// Heights from wherever they lie: rows y and on, as many as `to` holds; NaN where there is none, if `holes`.
 struct Heights {
     std::int32_t columns, rows;
-    const double *spacing_m, *origin_m;
+    const double (&spacing_m)[2], (&origin_m)[2], (&crs_step)[2];
     const std::string& crs_wkt;
     double native_quantum_m;
     float least_m, most_m;
+    DemForm form;
+    bool holes;
     std::function<void(std::int32_t y, std::span<float> to)> read;
 };
 
@@ -56,7 +61,7 @@ struct Lattice16 {
     [[nodiscard]] double steps(float height) const { return std::round((height - base_m) / step_m); }
 };
 std::optional<Lattice16> lattice_of(const Heights& heights) {
-    if (!(heights.native_quantum_m > 0)) return {};
+    if (!(heights.native_quantum_m > 0) || heights.form == DemForm::plain) return {};
     const double q = heights.native_quantum_m;
     // The base is itself a whole number of steps where it can be: 123.4f is not 123.4.
     const double whole = std::round(heights.least_m / q) * q;
@@ -72,21 +77,21 @@ std::optional<Lattice16> lattice_of(const Heights& heights) {
 }
 
 void set_place(GDALDataset& file, const Heights& dem) {
-    // Pixels are samples: the origin is the north-west pixel's corner, half a pixel out.
-    std::array<double, 6> t{dem.origin_m[0] - dem.spacing_m[0] / 2,
-                            dem.spacing_m[0],
-                            0,
-                            dem.origin_m[1] + dem.spacing_m[1] / 2,
-                            0,
-                            -dem.spacing_m[1]};
-    file.SetGeoTransform(t.data());
+    double step[2] = {dem.crs_step[0], dem.crs_step[1]};
+    if (!(step[0] > 0 && step[1] > 0)) crs_step_of(dem.spacing_m, dem.crs_wkt, step);
     OGRSpatialReference crs;
-    // Without a CRS of its own it gets a local one in metres, or a small terrain at the origin looks like degrees.
-    if (dem.crs_wkt.empty() || crs.importFromWkt(dem.crs_wkt.c_str()) != OGRERR_NONE || crs.IsGeographic()) {
+    // Without a CRS of its own, or with one that its spacing means nothing in, it gets a local one in metres, or a small
+    // terrain at the origin looks like degrees.
+    if (!(step[0] > 0 && step[1] > 0) || dem.crs_wkt.empty() ||
+        crs.importFromWkt(dem.crs_wkt.c_str()) != OGRERR_NONE) {
+        std::copy_n(dem.spacing_m, 2, step);
         crs.Clear();
         crs.SetLocalCS("local metres");
         crs.SetLinearUnits("metre", 1);
     }
+    // Pixels are samples: the origin is the north-west pixel's corner, half a pixel out.
+    std::array<double, 6> t{dem.origin_m[0] - step[0] / 2, step[0], 0, dem.origin_m[1] + step[1] / 2, 0, -step[1]};
+    file.SetGeoTransform(t.data());
     file.SetSpatialRef(&crs);
 }
 
@@ -101,7 +106,8 @@ bool move_rows(GDALDataset& file, const Heights& heights, const std::optional<La
                           GDT_Float32, 0, 0, nullptr) != CE_None)
             return false;
         // Tiles are complete: GDAL need not keep any.
-        return band.FlushCache() == CE_None && (way == GF_Write || found == rows);
+        return band.FlushCache() == CE_None &&
+               (way == GF_Write || std::memcmp(found.data(), rows.data(), rows.size() * sizeof(float)) == 0);
     });
 }
 
@@ -123,6 +129,7 @@ GdalFile create(GDALDriver& driver, const std::string& name, const Heights& heig
         band.SetScale(lattice->step_m);
         band.SetOffset(lattice->base_m);
     }
+    if (heights.holes) band.SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
     band.SetUnitType("m");
     return file;
 }
@@ -161,14 +168,16 @@ void write_dem(const Dem& dem, const std::string& path) {
     folder.empty();
     folder.keep(false);
     const auto [least, most] = std::minmax_element(dem.heights_m.begin(), dem.heights_m.end());
-    write_heights({dem.columns, dem.rows, dem.spacing_m, dem.origin_m, dem.crs_wkt, dem.native_quantum_m, *least, *most,
+    write_heights({dem.columns, dem.rows, dem.spacing_m, dem.origin_m, dem.crs_step, dem.crs_wkt, dem.native_quantum_m,
+                   *least, *most, DemForm::compact, false,
                    [&](std::int32_t y, std::span<float> to) {
                        std::copy_n(dem.heights_m.data() + dem.index(0, y), to.size(), to.data());
                    }},
                   path, folder.file("dem.tif"));
 }
 
-void write_dem(const HeightSource& source, const std::string& path, int threads, const Progress& progress) {
+void write_dem(const HeightSource& source, const std::string& path, DemForm form, int threads,
+               const Progress& progress) {
     refuse_device(path);
     WorkFolder folder(path);
     folder.empty();
@@ -191,7 +200,8 @@ void write_dem(const HeightSource& source, const std::string& path, int threads,
         if (progress) progress("read", ++done, windows.size());
     });
     const Settled settled = source.settle(census);
-    if (census.voids.count + census.odd.count > 0) {
+    const bool voids = census.voids.count + census.odd.count > 0, holes = voids && form == DemForm::plain;
+    if (voids && !holes) {
         Store<float> filled(folder.file("filled"), source.columns, source.rows);
         const auto make = [&](const std::string& name, std::int64_t columns, std::int64_t rows) {
             return Store<float>(folder.file(name), columns, rows);
@@ -201,8 +211,8 @@ void write_dem(const HeightSource& source, const std::string& path, int threads,
         heights = std::move(filled);
     }
     float least = census.least_m, most = census.most_m;
-    write_heights({source.columns, source.rows, source.spacing_m, source.origin_m, source.crs_wkt,
-                   settled.native_quantum_m, least, most,
+    write_heights({source.columns, source.rows, source.spacing_m, source.origin_m, source.crs_step, source.crs_wkt,
+                   settled.native_quantum_m, least, most, form, holes,
                    [&](std::int32_t y, std::span<float> to) {
                        const Window w{0, y, source.columns, static_cast<std::int32_t>(to.size()) / source.columns};
                        heights.read(w, to.data(), w.columns);

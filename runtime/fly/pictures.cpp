@@ -65,7 +65,7 @@ Pictures::Pictures(const Options& options, const Session& session) : state_(std:
     state_->target = gl::Target::create({options.profile.width_px, options.profile.height_px, samples_a_pixel}, error);
     require(state_->target != nullptr, error);
     state_->renderer = make_renderer(options, session, error);
-    if (!state_->renderer) (void)host::check_all_chunks(session.loaded); // a damaged pack is not the machine's fault
+    if (!state_->renderer) (void)host::check_all_chunks(session.loaded.pack, session.loaded.path); // a damaged pack is not the machine's fault
     require(state_->renderer != nullptr, error);
     state_->draw = draw_options(options.mode);
     state_->folder = options.render_folder;

@@ -1,8 +1,13 @@
 #include "host/load.h"
 
+#include <cerrno>
+#include <cstring>
 #include <new>
 
+#include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -48,16 +53,45 @@ LoadedPack load_pack(const std::string& path, LoadTerrain what) {
     return loaded;
 }
 
-std::uint64_t check_all_chunks(const LoadedPack& loaded) {
-    const std::uint64_t count = loaded.pack.header.directory_count;
+MappedPack::MappedPack(const std::string& path) : path_(path) {
+    const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe without a writer must not hang
+    if (fd < 0) throw Failure(1, fmt::format("{}: {}; give an existing file", path, std::strerror(errno)));
+    struct stat info {};
+    const bool regular = fstat(fd, &info) == 0 && S_ISREG(info.st_mode);
+    size_ = regular ? static_cast<std::size_t>(info.st_size) : 0;
+    if (size_ > 0) bytes_ = mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, fd, 0);
+    const int error = errno;
+    close(fd);
+    if (!regular) throw Failure(1, fmt::format("{}: not a file; give a regular file", path));
+    if (bytes_ == MAP_FAILED)
+        throw Failure(3, fmt::format("{}: cannot be mapped: {}; check memory and the disk", path, std::strerror(error)));
+    try {
+        require(open_pack({static_cast<const std::byte*>(bytes_), size_}, pack_), path);
+        crs_.resize(pack_.header.crs_bytes);
+        if (!crs_.empty())
+            require(read_chunk(pack_, {ChunkKind::crs, 0, 0}, std::as_writable_bytes(std::span(crs_))), path);
+    } catch (...) {
+        if (bytes_) munmap(bytes_, size_);
+        throw;
+    }
+}
+
+MappedPack::~MappedPack() {
+    if (bytes_) munmap(bytes_, size_);
+}
+
+void MappedPack::release() const {
+    (void)madvise(bytes_, size_, MADV_DONTNEED); // a private mapping that no one writes: the file has it all
+}
+
+std::uint64_t check_all_chunks(const Pack& pack, const std::string& path) {
+    const std::uint64_t count = pack.header.directory_count;
     std::vector<std::byte> raw;
     for (std::uint64_t i = 0; i < count; ++i) {
-        const ChunkEntry e = loaded.pack.entry(i);
-        raw.resize(e.raw_bytes);
-        const ChunkId id = chunk_id(loaded.pack.header, i);
-        const Status s = read_chunk(loaded.pack, id, raw);
-        if (!s.ok())
-            throw Failure(1, fmt::format("{}: chunk {} of tile {}: {}", loaded.path, i, id.tile, message(s.code)));
+        raw.resize(pack.entry(i).raw_bytes);
+        const ChunkId id = chunk_id(pack.header, i);
+        const Status s = read_chunk(pack, id, raw);
+        if (!s.ok()) throw Failure(1, fmt::format("{}: chunk {} of tile {}: {}", path, i, id.tile, message(s.code)));
     }
     return count;
 }

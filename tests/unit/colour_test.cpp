@@ -3,7 +3,9 @@
 #include <cmath>
 
 #include "baker/colour.h"
+#include "baker/dem_source.h"
 #include "baker/image.h"
+#include "baker/read.h"
 #include "raster.h"
 
 using namespace fjell;
@@ -26,6 +28,10 @@ std::vector<int> painted(const Ramp& ramp, double height, double degrees = 0) {
 // A terrain of that many samples without a CRS: images are stretched over it.
 Frame plain(int columns, int rows) {
     return {columns, rows, {0, 0}, {0, 0}, ""};
+}
+
+Frame over(int columns, int rows, const double (&step)[2], const double (&origin)[2], const std::string& crs) {
+    return {columns, rows, {origin[0], origin[1]}, {step[0], step[1]}, crs};
 }
 
 // UTM zone 32, as WKT.
@@ -157,7 +163,7 @@ TEST_CASE("a georeferenced image lies by its coordinates") {
     r.crs = "EPSG:32632";
     const std::string path = write(r, dir / "a.tif");
     const double spacing[2] = {10, 20}, origin[2] = {1000, 2000};
-    const Frame ground = frame_of(9, 3, spacing, origin, utm());
+    const Frame ground = over(9, 3, spacing, origin, utm());
     const auto image = open_images({path}, ground);
     CHECK(image->layers[0].first_px[0] == 20);
     CHECK(image->layers[0].first_px[1] == 20);
@@ -175,17 +181,13 @@ TEST_CASE("a georeferenced image lies by its coordinates") {
     }
     SECTION("beside the terrain it is refused with both places") {
         const double far_away[2] = {9000, 2000};
-        check_refusal(refusal([&] { (void)open_images({path}, frame_of(9, 3, spacing, far_away, utm())); }), 1, path,
+        check_refusal(refusal([&] { (void)open_images({path}, over(9, 3, spacing, far_away, utm())); }), 1, path,
                       {"beside the terrain", "900", "9000"});
     }
-    SECTION("over a terrain without CRS, or in degrees, it is stretched") {
+    SECTION("over a terrain without CRS, or of unknown step, it is stretched") {
         CHECK(open_images({path}, plain(9, 3))->layers[0].first_px[0] == 0);
-        OGRSpatialReference degrees;
-        degrees.importFromEPSG(4326);
-        char* text = nullptr;
-        degrees.exportToWkt(&text);
-        CHECK(frame_of(9, 3, spacing, origin, text).step[0] == 0);
-        CPLFree(text);
+        const double unknown[2] = {0, 0};
+        CHECK(open_images({path}, over(9, 3, unknown, origin, utm()))->layers[0].first_px[0] == 0);
     }
     SECTION("its identity names the file and changes with it") {
         const std::string before = image->identity();
@@ -193,6 +195,48 @@ TEST_CASE("a georeferenced image lies by its coordinates") {
         CHECK(open_images({path}, ground)->identity() == before);
         std::filesystem::last_write_time(path, std::filesystem::file_time_type::clock::now() + std::chrono::seconds(9));
         CHECK(open_images({path}, ground)->identity() != before);
+    }
+}
+
+TEST_CASE("an image lies by its coordinates whatever --spacing makes of a height field, and whole turns do not count") {
+    const TempDir dir;
+    // Heights on 30 x 20 samples a tenth of a degree apart from (8, 46) on; an image of its middle third.
+    Raster heights = raster(30, 20, [](int x, int y) { return x + y; });
+    heights.geotransform = {7.95, 0.1, 0, 46.05, 0, -0.1};
+    heights.crs = "EPSG:4326";
+    const std::string dem = write(heights, dir / "dem.tif");
+    Raster r = raster(100, 100, [](int x, int y) { return x + y; });
+    r.type = GDT_Byte;
+    r.geotransform = {9, 0.01, 0, 45.5, 0, -0.01};
+    r.crs = "EPSG:4326";
+    ReadOptions o;
+    o.spacing_m = 5000;
+    const auto source = open_source({dem}, o);
+    CHECK(source->spacing_m[0] == 5000);
+    CHECK(source->crs_step[0] == Approx(0.1));
+    for (const double turn : {0.0, 360.0, -720.0}) {
+        r.geotransform[0] = 9 + turn;
+        const auto image = open_images({write(r, dir / "image.tif")}, frame_of(*source));
+        CHECK(image->layers[0].first_px[0] == Approx(-100));
+        CHECK(image->layers[0].first_px[1] == Approx(-50));
+        CHECK(image->layers[0].per_sample[0] == Approx(10));
+        CHECK(image->layers[0].per_sample[1] == Approx(10));
+    }
+    // Metres that are overridden, and feet.
+    heights.geotransform = {500000, 300, 0, 5000000, 0, -300};
+    for (const auto& [crs, unit_m] : {std::pair{"EPSG:32632", 1.0}, {"EPSG:2225", 1200.0 / 3937}}) {
+        heights.crs = crs;
+        const std::string path = write(heights, dir / "projected.tif");
+        const auto own = open_source({path}, {});
+        CHECK(own->spacing_m[1] == Approx(300 * unit_m));
+        CHECK(own->crs_step[1] == 300);
+        CHECK(open_source({path}, o)->crs_step[1] == 300);
+        CHECK(frame_of(*open_source({path}, o)).step[0] == 300);
+        CHECK(DemSource(read_dem(path, {})).crs_step[0] == 300);
+        Dem made = read_dem(path, {});
+        made.crs_step[0] = made.crs_step[1] = 0;
+        CHECK(DemSource(made).crs_step[0] == Approx(300)); // follows from the spacing
+        CHECK(DemSource(read_dem(path, o)).crs_step[0] == 300);
     }
 }
 
@@ -206,7 +250,7 @@ TEST_CASE("an image in another CRS is warped, and its pixels do not depend on ho
     r.crs = "EPSG:4326";
     const std::string path = write(r, dir / "a.tif");
     const double spacing[2] = {100, 100}, origin[2] = {490000, 4990000};
-    const auto image = open_images({path}, frame_of(201, 101, spacing, origin, utm()));
+    const auto image = open_images({path}, over(201, 101, spacing, origin, utm()));
     const ImageLayer& l = image->layers[0];
     // The middle of the terrain is (500000, 4985000), 9 E: the middle of the image, 350 / 3.
     const auto x = static_cast<int>(l.first_px[0] + 100 * l.per_sample[0]);

@@ -72,7 +72,7 @@ TEST_CASE("a pack that was read back holds every sample, map and the CRS") {
         for (std::int32_t x = 0; x < 33; ++x)
             REQUIRE(pack.terrain.vertex({x, y}).steps == steps[static_cast<std::size_t>(y * 33 + x)]);
     REQUIRE(read_all(pack.file).ok());
-    REQUIRE(host::check_all_chunks(pack) == pack.pack.header.directory_count);
+    REQUIRE(host::check_all_chunks(pack.pack, pack.path) == pack.pack.header.directory_count);
 }
 
 TEST_CASE("a height field of any extents is kept whole, in the fewest tiles that cover it") {

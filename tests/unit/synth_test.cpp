@@ -175,7 +175,7 @@ TEST_CASE("a pack of a recipe is the pack of its height field") {
 TEST_CASE("a source is written as its height field is, holes as ground") {
     const TemporaryFolder dir;
     const std::string text = recipe(300, 290, 60);
-    write_dem(*synth_source(text), dir / "a.tif", 3);
+    write_dem(*synth_source(text), dir / "a.tif", DemForm::compact, 3);
     const Dem dem = synthesise_text(text), back = read_dem(dir / "a.tif", {});
     CHECK((back.heights_m == dem.heights_m));
     CHECK(back.native_quantum_m == 0.1);
@@ -184,7 +184,7 @@ TEST_CASE("a source is written as its height field is, holes as ground") {
     holed.native_quantum_m = 0; // floats
     holed.voids.assign(dem.heights_m.size(), 0);
     for (int i = 40 * 300; i < 80 * 300; ++i) holed.voids[static_cast<std::size_t>(i)] = i % 300 > 100 && i % 300 < 150;
-    write_dem(DemSource(holed), dir / "b.tif", 2);
+    write_dem(DemSource(holed), dir / "b.tif", DemForm::compact, 2);
     const Dem filled = read_dem(dir / "b.tif", {});
     CHECK(filled.voids.empty());
     for (std::size_t i = 0; i < dem.heights_m.size(); ++i)
@@ -205,7 +205,7 @@ TEST_CASE("a height field of four times the size is written in the same memory")
         if (child == 0) {
             try {
                 // Flat: what counts is how much there is of it.
-                write_dem(*synth_source(recipe(side, side, 60, ", \"gullies\": 0, \"octaves\": 1")), dir / "a.tif", 2);
+                write_dem(*synth_source(recipe(side, side, 60, ", \"gullies\": 0, \"octaves\": 1")), dir / "a.tif", DemForm::compact, 2);
             } catch (...) {
                 _exit(1);
             }

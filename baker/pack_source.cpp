@@ -1,0 +1,125 @@
+#include "baker/pack_source.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "baker/placement.h"
+#include "baker/windows.h"
+
+namespace fjell::baker {
+
+namespace {
+
+constexpr std::uint32_t no_tile = 0xffffffff;
+
+class PackReader final : public HeightReader {
+public:
+    explicit PackReader(std::shared_ptr<const host::MappedPack> file)
+        : file_(std::move(file)), budget_{file_->pack().pages().pages_per_tile()} {
+        const std::size_t bytes = terrain_bytes(file_->pack().header, budget_);
+        block_ = host::make_block(bytes);
+        check(create_terrain(file_->pack(), budget_, {block_.get(), bytes}, terrain_), 0);
+    }
+
+    void read(const Window& window, float* to, Census& census) override {
+        census.per_unit = 1; // the lattice is the pack's own
+        const std::int32_t side = terrain_.tree.side();
+        const auto tile_of = [&](std::int32_t at, std::int32_t tiles) { return std::min(at / side, tiles - 1); };
+        const std::int32_t tx0 = tile_of(window.x, terrain_.tree.tiles_x),
+                           tx1 = tile_of(window.x + window.columns - 1, terrain_.tree.tiles_x),
+                           ty0 = tile_of(window.y, terrain_.tree.tiles_y),
+                           ty1 = tile_of(window.y + window.rows - 1, terrain_.tree.tiles_y);
+        for (std::int32_t ty = ty0; ty <= ty1; ++ty)
+            for (std::int32_t tx = tx0; tx <= tx1; ++tx) {
+                load(static_cast<std::uint32_t>(ty * terrain_.tree.tiles_x + tx));
+                copy({tx * side, ty * side}, window, to);
+            }
+        count(window, to, census);
+    }
+
+private:
+    void check(const Status& status, std::uint32_t tile) const {
+        if (!status.ok())
+            throw Failure(1, fmt::format("{}: the heights of tile {}: {} ({}); bake the pack again", file_->path(), tile,
+                                         message(status.code), status.field));
+    }
+
+    void load(std::uint32_t tile) {
+        if (tile == held_) return;
+        if (held_ != no_tile)
+            for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page) unload_page(terrain_, held_, page);
+        held_ = tile;
+        for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page)
+            check(load_page(file_->pack(), terrain_, tile, page), tile);
+        file_->release();
+    }
+
+    // Border samples come from every tile that has them, and are the same.
+    void copy(Coord corner, const Window& window, float* to) const {
+        for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page) {
+            const PageEntry entry = terrain_.page_table[std::size_t{held_} * terrain_.pages_per_tile + page];
+            const VertexRecord* const from = terrain_.records + std::size_t{entry.slot} * terrain_.page_capacity;
+            for (std::uint32_t i = 0; i < terrain_.pages.page_vertices(page); ++i) {
+                const Coord c = corner + terrain_.pages.coord({page, i}) - Coord{window.x, window.y};
+                if (c.x < 0 || c.y < 0 || c.x >= window.columns || c.y >= window.rows) continue;
+                to[static_cast<std::size_t>(c.y) * static_cast<std::size_t>(window.columns) +
+                   static_cast<std::size_t>(c.x)] = is_void(from[i])
+                                                        ? std::numeric_limits<float>::quiet_NaN()
+                                                        : terrain_.lattice.height_m(entry.base + from[i].height);
+            }
+        }
+    }
+
+    static void count(const Window& window, const float* heights_m, Census& census) {
+        for (std::int32_t y = window.y; y < window.y + window.rows; ++y)
+            for (std::int32_t x = window.x; x < window.x + window.columns; ++x, ++heights_m) {
+                if (!(*heights_m == *heights_m)) {
+                    census.voids.add(x, y);
+                    continue;
+                }
+                census.least_m = std::min(census.least_m, *heights_m);
+                census.most_m = std::max(census.most_m, *heights_m);
+            }
+    }
+
+    std::shared_ptr<const host::MappedPack> file_;
+    TerrainBudget budget_; // one tile
+    host::AlignedBlock block_;
+    Terrain terrain_;
+    std::uint32_t held_ = no_tile;
+};
+
+} // namespace
+
+PackSource::PackSource(const std::string& path) : file_(std::make_shared<host::MappedPack>(path)) {
+    const PackHeader& h = file_->pack().header;
+    columns = static_cast<std::int32_t>(h.columns);
+    rows = static_cast<std::int32_t>(h.rows);
+    std::copy_n(h.spacing_m, 2, spacing_m);
+    std::copy_n(h.origin_m, 2, origin_m);
+    crs_wkt = file_->crs();
+    crs_step_of(spacing_m, crs_wkt, crs_step);
+}
+
+std::unique_ptr<HeightReader> PackSource::reader() const {
+    return std::make_unique<PackReader>(file_);
+}
+
+std::vector<Window> PackSource::windows(std::size_t most) const {
+    const std::int32_t side = file_->pack().tree().side();
+    return cut_along({0, 0, columns, rows}, {side, side, 0, 0}, most);
+}
+
+Settled PackSource::settle(const Census& census) const {
+    const PackHeader& h = file_->pack().header;
+    if (!(census.least_m <= census.most_m)) throw Failure(1, fmt::format("{}: is all holes", file_->path()));
+    return {static_cast<double>(h.quantum_m), static_cast<double>(h.base_m), census.voids.count > 0};
+}
+
+std::string PackSource::identity() const {
+    return fmt::format("pack {:016x}", file_->pack().header.directory_hash);
+}
+
+} // namespace fjell::baker

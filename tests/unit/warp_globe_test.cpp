@@ -1,0 +1,114 @@
+// Where longitudes end or meet: over the antimeridian, towards the poles and around them.
+#include <cmath>
+#include <numbers>
+
+#include "baker/projection.h"
+#include "source_check.h"
+
+using namespace fjell::baker;
+using namespace fjell::test;
+
+namespace {
+
+// A plane cut through the globe: smooth, and the same whatever a longitude is called.
+double on_globe(double longitude, double latitude) {
+    const double l = longitude * std::numbers::pi / 180, b = latitude * std::numbers::pi / 180;
+    return 1000 + 4000 * std::cos(b) * std::cos(l) + 3000 * std::cos(b) * std::sin(l);
+}
+
+struct Degrees {
+    double west, north, step;
+    int columns, rows;
+};
+
+std::string written(const Degrees& f, const std::string& path) {
+    Raster r = raster(f.columns, f.rows, [&](int x, int y) { return on_globe(f.west + f.step * x, f.north - f.step * y); });
+    r.geotransform = {f.west - f.step / 2, f.step, 0, f.north + f.step / 2, 0, -f.step};
+    r.crs = "EPSG:4326";
+    return write(r, path);
+}
+
+struct Found {
+    double inner_worst_m = 0;    // two samples and more from the source's rim
+    double rim_worst_m = 0;      // elsewhere
+    std::uint64_t misplaced = 0; // holes inside the source, or heights outside of it
+    std::uint64_t inside = 0;
+};
+
+// Every sample against the truth at its own place.
+Found compare(const Dem& dem, const Degrees& f) {
+    OGRSpatialReference plane, degrees;
+    plane.importFromWkt(dem.crs_wkt.c_str());
+    plane.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    degrees.importFromEPSG(4326);
+    degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    const std::unique_ptr<OGRCoordinateTransformation> back(OGRCreateCoordinateTransformation(&plane, &degrees));
+    Found found;
+    for (int y = 0; y < dem.rows; ++y)
+        for (int x = 0; x < dem.columns; ++x) {
+            double longitude = dem.origin_m[0] + x * dem.crs_step[0], latitude = dem.origin_m[1] - y * dem.crs_step[1];
+            REQUIRE(back->Transform(1, &longitude, &latitude));
+            const bool whole = f.columns * f.step > 359.999;
+            double column = (longitude - f.west) / f.step;
+            column -= 360 / f.step * std::floor((column + 0.5) * f.step / 360); // -0.5 <= column < 360 / step - 0.5
+            const double row = (f.north - latitude) / f.step;
+            const double ways[4] = {whole ? 9 : column + 0.5, whole ? 9 : f.columns - 0.5 - column, row + 0.5,
+                                    f.rows - 0.5 - row};
+            const bool pole = f.north + f.step / 2 > 89.999;
+            const double depth = std::min({ways[0], ways[1], pole ? 9 : ways[2], ways[3]});
+            if (std::abs(depth) > 0.05) found.misplaced += (depth > 0) == dem.is_void(x, y);
+            if (depth <= 0.05 || dem.is_void(x, y)) continue;
+            ++found.inside;
+            const double off = std::abs(dem.at(x, y) - on_globe(longitude, latitude));
+            // Beside the seam and around the pole interpolation is cut off too.
+            const double seam = whole ? std::min(column + 0.5, f.columns - 0.5 - column) : 9;
+            double& worst = std::min({depth, seam, pole ? ways[2] : 9}) > 2 ? found.inner_worst_m : found.rim_worst_m;
+            worst = std::max(worst, off);
+        }
+    return found;
+}
+
+// A place is right to 0.01 samples along each axis (warp.cpp), a cubic to far less on something this smooth; at the
+// source's rim its outermost samples reach half a sample out. No slope is steeper than 5,000 m a radian.
+void check(const Dem& dem, const Degrees& f) {
+    const Found found = compare(dem, f);
+    const double per_sample = 5000 * f.step * std::numbers::pi / 180;
+    CAPTURE(f.west, f.north, f.step, dem.columns, dem.rows, found.inside, void_count(dem));
+    CHECK(found.misplaced == 0);
+    CHECK(found.inside > 10000);
+    CHECK(found.inner_worst_m <= 0.02 * per_sample + 1e-3);
+    CHECK(found.rim_worst_m <= 0.75 * per_sample);
+}
+
+} // namespace
+
+TEST_CASE("a field across the antimeridian is one piece at its place, whatever its longitudes are called") {
+    const TempDir dir;
+    for (const double west : {179.0, -181.0, 178.5, 539.0, -541.0, 359.0, -361.0}) {
+        const Degrees f{west, 52, 1.0 / 120, 241, 241};
+        const std::string path = written(f, dir / "a.tif");
+        const Dem dem = read_dem(path, {});
+        CHECK(dem.columns < 300);
+        check(dem, f);
+    }
+}
+
+TEST_CASE("a field close to a pole is at its place, and the pole no hole in it") {
+    const TempDir dir;
+    const Degrees far_north{-20, 89.5, 0.05, 1201, 111};
+    check(read_dem(written(far_north, dir / "a.tif"), {}), far_north);
+    const Degrees across{150, 88, 0.05, 1201, 121}; // over the antimeridian too
+    check(read_dem(written(across, dir / "b.tif"), {}), across);
+    const Degrees south{-20, -84, 0.05, 1201, 111};
+    check(read_dem(written(south, dir / "c.tif"), {}), south);
+}
+
+TEST_CASE("a whole polar cap is refused by itself, and complete in a polar CRS that is named") {
+    const TempDir dir;
+    const Degrees cap{-179.975, 89.975, 0.05, 7200, 200};
+    const std::string path = written(cap, dir / "a.tif");
+    check_refusal(refused(path), 1, path, {"spans 360 degrees around a pole", "--crs EPSG:3995"});
+    ReadOptions o;
+    o.crs = "EPSG:3995";
+    check(read_dem(path, o), cap);
+}
