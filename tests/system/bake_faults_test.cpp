@@ -197,7 +197,7 @@ TEST_CASE("a bake that is killed again and again gets there") {
     const Scene scene;
     const long calls = scene.count("all");
     std::mt19937 random(seed);
-    for (int round = 0; round < 3; ++round) {
+    for (int round = 0; round < 2; ++round) {
         int kills = 0, resumed = 0;
         for (Run r; kills < 200;) {
             // Far enough to read the ledger and do a unit or two, or there would be no end to it.
@@ -236,7 +236,7 @@ TEST_CASE("what is killed with two threads goes on with one, and the other way r
 TEST_CASE("Ctrl-C at any call is exit code 130 and says how to go on") {
     const Scene scene;
     const long calls = scene.count("pwrite");
-    for (const long n : spread(calls, 12)) {
+    for (const long n : spread(calls, 8)) {
         const Run r = scene.run({"pwrite", "interrupt", std::to_string(n)});
         CAPTURE(n, calls, r.err);
         if (r.code == 0) { // in the last moment
@@ -257,7 +257,7 @@ TEST_CASE("Ctrl-C at any call is exit code 130 and says how to go on") {
 
 TEST_CASE("signals from outside, at any time, are an interruption or come too late") {
     const Scene scene;
-    for (const char* delay : {"0", "0.01", "0.03", "0.06", "0.1", "0.15"})
+    for (const char* delay : {"0", "0.03", "0.08"})
         for (const char* signal : {"INT", "TERM", "HUP"}) {
             // Shells ignore SIGINT for what they start in the background; env takes it back.
             const Run r = run_in(scene.folder.path, "env --default-signal=INT " + scene.command + " & p=$!; sleep " +
@@ -319,7 +319,7 @@ TEST_CASE("of several bakes of one pack at once one works, and the others say so
     std::string all;
     for (int i = 0; i < 6; ++i)
         all += "(sleep 0.0" + std::to_string(2 * i) + "; " + scene.command + "; echo code $?) & ";
-    for (int round = 0; round < 3; ++round) {
+    for (int round = 0; round < 2; ++round) {
         const Run r = run_in(scene.folder.path, all + "wait");
         CAPTURE(round, r.out, r.err);
         const auto times = [](const std::string& text, const std::string& what) {
@@ -413,7 +413,7 @@ TEST_CASE("a folder that goes away during the bake is said") {
 TEST_CASE("a ramp that is away for a while costs nothing") {
     const TemporaryFolder folder;
     const std::string bake =
-        FJELL_BIN_DIR "/fjell-bake dem.tif -o out.fjell --tile 64 --threads 1 --quiet --ramp ramp.json";
+        FJELL_BIN_DIR "/fjell-bake dem.tif -o out.fjell --tile 64 --threads 1 --quiet --checkpoint 0 --ramp ramp.json";
     spit(folder / "recipe.json", R"({"columns": 150, "rows": 100, "spacing_m": 60})");
     spit(folder / "ramp.json", R"({"stops": [{"height_m": 0, "rgb": [0, 90, 0]}, {"height_m": 900, "rgb": [250, 240, 250]}]})");
     REQUIRE(run_in(folder.path, FJELL_BIN_DIR "/fjell-bake synth recipe.json -o dem.tif").code == 0);
@@ -431,7 +431,7 @@ TEST_CASE("a ramp that is away for a while costs nothing") {
 
 TEST_CASE("a height field that was exchanged for another of its size in the same second is read anew") {
     const TemporaryFolder folder;
-    const std::string bake = FJELL_BIN_DIR "/fjell-bake dem.asc -o out.fjell --tile 32 --threads 1 --quiet";
+    const std::string bake = FJELL_BIN_DIR "/fjell-bake dem.asc -o out.fjell --tile 32 --threads 1 --quiet --checkpoint 0";
     const auto field = [&](int factor, const char* second) {
         std::string text = "ncols 70\nnrows 70\nxllcorner 1000\nyllcorner 1000\ncellsize 30\n";
         for (int i = 0; i < 70 * 70; ++i) text += std::to_string(100 + i * factor % 97) + (i % 70 == 69 ? "\n" : " ");
@@ -484,7 +484,7 @@ TEST_CASE("a height field that is made is there as a whole or not at all") {
 
 TEST_CASE("the tool holds the same under faults") {
     const TemporaryFolder folder;
-    const std::string bake = FJELL_BIN_DIR "/fjell-bake dem.tif -o out.fjell --tile 64 --threads 2 --quiet";
+    const std::string bake = FJELL_BIN_DIR "/fjell-bake dem.tif -o out.fjell --tile 64 --threads 2 --quiet --checkpoint 0";
     spit(folder / "recipe.json", R"({"columns": 300, "rows": 300, "spacing_m": 60})");
     REQUIRE(run_in(folder.path, FJELL_BIN_DIR "/fjell-bake synth recipe.json -o dem.tif").code == 0);
     REQUIRE(run_in(folder.path, bake).code == 0);
@@ -521,5 +521,26 @@ TEST_CASE("the tool holds the same under faults") {
         CHECK((slurp(folder / "out.fjell") == whole));
         CHECK(folder.names() == names);
         spit(folder / "out.fjell", old_pack);
+    }
+    SECTION("in memory, too, where only the pack is written") {
+        const std::string fast = FJELL_BIN_DIR "/fjell-bake dem.tif -o out.fjell --tile 64 --threads 2 --quiet";
+        for (const char* when : {"1", "2+", "3"}) {
+            const Run r = run_in(folder.path, with({"pwrite", "ENOSPC", when}, fast));
+            CAPTURE(when, r.err);
+            CHECK(r.code == 3);
+            CHECK(one_line(r.err));
+            CHECK((slurp(folder / "out.fjell") == old_pack));
+            CHECK(folder.names() == names);
+        }
+        for (const int n : {1, 2, 4, 6, 8}) {
+            const Run r = run_in(folder.path, with({"all", "kill", std::to_string(n)}, fast));
+            CAPTURE(n, r.err);
+            CHECK(r.code == 128 + SIGKILL);
+            CHECK((slurp(folder / "out.fjell") == old_pack));
+            CHECK(run_in(folder.path, fast).code == 0);
+            CHECK((slurp(folder / "out.fjell") == whole));
+            CHECK(folder.names() == names);
+            spit(folder / "out.fjell", old_pack);
+        }
     }
 }

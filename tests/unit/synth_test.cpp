@@ -127,6 +127,7 @@ TEST_CASE("a recipe that is not one is refused, naming the field") {
     check_refusal(refused("{\"rows\": 2.5}"), 1, "\"rows\"", {"whole number"});
     check_refusal(refused("{\"relief_m\": 1e9}"), 1, "\"relief_m\"", {"0..20000"});
     check_refusal(refused("{\"spacing_m\": 100, \"feature_m\": 300}"), 1, "\"feature_m\"", {"4 spacings"});
+    check_refusal(refused("{\"spacing_m\": 0.001, \"feature_m\": 1e7}"), 1, "\"feature_m\"", {"1e9 spacings"});
     check_refusal(refusal([] { (void)synthesise("no/such.json"); }), 1, "no/such.json", {"No such file"});
 }
 
