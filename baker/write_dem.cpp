@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -107,7 +106,9 @@ bool move_rows(GDALDataset& file, const Heights& heights, const std::optional<La
             return false;
         // Tiles are complete: GDAL need not keep any.
         return band.FlushCache() == CE_None &&
-               (way == GF_Write || std::memcmp(found.data(), rows.data(), rows.size() * sizeof(float)) == 0);
+               (way == GF_Write || std::equal(rows.begin(), rows.end(), found.begin(), [](float a, float b) {
+                    return a == b || (std::isnan(a) && std::isnan(b));
+                }));
     });
 }
 
