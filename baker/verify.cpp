@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -315,10 +316,10 @@ private:
 // tile, so that neither memory nor decoding grow with the terrain's width.
 class Heights {
 public:
-    Heights(const HeightSource& source, const Tree& tree, bool holes)
+    Heights(const HeightSource& source, const Tree& tree, bool holes, std::size_t row_bytes)
         : source_(source), tree_(tree), reader_(source.reader()), holes_(holes) {
         const std::size_t row = static_cast<std::size_t>(tree.side() + 1) * static_cast<std::size_t>(tree.columns());
-        whole_rows_ = row * sizeof(float) <= most_row_bytes || source.readers(2) == 1;
+        whole_rows_ = row * sizeof(float) <= row_bytes || source.readers(2) == 1;
     }
 
     void start_row(std::int32_t ty) {
@@ -338,7 +339,6 @@ public:
     }
 
 private:
-    static constexpr std::size_t most_row_bytes = std::size_t{64} << 20;
     [[nodiscard]] Window window(std::int32_t x, std::int32_t ty, std::int32_t columns) const {
         const std::int32_t y = ty * tree_.side();
         return {x, y, std::min(columns, tree_.columns() - x), std::min(tree_.side() + 1, tree_.rows() - y)};
@@ -436,13 +436,13 @@ Settled settled(const HeightSource& source) {
 
 } // namespace
 
-VerifyReport verify(const host::MappedPack& pack, const HeightSource* against) {
+VerifyReport verify(const host::MappedPack& pack, const HeightSource* against, std::size_t row_bytes) {
     const Tree tree = pack.pack().tree();
     Pages pages(pack);
     std::optional<Heights> heights;
     if (against) {
         check_size(tree, against->columns, against->rows);
-        heights.emplace(*against, tree, settled(*against).holes);
+        heights.emplace(*against, tree, settled(*against).holes, row_bytes);
     }
     return check_tiles(tree, pages, heights ? &*heights : nullptr, [&] { pack.release(); });
 }
@@ -454,7 +454,7 @@ VerifyReport verify(const Terrain& terrain, const Dem* against) {
     if (against) {
         check_size(terrain.tree, against->columns, against->rows);
         source.emplace(*against);
-        heights.emplace(*source, terrain.tree, true);
+        heights.emplace(*source, terrain.tree, true, std::numeric_limits<std::size_t>::max());
     }
     return check_tiles(terrain.tree, pages, heights ? &*heights : nullptr, [] {});
 }
