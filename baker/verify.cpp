@@ -51,9 +51,9 @@ struct Borders {
 class TileCheck {
 public:
     TileCheck(const Terrain& the_terrain, std::uint32_t the_tile, const Original& from)
-        : terrain(the_terrain), tree(the_terrain.tree), original(from), tile(the_tile), side(tree.side()),
-          nw{static_cast<std::int32_t>(the_tile) % tree.tiles_x * side,
-             static_cast<std::int32_t>(the_tile) / tree.tiles_x * side} {
+        : terrain(the_terrain), tree(the_terrain.tree), original(from), tile(the_tile),
+          side(tree.side()), nw{static_cast<std::int32_t>(the_tile) % tree.tiles_x * side,
+                                static_cast<std::int32_t>(the_tile) / tree.tiles_x * side} {
         vertices.resize(static_cast<std::size_t>(side + 1) * static_cast<std::size_t>(side + 1));
         // base + steps * quantum in float: one rounding of the product, one of the sum.
         const double largest = std::max(std::abs(terrain.header.min_m), std::abs(terrain.header.max_m));
@@ -122,8 +122,8 @@ private:
     void check_height(Coord v) {
         const Coord sample = tree.sample(v);
         if (std::abs(wanted(sample) - height(v)) > allowed_m)
-            note(report.height_mismatches, fmt::format("sample ({}, {}): height {} m is stored as {} m", v.x, v.y,
-                                                       wanted(sample), height(v)));
+            note(report.height_mismatches,
+                 fmt::format("sample ({}, {}): height {} m is stored as {} m", v.x, v.y, wanted(sample), height(v)));
         if (!original.heights_m || !(v == sample)) return;
         if ((original.holes && std::isnan(given(v))) != hole(v))
             note(report.height_mismatches, fmt::format("sample ({}, {}) is a hole in one of the two", v.x, v.y));

@@ -2,8 +2,8 @@
 #include "baker/bake.h"
 #include "baker/dem_source.h"
 #include "baker/pack_source.h"
-#include "source_check.h"
 #include "host/file.h"
+#include "source_check.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;

@@ -22,7 +22,8 @@ struct Degrees {
 };
 
 std::string written(const Degrees& f, const std::string& path) {
-    Raster r = raster(f.columns, f.rows, [&](int x, int y) { return on_globe(f.west + f.step * x, f.north - f.step * y); });
+    Raster r =
+        raster(f.columns, f.rows, [&](int x, int y) { return on_globe(f.west + f.step * x, f.north - f.step * y); });
     r.geotransform = {f.west - f.step / 2, f.step, 0, f.north + f.step / 2, 0, -f.step};
     r.crs = "EPSG:4326";
     return write(r, path);
