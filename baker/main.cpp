@@ -191,16 +191,16 @@ void check_spacing(const HeightSource& against, const std::string& name, const P
 
 int run_verify(const Arguments& a) {
     const Recipe source = complete(a.against, a.against_recipe_path);
-    const LoadedPack loaded = load_pack(a.pack, LoadTerrain::yes);
-    std::optional<Dem> against;
+    const MappedPack pack(a.pack);
+    limit_gdal_cache(std::size_t{64} << 20);
+    std::unique_ptr<HeightSource> against;
     if (!source.inputs.empty()) {
-        const auto opened = open_source(source.inputs, read_options(source));
-        check_spacing(*opened, source.inputs.front(), loaded.pack.header);
-        against = read_dem(*opened, source.inputs.front());
+        against = open_source(source.inputs, read_options(source));
+        check_spacing(*against, source.inputs.front(), pack.pack().header);
     }
-    VerifyReport r = verify(loaded.terrain, against ? &*against : nullptr);
-    r.chunks = check_all_chunks(loaded.pack, a.pack);
-    const MapsReport maps = check_maps(loaded.pack);
+    VerifyReport r = verify(pack, against.get());
+    r.chunks = check_all_chunks(pack);
+    const MapsReport maps = check_maps(pack.pack(), [&] { pack.release(); });
     fmt::print("{} vertices: {} nesting, {} sphere, {} border, {} rim violations\n", r.vertices, r.nesting_violations,
                r.sphere_violations, r.border_mismatches, r.rim_violations);
     fmt::print("{} chunks: checksums hold\n", r.chunks);

@@ -6,22 +6,17 @@
 #include <fmt/format.h>
 
 #include "baker/placement.h"
+#include "baker/tile_pages.h"
 #include "baker/windows.h"
 
 namespace fjell::baker {
 
 namespace {
 
-constexpr std::uint32_t no_tile = 0xffffffff;
-
 class PackReader final : public HeightReader {
 public:
     explicit PackReader(std::shared_ptr<const host::MappedPack> file)
-        : file_(std::move(file)), budget_{file_->pack().pages().pages_per_tile()} {
-        const std::size_t bytes = terrain_bytes(file_->pack().header, budget_);
-        block_ = host::make_block(bytes);
-        check(create_terrain(file_->pack(), budget_, {block_.get(), bytes}, terrain_), 0);
-    }
+        : file_(std::move(file)), pages_(*file_), terrain_(pages_.terrain()) {}
 
     void read(const Window& window, float* to, Census& census) override {
         census.per_unit = 1; // the lattice is the pack's own
@@ -33,33 +28,19 @@ public:
                            ty1 = tile_of(window.y + window.rows - 1, terrain_.tree.tiles_y);
         for (std::int32_t ty = ty0; ty <= ty1; ++ty)
             for (std::int32_t tx = tx0; tx <= tx1; ++tx) {
-                load(static_cast<std::uint32_t>(ty * terrain_.tree.tiles_x + tx));
-                copy({tx * side, ty * side}, window, to);
+                const auto tile = static_cast<std::uint32_t>(ty * terrain_.tree.tiles_x + tx);
+                pages_.load(tile);
+                copy(tile, {tx * side, ty * side}, window, to);
             }
+        file_->release();
         count(window, to, census);
     }
 
 private:
-    void check(const Status& status, std::uint32_t tile) const {
-        if (!status.ok())
-            throw Failure(1, fmt::format("{}: the heights of tile {}: {} ({}); bake the pack again", file_->path(), tile,
-                                         message(status.code), status.field));
-    }
-
-    void load(std::uint32_t tile) {
-        if (tile == held_) return;
-        if (held_ != no_tile)
-            for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page) unload_page(terrain_, held_, page);
-        held_ = tile;
-        for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page)
-            check(load_page(file_->pack(), terrain_, tile, page), tile);
-        file_->release();
-    }
-
     // Border samples come from every tile that has them, and are the same.
-    void copy(Coord corner, const Window& window, float* to) const {
+    void copy(std::uint32_t tile, Coord corner, const Window& window, float* to) const {
         for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page) {
-            const PageEntry entry = terrain_.page_table[std::size_t{held_} * terrain_.pages_per_tile + page];
+            const PageEntry entry = terrain_.page_table[std::size_t{tile} * terrain_.pages_per_tile + page];
             const VertexRecord* const from = terrain_.records + std::size_t{entry.slot} * terrain_.page_capacity;
             for (std::uint32_t i = 0; i < terrain_.pages.page_vertices(page); ++i) {
                 const Coord c = corner + terrain_.pages.coord({page, i}) - Coord{window.x, window.y};
@@ -85,10 +66,8 @@ private:
     }
 
     std::shared_ptr<const host::MappedPack> file_;
-    TerrainBudget budget_; // one tile
-    host::AlignedBlock block_;
-    Terrain terrain_;
-    std::uint32_t held_ = no_tile;
+    TilePages pages_;
+    const Terrain& terrain_;
 };
 
 } // namespace
@@ -100,7 +79,7 @@ PackSource::PackSource(const std::string& path) : file_(std::make_shared<host::M
     std::copy_n(h.spacing_m, 2, spacing_m);
     std::copy_n(h.origin_m, 2, origin_m);
     crs_wkt = file_->crs();
-    crs_step_of(spacing_m, crs_wkt, crs_step);
+    std::copy_n(h.crs_step, 2, crs_step);
 }
 
 std::unique_ptr<HeightReader> PackSource::reader() const {

@@ -130,6 +130,7 @@ PackHeader Pipeline::make_header() const {
     h.nesting = static_cast<float>(options_.nesting);
     std::copy_n(source_.spacing_m, 2, h.spacing_m);
     std::copy_n(source_.origin_m, 2, h.origin_m);
+    for (const int axis : {0, 1}) h.crs_step[axis] = std::clamp(source_.crs_step[axis], 0.0, 1e9);
     h.base_m = lattice_.base_m;
     h.quantum_m = lattice_.quantum_m;
     std::int32_t least = 0, most = 0;

@@ -15,6 +15,9 @@ namespace fjell::baker {
 
 namespace {
 
+// Caps from here on to the pole stay square to 7% in a polar plane; half a degree for rims of pixels.
+constexpr double least_cap = 59.5;
+
 // Longitude in -180..180.
 double wrapped(double longitude) {
     return longitude - 360 * std::floor((longitude + 180) / 360);
@@ -55,10 +58,6 @@ std::unique_ptr<OGRSpatialReference> automatic_crs(const Placement& from, const 
     const double west = from.east(-0.5), east = from.east(from.columns - 0.5);
     const double south = from.north(from.rows - 0.5), north = from.north(-0.5);
     auto crs = crs_for(source_crs(from), west, south, east, north);
-    if (!crs && (south >= 60 || north <= -60))
-        throw Failure(1, fmt::format("{}: spans {:.0f} degrees around a pole; give --crs {} for a plane that touches the "
-                                     "pole, or --bbox with it for a part",
-                                     path, east - west, south >= 60 ? "EPSG:3995" : "EPSG:3031"));
     if (!crs)
         throw Failure(1,
                       fmt::format("{}: spans {:.0f} x {:.0f} degrees, which no plane holds without squeezing; give "
@@ -121,8 +120,17 @@ OGRSpatialReference source_crs(const Placement& from) {
 std::unique_ptr<OGRSpatialReference> crs_for(const OGRSpatialReference& geographic, double west, double south,
                                              double east, double north) {
     const double middle = wrapped((west + east) / 2), latitude = (south + north) / 2, width = east - west;
-    if (north - south > 90 || width > 90) return nullptr;
     auto crs = blank();
+    if (width > 90 && (south > least_cap || north < -least_cap)) { // around a pole
+        OGRSpatialReference wgs84;
+        wgs84.importFromEPSG(4326);
+        if (geographic.IsSameGeogCS(&wgs84) && crs->importFromEPSG(north > 0 ? 3995 : 3031) == OGRERR_NONE) return crs;
+        crs->SetProjCS("Polar stereographic");
+        crs->CopyGeogCSFrom(&geographic);
+        crs->SetPS(north > 0 ? 71 : -71, 0, 1, 0, 0);
+        return crs;
+    }
+    if (north - south > 90 || width > 90) return nullptr;
     if (north > 84 || south < -84) {
         crs->SetProjCS("Polar stereographic");
         crs->CopyGeogCSFrom(&geographic);

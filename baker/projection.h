@@ -13,7 +13,9 @@ namespace fjell::baker {
 
 // A projected CRS for a field of these extents in degrees, of the same datum: UTM for at most 12 degrees of longitude
 // between 84 degrees south and north, polar stereographic about a pole, else Lambert's azimuthal equal-area projection
-// about the middle. Null when more than 90 degrees are spanned, which no plane holds without tearing or squeezing.
+// about the middle. Null when more than 90 degrees are spanned,
+// which no plane holds without tearing or squeezing, unless all of it lies within 30 degrees of a pole: then it is the
+// polar stereographic plane that maps of it are in.
 [[nodiscard]] std::unique_ptr<OGRSpatialReference> crs_for(const OGRSpatialReference& geographic, double west,
                                                            double south, double east, double north);
 

@@ -4,12 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "baker/dem_source.h"
 #include "baker/parallel.h"
+#include "baker/tile_pages.h"
 
 namespace fjell::baker {
 
@@ -20,22 +25,36 @@ constexpr double rounding_m = 1e-6;
 // The baker's margin is 2^-16; this asks for half of it, so that its own rounding does not matter.
 constexpr double sphere_margin = 1 + 0x1p-17;
 
-class Verifier {
+// A vertex as its tile's pages have it.
+struct Stored {
+    std::int32_t steps = 0;
+    std::uint8_t error = 0, radius = 0;
+    bool seen = false;
+    friend bool operator==(const Stored&, const Stored&) = default;
+};
+
+// The original heights around a tile: rows of `stride` floats, the first of sample (x, y); NaN where there is none.
+struct Original {
+    const float* heights_m = nullptr; // null: the pack's own
+    std::int32_t x = 0, y = 0;
+    std::ptrdiff_t stride = 0;
+    bool holes = false; // NaN is a hole; otherwise ground that was filled in
+};
+
+// The vertices of a tile's border, to be compared with its neighbours'.
+struct Borders {
+    std::vector<Stored> north, south, west, east;
+};
+
+// One tile, its border included. Of what neighbours share, the western and the northern tile leave it to the other;
+// a border vertex has children in both, and each tile checks its own.
+class TileCheck {
 public:
-    Verifier(const Terrain& the_terrain, const Dem* against)
-        : terrain(the_terrain), tree(the_terrain.tree), columns(the_terrain.tree.lattice_columns()) {
-        const auto count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(tree.lattice_rows());
-        vertices.resize(count);
-        for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) gather(tile);
-        gather_corners();
-        original.resize(count);
-        for (std::int32_t y = 0; y < tree.rows(); ++y)
-            for (std::int32_t x = 0; x < tree.columns(); ++x) {
-                // Under a hole stands whatever continues the ground: there is nothing to compare with.
-                original[at({x, y})] = against && !against->is_void(x, y) ? against->at(x, y) : height({x, y});
-                if (against && against->is_void(x, y) != hole({x, y}))
-                    note(report.height_mismatches, fmt::format("sample ({}, {}) is a hole in one of the two", x, y));
-            }
+    TileCheck(const Terrain& the_terrain, std::uint32_t the_tile, const Original& from)
+        : terrain(the_terrain), tree(the_terrain.tree), original(from), tile(the_tile),
+          side(tree.side()), nw{static_cast<std::int32_t>(the_tile) % tree.tiles_x * side,
+                                static_cast<std::int32_t>(the_tile) / tree.tiles_x * side} {
+        vertices.resize(static_cast<std::size_t>(side + 1) * static_cast<std::size_t>(side + 1));
         // base + steps * quantum in float: one rounding of the product, one of the sum.
         const double largest = std::max(std::abs(terrain.header.min_m), std::abs(terrain.header.max_m));
         allowed_m = 0.5 * static_cast<double>(terrain.lattice.quantum_m) + rounding_m +
@@ -44,35 +63,29 @@ public:
         report.true_error_checked = terrain.header.estimate == Estimate::max;
     }
 
-    VerifyReport run() {
-        report.vertices = vertices.size();
-        parallel_for(tree.lattice_rows(), resolve_threads(0),
-                     [&](std::int64_t y) { check_row(static_cast<std::int32_t>(y)); });
-        const std::int64_t tiles = terrain.tile_count();
-        if (report.true_error_checked || terrain.has_voids())
-            parallel_for(tiles, resolve_threads(0),
-                         [&](std::int64_t tile) { check_tile(static_cast<std::int32_t>(tile)); });
+    VerifyReport run(Borders& borders) {
+        gather();
+        check_corners();
+        for (std::int32_t y = nw.y; y <= nw.y + side; ++y)
+            for (std::int32_t x = nw.x; x <= nw.x + side; ++x) check_vertex({x, y});
+        if (report.true_error_checked || terrain.has_voids()) check_triangles();
+        for (std::int32_t i = 0; i <= side; ++i) {
+            borders.north.push_back(vertices[at({nw.x + i, nw.y})]);
+            borders.south.push_back(vertices[at({nw.x + i, nw.y + side})]);
+            borders.west.push_back(vertices[at({nw.x, nw.y + i})]);
+            borders.east.push_back(vertices[at({nw.x + side, nw.y + i})]);
+        }
         return report;
     }
 
 private:
-    struct Stored {
-        std::int32_t steps = 0;
-        std::uint8_t error = 0, radius = 0;
-        bool seen = false;
-        friend bool operator==(const Stored&, const Stored&) = default;
-    };
-
-    // Copies one tile's pages to the global grid; a border vertex that is there already must have the same bits.
-    void gather(std::uint32_t tile) {
-        const auto tiles_x = static_cast<std::uint32_t>(tree.tiles_x);
-        const Coord corner{static_cast<std::int32_t>(tile % tiles_x) * tree.side(),
-                           static_cast<std::int32_t>(tile / tiles_x) * tree.side()};
+    // A vertex of several pages must have the same bits in each.
+    void gather() {
         for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page) {
             const PageEntry entry = terrain.page_table[std::size_t{tile} * terrain.pages_per_tile + page];
             const VertexRecord* from = terrain.records + std::size_t{entry.slot} * terrain.page_capacity;
             for (std::uint32_t i = 0; i < terrain.pages.page_vertices(page); ++i) {
-                const Coord c = corner + terrain.pages.coord({page, i});
+                const Coord c = nw + terrain.pages.coord({page, i});
                 const Stored stored{entry.base + from[i].height, from[i].error, from[i].radius, true};
                 Stored& to = vertices[at(c)];
                 if (to.seen && !(to == stored))
@@ -82,29 +95,38 @@ private:
         }
     }
 
-    void gather_corners() {
-        for (std::int32_t y = 0; y < tree.lattice_rows(); y += tree.side())
-            for (std::int32_t x = 0; x < tree.lattice_columns(); x += tree.side()) {
+    void check_corners() {
+        for (const std::int32_t y : {nw.y, nw.y + side})
+            for (const std::int32_t x : {nw.x, nw.x + side}) {
                 const Terrain::Vertex corner = terrain.vertex({x, y});
                 if (corner.steps != vertices[at({x, y})].steps || corner.hole != hole({x, y}))
                     note(report.border_mismatches, fmt::format("corner ({}, {}) differs from its page's", x, y));
             }
     }
 
-    void check_row(std::int32_t y) {
+    [[nodiscard]] bool own(Coord v) const {
+        return (v.x < nw.x + side || v.x == tree.lattice_columns() - 1) &&
+               (v.y < nw.y + side || v.y == tree.lattice_rows() - 1);
+    }
+
+    void check_vertex(Coord v) {
+        if (own(v)) check_height(v);
+        if (tree.is_corner(v)) return;
         const double nesting = 1 + static_cast<double>(terrain.header.nesting);
-        for (std::int32_t x = 0; x < columns; ++x) {
-            const Coord v{x, y};
-            const Coord sample = tree.sample(v);
-            if (std::abs(original[at(sample)] - height(v)) > allowed_m)
-                note(report.height_mismatches, fmt::format("sample ({}, {}): height {} m is stored as {} m", x, y,
-                                                           original[at(sample)], height(v)));
-            if (tree.is_corner(v)) continue;
-            const Children kids = children(v);
-            for (int k = 0; k < kids.count; ++k)
-                if (tree.contains(kids.at[k])) check_child(v, kids.at[k], nesting);
-            if (kids.count == 0) check_leaf(v);
-        }
+        const Children kids = children(v);
+        for (int k = 0; k < kids.count; ++k)
+            if (holds(kids.at[k])) check_child(v, kids.at[k], nesting);
+        if (kids.count == 0) check_leaf(v);
+    }
+
+    void check_height(Coord v) {
+        const Coord sample = tree.sample(v);
+        if (std::abs(wanted(sample) - height(v)) > allowed_m)
+            note(report.height_mismatches,
+                 fmt::format("sample ({}, {}): height {} m is stored as {} m", v.x, v.y, wanted(sample), height(v)));
+        if (!original.heights_m || !(v == sample)) return;
+        if ((original.holes && std::isnan(given(v))) != hole(v))
+            note(report.height_mismatches, fmt::format("sample ({}, {}) is a hole in one of the two", v.x, v.y));
     }
 
     void check_child(Coord v, Coord c, double nesting) {
@@ -119,24 +141,18 @@ private:
     void check_leaf(Coord v) {
         const Diamond d = diamond(tree, v);
         for (const Coord corner : {d.ends[0], d.ends[1], d.apexes[0], d.apexes[1]})
-            if (tree.contains(corner) && !(radius(v) > distance(v, corner)))
+            if (holds(corner) && !(radius(v) > distance(v, corner)))
                 note(report.sphere_violations, fmt::format("leaf ({}, {}): its sphere misses a corner", v.x, v.y));
     }
 
-    void check_tile(std::int32_t tile) {
-        const std::int32_t side = tree.side();
-        const Coord nw{tile % tree.tiles_x * side, tile / tree.tiles_x * side};
+    void check_triangles() {
         const Coord ne{nw.x + side, nw.y}, sw{nw.x, nw.y + side}, se{nw.x + side, nw.y + side};
         Excess worst;
-        std::uint64_t compared = 0;
-        bisect(ne, nw, se, worst, compared);
-        bisect(sw, se, nw, worst, compared);
-        const std::lock_guard hold(lock);
-        report.samples_compared += compared;
+        bisect(ne, nw, se, worst, report.samples_compared);
+        bisect(sw, se, nw, worst, report.samples_compared);
         report.true_error_violations += worst.count;
-        if (worst.excess_m <= report.worst_excess_m) return;
         report.worst_excess_m = worst.excess_m;
-        if (report.first.empty())
+        if (worst.count && report.first.empty())
             report.first =
                 fmt::format("sample ({}, {}) is {} m further from the surface than the error of vertex ({}, {}) says",
                             worst.sample.x, worst.sample.y, worst.excess_m, worst.vertex.x, worst.vertex.y);
@@ -171,7 +187,7 @@ private:
             const auto [x0, x1] = row_of(a, b, c, y);
             const double at_row = height(a) + gy * (y - a.y);
             for (std::int32_t x = x0; x <= x1; ++x) {
-                const double off = std::abs(original[at({x, y})] - (at_row + gx * (x - a.x)));
+                const double off = std::abs(wanted({x, y}) - (at_row + gx * (x - a.x)));
                 if (off <= bound || hole({x, y})) continue;
                 ++worst.count;
                 if (off - bound > worst.excess_m) worst = {worst.count, off - bound, {x, y}, middle};
@@ -220,13 +236,25 @@ private:
     }
 
     void note(std::uint64_t& counter, const std::string& what) {
-        const std::lock_guard hold(lock);
         ++counter;
         if (report.first.empty()) report.first = what;
     }
 
+    [[nodiscard]] bool holds(Coord c) const {
+        return c.x >= nw.x && c.y >= nw.y && c.x <= nw.x + side && c.y <= nw.y + side;
+    }
     [[nodiscard]] std::size_t at(Coord c) const {
-        return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(c.x);
+        return static_cast<std::size_t>(c.y - nw.y) * static_cast<std::size_t>(side + 1) +
+               static_cast<std::size_t>(c.x - nw.x);
+    }
+    [[nodiscard]] float given(Coord sample) const {
+        return original.heights_m[(sample.y - original.y) * original.stride + (sample.x - original.x)];
+    }
+    // What a sample's height should be. Under a hole stands whatever continues the ground: there is nothing to compare
+    // with.
+    [[nodiscard]] double wanted(Coord sample) const {
+        const double known = original.heights_m ? static_cast<double>(given(sample)) : std::nan("");
+        return std::isnan(known) ? height(sample) : known;
     }
     [[nodiscard]] double height(Coord c) const { return terrain.lattice.height_m(vertices[at(c)].steps); }
     [[nodiscard]] double error(Coord c) const { return terrain.errors.metres[vertices[at(c)].error]; }
@@ -244,23 +272,191 @@ private:
 
     const Terrain& terrain;
     const Tree tree;
-    const std::int32_t columns;   // of vertices
-    std::vector<Stored> vertices; // all of them, row by row; original is laid out alike
-    std::vector<double> original;
+    const Original original;
+    const std::uint32_t tile;
+    const std::int32_t side;
+    const Coord nw;
+    std::vector<Stored> vertices; // the closed tile's, row by row
     double allowed_m = 0;
-    std::mutex lock;
     VerifyReport report;
 };
 
-} // namespace
+// Where a tile's pages are loaded while it is looked at.
+class Pages {
+public:
+    explicit Pages(const Terrain& whole) : whole_(&whole) {}
+    explicit Pages(const host::MappedPack& file) : file_(&file) {}
 
-VerifyReport verify(const Terrain& terrain, const Dem* against) {
-    if (against && (against->columns != terrain.tree.columns() || against->rows != terrain.tree.rows()))
+    template <typename Body>
+    void with(std::uint32_t tile, const Body& body) {
+        if (whole_) return body(*whole_);
+        std::unique_ptr<TilePages> pages = take();
+        pages->load(tile);
+        body(pages->terrain());
+        const std::lock_guard hold(lock_);
+        free_.push_back(std::move(pages));
+    }
+
+private:
+    std::unique_ptr<TilePages> take() {
+        const std::lock_guard hold(lock_);
+        if (free_.empty()) return std::make_unique<TilePages>(*file_);
+        std::unique_ptr<TilePages> pages = std::move(free_.back());
+        free_.pop_back();
+        return pages;
+    }
+
+    const Terrain* whole_ = nullptr;
+    const host::MappedPack* file_ = nullptr;
+    std::mutex lock_;
+    std::vector<std::unique_ptr<TilePages>> free_;
+};
+
+// Original heights by rows of tiles: whole where they fit or the file can only be decoded from its start, else tile by
+// tile, so that neither memory nor decoding grow with the terrain's width.
+class Heights {
+public:
+    Heights(const HeightSource& source, const Tree& tree, bool holes, std::size_t row_bytes)
+        : source_(source), tree_(tree), reader_(source.reader()), holes_(holes) {
+        const std::size_t row = static_cast<std::size_t>(tree.side() + 1) * static_cast<std::size_t>(tree.columns());
+        whole_rows_ = row * sizeof(float) <= row_bytes || source.readers(2) == 1;
+    }
+
+    void start_row(std::int32_t ty) {
+        if (!whole_rows_) return;
+        row_ = window(0, ty, tree_.columns());
+        heights_m_.resize(row_.area());
+        reader_->read(row_, heights_m_.data(), census_);
+    }
+    // own: where the tile's heights come to lie when the row is not held.
+    Original tile(std::int32_t tx, std::int32_t ty, std::vector<float>& own) {
+        if (whole_rows_) return {heights_m_.data(), row_.x, row_.y, row_.columns, holes_};
+        const Window w = window(tx * tree_.side(), ty, tree_.side() + 1);
+        own.resize(w.area());
+        const std::lock_guard hold(lock_);
+        reader_->read(w, own.data(), census_);
+        return {own.data(), w.x, w.y, w.columns, holes_};
+    }
+
+private:
+    [[nodiscard]] Window window(std::int32_t x, std::int32_t ty, std::int32_t columns) const {
+        const std::int32_t y = ty * tree_.side();
+        return {x, y, std::min(columns, tree_.columns() - x), std::min(tree_.side() + 1, tree_.rows() - y)};
+    }
+
+    const HeightSource& source_;
+    const Tree tree_;
+    std::unique_ptr<HeightReader> reader_;
+    const bool holes_;
+    bool whole_rows_ = true;
+    Window row_;
+    std::vector<float> heights_m_;
+    Census census_;
+    std::mutex lock_;
+};
+
+void add(VerifyReport& all, const VerifyReport& tile) {
+    all.samples_compared += tile.samples_compared;
+    all.nesting_violations += tile.nesting_violations;
+    all.sphere_violations += tile.sphere_violations;
+    all.border_mismatches += tile.border_mismatches;
+    all.true_error_violations += tile.true_error_violations;
+    all.height_mismatches += tile.height_mismatches;
+    all.rim_violations += tile.rim_violations;
+    all.worst_excess_m = std::max(all.worst_excess_m, tile.worst_excess_m);
+    all.true_error_checked = tile.true_error_checked;
+    if (all.first.empty()) all.first = tile.first;
+}
+
+void compare(VerifyReport& all, const std::vector<Stored>& a, const std::vector<Stored>& b, const char* where,
+             std::size_t tile) {
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        if (a[i] == b[i]) continue;
+        ++all.border_mismatches;
+        if (all.first.empty())
+            all.first = fmt::format("vertex {} of tile {}'s {} border differs from the neighbour's", i, tile, where);
+    }
+}
+
+// row_done: after every row of tiles.
+template <typename RowDone>
+VerifyReport check_tiles(const Tree& tree, Pages& pages, Heights* heights, const RowDone& row_done) {
+    VerifyReport all;
+    all.vertices = static_cast<std::uint64_t>(tree.lattice_columns()) * static_cast<std::uint64_t>(tree.lattice_rows());
+    const auto across = static_cast<std::size_t>(tree.tiles_x);
+    std::vector<Borders> row, above;
+    std::vector<VerifyReport> reports;
+    for (std::int32_t ty = 0; ty < tree.tiles_y; ++ty) {
+        row.assign(across, {});
+        reports.assign(across, {});
+        if (heights) heights->start_row(ty);
+        parallel_for(tree.tiles_x, resolve_threads(0), [&](std::int64_t x) {
+            const auto tx = static_cast<std::int32_t>(x);
+            const auto tile = static_cast<std::uint32_t>(ty * tree.tiles_x + tx);
+            std::vector<float> own;
+            const Original original = heights ? heights->tile(tx, ty, own) : Original{};
+            pages.with(tile, [&](const Terrain& terrain) {
+                reports[static_cast<std::size_t>(x)] =
+                    TileCheck(terrain, tile, original).run(row[static_cast<std::size_t>(x)]);
+            });
+        });
+        for (std::size_t x = 0; x < across; ++x) {
+            const std::size_t tile = static_cast<std::size_t>(ty) * across + x;
+            add(all, reports[x]);
+            if (x > 0) compare(all, row[x - 1].east, row[x].west, "west", tile);
+            if (ty > 0) compare(all, above[x].south, row[x].north, "north", tile);
+        }
+        above = std::move(row);
+        row_done();
+    }
+    return all;
+}
+
+void check_size(const Tree& tree, std::int32_t columns, std::int32_t rows) {
+    if (columns != tree.columns() || rows != tree.rows())
         throw Failure(1,
                       fmt::format("the height field has {} x {} samples, the pack {} x {}: this is not the one it was "
                                   "baked from",
-                                  against->columns, against->rows, terrain.tree.columns(), terrain.tree.rows()));
-    return Verifier(terrain, against).run();
+                                  columns, rows, tree.columns(), tree.rows()));
+}
+
+// Reads all of a source once, to learn what its voids mean and whether it has what no one decided about.
+Settled settled(const HeightSource& source) {
+    constexpr std::size_t at_once = std::size_t{1} << 21; // samples
+    const auto reader = source.reader();
+    std::vector<float> part;
+    Census census;
+    for (const Window& w : source.windows(at_once)) {
+        host::check_interrupt();
+        part.resize(w.area());
+        reader->read(w, part.data(), census);
+    }
+    return source.settle(census);
+}
+
+} // namespace
+
+VerifyReport verify(const host::MappedPack& pack, const HeightSource* against, std::size_t row_bytes) {
+    const Tree tree = pack.pack().tree();
+    Pages pages(pack);
+    std::optional<Heights> heights;
+    if (against) {
+        check_size(tree, against->columns, against->rows);
+        heights.emplace(*against, tree, settled(*against).holes, row_bytes);
+    }
+    return check_tiles(tree, pages, heights ? &*heights : nullptr, [&] { pack.release(); });
+}
+
+VerifyReport verify(const Terrain& terrain, const Dem* against) {
+    Pages pages(terrain);
+    std::optional<DemSource> source;
+    std::optional<Heights> heights;
+    if (against) {
+        check_size(terrain.tree, against->columns, against->rows);
+        source.emplace(*against);
+        heights.emplace(*source, terrain.tree, true, std::numeric_limits<std::size_t>::max());
+    }
+    return check_tiles(terrain.tree, pages, heights ? &*heights : nullptr, [] {});
 }
 
 } // namespace fjell::baker

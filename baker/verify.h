@@ -5,7 +5,9 @@
 #include <string>
 
 #include "baker/dem.h"
+#include "baker/source.h"
 #include "fjell/terrain.h"
+#include "host/load.h"
 
 namespace fjell::baker {
 
@@ -28,8 +30,16 @@ struct VerifyReport {
     }
 };
 
-// against: the original heights; null: the pack's own full resolution. Independent of the baker's error
-// stage: it walks explicit triangles by bisection. O(samples * levels).
+// A pack tile by tile, in memory that does not grow with its size: a tile's pages and samples a thread, and the borders
+// and original heights of a row of tiles. against: the original heights; null: the pack's own full resolution.
+// Independent of the baker's error stage: it walks explicit triangles by bisection. O(samples * levels). Throws
+// Failure: for pages that are damaged, a source that is not of the pack's size, and what reading and settling it throw.
+// Samples that the source would fill are compared with nothing, but must not be holes. row_bytes: original heights of a
+// row of tiles are held when they take no more, or the source can only be decoded from its start; otherwise they are
+// read tile by tile.
+[[nodiscard]] VerifyReport verify(const host::MappedPack& pack, const HeightSource* against,
+                                  std::size_t row_bytes = std::size_t{64} << 20);
+// The same of a terrain that is loaded whole.
 [[nodiscard]] VerifyReport verify(const Terrain& terrain, const Dem* against);
 
 } // namespace fjell::baker

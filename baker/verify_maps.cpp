@@ -58,7 +58,8 @@ Mip decode(const Pack& pack, ChunkKind kind, std::uint32_t tile, std::uint32_t l
 
 class Checker {
 public:
-    explicit Checker(const Pack& the_pack) : pack(the_pack) {}
+    Checker(const Pack& the_pack, const std::function<void()>& the_row_done)
+        : pack(the_pack), row_done(the_row_done) {}
 
     MapsReport run() {
         for (const ChunkKind kind : {ChunkKind::colour, ChunkKind::normal}) check_kind(kind);
@@ -93,6 +94,7 @@ private:
                 above = border(mip, 0, mip.side - 1, 1, 0);
                 finer = std::move(mip);
             }
+            if (row_done && (tile + 1) % tiles_x == 0) row_done();
         }
     }
 
@@ -171,6 +173,7 @@ private:
     }
 
     const Pack& pack;
+    const std::function<void()>& row_done;
     MapsReport report;
     ChunkId place;
     double colour_sum = 0, normal_sum = 0;
@@ -179,8 +182,8 @@ private:
 
 } // namespace
 
-MapsReport check_maps(const Pack& pack) {
-    return Checker(pack).run();
+MapsReport check_maps(const Pack& pack, const std::function<void()>& row_done) {
+    return Checker(pack, row_done).run();
 }
 
 } // namespace fjell::baker

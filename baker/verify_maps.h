@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "fjell/pack.h"
@@ -32,6 +33,7 @@ struct MapsReport {
 }
 
 // O(texels); memory: the borders of a row of tiles. Throws Failure for a chunk that cannot be read.
-[[nodiscard]] MapsReport check_maps(const Pack& pack);
+// row_done: after every row of tiles of each kind.
+[[nodiscard]] MapsReport check_maps(const Pack& pack, const std::function<void()>& row_done = {});
 
 } // namespace fjell::baker

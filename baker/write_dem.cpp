@@ -79,10 +79,9 @@ void set_place(GDALDataset& file, const Heights& dem) {
     double step[2] = {dem.crs_step[0], dem.crs_step[1]};
     if (!(step[0] > 0 && step[1] > 0)) crs_step_of(dem.spacing_m, dem.crs_wkt, step);
     OGRSpatialReference crs;
-    // Without a CRS of its own, or with one that its spacing means nothing in, it gets a local one in metres, or a small
-    // terrain at the origin looks like degrees.
-    if (!(step[0] > 0 && step[1] > 0) || dem.crs_wkt.empty() ||
-        crs.importFromWkt(dem.crs_wkt.c_str()) != OGRERR_NONE) {
+    // Without a CRS of its own, or with one that its spacing means nothing in, it gets a local one in metres, or a
+    // small terrain at the origin looks like degrees.
+    if (!(step[0] > 0 && step[1] > 0) || dem.crs_wkt.empty() || crs.importFromWkt(dem.crs_wkt.c_str()) != OGRERR_NONE) {
         std::copy_n(dem.spacing_m, 2, step);
         crs.Clear();
         crs.SetLocalCS("local metres");

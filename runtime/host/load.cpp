@@ -84,16 +84,35 @@ void MappedPack::release() const {
     (void)madvise(bytes_, size_, MADV_DONTNEED); // a private mapping that no one writes: the file has it all
 }
 
+namespace {
+
+void check_chunk(const Pack& pack, const std::string& path, std::uint64_t i, std::vector<std::byte>& raw) {
+    raw.resize(pack.entry(i).raw_bytes);
+    const ChunkId id = chunk_id(pack.header, i);
+    const Status s = read_chunk(pack, id, raw);
+    if (!s.ok()) throw Failure(1, fmt::format("{}: chunk {} of tile {}: {}", path, i, id.tile, message(s.code)));
+}
+
+} // namespace
+
 std::uint64_t check_all_chunks(const Pack& pack, const std::string& path) {
-    const std::uint64_t count = pack.header.directory_count;
     std::vector<std::byte> raw;
-    for (std::uint64_t i = 0; i < count; ++i) {
-        raw.resize(pack.entry(i).raw_bytes);
-        const ChunkId id = chunk_id(pack.header, i);
-        const Status s = read_chunk(pack, id, raw);
-        if (!s.ok()) throw Failure(1, fmt::format("{}: chunk {} of tile {}: {}", path, i, id.tile, message(s.code)));
+    for (std::uint64_t i = 0; i < pack.header.directory_count; ++i) check_chunk(pack, path, i, raw);
+    return pack.header.directory_count;
+}
+
+std::uint64_t check_all_chunks(const MappedPack& mapped) {
+    const Pack& pack = mapped.pack();
+    std::vector<std::byte> raw;
+    std::uint64_t seen = 0;
+    for (std::uint64_t i = 0; i < pack.header.directory_count; ++i) {
+        check_chunk(pack, mapped.path(), i, raw);
+        seen += pack.entry(i).stored_bytes;
+        if (seen < (std::uint64_t{16} << 20)) continue;
+        mapped.release();
+        seen = 0;
     }
-    return count;
+    return pack.header.directory_count;
 }
 
 } // namespace fjell::host

@@ -53,5 +53,6 @@ private:
 
 // Decodes every chunk; throws Failure naming the first one that is damaged. Returns how many there are.
 std::uint64_t check_all_chunks(const Pack& pack, const std::string& path);
+std::uint64_t check_all_chunks(const MappedPack& pack); // and little of it resident at once
 
 } // namespace fjell::host

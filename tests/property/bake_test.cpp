@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "baker/dem_source.h"
 #include "baker/verify.h"
 #include "support/terrain_fixture.h"
 
@@ -68,6 +69,44 @@ TEST_CASE("a pack does not depend on threads, memory or how the work is cut") {
     }
 }
 
+TEST_CASE("a pack verified tile by tile from its file is found to be what it is when it is loaded whole") {
+    Random random(17);
+    for (int round = 0; round < 40; ++round) {
+        const int log2 = pick(random, 1, 6);
+        baker::Dem dem = random_dem(random, pick(random, 2, 150), pick(random, 2, 150),
+                                    static_cast<Shape>(round % static_cast<int>(Shape::count)));
+        if (round % 2) add_random_holes(random, dem, log2);
+        baker::BakeOptions options = small_bake(log2);
+        options.order = static_cast<Order>(round % 3);
+        options.estimate = round % 4 ? Estimate::max : Estimate::midpoint;
+        const TemporaryFolder folder;
+        (void)baker::bake(dem, options, folder / "pack.fjell");
+        const host::MappedPack mapped(folder / "pack.fjell");
+        const auto loaded = host::load_pack(folder / "pack.fjell", host::LoadTerrain::yes);
+        baker::Dem other = dem; // a fault that only the original heights tell
+        const auto at = static_cast<std::size_t>(pick(random, 0, dem.columns * dem.rows - 1));
+        const bool told = dem.voids.empty() || !dem.voids[at];
+        other.heights_m[at] += 1e5f;
+        for (const baker::Dem* against : {&dem, &other}) {
+            const baker::VerifyReport whole = baker::verify(loaded.terrain, against);
+            for (const std::size_t row_bytes : {std::size_t{0}, std::size_t{1} << 30}) {
+                const baker::DemSource source(*against);
+                const baker::VerifyReport tiles = baker::verify(mapped, &source, row_bytes);
+                CAPTURE(round, log2, dem.columns, dem.rows, row_bytes, tiles.first);
+                REQUIRE(tiles.ok() == (against == &dem || !told));
+                REQUIRE(tiles.first == whole.first);
+                REQUIRE(tiles.vertices == whole.vertices);
+                REQUIRE(tiles.samples_compared == whole.samples_compared);
+                REQUIRE(tiles.height_mismatches == whole.height_mismatches);
+                REQUIRE(tiles.true_error_violations == whole.true_error_violations);
+                REQUIRE(tiles.worst_excess_m == whole.worst_excess_m);
+                REQUIRE(tiles.rim_violations == 0);
+            }
+        }
+        REQUIRE(baker::verify(mapped, nullptr).ok());
+    }
+}
+
 TEST_CASE("integer heights are stored without loss") {
     Random random(13);
     baker::Dem dem = random_dem(random, 65, 65, Shape::noise);
@@ -128,6 +167,20 @@ TEST_CASE("the verifier notices every kind of fault") {
         VertexRecord& r = record_of(pack, {7, 7});
         r.height = static_cast<std::uint16_t>(r.height ^ 0x4000);
         CHECK(baker::verify(pack.terrain, &dem).height_mismatches == 1);
+    }
+    {
+        auto pack = fresh();
+        VertexRecord& r = record_of(pack, {7, 7}); // ground that becomes a hole
+        r.radius = static_cast<std::uint8_t>(r.radius | void_bit);
+        pack.terrain.header.voids = 1;
+        const auto report = baker::verify(pack.terrain, &dem);
+        CHECK(report.height_mismatches == 1);
+        CHECK(report.rim_violations > 0);
+    }
+    {
+        auto pack = fresh();
+        const_cast<std::uint32_t&>(pack.terrain.corners[6]) += 1;
+        CHECK(baker::verify(pack.terrain, nullptr).border_mismatches == 4); // as each of its tiles has it
     }
     {
         auto pack = fresh();

@@ -2,10 +2,13 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
+#include <xxhash.h>
 
 #include "support/program.h"
 #include "support/terrain_fixture.h"
@@ -62,6 +65,56 @@ TEST_CASE("synth, bake, info and verify, one after the other") {
     REQUIRE(run_in(folder.path, bake + "synth recipe.json -o other.tif").code == 0);
     refused(folder, bake + "verify out.fjell --against other.tif", 1, "bake it again");
     CHECK(folder.names() == std::vector<std::string>{"bake.json", "dem.tif", "other.tif", "out.fjell", "recipe.json"});
+}
+
+TEST_CASE("a pack's heights come back as a GeoTIFF that bakes to the same heights and holes") {
+    const TemporaryFolder folder;
+    std::string text = "ncols 90\nnrows 70\nxllcorner 1000\nyllcorner 1000\ncellsize 30\nNODATA_value -99\n";
+    for (int i = 0; i < 6300; ++i) text += i % 90 > 40 && i % 90 < 50 ? "-99 " : std::to_string(i * 7919 % 1000) + " ";
+    spit(folder / "dem.asc", text);
+    REQUIRE(run_in(folder.path, bake + "dem.asc -o out.fjell --tile 32").code == 0);
+    REQUIRE(run_in(folder.path, bake + "heights out.fjell -o back.tif").code == 0);
+    CHECK(run_in(folder.path, bake + "verify out.fjell --against back.tif").code == 0);
+    REQUIRE(run_in(folder.path, bake + "back.tif -o again.fjell --tile 32").code == 0);
+    CHECK(run_in(folder.path, bake + "verify again.fjell --against dem.asc").code == 0);
+    refused(folder, bake + "heights out.fjell -o back.png", 2, "ends in .tif");
+    refused(folder, bake + "heights missing.fjell -o other.tif", 1, "missing.fjell");
+    refused(folder, bake + "heights dem.asc -o other.tif", 1, "not a Fjell pack");
+    refused(folder, bake + "heights out.fjell -o nowhere/other.tif", 1, "nowhere");
+    std::filesystem::create_symlink("out.fjell", folder / "link.tif");
+    refused(folder, bake + "heights out.fjell -o link.tif", 2, "overwrite");
+    refused(folder, bake + "dem.asc heights out.fjell -o x.tif", 2, "bake nothing");
+}
+
+TEST_CASE("verify looks at maps too: a tile with another's colours fails, though every checksum holds") {
+    const TemporaryFolder folder;
+    std::string text = "ncols 193\nnrows 129\nxllcorner 1000\nyllcorner 1000\ncellsize 30\n"; // smooth
+    for (int y = 0; y < 129; ++y)
+        for (int x = 0; x < 193; ++x)
+            text += std::to_string(600 + 300 * std::sin(x * 0.03) + 280 * std::cos(y * 0.021)) + " ";
+    spit(folder / "dem.asc", text);
+    REQUIRE(run_in(folder.path, bake + "dem.asc -o out.fjell --tile 64").code == 0);
+    const Run good = run_in(folder.path, bake + "verify out.fjell");
+    CHECK(good.code == 0);
+    CHECK(good.out.find("on borders of tiles: 0 mip, 0 border, 0 length violations") != std::string::npos);
+    // Swap two entries of the directory, and make both hashes fit.
+    std::string bytes = slurp(folder / "out.fjell");
+    fjell::PackHeader h;
+    std::memcpy(&h, bytes.data(), sizeof h);
+    char* const directory = bytes.data() + h.directory_offset;
+    const auto at = [&](std::uint32_t tile) {
+        return directory + fjell::chunk_index(h, {fjell::ChunkKind::colour, tile, 0}) * sizeof(fjell::ChunkEntry);
+    };
+    std::swap_ranges(at(1), at(1) + sizeof(fjell::ChunkEntry), at(4));
+    h.directory_hash = XXH3_64bits(directory, h.directory_count * sizeof(fjell::ChunkEntry));
+    h.header_hash = XXH3_64bits(&h, offsetof(fjell::PackHeader, header_hash));
+    std::memcpy(bytes.data(), &h, sizeof h);
+    spit(folder / "swapped.fjell", bytes);
+    const Run bad = run_in(folder.path, bake + "verify swapped.fjell");
+    CAPTURE(bad.out, bad.err);
+    CHECK(bad.code == 1);
+    CHECK(bad.out.find("chunks: checksums hold") != std::string::npos);
+    CHECK(bad.err.find("colour map of tile") != std::string::npos);
 }
 
 TEST_CASE("height fields that are not are refused in one line with a remedy, and nothing is left") {

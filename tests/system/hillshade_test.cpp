@@ -40,7 +40,7 @@ struct Case {
     std::string read;      // fjell-bake's options
     std::string translate; // gdal_translate's, for a GeoTIFF of the same metres on the same lattice
     double spacing_m;
-    bool exact;                     // whole metres: the same bits
+    bool exact;                    // whole metres: the same bits
     double nothing = std::nan(""); // that the translation has where there are holes
 };
 
@@ -93,8 +93,8 @@ TEST_CASE("GDAL's hillshade of a height field and of its pack read back agree") 
         const double apart_m = apart(folder, c.nothing);
         const json info = json::parse(run_in(folder.path, bake + "info out.fjell --json").out);
         // Half a step, and two roundings of floats of this size.
-        const double largest = std::max(std::abs(info["height_m"][0].get<double>()),
-                                        std::abs(info["height_m"][1].get<double>()));
+        const double largest =
+            std::max(std::abs(info["height_m"][0].get<double>()), std::abs(info["height_m"][1].get<double>()));
         CAPTURE(c.file, apart_m);
         CHECK(apart_m <= (c.exact ? 0 : 0.5 * info["quantum_m"].get<double>() + largest * 0x1p-22));
         for (const std::string name : {"a", "b"})
@@ -108,9 +108,9 @@ TEST_CASE("GDAL's hillshade of a height field and of its pack read back agree") 
             most = std::max(most, std::abs(a[i] - b[i]));
             different += a[i] != b[i];
         }
-        // A shade is 1 + 254 times the cosine between a unit normal and a unit vector, which changes by no more than the
-        // gradient does; Horn's gradient changes by at most apart_m / spacing along each axis. Codes are rounded: the
-        // share that falls to another side is at most how far they were moved.
+        // A shade is 1 + 254 times the cosine between a unit normal and a unit vector, which changes by no more than
+        // the gradient does; Horn's gradient changes by at most apart_m / spacing along each axis. Codes are rounded:
+        // the share that falls to another side is at most how far they were moved.
         const double moved = 254 * std::sqrt(2.0) * apart_m / c.spacing_m;
         const double share = static_cast<double>(different) / static_cast<double>(a.size());
         CAPTURE(most, share, moved);

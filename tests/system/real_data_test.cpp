@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/program.h"
+#include "support/real_data.h"
 #include "support/temporary_folder.h"
 
 using namespace fjell::test;
@@ -16,17 +17,9 @@ namespace {
 
 const std::string bake = FJELL_BIN_DIR "/fjell-bake ", fly = FJELL_BIN_DIR "/fjell-fly ";
 
-// Where the data is, or empty; a test says that it was skipped.
-std::string real(const std::string& name) {
-    const char* data = std::getenv("FJELL_DATA");
-    const std::string path = std::string(data ? data : FJELL_SOURCE_DIR "/../shared/data") + "/" + name;
-    if (std::filesystem::exists(path)) return path;
-    WARN("skipped: there is no " << path << " (set FJELL_DATA to the folder of real height fields)");
-    return {};
-}
-
-json bake_and_verify(const TemporaryFolder& folder, const std::string& dem, const std::string& read) {
-    const Run baked = run_in(folder.path, bake + dem + read + " -o out.fjell --json bake.json");
+json bake_and_verify(const TemporaryFolder& folder, const std::string& dem, const std::string& read,
+                     const std::string& more = "") {
+    const Run baked = run_in(folder.path, bake + dem + read + more + " -o out.fjell --json bake.json");
     CAPTURE(dem, baked.err);
     REQUIRE(baked.code == 0);
     const Run verified = run_in(folder.path, bake + "verify out.fjell --against " + dem + read);
@@ -34,6 +27,17 @@ json bake_and_verify(const TemporaryFolder& folder, const std::string& dem, cons
     REQUIRE(verified.code == 0);
     REQUIRE(verified.out.find(": 0 off by more than half a quantum") != std::string::npos);
     return json::parse(slurp(folder / "bake.json"));
+}
+
+void fly_over(const TemporaryFolder& folder) {
+    const Run flown = run_in(folder.path, fly + "out.fjell --headless --frames 60 --error-px 1 --verify 20 "
+                                                "--json flight.json");
+    CAPTURE(flown.err);
+    REQUIRE(flown.code == 0);
+    const json flight = json::parse(slurp(folder / "flight.json"));
+    CHECK(flight["converged_frames"] == 60);
+    CHECK(flight["verified_error_px_max"] <= 1.0);
+    CHECK(flight["triangles_mean"] > 100);
 }
 
 } // namespace
@@ -56,6 +60,7 @@ TEST_CASE("every real height field is baked whole, verified and flown within its
         {"formats/grand_canyon_copdem_512_f32.tif", "", 470, 577, true},
         {"formats/luxembourg_terra_elev_i16_nodata.tif", "", 82, 116, true},
         {"dem/craterlake_elev_i16_30m.tif", " --nodata hole", 372, 330, true},
+        {"dem/grand_canyon_60m_4097x2049_u8.png", " --spacing 60 --zscale 14.4 --zoffset 127", 4097, 2049, false},
         {"formats/terrarium_256.png", " --spacing 100 --encoding terrarium", 256, 256, false},
         {"formats/grand_canyon_crop_513_u8.bmp", " --spacing 60 --zscale 14.4 --zoffset 127", 513, 513, false},
         {"formats/luxembourg_elev_i16_nodata.asc", " --spacing 900", 95, 90, true},
@@ -70,14 +75,37 @@ TEST_CASE("every real height field is baked whole, verified and flown within its
         CHECK(summary["columns"] == c.columns);
         CHECK(summary["rows"] == c.rows);
         CHECK((summary["holes"] > 0) == c.holes);
-        const Run flown = run_in(folder.path, fly + "out.fjell --headless --frames 60 --error-px 1 --verify 20 "
-                                                    "--json flight.json");
-        CAPTURE(flown.err);
-        REQUIRE(flown.code == 0);
-        const json flight = json::parse(slurp(folder / "flight.json"));
-        CHECK(flight["converged_frames"] == 60);
-        CHECK(flight["verified_error_px_max"] <= 1.0);
-        CHECK(flight["triangles_mean"] > 100);
+        fly_over(folder);
+    }
+}
+
+TEST_CASE("every real image bakes onto its height field, in its own detail, is verified and flown") {
+    struct Case {
+        std::string file, read, image;
+        int tile, texels; // a tile's colour map
+    };
+    const std::vector<Case> cases{
+        // An image of a part: its place is columns and rows of the whole.
+        {"dem/grand_canyon_60m_4097x2049_u8.png", " --spacing 60 --zscale 14.4 --zoffset 127 --bbox 2246,1628,3446,428",
+         "textures/grand_canyon_color_crop_1024.png", 512, 512},
+        {"dem/norway_jotunheimen_117m_512_f32.tif", "", "textures/norway_jotunheimen_texture_4096.jpg", 256, 1024},
+        {"dem/puget_sound_160m_1025_u16.png", " --spacing 160 --zscale 0.1", "textures/puget_sound_texture_1024.png",
+         512, 512},
+        // By its coordinates: reprojected with its terrain, and with the samples where they are.
+        {"dem/craterlake_elev_i16_30m.tif", " --nodata hole", "textures/craterlake_imagery_30m.tif", 512, 512},
+        {"dem/craterlake_elev_i16_30m.tif", " --nodata hole --spacing 30", "textures/craterlake_imagery_30m.tif", 512,
+         512},
+    };
+    for (const Case& c : cases) {
+        const std::string dem = real(c.file), image = real(c.image);
+        if (dem.empty() || image.empty()) continue;
+        const TemporaryFolder folder;
+        CAPTURE(c.file, c.read);
+        (void)bake_and_verify(folder, dem, c.read,
+                              " --tile " + std::to_string(c.tile) + " --texture " + image);
+        const json info = json::parse(run_in(folder.path, bake + "info out.fjell --json").out);
+        CHECK(info["colour_texels"] == c.texels);
+        fly_over(folder);
     }
 }
 

@@ -3,8 +3,8 @@
 #include "baker/dem_source.h"
 #include "baker/pack_source.h"
 #include "baker/write_dem.h"
-#include "source_check.h"
 #include "host/file.h"
+#include "source_check.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;

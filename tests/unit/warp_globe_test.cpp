@@ -22,7 +22,8 @@ struct Degrees {
 };
 
 std::string written(const Degrees& f, const std::string& path) {
-    Raster r = raster(f.columns, f.rows, [&](int x, int y) { return on_globe(f.west + f.step * x, f.north - f.step * y); });
+    Raster r =
+        raster(f.columns, f.rows, [&](int x, int y) { return on_globe(f.west + f.step * x, f.north - f.step * y); });
     r.geotransform = {f.west - f.step / 2, f.step, 0, f.north + f.step / 2, 0, -f.step};
     r.crs = "EPSG:4326";
     return write(r, path);
@@ -103,12 +104,14 @@ TEST_CASE("a field close to a pole is at its place, and the pole no hole in it")
     check(read_dem(written(south, dir / "c.tif"), {}), south);
 }
 
-TEST_CASE("a whole polar cap is refused by itself, and complete in a polar CRS that is named") {
+TEST_CASE("a polar cap is complete: no hole at the pole, none along the seam") {
     const TempDir dir;
-    const Degrees cap{-179.975, 89.975, 0.05, 7200, 200};
-    const std::string path = written(cap, dir / "a.tif");
-    check_refusal(refused(path), 1, path, {"spans 360 degrees around a pole", "--crs EPSG:3995"});
-    ReadOptions o;
-    o.crs = "EPSG:3995";
-    check(read_dem(path, o), cap);
+    // Larger than one block of the target. With samples on the pole and the seam, and with pixels that end there.
+    for (const Degrees& f : {Degrees{-179.975, 89.975, 0.05, 7200, 200},
+                             {-180, 90, 0.1, 3601, 151},
+                             {0.05, 90, 0.1, 3600, 151},
+                             {-179.95, -79.95, 0.1, 3600, 101},
+                             {0.05, -60.05, 0.1, 3600, 300},
+                             {-90, 89.95, 0.1, 1800, 100}}) // half a cap
+        check(read_dem(written(f, dir / "a.tif"), {}), f);
 }

@@ -62,7 +62,10 @@ TEST_CASE("a projection is chosen that suits a place and its extents") {
     CHECK(crs_of(8, 46, 9, 47, 4313) == "Transverse_Mercator"); // keeps a datum of its own
     CHECK(crs_of(-10, 36, 30, 70) == "Lambert_Azimuthal_Equal_Area");
     CHECK(crs_of(10, 79, 20, 86) == "Polar_Stereographic");
-    CHECK(crs_of(-180, -90, 180, -60) == "none"); // GDAL loses the blocks around the pole and the seam
+    CHECK(crs_of(-180, -90, 180, -60) == "3031");
+    CHECK(crs_of(0, 75, 360, 90) == "3995");
+    CHECK(crs_of(0, 75, 360, 90, 4258) == "Polar_Stereographic");
+    CHECK(crs_of(-180, 50, 180, 90) == "none");
     CHECK(crs_of(-180, -90, 180, 90) == "none");
     CHECK(crs_of(0, 0, 120, 20) == "none");
 }

@@ -76,6 +76,8 @@ Status check_ranges(const PackHeader& h) {
         return bad("spacing_m");
     for (const double origin : h.origin_m)
         if (!std::isfinite(origin)) return bad("origin_m");
+    for (const double step : h.crs_step)
+        if (!in_range(step, 0, 1e9)) return bad("crs_step");
     if (!in_range(h.quantum_m, 1e-9, 1e4)) return bad("quantum_m");
     for (const float height : {h.base_m, h.min_m, h.max_m})
         if (!in_range(height, -1e7, 1e7)) return bad("heights");
