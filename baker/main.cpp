@@ -1,6 +1,8 @@
 // fjell-bake: IN -o OUT.fjell, info, verify, heights, synth. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the machine
 // is.
 #include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -61,6 +63,14 @@ const char* order_name(Order order) {
     return "linear";
 }
 
+// The most memory that this program was resident with; 0 where the system does not say.
+double most_resident_mb() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmHWM:")) return std::strtod(line.c_str() + 6, nullptr) / 1024;
+    return 0;
+}
+
 json summary_json(const BakeSummary& s) {
     return {{"columns", s.columns},
             {"rows", s.rows},
@@ -74,6 +84,7 @@ json summary_json(const BakeSummary& s) {
             {"holes", s.voids},
             {"texture_bytes", s.texture_bytes},
             {"resumed", s.resumed},
+            {"resident_mb_max", most_resident_mb()},
             {"seconds_read", s.seconds_read},
             {"seconds_textures", s.seconds_textures},
             {"seconds_errors", s.seconds_errors},

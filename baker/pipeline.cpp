@@ -63,10 +63,12 @@ bool Pipeline::fits_memory() const {
 
 std::string Pipeline::identity() const {
     const BakeOptions& o = options_;
-    return fmt::format("{}\ntile {} regions {} estimate {} nesting {} order {} quantum {} ramp {} texels {} level {}\n{}",
+    return fmt::format("{}\ntile {} regions {} estimate {} nesting {} order {} quantum {} ramp {} texels {} level {} "
+                       "place {} {} {} {} {} {} {}\n{}",
                        source_.identity(), tree_.tile_log2, regions_.cells(), static_cast<int>(o.estimate), o.nesting,
                        static_cast<int>(o.order), o.quantum_m, o.ramp_path.empty() ? "" : host::read_text(o.ramp_path),
-                       o.max_texture_log2, o.compression, image_ ? image_->identity() : "");
+                       o.max_texture_log2, o.compression, source_.spacing_m[0], source_.spacing_m[1], source_.origin_m[0],
+                       source_.origin_m[1], source_.crs_step[0], source_.crs_step[1], source_.crs_wkt, image_ ? image_->identity() : "");
 }
 
 int Pipeline::workers_for(std::uint64_t bytes) const {

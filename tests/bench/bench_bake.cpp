@@ -4,10 +4,18 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
 
 #include "baker/bake.h"
 #include "baker/level.h"
@@ -15,7 +23,9 @@
 #include "baker/page_pack.h"
 #include "baker/read.h"
 #include "baker/survey.h"
+#include "baker/synth.h"
 #include "baker/verify.h"
+#include "baker/write_dem.h"
 #include "fjell/terrain.h"
 #include "host/load.h"
 
@@ -181,6 +191,71 @@ void decode(benchmark::State& state, Order order) {
         benchmark::Counter(32.0 * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 
+// The program on its own, so that its resident memory is its own too.
+struct ProgramRun {
+    bool ok = false;
+    nlohmann::json summary;
+    [[nodiscard]] double resident_mb() const { return summary["resident_mb_max"]; }
+};
+ProgramRun run_bake(std::vector<std::string> arguments) {
+    const std::string program = FJELL_BIN_DIR "/fjell-bake", json = folder + "/bake.json";
+    arguments.insert(arguments.begin(), program);
+    arguments.insert(arguments.end(), {"--quiet", "--json", json});
+    std::vector<char*> argv;
+    for (std::string& a : arguments) argv.push_back(a.data());
+    argv.push_back(nullptr);
+    ProgramRun run;
+    pid_t child = 0;
+    int status = 1;
+    if (posix_spawn(&child, program.c_str(), nullptr, nullptr, argv.data(), environ) != 0 ||
+        waitpid(child, &status, 0) != child || status != 0)
+        return run;
+    std::ifstream file(json);
+    run.summary = nlohmann::json::parse(file, nullptr, false);
+    run.ok = run.summary.is_object();
+    return run;
+}
+
+// From a file, as users do it: everything from decoding the GeoTIFF to the pack on the disk.
+void program(benchmark::State& state, const std::string& options, int threads, bool in_files) {
+    const std::string dem_path = folder + "/mountains-4097" + options + ".tif";
+    if (!std::filesystem::exists(dem_path)) {
+        std::filesystem::create_directories(folder);
+        baker::write_dem(*baker::open_synth(FJELL_SOURCE_DIR "/content/terrain/mountains.json"), folder + "/m.tif");
+        const std::string command = "gdal_translate -q -co TILED=YES " +
+                                    std::string(options.empty() ? "" : "-co COMPRESS=DEFLATE -co PREDICTOR=2 ") + folder +
+                                    "/m.tif " + dem_path;
+        if (std::system(command.c_str()) != 0) return state.SkipWithError("gdal_translate (package gdal-bin) is missing");
+    }
+    std::vector<std::string> arguments{dem_path, "-o", folder + "/bake.fjell", "--threads", std::to_string(threads)};
+    if (in_files) arguments.insert(arguments.end(), {"--checkpoint", "5"});
+    ProgramRun run;
+    for (auto _ : state) {
+        run = run_bake(arguments);
+        if (!run.ok) return state.SkipWithError("fjell-bake failed");
+    }
+    state.counters["samples/s"] = benchmark::Counter(4097.0 * 4097 * static_cast<double>(state.iterations()),
+                                                     benchmark::Counter::kIsRate);
+    state.counters["resident_MB"] = run.resident_mb();
+}
+
+// More samples than the memory holds. They are smooth, so that making them does not take most of the time; rates are
+// without it.
+void larger_than_memory(benchmark::State& state, const char* memory_mb) {
+    std::filesystem::create_directories(folder);
+    const std::string recipe = folder + "/plain.json";
+    std::ofstream(recipe) << R"({"columns": 16385, "rows": 16385, "spacing_m": 15, "gullies": 0, "octaves": 1, "warp": 0})";
+    for (auto _ : state) {
+        const ProgramRun run = run_bake({recipe, "-o", folder + "/large.fjell", "--memory", memory_mb});
+        if (!run.ok) return state.SkipWithError("fjell-bake failed");
+        state.counters["resident_MB"] = run.resident_mb();
+        state.counters["file_MB"] = run.summary["file_bytes"].get<double>() / 1e6;
+        const double read = run.summary["seconds_read"], all = run.summary["seconds_total"];
+        state.counters["samples/s_after_reading"] = 16385.0 * 16385 / (all - read);
+    }
+    std::filesystem::remove(folder + "/large.fjell");
+}
+
 void verify(benchmark::State& state) {
     const host::LoadedPack pack = host::load_pack(bake_once(0), host::LoadTerrain::yes);
     for (auto _ : state) benchmark::DoNotOptimize(baker::verify(pack.terrain, nullptr));
@@ -199,6 +274,11 @@ int main(int argc, char** argv) {
     declare("errors/mountains-2049/max-and-pages", [](auto& s) { errors(s, fjell::Estimate::max, true); });
     declare("bake/mountains-2049/1-thread", [](auto& s) { whole_bake(s, 1); });
     declare("bake/mountains-2049/2-threads", [](auto& s) { whole_bake(s, 2); });
+    declare("program/mountains-4097-tiled/1-thread", [](auto& s) { program(s, "", 1, false); });
+    declare("program/mountains-4097-tiled/2-threads", [](auto& s) { program(s, "", 2, false); });
+    declare("program/mountains-4097-tiled/1-thread-in-files", [](auto& s) { program(s, "", 1, true); });
+    declare("program/mountains-4097-tiled-deflate/1-thread", [](auto& s) { program(s, "-deflate", 1, false); });
+    declare("program/plain-16385/256-MB", [](auto& s) { larger_than_memory(s, "256"); });
     declare("load/mountains-2049/whole", load);
     declare("decode/mountains-2049/planar", [](auto& s) { decode(s, Order::planar); });
     declare("decode/mountains-2049/hz", [](auto& s) { decode(s, Order::hierarchical_z); });

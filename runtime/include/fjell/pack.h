@@ -20,7 +20,7 @@ namespace fjell {
 inline constexpr char pack_magic[8] = {'F', 'J', 'E', 'L', 'L', 'P', 'K', '\n'};
 inline constexpr std::uint32_t pack_version = 3;
 // Changes with every stored layout; also tells a byte-swapped file from ours.
-inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0003'0004'0810ull;
+inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0003'0004'0820ull;
 inline constexpr std::uint32_t max_texture_log2 = 12;
 inline constexpr std::uint32_t max_columns = 1u << 20;
 inline constexpr double min_spacing_m = 1e-3, max_spacing_m = 1e6;
