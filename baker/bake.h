@@ -25,7 +25,7 @@ struct BakeOptions {
     Estimate estimate = Estimate::max;
     double nesting = 0.05; // mu, 0.001..1
     Order order = Order::planar;
-    double quantum_m = 0;     // the vertical lattice's step; 0: the source's own, or the smallest that is of use
+    double quantum_m = 0; // the vertical lattice's step; 0: the source's own, or the smallest that is of use
     std::vector<std::string> texture_paths; // ortho-images (image.h), the last one uppermost
     std::string ramp_path; // colours by height and slope, also where no image is; empty: meadows to snow
     std::uint32_t max_texture_log2 = 10;

@@ -21,7 +21,9 @@ struct Grid {
     Window at; // of its level
     std::vector<float> values;
 
-    Grid(const Store<float>& from, const Window& w) : at(w), values(w.area()) { from.read(w, values.data(), w.columns); }
+    Grid(const Store<float>& from, const Window& w) : at(w), values(w.area()) {
+        from.read(w, values.data(), w.columns);
+    }
     explicit Grid(const Window& w) : at(w), values(w.area()) {}
     [[nodiscard]] std::size_t index(std::int32_t x, std::int32_t y) const { // of the level
         return static_cast<std::size_t>(y - at.y) * static_cast<std::size_t>(at.columns) +
@@ -109,8 +111,8 @@ void fill_chunk(const Store<float>& level, const Store<float>& coarse, const Fil
         if (std::isnan(grid.values[i])) voids.push_back(i);
     if (!voids.empty()) {
         const Window& g = grid.at;
-        const Grid from(coarse, clipped(g.x / 2 - 1, g.y / 2 - 1, (g.x + g.columns) / 2 + 2, (g.y + g.rows) / 2 + 2,
-                                        coarse));
+        const Grid from(coarse,
+                        clipped(g.x / 2 - 1, g.y / 2 - 1, (g.x + g.columns) / 2 + 2, (g.y + g.rows) / 2 + 2, coarse));
         const auto columns = static_cast<std::size_t>(g.columns);
         for (const std::size_t i : voids)
             grid.values[i] = interpolate(from, coarse, g.x + static_cast<std::int32_t>(i % columns),
@@ -119,9 +121,9 @@ void fill_chunk(const Store<float>& level, const Store<float>& coarse, const Fil
         if (step.quantum_m > 0)
             for (const std::size_t i : voids) {
                 float& h = grid.values[i];
-                h = static_cast<float>(
-                    std::round((static_cast<double>(h) - step.anchor_m) / step.quantum_m) * step.quantum_m +
-                    step.anchor_m);
+                h = static_cast<float>(std::round((static_cast<double>(h) - step.anchor_m) / step.quantum_m) *
+                                           step.quantum_m +
+                                       step.anchor_m);
             }
     }
     out.write(w, grid.values.data() + grid.index(w.x, w.y), grid.at.columns);

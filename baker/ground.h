@@ -58,8 +58,11 @@ struct Patch {
 
     Patch() = default;
     Patch(std::int32_t x0, std::int32_t y0, std::int32_t w, std::int32_t h)
-        : x(x0), y(y0), columns(w), rows(h), values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) + slack) {}
-    [[nodiscard]] std::size_t area() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
+        : x(x0), y(y0), columns(w), rows(h), values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) + slack) {
+    }
+    [[nodiscard]] std::size_t area() const {
+        return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    }
     [[nodiscard]] const T* at(std::int32_t px, std::int32_t py) const { return values.data() + index(px, py); }
     [[nodiscard]] T* at(std::int32_t px, std::int32_t py) { return values.data() + index(px, py); }
     [[nodiscard]] std::size_t index(std::int32_t px, std::int32_t py) const {

@@ -48,8 +48,7 @@ std::string start_of_machine() {
 Ledger::Ledger(std::string path, const std::string& identity) : path_(std::move(path)) {
     static_assert(std::is_trivially_copyable_v<LedgerState>, "LedgerState is stored as it is");
     const std::string all = identity + '\n' + start_of_machine() + '\n' + program() + '\n' +
-                            std::to_string(pack_layout_hash) + '\n' +
-                            std::to_string(sizeof(Stored));
+                            std::to_string(pack_layout_hash) + '\n' + std::to_string(sizeof(Stored));
     const XXH128_hash_t hash = XXH3_128bits(all.data(), all.size());
     identity_ = {hash.low64, hash.high64};
     std::ifstream file(path_, std::ios::binary);
@@ -78,8 +77,8 @@ Ledger::Stored Ledger::pack() const {
 void Ledger::write() {
     const Stored stored = pack();
     const std::string temporary = path_ + ".new";
-    const int fd = host::uninterrupted(
-        [&] { return open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666); });
+    const int fd =
+        host::uninterrupted([&] { return open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666); });
     if (fd < 0) host::disk_failure(temporary, "open");
     try {
         host::write_all(fd, 0, std::as_bytes(std::span(&stored, 1)), temporary);

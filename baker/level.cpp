@@ -83,18 +83,16 @@ FJELL_CLONES void leaf_rows(const LevelInput& in, const LeafErrors& leaf) {
         const std::uint8_t* const south = f.error.data() + f.row(2 * j);
         std::uint8_t* const to = in.error.side_x.row(j);
         for (std::int32_t i = 0; i < in.nx; ++i)
-            to[i] = raised(to[i],
-                           larger(larger(north[2 * i], north[2 * i + 1]), larger(south[2 * i], south[2 * i + 1])),
-                           nesting);
+            to[i] = raised(
+                to[i], larger(larger(north[2 * i], north[2 * i + 1]), larger(south[2 * i], south[2 * i + 1])), nesting);
     }
     for (std::int32_t j = 0; j < in.ny; ++j) {
         const std::uint8_t* const north = f.error.data() + f.row(2 * j);
         const std::uint8_t* const south = f.error.data() + f.row(2 * j + 1);
         std::uint8_t* const to = in.error.side_y.row(j);
         for (std::int32_t i = 0; i <= in.nx; ++i)
-            to[i] = raised(to[i],
-                           larger(larger(north[2 * i - 1], north[2 * i]), larger(south[2 * i - 1], south[2 * i])),
-                           nesting);
+            to[i] = raised(
+                to[i], larger(larger(north[2 * i - 1], north[2 * i]), larger(south[2 * i - 1], south[2 * i])), nesting);
     }
 }
 
@@ -136,7 +134,8 @@ public:
         quantum = scales.lattice.quantum_m;
         height_pad = static_cast<float>(scales.height_pad_m);
         const auto ground = [&](double x, double y) {
-            const double dx = x * in.spacing_m[0] + 2 * scales.ground_pad_m, dy = y * in.spacing_m[1] + 2 * scales.ground_pad_m;
+            const double dx = x * in.spacing_m[0] + 2 * scales.ground_pad_m,
+                         dy = y * in.spacing_m[1] + 2 * scales.ground_pad_m;
             return static_cast<float>(dx * dx * (x != 0) + dy * dy * (y != 0));
         };
         along_x = ground(s, 0);
@@ -154,13 +153,20 @@ public:
         const float unit = in.scales.level_radius_m[side_level];
         // Squares beyond the last row or column that the region's own blocks reach into.
         const std::int32_t more = (1 << out.shift) - 1;
-        plane(in.nx, in.ny + 1 + more, out.blocks_x, unit, out.side_x,
-              [&](std::int32_t j) __attribute__((always_inline)) { in.finer ? side_x_row(j) : leaf_x_row(j); });
-        plane(in.nx + 1 + more, in.ny, out.blocks_x + 1, unit, out.side_y,
-              [&](std::int32_t j) __attribute__((always_inline)) { in.finer ? side_y_row(j) : leaf_y_row(j); });
+        plane(
+            in.nx, in.ny + 1 + more, out.blocks_x, unit,
+            out.side_x, [&](std::int32_t j) __attribute__((always_inline)) {
+                in.finer ? side_x_row(j) : leaf_x_row(j);
+            });
+        plane(
+            in.nx + 1 + more, in.ny, out.blocks_x + 1, unit,
+            out.side_y, [&](std::int32_t j) __attribute__((always_inline)) {
+                in.finer ? side_y_row(j) : leaf_y_row(j);
+            });
         for (std::size_t code = 0; code < radius_codes; ++code) side_m[code] = unit * in.scales.radii.factor[code];
-        plane(in.nx, in.ny, out.blocks_x, in.scales.level_radius_m[side_level - 1], out.centre,
-              [&](std::int32_t j) __attribute__((always_inline)) { centre_row(j); });
+        plane(
+            in.nx, in.ny, out.blocks_x, in.scales.level_radius_m[side_level - 1],
+            out.centre, [&](std::int32_t j) __attribute__((always_inline)) { centre_row(j); });
     }
 
 private:

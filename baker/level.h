@@ -2,8 +2,8 @@
 // the centres of the finer step (thesis 5.3.2, leaves to root; DESIGN invariant 2).
 //
 // Squares of side 2s, s = 2^z, are counted over the whole terrain; a region has nx x ny of them from `square` on. Its
-// borders belong to it: side_x has ny + 1 rows, side_y nx + 1 columns. What a border vertex needs of the neighbours is in
-// the arrays: one square more to the north and west, `reach` more to the south and east.
+// borders belong to it: side_x has ny + 1 rows, side_y nx + 1 columns. What a border vertex needs of the neighbours is
+// in the arrays: one square more to the north and west, `reach` more to the south and east.
 #pragma once
 
 #include <cstdint>
@@ -79,7 +79,7 @@ struct LevelInput {
     Coord square;
     std::int32_t nx = 0, ny = 0;
     const Planes<std::int32_t>& steps;
-    Planes<std::uint8_t>& error;        // own errors; becomes errors
+    Planes<std::uint8_t>& error;         // own errors; becomes errors
     const FinerCentres* finer = nullptr; // not for z == 0
 };
 // Radius codes, one for each 2^shift x 2^shift squares.

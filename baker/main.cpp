@@ -1,5 +1,5 @@
-// fjell-bake: IN -o OUT.fjell, info, verify, heights, synth. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the machine
-// is.
+// fjell-bake: IN -o OUT.fjell, info, verify, heights, synth. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3
+// the machine is.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -233,8 +233,7 @@ int run_verify(const Arguments& a) {
 
 void require_tif(const std::string& path) {
     if (!path.ends_with(".tif") && !path.ends_with(".tiff"))
-        throw Failure(2,
-                      fmt::format("{}: height fields are written as GeoTIFF; give a name that ends in .tif", path));
+        throw Failure(2, fmt::format("{}: height fields are written as GeoTIFF; give a name that ends in .tif", path));
 }
 
 int run_heights(const Arguments& a) {
@@ -263,10 +262,11 @@ int run(int argc, char** argv) {
     } catch (const CLI::ParseError& e) {
         throw Failure(2, fmt::format("{}; see fjell-bake --help", e.what()));
     }
-    const bool other = commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() ||
-                       commands.synth->parsed();
+    const bool other =
+        commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() || commands.synth->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))
-        throw Failure(2, "info, verify, heights and synth bake nothing; leave out the height field and -o, or the command");
+        throw Failure(
+            2, "info, verify, heights and synth bake nothing; leave out the height field and -o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);
     if (commands.verify->parsed()) return run_verify(a);

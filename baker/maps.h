@@ -1,4 +1,5 @@
-// Materials: colour and normal maps of tiles, with mips, block-compressed (thesis 6.1: an image, or a ramp over height).
+// Materials: colour and normal maps of tiles, with mips, block-compressed (thesis 6.1: an image, or a ramp over
+// height).
 //
 // Mip m of a map with N = 2^log2 texels a side has n = N >> m; the smallest has 4. Texel centres of the first and last
 // column and row of *every* mip lie on the tile's border. So mip m of all tiles together is one grid of

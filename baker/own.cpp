@@ -90,8 +90,8 @@ std::uint8_t own_error(const OwnInput& in, Coord v) {
     // At the finest step, and for estimate 2, twice the surface's jump when the vertex comes in: that is what a reader
     // works out. Beside the rim triangles are squeezed, and measured whatever the estimate.
     const bool jump = !straddles_rim(tree, v) && (Tree::step_log2(v) == 0 || in.estimate == Estimate::midpoint);
-    double error_m = jump ? 0.5 * quantum * std::abs(2.0 * in.ground.h(v) - in.ground.h(d.ends[0]) - in.ground.h(d.ends[1]))
-                          : 0;
+    double error_m =
+        jump ? 0.5 * quantum * std::abs(2.0 * in.ground.h(v) - in.ground.h(d.ends[0]) - in.ground.h(d.ends[1])) : 0;
     bool ground = false;
     for (const Coord apex : d.apexes) {
         if (apex.x < in.region.first.x || apex.y < in.region.first.y || apex.x > in.region.last.x ||
@@ -102,7 +102,8 @@ std::uint8_t own_error(const OwnInput& in, Coord v) {
         ground = ground || sum.ground;
         if (!jump) error_m = std::max(error_m, sum.worst_steps * quantum);
         // A hole's rim is drawn to within the triangle's size.
-        if (sum.ground && sum.hole) error_m = std::max({error_m, sum.worst_steps * quantum, longest_edge_m(in, a, b, c)});
+        if (sum.ground && sum.hole)
+            error_m = std::max({error_m, sum.worst_steps * quantum, longest_edge_m(in, a, b, c)});
     }
     return ground ? in.scales.errors.code_up(error_m) : std::uint8_t{0};
 }
@@ -148,8 +149,8 @@ private:
             for (std::int32_t i = 0; i < plain; ++i) {
                 const std::int32_t* const h = v + std::ptrdiff_t{2} * s * i;
                 const std::ptrdiff_t down = s * stride;
-                const std::ptrdiff_t end = kind == PlaneKind::side_x          ? s
-                                           : kind == PlaneKind::side_y        ? down
+                const std::ptrdiff_t end = kind == PlaneKind::side_x       ? s
+                                           : kind == PlaneKind::side_y     ? down
                                            : falling != (!root && (i & 1)) ? down + s
                                                                            : down - s;
                 codes[i * s] = in.leaf.code(static_cast<std::uint32_t>(std::abs(2 * h[0] - h[-end] - h[end])));

@@ -21,8 +21,7 @@ double seconds_since(Clock::time_point start) {
 constexpr std::uint64_t base_bytes = std::uint64_t{96} << 20;
 
 Tree tiling(const HeightSource& source, const BakeOptions& options) {
-    const double extent =
-        std::max((source.columns - 1) * source.spacing_m[0], (source.rows - 1) * source.spacing_m[1]);
+    const double extent = std::max((source.columns - 1) * source.spacing_m[0], (source.rows - 1) * source.spacing_m[1]);
     if (extent > max_extent_m)
         throw Failure(1, fmt::format("the terrain would be {:.3g} m wide, more than {:.0e} m; give a smaller --spacing",
                                      extent, max_extent_m));
@@ -39,7 +38,8 @@ std::unique_ptr<ImageSource> images_of(const HeightSource& source, const BakeOpt
 
 Pipeline::Pipeline(const HeightSource& source, const BakeOptions& options, const std::string& out_path)
     : source_(source), options_(options), out_path_(out_path), tree_(tiling(source, options)),
-      regions_(tree_, options.region_cells), pages_{tree_.tile_log2, options.order}, threads_(resolve_threads(options.threads)),
+      regions_(tree_, options.region_cells), pages_{tree_.tile_log2, options.order},
+      threads_(resolve_threads(options.threads)),
       plain_z_(options.order == Order::linear ? 0 : std::max(tree_.tile_log2 - page_squares_log2, 0)),
       folder_(out_path), in_memory_(fits_memory()), image_(images_of(source, options)),
       ledger_(folder_.file("ledger"), identity()), last_checkpoint_(Clock::now()) {
@@ -67,8 +67,9 @@ std::string Pipeline::identity() const {
                        "place {} {} {} {} {} {} {}\n{}",
                        source_.identity(), tree_.tile_log2, regions_.cells(), static_cast<int>(o.estimate), o.nesting,
                        static_cast<int>(o.order), o.quantum_m, o.ramp_path.empty() ? "" : host::read_text(o.ramp_path),
-                       o.max_texture_log2, o.compression, source_.spacing_m[0], source_.spacing_m[1], source_.origin_m[0],
-                       source_.origin_m[1], source_.crs_step[0], source_.crs_step[1], source_.crs_wkt, image_ ? image_->identity() : "");
+                       o.max_texture_log2, o.compression, source_.spacing_m[0], source_.spacing_m[1],
+                       source_.origin_m[0], source_.origin_m[1], source_.crs_step[0], source_.crs_step[1],
+                       source_.crs_wkt, image_ ? image_->identity() : "");
 }
 
 int Pipeline::workers_for(std::uint64_t bytes) const {
@@ -201,8 +202,8 @@ BakeSummary Pipeline::run() {
         summary.seconds_write = seconds_since(write_start);
     } catch (const Failure& failure) {
         const bool interrupted = failure.exit_code == 130;
-        const bool input_lost = failure.exit_code == 1 && input_at_work_ &&
-                                (summary.resumed || seconds_since(start) > checkpoint_s());
+        const bool input_lost =
+            failure.exit_code == 1 && input_at_work_ && (summary.resumed || seconds_since(start) > checkpoint_s());
         if (interrupted && in_memory_) throw Failure(130, "interrupted; nothing is left behind");
         if (in_memory_ || (!interrupted && !input_lost)) throw;
         checkpoint();

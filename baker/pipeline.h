@@ -1,6 +1,6 @@
-// A bake from stage to stage (docs/notes/baking.md). What a stage leaves behind lies in stores; what it does is cut into
-// units that depend on nothing but the stores of the stages before, so that threads, memory and interruptions change
-// nothing in the result.
+// A bake from stage to stage (docs/notes/baking.md). What a stage leaves behind lies in stores; what it does is cut
+// into units that depend on nothing but the stores of the stages before, so that threads, memory and interruptions
+// change nothing in the result.
 #pragma once
 
 #include <chrono>
@@ -48,13 +48,13 @@ private:
     void read();
     void fill();
     void survey();
-    void plan();         // lattice, scales, header, spool: from what is known by now
+    void plan();      // lattice, scales, header, spool: from what is known by now
     void make_maps(); // near mips tile by tile, then far mips
     void make_near_maps();
     void make_far_mip(MapKind kind, std::uint32_t mip);
-    void vertices();     // the finest step, and own errors of all others
-    void level(int z);   // each further step
-    void plain_pages();  // pages of several steps, corners, CRS
+    void vertices();    // the finest step, and own errors of all others
+    void level(int z);  // each further step
+    void plain_pages(); // pages of several steps, corners, CRS
     std::uint64_t assemble(BakeSummary& summary);
 
     // Runs unit(i) for the units of a stage that are not done yet. in_order: called for each as soon as it and all
@@ -127,7 +127,7 @@ private:
     const int plain_z_;
 
     WorkFolder folder_;
-    const bool in_memory_; // nothing but the pack itself goes to the folder, and nothing can be resumed
+    const bool in_memory_;               // nothing but the pack itself goes to the folder, and nothing can be resumed
     std::unique_ptr<ImageSource> image_; // or none
     Ledger ledger_;
     bool input_at_work_ = false; // what fails now is the input, which may come back
@@ -135,15 +135,15 @@ private:
     std::mutex lock_;
     std::chrono::steady_clock::time_point last_checkpoint_;
 
-    Store<float> raw_, filled_;             // samples; raw: NaN where there is none
-    Store<std::uint8_t> voids_;             // samples: 1: a hole; only where there are some
-    Store<std::uint8_t> own_;               // places of even coordinates: own errors of steps above the finest
+    Store<float> raw_, filled_;                // samples; raw: NaN where there is none
+    Store<std::uint8_t> voids_;                // samples: 1: a hole; only where there are some
+    Store<std::uint8_t> own_;                  // places of even coordinates: own errors of steps above the finest
     Store<std::uint8_t> own_south_, own_east_; // the same on borders of regions, as measured north or west of them
-    Store<std::uint32_t> level_[2];         // places of a step; [z & 1]
-    Store<CentreRecord> centres_[2];        // [z & 1]
-    Store<std::uint16_t> records_;          // places of step plain_z: error, radius and void_bit
-    Store<std::uint32_t> plain_;            // their steps
-    Store<std::uint16_t> texels_[2][2];     // [kind][mip & 1]
+    Store<std::uint32_t> level_[2];            // places of a step; [z & 1]
+    Store<CentreRecord> centres_[2];           // [z & 1]
+    Store<std::uint16_t> records_;             // places of step plain_z: error, radius and void_bit
+    Store<std::uint32_t> plain_;               // their steps
+    Store<std::uint16_t> texels_[2][2];        // [kind][mip & 1]
 
     Lattice lattice_;
     Scales scales_;

@@ -17,7 +17,9 @@ using host::Failure;
 // A rectangle of samples (or texels): [x, x + columns) by [y, y + rows), row 0 in the north.
 struct Window {
     std::int32_t x = 0, y = 0, columns = 0, rows = 0;
-    [[nodiscard]] std::size_t area() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
+    [[nodiscard]] std::size_t area() const {
+        return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    }
     friend bool operator==(const Window&, const Window&) = default;
 };
 
@@ -32,9 +34,9 @@ struct Tally {
 
 // What was met while reading. Counting windows in any order, on any number of threads, and adding up gives the same.
 struct Census {
-    Tally voids, odd;      // read.h says what these are
-    double odd_m = 0;      // the first odd one
-    double per_unit = 1;   // 1, 10 or 100: raw numbers are multiples of 1 / per_unit; 1000: of none of them
+    Tally voids, odd;    // read.h says what these are
+    double odd_m = 0;    // the first odd one
+    double per_unit = 1; // 1, 10 or 100: raw numbers are multiples of 1 / per_unit; 1000: of none of them
     float least_m = std::numeric_limits<float>::infinity(), most_m = -std::numeric_limits<float>::infinity();
 
     void add(const Census& other);

@@ -50,15 +50,15 @@ void Pipeline::read() {
     const int workers = std::min(source_.readers(threads_), workers_for(largest * 2 * sizeof(float)));
     const double each = static_cast<double>(tree_.columns()) * tree_.rows() / static_cast<double>(windows.size());
     input_at_work_ = true;
-    run_units({stage, "read", windows.size(), workers, each,
-               [&](std::uint64_t i) { ledger_.state.census.add(met[i]); }},
-              [&](std::uint64_t i) {
-                  std::unique_ptr<HeightReader> reader = readers.take();
-                  Buffer<float> heights(windows[i].area());
-                  reader->read(windows[i], heights.data(), met[i]);
-                  raw_.write(windows[i], heights.data(), windows[i].columns);
-                  readers.give(std::move(reader));
-              });
+    run_units(
+        {stage, "read", windows.size(), workers, each, [&](std::uint64_t i) { ledger_.state.census.add(met[i]); }},
+        [&](std::uint64_t i) {
+            std::unique_ptr<HeightReader> reader = readers.take();
+            Buffer<float> heights(windows[i].area());
+            reader->read(windows[i], heights.data(), met[i]);
+            raw_.write(windows[i], heights.data(), windows[i].columns);
+            readers.give(std::move(reader));
+        });
     input_at_work_ = false;
     const Settled settled = source_.settle(ledger_.state.census);
     LedgerState& state = ledger_.state;
@@ -94,13 +94,12 @@ void Pipeline::fill() {
             });
         }
         constexpr std::uint64_t piece_bytes = std::uint64_t{24} << 20;
-        fill_voids({raw_,
-                    {state.native_quantum_m, state.anchor_m},
-                    workers_for(piece_bytes),
-                    [&](const std::string& name, std::int64_t w, std::int64_t h) {
-                        return Store<float>(file(name), w, h);
-                    }},
-                   filled_);
+        fill_voids(
+            {raw_,
+             {state.native_quantum_m, state.anchor_m},
+             workers_for(piece_bytes),
+             [&](const std::string& name, std::int64_t w, std::int64_t h) { return Store<float>(file(name), w, h); }},
+            filled_);
     }
     finish(stage);
     if (state.has_voids) raw_.remove();

@@ -1,4 +1,5 @@
-// Stages that make materials: near mips tile by tile from the heights, then mip by mip from the texels of the one before.
+// Stages that make materials: near mips tile by tile from the heights, then mip by mip from the texels of the one
+// before.
 #include <algorithm>
 
 #include "baker/image.h"
@@ -62,7 +63,8 @@ void Pipeline::make_near_maps() {
     const auto tiles = static_cast<std::uint64_t>(tree_.tiles_x) * static_cast<std::uint64_t>(tree_.tiles_y);
     const double places = tree_.side() + 32.0, texels = static_cast<double>(1u << maps_.colour_log2);
     // Heights, and texels of both maps on their way from floats to blocks.
-    const auto bytes = static_cast<std::uint64_t>(places * places * 20 + texels * texels * 24) + (std::uint64_t{2} << 20);
+    const auto bytes =
+        static_cast<std::uint64_t>(places * places * 20 + texels * texels * 24) + (std::uint64_t{2} << 20);
     input_at_work_ = true;
     run_units({stage, "maps", tiles, workers_for(bytes),
                static_cast<double>(tree_.columns()) * tree_.rows() / static_cast<double>(tiles)},

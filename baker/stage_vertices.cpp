@@ -48,10 +48,10 @@ void load(const Store<T>& store, Patch<T>& patch) {
 // The places that level.h wants of a region at step 2^z, in units of that step.
 template <typename T>
 Patch<T> patch_for(const Region& region, int z) {
-    const std::int32_t nx = (region.last.x - region.first.x) >> (z + 1), ny = (region.last.y - region.first.y) >> (z + 1);
+    const std::int32_t nx = (region.last.x - region.first.x) >> (z + 1),
+                       ny = (region.last.y - region.first.y) >> (z + 1);
     return {(region.first.x >> z) - 2, (region.first.y >> z) - 2, 2 * (nx + reach + 2), 2 * (ny + reach + 2)};
 }
-
 
 } // namespace
 
@@ -62,14 +62,13 @@ Ground Pipeline::ground_of(const Region& region) const {
     Buffer<float> heights_m(known.area());
     heights().read(known, heights_m.data(), known.columns);
     for (std::int32_t y = 0; y < known.rows; ++y)
-        quantise(heights_m.data() + std::ptrdiff_t{y} * known.columns, static_cast<std::size_t>(known.columns), lattice_,
-                 steps.at(known.x, known.y + y));
+        quantise(heights_m.data() + std::ptrdiff_t{y} * known.columns, static_cast<std::size_t>(known.columns),
+                 lattice_, steps.at(known.x, known.y + y));
     replicate(steps, known);
     if (!voids_.exists()) return ground;
     Patch<std::uint8_t> voids = patch_for<std::uint8_t>(region, 0);
     load(voids_, voids);
-    if (std::count(voids.values.begin(), voids.values.end(), std::uint8_t{1}) != 0)
-        ground.voids = std::move(voids);
+    if (std::count(voids.values.begin(), voids.values.end(), std::uint8_t{1}) != 0) ground.voids = std::move(voids);
     return ground;
 }
 
@@ -117,7 +116,8 @@ void Pipeline::load_finer(const Region& region, int z, FinerCentres& finer) cons
 
 void Pipeline::store_own(std::int64_t region_index, const Region& region, const Patch<std::uint8_t>& own) {
     // The southern and eastern borders are the neighbours' rows; what was measured on this side lies apart.
-    const bool last_x = region.last.x + 1 == tree_.lattice_columns(), last_y = region.last.y + 1 == tree_.lattice_rows();
+    const bool last_x = region.last.x + 1 == tree_.lattice_columns(),
+               last_y = region.last.y + 1 == tree_.lattice_rows();
     own_.write({own.x, own.y, own.columns - !last_x, own.rows - !last_y}, own.values.data(), own.columns);
     const auto across = static_cast<std::int32_t>(region_index % regions_.across()),
                down = static_cast<std::int32_t>(region_index / regions_.across());
@@ -130,7 +130,8 @@ void Pipeline::store_own(std::int64_t region_index, const Region& region, const 
 void Pipeline::load_own(const Region& region, std::int64_t region_index, int z, Planes<std::uint8_t>& error) const {
     const auto across = static_cast<std::int32_t>(region_index % regions_.across()),
                down = static_cast<std::int32_t>(region_index / regions_.across());
-    const std::int32_t x0 = region.first.x / 2, y0 = region.first.y / 2, columns = (region.last.x - region.first.x) / 2 + 1,
+    const std::int32_t x0 = region.first.x / 2, y0 = region.first.y / 2,
+                       columns = (region.last.x - region.first.x) / 2 + 1,
                        rows = (region.last.y - region.first.y) / 2 + 1;
     std::vector<std::uint8_t> row(static_cast<std::size_t>(columns)), other(row.size());
     std::vector<std::uint8_t> west(static_cast<std::size_t>(rows), 0), east(west);
@@ -160,7 +161,7 @@ void Pipeline::load_own(const Region& region, std::int64_t region_index, int z, 
 // Vertices of the finest step at the rim and beside holes, one by one.
 void Pipeline::fix_leaves(const Ground& ground, const LevelInput& level) const {
     const Region& all = {{0, 0}, {tree_.lattice_columns() - 1, tree_.lattice_rows() - 1}};
-    const OwnInput input{ground,     all, scales_, *leaf_, options_.estimate, {source_.spacing_m[0], source_.spacing_m[1]}};
+    const OwnInput input{ground, all, scales_, *leaf_, options_.estimate, {source_.spacing_m[0], source_.spacing_m[1]}};
     const bool rim = straddles_rim(tree_, {2 * (level.square.x + level.nx) + 1, 1}) ||
                      straddles_rim(tree_, {1, 2 * (level.square.y + level.ny) + 1});
     if (!rim && !ground.has_voids()) return;
@@ -258,8 +259,8 @@ void Pipeline::keep_records(const LevelResult& result) {
             else if (y % 2)
                 to = record(PlaneKind::side_y, in.error.side_y, v ? &v->side_y : nullptr, i, j);
             if (shift != 0) continue;
-            const Plane<std::int32_t>& h = y % 2 ? (x % 2 ? in.steps.centre : in.steps.side_y)
-                                                 : (x % 2 ? in.steps.side_x : in.steps.corner);
+            const Plane<std::int32_t>& h =
+                y % 2 ? (x % 2 ? in.steps.centre : in.steps.side_y) : (x % 2 ? in.steps.side_x : in.steps.corner);
             steps[static_cast<std::size_t>(x)] = static_cast<std::uint32_t>(h.row(j)[i]);
             if (v && (y % 2 ? (x % 2 ? v->centre : v->side_y) : (x % 2 ? v->side_x : v->corner)).row(j)[i])
                 steps[static_cast<std::size_t>(x)] |= void_flag;
@@ -321,15 +322,22 @@ void Pipeline::vertices() {
             Planes<std::int32_t> steps(nx, ny);
             take_apart(ground.steps, steps);
             Planes<std::uint8_t> error(nx, ny), voids;
-            const LevelInput level{scales_, tree_, {source_.spacing_m[0], source_.spacing_m[1]}, 0,
-                                   {region.first.x / 2, region.first.y / 2}, nx, ny, steps, error};
+            const LevelInput level{scales_,
+                                   tree_,
+                                   {source_.spacing_m[0], source_.spacing_m[1]},
+                                   0,
+                                   {region.first.x / 2, region.first.y / 2},
+                                   nx,
+                                   ny,
+                                   steps,
+                                   error};
             leaf_errors(level, *leaf_);
             fix_leaves(ground, level);
             if (tree_.tile_log2 > 1) {
                 Patch<std::uint8_t> own;
-                own_errors({ground, region, scales_, *leaf_, options_.estimate,
-                            {source_.spacing_m[0], source_.spacing_m[1]}},
-                           own);
+                own_errors(
+                    {ground, region, scales_, *leaf_, options_.estimate, {source_.spacing_m[0], source_.spacing_m[1]}},
+                    own);
                 store_own(region_index, region, own);
             }
             if (ground.has_voids()) {
@@ -355,30 +363,37 @@ void Pipeline::level(int z) {
     if (done(stage)) return;
     open_level_stores(z);
     const auto count = static_cast<std::uint64_t>(regions_.count());
-    run_units(
-        {stage, "levels", count, workers_for(bytes_of_unit(regions_.cells(), z)),
-         static_cast<double>(tree_.columns()) * tree_.rows() / static_cast<double>(count) / (1 << (2 * z))},
-        [&](std::uint64_t u) {
-            const auto region_index = static_cast<std::int64_t>(u);
-            const Region region = regions_.at(region_index);
-            const std::int32_t nx = squares(region.last.x - region.first.x, z),
-                               ny = squares(region.last.y - region.first.y, z);
-            Planes<std::int32_t> steps(nx, ny);
-            Planes<std::uint8_t> error(nx, ny), voids;
-            if (ledger_.state.holes) voids = Planes<std::uint8_t>(nx, ny);
-            load_level(region, z, steps, voids);
-            load_own(region, region_index, z, error);
-            FinerCentres finer(nx, ny);
-            load_finer(region, z, finer);
-            const LevelInput level{scales_, tree_, {source_.spacing_m[0], source_.spacing_m[1]}, z,
-                                   {region.first.x >> (z + 1), region.first.y >> (z + 1)}, nx, ny, steps, error, &finer};
-            climb_errors(level);
-            Radii radii;
-            climb_radii(level, radii);
-            const LevelResult result{region, level, radii, ledger_.state.holes ? &voids : nullptr};
-            pack_pages(result);
-            keep_level(result);
-        });
+    run_units({stage, "levels", count, workers_for(bytes_of_unit(regions_.cells(), z)),
+               static_cast<double>(tree_.columns()) * tree_.rows() / static_cast<double>(count) / (1 << (2 * z))},
+              [&](std::uint64_t u) {
+                  const auto region_index = static_cast<std::int64_t>(u);
+                  const Region region = regions_.at(region_index);
+                  const std::int32_t nx = squares(region.last.x - region.first.x, z),
+                                     ny = squares(region.last.y - region.first.y, z);
+                  Planes<std::int32_t> steps(nx, ny);
+                  Planes<std::uint8_t> error(nx, ny), voids;
+                  if (ledger_.state.holes) voids = Planes<std::uint8_t>(nx, ny);
+                  load_level(region, z, steps, voids);
+                  load_own(region, region_index, z, error);
+                  FinerCentres finer(nx, ny);
+                  load_finer(region, z, finer);
+                  const LevelInput level{scales_,
+                                         tree_,
+                                         {source_.spacing_m[0], source_.spacing_m[1]},
+                                         z,
+                                         {region.first.x >> (z + 1), region.first.y >> (z + 1)},
+                                         nx,
+                                         ny,
+                                         steps,
+                                         error,
+                                         &finer};
+                  climb_errors(level);
+                  Radii radii;
+                  climb_radii(level, radii);
+                  const LevelResult result{region, level, radii, ledger_.state.holes ? &voids : nullptr};
+                  pack_pages(result);
+                  keep_level(result);
+              });
     finish(stage);
     level_[z & 1].remove();
     centres_[(z - 1) & 1].remove();
@@ -408,7 +423,8 @@ void Pipeline::plain_pages() {
     const std::int32_t places = (tree_.side() >> plain_z_) + 1;
     const auto tiles = static_cast<std::uint64_t>(tree_.tiles_x) * static_cast<std::uint64_t>(tree_.tiles_y);
     std::vector<std::uint8_t> worst(tiles, 0);
-    run_units({stage, "coarsest", tiles, workers_for(static_cast<std::uint64_t>(places) * static_cast<std::uint64_t>(places) * 8),
+    run_units({stage, "coarsest", tiles,
+               workers_for(static_cast<std::uint64_t>(places) * static_cast<std::uint64_t>(places) * 8),
                static_cast<double>(places) * places},
               [&](std::uint64_t tile) {
                   const auto t = static_cast<std::int32_t>(tile);
@@ -418,8 +434,9 @@ void Pipeline::plain_pages() {
                   records_.read(w, records.data(), places);
                   plain_.read(w, steps.data(), places);
                   const auto vertex = [&](Coord c) {
-                      const std::size_t at = static_cast<std::size_t>(c.y >> plain_z_) * static_cast<std::size_t>(places) +
-                                             static_cast<std::size_t>(c.x >> plain_z_);
+                      const std::size_t at =
+                          static_cast<std::size_t>(c.y >> plain_z_) * static_cast<std::size_t>(places) +
+                          static_cast<std::size_t>(c.x >> plain_z_);
                       const bool corner = ((c.x | c.y) & (tree_.side() - 1)) == 0;
                       const auto error = static_cast<std::uint8_t>(corner ? 0 : records[at] & 0xff);
                       const auto hole = static_cast<std::uint8_t>(steps[at] & void_flag ? void_bit : 0);
@@ -428,7 +445,8 @@ void Pipeline::plain_pages() {
                                          static_cast<std::uint8_t>(radius | hole)};
                   };
                   worst[tile] = 0;
-                  for (const std::uint16_t r : records) worst[tile] = std::max(worst[tile], static_cast<std::uint8_t>(r & 0xff));
+                  for (const std::uint16_t r : records)
+                      worst[tile] = std::max(worst[tile], static_cast<std::uint8_t>(r & 0xff));
                   ChunkBatch batch;
                   for (std::uint32_t page = 0; page < pages; ++page)
                       batch.add({ChunkKind::geometry, static_cast<std::uint32_t>(tile), page},

@@ -84,9 +84,10 @@ bool WorkFolder::take_lock(const std::string& pack_path) {
     // Asked twice: a bake that moves in makes its lock first.
     if (!std::filesystem::exists(name, ignored) && !std::filesystem::is_empty(path_, ignored) && !ignored &&
         !std::filesystem::exists(name, ignored))
-        throw Failure(1, fmt::format("{}: is not a bake's folder, and what is in it would be lost; move it away, or choose "
-                                     "another name for {}",
-                                     path_, pack_path));
+        throw Failure(
+            1, fmt::format("{}: is not a bake's folder, and what is in it would be lost; move it away, or choose "
+                           "another name for {}",
+                           path_, pack_path));
     lock_ = host::uninterrupted([&] { return open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666); });
     if (lock_ < 0 && errno == ENOENT) return false;
     if (lock_ < 0) {
@@ -95,11 +96,12 @@ bool WorkFolder::take_lock(const std::string& pack_path) {
         errno = why;
         host::disk_failure(path_, "open the lock in");
     }
-    struct stat held {}, there {};
+    struct stat held {
+    }, there{};
     if (host::uninterrupted([&] { return flock(lock_, LOCK_EX | LOCK_NB); }) != 0) {
         close(lock_);
-        throw Failure(1, fmt::format("{}: another bake is writing this pack; wait for it, or choose another name",
-                                     pack_path));
+        throw Failure(
+            1, fmt::format("{}: another bake is writing this pack; wait for it, or choose another name", pack_path));
     }
     // Whoever had it may have removed it between our two calls: then what is held is a lock on nothing.
     if (fstat(lock_, &held) == 0 && stat(name.c_str(), &there) == 0 && held.st_ino == there.st_ino) return true;
@@ -118,8 +120,8 @@ bool WorkFolder::empty() {
     return !first && !failed;
 }
 
-// The lock goes last, by which the folder is known for ours, and the folder only when it is empty: another bake may have
-// moved in by then.
+// The lock goes last, by which the folder is known for ours, and the folder only when it is empty: another bake may
+// have moved in by then.
 WorkFolder::~WorkFolder() {
     if (!keep_ && empty()) {
         unlink(file("lock").c_str());

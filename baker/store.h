@@ -94,9 +94,7 @@ public:
 private:
     template <typename Run>
     void each_run(const Window& w, std::ptrdiff_t stride, const Run& run) const {
-        const auto place = [&](std::int32_t y) {
-            return static_cast<std::uint64_t>(y * columns_ + w.x) * sizeof(T);
-        };
+        const auto place = [&](std::int32_t y) { return static_cast<std::uint64_t>(y * columns_ + w.x) * sizeof(T); };
         if (w.columns == columns_ && stride == w.columns) return run(place(w.y), 0, w.area()); // rows follow each other
         for (std::int32_t y = 0; y < w.rows; ++y) run(place(w.y + y), y * stride, static_cast<std::size_t>(w.columns));
     }
@@ -104,8 +102,8 @@ private:
     WorkFile file_;
 };
 
-// The folder PACK.work. One process at a time. Unless it is kept, the destructor removes it with all that is in it. What
-// an earlier run has left is kept until keep(false): a failure before its worth is known must not cost hours.
+// The folder PACK.work. One process at a time. Unless it is kept, the destructor removes it with all that is in it.
+// What an earlier run has left is kept until keep(false): a failure before its worth is known must not cost hours.
 class WorkFolder {
 public:
     // Throws Failure: 3 when it cannot be made, 1 when another bake is at work in it, or it is somebody else's.

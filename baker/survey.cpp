@@ -185,8 +185,8 @@ Scales choose_scales(const ScaleInput& input) {
     Scales s;
     s.lattice = input.lattice;
     // Positions are rounded to float, 2^-24 relative on each end, products too; heights as well.
-    const double extent =
-        std::max({input.tree.lattice_columns() * input.spacing_m[0], input.tree.lattice_rows() * input.spacing_m[1], 1e4});
+    const double extent = std::max(
+        {input.tree.lattice_columns() * input.spacing_m[0], input.tree.lattice_rows() * input.spacing_m[1], 1e4});
     const double highest = std::max(std::abs(static_cast<double>(input.survey.least_m)),
                                     std::abs(static_cast<double>(input.survey.most_m)));
     s.ground_pad_m = extent * 0x1p-22;

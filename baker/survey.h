@@ -15,9 +15,9 @@ namespace fjell::baker {
 // Of any set of whole tiles; adding up in any order gives the same.
 struct Survey {
     float least_m = HUGE_VALF, most_m = -HUGE_VALF;
-    float tile_range_m = 0;     // the largest difference of heights within one tile
-    float step_m[2] = {0, 0};   // the largest between neighbours along a row and along a column
-    std::uint64_t voids = 0;    // samples that are holes; counted by whose tile they lie in, once each
+    float tile_range_m = 0;   // the largest difference of heights within one tile
+    float step_m[2] = {0, 0}; // the largest between neighbours along a row and along a column
+    std::uint64_t voids = 0;  // samples that are holes; counted by whose tile they lie in, once each
     void add(const Survey& other);
 };
 

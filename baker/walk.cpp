@@ -6,8 +6,8 @@
 
 #include <hwy/highway.h>
 
-#include <bit>
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
 
 #include "baker/walk.h"
@@ -99,18 +99,18 @@ void walk_lanes(const VertexRow& row, std::int32_t* worst) {
     const auto iota = hn::Iota(d, 0);
     for (std::int32_t i = 0; i < row.count; ++i) {
         auto most = hn::Zero(d);
-        walk::triangles(row, i,
-                        [&](const std::int32_t* from, std::int32_t count, walk::Steps first, walk::Steps slope) HWY_ATTR {
-                            const auto rise = hn::Mul(hn::Set(d, static_cast<std::int32_t>(slope)), iota);
-                            for (std::int32_t k = 0; k < count; k += lanes) {
-                                const auto start = static_cast<std::int32_t>(first + slope * static_cast<walk::Steps>(k));
-                                const auto line = hn::Add(hn::Set(d, start), rise);
-                                const auto height = hn::ShiftLeftSame(hn::LoadU(d, from + k), shift);
-                                const auto off = hn::Abs(hn::Sub(height, line));
-                                const auto counts = hn::FirstN(d, static_cast<std::size_t>(count - k));
-                                most = hn::Max(most, hn::IfThenElseZero(counts, off));
-                            }
-                        });
+        walk::triangles(
+            row, i, [&](const std::int32_t* from, std::int32_t count, walk::Steps first, walk::Steps slope) HWY_ATTR {
+                const auto rise = hn::Mul(hn::Set(d, static_cast<std::int32_t>(slope)), iota);
+                for (std::int32_t k = 0; k < count; k += lanes) {
+                    const auto start = static_cast<std::int32_t>(first + slope * static_cast<walk::Steps>(k));
+                    const auto line = hn::Add(hn::Set(d, start), rise);
+                    const auto height = hn::ShiftLeftSame(hn::LoadU(d, from + k), shift);
+                    const auto off = hn::Abs(hn::Sub(height, line));
+                    const auto counts = hn::FirstN(d, static_cast<std::size_t>(count - k));
+                    most = hn::Max(most, hn::IfThenElseZero(counts, off));
+                }
+            });
         worst[i] = hn::GetLane(hn::MaxOfLanes(d, most));
     }
 }
@@ -236,13 +236,15 @@ void walk_row(const VertexRow& row, std::int32_t* worst) {
 void walk_row_scalar(const VertexRow& row, std::int32_t* worst) {
     for (std::int32_t i = 0; i < row.count; ++i) {
         worst[i] = 0;
-        walk::triangles(row, i, [&](const std::int32_t* from, std::int32_t count, walk::Steps first, walk::Steps slope) {
-            for (std::int32_t k = 0; k < count; ++k) {
-                const auto off = static_cast<std::int32_t>((static_cast<walk::Steps>(from[k]) << walk::shift_of(row)) -
-                                                           (first + slope * static_cast<walk::Steps>(k)));
-                worst[i] = std::max(worst[i], std::abs(off));
-            }
-        });
+        walk::triangles(
+            row, i, [&](const std::int32_t* from, std::int32_t count, walk::Steps first, walk::Steps slope) {
+                for (std::int32_t k = 0; k < count; ++k) {
+                    const auto off =
+                        static_cast<std::int32_t>((static_cast<walk::Steps>(from[k]) << walk::shift_of(row)) -
+                                                  (first + slope * static_cast<walk::Steps>(k)));
+                    worst[i] = std::max(worst[i], std::abs(off));
+                }
+            });
     }
 }
 

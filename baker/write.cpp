@@ -65,7 +65,8 @@ void ChunkSpool::append(ChunkBatch batch) {
 
 void ChunkSpool::read(std::uint64_t offset, std::span<std::byte> to) const {
     if (!in_memory_) return data_.read(offset, to);
-    auto batch = static_cast<std::size_t>(std::upper_bound(begins_.begin(), begins_.end(), offset) - begins_.begin()) - 1;
+    auto batch =
+        static_cast<std::size_t>(std::upper_bound(begins_.begin(), begins_.end(), offset) - begins_.begin()) - 1;
     for (; !to.empty(); ++batch) {
         const std::size_t from = offset - begins_[batch], count = std::min(to.size(), batches_[batch].size() - from);
         std::memcpy(to.data(), batches_[batch].data() + from, count);

@@ -98,10 +98,11 @@ bool move_rows(GDALDataset& file, const Heights& heights, const std::optional<La
     GDALRasterBand& band = *file.GetRasterBand(1);
     std::vector<float> rows, found;
     return each_band(heights, rows, [&](std::int32_t y, std::int32_t n) {
-        if (lattice) for (float& h : rows) h = static_cast<float>(lattice->steps(h));
+        if (lattice)
+            for (float& h : rows) h = static_cast<float>(lattice->steps(h));
         found.resize(way == GF_Read ? rows.size() : 0);
-        if (band.RasterIO(way, 0, y, heights.columns, n, way == GF_Read ? found.data() : rows.data(), heights.columns, n,
-                          GDT_Float32, 0, 0, nullptr) != CE_None)
+        if (band.RasterIO(way, 0, y, heights.columns, n, way == GF_Read ? found.data() : rows.data(), heights.columns,
+                          n, GDT_Float32, 0, 0, nullptr) != CE_None)
             return false;
         // Tiles are complete: GDAL need not keep any.
         return band.FlushCache() == CE_None &&
@@ -150,8 +151,8 @@ void write_heights(const Heights& heights, const std::string& path, const std::s
         file.reset();
     }
     if (!written || messages.failed())
-        throw Failure(3, fmt::format("{}: cannot be written; free some space or choose another disk{}", path,
-                                     messages.said()));
+        throw Failure(
+            3, fmt::format("{}: cannot be written; free some space or choose another disk{}", path, messages.said()));
     out.commit();
 }
 
@@ -216,7 +217,8 @@ void write_dem(const HeightSource& source, const std::string& path, DemForm form
                    [&](std::int32_t y, std::span<float> to) {
                        const Window w{0, y, source.columns, static_cast<std::int32_t>(to.size()) / source.columns};
                        heights.read(w, to.data(), w.columns);
-                       if (progress) progress("write", static_cast<std::uint64_t>(y), static_cast<std::uint64_t>(source.rows));
+                       if (progress)
+                           progress("write", static_cast<std::uint64_t>(y), static_cast<std::uint64_t>(source.rows));
                    }},
                   path, folder.file("dem.tif"));
 }

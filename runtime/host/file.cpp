@@ -83,7 +83,8 @@ std::string where_written(const std::string& path) {
 }
 
 AtomicFile::AtomicFile(const std::string& path, const std::string& temporary)
-    : path_(where_written(path)), temporary_(temporary.empty() ? fmt::format("{}.{}.tmp", path_, getpid()) : temporary) {
+    : path_(where_written(path)),
+      temporary_(temporary.empty() ? fmt::format("{}.{}.tmp", path_, getpid()) : temporary) {
     struct stat info {};
     if (stat(path_.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) {
         if (!S_ISCHR(info.st_mode))
@@ -145,7 +146,8 @@ void AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes
 }
 
 void AtomicFile::commit() {
-    if (uninterrupted([&] { return fsync(fd_); }) != 0 && errno != EINVAL && errno != EROFS) disk_failure(path_, "flush");
+    if (uninterrupted([&] { return fsync(fd_); }) != 0 && errno != EINVAL && errno != EROFS)
+        disk_failure(path_, "flush");
     const int fd = std::exchange(fd_, -1);
     const bool closed = close(fd) == 0;
     if (temporary_ == path_) {

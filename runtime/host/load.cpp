@@ -64,7 +64,8 @@ MappedPack::MappedPack(const std::string& path) : path_(path) {
     close(fd);
     if (!regular) throw Failure(1, fmt::format("{}: not a file; give a regular file", path));
     if (bytes_ == MAP_FAILED)
-        throw Failure(3, fmt::format("{}: cannot be mapped: {}; check memory and the disk", path, std::strerror(error)));
+        throw Failure(3,
+                      fmt::format("{}: cannot be mapped: {}; check memory and the disk", path, std::strerror(error)));
     try {
         require(open_pack({static_cast<const std::byte*>(bytes_), size_}, pack_), path);
         crs_.resize(pack_.header.crs_bytes);

@@ -61,14 +61,14 @@ void copy(benchmark::State& state) {
 }
 
 // The error stage as the bake runs it, tile after tile, without the work files around it: lattice steps, errors by
-// themselves, errors and radii of the finest step, which is three quarters of all vertices. pages: and its pages, packed.
+// themselves, errors and radii of the finest step, which is three quarters of all vertices. pages: and its pages,
+// packed.
 class ErrorStage {
 public:
     explicit ErrorStage(Estimate estimate) : estimate_(estimate) {
         baker::Survey survey;
-        for_each_tile([&](Coord corner) {
-            survey.add(baker::survey_tile(at(corner), side + 1, side + 1, dem().columns));
-        });
+        for_each_tile(
+            [&](Coord corner) { survey.add(baker::survey_tile(at(corner), side + 1, side + 1, dem().columns)); });
         const Lattice lattice = baker::choose_lattice(survey, {{60, 60}, 0.1, 0});
         scales_ = baker::choose_scales({tree_, {60, 60}, lattice, survey, 0.05});
         leaf_ = LeafErrors(scales_.errors, lattice.quantum_m);
@@ -104,8 +104,8 @@ private:
         baker::Planes<std::int32_t> steps(squares, squares);
         baker::take_apart(ground.steps, steps);
         baker::Planes<std::uint8_t> error(squares, squares);
-        const baker::LevelInput level{scales_,          tree_,   {60, 60}, 0,
-                                      {corner.x / 2, corner.y / 2}, squares, squares,  steps, error};
+        const baker::LevelInput level{scales_, tree_,   {60, 60}, 0,    {corner.x / 2, corner.y / 2},
+                                      squares, squares, steps,    error};
         baker::leaf_errors(level, leaf_);
         baker::climb_errors(level);
         baker::Radii radii;
@@ -223,9 +223,10 @@ void program(benchmark::State& state, const std::string& options, int threads, b
         std::filesystem::create_directories(folder);
         baker::write_dem(*baker::open_synth(FJELL_SOURCE_DIR "/content/terrain/mountains.json"), folder + "/m.tif");
         const std::string command = "gdal_translate -q -co TILED=YES " +
-                                    std::string(options.empty() ? "" : "-co COMPRESS=DEFLATE -co PREDICTOR=2 ") + folder +
-                                    "/m.tif " + dem_path;
-        if (std::system(command.c_str()) != 0) return state.SkipWithError("gdal_translate (package gdal-bin) is missing");
+                                    std::string(options.empty() ? "" : "-co COMPRESS=DEFLATE -co PREDICTOR=2 ") +
+                                    folder + "/m.tif " + dem_path;
+        if (std::system(command.c_str()) != 0)
+            return state.SkipWithError("gdal_translate (package gdal-bin) is missing");
     }
     std::vector<std::string> arguments{dem_path, "-o", folder + "/bake.fjell", "--threads", std::to_string(threads)};
     if (in_files) arguments.insert(arguments.end(), {"--checkpoint", "5"});
@@ -234,8 +235,8 @@ void program(benchmark::State& state, const std::string& options, int threads, b
         run = run_bake(arguments);
         if (!run.ok) return state.SkipWithError("fjell-bake failed");
     }
-    state.counters["samples/s"] = benchmark::Counter(4097.0 * 4097 * static_cast<double>(state.iterations()),
-                                                     benchmark::Counter::kIsRate);
+    state.counters["samples/s"] =
+        benchmark::Counter(4097.0 * 4097 * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
     state.counters["resident_MB"] = run.resident_mb();
 }
 
@@ -244,7 +245,8 @@ void program(benchmark::State& state, const std::string& options, int threads, b
 void larger_than_memory(benchmark::State& state, const char* memory_mb) {
     std::filesystem::create_directories(folder);
     const std::string recipe = folder + "/plain.json";
-    std::ofstream(recipe) << R"({"columns": 16385, "rows": 16385, "spacing_m": 15, "gullies": 0, "octaves": 1, "warp": 0})";
+    std::ofstream(recipe)
+        << R"({"columns": 16385, "rows": 16385, "spacing_m": 15, "gullies": 0, "octaves": 1, "warp": 0})";
     for (auto _ : state) {
         const ProgramRun run = run_bake({recipe, "-o", folder + "/large.fjell", "--memory", memory_mb});
         if (!run.ok) return state.SkipWithError("fjell-bake failed");

@@ -1,5 +1,5 @@
-// Ledgers of interrupted bakes: bytes that are not one begin anew; what is one is written again as it was. The first byte
-// tells whether a mutation's identity and hash are repaired, which it would never guess.
+// Ledgers of interrupted bakes: bytes that are not one begin anew; what is one is written again as it was. The first
+// byte tells whether a mutation's identity and hash are repaired, which it would never guess.
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -56,7 +56,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     Ledger ledger(path, "fuzz");
     must(!repaired || ledger.resumed(), "a whole ledger is taken");
     if (!ledger.resumed()) {
-        must(ledger.state.stage == 0 && ledger.state.done == 0 && ledger.state.spool_bytes == 0, "else all is to be done");
+        must(ledger.state.stage == 0 && ledger.state.done == 0 && ledger.state.spool_bytes == 0,
+             "else all is to be done");
         return 0;
     }
     must(!Ledger(path, "another").resumed(), "no other bake takes it");

@@ -28,7 +28,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             const auto poses = resample(path, ground, frames);
             must(poses.size() == frames, "as many frames as asked for");
             for (const fly::Pose& p : poses) {
-                must(std::abs(p.position_m.x) <= 1e8 && std::abs(p.position_m.y) <= 1e8 && std::abs(p.position_m.z) <= 1e8,
+                must(std::abs(p.position_m.x) <= 1e8 && std::abs(p.position_m.y) <= 1e8 &&
+                         std::abs(p.position_m.z) <= 1e8,
                      "a camera is somewhere");
                 must(near(length(p.direction), 1) && near(length(p.up), 1) && near(dot(p.direction, p.up), 0),
                      "a camera is upright");

@@ -19,7 +19,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         must(p.cut.morph_s >= min_morph_s && p.cut.morph_s <= max_morph_s, "morph_s keeps to its range");
         must(p.cut.budget_us >= 0 && p.cut.budget_us <= max_budget_us, "budget_us keeps to its range");
         must(p.cut.items > 0, "no items means all");
-        must(p.cut_budget.vertices <= max_vertices && p.cut_budget.triangles <= max_triangles, "budgets keep to theirs");
+        must(p.cut_budget.vertices <= max_vertices && p.cut_budget.triangles <= max_triangles,
+             "budgets keep to theirs");
         must(p.budget.vertices <= max_vertices && p.budget.indices <= max_indices, "budgets keep to theirs");
         must(p.width_px >= 1 && p.width_px <= max_size_px && p.height_px >= 1 && p.height_px <= max_size_px, "a size");
         must(p.fov_deg >= min_fov_deg && p.fov_deg <= max_fov_deg, "fov_deg keeps to its range");

@@ -23,17 +23,19 @@ std::string text_of(const double (&rgb)[3]) {
 std::string text_of(const std::vector<Ramp::Stop>& stops) {
     std::string text;
     for (const Ramp::Stop& s : stops)
-        text += fmt::format("{}{{\"height_m\": {}, \"rgb\": {}}}", text.empty() ? "" : ", ", s.height_m, text_of(s.rgb));
+        text +=
+            fmt::format("{}{{\"height_m\": {}, \"rgb\": {}}}", text.empty() ? "" : ", ", s.height_m, text_of(s.rgb));
     return "[" + text + "]";
 }
 
 std::string text_of(const Ramp& ramp) {
     std::string slopes;
     for (const Ramp::Layer& l : ramp.slopes)
-        slopes += fmt::format("{}{{\"from_degrees\": {}, \"degrees\": {}, {}}}", slopes.empty() ? "" : ", ",
-                              l.from_degrees, l.degrees,
-                              l.stops.size() == 1 ? "\"rgb\": " + text_of(l.stops[0].rgb) : "\"stops\": " + text_of(l.stops));
-    return fmt::format("{{\"relative\": {}, \"stops\": {}, \"slopes\": [{}]}}", ramp.relative, text_of(ramp.stops), slopes);
+        slopes += fmt::format(
+            "{}{{\"from_degrees\": {}, \"degrees\": {}, {}}}", slopes.empty() ? "" : ", ", l.from_degrees, l.degrees,
+            l.stops.size() == 1 ? "\"rgb\": " + text_of(l.stops[0].rgb) : "\"stops\": " + text_of(l.stops));
+    return fmt::format("{{\"relative\": {}, \"stops\": {}, \"slopes\": [{}]}}", ramp.relative, text_of(ramp.stops),
+                       slopes);
 }
 
 void paint(const Ramp& ramp) {

@@ -1,5 +1,6 @@
-// Writes seeds for each fuzz_X into FOLDER/X. Of packs and pages: small packs in every order, with tiles of 2 to 64 cells,
-// with and without holes, lossless and not, and their pages decompressed. Of texts: what content/ and profiles/ have.
+// Writes seeds for each fuzz_X into FOLDER/X. Of packs and pages: small packs in every order, with tiles of 2 to 64
+// cells, with and without holes, lossless and not, and their pages decompressed. Of texts: what content/ and profiles/
+// have.
 //
 // Each pack is written three times: as it is, so that hashes are what is attacked; with its hashes repaired after a
 // mutation, so that zstd is; and with chunks that are not compressed, so that records are.
@@ -253,7 +254,7 @@ void make_netcdf(const std::filesystem::path& folder) {
         for (const std::uint64_t first : {0, 1}) {
             name("elev"), number(2 - first, wide); // dimensions
             for (std::uint64_t d = first; d < 2; ++d) number(d, wide);
-            number(0, 4), number(0, wide);                              // no attributes
+            number(0, 4), number(0, wide);                       // no attributes
             number(3, 4), number(16, wide), number(300, offset); // shorts
         }
         write_text(folder / ("cdf" + std::to_string(version)), text);
@@ -280,7 +281,8 @@ void make_seeds(const std::filesystem::path& folder) {
     copy_texts(folder / "terrain", {"content/terrain"});
     copy_texts(folder / "ramp", {"content/ramps"});
     copy_texts(folder / "path", {"content/paths"});
-    write_text(folder / "path/recorded", "F 0  1 0 0  0 1 0  0 0 1  0.1 0.2 0.3  1\nF 0  1 0 0  0 1 0  0 0 1  0.2 0.2 0.3  1\n");
+    write_text(folder / "path/recorded",
+               "F 0  1 0 0  0 1 0  0 0 1  0.1 0.2 0.3  1\nF 0  1 0 0  0 1 0  0 0 1  0.2 0.2 0.3  1\n");
     copy_texts(folder / "profile", {"profiles"});
     make_netcdf(folder / "netcdf");
     make_ledger(folder / "ledger");

@@ -101,7 +101,8 @@ void add_random_holes(Random& random, baker::Dem& dem, int tile_log2) {
         break;
     }
     if (std::count(dem.voids.begin(), dem.voids.end(), std::uint8_t{0}) == 0)
-        dem.voids[static_cast<std::size_t>(pick(random, 0, static_cast<int>(dem.voids.size()) - 1))] = 0; // the last one
+        dem.voids[static_cast<std::size_t>(pick(random, 0, static_cast<int>(dem.voids.size()) - 1))] =
+            0; // the last one
 }
 
 host::LoadedPack bake_and_load(baker::Dem dem, baker::BakeOptions options) {

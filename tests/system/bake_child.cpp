@@ -1,6 +1,6 @@
-// A bake to be killed, starved and interrupted: bake_child OUT HEIGHTS COLUMNS ROWS THREADS. Heights are floats as they lie
-// in memory, NaN where there is a hole; read in small windows, secured after every unit of every stage, so that wherever
-// it ends there is something to go on from.
+// A bake to be killed, starved and interrupted: bake_child OUT HEIGHTS COLUMNS ROWS THREADS. Heights are floats as they
+// lie in memory, NaN where there is a hole; read in small windows, secured after every unit of every stage, so that
+// wherever it ends there is something to go on from.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -32,7 +32,8 @@ public:
     void read(const Window& window, float* to, Census& census) override {
         const std::span<float> heights(to, window.area());
         try {
-            host::read_all(fd_, static_cast<std::uint64_t>(window.y) * static_cast<std::uint64_t>(columns_) * sizeof(float),
+            host::read_all(fd_,
+                           static_cast<std::uint64_t>(window.y) * static_cast<std::uint64_t>(columns_) * sizeof(float),
                            std::as_writable_bytes(heights), path_);
         } catch (const Failure&) {
             throw Failure(1, path_ + ": cannot be read; mend it");
@@ -41,7 +42,8 @@ public:
         for (std::size_t i = 0; i < heights.size(); ++i) {
             const float h = heights[i];
             if (std::isnan(h)) {
-                census.voids.add(static_cast<std::int32_t>(i) % columns_, window.y + static_cast<std::int32_t>(i) / columns_);
+                census.voids.add(static_cast<std::int32_t>(i) % columns_,
+                                 window.y + static_cast<std::int32_t>(i) / columns_);
                 continue;
             }
             census.least_m = std::min(census.least_m, h);

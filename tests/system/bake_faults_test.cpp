@@ -1,6 +1,6 @@
 // Bakes that are killed, starved, interrupted and misled: nothing is lost, what is said is clear, and the same command
-// comes to the same bytes. Faults are injected by support/fault_interposer.cpp at counted calls, so nothing here depends
-// on time. Most run bake_child, which secures its work after every step; some the tool itself.
+// comes to the same bytes. Faults are injected by support/fault_interposer.cpp at counted calls, so nothing here
+// depends on time. Most run bake_child, which secures its work after every step; some the tool itself.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -123,11 +123,11 @@ TEST_CASE("a disk that fails at any call is one line and exit code 3, and leaves
     const struct {
         const char *call, *error, *remedy;
         int samples;
-    } kinds[] = {{"pwrite", "EIO", "check the disk", 4},       {"pwrite", "ENOSPC", "free some space", 4},
-                 {"pread", "EIO", "check the disk", 4},        {"ftruncate", "ENOSPC", "free some space", 2},
+    } kinds[] = {{"pwrite", "EIO", "check the disk", 4},        {"pwrite", "ENOSPC", "free some space", 4},
+                 {"pread", "EIO", "check the disk", 4},         {"ftruncate", "ENOSPC", "free some space", 2},
                  {"fallocate", "ENOSPC", "free some space", 3}, {"open", "EACCES", "you may write to", 3},
-                 {"open", "EIO", "check the disk", 2},         {"rename", "EIO", "check the disk", 4},
-                 {"fsync", "EIO", "check the disk", 2},        {"close", "EIO", "check the disk", 0}};
+                 {"open", "EIO", "check the disk", 2},          {"rename", "EIO", "check the disk", 4},
+                 {"fsync", "EIO", "check the disk", 2},         {"close", "EIO", "check the disk", 0}};
     for (const auto& kind : kinds) {
         const long calls = scene.count(kind.call);
         for (const long n : spread(calls, kind.samples))
@@ -158,8 +158,8 @@ TEST_CASE("short and interrupted calls change no byte") {
     for (const char* what : {"short", "EINTR"})
         for (const char* when : {"%2", "%3", "%7"}) {
             const std::string calls = "pwrite,pread,write,read,";
-            const Run r = scene.run({calls + (std::string(what) == "EINTR" ? "ftruncate,fallocate,fsync,open" : ""), what, when,
-                                     "/out.fjell"});
+            const Run r = scene.run({calls + (std::string(what) == "EINTR" ? "ftruncate,fallocate,fsync,open" : ""),
+                                     what, when, "/out.fjell"});
             CAPTURE(what, when, r.err);
             CHECK(r.code == 0);
             CHECK(scene.is_whole());
@@ -345,7 +345,9 @@ TEST_CASE("what a killed bake has left is kept while others are at work in it, a
     CHECK(busy.code == 1);
     CHECK(busy.err.find("another bake is writing this pack; wait for it") != std::string::npos);
     close(lock);
-    SECTION("the same heights under the same name go on") { scene.recovers(true); }
+    SECTION("the same heights under the same name go on") {
+        scene.recovers(true);
+    }
     SECTION("other heights begin anew") {
         std::filesystem::rename(scene.folder / "input", scene.folder / "other");
         scene.names = {"other", "out.fjell"};
@@ -358,10 +360,18 @@ TEST_CASE("what a killed bake has left is kept while others are at work in it, a
     SECTION("a damaged ledger is none") {
         const std::string ledger = scene.folder / "out.fjell.work/ledger";
         std::string bytes = slurp(ledger);
-        SECTION("cut") { bytes.pop_back(); }
-        SECTION("changed") { bytes[bytes.size() / 2] ^= 1; }
-        SECTION("longer") { bytes += "x"; }
-        SECTION("empty") { bytes.clear(); }
+        SECTION("cut") {
+            bytes.pop_back();
+        }
+        SECTION("changed") {
+            bytes[bytes.size() / 2] ^= 1;
+        }
+        SECTION("longer") {
+            bytes += "x";
+        }
+        SECTION("empty") {
+            bytes.clear();
+        }
         spit(ledger, bytes);
         CHECK(scene.run().out == "new\n");
         CHECK(scene.is_whole());
@@ -403,7 +413,8 @@ TEST_CASE("a folder that goes away during the bake is said") {
     const std::string out = far / "f/out.fjell";
     std::filesystem::create_directory(far / "f");
     scene.command.replace(scene.command.find(" out.fjell "), 11, " " + out + " ");
-    const Run r = run_in(scene.folder.path, "(sleep 0.05; mv '" + (far / "f") + "' '" + (far / "g") + "') & " + scene.command);
+    const Run r =
+        run_in(scene.folder.path, "(sleep 0.05; mv '" + (far / "f") + "' '" + (far / "g") + "') & " + scene.command);
     CAPTURE(r.err);
     if (r.code == 0) return; // it was faster
     CHECK((r.code == 1 || r.code == 3));
@@ -415,7 +426,8 @@ TEST_CASE("a ramp that is away for a while costs nothing") {
     const std::string bake =
         FJELL_BIN_DIR "/fjell-bake dem.tif -o out.fjell --tile 64 --threads 1 --quiet --checkpoint 0 --ramp ramp.json";
     spit(folder / "recipe.json", R"({"columns": 150, "rows": 100, "spacing_m": 60})");
-    spit(folder / "ramp.json", R"({"stops": [{"height_m": 0, "rgb": [0, 90, 0]}, {"height_m": 900, "rgb": [250, 240, 250]}]})");
+    spit(folder / "ramp.json",
+         R"({"stops": [{"height_m": 0, "rgb": [0, 90, 0]}, {"height_m": 900, "rgb": [250, 240, 250]}]})");
     REQUIRE(run_in(folder.path, FJELL_BIN_DIR "/fjell-bake synth recipe.json -o dem.tif").code == 0);
     REQUIRE(run_in(folder.path, bake).code == 0);
     const std::string whole = slurp(folder / "out.fjell");
@@ -431,7 +443,8 @@ TEST_CASE("a ramp that is away for a while costs nothing") {
 
 TEST_CASE("a height field that was exchanged for another of its size in the same second is read anew") {
     const TemporaryFolder folder;
-    const std::string bake = FJELL_BIN_DIR "/fjell-bake dem.asc -o out.fjell --tile 32 --threads 1 --quiet --checkpoint 0";
+    const std::string bake =
+        FJELL_BIN_DIR "/fjell-bake dem.asc -o out.fjell --tile 32 --threads 1 --quiet --checkpoint 0";
     const auto field = [&](int factor, const char* second) {
         std::string text = "ncols 70\nnrows 70\nxllcorner 1000\nyllcorner 1000\ncellsize 30\n";
         for (int i = 0; i < 70 * 70; ++i) text += std::to_string(100 + i * factor % 97) + (i % 70 == 69 ? "\n" : " ");
@@ -468,7 +481,8 @@ TEST_CASE("a height field that is made is there as a whole or not at all") {
     for (const char* when : {"1", "1+", "2", "3", "5+", "7"}) fails(with({"fwrite", "ENOSPC", when, "out.tif"}, synth));
     fails(with({"fsync", "EIO", "1", "out.tif"}, synth));
     fails(with({"rename", "EACCES", "1", "out.tif"}, synth));
-    for (const char* blocks : {"20", "200"}) fails("ulimit -f " + std::string(blocks) + "; " + synth + " 2>&1 | cat >&2; exit 3");
+    for (const char* blocks : {"20", "200"})
+        fails("ulimit -f " + std::string(blocks) + "; " + synth + " 2>&1 | cat >&2; exit 3");
     const long calls = std::strtol(slurp(aside / "count").c_str(), nullptr, 10);
     for (const long n : spread(calls, 6)) {
         const Run r = run_in(folder.path, with({"all", "kill", std::to_string(n), "out.tif"}, synth));
@@ -484,7 +498,8 @@ TEST_CASE("a height field that is made is there as a whole or not at all") {
 
 TEST_CASE("the tool holds the same under faults") {
     const TemporaryFolder folder;
-    const std::string bake = FJELL_BIN_DIR "/fjell-bake dem.tif -o out.fjell --tile 64 --threads 2 --quiet --checkpoint 0";
+    const std::string bake =
+        FJELL_BIN_DIR "/fjell-bake dem.tif -o out.fjell --tile 64 --threads 2 --quiet --checkpoint 0";
     spit(folder / "recipe.json", R"({"columns": 300, "rows": 300, "spacing_m": 60})");
     REQUIRE(run_in(folder.path, FJELL_BIN_DIR "/fjell-bake synth recipe.json -o dem.tif").code == 0);
     REQUIRE(run_in(folder.path, bake).code == 0);

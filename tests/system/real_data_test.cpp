@@ -101,8 +101,7 @@ TEST_CASE("every real image bakes onto its height field, in its own detail, is v
         if (dem.empty() || image.empty()) continue;
         const TemporaryFolder folder;
         CAPTURE(c.file, c.read);
-        (void)bake_and_verify(folder, dem, c.read,
-                              " --tile " + std::to_string(c.tile) + " --texture " + image);
+        (void)bake_and_verify(folder, dem, c.read, " --tile " + std::to_string(c.tile) + " --texture " + image);
         const json info = json::parse(run_in(folder.path, bake + "info out.fjell --json").out);
         CHECK(info["colour_texels"] == c.texels);
         fly_over(folder);

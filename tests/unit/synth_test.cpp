@@ -206,7 +206,8 @@ TEST_CASE("a height field of four times the size is written in the same memory")
         if (child == 0) {
             try {
                 // Flat: what counts is how much there is of it.
-                write_dem(*synth_source(recipe(side, side, 60, ", \"gullies\": 0, \"octaves\": 1")), dir / "a.tif", DemForm::compact, 2);
+                write_dem(*synth_source(recipe(side, side, 60, ", \"gullies\": 0, \"octaves\": 1")), dir / "a.tif",
+                          DemForm::compact, 2);
             } catch (...) {
                 _exit(1);
             }
