@@ -278,8 +278,9 @@ int run(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    // The same buffers again and again: handing each back to the system would clear its pages every time.
-    mallopt(M_MMAP_THRESHOLD, 64 << 20);
-    mallopt(M_TRIM_THRESHOLD, 128 << 20);
+    // The same buffers again and again: handing each back to the system would clear its pages every time. Large ones
+    // are handed back, or threads would hold on to each other's share of the memory.
+    mallopt(M_MMAP_THRESHOLD, 4 << 20);
+    mallopt(M_TRIM_THRESHOLD, 8 << 20);
     return run_tool("fjell-bake", [&] { return run(argc, argv); });
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <malloc.h>
+
 #include <fmt/format.h>
 
 #include "baker/parallel.h"
@@ -18,7 +20,7 @@ double seconds_since(Clock::time_point start) {
 }
 
 // What the program and GDAL take before any work, and what stays beside it.
-constexpr std::uint64_t base_bytes = std::uint64_t{96} << 20;
+constexpr std::uint64_t base_bytes = std::uint64_t{64} << 20;
 
 Tree tiling(const HeightSource& source, const BakeOptions& options) {
     const double extent = std::max((source.columns - 1) * source.spacing_m[0], (source.rows - 1) * source.spacing_m[1]);
@@ -118,6 +120,9 @@ void Pipeline::finish(std::uint32_t stage) {
     ledger_.state.stage = stage + 1;
     ledger_.state.done = 0;
     checkpoint();
+#ifdef __GLIBC__
+    malloc_trim(0); // what this stage's threads kept for themselves the next one's need
+#endif
 }
 
 PackHeader Pipeline::make_header() const {
@@ -204,8 +209,9 @@ BakeSummary Pipeline::run() {
         const bool interrupted = failure.exit_code == 130;
         const bool input_lost =
             failure.exit_code == 1 && input_at_work_ && (summary.resumed || seconds_since(start) > checkpoint_s());
-        if (interrupted && in_memory_) throw Failure(130, "interrupted; nothing is left behind");
-        if (in_memory_ || (!interrupted && !input_lost)) throw;
+        const bool goes_on = !in_memory_ && !temporary().empty(); // a device's folder nobody finds again
+        if (interrupted && !goes_on) throw Failure(130, "interrupted; nothing is left behind");
+        if (!goes_on || (!interrupted && !input_lost)) throw;
         checkpoint();
         folder_.keep();
         throw Failure(failure.exit_code, fmt::format("{}; the same command goes on from there, or delete {}",

@@ -300,7 +300,7 @@ namespace {
 // What a unit of a step takes: the patch, taken apart, with codes, and the finer centres.
 std::uint64_t bytes_of_unit(std::int32_t cells, int z) {
     const double places = (cells >> z) + 16.0;
-    return static_cast<std::uint64_t>(places * places * (z == 0 ? 14 : 20)) + (std::uint64_t{1} << 20);
+    return static_cast<std::uint64_t>(places * places * (z == 0 ? 16 : 40)) + (std::uint64_t{1} << 20);
 }
 
 } // namespace

@@ -219,6 +219,31 @@ TEST_CASE("regions, projections and encodings that cannot be are refused in one 
     refused(folder, bake + "gone.vrt -o out.fjell", 1, "missing.tif");
 }
 
+TEST_CASE(
+    "a bake stays within the memory it is given, whatever the threads and the tiles, and comes to the same bytes") {
+    const TemporaryFolder folder;
+    spit(folder / "plain.json",
+         R"({"columns": 2600, "rows": 2300, "spacing_m": 15, "gullies": 0, "octaves": 1, "warp": 0})");
+    for (const std::string tile : {"256", "1024"}) {
+        REQUIRE(run_in(folder.path, bake + "plain.json --quiet -o a.fjell --memory 2000 --tile " + tile).code == 0);
+        const Run little = run_in(folder.path, bake +
+                                                   "plain.json --quiet -o b.fjell --memory 192 --threads 12 "
+                                                   "--checkpoint 5 --json bake.json --tile " +
+                                                   tile);
+        CAPTURE(tile, little.err);
+        REQUIRE(little.code == 0);
+        CHECK(slurp(folder / "a.fjell") == slurp(folder / "b.fjell"));
+        const double resident_mb = nlohmann::json::parse(slurp(folder / "bake.json"))["resident_mb_max"];
+#ifdef __SANITIZE_ADDRESS__
+        WARN("skipped: how much memory a bake takes (" << resident_mb << " MB with a sanitizer's own)");
+#else
+        CHECK(resident_mb > 20);
+        CHECK(resident_mb <= 192);
+#endif
+    }
+    refused(folder, bake + "plain.json -o c.fjell --memory 130 --tile 4096 --checkpoint 5", 2, "--memory");
+}
+
 TEST_CASE("the smallest height field has two by two samples") {
     const TemporaryFolder folder;
     spit(folder / "two.asc", ascii_grid(2, 2, "5"));
