@@ -35,7 +35,8 @@ MapPlan plan_of(const Tree& tree, std::uint32_t colour, std::uint32_t normal) {
 }
 
 std::array<std::uint8_t, 4> speckles(int x, int y) {
-    const auto v = static_cast<std::uint32_t>(x * 374761393 + y * 668265263) * 2654435761u;
+    const std::uint32_t v =
+        (static_cast<std::uint32_t>(x) * 374761393u + static_cast<std::uint32_t>(y) * 668265263u) * 2654435761u;
     return {static_cast<std::uint8_t>(v >> 8), static_cast<std::uint8_t>(v >> 16), static_cast<std::uint8_t>(v >> 24),
             static_cast<std::uint8_t>(v % 3 ? 255 : 60)};
 }
