@@ -20,7 +20,7 @@ namespace fjell::baker {
 
 namespace {
 
-constexpr double bytes_per_sample = 28; // what a bake in memory holds at its peak
+constexpr double bytes_per_sample = 28; // of a whole height field while its voids are filled, generously
 
 void check_options(const std::vector<std::string>& paths, const ReadOptions& o) {
     if (paths.empty()) throw Failure(2, "no height field given; name at least one file");

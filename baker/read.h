@@ -39,7 +39,7 @@ struct ReadOptions {
     double zscale = 1;    // multiplies heights after the band's own scale and offset
     double zoffset_m = 0; // added after zscale
     NoData nodata = NoData::automatic;
-    std::size_t memory_bytes = std::size_t{8} << 30; // read_dem refuses DEMs whose bake needs more
+    std::size_t memory_bytes = std::size_t{8} << 30; // read_dem refuses larger height fields
 };
 
 // One file or a mosaic of several that share CRS and lattice; where they overlap the later one is on top, where it has
