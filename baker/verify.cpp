@@ -317,7 +317,7 @@ private:
 class Heights {
 public:
     Heights(const HeightSource& source, const Tree& tree, bool holes, std::size_t row_bytes)
-        : source_(source), tree_(tree), reader_(source.reader()), holes_(holes) {
+        : tree_(tree), reader_(source.reader()), holes_(holes) {
         const std::size_t row = static_cast<std::size_t>(tree.side() + 1) * static_cast<std::size_t>(tree.columns());
         whole_rows_ = row * sizeof(float) <= row_bytes || source.readers(2) == 1;
     }
@@ -344,7 +344,6 @@ private:
         return {x, y, std::min(columns, tree_.columns() - x), std::min(tree_.side() + 1, tree_.rows() - y)};
     }
 
-    const HeightSource& source_;
     const Tree tree_;
     std::unique_ptr<HeightReader> reader_;
     const bool holes_;

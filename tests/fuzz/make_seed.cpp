@@ -251,7 +251,7 @@ void make_netcdf(const std::filesystem::path& folder) {
         name("time"), number(0, wide), name("cols"), number(7, wide);
         number(12, 4), number(1, wide), name("unit"), number(2, 4), number(1, wide), text.append("m\0\0\0", 4);
         number(11, 4), number(2, wide);
-        for (const std::uint64_t first : {0, 1}) {
+        for (const std::uint64_t first : {std::uint64_t{0}, std::uint64_t{1}}) {
             name("elev"), number(2 - first, wide); // dimensions
             for (std::uint64_t d = first; d < 2; ++d) number(d, wide);
             number(0, 4), number(0, wide);                       // no attributes
