@@ -24,7 +24,7 @@
 
 namespace fjell::baker {
 
-// In this order; `levels` is tile_log2 - 1 stages and `far_mips` up to as many as the larger map has mips.
+// In this order; `maps` is a stage for near mips and one for each further mip, `levels` one for each step.
 enum class Stage : std::uint32_t { read, fill, survey, maps, vertices, levels, plain_pages, assemble };
 
 // What a centre hands on to the coarser step.

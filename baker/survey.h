@@ -35,7 +35,7 @@ struct LatticeWish {
 };
 [[nodiscard]] Lattice choose_lattice(const Survey& survey, const LatticeWish& wish);
 
-// Lattice steps of heights. FLT_ROUND: to nearest, halves away from zero.
+// Lattice steps of heights, to the nearest; halves upwards.
 void quantise(const float* heights_m, std::size_t count, const Lattice& lattice, std::int32_t* steps);
 
 // The scales of a pack.
