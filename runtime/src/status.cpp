@@ -19,6 +19,7 @@ const char* message(Code code) {
     case Code::out_of_slots: return "every page slot is taken; unload a page, or raise TerrainBudget::page_slots";
     case Code::coarser_page_first: return "a page of a coarser step over this one is not loaded; load that one first";
     case Code::not_supported: return "this method cannot read such a pack";
+    case Code::unreadable: return "the file could not be read there; check the disk, then ask again (retry_failed)";
     }
     return "unknown status";
 }

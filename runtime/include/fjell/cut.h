@@ -118,6 +118,9 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
 // becomes true when it has. A page must not be unloaded before. Asking for a page that is not loaded releases at once.
 Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released);
 
+// Takes release_page() back: the page stays after all.
+void keep_page(LiveCut cut, std::uint32_t tile, std::uint32_t page);
+
 inline constexpr float never_born_s = -1e30f; // far enough back for any vertex to have risen
 
 // Vertices of the cut for morphing, one for one with MeshView::vertices.

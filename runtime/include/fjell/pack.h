@@ -6,6 +6,7 @@
 // Failure: a Status that names the field; never undefined behaviour, whatever the bytes.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -18,9 +19,9 @@
 namespace fjell {
 
 inline constexpr char pack_magic[8] = {'F', 'J', 'E', 'L', 'L', 'P', 'K', '\n'};
-inline constexpr std::uint32_t pack_version = 3;
+inline constexpr std::uint32_t pack_version = 4;
 // Changes with every stored layout; also tells a byte-swapped file from ours.
-inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0003'0004'0820ull;
+inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0004'0004'1020ull;
 inline constexpr std::uint32_t max_texture_log2 = 12;
 inline constexpr std::uint32_t max_columns = 1u << 20;
 inline constexpr double min_spacing_m = 1e-3, max_spacing_m = 1e6;
@@ -71,13 +72,33 @@ struct PackHeader {
 static_assert(sizeof(PackHeader) == 512 && offsetof(PackHeader, header_hash) == 504,
               "PackHeader is stored: change pack_version and pack_layout_hash with it");
 
+// What can be said of a page's vertices, its borders included, without reading it: how far away one of them may be
+// wanted. Streaming decides by it which pages to read. Rounded outwards. Other chunks: zero.
+struct PageBound {
+    std::uint16_t low, high; // heights: low << bound_shift() to ((high + 1) << bound_shift()) - 1 lattice steps
+    std::uint8_t error;      // the largest code
+    std::uint8_t radius;     // code, on the unit of bound_level(), of a radius that none exceeds
+    std::uint16_t reserved;  // zero
+};
 struct ChunkEntry {
     std::uint64_t offset;       // from the file's beginning
     std::uint64_t hash;         // XXH3 of the stored bytes
     std::uint32_t stored_bytes; // zstd frame
     std::uint32_t raw_bytes;    // after decoding
+    PageBound bound;            // of geometry
 };
-static_assert(sizeof(ChunkEntry) == 24, "ChunkEntry is stored: change pack_version and pack_layout_hash with it");
+static_assert(sizeof(ChunkEntry) == 32 && offsetof(ChunkEntry, bound) == 24,
+              "ChunkEntry is stored: change pack_version and pack_layout_hash with it");
+// Lattice steps that one step of PageBound's heights covers, as a shift.
+[[nodiscard]] inline std::uint32_t bound_shift(const PackHeader& h) {
+    const auto bits = static_cast<std::uint32_t>(std::bit_width(h.lattice_steps));
+    return bits > 16 ? bits - 16 : 0;
+}
+// The tree level on whose radius unit (PackHeader::level_radius_m) PageBound::radius counts: the page's coarsest.
+[[nodiscard]] inline int bound_level(const PageLayout& pages, std::uint32_t page) {
+    const int z = pages.page_step_log2(page); // -1: page 0, or linear order
+    return z < 0 ? 0 : 2 * (pages.tile_log2 - 1 - z);
+}
 
 // A page's bytes after decompression: this, then the arrays that it announces (docs/pack-format.md).
 struct PageHead {
@@ -111,7 +132,7 @@ inline constexpr std::uint32_t corner_void_bit = 0x80000000;
 
 struct Pack {
     PackHeader header{};
-    std::span<const std::byte> bytes;     // the whole file
+    std::span<const std::byte> bytes;     // the whole file; empty for a pack that is streamed (open_index)
     const std::byte* directory = nullptr; // directory_count entries, unaligned
 
     [[nodiscard]] Tree tree() const {
@@ -125,6 +146,13 @@ struct Pack {
 
 // Checks magic, version, layout, hashes, ranges and the whole directory. O(directory). Allocates nothing.
 Status open_pack(std::span<const std::byte> file, Pack& pack);
+
+// The same from a file's first 512 bytes and its directory (PackHeader::directory_offset, _count), for a host that
+// reads chunks when they are wanted. file_bytes: how long the file is.
+Status open_index(std::span<const std::byte> header, std::span<const std::byte> directory, std::uint64_t file_bytes,
+                  Pack& pack);
+// Of the header alone, checked: where the directory lies and how large it is.
+Status read_header(std::span<const std::byte> header, std::uint64_t file_bytes, PackHeader& out);
 
 // The ranges that open_pack insists on, so that a writer can ask before it works. Hashes and sizes are not looked at.
 Status check_ranges(const PackHeader& header);
@@ -145,5 +173,7 @@ struct ChunkId {
 // Checks the chunk's hash and decodes it into `out`, which must have exactly raw_bytes. zstd may allocate: not for the
 // frame's thread.
 Status read_chunk(const Pack& pack, ChunkId id, std::span<std::byte> out);
+// The same for bytes that the host has read: stored_bytes of them, from the entry's offset.
+Status decode_chunk(const ChunkEntry& entry, std::span<const std::byte> stored, std::span<std::byte> out);
 
 } // namespace fjell

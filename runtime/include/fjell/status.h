@@ -19,7 +19,8 @@ enum class Code : std::uint8_t {
     budget_too_small,   // a capacity cannot even hold the coarsest mesh
     out_of_slots,       // every page slot is taken
     coarser_page_first, // pages are loaded from coarse to fine
-    not_supported       // what was asked does not exist for this pack
+    not_supported,      // what was asked does not exist for this pack
+    unreadable          // the host could not read it
 };
 
 struct [[nodiscard]] Status {

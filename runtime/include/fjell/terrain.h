@@ -45,6 +45,9 @@ struct Terrain {
     const std::uint32_t* corners = nullptr;    // (tiles_x + 1) * (tiles_y + 1), as stored (corner_void_bit)
     std::uint32_t pages_missing = 0;
     std::uint64_t changes = 0; // pages loaded or unloaded so far
+    // The largest error on screen that pages which the views want and which are not there may hide, in pixels; 0: none.
+    // Set by whoever loads pages to the views' wishes (update_stream), read by update_cut for its report.
+    double missing_px = 0;
     TerrainMemory* memory = nullptr;
 
     [[nodiscard]] std::uint32_t tile_count() const { return header.tiles_x * header.tiles_y; }
@@ -79,11 +82,17 @@ struct TerrainBudget {
 
 // Reads the corners and no page. block: at least terrain_bytes(), aligned to 64.
 Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<std::byte> block, Terrain& terrain);
+// The same for a pack of open_index(). corners: the stored bytes of its chunk of corners.
+Status create_terrain(const Pack& pack, std::span<const std::byte> corners, const TerrainBudget& budget,
+                      std::span<std::byte> block, Terrain& terrain);
 
 // Decodes a page into a free slot. Fails with out_of_slots when there is none, with coarser_page_first when a page of a
 // coarser step over it is missing (its errors follow from their heights), with corrupt when its bytes are. Loading a
 // page that is there does nothing. Allocates nothing. O(vertices of a page).
 Status load_page(const Pack& pack, Terrain& terrain, std::uint32_t tile, std::uint32_t page);
+// The same from a page's bytes, checked and decompressed already (decode_chunk). The frame's thread may do this: some 5
+// to 10 us, no system call. Any bytes: what cannot be a page is corrupt.
+Status insert_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page, std::span<const std::byte> raw);
 void unload_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page);
 
 // create_terrain with room for all pages, and all of them loaded. O(samples).

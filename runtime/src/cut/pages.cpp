@@ -194,6 +194,21 @@ void follow_pages(CutState& s) {
         if (t.slot_page[slot] != no_page && s.slot_info[slot].page == no_page) enter(s, slot);
 }
 
+void stop_draining(CutState& s, std::uint32_t slot) {
+    SlotInfo& info = s.slot_info[slot];
+    if (info.status != SlotStatus::draining) return;
+    info.status = SlotStatus::live;
+    s.draining_count = static_cast<std::uint32_t>(std::remove(s.draining, s.draining + s.draining_count, slot) - s.draining);
+    for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
+        const std::uint32_t number = slot * max_page_blocks + n;
+        const ListId list = list_of(s.lists, number);
+        if (list >= due_lists && list != no_list) continue; // will be evaluated
+        if (list < due_lists) unlink(s.lists, number);
+        s.blocks[number].list = no_list;
+        if (s.blocks[number].ready() != 0) push_due(s.lists, grade_count - 1, number);
+    }
+}
+
 void drain_pages(CutState& s) {
     for (std::uint32_t i = 0; i < s.draining_count; ++i)
         while (s.report.items < s.item_limit) {

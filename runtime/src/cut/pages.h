@@ -14,6 +14,9 @@ void forget_vertices(CutState& s, std::uint32_t slot);
 // Deactivates what draining pages still hold, as far as the items go.
 void drain_pages(CutState& s);
 
+// A draining page stays after all: what it could activate is looked at again.
+void stop_draining(CutState& s, std::uint32_t slot);
+
 // Finds which parents of a block's lanes are active; in all lanes.
 struct ParentMasks {
     std::uint16_t parent[2];

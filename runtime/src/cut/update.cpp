@@ -365,6 +365,13 @@ Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& r
     return {};
 }
 
+void keep_page(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
+    CutState& s = *cut.state;
+    if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return;
+    const std::uint32_t first = s.page_blocks[tile * s.pages_per_tile + page];
+    if (first != nil) stop_draining(s, first / max_page_blocks);
+}
+
 const char* budget_field(CutBudgetBit bit) {
     switch (bit) {
     case cut_budget_vertices: return "CutBudget::vertices";

@@ -38,6 +38,8 @@ Status check_directory(const Pack& pack) {
         if (e.offset < h.header_bytes || e.offset > h.directory_offset ||
             e.stored_bytes > h.directory_offset - e.offset)
             return failed(Code::corrupt, "directory offsets");
+        if (e.bound.low > e.bound.high || e.bound.radius >= radius_codes || e.bound.reserved != 0)
+            return failed(Code::corrupt, "directory bounds");
     }
     return {};
 }
@@ -145,28 +147,36 @@ std::size_t chunk_raw_bytes(const PackHeader& h, ChunkId id) {
     return h.crs_bytes;
 }
 
-Status open_pack(std::span<const std::byte> file, Pack& pack) {
-    if (file.size() < sizeof pack_magic || std::memcmp(file.data(), pack_magic, sizeof pack_magic) != 0)
+Status read_header(std::span<const std::byte> header, std::uint64_t file_bytes, PackHeader& out) {
+    if (header.size() < sizeof pack_magic || std::memcmp(header.data(), pack_magic, sizeof pack_magic) != 0)
         return failed(Code::not_a_pack, "magic");
-    if (file.size() < sizeof(PackHeader)) return failed(Code::truncated, "header");
-    Pack opened;
-    std::memcpy(&opened.header, file.data(), sizeof(PackHeader));
-    const PackHeader& h = opened.header;
+    if (header.size() < sizeof(PackHeader)) return failed(Code::truncated, "header");
+    PackHeader h;
+    std::memcpy(&h, header.data(), sizeof h);
     if (h.version != pack_version) return failed(Code::wrong_version, "version");
     if (h.layout_hash != pack_layout_hash || h.header_bytes != sizeof(PackHeader))
         return failed(Code::wrong_layout, "layout_hash");
-    if (h.header_hash != XXH3_64bits(file.data(), offsetof(PackHeader, header_hash)))
+    if (h.header_hash != XXH3_64bits(header.data(), offsetof(PackHeader, header_hash)))
         return failed(Code::corrupt, "header");
-    if (file.size() < h.file_bytes) return failed(Code::truncated, "file_bytes");
-    if (file.size() > h.file_bytes) return failed(Code::corrupt, "file_bytes");
+    if (file_bytes < h.file_bytes) return failed(Code::truncated, "file_bytes");
+    if (file_bytes > h.file_bytes) return failed(Code::corrupt, "file_bytes");
     if (Status s = check_ranges(h); !s.ok()) return s;
     if (h.directory_offset < h.header_bytes || h.directory_offset > h.file_bytes ||
         h.directory_count != chunk_count(h) ||
         h.directory_count != (h.file_bytes - h.directory_offset) / sizeof(ChunkEntry) ||
         (h.file_bytes - h.directory_offset) % sizeof(ChunkEntry) != 0)
         return failed(Code::corrupt, "directory");
-    opened.bytes = file;
-    opened.directory = file.data() + h.directory_offset;
+    out = h;
+    return {};
+}
+
+Status open_index(std::span<const std::byte> header, std::span<const std::byte> directory, std::uint64_t file_bytes,
+                  Pack& pack) {
+    Pack opened;
+    if (Status s = read_header(header, file_bytes, opened.header); !s.ok()) return s;
+    const PackHeader& h = opened.header;
+    if (directory.size() < h.directory_count * sizeof(ChunkEntry)) return failed(Code::truncated, "directory");
+    opened.directory = directory.data();
     if (h.directory_hash != XXH3_64bits(opened.directory, h.directory_count * sizeof(ChunkEntry)))
         return failed(Code::corrupt, "directory");
     if (Status s = check_directory(opened); !s.ok()) return s;
@@ -174,14 +184,27 @@ Status open_pack(std::span<const std::byte> file, Pack& pack) {
     return {};
 }
 
-Status read_chunk(const Pack& pack, ChunkId id, std::span<std::byte> out) {
-    const ChunkEntry e = pack.entry(chunk_index(pack.header, id));
+Status open_pack(std::span<const std::byte> file, Pack& pack) {
+    PackHeader h;
+    if (Status s = read_header(file, file.size(), h); !s.ok()) return s;
+    if (Status s = open_index(file, file.subspan(h.directory_offset), file.size(), pack); !s.ok()) return s;
+    pack.bytes = file;
+    return {};
+}
+
+Status decode_chunk(const ChunkEntry& e, std::span<const std::byte> stored, std::span<std::byte> out) {
     if (out.size() != e.raw_bytes) return failed(Code::block_too_small, "out");
-    const std::byte* stored = pack.bytes.data() + e.offset;
-    if (XXH3_64bits(stored, e.stored_bytes) != e.hash) return failed(Code::corrupt, "chunk");
-    const std::size_t written = ZSTD_decompress(out.data(), out.size(), stored, e.stored_bytes);
+    if (stored.size() != e.stored_bytes || XXH3_64bits(stored.data(), stored.size()) != e.hash)
+        return failed(Code::corrupt, "chunk");
+    const std::size_t written = ZSTD_decompress(out.data(), out.size(), stored.data(), stored.size());
     if (ZSTD_isError(written) || written != e.raw_bytes) return failed(Code::corrupt, "chunk");
     return {};
+}
+
+Status read_chunk(const Pack& pack, ChunkId id, std::span<std::byte> out) {
+    const ChunkEntry e = pack.entry(chunk_index(pack.header, id));
+    if (pack.bytes.empty()) return failed(Code::not_supported, "chunk of a streamed pack");
+    return decode_chunk(e, pack.bytes.subspan(e.offset, e.stored_bytes), out);
 }
 
 } // namespace fjell

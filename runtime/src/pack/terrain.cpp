@@ -63,6 +63,7 @@ void permute(const PageLayout& pages, std::uint32_t page, std::uint16_t* places)
 
 // Checks the stored bytes and decompresses them into memory.raw.
 Status fetch(const Pack& pack, ChunkId id, TerrainMemory& memory, std::span<const std::byte>& raw) {
+    if (pack.bytes.empty()) return {Code::not_supported, "page of a streamed pack (insert_page)"};
     const ChunkEntry e = pack.entry(chunk_index(pack.header, id));
     const std::byte* const stored = pack.bytes.data() + e.offset;
     if (e.raw_bytes > memory.raw_bytes || XXH3_64bits(stored, e.stored_bytes) != e.hash)
@@ -176,6 +177,13 @@ std::size_t terrain_bytes(const PackHeader& header, const TerrainBudget& budget)
 }
 
 Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<std::byte> block, Terrain& terrain) {
+    if (pack.bytes.empty()) return {Code::not_supported, "terrain of a streamed pack (give its corners)"};
+    const ChunkEntry corners = pack.entry(chunk_index(pack.header, {ChunkKind::corners, 0, 0}));
+    return create_terrain(pack, pack.bytes.subspan(corners.offset, corners.stored_bytes), budget, block, terrain);
+}
+
+Status create_terrain(const Pack& pack, std::span<const std::byte> corners, const TerrainBudget& budget,
+                      std::span<std::byte> block, Terrain& terrain) {
     const PackHeader& h = pack.header;
     const Layout l = layout_of(h, budget);
     if (block.size() < l.end) return {Code::block_too_small, "block"};
@@ -221,11 +229,12 @@ Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<s
     m.free_count = t.slot_count;
     // Every page of memory is touched now, so that no frame faults; records are written before they are read.
     for (std::size_t i = l.records; i < l.page_table; i += 4096) at[i] = std::byte{0};
-    const ChunkId corners{ChunkKind::corners, 0, 0};
-    if (Status s = read_chunk(pack, corners, {reinterpret_cast<std::byte*>(m.corners), chunk_raw_bytes(h, corners)});
+    const ChunkId id{ChunkKind::corners, 0, 0};
+    const std::size_t bytes = chunk_raw_bytes(h, id);
+    if (Status s = decode_chunk(pack.entry(chunk_index(h, id)), corners, {reinterpret_cast<std::byte*>(m.corners), bytes});
         !s.ok())
         return {s.code, "corners"};
-    for (std::size_t i = 0; i < chunk_raw_bytes(h, corners) / sizeof(std::uint32_t); ++i)
+    for (std::size_t i = 0; i < bytes / sizeof(std::uint32_t); ++i)
         if ((m.corners[i] & ~corner_void_bit) > h.lattice_steps) return {Code::corrupt, "corners"};
     t.page_table = m.page_table;
     t.records = m.records;
@@ -240,11 +249,19 @@ Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<s
 Status load_page(const Pack& pack, Terrain& terrain, std::uint32_t tile, std::uint32_t page) {
     if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
     TerrainMemory& m = *terrain.memory;
-    PageEntry* const table = m.page_table + std::size_t{tile} * terrain.pages_per_tile;
-    if (table[page].slot != no_page_slot) return {};
+    if (m.page_table[std::size_t{tile} * terrain.pages_per_tile + page].slot != no_page_slot) return {};
     if (m.free_count == 0) return {Code::out_of_slots, "TerrainBudget::page_slots"};
     std::span<const std::byte> raw;
     if (Status s = fetch(pack, {ChunkKind::geometry, tile, page}, m, raw); !s.ok()) return s;
+    return insert_page(terrain, tile, page, raw);
+}
+
+Status insert_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page, std::span<const std::byte> raw) {
+    if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
+    TerrainMemory& m = *terrain.memory;
+    PageEntry* const table = m.page_table + std::size_t{tile} * terrain.pages_per_tile;
+    if (table[page].slot != no_page_slot) return {};
+    if (m.free_count == 0) return {Code::out_of_slots, "TerrainBudget::page_slots"};
     if (Status s = unpack_page(terrain.pages, page, raw, m.arrays); !s.ok()) return s;
     if (m.arrays.errors_derived) {
         const Coord block = terrain.pages.page_block(page);

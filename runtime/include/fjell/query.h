@@ -1,0 +1,52 @@
+// Heights and rays for gameplay and physics, from any thread while the frame's thread updates.
+//
+// Answers come from the finest ground that is loaded, whatever the mesh shows at the moment: the full-resolution
+// surface of right isosceles triangles, or a coarser level of it where pages are missing. Every answer says how far
+// the original ground may be from it; with estimate max (PackHeader::estimate) that is a bound, else a likely size.
+// Positions: scene axes, metres. Threads: any number, beside the one that loads and unloads pages (load_page,
+// insert_page, unload_page, update_stream); nothing waits, nothing is locked. The terrain must outlive the call.
+// Allocates nothing. Complexity: O(levels) for a height; for a ray O(levels) a crossing or near miss.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "fjell/terrain.h"
+#include "fjell/view.h"
+
+namespace fjell {
+
+struct GroundHeight {
+    bool inside = false; // the position is over the terrain; otherwise the rest is of the nearest point of its rim
+    bool hole = false;   // no ground there; the height is what the ground around it suggests
+    bool finest = false; // of the full resolution
+    double height_m = 0;
+    Vec3 normal{0, 1, 0}; // of the triangle, unit length
+    float error_m = 0;    // the original ground is within this of height_m: 0 at the full resolution, plus half a quantum
+};
+// accurate_m: good enough; a larger one is cheaper.
+[[nodiscard]] GroundHeight ground_height(const Terrain& terrain, double x_m, double z_m, float accurate_m = 0);
+
+struct GroundHit {
+    bool hit = false;
+    bool finest = false;
+    double distance_m = 0; // along the ray
+    Vec3 position_m;
+    Vec3 normal{0, 1, 0};
+    float error_m = 0; // vertical, as above
+};
+// The first place at which the ray meets the ground, from above or below; holes let it through. direction: any length
+// but 0. most_m: how far to look. A vertical ray works too.
+[[nodiscard]] GroundHit cast_ray(const Terrain& terrain, Vec3 origin_m, Vec3 direction, double most_m,
+                                 float accurate_m = 0);
+
+// Heights of side x side samples, 2^step_log2 apart, from `first` on, row by row: 33 or 65 a side suit most physics
+// engines, any from 2 to 4,097 works. Samples beyond the rim are the rim's. holes: one a sample, or empty.
+struct GroundPatch {
+    float error_m = 0;   // at the samples: the largest; between them a coarse step differs more
+    bool finest = false; // every sample is the pack's own
+};
+GroundPatch ground_patch(const Terrain& terrain, Coord first, int step_log2, std::uint32_t side,
+                         std::span<float> heights_m, std::span<bool> holes = {});
+
+} // namespace fjell
