@@ -212,8 +212,8 @@ int run_verify(const Arguments& a) {
     VerifyReport r = verify(pack, against.get());
     r.chunks = check_all_chunks(pack);
     const MapsReport maps = check_maps(pack.pack(), [&] { pack.release(); });
-    fmt::print("{} vertices: {} nesting, {} sphere, {} border, {} rim violations\n", r.vertices, r.nesting_violations,
-               r.sphere_violations, r.border_mismatches, r.rim_violations);
+    fmt::print("{} vertices: {} nesting, {} sphere, {} border, {} rim, {} page bound violations\n", r.vertices,
+               r.nesting_violations, r.sphere_violations, r.border_mismatches, r.rim_violations, r.bound_violations);
     fmt::print("{} chunks: checksums hold\n", r.chunks);
     fmt::print("{} texels, {} on borders of tiles: {} mip, {} border, {} length violations\n", maps.texels,
                maps.border_texels, maps.mip_violations, maps.border_violations, maps.length_violations);

@@ -99,6 +99,27 @@ std::vector<std::byte> assemble(const PageArrays& a, const Stored& s) {
     return out;
 }
 
+FJELL_CLONES PageBound bound_of(const PackHeader& header, const PageArrays& a, std::uint32_t count, int level,
+                                float radius_m) {
+    static constexpr RadiusScale radii = RadiusScale::make();
+    std::uint16_t least = 0xffff, most = 0;
+    std::uint8_t error = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        least = a.heights[i] < least ? a.heights[i] : least;
+        most = a.heights[i] > most ? a.heights[i] : most;
+        error = a.errors[i] > error ? a.errors[i] : error;
+    }
+    const std::uint32_t shift = bound_shift(header);
+    return {static_cast<std::uint16_t>((a.base + least) >> shift), static_cast<std::uint16_t>((a.base + most) >> shift),
+            error, radii.code_up(header.level_radius_m[level], static_cast<double>(radius_m)), 0};
+}
+
+// Of codes on a level's unit.
+float largest_radius_m(const PackHeader& header, int level, std::span<const std::uint8_t> codes) {
+    static constexpr RadiusScale radii = RadiusScale::make();
+    return header.level_radius_m[level] * radii.factor[*std::max_element(codes.begin(), codes.end())];
+}
+
 // A block's three planes row by row: visit(kind, first vertex, row, columns).
 template <typename Visit>
 void for_each_row(const Visit& visit) {
@@ -145,7 +166,7 @@ bool reader_knows(const BlockInput& in, const PageArrays& a) {
 
 } // namespace
 
-std::vector<std::byte> pack_block(const BlockInput& input) {
+PackedPage pack_block(const BlockInput& input) {
     PageArrays a;
     gather(input, a);
     std::uint16_t residuals[max_page_vertices];
@@ -172,20 +193,32 @@ std::vector<std::byte> pack_block(const BlockInput& input) {
     take(PlaneKind::centre, n, n);
     take(PlaneKind::side_x, n, n + 1);
     take(PlaneKind::side_y, n + 1, n);
-    return assemble(a, s);
+    // Centres, then sides, whose level is the next and counts on a unit of its own.
+    constexpr std::size_t centres = std::size_t{n / step} * (n / step);
+    const int level = 2 * (static_cast<int>(input.header.tile_log2) - 1 - input.z);
+    const std::span codes(s.radii);
+    const float radius_m = std::max(largest_radius_m(input.header, level, codes.first(centres)),
+                                    largest_radius_m(input.header, level + 1, codes.subspan(centres)));
+    return {assemble(a, s), bound_of(input.header, a, s.count, level, radius_m)};
 }
 
-std::vector<std::byte> pack_plain(const PageLayout& pages, std::uint32_t page,
-                                  const std::function<PlainVertex(Coord)>& vertex) {
+PackedPage pack_plain(const PackHeader& header, std::uint32_t page, const std::function<PlainVertex(Coord)>& vertex) {
+    const PageLayout pages{static_cast<int>(header.tile_log2), header.order};
+    const Tree tree{pages.tile_log2};
     const PageLayout canonical{pages.tile_log2, pages.order == Order::linear ? Order::linear : Order::planar};
     PageArrays a;
     Stored s;
     s.count = canonical.page_vertices(page);
     std::vector<PlainVertex> vertices(s.count);
     std::int32_t least = max_lattice_steps - 65535;
+    float radius_m = 0;
     for (std::uint32_t i = 0; i < s.count; ++i) {
-        vertices[i] = vertex(canonical.coord({page, i}));
+        const Coord c = canonical.coord({page, i});
+        vertices[i] = vertex(c);
         least = std::min(least, vertices[i].steps);
+        const auto code = static_cast<std::uint8_t>(vertices[i].radius & ~void_bit);
+        if (!tree.is_corner(c)) // which has no radius
+            radius_m = std::max(radius_m, largest_radius_m(header, tree.level(c), std::span(&code, 1)));
     }
     a.base = least;
     for (std::uint32_t i = 0; i < s.count; ++i) {
@@ -199,7 +232,7 @@ std::vector<std::byte> pack_plain(const PageLayout& pages, std::uint32_t page,
     row_residuals(a.heights, s.count, row_length(pages), residuals);
     s.residuals = residuals;
     s.errors = true;
-    return assemble(a, s);
+    return {assemble(a, s), bound_of(header, a, s.count, bound_level(pages, page), radius_m)};
 }
 
 } // namespace fjell::baker

@@ -22,15 +22,21 @@ struct BlockInput {
     std::int32_t i = 0, j = 0;
     const LeafErrors* leaf = nullptr; // for the finest step
     const ErrorScale& scale;
+    const PackHeader& header; // what the bound is counted on: lattice_steps, tile_log2 and level_radius_m
+    int z = 0;                // log2 of the step
 };
-[[nodiscard]] std::vector<std::byte> pack_block(const BlockInput& input);
+struct PackedPage {
+    std::vector<std::byte> bytes;
+    PageBound bound; // over all vertices that the page stores, the closed borders included
+};
+[[nodiscard]] PackedPage pack_block(const BlockInput& input);
 
 // Any other page: of several steps, or of linear order. vertex(c): of tile-local coordinates.
 struct PlainVertex {
     std::int32_t steps = 0;
     std::uint8_t error = 0, radius = 0; // radius with void_bit
 };
-[[nodiscard]] std::vector<std::byte> pack_plain(const PageLayout& pages, std::uint32_t page,
-                                                const std::function<PlainVertex(Coord)>& vertex);
+[[nodiscard]] PackedPage pack_plain(const PackHeader& header, std::uint32_t page,
+                                    const std::function<PlainVertex(Coord)>& vertex);
 
 } // namespace fjell::baker

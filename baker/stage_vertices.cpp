@@ -287,9 +287,12 @@ void Pipeline::pack_pages(const LevelResult& result) {
                                        i0 + static_cast<std::int32_t>(bx * page_squares),
                                        j0 + static_cast<std::int32_t>(by * page_squares),
                                        in.z == 0 ? &*leaf_ : nullptr,
-                                       scales_.errors};
-                batch.add({ChunkKind::geometry, tile, pages_.page_of_block(in.z, bx, by)}, pack_block(block),
-                          options_.compression);
+                                       scales_.errors,
+                                       header_,
+                                       in.z};
+                const PackedPage page = pack_block(block);
+                batch.add({ChunkKind::geometry, tile, pages_.page_of_block(in.z, bx, by)}, page.bytes,
+                          options_.compression, page.bound);
             }
     });
     spool_->append(std::move(batch));
@@ -448,9 +451,11 @@ void Pipeline::plain_pages() {
                   for (const std::uint16_t r : records)
                       worst[tile] = std::max(worst[tile], static_cast<std::uint8_t>(r & 0xff));
                   ChunkBatch batch;
-                  for (std::uint32_t page = 0; page < pages; ++page)
-                      batch.add({ChunkKind::geometry, static_cast<std::uint32_t>(tile), page},
-                                pack_plain(pages_, page, vertex), options_.compression);
+                  for (std::uint32_t page = 0; page < pages; ++page) {
+                      const PackedPage packed = pack_plain(header_, page, vertex);
+                      batch.add({ChunkKind::geometry, static_cast<std::uint32_t>(tile), page}, packed.bytes,
+                                options_.compression, packed.bound);
+                  }
                   spool_->append(std::move(batch));
               });
     ledger_.state.max_error_m = scales_.errors.metres[*std::max_element(worst.begin(), worst.end())];

@@ -15,6 +15,7 @@
 #include "baker/dem_source.h"
 #include "baker/parallel.h"
 #include "baker/tile_pages.h"
+#include "baker/verify_bounds.h"
 
 namespace fjell::baker {
 
@@ -50,8 +51,9 @@ struct Borders {
 // a border vertex has children in both, and each tile checks its own.
 class TileCheck {
 public:
-    TileCheck(const Terrain& the_terrain, std::uint32_t the_tile, const Original& from)
-        : terrain(the_terrain), tree(the_terrain.tree), original(from), tile(the_tile),
+    // bounds: the pack whose directory has them, or null.
+    TileCheck(const Terrain& the_terrain, std::uint32_t the_tile, const Original& from, const Pack* bounds)
+        : terrain(the_terrain), tree(the_terrain.tree), original(from), pack(bounds), tile(the_tile),
           side(tree.side()), nw{static_cast<std::int32_t>(the_tile) % tree.tiles_x * side,
                                 static_cast<std::int32_t>(the_tile) / tree.tiles_x * side} {
         vertices.resize(static_cast<std::size_t>(side + 1) * static_cast<std::size_t>(side + 1));
@@ -83,6 +85,8 @@ private:
     void gather() {
         for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page) {
             const PageEntry entry = terrain.page_table[std::size_t{tile} * terrain.pages_per_tile + page];
+            if (const std::string wrong = pack ? wrong_bound(*pack, terrain, tile, page) : ""; !wrong.empty())
+                note(report.bound_violations, wrong);
             const VertexRecord* from = terrain.records + std::size_t{entry.slot} * terrain.page_capacity;
             for (std::uint32_t i = 0; i < terrain.pages.page_vertices(page); ++i) {
                 const Coord c = nw + terrain.pages.coord({page, i});
@@ -273,6 +277,7 @@ private:
     const Terrain& terrain;
     const Tree tree;
     const Original original;
+    const Pack* const pack;
     const std::uint32_t tile;
     const std::int32_t side;
     const Coord nw;
@@ -284,8 +289,9 @@ private:
 // Where a tile's pages are loaded while it is looked at.
 class Pages {
 public:
-    explicit Pages(const Terrain& whole) : whole_(&whole) {}
-    explicit Pages(const host::MappedPack& file) : file_(&file) {}
+    Pages(const Terrain& whole, const Pack* bounds) : whole_(&whole), bounds_(bounds) {}
+    explicit Pages(const host::MappedPack& file) : file_(&file), bounds_(&file.pack()) {}
+    [[nodiscard]] const Pack* bounds() const { return bounds_; }
 
     template <typename Body>
     void with(std::uint32_t tile, const Body& body) {
@@ -308,6 +314,7 @@ private:
 
     const Terrain* whole_ = nullptr;
     const host::MappedPack* file_ = nullptr;
+    const Pack* bounds_;
     std::mutex lock_;
     std::vector<std::unique_ptr<TilePages>> free_;
 };
@@ -362,6 +369,7 @@ void add(VerifyReport& all, const VerifyReport& tile) {
     all.true_error_violations += tile.true_error_violations;
     all.height_mismatches += tile.height_mismatches;
     all.rim_violations += tile.rim_violations;
+    all.bound_violations += tile.bound_violations;
     all.worst_excess_m = std::max(all.worst_excess_m, tile.worst_excess_m);
     all.true_error_checked = tile.true_error_checked;
     if (all.first.empty()) all.first = tile.first;
@@ -396,7 +404,7 @@ VerifyReport check_tiles(const Tree& tree, Pages& pages, Heights* heights, const
             const Original original = heights ? heights->tile(tx, ty, own) : Original{};
             pages.with(tile, [&](const Terrain& terrain) {
                 reports[static_cast<std::size_t>(x)] =
-                    TileCheck(terrain, tile, original).run(row[static_cast<std::size_t>(x)]);
+                    TileCheck(terrain, tile, original, pages.bounds()).run(row[static_cast<std::size_t>(x)]);
             });
         });
         for (std::size_t x = 0; x < across; ++x) {
@@ -446,8 +454,8 @@ VerifyReport verify(const host::MappedPack& pack, const HeightSource* against, s
     return check_tiles(tree, pages, heights ? &*heights : nullptr, [&] { pack.release(); });
 }
 
-VerifyReport verify(const Terrain& terrain, const Dem* against) {
-    Pages pages(terrain);
+VerifyReport verify(const Terrain& terrain, const Dem* against, const Pack* bounds) {
+    Pages pages(terrain, bounds);
     std::optional<DemSource> source;
     std::optional<Heights> heights;
     if (against) {

@@ -20,12 +20,13 @@ struct VerifyReport {
     std::uint64_t height_mismatches = 0;     // against a DEM: stored height off by more than half a quantum, or a hole
                                              // where there is none
     std::uint64_t rim_violations = 0;        // a triangle over a hole's rim with an error below its own size
+    std::uint64_t bound_violations = 0;      // a PageBound that does not hold, or is wider than it need be
     double worst_excess_m = 0;               // of true_error_violations
     bool true_error_checked = true;          // false with the mid-point estimate, which does not promise it
     std::string first;                       // the first violation, in words
     [[nodiscard]] bool ok() const {
         return nesting_violations + sphere_violations + border_mismatches + true_error_violations + height_mismatches +
-                   rim_violations ==
+                   rim_violations + bound_violations ==
                0;
     }
 };
@@ -39,7 +40,7 @@ struct VerifyReport {
 // read tile by tile.
 [[nodiscard]] VerifyReport verify(const host::MappedPack& pack, const HeightSource* against,
                                   std::size_t row_bytes = std::size_t{64} << 20);
-// The same of a terrain that is loaded whole.
-[[nodiscard]] VerifyReport verify(const Terrain& terrain, const Dem* against);
+// The same of a terrain that is loaded whole; of the pack it came from bounds are looked at, or not if it is null.
+[[nodiscard]] VerifyReport verify(const Terrain& terrain, const Dem* against, const Pack* bounds = nullptr);
 
 } // namespace fjell::baker

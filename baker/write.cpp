@@ -26,7 +26,7 @@ ZSTD_CCtx* compressor(ChunkKind kind, int zstd_level) {
 
 } // namespace
 
-void ChunkBatch::add(ChunkId id, std::span<const std::byte> raw, int zstd_level) {
+void ChunkBatch::add(ChunkId id, std::span<const std::byte> raw, int zstd_level, const PageBound& bound) {
     const std::size_t from = bytes_.size();
     bytes_.resize(from + ZSTD_compressBound(raw.size()));
     const std::size_t size = ZSTD_compress2(compressor(id.kind, zstd_level), bytes_.data() + from, bytes_.size() - from,
@@ -35,7 +35,7 @@ void ChunkBatch::add(ChunkId id, std::span<const std::byte> raw, int zstd_level)
     bytes_.resize(from + size);
     entries_.push_back({id,
                         {from, XXH3_64bits(bytes_.data() + from, size), static_cast<std::uint32_t>(size),
-                         static_cast<std::uint32_t>(raw.size())}});
+                         static_cast<std::uint32_t>(raw.size()), bound}});
 }
 
 ChunkSpool::ChunkSpool(const std::string& data_path, const std::string& entries_path, const PackHeader& layout,

@@ -17,7 +17,7 @@ namespace fjell::baker {
 // Some chunks on their way to the spool, one thread's.
 class ChunkBatch {
 public:
-    void add(ChunkId id, std::span<const std::byte> raw, int zstd_level);
+    void add(ChunkId id, std::span<const std::byte> raw, int zstd_level, const PageBound& bound = {});
 
 private:
     friend class ChunkSpool;

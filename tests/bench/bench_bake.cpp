@@ -72,6 +72,9 @@ public:
         const Lattice lattice = baker::choose_lattice(survey, {{60, 60}, 0.1, 0});
         scales_ = baker::choose_scales({tree_, {60, 60}, lattice, survey, 0.05});
         leaf_ = LeafErrors(scales_.errors, lattice.quantum_m);
+        header_.tile_log2 = static_cast<std::uint32_t>(tree_.tile_log2);
+        header_.lattice_steps = static_cast<std::uint32_t>((survey.most_m - survey.least_m) / lattice.quantum_m);
+        std::copy_n(scales_.level_radius_m, 2 * max_tile_log2, header_.level_radius_m);
     }
 
     void run(bool pages) {
@@ -115,13 +118,15 @@ private:
         for (std::int32_t j = 0; pages && j < squares; j += page)
             for (std::int32_t i = 0; i < squares; i += page)
                 benchmark::DoNotOptimize(
-                    baker::pack_block({steps, error, nullptr, radii, i, j, &leaf_, scales_.errors}).data());
+                    baker::pack_block({steps, error, nullptr, radii, i, j, &leaf_, scales_.errors, header_, 0})
+                        .bytes.data());
     }
 
     const Tree tree_ = Tree::covering(dem().columns, dem().rows, 9);
     Estimate estimate_;
     baker::Scales scales_;
     LeafErrors leaf_;
+    PackHeader header_{}; // what bounds of pages are counted on
 };
 
 void errors(benchmark::State& state, Estimate estimate, bool pages) {

@@ -74,8 +74,8 @@ Bytes uncompressed(const Pack& pack) {
         const std::size_t offset = out.size();
         const Bytes raw = read(pack, chunk_id(h, i));
         append_raw_frame(out, raw);
-        directory.push_back(
-            {offset, 0, static_cast<std::uint32_t>(out.size() - offset), static_cast<std::uint32_t>(raw.size())});
+        directory.push_back({offset, 0, static_cast<std::uint32_t>(out.size() - offset),
+                             static_cast<std::uint32_t>(raw.size()), pack.entry(i).bound});
     }
     h.directory_offset = out.size();
     append(out, std::as_bytes(std::span(directory)));

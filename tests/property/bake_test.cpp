@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <cstring>
 
 #include "baker/dem_source.h"
 #include "baker/verify.h"
@@ -23,10 +24,25 @@ VertexRecord& record_of(host::LoadedPack& pack, Coord c) {
     return const_cast<VertexRecord&>(t.records[page.slot * t.page_capacity + at.index]);
 }
 
+PageBound bound_of(const host::LoadedPack& pack, std::uint32_t tile, std::uint32_t page) {
+    return pack.pack.entry(chunk_index(pack.pack.header, {ChunkKind::geometry, tile, page})).bound;
+}
+
+// A page's bound in the directory, changed in place.
+template <typename Change>
+void change_bound(host::LoadedPack& pack, std::uint32_t tile, std::uint32_t page, const Change& change) {
+    const std::uint64_t chunk = chunk_index(pack.pack.header, {ChunkKind::geometry, tile, page});
+    ChunkEntry entry = pack.pack.entry(chunk);
+    change(entry.bound);
+    std::memcpy(const_cast<std::byte*>(pack.pack.directory) + chunk * sizeof entry, &entry, sizeof entry);
+}
+
 } // namespace
 
-TEST_CASE("errors and spheres nest and bound the original heights, whatever the terrain and tiling") {
+TEST_CASE(
+    "errors and spheres nest and bound the original heights, and bounds hold pages, whatever the terrain and tiling") {
     Random random(11);
+    int coarse_heights = 0, holed = 0, cut_off = 0;
     for (int round = 0; round < 300; ++round) {
         const int log2 = pick(random, 1, 7);
         const std::int32_t columns = pick(random, 2, 150), rows = pick(random, 2, 150);
@@ -37,12 +53,18 @@ TEST_CASE("errors and spheres nest and bound the original heights, whatever the 
         options.order = static_cast<Order>(pick(random, 0, 2));
         options.estimate = pick(random, 0, 3) ? Estimate::max : Estimate::midpoint;
         const auto pack = bake_and_load(dem, options);
-        const baker::VerifyReport report = baker::verify(pack.terrain, &dem);
+        const baker::VerifyReport report = baker::verify(pack.terrain, &dem, &pack.pack);
         CAPTURE(round, log2, columns, rows, static_cast<int>(shape), report.first);
         REQUIRE(report.ok());
+        coarse_heights += bound_shift(pack.pack.header) > 0;
+        holed += pack.terrain.has_voids();
+        cut_off += pack.terrain.tree.cut_x > 0 || pack.terrain.tree.cut_y > 0;
         REQUIRE(report.true_error_checked == (options.estimate == Estimate::max));
         REQUIRE(report.vertices >= dem.heights_m.size());
     }
+    CHECK(coarse_heights > 20); // bounds of heights that count on more than one lattice step
+    CHECK(holed > 50);
+    CHECK(cut_off > 200);
 }
 
 TEST_CASE("a pack does not depend on threads, memory or how the work is cut") {
@@ -189,4 +211,48 @@ TEST_CASE("the verifier notices every kind of fault") {
         CHECK(baker::verify(pack.terrain, nullptr).border_mismatches > 0);
     }
     CHECK(baker::verify(fresh().terrain, &dem).ok());
+}
+
+TEST_CASE("the verifier notices a bound that does not hold, and one that is wider than its page") {
+    Random random(18);
+    int at_end = 0;
+    baker::BakeOptions options = small_bake(7);
+    for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
+        options.order = order;
+        auto pack = bake_and_load(random_dem(random, 200, 150, Shape::fractal), options);
+        REQUIRE(baker::verify(pack.terrain, nullptr, &pack.pack).ok());
+        const std::uint32_t pages = pack.terrain.pages_per_tile;
+        REQUIRE(pages > 4);
+        for (const std::uint32_t page : {0u, 1u, pages - 1}) {
+            const auto violations = [&](std::int32_t low, std::int32_t high, std::int32_t error, std::int32_t radius) {
+                const PageBound before = bound_of(pack, 1, page);
+                change_bound(pack, 1, page, [&](PageBound& b) {
+                    b.low = static_cast<std::uint16_t>(b.low + low);
+                    b.high = static_cast<std::uint16_t>(b.high + high);
+                    b.error = static_cast<std::uint8_t>(b.error + error);
+                    b.radius = static_cast<std::uint8_t>(b.radius + radius);
+                });
+                const baker::VerifyReport report = baker::verify(pack.terrain, nullptr, &pack.pack);
+                change_bound(pack, 1, page, [&](PageBound& b) { b = before; });
+                const std::string place = "page " + std::to_string(page) + " of tile 1";
+                CHECK((report.ok() || report.first.find(place) != std::string::npos));
+                return report.bound_violations;
+            };
+            CAPTURE(static_cast<int>(order), page);
+            for (const std::int32_t by : {-1, 1}) {
+                CHECK(violations(by, 0, 0, 0) == 1);
+                CHECK(violations(0, by, 0, 0) == 1);
+                CHECK(violations(0, 0, by, 0) == 1);
+                // Of linear order's pages some have no radius as large as the root's unit: code 0.
+                const std::int32_t radius = bound_of(pack, 1, page).radius + by;
+                if (radius >= 0 && radius < static_cast<std::int32_t>(radius_codes))
+                    CHECK(violations(0, 0, 0, by) == 1);
+                else
+                    ++at_end;
+            }
+            CHECK(violations(0, 0, 0, 0) == 0);
+        }
+        CHECK(baker::verify(pack.terrain, nullptr, &pack.pack).ok());
+    }
+    CHECK(at_end < 4);
 }
