@@ -204,7 +204,7 @@ TEST_CASE("no mip is read twice unless its layer was given up in between") {
         (void)on.update({&view, 1}, cut, settings);
         (void)on.cut.update({&view, 1}, cut);
     }
-    REQUIRE(read.size() > 100);
+    REQUIRE(read.size() > 40);
 }
 
 TEST_CASE("layers cost no more than the budget, and one that cannot hold the smallest mips is refused") {
@@ -235,8 +235,7 @@ TEST_CASE("layers cost no more than the budget, and one that cannot hold the sma
             tails += map_slot_bytes(slots, kind);
         }
         CAPTURE(h.tiles_x, h.tiles_y, h.colour_log2, h.normal_log2, budget.map_bytes, tails);
-        // A kind whose tails exceed its share takes them all the same: create_stream refuses that.
-        if (bytes > budget.map_bytes) REQUIRE(tails * 3 > budget.map_bytes);
+        REQUIRE(bytes <= std::max(budget.map_bytes, tails)); // the tails alone are too much: create_stream refuses
     }
     const auto pack = mapped_terrain(random);
     PagedTerrain paged(pack.pack, {});

@@ -10,10 +10,9 @@ namespace {
 
 // Terrains of several pages a tile and several tiles.
 host::LoadedPack paged_terrain(Random& random, bool with_holes = true) {
-    const int log2 = pick(random, 6, 8);
-    const int most = pick(random, 1, 3) * (1 << log2) + 1;
-    baker::Dem dem = random_dem(random, pick(random, 70, std::max(most, 80)), pick(random, 70, std::max(most, 80)),
-                                pick(random, 0, 2) ? Shape::fractal : Shape::noise);
+    const int log2 = pick(random, 6, 8), most = (512 >> pick(random, 0, 2)) + pick(random, 0, 70);
+    baker::Dem dem = random_dem(random, pick(random, 70, most), pick(random, 70, most),
+                                pick(random, 0, 3) ? Shape::fractal : Shape::noise);
     if (with_holes && pick(random, 0, 3) == 0) add_random_holes(random, dem, log2);
     baker::BakeOptions options = small_bake(log2);
     options.order = pick(random, 0, 2) == 0 ? Order::hierarchical_z : Order::planar;
@@ -22,10 +21,10 @@ host::LoadedPack paged_terrain(Random& random, bool with_holes = true) {
 
 std::uint32_t random_slots(Random& random, const Terrain& full) {
     const auto least = static_cast<int>(full.tile_count()), all = static_cast<int>(full.page_count());
-    switch (pick(random, 0, 3)) {
+    switch (pick(random, 0, 5)) {
     case 0: return static_cast<std::uint32_t>(least);
     case 1: return static_cast<std::uint32_t>(all);
-    default: return static_cast<std::uint32_t>(pick(random, least, all));
+    default: return static_cast<std::uint32_t>(pick(random, std::min(least + 2, all), least + (all - least) / 2));
     }
 }
 
@@ -38,6 +37,7 @@ std::string check_promise(Streamed& on, const Terrain& full, std::span<const Vie
     const VertexSet active = active_set(on.cut);
     if (stream.converged)
         return difference(active, target_set(full, full, views, settings.error_px, settings.corner_safe));
+    if (stream.missing_px >= 1e7) return {}; // of an eye inside the sphere of what is missing nothing can be said
     const double px = stream.missing_px * (1 + 1e-6);
     if (!contains(active, target_set(full, full, views, px, settings.corner_safe)))
         return "something wanted at the threshold of the missing pages is not active";
@@ -68,13 +68,13 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
         std::vector<View> views;
         for (std::uint32_t i = 0; i < count; ++i) views.push_back(random_view(random, pack.terrain));
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.error_px = std::pow(10.0, uniform(random, 0, 2.5));
         settings.corner_safe = pick(random, 0, 4) == 0;
         StreamSettings stream_settings;
         stream_settings.pages = static_cast<std::uint32_t>(pick(random, 1, 12));
         stream_settings.lookahead_s = pick(random, 0, 1) ? 0.5 : 0;
         for (int frame = 0; frame < flight.frames; ++frame) {
-            if (pick(random, 0, 14) == 0) views[0] = random_view(random, pack.terrain);
+            if (pick(random, 0, 7) == 0) views[0] = random_view(random, pack.terrain);
             for (View& view : views) view = moved(random, view, random_step_m(random, pack.terrain));
             settings.items = pick(random, 0, 2) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 0, 99));
             stream_settings.tests = pick(random, 0, 5) ? 1u << 16 : static_cast<std::uint32_t>(pick(random, 1, 99));
@@ -126,25 +126,25 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
 } // namespace
 
 TEST_CASE("pages that come late and go leave a whole mesh that keeps its promise, and it converges at rest") {
-    const Seen seen = fly(301, {40, 40, {.most_delay = 20}, true});
+    const Seen seen = fly(301, {24, 60, {.most_delay = 10, .most_taken = 4}, true});
     CAPTURE(seen.removed, seen.converged, seen.limited, seen.declined, seen.withdrawn);
-    REQUIRE(seen.removed > 100);
-    REQUIRE(seen.converged > 5);
-    REQUIRE(seen.limited > 5);
+    REQUIRE(seen.removed > 60);
+    REQUIRE(seen.converged > 3);
+    REQUIRE(seen.limited > 3);
     REQUIRE(seen.declined > 20);
     REQUIRE(seen.withdrawn > 20);
 }
 
 TEST_CASE("reads that fail, bring garbage or are cut short are reported once each and leave a whole mesh") {
-    const Seen seen = fly(302, {24, 40, {.fails = 0.1, .garbage = 0.1, .short_reads = 0.1, .most_delay = 10}, false});
+    const Seen seen = fly(302, {12, 60, {.fails = 0.05, .garbage = 0.05, .short_reads = 0.05, .most_delay = 10}, false});
     CAPTURE(seen.failed, seen.removed);
-    REQUIRE(seen.failed > 100);
-    REQUIRE(seen.removed > 20);
+    REQUIRE(seen.failed > 40);
+    REQUIRE(seen.removed > 5);
 }
 
 TEST_CASE("reads that never return leave a whole mesh, and what does return is used") {
-    const Seen seen = fly(303, {24, 40, {.never = 0.1, .most_delay = 10}, false});
+    const Seen seen = fly(303, {16, 60, {.never = 0.05, .most_delay = 10}, false});
     CAPTURE(seen.lost, seen.removed);
-    REQUIRE(seen.lost > 50);
-    REQUIRE(seen.removed > 20);
+    REQUIRE(seen.lost > 20);
+    REQUIRE(seen.removed > 10);
 }

@@ -34,24 +34,48 @@ std::uint64_t layer_bytes(std::uint32_t log2, MapKind kind) {
     return blocks * block_bytes(kind);
 }
 
+constexpr std::uint64_t most_layers = 2048; // that every OpenGL 4.5 has
+
+std::uint32_t tail_of(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
+    return std::min(std::max(budget.tail_log2, 2u), top_log2(h, kind));
+}
+std::uint64_t tails_bytes(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
+    if (top_log2(h, kind) == 0) return 0;
+    return std::uint64_t{h.tiles_x} * h.tiles_y * layer_bytes(tail_of(h, budget, kind), kind);
+}
+// All that a kind could use beside its tails.
+std::uint64_t all_bytes(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
+    std::uint64_t bytes = 0;
+    const std::uint64_t layers = std::min(std::uint64_t{h.tiles_x} * h.tiles_y, most_layers);
+    for (std::uint32_t log2 = tail_of(h, budget, kind) + 1; log2 <= top_log2(h, kind); ++log2)
+        bytes += layers * layer_bytes(log2, kind);
+    return bytes;
+}
+
+// What a kind may spend beside its tails: a share by the bytes of one layer, and what the other cannot use.
+std::uint64_t share_of(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
+    const MapKind other = kind == MapKind::colour ? MapKind::normal : MapKind::colour;
+    const std::uint64_t tails = tails_bytes(h, budget, kind) + tails_bytes(h, budget, other);
+    const std::uint64_t left = budget.map_bytes - std::min(budget.map_bytes, tails);
+    const std::uint64_t all = all_bytes(h, budget, kind), others = all_bytes(h, budget, other);
+    const auto weight = [&](MapKind k) {
+        return top_log2(h, k) == 0 ? 0.0 : static_cast<double>(layer_bytes(top_log2(h, k), k));
+    };
+    const double part = weight(kind) / std::max(weight(kind) + weight(other), 1.0);
+    const auto mine = static_cast<std::uint64_t>(static_cast<double>(left) * part), theirs = left - mine;
+    return others < theirs ? std::min(all, left - others) : std::min(all, mine);
+}
+
 } // namespace
 
 MapSlots map_slots(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
     MapSlots slots;
     slots.top_log2 = top_log2(h, kind);
     if (slots.top_log2 == 0) return slots;
-    slots.tail_log2 = std::min(std::max(budget.tail_log2, 2u), slots.top_log2);
+    slots.tail_log2 = tail_of(h, budget, kind);
     const std::uint64_t tiles = std::uint64_t{h.tiles_x} * h.tiles_y;
-    // The kinds share as their bytes do.
-    const MapKind other = kind == MapKind::colour ? MapKind::normal : MapKind::colour;
-    const std::uint64_t mine = layer_bytes(slots.top_log2, kind),
-                        all = mine + (top_log2(h, other) ? layer_bytes(top_log2(h, other), other) : 0);
-    auto left = static_cast<std::uint64_t>(static_cast<double>(budget.map_bytes) * static_cast<double>(mine) /
-                                           static_cast<double>(all));
     slots.layers[slots.tail_log2] = static_cast<std::uint32_t>(tiles);
-    const std::uint64_t tails = tiles * layer_bytes(slots.tail_log2, kind);
-    left -= std::min(left, tails);
-    constexpr std::uint64_t most_layers = 2048; // that every OpenGL 4.5 has
+    std::uint64_t left = share_of(h, budget, kind);
     for (std::uint32_t log2 = slots.tail_log2 + 1; log2 <= slots.top_log2; ++log2) {
         const std::uint64_t bytes = layer_bytes(log2, kind), share = left / (slots.top_log2 - log2 + 1);
         const std::uint64_t layers = std::min({tiles, share / bytes, most_layers});

@@ -345,7 +345,7 @@ void gather(StreamState& s, Best& best) {
         }
     // What has not been looked at may hide anything.
     s.report.missing_px = s.tested ? missing_px : most_px;
-    s.report.converged = s.tested && s.report.pages_wanted == 0;
+    s.report.converged = s.tested && missing_px <= s.threshold_px; // a coarsest page may be wanted for its own sake
 }
 
 void review_requests(StreamState& s) {
