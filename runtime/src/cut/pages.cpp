@@ -24,6 +24,19 @@ void bound_tile(CutState& s, const SlotInfo& info, bool loaded) {
     tile.radius_m = v.radius_m;
 }
 
+// Of a page that has just come nothing is active: only lanes with a parent in another page can be ready. In a block
+// page those are the centres, whose parents belong to the coarser step, and the sides along its border.
+std::uint32_t outward_lanes(const SlotInfo& info, const BlockShape& shape) {
+    const std::uint32_t all = (1u << shape.lanes) - 1;
+    if (info.shape == 0) return all;
+    switch (shape.kind) {
+    case PlaneKind::centre: break;
+    case PlaneKind::side_x: return shape.j0 == 0 || shape.j0 == page_squares ? all : 0;
+    case PlaneKind::side_y: return shape.along_y ? all : shape.i0 == 0 ? 1 : 0;
+    }
+    return all;
+}
+
 void enter(CutState& s, std::uint32_t slot) {
     const Terrain& t = *s.terrain;
     const std::uint32_t page = t.slot_page[slot];
@@ -52,9 +65,11 @@ void enter(CutState& s, std::uint32_t slot) {
         const std::uint32_t number = slot * max_page_blocks + n;
         BlockState& b = s.blocks[number];
         if (!nothing_active) {
-            const ParentMasks parents = parents_of(s, number);
-            b.parent[0] = parents.parent[0];
-            b.parent[1] = parents.parent[1];
+            const std::uint32_t lanes = outward_lanes(info, s.shapes[info.shape].blocks[n]);
+            if (lanes == 0) continue;
+            const ParentMasks parents = parents_of(s, number, lanes);
+            b.parent[0] |= parents.parent[0]; // to those that do not exist
+            b.parent[1] |= parents.parent[1];
             info.touched = true;
         }
         if (b.ready() != 0) push_due(s.lists, grade_count - 1, number);
@@ -150,10 +165,10 @@ void forget_vertices(CutState& s, std::uint32_t slot) {
     }
 }
 
-ParentMasks parents_of(const CutState& s, std::uint32_t block) {
+ParentMasks parents_of(const CutState& s, std::uint32_t block, std::uint32_t lanes) {
     ParentMasks masks{};
-    const BlockShape& shape = shape_of(s, block);
-    for (std::uint32_t lane = 0; lane < shape.lanes; ++lane) {
+    for (; lanes != 0; lanes &= lanes - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
         const std::uint32_t vertex = block * block_lanes + lane;
         const Site site = site_of(s, vertex);
         // A border has a lane in each page that holds it; only the owner's counts.

@@ -17,10 +17,10 @@ void drain_pages(CutState& s);
 // A draining page stays after all: what it could activate is looked at again.
 void stop_draining(CutState& s, std::uint32_t slot);
 
-// Finds which parents of a block's lanes are active; in all lanes.
+// Finds which parents of some lanes of a block are active.
 struct ParentMasks {
     std::uint16_t parent[2];
 };
-[[nodiscard]] ParentMasks parents_of(const CutState& s, std::uint32_t block);
+[[nodiscard]] ParentMasks parents_of(const CutState& s, std::uint32_t block, std::uint32_t lanes);
 
 } // namespace fjell
