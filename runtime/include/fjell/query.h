@@ -40,6 +40,7 @@ struct GroundHit {
 [[nodiscard]] GroundHit cast_ray(const Terrain& terrain, Vec3 origin_m, Vec3 direction, double most_m,
                                  float accurate_m = 0);
 
+inline constexpr std::uint32_t max_patch_side = 4097;
 // Heights of side x side samples, 2^step_log2 apart, from `first` on, row by row: 33 or 65 a side suit most physics
 // engines, any from 2 to 4,097 works. Samples beyond the rim are the rim's. holes: one a sample, or empty.
 struct GroundPatch {

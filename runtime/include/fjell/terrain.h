@@ -5,7 +5,7 @@
 // page. A page may be missing: methods then draw coarser terrain there, never a crack, because a vertex is drawn only
 // when its parents are. The corners of tiles are always there.
 // Ownership: Terrain points into the block that create_terrain was given. Thread: one that loads and unloads; between
-// those, immutable and shareable.
+// those, immutable and shareable. Queries (fjell/query.h) may run on any thread at any time.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ namespace fjell {
 inline constexpr std::uint32_t no_page = 0xffffffff; // of a slot that is free
 inline constexpr std::uint32_t no_page_slot = 0xffffffff;
 
-struct PageEntry {
+struct alignas(8) PageEntry { // read at once by queries of other threads
     std::uint32_t slot; // no_page_slot: not loaded
     std::int32_t base;  // lattice steps its heights are counted from
 };
