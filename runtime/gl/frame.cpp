@@ -79,7 +79,8 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
     const double azimuth = now.sun_azimuth_deg * degree, elevation = now.sun_elevation_deg * degree;
     set4(block.sun, std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
          -std::cos(azimuth) * std::cos(elevation), now.lit ? 1 : 0);
-    const double haze_m = now.haze_m == 0 ? 1.5 * diagonal_m : now.haze_m;
+    // A legend's colours must reach the eye as they are.
+    const double haze_m = now.haze_m != 0 ? now.haze_m : now.mode == Mode::shaded ? 2.5 * diagonal_m : -1;
     set4(block.haze, haze_m > 0 ? 1 / haze_m : 0, view.forward.x, view.forward.y, view.forward.z);
     const double tangent = std::tan(view.fov_y_rad / 2), aspect = static_cast<double>(view.width_px) / view.height_px;
     const Vec3 x = cross(view.forward, view.up) * (tangent * aspect), y = view.up * tangent;

@@ -34,7 +34,7 @@ vec3 sun_glow(vec3 direction) {
 
 vec3 sky_colour(vec3 direction) {
     vec3 colour = mix(zenith, horizon, exp(-3.5 * max(direction.y, 0.0)));
-    colour *= 0.55 + 0.45 * exp(-4.0 * max(-direction.y, 0.0));
+    colour *= 0.7 + 0.3 * exp(-2.0 * max(-direction.y, 0.0)); // beyond the terrain's edge: haze, a little darker
     return colour + sun_glow(direction);
 }
 )";
