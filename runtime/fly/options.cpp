@@ -99,8 +99,10 @@ void declare_outputs(CLI::App& app, Options& o, Flags& f) {
     app.add_option("--render", o.render_folder, "write frame_NNNNN.png into this folder");
     app.add_option("--render-every", o.render_every, "only every N-th frame")
         ->check(CLI::Range(std::size_t{1}, most_frames));
-    app.add_option("--mode", f.mode, "pictures shaded (default), with wireframe, or coloured by tree level")
-        ->check(CLI::IsMember({"shaded", "wire", "levels"}));
+    app.add_option("--mode", f.mode,
+                   "pictures shaded (default), with wireframe, or coloured by tree level, tile, mip, loaded step of "
+                   "geometry, or distance")
+        ->check(CLI::IsMember(std::vector<std::string>(std::begin(picture_mode_names), std::end(picture_mode_names))));
     app.add_option("--verify", o.verify_every, "every N frames, measure the error at every sample")
         ->check(CLI::Range(std::size_t{1}, most_frames));
 }
@@ -148,7 +150,8 @@ void apply(const Flags& f, Options& o) {
     if (!f.cull.empty()) refine.cull = f.cull == "on";
     if (f.corner_safe) refine.corner_safe = true;
     if (!f.size.empty()) parse_size(f.size, o.profile);
-    o.mode = f.mode == "wire" ? PictureMode::wire : f.mode == "levels" ? PictureMode::levels : PictureMode::shaded;
+    for (int i = 0; i < picture_modes; ++i)
+        if (f.mode == picture_mode_names[i]) o.mode = static_cast<PictureMode>(i);
     o.seeded = f.seed.has_value();
     o.seed = f.seed.value_or(0);
     for (const std::string& text : f.exports)

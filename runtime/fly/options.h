@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -9,7 +10,10 @@
 
 namespace fjell::fly {
 
-enum class PictureMode : std::uint8_t { shaded, wire, levels };
+enum class PictureMode : std::uint8_t { shaded, wire, levels, tiles, mips, residency, distance };
+inline constexpr const char* picture_mode_names[] = {"shaded", "wire",      "levels",  "tiles",
+                                                     "mips",   "residency", "distance"};
+inline constexpr int picture_modes = static_cast<int>(std::size(picture_mode_names));
 
 struct Export {
     std::size_t frame = 0;

@@ -33,8 +33,16 @@ struct Pictures::State { // in the order of destruction, last first
 
 gl::DrawOptions draw_options(PictureMode mode) {
     gl::DrawOptions draw;
-    draw.mode = mode == PictureMode::levels ? gl::Mode::levels : gl::Mode::shaded;
     draw.wireframe = mode == PictureMode::wire;
+    switch (mode) {
+    case PictureMode::shaded:
+    case PictureMode::wire: draw.mode = gl::Mode::shaded; break;
+    case PictureMode::levels: draw.mode = gl::Mode::levels; break;
+    case PictureMode::tiles: draw.mode = gl::Mode::tiles; break;
+    case PictureMode::mips: draw.mode = gl::Mode::mips; break;
+    case PictureMode::residency: draw.mode = gl::Mode::residency; break;
+    case PictureMode::distance: draw.mode = gl::Mode::distance; break;
+    }
     return draw;
 }
 
@@ -65,7 +73,9 @@ Pictures::Pictures(const Options& options, const Session& session) : state_(std:
     state_->target = gl::Target::create({options.profile.width_px, options.profile.height_px, samples_a_pixel}, error);
     require(state_->target != nullptr, error);
     state_->renderer = make_renderer(options, session, error);
-    if (!state_->renderer) (void)host::check_all_chunks(session.loaded.pack, session.loaded.path); // a damaged pack is not the machine's fault
+    if (!state_->renderer)
+        (void)host::check_all_chunks(session.loaded.pack,
+                                     session.loaded.path); // a damaged pack is not the machine's fault
     require(state_->renderer != nullptr, error);
     state_->draw = draw_options(options.mode);
     state_->folder = options.render_folder;
