@@ -187,26 +187,47 @@ ParentMasks parents_of(const CutState& s, std::uint32_t block, std::uint32_t lan
     return masks;
 }
 
+namespace {
+
+// Lets go of what the slot held, if it holds something else by now. False: the cut had to begin again.
+bool let_go(CutState& s, std::uint32_t slot) {
+    const Terrain& t = *s.terrain;
+    const SlotInfo& info = s.slot_info[slot];
+    if (info.page == no_page || (info.page == t.slot_page[slot] && info.loads == t.slot_loads[slot])) return true;
+    // release_page was not asked, or not waited for: the mesh must let go all the same.
+    for (std::uint32_t v = holding(s, slot); v != no_vertex; v = holding(s, slot)) {
+        if (deactivate(s, lowest_below(s, v)) == Outcome::done) continue;
+        // No chunk for triangles that were hidden: then from the coarsest mesh, where all have room.
+        forget_changes(s);
+        reset(s);
+        begin_at_roots(s);
+        return false;
+    }
+    leave(s, slot);
+    return true;
+}
+
+void take_in(CutState& s, std::uint32_t slot) {
+    if (s.terrain->slot_page[slot] != no_page && s.slot_info[slot].page == no_page) enter(s, slot);
+}
+
+} // namespace
+
+void forget_changes(CutState& s) {
+    s.seen_changes = s.terrain->changes - change_log - 1; // more than the log remembers
+}
+
 void follow_pages(CutState& s) {
     const Terrain& t = *s.terrain;
-    if (s.seen_changes == t.changes) return;
+    const std::uint64_t seen = s.seen_changes, count = t.changes - seen;
+    if (count == 0) return;
     s.seen_changes = t.changes;
-    for (std::uint32_t slot = 0; slot < t.slot_count; ++slot) {
-        const SlotInfo& info = s.slot_info[slot];
-        if (info.page == no_page || (info.page == t.slot_page[slot] && info.loads == t.slot_loads[slot])) continue;
-        // release_page was not asked, or not waited for: the mesh must let go all the same.
-        for (std::uint32_t v = holding(s, slot); v != no_vertex; v = holding(s, slot)) {
-            if (deactivate(s, lowest_below(s, v)) == Outcome::done) continue;
-            // No chunk for triangles that were hidden: then from the coarsest mesh, where all have room.
-            s.seen_changes = t.changes - 1;
-            reset(s);
-            begin_at_roots(s);
-            return;
-        }
-        leave(s, slot);
-    }
-    for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
-        if (t.slot_page[slot] != no_page && s.slot_info[slot].page == no_page) enter(s, slot);
+    const auto logged = [&](std::uint64_t n) { return t.changed_slots[(seen + n) % change_log]; };
+    const bool all = count > change_log;
+    const std::uint64_t end = all ? t.slot_count : count;
+    for (std::uint64_t n = 0; n < end; ++n)
+        if (!let_go(s, all ? static_cast<std::uint32_t>(n) : logged(n))) return;
+    for (std::uint64_t n = 0; n < end; ++n) take_in(s, all ? static_cast<std::uint32_t>(n) : logged(n));
 }
 
 void stop_draining(CutState& s, std::uint32_t slot) {

@@ -5,8 +5,11 @@
 
 namespace fjell {
 
-// Enters every page that is loaded and leaves those that are gone. O(slots) when anything changed since the last call.
+// Enters every page that is loaded and leaves those that are gone. O(changes since the last call), or O(slots) when
+// those were more than the terrain's log remembers.
 void follow_pages(CutState& s);
+// The next call looks at all slots.
+void forget_changes(CutState& s);
 
 // As if nothing were active, for one page.
 void forget_vertices(CutState& s, std::uint32_t slot);

@@ -242,6 +242,7 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     t.slot_page = m.slot_page;
     t.slot_loads = m.slot_loads;
     t.corners = m.corners;
+    t.changed_slots = m.changed_slots;
     t.memory = &m;
     terrain = t;
     return {};
@@ -277,7 +278,7 @@ Status insert_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page, std
     publish_entry(table[page], {slot, m.arrays.base});
     m.slot_page[slot] = tile * terrain.pages_per_tile + page;
     --terrain.pages_missing;
-    ++terrain.changes;
+    m.changed_slots[terrain.changes++ % change_log] = slot;
     return {};
 }
 
@@ -291,7 +292,7 @@ void unload_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page) {
     m.slot_page[slot] = no_page;
     m.free_slots[m.free_count++] = slot;
     ++terrain.pages_missing;
-    ++terrain.changes;
+    m.changed_slots[terrain.changes++ % change_log] = slot;
 }
 
 Status load_terrain(const Pack& pack, std::span<std::byte> block, Terrain& terrain) {
