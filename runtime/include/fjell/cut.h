@@ -86,6 +86,7 @@ struct CutReport {
     std::uint32_t blocked = 0;                          // of those, for want of a capacity
     std::uint32_t rising = 0;                           // vertices activated late that have not reached their height
     std::uint32_t exhausted = 0;                        // CutBudgetBits
+    // Effective: the one that the capacities allow, or what missing pages may hide (Terrain::missing_px) if that is more.
     double error_px_asked = 0, error_px_effective = 0;
     bool converged = false;                 // nothing waits, nothing rises, effective == asked: the screen bound holds
     bool rebuilt = false;                   // by the bulk pass

@@ -94,7 +94,9 @@ struct StreamReport {
     bool converged = false;
     bool maps_converged = false; // every mip too, faded in
     bool complete = false;       // the coarsest page and the smallest mips of every tile are there
-    double missing_px = 0;       // the largest error on screen that a missing page may hide (Terrain::missing_px)
+    // The largest error on screen that a missing page may hide (Terrain::missing_px); 1e7: anything, because an eye is
+    // too near to what is missing, or not all could be looked at.
+    double missing_px = 0;
     double missing_mips = 0;     // levels that the blurriest tile in view lacks
     std::uint32_t exhausted = 0; // StreamBudgetBits
     std::uint32_t pages_wanted = 0;    // missing ones, as far as their parents are there

@@ -148,6 +148,9 @@ void finish(CutState& s) {
     const double use = std::max(static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
                                 static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity);
     (void)govern(s.governor, r.error_px_asked, use, s.short_of != 0, !s.lagging, s.still);
+    // What pages hide that are wanted and not there bounds the screen as a threshold would.
+    r.error_px_effective = std::max(r.error_px_effective, s.terrain->missing_px);
+    r.converged = r.converged && s.terrain->missing_px <= r.error_px_asked;
 }
 
 } // namespace

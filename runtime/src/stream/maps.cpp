@@ -1,0 +1,381 @@
+// Mip streaming. A tile has one size of each map: a layer of the array texture of that size, with all smaller mips. The
+// next larger size needs one mip from the file; the rest is copied from layer to layer on the GPU. Tiles that want
+// less than they have keep it until a layer is needed elsewhere; then they fade to a smaller size first, so that
+// neither coming nor going shows.
+#include "stream/maps.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fjell/texture.h"
+#include "stream/best.h"
+#include "stream/pages.h"
+#include "stream/requests.h"
+
+namespace fjell {
+
+namespace {
+
+constexpr std::uint32_t tiles_a_frame = 512;
+
+ChunkKind chunk_kind(std::uint32_t kind) {
+    return kind == 0 ? ChunkKind::colour : ChunkKind::normal;
+}
+std::uint32_t top_log2(const PackHeader& h, MapKind kind) {
+    return kind == MapKind::colour ? h.colour_log2 : h.normal_log2;
+}
+std::uint64_t block_bytes(MapKind kind) {
+    return kind == MapKind::colour ? colour_block_bytes : normal_block_bytes;
+}
+// One layer of that size with all its mips.
+std::uint64_t layer_bytes(std::uint32_t log2, MapKind kind) {
+    std::uint64_t blocks = 0;
+    for (std::uint32_t side = log2; side >= 2; --side) blocks += blocks_of(1u << side);
+    return blocks * block_bytes(kind);
+}
+
+constexpr std::uint64_t most_layers = 2048; // that every OpenGL 4.5 has
+
+std::uint32_t tail_of(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
+    return std::min(std::max(budget.tail_log2, 2u), top_log2(h, kind));
+}
+std::uint64_t tails_bytes(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
+    if (top_log2(h, kind) == 0) return 0;
+    return std::uint64_t{h.tiles_x} * h.tiles_y * layer_bytes(tail_of(h, budget, kind), kind);
+}
+// All that a kind could use beside its tails.
+std::uint64_t all_bytes(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
+    std::uint64_t bytes = 0;
+    const std::uint64_t layers = std::min(std::uint64_t{h.tiles_x} * h.tiles_y, most_layers);
+    for (std::uint32_t log2 = tail_of(h, budget, kind) + 1; log2 <= top_log2(h, kind); ++log2)
+        bytes += layers * layer_bytes(log2, kind);
+    return bytes;
+}
+
+// What a kind may spend beside its tails: a share by the bytes of one layer, and what the other cannot use.
+std::uint64_t share_of(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
+    const MapKind other = kind == MapKind::colour ? MapKind::normal : MapKind::colour;
+    const std::uint64_t tails = tails_bytes(h, budget, kind) + tails_bytes(h, budget, other);
+    const std::uint64_t left = budget.map_bytes - std::min(budget.map_bytes, tails);
+    const std::uint64_t all = all_bytes(h, budget, kind), others = all_bytes(h, budget, other);
+    const auto weight = [&](MapKind k) {
+        return top_log2(h, k) == 0 ? 0.0 : static_cast<double>(layer_bytes(top_log2(h, k), k));
+    };
+    const double part = weight(kind) / std::max(weight(kind) + weight(other), 1.0);
+    const auto mine = static_cast<std::uint64_t>(static_cast<double>(left) * part), theirs = left - mine;
+    return others < theirs ? std::min(all, left - others) : std::min(all, mine);
+}
+
+} // namespace
+
+MapSlots map_slots(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
+    MapSlots slots;
+    slots.top_log2 = top_log2(h, kind);
+    if (slots.top_log2 == 0) return slots;
+    slots.tail_log2 = tail_of(h, budget, kind);
+    const std::uint64_t tiles = std::uint64_t{h.tiles_x} * h.tiles_y;
+    slots.layers[slots.tail_log2] = static_cast<std::uint32_t>(tiles);
+    std::uint64_t left = share_of(h, budget, kind);
+    for (std::uint32_t log2 = slots.tail_log2 + 1; log2 <= slots.top_log2; ++log2) {
+        const std::uint64_t bytes = layer_bytes(log2, kind), share = left / (slots.top_log2 - log2 + 1);
+        const std::uint64_t layers = std::min({tiles, share / bytes, most_layers});
+        slots.layers[log2] = static_cast<std::uint32_t>(layers);
+        left -= layers * bytes;
+    }
+    return slots;
+}
+
+std::uint64_t map_slot_bytes(const MapSlots& slots, MapKind kind) {
+    std::uint64_t bytes = 0;
+    for (std::uint32_t log2 = 2; log2 <= max_texture_log2; ++log2) bytes += slots.layers[log2] * layer_bytes(log2, kind);
+    return bytes;
+}
+
+void begin_maps(StreamState& s) {
+    for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
+        MapState& m = s.maps[kind];
+        if (m.slots.top_log2 == 0) continue;
+        for (std::uint32_t log2 = m.slots.tail_log2 + 1; log2 <= m.slots.top_log2; ++log2) {
+            MapArray& array = m.arrays[log2];
+            array.count = array.free_count = m.slots.layers[log2];
+            for (std::uint32_t i = 0; i < array.count; ++i) array.free_layers[i] = array.count - 1 - i;
+        }
+        for (std::uint32_t tile = 0; tile < s.tiles; ++tile) {
+            m.tiles[tile] = {};
+            m.tiles[tile].wanted_log2 = static_cast<std::uint8_t>(m.slots.tail_log2);
+            m.shown[tile] = {};
+        }
+    }
+    for (std::uint32_t tile = 0; tile < s.tiles; ++tile) s.tile_box[tile] = tile_box(s, tile);
+}
+
+namespace {
+
+void give_layer(MapState& m, std::uint32_t log2, std::uint32_t layer) {
+    if (log2 <= m.slots.tail_log2) return; // a tile's own
+    MapArray& array = m.arrays[log2];
+    array.free_layers[array.free_count++] = layer;
+}
+
+MapState& map_of(StreamState& s, const Request& r) {
+    return s.maps[r.id.kind == ChunkKind::colour ? 0 : 1];
+}
+std::uint32_t requested_log2(const MapState& m, const Request& r) {
+    return m.slots.top_log2 - r.id.item;
+}
+
+void end_map(StreamState& s, Request& r, bool failed) {
+    MapState& m = map_of(s, r);
+    MapTile& tile = m.tiles[r.id.tile];
+    tile.requested = false;
+    tile.failed = failed;
+    give_layer(m, requested_log2(m, r), r.layer);
+    s.map_tested = 0;
+    set_phase(r, Phase::vacant);
+}
+
+// The blocks stay in the request's room until the next update.
+void show(StreamState& s, Request& r) {
+    MapState& m = map_of(s, r);
+    MapTile& tile = m.tiles[r.id.tile];
+    const std::uint32_t log2 = requested_log2(m, r);
+    s.commands[s.command_count++] = {r.id.kind == ChunkKind::colour ? MapKind::colour : MapKind::normal,
+                                     static_cast<std::uint8_t>(log2),
+                                     tile.size_log2,
+                                     static_cast<std::uint8_t>(r.chunks),
+                                     r.id.tile,
+                                     r.layer,
+                                     tile.layer,
+                                     {r.raw, r.raw_bytes}};
+    TileMap& shown = m.shown[r.id.tile];
+    if (tile.size_log2 == 0)
+        shown.finest = static_cast<float>(m.slots.top_log2 - log2); // nothing to fade from
+    else
+        give_layer(m, tile.size_log2, tile.layer);
+    tile.size_log2 = static_cast<std::uint8_t>(log2);
+    tile.excess /= 2;
+    tile.layer = r.layer;
+    tile.requested = false;
+    shown.layer = tile.layer;
+    shown.side_log2 = tile.size_log2;
+    s.map_tested = 0;
+    set_phase(r, Phase::shown);
+}
+
+} // namespace
+
+void take_maps(StreamState& s) {
+    for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i) {
+        Request& r = s.requests[i];
+        switch (phase_of(r)) {
+        case Phase::ready:
+            if (s.report.mips_taken != 0 && s.report.map_upload_bytes + r.raw_bytes > s.settings.map_bytes) {
+                s.report.exhausted |= stream_upload;
+                break;
+            }
+            ++s.report.mips_taken;
+            s.report.map_upload_bytes += r.raw_bytes;
+            s.bytes_read += r.stored_bytes;
+            s.mips_read += r.chunks;
+            show(s, r);
+            break;
+        case Phase::damaged:
+        case Phase::unreadable:
+            note_failure(s, r.id, r.first_chunk, phase_of(r) == Phase::damaged ? Code::corrupt : Code::unreadable);
+            end_map(s, r, true);
+            break;
+        case Phase::unwanted: end_map(s, r, false); break;
+        default: break;
+        }
+    }
+}
+
+namespace {
+
+float score_of(const MapTile& tile) {
+    return tile.excess * (tile.visible ? 8.0f : 1.0f) + (tile.size_log2 == 0 ? 5e8f : 0.0f);
+}
+
+void look_at(StreamState& s, std::uint32_t index) {
+    const Watch& box = s.tile_box[index];
+    // Pixels that a metre takes, at the nearest point to any eye.
+    double px_m = 0;
+    for (std::uint32_t i = 0; i < s.view_count; ++i)
+        px_m = std::max(px_m, s.views[i].lambda_px / std::max(distance_m(box, s.views[i].eye_m), 1e-3));
+    const Terrain& t = *s.terrain;
+    const double tile_m = static_cast<double>(std::max(t.spacing_x_m, t.spacing_z_m)) * t.tree.side();
+    const bool visible = may_be_seen(s, box);
+    for (MapState& m : s.maps) {
+        if (m.slots.top_log2 == 0) continue;
+        MapTile& tile = m.tiles[index];
+        const auto excess = [&](std::uint32_t log2) {
+            return tile_m / ((1u << log2) - 1) * px_m / s.settings.texel_px;
+        };
+        std::uint32_t wanted = m.slots.tail_log2;
+        while (wanted < m.slots.top_log2 && excess(wanted) > 1) ++wanted;
+        tile.wanted_log2 = static_cast<std::uint8_t>(wanted);
+        tile.visible = visible;
+        tile.excess = static_cast<float>(std::min(excess(std::max<std::uint32_t>(tile.size_log2, 2)), 1e7));
+    }
+}
+
+// The tile that wants its layer of that size least, begins to give it back. False: all want theirs more.
+bool make_room(StreamState& s, MapState& m, std::uint32_t log2, float score) {
+    std::uint32_t least = none;
+    float least_score = score / 2;
+    for (std::uint32_t i = 0; i < s.tiles; ++i) {
+        const MapTile& tile = m.tiles[i];
+        if (tile.size_log2 != log2 || tile.requested) continue;
+        if (tile.lower_log2 != 0) return true; // one is on its way
+        // How much it would lack without it.
+        const float lacks = tile.wanted_log2 < log2 ? 0 : 2 * score_of(tile);
+        if (lacks < least_score) least = i, least_score = lacks;
+    }
+    if (least == none) return false;
+    MapTile& tile = m.tiles[least];
+    std::uint32_t lower = log2 - 1;
+    while (lower > m.slots.tail_log2 && m.arrays[lower].free_count == 0) --lower;
+    tile.reserved = lower == m.slots.tail_log2 ? least : m.arrays[lower].free_layers[--m.arrays[lower].free_count];
+    tile.lower_log2 = static_cast<std::uint8_t>(lower);
+    return true;
+}
+
+// A vacant entry, or one whose offer is wanted less than half as much.
+Request* request_for(StreamState& s, float score) {
+    if (Request* const vacant = vacant_request(s, true)) return vacant;
+    Request* least = nullptr;
+    float least_score = score / 2;
+    for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i) {
+        Request& r = s.requests[i];
+        if (phase_of(r) != Phase::offered || r.score.load(std::memory_order_relaxed) >= least_score) continue;
+        least = &r;
+        least_score = r.score.load(std::memory_order_relaxed);
+    }
+    if (!least || !claim(*least, Phase::vacant)) return nullptr;
+    end_map(s, *least, false);
+    ++s.report.withdrawn;
+    return least;
+}
+
+// full: sizes, by kind, whose layers are all taken and that room is being made for. False: the table is full.
+bool ask_map(StreamState& s, const Candidate& c, std::uint32_t (&full)[map_kinds]) {
+    MapState& m = s.maps[c.kind];
+    MapTile& tile = m.tiles[c.which];
+    const bool tail = tile.size_log2 == 0;
+    const std::uint32_t log2 = tail ? m.slots.tail_log2 : tile.size_log2 + 1u;
+    const ChunkId id{chunk_kind(c.kind), c.which, m.slots.top_log2 - log2};
+    const std::uint64_t chunk = chunk_index(s.pack->header, id);
+    if (has_failed(s, chunk)) {
+        tile.failed = true;
+        return true;
+    }
+    if (!tail && m.arrays[log2].free_count == 0) {
+        if (!(full[c.kind] >> log2 & 1) && !make_room(s, m, log2, c.score)) s.report.exhausted |= stream_map_bytes;
+        full[c.kind] |= 1u << log2;
+        return true;
+    }
+    Request* const r = request_for(s, c.score);
+    if (!r) return false;
+    if (!offer_request(s, *r, id, tail ? m.slots.tail_log2 - 1 : 1, c.score)) {
+        note_failure(s, id, chunk, Code::corrupt);
+        tile.failed = true;
+        return true;
+    }
+    r->layer = tail ? c.which : m.arrays[log2].free_layers[--m.arrays[log2].free_count];
+    tile.requested = true;
+    return true;
+}
+
+void review_maps(StreamState& s) {
+    for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i) {
+        Request& r = s.requests[i];
+        const Phase phase = phase_of(r);
+        if (phase != Phase::offered && phase != Phase::taken) continue;
+        MapState& m = map_of(s, r);
+        const MapTile& tile = m.tiles[r.id.tile];
+        const bool wanted = tile.size_log2 == 0 || tile.wanted_log2 > tile.size_log2;
+        if (!wanted && claim(r, Phase::vacant)) {
+            end_map(s, r, false);
+            ++s.report.withdrawn;
+            continue;
+        }
+        if (wanted) r.score.store(score_of(tile), std::memory_order_relaxed);
+        r.withdrawn.store(!wanted, std::memory_order_relaxed);
+    }
+}
+
+// Moves what is shown towards what is there; a tile that drains gives its layer back when nothing of it shows.
+bool fade(StreamState& s, MapState& m, std::uint32_t index, float step) {
+    MapTile& tile = m.tiles[index];
+    TileMap& shown = m.shown[index];
+    if (tile.size_log2 == 0) return true;
+    const auto target = static_cast<float>(m.slots.top_log2 - (tile.lower_log2 ? tile.lower_log2 : tile.size_log2));
+    shown.finest = shown.finest < target ? std::min(shown.finest + step, target) : std::max(shown.finest - step, target);
+    if (shown.finest != target) return false;
+    if (tile.lower_log2 == 0) return true;
+    if (s.command_count == s.request_count + max_drains) return false;
+    const auto kind = static_cast<MapKind>(&m - s.maps);
+    s.commands[s.command_count++] = {kind,  tile.lower_log2, tile.size_log2, 0,
+                                     index, tile.reserved,   tile.layer,     {}};
+    give_layer(m, tile.size_log2, tile.layer);
+    tile.size_log2 = tile.lower_log2;
+    tile.layer = tile.reserved;
+    tile.lower_log2 = 0;
+    tile.excess *= 2;
+    shown.layer = tile.layer;
+    shown.side_log2 = tile.size_log2;
+    s.map_tested = 0;
+    return true;
+}
+
+} // namespace
+
+namespace {
+
+// Whether the tile has all it wants, and shows it.
+bool satisfied(StreamState& s, std::uint32_t kind, std::uint32_t index, float step, Best& best) {
+    MapState& m = s.maps[kind];
+    const bool faded = fade(s, m, index, step);
+    const MapTile& tile = m.tiles[index];
+    const bool tail = tile.size_log2 == 0;
+    m.tails_missing += tail;
+    if (!tail && tile.wanted_log2 <= tile.size_log2) return faded;
+    const double lacks = tile.wanted_log2 - std::max<int>(tile.size_log2, 2);
+    if (tile.visible) s.report.missing_mips = std::max(s.report.missing_mips, lacks);
+    if (!tile.requested && !tile.failed && tile.lower_log2 == 0) best.offer({index, kind, score_of(tile)});
+    return false;
+}
+
+} // namespace
+
+void want_maps(StreamState& s, double seconds) {
+    if (s.moved) s.map_tested = 0;
+    for (std::uint32_t n = 0; n < tiles_a_frame && s.map_tested < s.tiles; ++n) {
+        look_at(s, s.map_cursor);
+        ++s.map_tested;
+        s.map_cursor = s.map_cursor + 1 == s.tiles ? 0 : s.map_cursor + 1;
+    }
+    review_maps(s);
+    const float step = s.settings.fade_s > 0 ? static_cast<float>(std::max(seconds, 0.0) / s.settings.fade_s) : 1e9f;
+    s.report.maps_converged = s.map_tested >= s.tiles;
+    Best best;
+    for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
+        if (s.maps[kind].slots.top_log2 == 0) continue;
+        s.maps[kind].tails_missing = 0;
+        for (std::uint32_t i = 0; i < s.tiles; ++i)
+            if (!satisfied(s, kind, i, step, best)) s.report.maps_converged = false;
+    }
+    std::uint32_t full[map_kinds] = {};
+    for (std::uint32_t i = 0; i < best.count; ++i)
+        if (!ask_map(s, best.at[i], full)) {
+            s.report.exhausted |= stream_requests;
+            break;
+        }
+}
+
+void forget_failed_maps(StreamState& s) {
+    for (MapState& m : s.maps)
+        for (std::uint32_t i = 0; m.slots.top_log2 != 0 && i < s.tiles; ++i) m.tiles[i].failed = false;
+}
+
+} // namespace fjell

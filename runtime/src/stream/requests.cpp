@@ -1,0 +1,114 @@
+#include "stream/requests.h"
+
+#define ZSTD_STATIC_LINKING_ONLY // a decoder in the caller's memory
+#include <xxhash.h>
+#include <zstd.h>
+
+namespace fjell {
+
+bool offer_request(StreamState& s, Request& r, const ChunkId& id, std::uint32_t chunks, float score) {
+    r.id = id;
+    r.chunks = chunks;
+    r.first_chunk = chunk_index(s.pack->header, id);
+    std::uint64_t end = 0, raw = 0;
+    for (std::uint32_t i = 0; i < chunks; ++i) {
+        const ChunkEntry e = s.pack->entry(r.first_chunk + i);
+        if (i == 0) r.offset = end = e.offset;
+        if (e.offset != end) return false;
+        end += e.stored_bytes;
+        raw += chunk_raw_bytes(s.pack->header, {id.kind, id.tile, id.item + i});
+    }
+    if (end - r.offset > 0xffffffff) return false;
+    r.stored_bytes = static_cast<std::uint32_t>(end - r.offset);
+    r.raw_bytes = static_cast<std::uint32_t>(raw);
+    r.score.store(score, std::memory_order_relaxed);
+    r.withdrawn.store(false, std::memory_order_relaxed);
+    const std::uint32_t generation = (r.state.load(std::memory_order_relaxed) >> 3) + 1;
+    r.state.store(generation << 3 | static_cast<std::uint32_t>(Phase::offered), std::memory_order_release);
+    return true;
+}
+
+Request* vacant_request(StreamState& s, bool map) {
+    const std::uint32_t begin = map ? s.budget.page_requests : 0,
+                        end = map ? s.request_count : s.budget.page_requests;
+    for (std::uint32_t i = begin; i < end; ++i)
+        if (phase_of(s.requests[i]) == Phase::vacant) return &s.requests[i];
+    return nullptr;
+}
+
+namespace {
+
+// Tickets: the entry's number + 1 in the low bits, its generation above.
+constexpr std::uint32_t ticket_bits = 9;
+static_assert(max_requests < (1u << ticket_bits));
+
+std::uint32_t ticket_of(std::uint32_t index, std::uint32_t state) {
+    return (state >> 3) << ticket_bits | (index + 1);
+}
+
+// The entry that the client holds, or nullptr.
+Request* taken(Stream stream, std::uint32_t ticket) {
+    StreamState& s = *stream.state;
+    const std::uint32_t index = (ticket & ((1u << ticket_bits) - 1)) - 1;
+    if (index >= s.request_count) return nullptr;
+    Request& r = s.requests[index];
+    const std::uint32_t state = r.state.load(std::memory_order_acquire);
+    if ((state & 7) != static_cast<std::uint32_t>(Phase::taken) || ticket_of(index, state) != ticket) return nullptr;
+    return &r;
+}
+
+} // namespace
+
+bool next_request(Stream stream, StreamRequest& request) {
+    StreamState& s = *stream.state;
+    for (;;) {
+        std::uint32_t best = none;
+        float most = -1;
+        for (std::uint32_t i = 0; i < s.request_count; ++i) {
+            if (phase_of(s.requests[i]) != Phase::offered) continue;
+            const float score = s.requests[i].score.load(std::memory_order_relaxed);
+            if (score > most) most = score, best = i;
+        }
+        if (best == none) return false;
+        Request& r = s.requests[best];
+        if (!claim(r, Phase::taken)) continue; // withdrawn in between
+        request = {ticket_of(best, r.state.load(std::memory_order_relaxed)), r.id, r.chunks, r.offset, r.stored_bytes};
+        return true;
+    }
+}
+
+bool still_wanted(Stream stream, std::uint32_t ticket) {
+    const Request* const r = taken(stream, ticket);
+    return r != nullptr && !r->withdrawn.load(std::memory_order_relaxed);
+}
+
+Status provide(Stream stream, std::uint32_t ticket, std::span<const std::byte> stored) {
+    StreamState& s = *stream.state;
+    Request* const r = taken(stream, ticket);
+    if (r == nullptr) return {Code::out_of_range, "ticket"};
+    const auto damaged = [&] {
+        set_phase(*r, Phase::damaged);
+        return Status{Code::corrupt, r->id.kind == ChunkKind::geometry ? "geometry page" : "map"};
+    };
+    if (stored.size() != r->stored_bytes) return damaged();
+    std::size_t raw = 0;
+    for (std::uint32_t i = 0; i < r->chunks; ++i) {
+        const ChunkEntry e = s.pack->entry(r->first_chunk + i);
+        const auto bytes = stored.subspan(e.offset - r->offset, e.stored_bytes);
+        if (e.raw_bytes > r->raw_bytes - raw || XXH3_64bits(bytes.data(), bytes.size()) != e.hash) return damaged();
+        const std::size_t written =
+            ZSTD_decompressDCtx(s.zstd, r->raw + raw, r->raw_bytes - raw, bytes.data(), bytes.size());
+        if (ZSTD_isError(written) || written != e.raw_bytes) return damaged();
+        raw += written;
+    }
+    r->raw_bytes = static_cast<std::uint32_t>(raw);
+    set_phase(*r, Phase::ready);
+    return {};
+}
+
+void fail(Stream stream, std::uint32_t ticket, bool unwanted) {
+    Request* const r = taken(stream, ticket);
+    if (r != nullptr) set_phase(*r, unwanted ? Phase::unwanted : Phase::unreadable);
+}
+
+} // namespace fjell

@@ -1,0 +1,32 @@
+// The table through which the frame's thread and the client speak. No locks: each entry has one owner at a time, and its
+// state says who; what an owner wrote before it gave the entry away, the next one sees.
+#pragma once
+
+#include "stream/state.h"
+
+namespace fjell {
+
+[[nodiscard]] inline Phase phase_of(const Request& r) {
+    return static_cast<Phase>(r.state.load(std::memory_order_acquire) & 7);
+}
+// By the owner.
+inline void set_phase(Request& r, Phase phase) {
+    const std::uint32_t state = r.state.load(std::memory_order_relaxed);
+    r.state.store((state & ~7u) | static_cast<std::uint32_t>(phase), std::memory_order_release);
+}
+// Between offered and what follows: false when the other thread was first.
+[[nodiscard]] inline bool claim(Request& r, Phase phase) {
+    std::uint32_t state = r.state.load(std::memory_order_acquire);
+    if ((state & 7) != static_cast<std::uint32_t>(Phase::offered)) return false;
+    return r.state.compare_exchange_strong(state, (state & ~7u) | static_cast<std::uint32_t>(phase),
+                                           std::memory_order_acq_rel);
+}
+
+// Fills a vacant entry for `chunks` chunks from `id` on and offers it. False: they do not lie one after the other, or
+// are larger than the entry's room.
+[[nodiscard]] bool offer_request(StreamState& s, Request& r, const ChunkId& id, std::uint32_t chunks, float score);
+
+// A vacant entry for a page or a map, or nullptr.
+[[nodiscard]] Request* vacant_request(StreamState& s, bool map);
+
+} // namespace fjell

@@ -1,0 +1,150 @@
+// Pages that are streamed by a client that may be late, wrong, or silent.
+#include <catch2/catch.hpp>
+
+#include "support/stream_scene.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+// Terrains of several pages a tile and several tiles.
+host::LoadedPack paged_terrain(Random& random, bool with_holes = true) {
+    const int log2 = pick(random, 6, 8), most = (512 >> pick(random, 0, 2)) + pick(random, 0, 70);
+    baker::Dem dem = random_dem(random, pick(random, 70, most), pick(random, 70, most),
+                                pick(random, 0, 3) ? Shape::fractal : Shape::noise);
+    if (with_holes && pick(random, 0, 3) == 0) add_random_holes(random, dem, log2);
+    baker::BakeOptions options = small_bake(log2);
+    options.order = pick(random, 0, 2) == 0 ? Order::hierarchical_z : Order::planar;
+    return bake_and_load(std::move(dem), options);
+}
+
+std::uint32_t random_slots(Random& random, const Terrain& full) {
+    const auto least = static_cast<int>(full.tile_count()), all = static_cast<int>(full.page_count());
+    switch (pick(random, 0, 5)) {
+    case 0: return static_cast<std::uint32_t>(least);
+    case 1: return static_cast<std::uint32_t>(all);
+    default: return static_cast<std::uint32_t>(pick(random, std::min(least + 2, all), least + (all - least) / 2));
+    }
+}
+
+// What the stream says of missing pages is true of the cut at rest: whatever is wanted at a threshold above theirs is
+// active, and when it says that nothing is missing, exactly what is wanted.
+std::string check_promise(Streamed& on, const Terrain& full, std::span<const View> views, const CutReport& cut,
+                          const StreamReport& stream, const CutSettings& settings) {
+    if (cut.converged && !stream.converged) return "the cut has converged on a terrain that has not";
+    if (cut.waiting != 0 || cut.error_px_effective > std::max(settings.error_px, stream.missing_px)) return {};
+    const VertexSet active = active_set(on.cut);
+    if (stream.converged)
+        return difference(active, target_set(full, full, views, settings.error_px, settings.corner_safe));
+    if (stream.missing_px >= 1e7) return {}; // of an eye inside the sphere of what is missing nothing can be said
+    const double px = stream.missing_px * (1 + 1e-6);
+    if (!contains(active, target_set(full, full, views, px, settings.corner_safe)))
+        return "something wanted at the threshold of the missing pages is not active";
+    return {};
+}
+
+struct Flight {
+    int rounds, frames;
+    ClientScript script;
+    bool rests; // converges in the end, or says what it lacks
+};
+
+struct Seen {
+    std::uint64_t removed = 0, converged = 0, limited = 0, failed = 0, lost = 0, declined = 0, withdrawn = 0;
+};
+
+Seen fly(std::uint32_t seed, const Flight& flight) {
+    Random random(seed);
+    Seen seen;
+    for (int round = 0; round < flight.rounds; ++round) {
+        const auto pack = paged_terrain(random);
+        StreamBudget budget;
+        budget.page_requests = static_cast<std::uint32_t>(pick(random, 1, 40));
+        const std::uint32_t slots = random_slots(random, pack.terrain);
+        const auto count = static_cast<std::uint32_t>(pick(random, 1, 3));
+        Streamed on(pack.pack, slots, budget, count);
+        ScriptedClient client(random, on, flight.script);
+        std::vector<View> views;
+        for (std::uint32_t i = 0; i < count; ++i) views.push_back(random_view(random, pack.terrain));
+        CutSettings settings;
+        settings.error_px = std::pow(10.0, uniform(random, 0, 2.5));
+        settings.corner_safe = pick(random, 0, 4) == 0;
+        StreamSettings stream_settings;
+        stream_settings.pages = static_cast<std::uint32_t>(pick(random, 1, 12));
+        stream_settings.lookahead_s = pick(random, 0, 1) ? 0.5 : 0;
+        for (int frame = 0; frame < flight.frames; ++frame) {
+            if (pick(random, 0, 7) == 0) views[0] = random_view(random, pack.terrain);
+            for (View& view : views) view = moved(random, view, random_step_m(random, pack.terrain));
+            settings.items = pick(random, 0, 2) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 0, 99));
+            stream_settings.tests = pick(random, 0, 5) ? 1u << 16 : static_cast<std::uint32_t>(pick(random, 1, 99));
+            stream_settings.now_s += 1.0 / 60;
+            client.act();
+            const StreamReport stream = on.update(views, settings, stream_settings);
+            client.follow();
+            const CutReport report = on.cut.update(views, settings);
+            CAPTURE(round, frame, slots, count, settings.error_px, settings.items, stream.missing_px);
+            REQUIRE(check_stream(on) == "");
+            REQUIRE(check_frame(on.cut, pack.terrain, report, settings) == "");
+            REQUIRE(check_promise(on, pack.terrain, views, report, stream, settings) == "");
+            REQUIRE(client.read_twice == 0);
+            for (const PageArrival& a : page_arrivals(on.stream)) seen.removed += a.event == PageEvent::removed;
+            seen.withdrawn += stream.withdrawn;
+            seen.failed += stream_failures(on.stream).size();
+        }
+        settings.items = unlimited_items;
+        stream_settings.tests = 1u << 16;
+        StreamReport stream;
+        CutReport report;
+        std::uint64_t read = 0;
+        int quiet = 0; // frames in which nothing came, went or was asked for
+        for (int frame = 0; quiet < 20 && frame < 3000; ++frame) {
+            client.act();
+            stream = on.update(views, settings, stream_settings);
+            client.follow();
+            report = on.cut.update(views, settings);
+            const bool rests = page_arrivals(on.stream).empty() && stream.pages_read == read && stream.requested == 0;
+            quiet = rests ? quiet + 1 : 0;
+            read = stream.pages_read;
+        }
+        CAPTURE(round, slots, pack.terrain.page_count(), settings.error_px, stream.missing_px, stream.requested);
+        REQUIRE(check_frame(on.cut, pack.terrain, report, settings) == "");
+        REQUIRE(check_promise(on, pack.terrain, views, report, stream, settings) == "");
+        seen.converged += stream.converged;
+        seen.limited += (stream.exhausted & stream_page_slots) != 0;
+        seen.lost += client.lost;
+        seen.declined += client.declined;
+        if (!flight.rests) continue;
+        REQUIRE(quiet == 20); // it does not push pages around for ever
+        REQUIRE((stream.converged || (stream.exhausted & stream_page_slots) != 0));
+        REQUIRE(report.converged == stream.converged);
+        if (!stream.converged) REQUIRE(report.error_px_effective == stream.missing_px);
+    }
+    return seen;
+}
+
+} // namespace
+
+TEST_CASE("pages that come late and go leave a whole mesh that keeps its promise, and it converges at rest") {
+    const Seen seen = fly(301, {24, 60, {.most_delay = 10, .most_taken = 4}, true});
+    CAPTURE(seen.removed, seen.converged, seen.limited, seen.declined, seen.withdrawn);
+    REQUIRE(seen.removed > 15);
+    REQUIRE(seen.converged > 3);
+    REQUIRE(seen.limited > 3);
+    REQUIRE(seen.declined > 15);
+    REQUIRE(seen.withdrawn > 3);
+}
+
+TEST_CASE("reads that fail, bring garbage or are cut short are reported once each and leave a whole mesh") {
+    const Seen seen = fly(302, {12, 60, {.fails = 0.05, .garbage = 0.05, .short_reads = 0.05, .most_delay = 10}, false});
+    CAPTURE(seen.failed, seen.removed);
+    REQUIRE(seen.failed > 20);
+    REQUIRE(seen.removed > 5);
+}
+
+TEST_CASE("reads that never return leave a whole mesh, and what does return is used") {
+    const Seen seen = fly(303, {16, 60, {.never = 0.05, .most_delay = 10}, false});
+    CAPTURE(seen.lost, seen.removed);
+    REQUIRE(seen.lost > 10);
+    REQUIRE(seen.removed > 10);
+}

@@ -1,0 +1,61 @@
+// A stream over a terrain, with a client that answers late, wrongly, or never, as a script of random numbers says.
+#pragma once
+
+#include <map>
+#include <set>
+#include <vector>
+
+#include "fjell/stream.h"
+#include "stream/state.h"
+#include "support/cut_scene.h"
+
+namespace fjell::test {
+
+// What a client does with what it is asked for, in shares of 1; the rest is answered well.
+struct ClientScript {
+    double fails = 0, garbage = 0, short_reads = 0, never = 0;
+    int most_delay = 0; // frames
+    int most_taken = 8; // requests a frame
+};
+
+// A stream with its terrain, cut and blocks over a pack in memory.
+struct Streamed {
+    Streamed(const Pack& source, std::uint32_t page_slots, const StreamBudget& budget = {}, std::uint32_t views = 1);
+    Streamed(const Pack& source, const CutBudget& cut_budget, std::uint32_t page_slots, const StreamBudget& budget);
+    StreamReport update(std::span<const View> views, const CutSettings& cut_settings, const StreamSettings& settings);
+    [[nodiscard]] StreamState& state() { return *stream.state; }
+    const Pack& pack;
+    PagedTerrain paged;
+    Cut cut;
+    host::AlignedBlock block;
+    Stream stream;
+};
+
+// The client's side in the frame's thread. Keeps account of what was read, so that nothing may be read twice without
+// having been given up in between.
+struct ScriptedClient {
+    ScriptedClient(Random& numbers, Streamed& streamed, const ClientScript& what);
+    // Once a frame, before the update: answers what is due, then takes more.
+    void act();
+    // After the update: which pages went.
+    void follow();
+    [[nodiscard]] bool idle() const { return held.empty(); }
+
+    struct Held {
+        StreamRequest request;
+        int due;
+    };
+    Random& random;
+    Streamed& on;
+    ClientScript script;
+    std::vector<Held> held;
+    std::set<std::pair<std::uint32_t, std::uint32_t>> there; // pages
+    std::vector<ChunkId> broken;                             // answered with what is no page
+    std::uint64_t taken = 0, answered = 0, declined = 0, lost = 0, read_twice = 0;
+    int frame = 0;
+};
+
+// Empty when what the stream keeps of its pages agrees with itself and with the terrain.
+[[nodiscard]] std::string check_stream(Streamed& streamed);
+
+} // namespace fjell::test
