@@ -136,8 +136,8 @@ void add_poll(FrameEntry& frame, const FrameEntry& poll) {
                              &FrameEntry::evaluations, &FrameEntry::activations, &FrameEntry::deactivations})
         sum(field);
     // As much as all of them were allowed: each keeps to its own.
-    frame.item_limit = before.item_limit > unlimited_items - poll.item_limit ? unlimited_items
-                                                                             : before.item_limit + poll.item_limit;
+    frame.item_limit =
+        before.item_limit > unlimited_items - poll.item_limit ? unlimited_items : before.item_limit + poll.item_limit;
     sum(&FrameEntry::upload_bytes);
     const auto sum_stream = [&](auto field) { frame.stream.*field += before.stream.*field; };
     for (const auto field : {&StreamReport::pages_taken, &StreamReport::mips_taken, &StreamReport::withdrawn})
@@ -313,30 +313,30 @@ json maybe(const std::optional<T>& value) {
 json stream_json(const StreamSummary& s) {
     if (!s.streamed) return nullptr;
     const StreamReport& r = s.last;
-    return {{"coarse_s", maybe(s.coarse_s)},
-            {"first_picture_s", maybe(s.picture_s)},
-            {"first_picture_frame", maybe(s.picture_frame)},
-            {"converged_frames", s.converged},
-            {"maps_converged_frames", s.maps_converged},
-            {"missing_px_max", s.missing_px_max},
-            {"missing_mips_max", s.missing_mips_max},
-            {"pages_read", r.pages_read},
-            {"pages_taken", s.pages_taken},
-            {"pages_wanted_max", s.pages_wanted_max},
-            {"pages_left_max", s.pages_left_max},
-            {"pages_draining_max", s.draining_max},
-            {"mips_read", r.mips_read},
-            {"mips_taken", s.mips_taken},
-            {"mips_left_max", s.mips_left_max},
-            {"requested_max", s.requested_max},
-            {"withdrawn", s.withdrawn},
-            {"failed", r.failed},
-            {"bytes_read", r.bytes_read},
-            {"map_upload_bytes", s.upload_bytes},
-            {"page_slots",
-             {{"used", r.page_slots.used}, {"peak", r.page_slots.peak}, {"capacity", r.page_slots.capacity}}},
-            {"map_bytes", {{"used", r.map_bytes_used}, {"peak", s.map_bytes_max}, {"capacity", r.map_bytes_capacity}}},
-            {"update_us", times_json(s.update_us, s.update_us_mean)}};
+    return {
+        {"coarse_s", maybe(s.coarse_s)},
+        {"first_picture_s", maybe(s.picture_s)},
+        {"first_picture_frame", maybe(s.picture_frame)},
+        {"converged_frames", s.converged},
+        {"maps_converged_frames", s.maps_converged},
+        {"missing_px_max", s.missing_px_max},
+        {"missing_mips_max", s.missing_mips_max},
+        {"pages_read", r.pages_read},
+        {"pages_taken", s.pages_taken},
+        {"pages_wanted_max", s.pages_wanted_max},
+        {"pages_left_max", s.pages_left_max},
+        {"pages_draining_max", s.draining_max},
+        {"mips_read", r.mips_read},
+        {"mips_taken", s.mips_taken},
+        {"mips_left_max", s.mips_left_max},
+        {"requested_max", s.requested_max},
+        {"withdrawn", s.withdrawn},
+        {"failed", r.failed},
+        {"bytes_read", r.bytes_read},
+        {"map_upload_bytes", s.upload_bytes},
+        {"page_slots", {{"used", r.page_slots.used}, {"peak", r.page_slots.peak}, {"capacity", r.page_slots.capacity}}},
+        {"map_bytes", {{"used", r.map_bytes_used}, {"peak", s.map_bytes_max}, {"capacity", r.map_bytes_capacity}}},
+        {"update_us", times_json(s.update_us, s.update_us_mean)}};
 }
 
 } // namespace

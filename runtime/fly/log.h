@@ -53,9 +53,9 @@ struct FrameEntry {
     // Of a streamed flight; update_us is the method's alone.
     bool streamed = false;
     StreamReport stream;
-    double stream_us = 0;  // of update_stream
-    double missing_px = 0; // Terrain::missing_px: what missing pages may hide, in pixels
-    double at_s = 0;       // when the frame was done, from the flight's start
+    double stream_us = 0;    // of update_stream
+    double missing_px = 0;   // Terrain::missing_px: what missing pages may hide, in pixels
+    double at_s = 0;         // when the frame was done, from the flight's start
     std::uint32_t polls = 1; // updates that it took; more with --wait
 };
 // What the stream's update of this frame said.
@@ -118,7 +118,8 @@ struct Summary {
 };
 [[nodiscard]] Summary summarise(const FlightLog& log, bool incremental);
 
-// "vertices", "indices", "triangles", "items", "time", "page_slots", "map_bytes", "stream_pages", ...: the budgets named by ExhaustedBits.
+// "vertices", "indices", "triangles", "items", "time", "page_slots", "map_bytes", "stream_pages", ...: the budgets
+// named by ExhaustedBits.
 [[nodiscard]] std::vector<std::string> budget_names(std::uint32_t exhausted);
 
 // frame,update_us,vertices,triangles,tiles,written,error_px_asked,error_px_effective,exhausted,converged,verified_px,

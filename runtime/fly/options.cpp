@@ -104,7 +104,8 @@ void declare_streaming(CLI::App& app, Options& o, Flags& f) {
     app.add_option("--read-mb-s", o.read_mb_s, "read no faster, to see what a slower disk does; 0 (default): no limit")
         ->check(within(0, 1e6))
         ->group(group);
-    app.add_option("--read-latency-ms", o.read_latency_ms, "wait before every read; 0 (default): no longer than it takes")
+    app.add_option("--read-latency-ms", o.read_latency_ms,
+                   "wait before every read; 0 (default): no longer than it takes")
         ->check(within(0, 10000))
         ->group(group);
     app.add_flag("--cold", o.cold, "ask the system to forget what it keeps of the pack, before the flight")
@@ -121,7 +122,8 @@ void declare_outputs(CLI::App& app, Options& o, Flags& f) {
         ->check(CLI::Range(std::size_t{1}, most_frames));
     app.add_option("--mode", f.mode, "pictures shaded (default), with wireframe, or coloured by tree level")
         ->check(CLI::IsMember({"shaded", "wire", "levels"}));
-    app.add_option("--verify", o.verify_every, "every N frames, measure the error at every sample; loads a streamed pack whole beside it")
+    app.add_option("--verify", o.verify_every,
+                   "every N frames, measure the error at every sample; loads a streamed pack whole beside it")
         ->check(CLI::Range(std::size_t{1}, most_frames));
 }
 
@@ -169,6 +171,7 @@ void apply(const Flags& f, Options& o) {
     if (f.corner_safe) refine.corner_safe = true;
     o.streaming = f.stream == "on" ? Streaming::on : f.stream == "off" ? Streaming::off : Streaming::automatic;
     if (!f.size.empty()) parse_size(f.size, o.profile);
+    if (o.wait) o.profile.stream.fade_s = o.profile.stream.lookahead_s = 0; // time stands still, nothing lies ahead
     o.mode = f.mode == "wire" ? PictureMode::wire : f.mode == "levels" ? PictureMode::levels : PictureMode::shaded;
     o.seeded = f.seed.has_value();
     o.seed = f.seed.value_or(0);

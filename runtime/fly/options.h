@@ -26,10 +26,10 @@ struct Options {
     bool limited = false;   // --items or --budget-us bounds the first frame too
     bool headless = false;
     Streaming streaming = Streaming::automatic;
-    bool realtime = false;                       // headless frames at hz
-    bool wait = false;                           // headless frames until all is there
-    double read_mb_s = 0, read_latency_ms = 0;   // a slower disk than there is; 0: as it is
-    bool cold = false;                           // the system forgets the file first
+    bool realtime = false;                     // headless frames at hz
+    bool wait = false;                         // headless frames until all is there
+    double read_mb_s = 0, read_latency_ms = 0; // a slower disk than there is; 0: as it is
+    bool cold = false;                         // the system forgets the file first
     std::string csv, json;
     std::string record, replay; // of the incremental method (fly/record.h)
     std::vector<Export> exports;
