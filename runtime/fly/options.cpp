@@ -35,7 +35,7 @@ CLI::Validator within(double least, double most) {
 struct Flags {
     std::optional<double> error_px, fov_deg, budget_us, hysteresis;
     std::optional<std::uint32_t> items;
-    std::string method, morph, metric, topology, cull, size, mode = "shaded";
+    std::string method, morph, metric, topology, cull, size, mode = "shaded", stream = "auto";
     bool corner_safe = false;
     std::vector<std::string> exports;
     std::optional<std::uint64_t> seed;
@@ -91,6 +91,27 @@ void declare_methods(CLI::App& app, Options& o, Flags& f) {
         ->group(recursive);
 }
 
+void declare_streaming(CLI::App& app, Options& o, Flags& f) {
+    const char* const group = "Streaming";
+    app.add_option("--stream", f.stream,
+                   "read pages and maps when the views want them; auto (default): when the pack has more pages than "
+                   "[stream] page_slots of the profile")
+        ->check(CLI::IsMember({"on", "off", "auto"}))
+        ->group(group);
+    app.add_flag("--wait", o.wait, "headless: every frame waits for all that its view wants, so pictures are complete")
+        ->group(group);
+    app.add_flag("--realtime", o.realtime, "headless: one frame every 1/hz seconds, as in a window")->group(group);
+    app.add_option("--read-mb-s", o.read_mb_s, "read no faster, to see what a slower disk does; 0 (default): no limit")
+        ->check(within(0, 1e6))
+        ->group(group);
+    app.add_option("--read-latency-ms", o.read_latency_ms,
+                   "wait before every read; 0 (default): no longer than it takes")
+        ->check(within(0, 10000))
+        ->group(group);
+    app.add_flag("--cold", o.cold, "ask the system to forget what it keeps of the pack, before the flight")
+        ->group(group);
+}
+
 void declare_outputs(CLI::App& app, Options& o, Flags& f) {
     app.add_option("--csv", o.csv, "one line a frame; - for standard output");
     app.add_option("--json", o.json, "a summary for scripts; - for standard output");
@@ -103,7 +124,8 @@ void declare_outputs(CLI::App& app, Options& o, Flags& f) {
                    "pictures shaded (default), with wireframe, or coloured by tree level, tile, mip, loaded step of "
                    "geometry, or distance")
         ->check(CLI::IsMember(std::vector<std::string>(std::begin(picture_mode_names), std::end(picture_mode_names))));
-    app.add_option("--verify", o.verify_every, "every N frames, measure the error at every sample")
+    app.add_option("--verify", o.verify_every,
+                   "every N frames, measure the error at every sample; loads a streamed pack whole beside it")
         ->check(CLI::Range(std::size_t{1}, most_frames));
 }
 
@@ -149,7 +171,9 @@ void apply(const Flags& f, Options& o) {
     if (!f.topology.empty()) refine.topology = f.topology == "strip" ? Topology::strip : Topology::triangles;
     if (!f.cull.empty()) refine.cull = f.cull == "on";
     if (f.corner_safe) refine.corner_safe = true;
+    o.streaming = f.stream == "on" ? Streaming::on : f.stream == "off" ? Streaming::off : Streaming::automatic;
     if (!f.size.empty()) parse_size(f.size, o.profile);
+    if (o.wait) o.profile.stream.fade_s = o.profile.stream.lookahead_s = 0; // time stands still, nothing lies ahead
     for (int i = 0; i < picture_modes; ++i)
         if (f.mode == picture_mode_names[i]) o.mode = static_cast<PictureMode>(i);
     o.seeded = f.seed.has_value();
@@ -183,6 +207,9 @@ void check_together(const Options& o) {
     if (o.seeded && !o.path.empty()) throw Failure(2, "--seed and --path exclude each other; give one of them");
     if (!o.headless && !o.render_folder.empty()) throw Failure(2, "--render needs --headless");
     if (!o.headless && !o.exports.empty()) throw Failure(2, "--export needs --headless");
+    if (!o.headless && o.wait) throw Failure(2, "--wait needs --headless: a window never waits");
+    if (!o.headless && o.realtime) throw Failure(2, "--realtime needs --headless: a window always is");
+    if (o.wait && o.realtime) throw Failure(2, "--wait and --realtime exclude each other; give one of them");
     if (o.render_folder.empty() && o.render_every != 1) throw Failure(2, "--render-every needs --render DIR");
     if (!o.record.empty() && o.profile.method != Method::incremental)
         throw Failure(2, "--record needs --method incremental: the recursive method keeps nothing to repeat");
@@ -191,6 +218,9 @@ void check_together(const Options& o) {
         if (!o.path.empty() || o.seeded || o.frames || !o.record.empty() || !o.exports.empty())
             throw Failure(
                 2, "--replay repeats a flight as it was: leave out --path, --seed, --frames, --record, --export");
+        if (o.streaming == Streaming::on || o.wait || o.cold || o.read_mb_s > 0 || o.read_latency_ms > 0)
+            throw Failure(2, "--replay repeats the page arrivals that were recorded and streams nothing: leave out "
+                             "--stream, --wait, --cold, --read-mb-s, --read-latency-ms");
         if (o.profile.method != Method::incremental)
             throw Failure(2, "--replay needs --method incremental: that is what was recorded");
     }
@@ -207,6 +237,7 @@ bool parse_options(int argc, char** argv, Options& options) {
     app.set_version_flag("--version", fmt::format("fjell-fly, pack version {}", pack_version));
     declare_flight(app, options, flags);
     declare_methods(app, options, flags);
+    declare_streaming(app, options, flags);
     declare_outputs(app, options, flags);
     try {
         app.parse(argc, argv);

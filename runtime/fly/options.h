@@ -10,6 +10,8 @@
 
 namespace fjell::fly {
 
+enum class Streaming : std::uint8_t { automatic, on, off }; // automatic: when the pack has more pages than page slots
+
 enum class PictureMode : std::uint8_t { shaded, wire, levels, tiles, mips, residency, distance };
 inline constexpr const char* picture_mode_names[] = {"shaded", "wire",      "levels",  "tiles",
                                                      "mips",   "residency", "distance"};
@@ -27,6 +29,11 @@ struct Options {
     Profile profile;        // with the flags applied
     bool limited = false;   // --items or --budget-us bounds the first frame too
     bool headless = false;
+    Streaming streaming = Streaming::automatic;
+    bool realtime = false;                     // headless frames at hz
+    bool wait = false;                         // headless frames until all is there
+    double read_mb_s = 0, read_latency_ms = 0; // a slower disk than there is; 0: as it is
+    bool cold = false;                         // the system forgets the file first
     std::string csv, json;
     std::string record, replay; // of the incremental method (fly/record.h)
     std::vector<Export> exports;

@@ -94,8 +94,42 @@ json pack_json(const Session& session) {
             {"file_bytes", h.file_bytes},
             {"pack_hash", fmt::format("{:016x}", h.directory_hash)},
             {"load_seconds", session.load_seconds},
-            {"terrain_bytes", terrain_bytes(h)},
+            {"terrain_bytes", session.terrain_bytes},
             {"method_bytes", session.block_bytes}};
+}
+
+// What the frames do not know of streaming: where the memory is, and what the reader did.
+void add_stream(json& j, const Options& o, const Session& session) {
+    j["pages_requested"] = 0; // the pack was loaded whole
+    j["textures_requested"] = 0;
+    j["streamed"] = session.streamed != nullptr;
+    if (!session.streamed) return;
+    const host::StreamReaderCounters r = session.streamed->reader();
+    std::uint64_t map_bytes = 0;
+    for (const MapKind kind : {MapKind::colour, MapKind::normal})
+        map_bytes += map_slot_bytes(stream_map_slots(session.streamed->stream(), kind), kind);
+    j["pages_requested"] = r.pages;
+    j["textures_requested"] = r.mips;
+    j["stream"]["reader"] = {{"reads", r.reads},         {"bytes", r.bytes},     {"unwanted", r.unwanted},
+                             {"errors", r.errors},       {"damaged", r.damaged}, {"read_s", r.read_s},
+                             {"provide_s", r.provide_s}, {"mb_s", o.read_mb_s},  {"latency_ms", o.read_latency_ms}};
+    j["stream"]["memory_bytes"] = {{"terrain", session.terrain_bytes},
+                                   {"method", session.block_bytes},
+                                   {"stream", session.streamed->block_bytes()},
+                                   {"maps_on_gpu", map_bytes}};
+    const StreamBudget& b = o.profile.stream_budget;
+    const StreamSettings& s = o.profile.stream;
+    j["stream"]["budget"] = {{"page_slots", o.profile.page_slots},
+                             {"page_requests", b.page_requests},
+                             {"map_requests", b.map_requests},
+                             {"map_bytes", b.map_bytes},
+                             {"tail_log2", b.tail_log2},
+                             {"texel_px", s.texel_px},
+                             {"lookahead_s", s.lookahead_s},
+                             {"fade_s", s.fade_s},
+                             {"pages", s.pages},
+                             {"tests", s.tests},
+                             {"map_upload_bytes", s.map_bytes}};
 }
 
 json flight_json(const Options& o, const Session& session, const CameraPath& path, const Summary& summary,
@@ -118,14 +152,36 @@ json flight_json(const Options& o, const Session& session, const CameraPath& pat
     j["seed"] = o.seeded ? json(o.seed) : json();
     j["verified_ok"] = summary.verified ? json(!v.exceeded) : json();
     j["pack"] = pack_json(session);
+    add_stream(j, o, session);
     return j;
+}
+
+std::string row(const char* name, const std::string& value) {
+    return fmt::format("{:<22} {}\n", name, value);
+}
+
+std::string stream_rows(const Summary& summary) {
+    const StreamSummary& s = summary.stream;
+    const StreamReport& r = s.last;
+    std::string text =
+        row("streamed", fmt::format("{} pages and {} mips, {:.1f} MB; {} frames had all they wanted", r.pages_read,
+                                    r.mips_read, static_cast<double>(r.bytes_read) / 1e6, s.converged));
+    text += row("stream update [us]", fmt::format("{:.0f} mean, {:.0f} p50, {:.0f} p99, {:.0f} max", s.update_us_mean,
+                                                  s.update_us.p50, s.update_us.p99, s.update_us.max));
+    text += row("page slots",
+                fmt::format("{} used, {} peak, {} there", r.page_slots.used, r.page_slots.peak, r.page_slots.capacity));
+    if (s.picture_s)
+        text +=
+            row("first whole picture", fmt::format("{:.2f} s after opening, frame {}", *s.picture_s, *s.picture_frame));
+    if (const std::uint32_t wanting = summary.exhausted & (exhausted_page_slots | exhausted_map_bytes))
+        text += row("coarser for want of", fmt::format("{}; raise them in [stream] of the profile",
+                                                       fmt::join(budget_names(wanting), " and ")));
+    return text;
 }
 
 std::string table(const Options& o, const Summary& s, const Verification& v) {
     std::string text;
-    const auto row = [&](const char* name, const std::string& value) {
-        text += fmt::format("{:<22} {}\n", name, value);
-    };
+    const auto row = [&](const char* name, const std::string& value) { text += fly::row(name, value); };
     row("frames",
         fmt::format("{}, {} of them converged; threshold {:g} px", s.frames, s.converged, o.profile.refine.error_px));
     row("update [us]", fmt::format("{:.0f} mean, {:.0f} p50, {:.0f} p99, {:.0f} max", s.update_us_mean, s.update_us.p50,
@@ -141,14 +197,15 @@ std::string table(const Options& o, const Summary& s, const Verification& v) {
     }
     row("tiles drawn", fmt::format("{:.0f} mean", s.tiles_mean));
     row("uploaded [kB/frame]", fmt::format("{:.1f} mean", s.upload_mean / 1000));
-    constexpr std::uint32_t work = exhausted_items | exhausted_time;
-    if (s.exhausted & ~work)
+    constexpr std::uint32_t work = exhausted_items | exhausted_time, capacities = exhausted_page_slots - 1;
+    if (s.exhausted & capacities & ~work)
         row("budgets exhausted",
             fmt::format("{}; the threshold rose to {:.3g} px; raise them in the profile",
-                        fmt::join(budget_names(s.exhausted & ~work), " and "), s.effective_px_max));
+                        fmt::join(budget_names(s.exhausted & capacities & ~work), " and "), s.effective_px_max));
     if (s.exhausted & work)
         row("lagged for want of", fmt::format("{}; up to {} blocks waited",
                                               fmt::join(budget_names(s.exhausted & work), " and "), s.waiting_max));
+    if (s.stream.streamed) text += stream_rows(s);
     if (s.verified)
         row("verified error [px]",
             fmt::format("{:.4f} largest of {} frames, threshold {:g}; nearest to its limit: {:.4f} of {:g}, frame {}",

@@ -58,7 +58,7 @@ std::unique_ptr<gl::Renderer> make_renderer(const Options& options, const Sessio
         slots.vertices = options.profile.budget.vertices;
         slots.indices = options.profile.budget.indices;
     }
-    return gl::Renderer::create(session.terrain(), session.loaded.pack, slots, error);
+    return gl::Renderer::create(session.terrain(), session.readable_pack(), slots, error);
 }
 
 std::string upload_mesh(gl::Renderer& renderer, const Session& session, const FrameEntry& entry) {
@@ -74,7 +74,7 @@ Pictures::Pictures(const Options& options, const Session& session) : state_(std:
     require(state_->target != nullptr, error);
     state_->renderer = make_renderer(options, session, error);
     if (!state_->renderer)
-        (void)host::check_all_chunks(session.loaded.pack,
+        (void)host::check_all_chunks(session.readable_pack(),
                                      session.loaded.path); // a damaged pack is not the machine's fault
     require(state_->renderer != nullptr, error);
     state_->draw = draw_options(options.mode);

@@ -1,6 +1,7 @@
 #include "fly/profile.h"
 
 #include <functional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -136,10 +137,44 @@ std::vector<Key> budget_keys() {
     };
 }
 
+// Bytes, given in units of 1 << shift of them.
+template <typename Field>
+Setter bytes(Field field, int shift, std::uint32_t most) {
+    return [=](const toml::node& node, Profile& profile) -> Problem {
+        const auto value = node.value_exact<std::int64_t>();
+        if (!value || *value < 1 || *value > most) return fmt::format("must be a whole number from 1 to {}", most);
+        auto& to = field(profile);
+        to = static_cast<std::remove_reference_t<decltype(to)>>(*value << shift);
+        return {};
+    };
+}
+
+std::vector<Key> stream_keys() {
+    return {
+        {"stream", "page_slots", whole(at(&Profile::page_slots), 1, max_page_slots)},
+        {"stream", "page_requests",
+         whole(at(&Profile::stream_budget, &StreamBudget::page_requests), 1, max_page_requests)},
+        {"stream", "map_requests",
+         whole(at(&Profile::stream_budget, &StreamBudget::map_requests), 1, max_map_requests)},
+        {"stream", "map_mb", bytes(at(&Profile::stream_budget, &StreamBudget::map_bytes), 20, max_map_mb)},
+        {"stream", "tail_log2",
+         whole(at(&Profile::stream_budget, &StreamBudget::tail_log2), min_tail_log2, max_texture_log2)},
+        {"stream", "texel_px",
+         number(at(&Profile::stream, &StreamSettings::texel_px), min_texel_px, max_texel_px, " (pixels)")},
+        {"stream", "lookahead_s",
+         number(at(&Profile::stream, &StreamSettings::lookahead_s), 0, max_lookahead_s, " (seconds)")},
+        {"stream", "fade_s", number(at(&Profile::stream, &StreamSettings::fade_s), 0, max_fade_s, " (seconds)")},
+        {"stream", "pages", whole(at(&Profile::stream, &StreamSettings::pages), 1, max_stream_pages)},
+        {"stream", "tests", whole(at(&Profile::stream, &StreamSettings::tests), min_stream_tests, 0xffffffff)},
+        {"stream", "map_kb", bytes(at(&Profile::stream, &StreamSettings::map_bytes), 10, max_map_kb)},
+    };
+}
+
 const std::vector<Key>& keys() {
     static const std::vector<Key> all = [] {
         std::vector<Key> keys = refine_keys();
         for (Key& key : budget_keys()) keys.push_back(std::move(key));
+        for (Key& key : stream_keys()) keys.push_back(std::move(key));
         keys.push_back({"view", "width_px", whole(at(&Profile::width_px), 1, max_size_px)});
         keys.push_back({"view", "height_px", whole(at(&Profile::height_px), 1, max_size_px)});
         keys.push_back({"view", "fov_deg", number(at(&Profile::fov_deg), min_fov_deg, max_fov_deg)});
@@ -185,7 +220,7 @@ Profile parse_profile(std::string_view text, const std::string& name) {
     for (const auto& [key, node] : root) {
         const std::string table_name(key.str());
         if (known_keys(table_name).empty())
-            fail(name, node, table_name, "unknown table; a profile has refine, budget and view");
+            fail(name, node, table_name, "unknown table; a profile has refine, budget, stream and view");
         const toml::table* table = node.as_table();
         if (!table) fail(name, node, table_name, fmt::format("must be a table; write [{}]", table_name));
         read_table(*table, table_name, profile, name);
@@ -198,6 +233,12 @@ Profile parse_profile(std::string_view text, const std::string& name) {
 Profile read_profile(const std::string& file) {
     const std::vector<std::byte> bytes = host::read_file(file);
     return parse_profile({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file);
+}
+
+StreamSettings stream_settings(const Profile& profile, double now_s) {
+    StreamSettings settings = profile.stream;
+    settings.now_s = now_s;
+    return settings;
 }
 
 CutSettings cut_settings(const Profile& profile, double now_s) {

@@ -15,8 +15,11 @@ namespace {
 using host::Failure;
 using nlohmann::json;
 
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 constexpr const char* morph_names[] = {"none", "error", "time"};
+constexpr std::uint32_t page_events = 4; // PageEvent's values, as they are written
+static_assert(static_cast<std::uint32_t>(PageEvent::removed) == page_events - 1,
+              "PageEvent is written by number: change the recording's version with it");
 
 std::string hex(std::uint64_t value) {
     return fmt::format("{:016x}", value);
@@ -56,7 +59,11 @@ json frame_json(const RecordedFrame& f) {
     json views = json::array();
     for (const View& v : f.views) views.push_back(view_json(v));
     const CutSettings& s = f.settings;
+    json pages = json::array();
+    for (const PageArrival& p : f.pages) pages.push_back({p.tile, p.page, static_cast<std::uint32_t>(p.event)});
     return {{"views", std::move(views)},
+            {"pages", std::move(pages)},
+            {"missing_px", f.missing_px},
             {"rebuild", f.rebuild},
             {"items", s.items},
             {"visits", s.visits},
@@ -90,6 +97,12 @@ RecordedFrame frame_of(const json& j) {
     for (int m = 0; m < 3; ++m)
         if (morph == morph_names[m]) s.morph = static_cast<Morph>(m);
     f.mesh_hash = from_hex(j.at("mesh"));
+    for (const json& p : j.at("pages")) {
+        if (!p.is_array() || p.size() != 3 || whole(p.at(2)) >= page_events)
+            throw json::other_error::create(600, "what became of a page is its tile, its number and 0 to 3", &p);
+        f.pages.push_back({whole(p.at(0)), whole(p.at(1)), static_cast<PageEvent>(whole(p.at(2)))});
+    }
+    f.missing_px = j.at("missing_px").get<double>();
     return f;
 }
 
@@ -101,6 +114,7 @@ void read_head(const json& j, Recording& r) {
     r.budget.triangles = whole(j.at("triangles"));
     r.budget.chunk_triangles = whole(j.at("chunk_triangles"));
     r.budget.views = whole(j.at("views"));
+    r.page_slots = whole(j.at("page_slots"));
 }
 
 } // namespace
@@ -117,10 +131,29 @@ std::uint64_t mesh_hash(const MeshView& mesh) {
 
 RecordedFrame recorded(std::span<const View> views, const CutSettings& settings, const CutReport& report,
                        const MeshView& mesh) {
-    RecordedFrame f{{views.begin(), views.end()}, settings, report.rebuilt, mesh_hash(mesh)};
+    RecordedFrame f{{views.begin(), views.end()}, settings, report.rebuilt, mesh_hash(mesh), {}, 0};
     if (settings.budget_us > 0 && !report.rebuilt) f.settings.visits = report.visits;
     f.settings.budget_us = 0;
     return f;
+}
+
+Status replay_pages(const Pack& pack, Terrain& terrain, LiveCut cut, const RecordedFrame& frame) {
+    for (const PageArrival& p : frame.pages) {
+        if (p.tile >= terrain.tile_count() || p.page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
+        bool released = false;
+        switch (p.event) {
+        case PageEvent::inserted:
+            if (Status s = load_page(pack, terrain, p.tile, p.page); !s.ok()) return s;
+            break;
+        case PageEvent::released:
+            if (Status s = release_page(cut, p.tile, p.page, released); !s.ok()) return s;
+            break;
+        case PageEvent::kept: keep_page(cut, p.tile, p.page); break;
+        case PageEvent::removed: unload_page(terrain, p.tile, p.page); break;
+        }
+    }
+    terrain.missing_px = frame.missing_px;
+    return {};
 }
 
 std::string write_recording(const Recording& r) {
@@ -131,6 +164,7 @@ std::string write_recording(const Recording& r) {
         {"vertices", r.budget.vertices},
         {"triangles", r.budget.triangles},
         {"chunk_triangles", r.budget.chunk_triangles},
+        {"page_slots", r.page_slots},
         {"views",
          r.budget.views}}.dump();
     text += '\n';

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -45,7 +46,7 @@ void make_cut(const Options& options, Session& session) {
                                   "it with --order planar, or fly it with --method recursive",
                                   options.pack));
     session.cut_budget =
-        session.recording ? session.recording->budget : suited(options.profile.cut_budget, session.terrain());
+        !options.replay.empty() ? session.recording->budget : suited(options.profile.cut_budget, session.terrain());
     session.block_bytes = cut_bytes(session.terrain(), session.cut_budget);
     session.block = host::make_block(session.block_bytes);
     require_budget(
@@ -57,6 +58,51 @@ void make_recursive(const Options& options, Session& session) {
     session.block = host::make_block(session.block_bytes);
     require_budget(create_recursive(session.terrain(), options.profile.budget,
                                     {session.block.get(), session.block_bytes}, session.recursive));
+}
+
+bool shall_stream(const Options& options, const PackHeader& h) {
+    if (!options.replay.empty() || options.streaming == Streaming::off) return false;
+    if (options.streaming == Streaming::on) return true;
+    const PageLayout pages{static_cast<int>(h.tile_log2), h.order};
+    return h.order != Order::linear &&
+           std::uint64_t{h.tiles_x} * h.tiles_y * pages.pages_per_tile() > options.profile.page_slots;
+}
+
+// A terrain without pages, of slots for so many.
+void make_paged(Session& session, std::span<const std::byte> corners, std::uint32_t page_slots) {
+    const Pack& pack = session.loaded.pack;
+    const TerrainBudget budget{page_slots};
+    session.terrain_bytes = terrain_bytes(pack.header, budget);
+    session.loaded.block = host::make_block(session.terrain_bytes);
+    const std::span block{session.loaded.block.get(), session.terrain_bytes};
+    const Status s = corners.empty() ? create_terrain(pack, budget, block, session.loaded.terrain)
+                                     : create_terrain(pack, corners, budget, block, session.loaded.terrain);
+    if (!s.ok()) throw Failure(1, fmt::format("{}: {}: {}", session.loaded.path, s.field, message(s.code)));
+}
+
+// The terrain, as it is wanted: streamed, replayed page by page, or whole.
+void open_terrain(const Options& options, Session& session) {
+    auto streamed = std::make_unique<StreamedPack>(options.pack);
+    const host::PackFile& file = streamed->file();
+    const std::uint32_t replayed_slots = options.replay.empty() ? 0 : session.recording->page_slots;
+    if (shall_stream(options, file.pack().header)) {
+        session.loaded.path = options.pack;
+        session.loaded.pack = file.pack();
+        session.loaded.crs = file.crs();
+        make_paged(session, file.corners(), options.profile.page_slots);
+        session.file_ground = std::make_unique<FileGround>(file);
+        if (!options.render_folder.empty() || !options.headless || !options.exports.empty())
+            session.mapped = std::make_unique<host::MappedPack>(options.pack);
+        session.streamed = std::move(streamed);
+    } else if (replayed_slots != 0) {
+        session.loaded = host::load_pack(options.pack, host::LoadTerrain::no);
+        make_paged(session, {}, replayed_slots);
+    } else {
+        session.loaded = host::load_pack(options.pack, host::LoadTerrain::yes);
+        session.terrain_bytes = terrain_bytes(session.loaded.pack.header);
+    }
+    if (options.verify_every != 0 && (session.streamed || replayed_slots != 0))
+        session.reference = std::make_unique<host::LoadedPack>(host::load_pack(options.pack, host::LoadTerrain::yes));
 }
 
 FrameEntry run_incremental(Session& session, std::span<const View> views, const CutSettings& settings, bool rebuild,
@@ -93,21 +139,24 @@ FrameEntry run_recursive(Session& session, const View& view, const RefineSetting
 
 void open_session(const Options& options, Session& session) {
     const auto start = Clock::now();
-    session.loaded = host::load_pack(options.pack, host::LoadTerrain::yes);
+    if (!options.replay.empty()) session.recording = parse_recording(host::read_text(options.replay), options.replay);
+    open_terrain(options, session);
     session.method = options.profile.method;
-    session.begun = options.limited;
+    // Streamed, there is nothing yet to build from.
+    session.begun = options.limited || session.streamed;
     const std::uint64_t pack_hash = session.loaded.pack.header.directory_hash;
-    if (!options.replay.empty()) {
-        session.recording = parse_recording(host::read_text(options.replay), options.replay);
-        if (session.recording->pack_hash != pack_hash)
-            throw Failure(1, fmt::format("{}: recorded over another pack than {}", options.replay, options.pack));
-    }
+    if (!options.replay.empty() && session.recording->pack_hash != pack_hash)
+        throw Failure(1, fmt::format("{}: recorded over another pack than {}", options.replay, options.pack));
     if (session.incremental())
         make_cut(options, session);
     else
         make_recursive(options, session);
-    if (!options.record.empty()) session.recording = Recording{pack_hash, session.cut_budget, {}};
+    if (!options.record.empty())
+        session.recording =
+            Recording{pack_hash, session.cut_budget, session.streamed ? session.loaded.terrain.slot_count : 0, {}};
     session.load_seconds = microseconds(Clock::now() - start) / 1e6;
+    session.started = Clock::now();
+    if (session.streamed) session.streamed->begin(options, session.loaded.terrain, session.cut);
 }
 
 CameraPath path_of(const Options& options) {
@@ -130,20 +179,77 @@ View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile) {
 }
 
 FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s) {
-    if (!session.incremental()) return run_recursive(session, view, profile.refine);
+    const std::span views(&view, 1);
     const CutSettings settings = cut_settings(profile, now_s);
-    CutReport report;
-    FrameEntry entry = run_incremental(session, {&view, 1}, settings, !session.begun, report);
-    session.begun = true;
-    if (session.recording)
-        session.recording->frames.push_back(recorded({&view, 1}, settings, report, cut_mesh(session.cut).mesh));
+    if (session.streamed) (void)session.streamed->update(views, settings, stream_settings(profile, now_s));
+    FrameEntry entry;
+    if (session.incremental()) {
+        CutReport report;
+        entry = run_incremental(session, views, settings, !session.begun, report);
+        session.begun = true;
+        if (session.recording) {
+            RecordedFrame frame = recorded(views, settings, report, cut_mesh(session.cut).mesh);
+            frame.missing_px = session.terrain().missing_px;
+            if (session.streamed) {
+                const auto pages = page_arrivals(session.streamed->stream());
+                frame.pages.assign(pages.begin(), pages.end());
+            }
+            session.recording->frames.push_back(std::move(frame));
+        }
+    } else {
+        entry = run_recursive(session, view, profile.refine);
+        if (session.streamed) // which this method's report knows nothing of
+            entry.error_px_effective = std::max(entry.error_px_effective, session.terrain().missing_px);
+    }
+    if (session.streamed) add_stream(entry, session.streamed->report());
+    entry.at_s = microseconds(Clock::now() - session.started) / 1e6;
     return entry;
+}
+
+namespace {
+
+bool nothing_under_way(const StreamReport& r) {
+    return r.requested == 0 && r.pages_left == 0 && r.mips_left == 0 && r.pages_taken == 0 && r.mips_taken == 0 &&
+           r.pages_draining == 0 && (r.exhausted & stream_tests) == 0;
+}
+
+} // namespace
+
+FrameEntry update_until_there(Session& session, const View& view, const Profile& profile, double now_s,
+                              const std::function<void(const FrameEntry&)>& each) {
+    constexpr std::chrono::seconds patience{10}, most{300};
+    constexpr std::chrono::microseconds pause{300};
+    FrameEntry frame = update_frame(session, view, profile, now_s);
+    each(frame);
+    if (!session.streamed) return frame;
+    const auto start = Clock::now();
+    auto progress = start;
+    for (int quiet = 0; quiet < 2;) { // twice: what an update has asked for it may find out in the next one
+        host::check_interrupt();
+        const FrameEntry poll = update_frame(session, view, profile, now_s);
+        each(poll);
+        add_poll(frame, poll);
+        const StreamReport& r = poll.stream;
+        const bool moved = r.pages_taken != 0 || r.mips_taken != 0 || poll.activations != 0 || poll.deactivations != 0;
+        const bool there = (r.converged && r.maps_converged) || nothing_under_way(r);
+        quiet = there && poll.waiting == poll.blocked && !moved ? quiet + 1 : 0;
+        const auto now = Clock::now();
+        if (moved) progress = now;
+        if (now - progress > patience || now - start > most) break; // the frame says what it lacks
+        if (!moved) std::this_thread::sleep_for(pause);
+    }
+    return frame;
 }
 
 FrameEntry replay_frame(Session& session, std::size_t frame) {
     const RecordedFrame& f = session.recording->frames[frame];
+    if (session.recording->page_slots != 0)
+        if (const Status s = replay_pages(session.loaded.pack, session.loaded.terrain, session.cut, f); !s.ok())
+            throw Failure(
+                1, fmt::format("frame {}: a page did not come as recorded: {}: {}", frame, s.field, message(s.code)));
     CutReport report;
     FrameEntry entry = run_incremental(session, f.views, f.settings, f.rebuild, report);
+    entry.missing_px = f.missing_px;
     if (mesh_hash(cut_mesh(session.cut).mesh) != f.mesh_hash)
         throw Failure(
             1, fmt::format("frame {}: the mesh is not the recorded one; was it recorded by another version?", frame));
@@ -163,7 +269,7 @@ void verify_frame(const Session& session, const View& view, const Profile& profi
             morphed[i].height_m = morphed_height_m(session.terrain(), mesh.vertices[i], live.morph[i], live.frame);
         mesh.vertices = morphed;
     }
-    const MeasuredError e = measure_error(session.terrain(), mesh, view, inside ? &frustum : nullptr);
+    const MeasuredError e = measure_error(session.whole_terrain(), mesh, view, inside ? &frustum : nullptr);
     entry.verified_px = e.max_px;
     if (!entry.settled) return;
     const double limit_px = entry.error_px_effective;

@@ -1,26 +1,38 @@
-// A loaded terrain with the method that refines it - incremental or recursive - and one frame of a flight over it.
+// A terrain, loaded whole or streamed, with the method that refines it - incremental or recursive - and one frame of a
+// flight over it.
 //
-// Ownership: a Session owns the file's bytes, the records and the method's block. Thread: one. Failure: host::Failure,
-// 1 for a pack, a view or a budget that does not do, 3 when memory is short.
+// Ownership: a Session owns the file's bytes, the records, the method's block and the stream. Thread: one. Failure:
+// host::Failure, 1 for a pack, a view or a budget that does not do, 3 when memory is short.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "fjell/cut.h"
 #include "fjell/measure.h"
 #include "fjell/recursive.h"
+#include "fly/file_ground.h"
 #include "fly/log.h"
 #include "fly/options.h"
 #include "fly/path.h"
 #include "fly/record.h"
+#include "fly/streamed.h"
 #include "host/load.h"
 
 namespace fjell::fly {
 
 struct Session {
+    // The pack and its terrain. Streamed: without the file's bytes, and pages come and go. Replaying a streamed flight:
+    // with them, and pages come and go as recorded.
     host::LoadedPack loaded;
+    std::size_t terrain_bytes = 0;
+    std::unique_ptr<host::LoadedPack> reference; // loaded whole to measure against, where `loaded` is not
+    std::unique_ptr<host::MappedPack> mapped;    // of a streamed pack: for maps and exports
+    std::unique_ptr<FileGround> file_ground;     // the same: for camera paths
     host::AlignedBlock block;
     std::size_t block_bytes = 0;
     Method method = Method::incremental;
@@ -30,8 +42,17 @@ struct Session {
     std::optional<Recording> recording; // of --record, frame by frame; or what --replay repeats
     bool begun = false;                 // a frame was updated, or the first one shall be like any other
     double load_seconds = 0;
+    std::chrono::steady_clock::time_point started; // when opening was done
+    std::unique_ptr<StreamedPack> streamed;        // last: its thread stops before what it streams into goes
 
     [[nodiscard]] const Terrain& terrain() const { return loaded.terrain; }
+    [[nodiscard]] const Terrain& whole_terrain() const { return reference ? reference->terrain : loaded.terrain; }
+    // With the bytes of all chunks.
+    [[nodiscard]] const Pack& readable_pack() const { return mapped ? mapped->pack() : loaded.pack; }
+    // At full resolution, also where no page is there yet.
+    [[nodiscard]] Ground ground() const {
+        return file_ground ? ground_of(*file_ground, loaded.terrain) : ground_of(loaded.terrain);
+    }
     [[nodiscard]] bool incremental() const { return method == Method::incremental; }
     // Of the last update.
     [[nodiscard]] MeshView mesh() const { return incremental() ? cut_mesh(cut).mesh : recursive_mesh(recursive); }
@@ -46,10 +67,15 @@ void open_session(const Options& options, Session& session);
 // and float, so their ratio costs nothing.
 [[nodiscard]] View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile);
 
-// Times one update. The incremental method builds its first frame from nothing in one go, whatever the profile allows a
-// frame; with --items or --budget-us it starts from the coarsest mesh instead, like an engine that must not miss one.
-// now_s: for morphing.
+// Times one update; of a streamed pack the stream's first. The incremental method builds its first frame from nothing
+// in one go, whatever the profile allows a frame; with --items or --budget-us it starts from the coarsest mesh instead,
+// like an engine that must not miss one. now_s: for morphing.
 [[nodiscard]] FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s);
+
+// The same again and again until everything that the view wants is there, nothing is under way any more, or nothing has
+// come for some seconds. each: after every update, with what it did.
+[[nodiscard]] FrameEntry update_until_there(Session& session, const View& view, const Profile& profile, double now_s,
+                                            const std::function<void(const FrameEntry&)>& each);
 
 // One frame of the session's recording, and whether the mesh is the recorded one. Throws Failure (1) when it is not.
 [[nodiscard]] FrameEntry replay_frame(Session& session, std::size_t frame);
@@ -60,9 +86,9 @@ struct Verification {
     std::size_t frame = 0; // of the frame that came nearest to its limit, or exceeded it most
     double max_px = 0, limit_px = 0;
 };
-// Measures the mesh of the last update at every sample (inside the frustum, unless all was drawn) against the effective
-// threshold, which is the asked one in a converged frame. A frame that lags is measured and promises nothing.
-// O(samples).
+// Measures the mesh of the last update at every sample of the whole terrain (inside the frustum, unless all was drawn)
+// against the effective threshold, which is the asked one in a converged frame. A frame that lags is measured and
+// promises nothing. O(samples).
 void verify_frame(const Session& session, const View& view, const Profile& profile, std::size_t frame,
                   FrameEntry& entry, Verification& verification);
 

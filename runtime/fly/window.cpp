@@ -106,7 +106,7 @@ class Flight {
 public:
     Flight(const Options& options, Session& session, std::span<const Pose> poses)
         : options_(options), session_(session), profile_(options.profile), mode_(options.mode),
-          ground_(ground_of(session.terrain())),
+          ground_(session.ground()),
           camera_(free_camera(poses.front(), ground_.longer_m() / 60)), playback_{poses, options.hz, 0,
                                                                                   options.frames == 0,
                                                                                   options.frames > 0 ||
@@ -196,17 +196,28 @@ private:
         return entry;
     }
 
+    static std::string streaming(const FrameEntry& entry) {
+        if (!entry.streamed) return "";
+        const StreamReport& r = entry.stream;
+        return fmt::format(" - {} pages in {} slots, {:.1f} MB read{}{}", r.page_slots.used, r.page_slots.capacity,
+                           static_cast<double>(r.bytes_read) / 1e6,
+                           r.converged && r.maps_converged ? "" : fmt::format(", {} under way", r.requested),
+                           r.failed ? fmt::format(", {} damaged", r.failed) : "");
+    }
+
     void title(const FrameEntry& entry, double seconds) {
         shown_seconds_ += seconds;
         ++shown_frames_;
         if (shown_seconds_ < title_seconds) return;
-        const bool wanting = entry.error_px_effective > entry.error_px_asked;
+        const bool wanting =
+            entry.error_px_effective > entry.error_px_asked && entry.missing_px < entry.error_px_effective;
         const std::string text = fmt::format(
-            "Fjell - update {:.0f} us - {} vertices - {} triangles drawn - {:.0f} fps - {:.3g} px{}", entry.update_us,
+            "Fjell - update {:.0f} us - {} vertices - {} triangles drawn - {:.0f} fps - {:.3g} px{}{}", entry.update_us,
             entry.vertices, entry.triangles_drawn, shown_frames_ / shown_seconds_, entry.error_px_effective,
             entry.converged ? ""
             : wanting       ? " (budget exhausted)"
-                            : " (lags)");
+                            : " (lags)",
+            streaming(entry));
         glfwSetWindowTitle(window_->handle(), text.c_str());
         shown_seconds_ = 0;
         shown_frames_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/failure.h"
 
@@ -11,17 +12,26 @@ namespace {
 
 constexpr std::uint32_t none = 0xffff'ffff;
 
-// Central differences of the full-resolution heights, one-sided on the domain's rim.
-void normal_at(const Terrain& terrain, Coord sample, float* normal) {
-    const Coord west{std::max(sample.x - 1, 0), sample.y},
-        east{std::min(sample.x + 1, terrain.tree.columns() - 1), sample.y};
-    const Coord north{sample.x, std::max(sample.y - 1, 0)},
-        south{sample.x, std::min(sample.y + 1, terrain.tree.rows() - 1)};
-    const auto rise = [&](Coord from, Coord to) {
-        return static_cast<double>(terrain.height_m(to)) - static_cast<double>(terrain.height_m(from));
+// Along one axis: the central difference of the full-resolution heights, one-sided on the domain's rim; where pages are
+// missing, over the smallest power of two for which there are heights.
+double slope_at(const Terrain& terrain, Coord sample, Coord axis, double spacing_m) {
+    const auto at = [&](std::int32_t by) { return Coord{sample.x + by * axis.x, sample.y + by * axis.y}; };
+    const auto inside = [&](Coord c) {
+        return c.x >= 0 && c.y >= 0 && c.x < terrain.tree.columns() && c.y < terrain.tree.rows();
     };
-    const double slope_x = rise(west, east) / ((east.x - west.x) * terrain.header.spacing_m[0]);
-    const double slope_z = rise(north, south) / ((south.y - north.y) * terrain.header.spacing_m[1]);
+    for (std::int32_t step = 1; step <= terrain.tree.side(); step *= 2)
+        for (const auto& [from, to] : {std::pair{-step, step}, {0, step}, {-step, 0}}) {
+            if (!inside(at(from)) || !inside(at(to))) continue;
+            const Terrain::Vertex a = terrain.vertex(at(from)), b = terrain.vertex(at(to));
+            if (!a.loaded || !b.loaded) continue;
+            return (static_cast<double>(b.height_m) - static_cast<double>(a.height_m)) / ((to - from) * spacing_m);
+        }
+    return 0;
+}
+
+void normal_at(const Terrain& terrain, Coord sample, float* normal) {
+    const double slope_x = slope_at(terrain, sample, {1, 0}, terrain.header.spacing_m[0]);
+    const double slope_z = slope_at(terrain, sample, {0, 1}, terrain.header.spacing_m[1]);
     const double scale = 1 / std::sqrt(slope_x * slope_x + slope_z * slope_z + 1);
     normal[0] = static_cast<float>(-slope_x * scale);
     normal[1] = static_cast<float>(scale);

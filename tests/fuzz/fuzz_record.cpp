@@ -1,4 +1,5 @@
-// Recordings: any text is refused or read, and what was read is flown. Whatever views and settings it names, each is
+// Recordings: any text is refused or read, and what was read is flown. Whatever views,
+// settings and pages it names, each is
 // refused or leaves a cut that holds every promise of cut/state.h.
 #include <cstdint>
 #include <string_view>
@@ -14,15 +15,31 @@ using namespace fjell;
 using namespace fjell::test;
 using fuzz::must;
 
-void repeat(const fly::Recording& recording) {
+// One that is loaded whole, one whose pages come and go: 2 x 1 tiles of 6 pages.
+const host::LoadedPack& whole_pack() {
     static const host::LoadedPack pack = [] {
         Random random(1);
         return rich_terrain(random, 40, 4);
     }();
-    Cut cut(pack.terrain, ample_cut(pack.terrain, 3));
+    return pack;
+}
+const host::LoadedPack& paged_pack() {
+    static const host::LoadedPack pack = [] {
+        Random random(2);
+        return bake_and_load(random_dem(random, 257, 129, Shape::fractal), small_bake(7));
+    }();
+    return pack;
+}
+
+void repeat(const fly::Recording& recording) {
+    const bool paged = recording.page_slots != 0;
+    const host::LoadedPack& pack = paged ? paged_pack() : whole_pack();
+    PagedTerrain some(paged_pack().pack, {std::min(recording.page_slots, 64u)});
+    Cut cut(paged ? some.terrain : pack.terrain, ample_cut(pack.terrain, 3));
     std::size_t left = 12; // frames; more only take longer
     for (const fly::RecordedFrame& f : recording.frames) {
         if (left-- == 0) break;
+        if (paged) (void)fly::replay_pages(pack.pack, some.terrain, cut.cut, f);
         CutReport report;
         const Status done = (f.rebuild ? rebuild_cut : update_cut)(cut.cut, f.views, f.settings, report);
         if (!done.ok()) continue;

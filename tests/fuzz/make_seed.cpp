@@ -183,6 +183,15 @@ host::LoadedPack make_pack(Random& random, Order order, const SeedPack& seed) {
     return bake_and_load(std::move(dem), options);
 }
 
+// Coarse pages mostly, so that finer ones find theirs: fuzz_record's terrain has 2 tiles of 6 pages.
+void script_pages(Random& random, fly::RecordedFrame& frame) {
+    for (int n = 0; n < 12; ++n)
+        frame.pages.push_back({static_cast<std::uint32_t>(pick(random, 0, 1)),
+                               static_cast<std::uint32_t>(std::min(pick(random, 0, 5), pick(random, 0, 5))),
+                               pick(random, 0, 1) ? PageEvent::inserted : static_cast<PageEvent>(pick(random, 0, 3))});
+    frame.missing_px = uniform(random, 0, 9);
+}
+
 // Short recordings of every kind of frame.
 void make_recordings(const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder);
@@ -190,6 +199,7 @@ void make_recordings(const std::filesystem::path& folder) {
     for (int seed = 0; seed < 6; ++seed) {
         fly::Recording recording;
         recording.budget.vertices = 4000;
+        recording.page_slots = seed < 3 ? 0 : seed == 3 ? 5 : 12;
         for (int frame = 0; frame < 6; ++frame) {
             fly::RecordedFrame f;
             f.rebuild = frame == 0 && seed % 2 == 0;
@@ -203,6 +213,7 @@ void make_recordings(const std::filesystem::path& folder) {
             f.settings.corner_safe = seed == 5;
             f.settings.morph = static_cast<Morph>(seed % 3);
             f.settings.now_s = frame / 60.0;
+            if (seed >= 3) script_pages(random, f);
             recording.frames.push_back(f);
         }
         const std::string text = write_recording(recording);

@@ -16,6 +16,7 @@ Recording random_recording(std::mt19937_64& random) {
     Recording r;
     r.pack_hash = random();
     r.budget.vertices = static_cast<std::uint32_t>(random() % 1000000);
+    r.page_slots = static_cast<std::uint32_t>(random());
     for (int frame = 0; frame < 5; ++frame) {
         RecordedFrame f;
         f.views.resize(1 + frame % 3);
@@ -31,6 +32,10 @@ Recording random_recording(std::mt19937_64& random) {
         f.settings.now_s = real();
         f.rebuild = frame == 0;
         f.mesh_hash = random();
+        for (std::size_t n = random() % 4; n > 0; --n)
+            f.pages.push_back({static_cast<std::uint32_t>(random()), static_cast<std::uint32_t>(random() % 100),
+                               static_cast<PageEvent>(random() % 4)});
+        f.missing_px = real();
         r.frames.push_back(f);
     }
     return r;
@@ -54,6 +59,7 @@ TEST_CASE("a recording is read back bit for bit") {
         const std::string text = write_recording(r);
         const Recording back = parse_recording(text, "r.json");
         CHECK(write_recording(back) == text);
+        CHECK(back.page_slots == r.page_slots);
         REQUIRE(back.frames.size() == r.frames.size());
         for (std::size_t i = 0; i < r.frames.size(); ++i) {
             CHECK(back.frames[i].mesh_hash == r.frames[i].mesh_hash);
@@ -61,6 +67,13 @@ TEST_CASE("a recording is read back bit for bit") {
             CHECK(back.frames[i].settings.visits == r.frames[i].settings.visits);
             CHECK(back.frames[i].settings.morph == r.frames[i].settings.morph);
             CHECK(back.frames[i].settings.error_px == r.frames[i].settings.error_px);
+            CHECK(back.frames[i].missing_px == r.frames[i].missing_px);
+            REQUIRE(back.frames[i].pages.size() == r.frames[i].pages.size());
+            for (std::size_t p = 0; p < r.frames[i].pages.size(); ++p) {
+                CHECK(back.frames[i].pages[p].tile == r.frames[i].pages[p].tile);
+                CHECK(back.frames[i].pages[p].page == r.frames[i].pages[p].page);
+                CHECK(back.frames[i].pages[p].event == r.frames[i].pages[p].event);
+            }
             REQUIRE(back.frames[i].views.size() == r.frames[i].views.size());
             CHECK(back.frames[i].views.back().eye_m.y == r.frames[i].views.back().eye_m.y);
             CHECK(back.frames[i].views.back().lambda_px == r.frames[i].views.back().lambda_px);
@@ -76,8 +89,11 @@ TEST_CASE("what is not a recording is refused with the line and what to do") {
     CHECK(refusal(text.substr(0, text.size() - 1)).find("r.json:6: the recording ends in the middle") == 0);
     CHECK(refusal(text + "[]\n").find("r.json:7: not a recording") == 0);
     std::string later = text;
-    later.replace(later.find("\"version\":1"), 11, "\"version\":2");
+    later.replace(later.find("\"version\":2"), 11, "\"version\":3");
     CHECK(refusal(later).find("r.json:1: not a recording") == 0);
+    std::string event = text;
+    event.replace(event.find("\"pages\":["), 10, "\"pages\":[[1,2,4],");
+    CHECK(refusal(event).find("r.json:2: not a recording") == 0);
 }
 
 TEST_CASE("a recording cut or changed at any byte is refused or read") {

@@ -44,9 +44,11 @@ TEST_CASE("every shipped profile loads and names every key") {
         CHECK(p.cut_budget.vertices == p.budget.vertices);
         const std::vector<std::byte> bytes = host::read_file(file.path().string());
         const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-        for (const char* key :
-             {"method", "error_px", "corner_safe", "hysteresis", "morph", "morph_s", "metric", "cull", "topology",
-              "vertices", "triangles", "views", "items", "budget_us", "indices", "width_px", "height_px", "fov_deg"}) {
+        for (const char* key : {"method",      "error_px",      "corner_safe",  "hysteresis", "morph",     "morph_s",
+                                "metric",      "cull",          "topology",     "vertices",   "triangles", "views",
+                                "items",       "budget_us",     "indices",      "width_px",   "height_px", "fov_deg",
+                                "page_slots",  "page_requests", "map_requests", "map_mb",     "tail_log2", "texel_px",
+                                "lookahead_s", "fade_s",        "pages",        "tests",      "map_kb"}) {
             INFO(file.path() << ' ' << key);
             std::string line = "\n"; // by +=: g++ 12 warns of an impossible overlap in +
             line += key;
@@ -106,6 +108,25 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     CHECK(settings.now_s == 1.5);
     CHECK(parse_profile("[refine]\nmorph = \"error\"\n", "p.toml").cut.morph == Morph::error);
     CHECK(parse_profile("[budget]\nitems = 0\n", "p.toml").cut.items == unlimited_items);
+    CHECK(d.stream_budget.map_bytes == StreamBudget{}.map_bytes);
+    CHECK(d.stream.map_bytes == StreamSettings{}.map_bytes);
+    const Profile s =
+        parse_profile("[stream]\npage_slots = 77\npage_requests = 3\nmap_requests = 4\nmap_mb = 65536\ntail_log2 = 5\n"
+                      "texel_px = 2.5\nlookahead_s = 0\nfade_s = 1.5\npages = 6\ntests = 70000\nmap_kb = 9\n",
+                      "p.toml");
+    CHECK(s.page_slots == 77);
+    CHECK(s.stream_budget.page_requests == 3);
+    CHECK(s.stream_budget.map_requests == 4);
+    CHECK(s.stream_budget.map_bytes == std::uint64_t{1} << 36);
+    CHECK(s.stream_budget.tail_log2 == 5);
+    const StreamSettings stream = stream_settings(s, 2.5);
+    CHECK(stream.texel_px == 2.5);
+    CHECK(stream.lookahead_s == 0);
+    CHECK(stream.fade_s == 1.5);
+    CHECK(stream.pages == 6);
+    CHECK(stream.tests == 70000);
+    CHECK(stream.map_bytes == 9 * 1024);
+    CHECK(stream.now_s == 2.5);
 }
 
 TEST_CASE("a bad profile is refused in one line with file, line and key") {
@@ -131,6 +152,14 @@ TEST_CASE("a bad profile is refused in one line with file, line and key") {
     refuses("[budget]\nvertices = -1\n", "p.toml:2: budget.vertices: must be a whole number from 16");
     refuses("[budget]\nvertices = 1e6\n", "p.toml:2: budget.vertices: must be a whole number");
     refuses("[budget]\nindices = 99999999999\n", "p.toml:2: budget.indices: must be a whole number");
+    refuses("[stream]\nslots = 1\n", "p.toml:2: stream.slots: unknown key; [stream] has page_slots, page_requests");
+    refuses("[stream]\npage_slots = 0\n", "p.toml:2: stream.page_slots: must be a whole number from 1 to");
+    refuses("[stream]\npage_requests = 257\n", "p.toml:2: stream.page_requests: must be a whole number from 1 to 256");
+    refuses("[stream]\nmap_mb = 0\n", "p.toml:2: stream.map_mb: must be a whole number from 1 to 65536");
+    refuses("[stream]\nmap_kb = 1.5\n", "p.toml:2: stream.map_kb: must be a whole number");
+    refuses("[stream]\ntail_log2 = 13\n", "p.toml:2: stream.tail_log2: must be a whole number from 2 to 12");
+    refuses("[stream]\ntexel_px = 0\n", "p.toml:2: stream.texel_px: must be a number from 0.1 to 100 (pixels)");
+    refuses("[stream]\ntests = 3\n", "p.toml:2: stream.tests: must be a whole number from 1024");
     refuses("[view]\nwidth_px = 0\n", "p.toml:2: view.width_px: must be a whole number from 1 to 16384");
     refuses("[view]\nfov_deg = 180\n", "p.toml:2: view.fov_deg: must be a number from 1 to 150");
     refuses("[refine]\nerror_px = \n", "p.toml:2: not TOML");

@@ -417,6 +417,9 @@ std::uint32_t least_loaded(const StreamState& s) {
 void drain(StreamState& s, std::uint32_t slot) {
     const std::uint32_t watch = s.slot_watch[slot];
     record(s, watch, PageEvent::released);
+    bool released = false; // drain_pages() asks again; the cut must be asked in the order that is recorded
+    const ChunkId id = chunk_of(s, watch);
+    if (s.cut.state) (void)release_page(s.cut, id.tile, id.item, released);
     s.states[slot * watches_per_slot] = s.states[watch] = WatchState::draining;
     s.draining[s.draining_count++] = slot;
     test(s, watch);

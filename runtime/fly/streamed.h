@@ -1,0 +1,51 @@
+// A pack that is streamed: its file, the stream over the session's terrain, and the thread that reads.
+//
+// Ownership: all of it; the terrain and the cut are the session's and must outlive it. Thread: the frame's; the reader
+// has its own. Failure: host::Failure, 1 for a budget that does not do; what cannot be read in flight is one line on
+// stderr each, and coarser terrain.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "fjell/stream.h"
+#include "fly/options.h"
+#include "host/load.h"
+#include "host/pack_file.h"
+#include "host/stream_reader.h"
+
+namespace fjell::fly {
+
+class StreamedPack {
+public:
+    explicit StreamedPack(const std::string& path) : file_(path) {}
+
+    [[nodiscard]] const host::PackFile& file() const { return file_; }
+    // Begins to stream into a terrain of which no page is loaded. cut: empty for the recursive method.
+    void begin(const Options& options, Terrain& terrain, LiveCut cut);
+    // One update_stream(), before the method's own.
+    const StreamReport& update(std::span<const View> views, const CutSettings& cut, const StreamSettings& settings);
+
+    [[nodiscard]] Stream stream() const { return stream_; }
+    [[nodiscard]] const StreamReport& report() const { return report_; }
+    [[nodiscard]] host::StreamReaderCounters reader() const { return reader_->counters(); }
+    [[nodiscard]] std::size_t block_bytes() const { return block_bytes_; }
+    // What was damaged, and what the disk did not give.
+    [[nodiscard]] std::uint64_t corrupt() const { return corrupt_; }
+    [[nodiscard]] std::uint64_t unreadable() const { return unreadable_; }
+
+private:
+    void tell(const StreamFailure& failure);
+
+    host::PackFile file_;
+    host::AlignedBlock block_;
+    std::size_t block_bytes_ = 0;
+    Stream stream_;
+    StreamReport report_;
+    std::uint64_t corrupt_ = 0, unreadable_ = 0;
+    std::unique_ptr<host::StreamReader> reader_; // last: it stops before what it reads for goes
+};
+
+} // namespace fjell::fly
