@@ -242,7 +242,9 @@ host::LoadedPack purity_scene() {
     Random random(151);
     baker::BakeOptions options = small_bake(7);
     options.max_texture_log2 = 7;
-    return bake_and_load(random_dem(random, 513, 513, Shape::fractal), options);
+    baker::Dem dem = random_dem(random, 513, 513, Shape::fractal);
+    for (float& height : dem.heights_m) height *= 0.05f; // gentle: in steep terrain every page's sphere holds the eye
+    return bake_and_load(std::move(dem), options);
 }
 
 struct SeenStream {
@@ -261,7 +263,7 @@ SeenStream fly_streamed(const host::LoadedPack& pack, std::uint32_t seed, int fr
     PlainBlock cut_block(cut_bytes(terrain, budget));
     LiveCut cut;
     if (!create_cut(terrain, budget, cut_block.span(), cut).ok()) throw std::runtime_error("cut");
-    const StreamBudget stream_budget{.page_requests = 20, .map_requests = 4, .map_bytes = 700'000, .tail_log2 = 4};
+    const StreamBudget stream_budget{.page_requests = 20, .map_requests = 4, .map_bytes = 250'000, .tail_log2 = 4};
     PlainBlock stream_block(stream_bytes(pack.pack, terrain, stream_budget));
     Stream stream;
     if (!create_stream(pack.pack, terrain, cut, stream_budget, stream_block.span(), stream).ok())
@@ -278,7 +280,7 @@ SeenStream fly_streamed(const host::LoadedPack& pack, std::uint32_t seed, int fr
         if (frame % 2000 == 1999) retry_failed(stream);
         stream_settings.now_s += 1.0 / 60;
         stream_settings.tests = frame % 200 < 20 ? 50 : 1u << 16;
-        stream_settings.map_bytes = frame % 400 < 50 ? 100 : 1u << 20;
+        stream_settings.map_bytes = frame % 400 < 200 ? 100 : 1u << 20;
         stream_settings.pages = frame % 300 < 100 ? 1 : 8;
         const std::size_t view_count = frame % 600 < 500 ? 1 : 2;
         StreamReport report;
@@ -359,12 +361,12 @@ TEST_CASE("10,000 frames of streaming do not either") {
     CHECK(found.page_faults == 0);
     CAPTURE(seen.pages, seen.removed, seen.mips, seen.withdrawn, seen.converged, seen.failed);
     CHECK(seen.exhausted == (stream_page_slots | stream_map_bytes | stream_pages | stream_upload | stream_tests | stream_requests));
-    CHECK(seen.pages > 300);
-    CHECK(seen.removed > 200);
+    CHECK(seen.pages > 200);
+    CHECK(seen.removed > 150);
     CHECK(seen.mips > 100);
-    CHECK(seen.withdrawn > 20);
+    CHECK(seen.withdrawn > 10);
     CHECK(seen.converged > 100);
-    CHECK(seen.failed > 3);
+    CHECK(seen.failed > 2);
 }
 
 TEST_CASE("the watch catches one planted allocation, lock, system call, page fault and exception") {
