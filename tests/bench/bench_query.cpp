@@ -1,5 +1,5 @@
-// What a height, a ray and a collider patch cost, beside the plain way to a height: Terrain::ground_m(), which reads the
-// four samples around a place and needs all their pages. And what publication costs whoever loads pages.
+// What a height, a ray and a collider patch cost, beside the plain way to a height: Terrain::ground_m(), which reads
+// the four samples around a place and needs all their pages. And what publication costs whoever loads pages.
 //
 // Names: query/scene/what. Scene: the mountains of content/terrain (4097 x 4097, 60 m), tiles of 512 cells.
 #include <benchmark/benchmark.h>
@@ -129,9 +129,9 @@ void insert(benchmark::State& state) {
             if (!insert_page(t, 9, page, pages[page]).ok()) return state.SkipWithError("insert");
         for (std::uint32_t page = 0; page < t.pages_per_tile; ++page) unload_page(t, 9, page);
     }
-    state.counters["us_per_page"] = benchmark::Counter(static_cast<double>(t.pages_per_tile) * 1e-6,
-                                                       benchmark::Counter::kIsIterationInvariantRate |
-                                                           benchmark::Counter::kInvert);
+    state.counters["us_per_page"] =
+        benchmark::Counter(static_cast<double>(t.pages_per_tile) * 1e-6,
+                           benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 template <class F>

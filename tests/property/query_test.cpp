@@ -12,7 +12,8 @@ using namespace fjell::test;
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity(), no_number = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity(),
+                 no_number = std::numeric_limits<double>::quiet_NaN();
 
 struct Place {
     double column, row;
@@ -58,8 +59,7 @@ TEST_CASE("with all pages a height is that of the full-resolution triangle under
             REQUIRE(static_cast<double>(got.error_m) == Approx(half_quantum(t)).epsilon(0x1p-22));
             REQUIRE(std::abs(length(got.normal) - 1) < 1e-12);
             if (edge) continue;
-            const Vec3 normal =
-                normalised({-plane.x / t.header.spacing_m[0], 1, -plane.y / t.header.spacing_m[1]});
+            const Vec3 normal = normalised({-plane.x / t.header.spacing_m[0], 1, -plane.y / t.header.spacing_m[1]});
             // An angle: heights' rounding over a cell.
             REQUIRE(length(got.normal - normal) <=
                     4 * rounding_m(t) / std::min(t.header.spacing_m[0], t.header.spacing_m[1]) + 0x1p-40);
@@ -129,8 +129,9 @@ TEST_CASE("a position beyond the rim gets the nearest height on it, and says so"
             REQUIRE(!got.inside);
             REQUIRE(got.height_m == ground_height(t, 0, z).height_m);
         }
-        REQUIRE(ground_height(t, 2 * wx, 2 * wz).height_m ==
-                Approx(t.height_m({t.tree.columns() - 1, t.tree.rows() - 1})).margin(0x1p-22 * std::abs(t.header.max_m)));
+        REQUIRE(
+            ground_height(t, 2 * wx, 2 * wz).height_m ==
+            Approx(t.height_m({t.tree.columns() - 1, t.tree.rows() - 1})).margin(0x1p-22 * std::abs(t.header.max_m)));
         REQUIRE(ground_height(t, 0, 0).inside);
         REQUIRE(!ground_height(t, no_number, z).inside);
         REQUIRE(std::isfinite(ground_height(t, no_number, no_number).height_m));

@@ -32,7 +32,8 @@ void ask(Random& random, const Terrain& full, const Terrain& paged, Count& count
     const TruePlane truth = true_plane(full, column, row);
     const GroundHeight height = ground_height(paged, x, z);
     if (!truth.hole && !height.hole)
-        count.wrong += !(std::abs(height.height_m - at(truth, column, row)) <= static_cast<double>(height.error_m) + slack);
+        count.wrong +=
+            !(std::abs(height.height_m - at(truth, column, row)) <= static_cast<double>(height.error_m) + slack);
     (height.finest ? count.exact : count.coarse)++;
 
     const Vec3 origin{x, static_cast<double>(h.max_m) + 10, z};

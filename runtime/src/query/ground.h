@@ -148,7 +148,7 @@ struct Plane {
 // --- triangles
 
 struct Triangle {
-    Corner apex, ends[2]; // the right angle; the hypotenuse
+    Corner apex, ends[2];           // the right angle; the hypotenuse
     std::int32_t bound = any_error; // of the vertex that splits it, should it not be there: the largest code
     [[nodiscard]] bool hole() const { return apex.hole || ends[0].hole || ends[1].hole; }
     // Half of a cell: of the full resolution.
@@ -180,7 +180,8 @@ struct Spread {
     [[nodiscard]] double steps() const { return low_x > high_x ? 0 : high_x - low_x + high_y - low_y; }
 };
 
-// corners: [0] north-west, [1] north-east, [2] south-west, [3] south-east, where they stand; nw and side: on the lattice.
+// corners: [0] north-west, [1] north-east, [2] south-west, [3] south-east, where they stand; nw and side: on the
+// lattice.
 struct Square {
     Coord nw;
     std::int32_t side = 0;
@@ -196,7 +197,8 @@ struct Square {
     }
     [[nodiscard]] int half_of(Point p) const {
         const Triangle first = half(0);
-        return turn(first.ends[0].at, first.ends[1].at, p) * turn(first.ends[0].at, first.ends[1].at, first.apex.at) >= 0
+        return turn(first.ends[0].at, first.ends[1].at, p) * turn(first.ends[0].at, first.ends[1].at, first.apex.at) >=
+                       0
                    ? 0
                    : 1;
     }

@@ -44,7 +44,8 @@ struct Found {
         const Sample sample = reader.read(s.centre());
         if (!sample.loaded) {
             const Triangle half = s.half(s.half_of(p));
-            return {plane_of(half.apex, half.ends[0], half.ends[1]), error_m(t, s.bound) + spread_m(t, s), half.hole(), false};
+            return {plane_of(half.apex, half.ends[0], half.ends[1]), error_m(t, s.bound) + spread_m(t, s), half.hole(),
+                    false};
         }
         const Corner centre = corner_of(t, s.centre(), sample);
         const int k = quarter_at(t, centre.at, p);
@@ -55,8 +56,7 @@ struct Found {
         }
         const int i = q.half_of(p);
         const Triangle& half = q.half[i];
-        if (q.flat[i])
-            return {plane_of(half.apex, half.ends[0], half.ends[1]), q.error_m[i], half.hole(), false};
+        if (q.flat[i]) return {plane_of(half.apex, half.ends[0], half.ends[1]), q.error_m[i], half.hole(), false};
         return find_below(t, reader, half, p, accurate);
     }
 }
