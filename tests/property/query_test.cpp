@@ -172,3 +172,30 @@ TEST_CASE("a patch holds the heights of its samples, the pack's own where their 
         REQUIRE(!ground_patch(t, first, step, side, std::span(heights).first(side)).finest);
     }
 }
+
+TEST_CASE("beside the rim a bound also holds between samples that show no error") {
+    // Heights of a chequered board on even places, halfway between elsewhere. Squares of two cells that the rim cuts to
+    // one are exact at every sample, but their diagonal is bent: in the middle it is a quarter of the step off.
+    baker::Dem dem;
+    dem.columns = dem.rows = 40;
+    dem.spacing_m[0] = dem.spacing_m[1] = 10;
+    for (int y = 0; y < dem.rows; ++y)
+        for (int x = 0; x < dem.columns; ++x)
+            dem.heights_m.push_back(x % 2 == 0 && y % 2 == 0 ? static_cast<float>((x / 2 + y / 2) % 2 * 100) : 50.0f);
+    const auto pack = bake_and_load(std::move(dem), small_bake(6));
+    PagedTerrain paged(pack.pack, {});
+    REQUIRE(load_page(pack.pack, paged.terrain, 0, 0).ok()); // all but step 1
+    const Terrain& t = paged.terrain;
+    double worst = 0;
+    for (int j = 1; j < 390; ++j)
+        for (const double column : {38.25, 38.5, 38.75}) {
+            const double row = j * 0.1;
+            const GroundHeight got = ground_height(t, column * 10, row * 10);
+            const double error = std::abs(got.height_m - at(true_plane(pack.terrain, column, row), column, row));
+            CAPTURE(column, row);
+            REQUIRE(error <= static_cast<double>(got.error_m) - half_quantum(t) + rounding_m(t) +
+                                 0x1p-23 * static_cast<double>(got.error_m));
+            worst = std::max(worst, error);
+        }
+    REQUIRE(worst > 20);
+}
