@@ -62,8 +62,9 @@ struct Hits {
 // All triangles, one by one, in cells and metres. loss: how far a place on the ray may be off, in metres of height.
 Hits brute_force(const Terrain& t, const Ray& ray, double slack_cells, double loss_m) {
     Hits hits;
-    const Vec3 d = normalised(ray.direction * (1 / std::max({std::abs(ray.direction.x), std::abs(ray.direction.y),
-                                                             std::abs(ray.direction.z)})));
+    const Vec3 d =
+        normalised(ray.direction *
+                   (1 / std::max({std::abs(ray.direction.x), std::abs(ray.direction.y), std::abs(ray.direction.z)})));
     const double ox = ray.origin.x / t.header.spacing_m[0], oy = ray.origin.z / t.header.spacing_m[1],
                  dx = d.x / t.header.spacing_m[0], dy = d.z / t.header.spacing_m[1];
     for (std::int32_t j = 0; j + 1 < t.tree.rows(); ++j)

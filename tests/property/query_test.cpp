@@ -12,7 +12,8 @@ using namespace fjell::test;
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity(), no_number = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity(),
+                 no_number = std::numeric_limits<double>::quiet_NaN();
 
 struct Place {
     double column, row;
@@ -58,8 +59,7 @@ TEST_CASE("with all pages a height is that of the full-resolution triangle under
             REQUIRE(static_cast<double>(got.error_m) == Approx(half_quantum(t)).epsilon(0x1p-22));
             REQUIRE(std::abs(length(got.normal) - 1) < 1e-12);
             if (edge) continue;
-            const Vec3 normal =
-                normalised({-plane.x / t.header.spacing_m[0], 1, -plane.y / t.header.spacing_m[1]});
+            const Vec3 normal = normalised({-plane.x / t.header.spacing_m[0], 1, -plane.y / t.header.spacing_m[1]});
             // An angle: heights' rounding over a cell.
             REQUIRE(length(got.normal - normal) <=
                     4 * rounding_m(t) / std::min(t.header.spacing_m[0], t.header.spacing_m[1]) + 0x1p-40);
@@ -129,8 +129,9 @@ TEST_CASE("a position beyond the rim gets the nearest height on it, and says so"
             REQUIRE(!got.inside);
             REQUIRE(got.height_m == ground_height(t, 0, z).height_m);
         }
-        REQUIRE(ground_height(t, 2 * wx, 2 * wz).height_m ==
-                Approx(t.height_m({t.tree.columns() - 1, t.tree.rows() - 1})).margin(0x1p-22 * std::abs(t.header.max_m)));
+        REQUIRE(
+            ground_height(t, 2 * wx, 2 * wz).height_m ==
+            Approx(t.height_m({t.tree.columns() - 1, t.tree.rows() - 1})).margin(0x1p-22 * std::abs(t.header.max_m)));
         REQUIRE(ground_height(t, 0, 0).inside);
         REQUIRE(!ground_height(t, no_number, z).inside);
         REQUIRE(std::isfinite(ground_height(t, no_number, no_number).height_m));
@@ -170,4 +171,31 @@ TEST_CASE("a patch holds the heights of its samples, the pack's own where their 
             }
         REQUIRE(!ground_patch(t, first, step, side, std::span(heights).first(side)).finest);
     }
+}
+
+TEST_CASE("beside the rim a bound also holds between samples that show no error") {
+    // Heights of a chequered board on even places, halfway between elsewhere. Squares of two cells that the rim cuts to
+    // one are exact at every sample, but their diagonal is bent: in the middle it is a quarter of the step off.
+    baker::Dem dem;
+    dem.columns = dem.rows = 40;
+    dem.spacing_m[0] = dem.spacing_m[1] = 10;
+    for (int y = 0; y < dem.rows; ++y)
+        for (int x = 0; x < dem.columns; ++x)
+            dem.heights_m.push_back(x % 2 == 0 && y % 2 == 0 ? static_cast<float>((x / 2 + y / 2) % 2 * 100) : 50.0f);
+    const auto pack = bake_and_load(std::move(dem), small_bake(6));
+    PagedTerrain paged(pack.pack, {});
+    REQUIRE(load_page(pack.pack, paged.terrain, 0, 0).ok()); // all but step 1
+    const Terrain& t = paged.terrain;
+    double worst = 0;
+    for (int j = 1; j < 390; ++j)
+        for (const double column : {38.25, 38.5, 38.75}) {
+            const double row = j * 0.1;
+            const GroundHeight got = ground_height(t, column * 10, row * 10);
+            const double error = std::abs(got.height_m - at(true_plane(pack.terrain, column, row), column, row));
+            CAPTURE(column, row);
+            REQUIRE(error <= static_cast<double>(got.error_m) - half_quantum(t) + rounding_m(t) +
+                                 0x1p-23 * static_cast<double>(got.error_m));
+            worst = std::max(worst, error);
+        }
+    REQUIRE(worst > 20);
 }

@@ -14,7 +14,7 @@ using namespace fjell::test;
 namespace {
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr std::uint64_t changes_wanted = 6'000;
+constexpr std::uint64_t changes_wanted = 3'000;
 #else
 constexpr std::uint64_t changes_wanted = 100'000;
 #endif
@@ -32,7 +32,8 @@ void ask(Random& random, const Terrain& full, const Terrain& paged, Count& count
     const TruePlane truth = true_plane(full, column, row);
     const GroundHeight height = ground_height(paged, x, z);
     if (!truth.hole && !height.hole)
-        count.wrong += !(std::abs(height.height_m - at(truth, column, row)) <= static_cast<double>(height.error_m) + slack);
+        count.wrong +=
+            !(std::abs(height.height_m - at(truth, column, row)) <= static_cast<double>(height.error_m) + slack);
     (height.finest ? count.exact : count.coarse)++;
 
     const Vec3 origin{x, static_cast<double>(h.max_m) + 10, z};

@@ -71,9 +71,8 @@ inline void load_some_pages(Random& random, const Pack& pack, Terrain& terrain) 
 inline host::LoadedPack random_ground(Random& random, bool holes, Estimate* estimate = nullptr) {
     const bool large = pick(random, 0, 7) == 0; // pages other than 0 need tiles of more than 32 cells
     const int log2 = large ? pick(random, 6, 8) : pick(random, 1, 7);
-    baker::Dem dem =
-        random_dem(random, pick(random, 2, large ? 400 : 120), pick(random, 2, large ? 300 : 90),
-                   static_cast<Shape>(pick(random, 0, static_cast<int>(Shape::count) - 1)));
+    baker::Dem dem = random_dem(random, pick(random, 2, large ? 400 : 120), pick(random, 2, large ? 300 : 90),
+                                static_cast<Shape>(pick(random, 0, static_cast<int>(Shape::count) - 1)));
     if (holes && pick(random, 0, 2) == 0) add_random_holes(random, dem, log2);
     baker::BakeOptions options = small_bake(log2);
     options.order = static_cast<Order>(pick(random, 0, 2));

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -31,7 +32,7 @@ struct Point {
 
 struct Sample {
     bool loaded = false, hole = false;
-    std::uint8_t error = 0; // code; of corners 0
+    std::int32_t error = 0; // code; of corners 0
     std::int32_t steps = 0;
 };
 
@@ -41,6 +42,24 @@ struct Corner {
     std::int32_t steps = 0;
     bool hole = false;
 };
+
+// PageLayout::place() of a vertex that is not a tile's corner, with shifts instead of divisions.
+[[nodiscard]] inline PagePlace place_of(const PageLayout& pages, std::uint32_t x, std::uint32_t y) {
+    if (pages.order == Order::linear) return pages.place_as<Order::linear>(x, y);
+    const auto z = static_cast<std::uint32_t>(std::countr_zero(x | y));
+    const StepLayout step = pages.step_layout(static_cast<int>(z));
+    const std::uint32_t i = x >> (z + 1), j = y >> (z + 1), last = (1u << step.blocks_log2) - 1;
+    const int block_log2 = std::countr_zero(step.block);
+    const std::uint32_t bx = std::min(i >> block_log2, last), by = std::min(j >> block_log2, last);
+    const std::uint32_t in_x = i - (bx << block_log2), in_y = j - (by << block_log2);
+    const bool odd_x = (x >> z & 1) != 0, odd_y = (y >> z & 1) != 0;
+    const PlaneKind kind = odd_x && odd_y ? PlaneKind::centre : odd_x ? PlaneKind::side_x : PlaneKind::side_y;
+    if (pages.order == Order::hierarchical_z)
+        return {step.first_page + interleave(bx, by),
+                step.offset + block_index<Order::hierarchical_z>(step.block, kind, in_x, in_y)};
+    return {step.first_page + (by << step.blocks_log2) + bx,
+            step.offset + block_index<Order::planar>(step.block, kind, in_x, in_y)};
+}
 
 // Reads vertices of one tile, from any thread. Keeps the last page, which most often holds the next vertex too.
 class Reader {
@@ -62,31 +81,30 @@ public:
             sample.steps = static_cast<std::int32_t>(stored & ~corner_void_bit);
             return sample;
         }
-        const PagePlace at = t_.pages.place(static_cast<std::uint32_t>(v.x - origin_.x),
-                                            static_cast<std::uint32_t>(v.y - origin_.y));
-        // A page that went while it was read may be back at once; one that keeps coming and going counts as missing.
-        for (int attempt = 0; attempt < attempts; ++attempt) {
-            if (at.page != page_) {
-                page_ = no_page;
-                if (!find_page(t_, first_page_ + at.page, found_)) continue;
-                page_ = at.page;
-            }
-            VertexRecord record;
-            if (!read_record(t_, found_, at.index, record)) {
-                page_ = no_page;
-                continue;
-            }
-            sample.loaded = true;
-            sample.hole = is_void(record);
-            sample.error = record.error;
-            sample.steps = found_.base + record.height;
-            return sample;
-        }
+        const PagePlace at = place_of(t_.pages, static_cast<std::uint32_t>(v.x - origin_.x),
+                                      static_cast<std::uint32_t>(v.y - origin_.y));
+        VertexRecord record;
+        if (at.page != page_ || !read_record(t_, found_, at.index, record))
+            if (!find(at, record)) return sample;
+        sample.loaded = true;
+        sample.hole = is_void(record);
+        sample.error = record.error;
+        sample.steps = found_.base + record.height;
         return sample;
     }
 
 private:
-    static constexpr int attempts = 3;
+    // A page that went while it was read may be back at once; one that keeps coming and going counts as missing.
+    [[gnu::noinline]] bool find(PagePlace at, VertexRecord& record) {
+        constexpr int attempts = 3;
+        for (int attempt = 0; attempt < attempts; ++attempt) {
+            page_ = at.page;
+            if (find_page(t_, first_page_ + at.page, found_) && read_record(t_, found_, at.index, record)) return true;
+        }
+        page_ = no_page;
+        return false;
+    }
+
     const Terrain& t_;
     Coord origin_;
     std::size_t first_page_;
@@ -94,12 +112,14 @@ private:
     PublishedPage found_;
 };
 
-// The most that a child's error can be, by nesting: codes, so nothing rounds.
-[[nodiscard]] inline double below_m(const Terrain& t, std::uint8_t code) {
-    return code <= t.errors.nesting_steps ? 0.0 : static_cast<double>(t.errors.metres[code - t.errors.nesting_steps]);
+// Errors go as codes of the pack's scale, so that nothing rounds and nothing is looked up on the way.
+inline constexpr std::int32_t any_error = -1; // not known: the largest of the terrain
+[[nodiscard]] inline double error_m(const Terrain& t, std::int32_t code) {
+    return static_cast<double>(code == any_error ? t.header.max_error_m : t.errors.metres[code]);
 }
-[[nodiscard]] inline double error_m(const Terrain& t, std::uint8_t code) {
-    return static_cast<double>(t.errors.metres[code]);
+// The most that a child's error can be, by nesting.
+[[nodiscard]] inline std::int32_t below(const Terrain& t, std::int32_t code) {
+    return std::max(code - static_cast<std::int32_t>(t.errors.nesting_steps), 0);
 }
 
 // A plane over the ground, in lattice steps a cell.
@@ -128,8 +148,8 @@ struct Plane {
 // --- triangles
 
 struct Triangle {
-    Corner apex, ends[2]; // the right angle; the hypotenuse
-    double bound_m = 0;   // of the vertex that splits it, should it not be there
+    Corner apex, ends[2];           // the right angle; the hypotenuse
+    std::int32_t bound = any_error; // of the vertex that splits it, should it not be there: the largest code
     [[nodiscard]] bool hole() const { return apex.hole || ends[0].hole || ends[1].hole; }
     // Half of a cell: of the full resolution.
     [[nodiscard]] bool leaf() const { return ((ends[0].at.x ^ ends[1].at.x) & 1) != 0; }
@@ -137,8 +157,8 @@ struct Triangle {
         return {(ends[0].at.x + ends[1].at.x) / 2, (ends[0].at.y + ends[1].at.y) / 2};
     }
     // The half that has ends[k].
-    [[nodiscard]] Triangle half(const Corner& middle_, int k, double below) const {
-        return {middle_, {apex, ends[k]}, below};
+    [[nodiscard]] Triangle half(const Corner& middle_, int k, std::int32_t bound_) const {
+        return {middle_, {apex, ends[k]}, bound_};
     }
     // Which half p is in; on their border the first.
     [[nodiscard]] int half_of(Point p) const {
@@ -160,23 +180,25 @@ struct Spread {
     [[nodiscard]] double steps() const { return low_x > high_x ? 0 : high_x - low_x + high_y - low_y; }
 };
 
-// corners: [0] north-west, [1] north-east, [2] south-west, [3] south-east, where they stand; nw and side: on the lattice.
+// corners: [0] north-west, [1] north-east, [2] south-west, [3] south-east, where they stand; nw and side: on the
+// lattice.
 struct Square {
     Coord nw;
     std::int32_t side = 0;
     bool falling = true; // its diagonal runs from north-west to south-east
     Corner corners[4];
-    double bound_m = 0; // of its centre, should it not be there
+    std::int32_t bound = any_error; // of its centre, should it not be there
 
     [[nodiscard]] Coord centre() const { return {nw.x + side / 2, nw.y + side / 2}; }
     // Its halves: the one with the south-west or, rising, the north-west corner first.
     [[nodiscard]] Triangle half(int k) const {
-        if (falling) return {corners[k == 0 ? 2 : 1], {corners[0], corners[3]}, bound_m};
-        return {corners[k == 0 ? 0 : 3], {corners[1], corners[2]}, bound_m};
+        if (falling) return {corners[k == 0 ? 2 : 1], {corners[0], corners[3]}, bound};
+        return {corners[k == 0 ? 0 : 3], {corners[1], corners[2]}, bound};
     }
     [[nodiscard]] int half_of(Point p) const {
         const Triangle first = half(0);
-        return turn(first.ends[0].at, first.ends[1].at, p) * turn(first.ends[0].at, first.ends[1].at, first.apex.at) >= 0
+        return turn(first.ends[0].at, first.ends[1].at, p) * turn(first.ends[0].at, first.ends[1].at, first.apex.at) >=
+                       0
                    ? 0
                    : 1;
     }
@@ -203,7 +225,6 @@ struct Square {
         const Coord v{s.nw.x + (k & 1) * s.side, s.nw.y + (k >> 1) * s.side};
         s.corners[k] = corner_of(t, v, reader.read(v));
     }
-    s.bound_m = static_cast<double>(t.header.max_error_m);
     return s;
 }
 
@@ -244,7 +265,7 @@ struct Quarter {
 
 // One quarter of a square whose centre is `centre`, a vertex with error code `code`.
 [[nodiscard]] inline Quarter quarter_of(const Terrain& t, Reader& reader, const Square& s, const Corner& centre,
-                                        std::uint8_t code, int k) {
+                                        std::int32_t code, int k) {
     const std::int32_t half = s.side / 2;
     const Coord at = s.centre(), nw{s.nw.x + (k & 1) * half, s.nw.y + (k >> 1) * half};
     const Coord beside_row{at.x, s.nw.y + (k >> 1) * s.side}, beside_column{s.nw.x + (k & 1) * s.side, at.y};
@@ -264,17 +285,17 @@ struct Quarter {
         q.square.corners[3 - k] = centre;
         q.square.corners[k ^ 1] = sides[0];
         q.square.corners[k ^ 2] = sides[1];
-        q.square.bound_m = std::min(below_m(t, samples[0].error), below_m(t, samples[1].error));
+        q.square.bound = below(t, std::min(samples[0].error, samples[1].error));
         return q;
     }
-    const double flat_m = below_m(t, code) + spread_m(t, s, centre);
+    const double flat_m = error_m(t, below(t, code)) + spread_m(t, s, centre);
     for (int i = 0; i < 2; ++i) {
         q.flat[i] = cut_by_rim(t, nw, half) || !samples[i].loaded;
         if (q.flat[i]) { // all of the triangle over that side of the square
-            q.half[i] = {centre, {own, s.corners[i == 0 ? k ^ 1 : k ^ 2]}, 0};
+            q.half[i] = {centre, {own, s.corners[i == 0 ? k ^ 1 : k ^ 2]}, any_error};
             q.error_m[i] = flat_m;
         } else {
-            q.half[i] = {sides[i], {own, centre}, below_m(t, samples[i].error)};
+            q.half[i] = {sides[i], {own, centre}, below(t, samples[i].error)};
         }
     }
     return q;
@@ -288,9 +309,18 @@ struct Quarter {
     const auto rounded = static_cast<float>(whole);
     return static_cast<double>(rounded) < whole ? std::nextafter(rounded, INFINITY) : rounded;
 }
+// The largest code whose error is good enough; any_error: none is.
+[[nodiscard]] inline std::int32_t accurate_code(const Terrain& t, float accurate_m) {
+    const double most_m = static_cast<double>(accurate_m) - 0.5 * static_cast<double>(t.lattice.quantum_m);
+    if (!(most_m >= 0)) return any_error;
+    std::int32_t enough = 0; // how many codes are
+    for (std::int32_t step = 128; step != 0; step /= 2)
+        if (error_m(t, enough + step - 1) <= most_m) enough += step;
+    return enough - 1;
+}
 // A triangle whose vertex has that code need not be split: it is exact, or good enough.
-[[nodiscard]] inline bool suffices(const Terrain& t, const Triangle& triangle, std::uint8_t code, float accurate_m) {
-    return (code == 0 && !triangle.hole()) || reported_m(t, error_m(t, code)) <= accurate_m;
+[[nodiscard]] inline bool suffices(std::int32_t code, std::int32_t accurate, bool hole) {
+    return code <= accurate || (code == 0 && !hole);
 }
 [[nodiscard]] inline Vec3 normal_of(const Terrain& t, const Plane& plane) {
     const double quantum = t.lattice.quantum_m;

@@ -23,7 +23,7 @@ GroundHeight ground_height(const Terrain& terrain, double x_m, double z_m, float
     const Point p{onto(column, terrain.tree.columns() - 1), onto(row, terrain.tree.rows() - 1)};
     const Coord tile = tile_of(terrain, p);
     Reader reader(terrain, tile.x, tile.y);
-    const Found found = find_ground(terrain, reader, p, accurate_m);
+    const Found found = find_ground(terrain, reader, p, accurate_code(terrain, accurate_m));
     GroundHeight out;
     out.inside = p.x == column && p.y == row;
     out.hole = found.hole;
@@ -49,7 +49,7 @@ struct PatchRow {
             return;
         }
         const Point p{static_cast<double>(v.x), static_cast<double>(v.y)};
-        const Found found = find_ground(t, reader, p, 0);
+        const Found found = find_ground(t, reader, p, any_error);
         height = static_cast<float>(query::height_m(t, found.plane.height(p)));
         hole = found.hole;
         worst_m = std::max(worst_m, found.error_m);

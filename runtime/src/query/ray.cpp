@@ -1,7 +1,7 @@
 // Rays: front to back through the tiles under the ray's line, and in each down the hierarchy of triangles.
 //
-// The ray is one parameter, s in metres along it. A tile is given a part of [0, most]; every split cuts a node's part in
-// two or leaves it whole. So the parts of the leaves follow each other without gap or overlap whatever rounds, and
+// The ray is one parameter, s in metres along it. A tile is given a part of [0, most]; every split cuts a node's part
+// in two or leaves it whole. So the parts of the leaves follow each other without gap or overlap whatever rounds, and
 // nothing is clipped against triangles. A node is left out when the ray is, on both ends of its part, further from the
 // unsplit plane than the error of the vertex that would split it: the difference is linear in s, and no descendant is
 // further from that plane. The error bound is the bounding volume.
@@ -58,8 +58,8 @@ static_assert(std::is_trivially_copyable_v<Node>);
 
 class RayWalk {
 public:
-    RayWalk(const Terrain& terrain, const Line& ray, float accuracy_m)
-        : t(terrain), line(ray), accurate_m(accuracy_m), quantum_m(terrain.lattice.quantum_m) {}
+    RayWalk(const Terrain& terrain, const Line& ray, float accurate_m)
+        : t(terrain), line(ray), accurate(accurate_code(terrain, accurate_m)), quantum_m(terrain.lattice.quantum_m) {}
 
     // True: hit, see below.
     bool tile(std::int32_t tx, std::int32_t ty, Part part) {
@@ -99,7 +99,7 @@ private:
     int count = 0;
     const Terrain& t;
     const Line line;
-    const float accurate_m;
+    const std::int32_t accurate; // code
     const double quantum_m;
     int side = 0; // of the ground: 1 above, -1 below, 0 not known
     double side_error_m = 0;
@@ -128,16 +128,17 @@ private:
     }
     void push_halves(const Square& s, Part part) {
         const Triangle half = s.half(0);
-        in_halves(half.ends[0].at, half.ends[1].at, part, [&](Point p) { return s.half_of(p); },
-                  [&](int k, Part of) { push(s.half(k), of); });
+        in_halves(
+            half.ends[0].at, half.ends[1].at, part, [&](Point p) { return s.half_of(p); },
+            [&](int k, Part of) { push(s.half(k), of); });
     }
 
     bool triangle(Reader& reader, const Triangle& node, Part part) {
         if (node.leaf()) return meet(node, part, 0, true);
         const Coord m = node.middle();
         const Sample sample = reader.read(m);
-        if (!sample.loaded) return meet(node, part, node.bound_m, node.bound_m == 0);
-        if (suffices(t, node, sample.error, accurate_m))
+        if (!sample.loaded) return meet(node, part, error_m(t, node.bound), node.bound == 0);
+        if (suffices(sample.error, accurate, node.hole()))
             return meet(node, part, error_m(t, sample.error), sample.error == 0);
         const Plane plane = plane_of(node.apex, node.ends[0], node.ends[1]);
         const double g0 = line.height(part.from) - plane.height(line.over(part.from)),
@@ -145,9 +146,10 @@ private:
         const double error_steps = error_m(t, sample.error) / quantum_m;
         if (passes(std::min(g0, g1) - error_steps, std::max(g0, g1) + error_steps, node.hole())) return false;
         const Corner middle{m, sample.steps, sample.hole};
-        const double below = below_m(t, sample.error);
-        in_halves(node.apex.at, m, part, [&](Point p) { return node.half_of(p); },
-                  [&](int k, Part of) { push(node.half(middle, k, below), of); });
+        const std::int32_t bound = below(t, sample.error);
+        in_halves(
+            node.apex.at, m, part, [&](Point p) { return node.half_of(p); },
+            [&](int k, Part of) { push(node.half(middle, k, bound), of); });
         return false;
     }
 
@@ -164,10 +166,11 @@ private:
     bool square(Reader& reader, const Square& s, Part part) {
         const Sample sample = reader.read(s.centre());
         if (!sample.loaded) {
-            const double flat_m = s.bound_m + spread_m(t, s);
+            const double flat_m = error_m(t, s.bound) + spread_m(t, s);
             const Triangle half = s.half(0);
-            in_halves(half.ends[0].at, half.ends[1].at, part, [&](Point p) { return s.half_of(p); },
-                      [&](int k, Part of) { push_flat(s.half(k), flat_m, of); });
+            in_halves(
+                half.ends[0].at, half.ends[1].at, part, [&](Point p) { return s.half_of(p); },
+                [&](int k, Part of) { push_flat(s.half(k), flat_m, of); });
             return false;
         }
         // Planes bend when the square is split, but no sample leaves the range of its corners by more than the error.
@@ -184,7 +187,7 @@ private:
         return false;
     }
 
-    void quarters(Reader& reader, const Square& s, const Corner& centre, std::uint8_t code, Part part) {
+    void quarters(Reader& reader, const Square& s, const Corner& centre, std::int32_t code, Part part) {
         double cuts[4] = {part.from, part.from, part.to, part.to};
         const auto within = [&](double at) { return at > part.from && at < part.to ? at : part.from; };
         const double x = within(line.meets(centre.at, centre.at + Coord{0, 1}, part.from)),
@@ -200,13 +203,14 @@ private:
                 push_square(q.square, of);
                 continue;
             }
-            in_halves(q.diagonal[0], q.diagonal[1], of, [&](Point at) { return q.half_of(at); },
-                      [&](int h, Part half_part) {
-                          if (q.flat[h])
-                              push_flat(q.half[h], q.error_m[h], half_part);
-                          else
-                              push(q.half[h], half_part);
-                      });
+            in_halves(
+                q.diagonal[0], q.diagonal[1], of, [&](Point at) { return q.half_of(at); },
+                [&](int h, Part half_part) {
+                    if (q.flat[h])
+                        push_flat(q.half[h], q.error_m[h], half_part);
+                    else
+                        push(q.half[h], half_part);
+                });
         }
     }
 
@@ -285,9 +289,11 @@ GroundHit cast_ray(const Terrain& terrain, Vec3 origin_m, Vec3 direction, double
     const PackHeader& h = terrain.header;
     const double quantum = terrain.lattice.quantum_m;
     const auto line_from = [&](Vec3 from) {
-        return Line{from.x / h.spacing_m[0],  from.z / h.spacing_m[1],
+        return Line{from.x / h.spacing_m[0],
+                    from.z / h.spacing_m[1],
                     (from.y - static_cast<double>(terrain.lattice.base_m)) / quantum,
-                    along.x / h.spacing_m[0], along.z / h.spacing_m[1],
+                    along.x / h.spacing_m[0],
+                    along.z / h.spacing_m[1],
                     along.y / quantum};
     };
     const Line far = line_from(origin_m);
