@@ -279,7 +279,7 @@ SeenStream fly_streamed(const host::LoadedPack& pack, std::uint32_t seed, int fr
         if (frame % 250 == 0) settings.error_px = std::pow(10.0, uniform(random, -1, 1.5));
         if (frame % 2000 == 1999) retry_failed(stream);
         stream_settings.now_s += 1.0 / 60;
-        stream_settings.tests = frame % 200 < 20 ? 50 : 1u << 16;
+        stream_settings.tests = frame % 200 < 20 ? 5 : 1u << 16;
         stream_settings.map_bytes = frame % 400 < 200 ? 100 : 1u << 20;
         stream_settings.pages = frame % 300 < 100 ? 1 : 8;
         const std::size_t view_count = frame % 600 < 500 ? 1 : 2;
