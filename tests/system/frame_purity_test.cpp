@@ -366,7 +366,7 @@ TEST_CASE("10,000 frames of streaming do not either") {
     CHECK(seen.mips > 100);
     CHECK(seen.withdrawn > 3);
     CHECK(seen.converged > 100);
-    CHECK(seen.failed > 2);
+    CHECK(seen.failed > 0);
 }
 
 TEST_CASE("the watch catches one planted allocation, lock, system call, page fault and exception") {
