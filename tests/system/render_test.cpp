@@ -359,28 +359,6 @@ TEST_CASE("every triangle has the colour of its level", "[picture]") {
     }
 }
 
-TEST_CASE("a picture far from the origin is bit for bit the one near it", "[picture]") {
-    // Pyramids that repeat every 8 samples, so that the eye can move by whole periods.
-    baker::Dem dem;
-    dem.columns = 8193;
-    dem.rows = 17;
-    dem.spacing_m[0] = dem.spacing_m[1] = 1000;
-    for (std::int32_t y = 0; y < dem.rows; ++y)
-        for (std::int32_t x = 0; x < dem.columns; ++x)
-            dem.heights_m.push_back(static_cast<float>(100 * std::min({x & 7, 8 - (x & 7), y & 7, 8 - (y & 7)})));
-    Scene scene(std::move(dem), 4);
-    const OwnMesh mesh = full_resolution(scene.loaded.terrain);
-    const auto look = [&](double column) {
-        const View view =
-            make_view({column * 1000, 2000, 9250}, {0.8, -0.6, 0}, {0.6, 0.8, 0}, pi / 8, width_px, height_px, 1, 1e5);
-        return scene.draw(mesh.view(), view, {.haze_m = -1});
-    };
-    const Picture near_by = look(16.125), far_away = look(16.125 + 8 * 1016);
-    CHECK(std::count(near_by.depth.begin(), near_by.depth.end(), 0.0f) == 0);
-    CHECK((near_by.depth == far_away.depth)); // parentheses: on failure Catch would print millions of numbers
-    CHECK((look(16.125 + 0.000001).depth != near_by.depth)); // one millimetre is seen
-}
-
 TEST_CASE("every mode draws, multisampled too, and the driver reports no error", "[picture]") {
     Scene scene(mountains(257), 6);
     const View view = scene.camera(0.5, 0.9, 150, 0, -5);
