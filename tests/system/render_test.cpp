@@ -238,6 +238,30 @@ TEST_CASE("of a live cut only the slots that were written are uploaded, and they
     CHECK(context().log().errors == 0);
 }
 
+TEST_CASE("an upload that outgrows the ring's regions is whole all the same", "[picture]") {
+    Scene scene(mountains(513), 6);
+    scene.make_cut();
+    const View view = scene.camera(0.5, 0.9, 200, 0, -10);
+    scene.follow(view, 30, true);
+    const MeshView mesh = cut_mesh(scene.cut).mesh;
+    gl::RendererOptions slots{.vertices = static_cast<std::uint32_t>(mesh.vertices.size()),
+                              .indices = static_cast<std::uint32_t>(mesh.indices.size()),
+                              .ranges = 4096,
+                              .morph = true,
+                              .ring_bytes = 1}; // the least, 64 KB, beside 4,096 ranges
+    std::string error;
+    scene.renderer = gl::Renderer::create(scene.loaded.terrain, scene.loaded.pack, slots, error);
+    REQUIRE(scene.renderer);
+    (void)scene.draw(cut_mesh(scene.cut), view);
+    scene.follow(view, 0.5);
+    const Picture piece_by_piece = scene.draw(cut_mesh(scene.cut), view);
+    CHECK(scene.renderer->stats().bytes_uploaded > 4 * (65'536 + 4096 * 132 + 2048)); // more than all three regions
+    scene.renderer->invalidate();
+    const Picture fresh = scene.draw(cut_mesh(scene.cut), view);
+    CHECK((piece_by_piece.colour.rgb == fresh.colour.rgb));
+    CHECK((piece_by_piece.depth == fresh.depth));
+}
+
 TEST_CASE("the shader places morphing vertices where morphed_height_m() says", "[picture]") {
     Scene scene(mountains(513), 6);
     scene.make_cut();
@@ -364,8 +388,8 @@ TEST_CASE("every mode draws, multisampled too, and the driver reports no error",
     const View view = scene.camera(0.5, 0.9, 150, 0, -5);
     const MeshView mesh = scene.refined(view, 2);
     std::vector<gl::Image> images;
-    for (const gl::Mode mode : {gl::Mode::shaded, gl::Mode::levels, gl::Mode::distance, gl::Mode::tiles, gl::Mode::mips,
-                                gl::Mode::residency})
+    for (const gl::Mode mode :
+         {gl::Mode::shaded, gl::Mode::levels, gl::Mode::distance, gl::Mode::tiles, gl::Mode::mips, gl::Mode::residency})
         for (const bool wireframe : {false, true})
             images.push_back(scene.draw(mesh, view, {.mode = mode, .wireframe = wireframe}).colour);
     for (std::size_t i = 0; i < images.size(); ++i)
