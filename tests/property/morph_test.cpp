@@ -177,3 +177,58 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
         }
     }
 }
+
+// Pages asked back: their vertices sink before they go. The eye rests, so nothing else moves.
+TEST_CASE("pages that leave do so without a step when vertices morph, and with one when they do not") {
+    Random random(212);
+    for (int round = 0; round < 2; ++round) {
+        const auto pack = bake_and_load(random_dem(random, 129, 129, Shape::fractal), small_bake(7));
+        const View view = view_from_above(pack.terrain, 0.05);
+        double largest_px[2] = {};
+        for (const bool morphs : {false, true}) {
+            PagedTerrain paged(pack.pack, {});
+            for (std::uint32_t page = 0; page < paged.terrain.page_count(); ++page)
+                REQUIRE(load_page(pack.pack, paged.terrain, 0, page).ok());
+            Cut cut(paged.terrain, ample_cut(pack.terrain));
+            CutSettings settings;
+            settings.error_px = 0.3;
+            settings.morph = morphs ? Morph::error : Morph::none;
+            settings.morph_s = 0.25;
+            (void)cut.rebuild({&view, 1}, settings);
+            constexpr int frames_a_rise = 100; // a step is a hundredth of the way
+            std::vector<double> before = surface(paged.terrain, cut);
+            // The finest pages first, as a stream does.
+            std::uint32_t gone = 0, removed = 0, sinking = 0;
+            for (std::uint32_t page = paged.terrain.page_count() - 1; page >= 2; --page) {
+                bool released = false;
+                for (int frame = 0; frame < 5 * frames_a_rise && !released; ++frame) {
+                    REQUIRE(release_page(cut.cut, 0, page, released).ok());
+                    if (released) break;
+                    settings.now_s += settings.morph_s / frames_a_rise;
+                    settings.items = frame % 3 ? unlimited_items : 200;
+                    const CutReport report = cut.update({&view, 1}, settings);
+                    CAPTURE(round, morphs, page, frame);
+                    REQUIRE(check_cut(cut) == "");
+                    REQUIRE(report.items == report.evaluations + report.activations + report.deactivations);
+                    REQUIRE(report.items <= settings.items);
+                    removed += report.deactivations;
+                    sinking += report.rising != 0;
+                    const std::vector<double> after = surface(paged.terrain, cut);
+                    largest_px[morphs] =
+                        std::max(largest_px[morphs], largest_step_px(paged.terrain, view, before, after));
+                    before = after;
+                }
+                REQUIRE(released);
+                unload_page(paged.terrain, 0, page);
+                ++gone;
+            }
+            REQUIRE(gone > 3);
+            REQUIRE(removed > 100);
+            REQUIRE((sinking > 100) == morphs);
+        }
+        CAPTURE(round, largest_px[0], largest_px[1]);
+        REQUIRE(largest_px[0] > 1);
+        // Of two levels that sink one after the other, and of rounding, no more than a few hundredths.
+        REQUIRE(largest_px[1] < 0.05 * largest_px[0]);
+    }
+}

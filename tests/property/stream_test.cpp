@@ -35,10 +35,13 @@ std::string check_promise(Streamed& on, const Terrain& full, std::span<const Vie
     if (cut.converged && !stream.converged) return "the cut has converged on a terrain that has not";
     if (cut.waiting != 0 || cut.error_px_effective > std::max(settings.error_px, stream.missing_px)) return {};
     const VertexSet active = active_set(on.cut);
+    // Vertices that morph come early: two levels of nesting (fjell/cut.h).
+    const double nested = settings.morph == Morph::none ? 1 : 1 + static_cast<double>(full.header.nesting);
+    const double early = nested * nested;
     if (stream.converged)
-        return difference(active, target_set(full, full, views, settings.error_px, settings.corner_safe));
+        return difference(active, target_set(full, full, views, settings.error_px / early, settings.corner_safe));
     if (stream.missing_px >= 1e7) return {}; // of an eye inside the sphere of what is missing nothing can be said
-    const double px = stream.missing_px * (1 + 1e-6);
+    const double px = stream.missing_px * (1 + 1e-6) / early;
     if (!contains(active, target_set(full, full, views, px, settings.corner_safe)))
         return "something wanted at the threshold of the missing pages is not active";
     return {};
@@ -70,6 +73,8 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
         CutSettings settings;
         settings.error_px = std::pow(10.0, uniform(random, 0, 2.5));
         settings.corner_safe = pick(random, 0, 4) == 0;
+        settings.morph = pick(random, 0, 2) == 0 ? Morph::error : Morph::none;
+        settings.morph_s = 0.05;
         StreamSettings stream_settings;
         stream_settings.pages = static_cast<std::uint32_t>(pick(random, 1, 12));
         stream_settings.lookahead_s = pick(random, 0, 1) ? 0.5 : 0;
@@ -78,7 +83,7 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
             for (View& view : views) view = moved(random, view, random_step_m(random, pack.terrain));
             settings.items = pick(random, 0, 2) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 0, 99));
             stream_settings.tests = pick(random, 0, 5) ? 1u << 16 : static_cast<std::uint32_t>(pick(random, 1, 99));
-            stream_settings.now_s += 1.0 / 60;
+            settings.now_s = stream_settings.now_s += 1.0 / 60;
             client.act();
             const StreamReport stream = on.update(views, settings, stream_settings);
             client.follow();
@@ -99,6 +104,7 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
         std::uint64_t read = 0;
         int quiet = 0; // frames in which nothing came, went or was asked for
         for (int frame = 0; quiet < 20 && frame < 3000; ++frame) {
+            settings.now_s = stream_settings.now_s += 1.0 / 60;
             client.act();
             stream = on.update(views, settings, stream_settings);
             client.follow();
@@ -146,6 +152,6 @@ TEST_CASE("reads that fail, bring garbage or are cut short are reported once eac
 TEST_CASE("reads that never return leave a whole mesh, and what does return is used") {
     const Seen seen = fly(303, {16, 60, {.never = 0.05, .most_delay = 10}, false});
     CAPTURE(seen.lost, seen.removed);
-    REQUIRE(seen.lost > 10);
+    REQUIRE(seen.lost > 5);
     REQUIRE(seen.removed > 10);
 }

@@ -31,7 +31,7 @@ namespace fjell {
 inline constexpr std::uint32_t max_cut_views = 8;
 
 struct CutBudget {
-    std::uint32_t vertices = 1u << 19;  // slots of the vertex buffer, 53 bytes each; 4 a tile at least
+    std::uint32_t vertices = 1u << 19;  // slots of the vertex buffer, 57 bytes each; 4 a tile at least
     std::uint32_t triangles = 1u << 20; // slots of the index buffer, 16 bytes each
     // Triangles lie tile by tile, in chunks of this many slots: a chunk is one draw range. 8 to 65,536, a power of two.
     std::uint32_t chunk_triangles = 512;
@@ -84,7 +84,8 @@ struct CutReport {
     std::uint32_t tiles_drawn = 0, triangles_drawn = 0; // of tiles that some view may see
     std::uint32_t waiting = 0;                          // lag: blocks that still have work
     std::uint32_t blocked = 0;                          // of those, for want of a capacity
-    std::uint32_t rising = 0;                           // vertices activated late that have not reached their height
+    // Vertices activated late that have not reached their height, and those of pages asked back that sink.
+    std::uint32_t rising = 0;
     std::uint32_t exhausted = 0;                        // CutBudgetBits
     // Effective: the one that the capacities allow, or what missing pages may hide (Terrain::missing_px) if that is more.
     double error_px_asked = 0, error_px_effective = 0;
@@ -115,8 +116,8 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
 // time: some nanoseconds a triangle. Keeps to the capacities.
 Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
 
-// Asks that nothing of this page be active, so that it can be unloaded. Takes effect over the next updates; `released`
-// becomes true when it has. A page must not be unloaded before. Asking for a page that is not loaded releases at once.
+// Asks that nothing of this page be active, so that it can be unloaded. Takes effect over the next updates, with
+// morphing over some morph_s, because its vertices sink first; `released` becomes true when it has. A page must not be unloaded before. Asking for a page that is not loaded releases at once.
 Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released);
 
 // Takes release_page() back: the page stays after all.

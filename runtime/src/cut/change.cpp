@@ -5,7 +5,7 @@
 
 #include "cut/judge.h"
 #include "cut/mesh.h"
-#include "cut/morph.h"
+#include "cut/sink.h"
 
 namespace fjell {
 
@@ -100,6 +100,10 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     const std::uint32_t ends[2] = {s.indices[std::size_t{first} * 3 + 1], s.indices[std::size_t{first} * 3 + 2]};
     const bool morphing = s.morph_now.morph != Morph::none;
     if (morphing && (is_rising(s, ends[0]) || is_rising(s, ends[1]))) return Outcome::gated;
+    // What is about to sink must not get children again, or its page would never leave.
+    for (int n = 0; morphing && n < count; ++n)
+        if (splits[n].parent != no_vertex && (drains(s, splits[n].parent) || sinks(s, s.slots[splits[n].parent])))
+            return Outcome::gated;
     const Verdict v = judge(s, vertex, site, true);
 
     const std::uint32_t slot = take_vertex(s);

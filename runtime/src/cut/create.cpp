@@ -36,7 +36,7 @@ std::uint32_t least_chunks(const Terrain& t) {
 struct Layout {
     std::size_t page_blocks, blocks, slots, slot_info, draining, queues, buckets, chunks, vertices, morph, made, hole,
         free_vertices, indices, names, tiles, chunk_tile, chunk_below, free_chunks, vertex_bits, vertex_words,
-        triangle_bits, triangle_words, ranges, hz_places, grids, births, end;
+        triangle_bits, triangle_words, ranges, hz_places, grids, births, sinking, end;
 };
 
 Layout layout_of(const Terrain& t, const CutBudget& b) {
@@ -74,6 +74,7 @@ Layout layout_of(const Terrain& t, const CutBudget& b) {
     l.hz_places = place(t.pages.order == Order::hierarchical_z ? 2 * max_page_vertices : 0, 2);
     l.grids = place(static_cast<std::size_t>(t.tree.tile_log2), bulk_grid_bytes);
     l.births = place(b.vertices, 4);
+    l.sinking = place(b.vertices, 4);
     l.end = at;
     return l;
 }
@@ -137,7 +138,7 @@ void make_corners(CutState& s) {
 void reset(CutState& s) {
     const Terrain& t = *s.terrain;
     s.work_ranks = 0;
-    s.birth_count = 0;
+    s.birth_count = s.sinking_count = 0;
     s.dirty_vertices.clear();
     s.dirty_triangles.clear();
     // What the last cut has made; slots beyond were never taken.
@@ -237,6 +238,7 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     part(s.ranges, l.ranges);
     part(s.bulk_grids, l.grids);
     part(s.births, l.births);
+    part(s.sinking, l.sinking);
     if (terrain.pages.order == Order::hierarchical_z) {
         part(s.hz_places, l.hz_places);
         make_hz_places(s);

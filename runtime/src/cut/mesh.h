@@ -24,7 +24,7 @@ struct MeshTriangle {
 }
 
 [[nodiscard]] inline bool is_hidden(const CutState& s, const MeshTriangle& t) {
-    if (s.hole[t.right] | s.hole[t.a] | s.hole[t.b]) return true;
+    if ((s.hole[t.right] | s.hole[t.a] | s.hole[t.b]) & hole_bit) return true;
     const MeshVertex &p = s.vertices[t.right], &a = s.vertices[t.a], &b = s.vertices[t.b];
     return std::int64_t{a.column - p.column} * (b.row - p.row) == std::int64_t{a.row - p.row} * (b.column - p.column);
 }

@@ -5,6 +5,8 @@
 
 #include "cut/change.h"
 #include "cut/frame.h"
+#include "cut/judge.h"
+#include "cut/sink.h"
 
 namespace fjell {
 
@@ -246,14 +248,63 @@ void stop_draining(CutState& s, std::uint32_t slot) {
     }
 }
 
-void drain_pages(CutState& s) {
-    for (std::uint32_t i = 0; i < s.draining_count; ++i)
-        while (s.report.items < s.item_limit) {
-            const std::uint32_t v = holding(s, s.draining[i]);
-            if (v == no_vertex || deactivate(s, lowest_below(s, v)) != Outcome::done) break;
+namespace {
+
+// All of it at once.
+void drop_page(CutState& s, std::uint32_t slot) {
+    while (s.report.items < s.item_limit) {
+        const std::uint32_t v = holding(s, slot);
+        if (v == no_vertex || deactivate(s, lowest_below(s, v)) != Outcome::done) return;
+        ++s.report.items;
+        ++s.report.deactivations;
+    }
+}
+
+// Whatever may begin to: the vertices without active children, and of the others' descendants those that are.
+void sink_page(CutState& s, std::uint32_t slot) {
+    for (std::uint32_t n = 0; n < s.shapes[s.slot_info[slot].shape].count; ++n) {
+        const std::uint32_t number = slot * max_page_blocks + n;
+        for (std::uint32_t lanes = s.blocks[number].active; lanes != 0; lanes &= lanes - 1) {
+            if (s.report.items >= s.item_limit) return;
+            const std::uint32_t v =
+                lowest_below(s, number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)));
+            if (sinks(s, s.slots[v])) continue;
+            begin_sinking(s, v);
             ++s.report.items;
-            ++s.report.deactivations;
+            ++s.report.evaluations; // it was looked at
         }
+    }
+}
+
+// Takes out what is down. An entry whose vertex is gone, or sinks anew, belongs to a page that was torn away.
+void end_sinking(CutState& s) {
+    while (s.sinking_count != 0 && s.report.items < s.item_limit) {
+        const std::uint32_t vertex = s.sinking[s.first_sinking];
+        const bool there = (s.blocks[vertex / block_lanes].active & bit_of(vertex)) && sinks(s, s.slots[vertex]);
+        if (there && s.morph_now.morph != Morph::none && is_rising(s, s.slots[vertex])) return;
+        // Children it can have only when morphing has just been switched off.
+        const std::uint32_t lowest = there ? lowest_below(s, vertex) : vertex;
+        if (there && deactivate(s, lowest) != Outcome::done) return;
+        s.report.items += there;
+        s.report.deactivations += there;
+        if (lowest != vertex) continue;
+        s.first_sinking = (s.first_sinking + 1) % s.budget.vertices;
+        --s.sinking_count;
+        s.gate_open = true;
+    }
+}
+
+} // namespace
+
+void drain_pages(CutState& s) {
+    end_sinking(s);
+    for (std::uint32_t i = 0; i < s.draining_count; ++i)
+        if (s.slot_info[s.draining[i]].active == 0)
+            continue;
+        else if (s.morph_now.morph == Morph::none)
+            drop_page(s, s.draining[i]);
+        else
+            sink_page(s, s.draining[i]);
 }
 
 } // namespace fjell

@@ -89,6 +89,9 @@ struct DirtyBits {
     }
 };
 
+// Of CutState::hole.
+inline constexpr std::uint8_t hole_bit = 1, sinks_bit = 2;
+
 // What the governor remembers (governor.h).
 struct Governor {
     double effective_px; // 0: not started
@@ -123,7 +126,7 @@ struct CutState {
     MeshVertex* vertices;
     MorphVertex* morph;
     std::uint32_t* made;          // 4 a vertex slot: the triangle it makes in each direction, or nil
-    std::uint8_t* hole;           // 1 a vertex slot
+    std::uint8_t* hole;           // 1 a vertex slot: hole_bit, sinks_bit
     std::uint32_t* free_vertices; // a stack of given-back slots; those from fresh_vertex on were never taken
     std::uint32_t free_vertex_count, fresh_vertex, vertex_peak;
     std::uint32_t* indices; // 3 a triangle slot: right angle first
@@ -165,6 +168,8 @@ struct CutState {
     MorphFrame morph_now, morph_before;
     float* births; // born_s of vertices activated late, a ring of budget.vertices: oldest first
     std::uint32_t first_birth, birth_count;
+    std::uint32_t* sinking; // vertices that sink (sink.h), a ring of budget.vertices: those that began first
+    std::uint32_t first_sinking, sinking_count;
 };
 
 [[nodiscard]] inline std::uint32_t free_vertices(const CutState& s) {

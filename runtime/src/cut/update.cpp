@@ -137,7 +137,7 @@ void finish(CutState& s) {
     if (s.short_of != 0) s.governor.cause = s.short_of;
     if (r.error_px_effective <= r.error_px_asked) s.governor.cause = s.short_of;
     r.exhausted |= s.governor.cause;
-    r.rising = s.birth_count;
+    r.rising = s.birth_count + s.sinking_count;
     r.waiting = waiting(s);
     for (std::uint32_t i = 0; i < s.draining_count; ++i) r.waiting += s.slot_info[s.draining[i]].active != 0;
     r.vertices_changed = s.dirty_vertices.slots;

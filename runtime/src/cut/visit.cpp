@@ -6,6 +6,7 @@
 
 #include "cut/change.h"
 #include "cut/judge.h"
+#include "cut/sink.h"
 
 namespace fjell {
 
@@ -137,8 +138,9 @@ void carry_out(CutState& s, std::uint32_t number, bool may_retire) {
     }
     if (may_retire)
         for (std::uint32_t lanes = look.falling(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
-            if (deactivate(s, number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes))) ==
-                Outcome::done) {
+            const std::uint32_t vertex = number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
+            if (sinks(s, s.slots[vertex])) continue; // goes when it is down
+            if (deactivate(s, vertex) == Outcome::done) {
                 spend(r.deactivations);
             } else {
                 s.short_of |= cut_budget_triangles;
