@@ -120,8 +120,10 @@ void declare_outputs(CLI::App& app, Options& o, Flags& f) {
     app.add_option("--render", o.render_folder, "write frame_NNNNN.png into this folder");
     app.add_option("--render-every", o.render_every, "only every N-th frame")
         ->check(CLI::Range(std::size_t{1}, most_frames));
-    app.add_option("--mode", f.mode, "pictures shaded (default), with wireframe, or coloured by tree level")
-        ->check(CLI::IsMember({"shaded", "wire", "levels"}));
+    app.add_option("--mode", f.mode,
+                   "pictures shaded (default), with wireframe, or coloured by tree level, tile, mip, loaded step of "
+                   "geometry, or distance")
+        ->check(CLI::IsMember(std::vector<std::string>(std::begin(picture_mode_names), std::end(picture_mode_names))));
     app.add_option("--verify", o.verify_every,
                    "every N frames, measure the error at every sample; loads a streamed pack whole beside it")
         ->check(CLI::Range(std::size_t{1}, most_frames));
@@ -172,7 +174,8 @@ void apply(const Flags& f, Options& o) {
     o.streaming = f.stream == "on" ? Streaming::on : f.stream == "off" ? Streaming::off : Streaming::automatic;
     if (!f.size.empty()) parse_size(f.size, o.profile);
     if (o.wait) o.profile.stream.fade_s = o.profile.stream.lookahead_s = 0; // time stands still, nothing lies ahead
-    o.mode = f.mode == "wire" ? PictureMode::wire : f.mode == "levels" ? PictureMode::levels : PictureMode::shaded;
+    for (int i = 0; i < picture_modes; ++i)
+        if (f.mode == picture_mode_names[i]) o.mode = static_cast<PictureMode>(i);
     o.seeded = f.seed.has_value();
     o.seed = f.seed.value_or(0);
     for (const std::string& text : f.exports)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,10 @@ namespace fjell::fly {
 
 enum class Streaming : std::uint8_t { automatic, on, off }; // automatic: when the pack has more pages than page slots
 
-enum class PictureMode : std::uint8_t { shaded, wire, levels };
+enum class PictureMode : std::uint8_t { shaded, wire, levels, tiles, mips, residency, distance };
+inline constexpr const char* picture_mode_names[] = {"shaded", "wire",      "levels",  "tiles",
+                                                     "mips",   "residency", "distance"};
+inline constexpr int picture_modes = static_cast<int>(std::size(picture_mode_names));
 
 struct Export {
     std::size_t frame = 0;

@@ -33,8 +33,16 @@ struct Pictures::State { // in the order of destruction, last first
 
 gl::DrawOptions draw_options(PictureMode mode) {
     gl::DrawOptions draw;
-    draw.mode = mode == PictureMode::levels ? gl::Mode::levels : gl::Mode::shaded;
     draw.wireframe = mode == PictureMode::wire;
+    switch (mode) {
+    case PictureMode::shaded:
+    case PictureMode::wire: draw.mode = gl::Mode::shaded; break;
+    case PictureMode::levels: draw.mode = gl::Mode::levels; break;
+    case PictureMode::tiles: draw.mode = gl::Mode::tiles; break;
+    case PictureMode::mips: draw.mode = gl::Mode::mips; break;
+    case PictureMode::residency: draw.mode = gl::Mode::residency; break;
+    case PictureMode::distance: draw.mode = gl::Mode::distance; break;
+    }
     return draw;
 }
 

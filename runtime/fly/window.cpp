@@ -23,11 +23,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* help = "W S A D   forward, back, left, right      Q E   down, up\n"
-                             "arrows, or drag with the left button      look around\n"
-                             "wheel     speed                            [ ]   threshold\n"
-                             "P         along the path, on and off       M     shaded, wireframe, levels\n"
-                             "F1        this list                        Esc   quit\n";
+constexpr const char* help =
+    "W S A D   forward, back, left, right      Q E   down, up\n"
+    "arrows, or drag with the left button      look around\n"
+    "wheel     speed                            [ ]   threshold\n"
+    "P         along the path, on and off       M     next picture: shaded, wireframe, levels,\n"
+    "                                                 tiles, mips, residency, distance\n"
+    "F1        this list                        Esc   quit\n";
 constexpr double radians_a_pixel = 0.003;
 constexpr double title_seconds = 0.25;
 
@@ -146,7 +148,7 @@ private:
     void take_input() {
         const Input input = std::exchange(
             input_, Input{.mouse_x = input_.mouse_x, .mouse_y = input_.mouse_y, .dragging = input_.dragging});
-        mode_ = static_cast<PictureMode>((static_cast<int>(mode_) + input.mode_steps) % 3);
+        mode_ = static_cast<PictureMode>((static_cast<int>(mode_) + input.mode_steps) % picture_modes);
         profile_.refine.error_px =
             std::clamp(profile_.refine.error_px * std::pow(1.25, input.threshold_steps), min_error_px, max_error_px);
         camera_.speed_m_s = std::clamp(camera_.speed_m_s * std::pow(1.25, input.wheel), 0.01, 1e6);

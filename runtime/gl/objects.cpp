@@ -48,6 +48,22 @@ bool attach(unsigned program, GLenum stage, const std::string& defines, const st
     return compiled != 0;
 }
 
+// `good`: all stages were attached.
+Program link(Program program, bool good, const char* name, std::string log, std::string& error) {
+    if (good) {
+        int linked = 0, length = 0;
+        glLinkProgram(program.get());
+        glGetProgramiv(program.get(), GL_LINK_STATUS, &linked);
+        if (linked) return program;
+        glGetProgramiv(program.get(), GL_INFO_LOG_LENGTH, &length);
+        std::vector<char> buffer(static_cast<std::size_t>(length) + 1);
+        glGetProgramInfoLog(program.get(), length, nullptr, buffer.data());
+        log = buffer.data();
+    }
+    error = std::string("the driver rejects shader '") + name + "': " + log;
+    return {};
+}
+
 } // namespace
 
 Program make_program(const ProgramSource& source, std::string& error) {
@@ -57,21 +73,14 @@ Program make_program(const ProgramSource& source, std::string& error) {
                 attach(program.get(), GL_FRAGMENT_SHADER, source.defines, source.fragment, log);
     if (good && !source.geometry.empty())
         good = attach(program.get(), GL_GEOMETRY_SHADER, source.defines, source.geometry, log);
-    if (good) {
-        int linked = 0, length = 0;
-        glLinkProgram(program.get());
-        glGetProgramiv(program.get(), GL_LINK_STATUS, &linked);
-        if (!linked) {
-            glGetProgramiv(program.get(), GL_INFO_LOG_LENGTH, &length);
-            std::vector<char> buffer(static_cast<std::size_t>(length) + 1);
-            glGetProgramInfoLog(program.get(), length, nullptr, buffer.data());
-            log = buffer.data();
-            good = false;
-        }
-    }
-    if (good) return program;
-    error = std::string("the driver rejects shader '") + source.name + "': " + log;
-    return {};
+    return link(std::move(program), good, source.name, std::move(log), error);
+}
+
+Program make_compute_program(const char* name, const std::string& source, std::string& error) {
+    Program program(glCreateProgram());
+    std::string log;
+    const bool good = attach(program.get(), GL_COMPUTE_SHADER, {}, source, log);
+    return link(std::move(program), good, name, std::move(log), error);
 }
 
 } // namespace fjell::gl

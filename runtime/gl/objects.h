@@ -49,5 +49,6 @@ struct ProgramSource {
 };
 // Empty error on success; otherwise the compiler's or linker's log in one string.
 [[nodiscard]] Program make_program(const ProgramSource& source, std::string& error);
+[[nodiscard]] Program make_compute_program(const char* name, const std::string& source, std::string& error);
 
 } // namespace fjell::gl

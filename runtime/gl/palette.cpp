@@ -23,4 +23,22 @@ Rgb8 level_rgb(int level, int tile_log2) {
     return rgb;
 }
 
+Rgb8 step_rgb(int step_log2, int tile_log2) {
+    return level_rgb(2 * (tile_log2 - step_log2), tile_log2);
+}
+
+Rgb8 mip_rgb(int mip, int mips) {
+    const int coarsest = std::max(mips - 1, 1);
+    return level_rgb(2 * (coarsest - mip), coarsest);
+}
+
+Rgb8 tile_rgb(std::uint32_t column, std::uint32_t row) {
+    constexpr Rgb8 hue[4] = {{214, 122, 74}, {96, 160, 112}, {86, 130, 190}, {204, 176, 92}};
+    const Rgb8 full = hue[column % 2 + 2 * (row % 2)];
+    const unsigned share = 80 + 10 * ((column / 2 + row / 2) % 3); // of 100
+    Rgb8 rgb{};
+    for (std::size_t i = 0; i < 3; ++i) rgb[i] = static_cast<std::uint8_t>(full[i] * share / 100);
+    return rgb;
+}
+
 } // namespace fjell::gl

@@ -1,4 +1,4 @@
-// Colours for tree levels, the same for the shader, legends and tests.
+// Colours of the debug modes, the same for the shader, legends and tests. sRGB.
 #pragma once
 
 #include <array>
@@ -13,7 +13,18 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 
 // level: how often a base triangle was halved, 0..2 * tile_log2; it is the tree level of the vertex that would halve
 // the triangle once more. Coarse levels are violet and blue, fine ones orange and red; even levels are bright, odd ones
-// dark, so neighbouring levels never look alike. sRGB.
+// dark, so neighbouring levels never look alike.
 [[nodiscard]] Rgb8 level_rgb(int level, int tile_log2);
+
+// log2 of a step of geometry, 0 to tile_log2: the colour of the triangles that its centres split, fine steps red.
+[[nodiscard]] Rgb8 step_rgb(int step_log2, int tile_log2);
+
+// A mip of a map with that many, counted from the pack's mip 0, which is red; the smallest is violet. Between two mips
+// colours blend.
+[[nodiscard]] Rgb8 mip_rgb(int mip, int mips);
+
+// A tile by its column and row: one of four hues, no two alike where tiles meet at a border or a corner, and of three
+// brightnesses, so that rows and columns can be counted.
+[[nodiscard]] Rgb8 tile_rgb(std::uint32_t column, std::uint32_t row);
 
 } // namespace fjell::gl

@@ -1,22 +1,29 @@
-// Draws a terrain mesh with OpenGL 4.5: textured and lit, by tree level, as distances; wireframe over any of them.
+// Draws a terrain mesh with OpenGL 4.5: textured and lit, or in a mode that shows how it is made; wireframe over any.
 //
-// One multi-draw for all tiles. Positions are counted from the eye in whole samples, so coordinates far from the origin
-// do not shake and tiles meet bit for bit. Depth is reversed and float: distant ridges do not fight.
-// Units: metres and pixels; angles in degrees where the name says so. Colours in files and pictures are sRGB.
-// Ownership: the renderer owns its buffers and textures; the Pack's bytes are read only in create(), the mesh's spans
-// only in upload() and draw(). Thread: the context's. Memory: 12 bytes a vertex (28 with morph), 4 an index, 36 a
-// range, and the textures; all at creation. Complexity of draw: a MeshView's dirty vertices and all its indices, or a
-// CutMesh's written slots and nothing else; then one draw call and the sky. Failure: one line with the number to
-// change; the target keeps its former picture.
+// One multi-draw for all tiles. What changes from frame to frame goes through memory that is mapped for good, in three
+// regions that the CPU fills in turn, so neither side waits for the other; docs/notes/renderer.md has the figures.
+// Positions are counted from the eye in whole samples, so coordinates far from the origin do not shake and tiles meet
+// bit for bit. Depth is reversed and float: distant ridges do not fight. Units: metres and pixels; angles in degrees
+// where the name says so. Colours in files and pictures are sRGB. Ownership: the renderer owns its buffers and
+// textures; the Pack's bytes are read only in create(), the mesh's spans and MapCommands' blocks only in upload() and
+// draw(). The terrain must outlive it: Mode::residency reads its page table. Thread: the context's; where pages are
+// loaded, also the one that does it. Memory, all at creation but for the mode residency's 1 byte a block of 64 x 64
+// samples: 12 bytes a vertex (28 with morph), 4 an index, the maps, and three times ring_bytes, 132 bytes a range and 2
+// KB. Complexity of an upload: a MeshView's dirty vertices and all its indices, or a CutMesh's written slots and
+// nothing else, in the same few GL calls however they lie; of a draw: the ranges, then one draw call and the sky. A
+// debug mode's first draw compiles its shader. Failure: one line with the number to change; the target keeps its former
+// picture.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "fjell/cut.h"
 #include "fjell/mesh.h"
 #include "fjell/pack.h"
+#include "fjell/stream.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 #include "gl/target.h"
@@ -29,12 +36,22 @@ struct RendererOptions {
     float anisotropy = 0;              // texture samples along the steep direction; 0: 8. Ignored in software: too dear
     std::uint32_t ranges = 0;          // draw ranges a frame; a CutMesh has up to its chunks. At least one a tile
     bool morph = false;                // room for a CutMesh's morph vertices: 16 bytes a vertex
+    // Uploads that a frame may write without moving on to the next of three regions, in bytes: 32 a written vertex
+    // slot, 16 a triangle slot, and map blocks. 0: an eighth of all slots, 1 MB at least. More than that in a frame is
+    // right too, but may wait for the GPU.
+    std::uint32_t ring_bytes = 0;
+    // Streamed maps (stream_map_slots()): array textures of these sizes, empty at first. top_log2 0: all of the pack's
+    // map is loaded at creation. At most 8 sizes of each kind.
+    MapSlots colour{}, normal{};
 };
 
 enum class Mode : std::uint8_t {
     shaded,
-    levels,  // every triangle in its level's colour (gl/palette.h)
-    distance // logarithmic: white at the near plane, black beyond the terrain
+    levels,   // every triangle in its level's colour (gl/palette.h)
+    distance, // logarithmic: white at the near plane, black beyond the terrain
+    tiles,    // every tile in a colour that its neighbours do not have
+    mips,     // by the mip that colours, or else normals, are drawn from; nothing there yet: black
+    residency // by the finest step of geometry that is loaded over each place, whatever is drawn of it
 };
 
 struct DrawOptions {
@@ -44,12 +61,18 @@ struct DrawOptions {
     bool lit = true;             // false: bare colours, to compare
     float sun_azimuth_deg = 315; // clockwise from north: from the upper left, as maps are lit
     float sun_elevation_deg = 40;
-    float haze_m = 0; // distance at which haze hides 63%; 0: one and a half times the terrain's diagonal; < 0: none
+    // Distance at which haze hides 63%; 0: two and a half times the terrain's diagonal when shaded, none in other modes;
+    // below 0: none.
+    float haze_m = 0;
 };
 
 struct DrawStats {
     std::uint64_t frames = 0;
-    std::uint64_t bytes_uploaded = 0;       // for the last draw: vertices, morph vertices and indices
+    // For the last draw: of vertices, morph vertices and indices (records, when slots were scattered); of maps; and the
+    // CPU's time for both, in GL calls and copies.
+    std::uint64_t bytes_uploaded = 0, map_bytes_uploaded = 0;
+    double upload_us = 0;
+    std::uint64_t ring_waits = 0;           // uploads and draws that found the GPU three regions behind, so far
     std::uint64_t texture_bytes = 0;        // resident
     std::uint32_t tiles = 0, triangles = 0; // of the last draw
 };
@@ -68,6 +91,11 @@ public:
     [[nodiscard]] std::string upload(const MeshView& mesh);
     // The same for the live cut, whose indices are kept on the GPU too; needs RendererOptions::morph.
     [[nodiscard]] std::string upload(const CutMesh& mesh);
+    // Carries out the stream's map_commands(), each once and in order: copies within the GPU, and blocks.
+    [[nodiscard]] std::string upload(std::span<const MapCommand> commands);
+    // How tiles are drawn from now on: the stream's tile_maps() of each kind, one a tile; empty leaves
+    // that kind as it is. Copied. Before it is called nothing of a streamed map shows.
+    [[nodiscard]] std::string show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal);
     // Makes the next upload a whole one: call it after rebuild_cut(), or when updates were not uploaded.
     void invalidate();
 

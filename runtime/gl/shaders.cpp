@@ -15,8 +15,9 @@ layout(std140, binding = 0) uniform Frame {
     vec4 ray_x;
     vec4 ray_y;
     vec4 line;
+    vec4 maps;
     ivec4 tile;
-    vec4 level[25];
+    vec4 legend[25];
     vec4 morph;
     vec4 morph_eye[8];
     vec4 morph_reach[8];
@@ -33,7 +34,7 @@ vec3 sun_glow(vec3 direction) {
 
 vec3 sky_colour(vec3 direction) {
     vec3 colour = mix(zenith, horizon, exp(-3.5 * max(direction.y, 0.0)));
-    colour *= 0.55 + 0.45 * exp(-4.0 * max(-direction.y, 0.0));
+    colour *= 0.7 + 0.3 * exp(-2.0 * max(-direction.y, 0.0)); // beyond the terrain's edge: haze, a little darker
     return colour + sun_glow(direction);
 }
 )";
@@ -48,12 +49,12 @@ const char* terrain_vertex_shader() {
     return R"(
 layout(location = 0) in ivec2 a_sample;
 layout(location = 1) in float a_height;
-layout(location = 2) in ivec4 a_tile;
+layout(location = 2) in ivec4 a_tile; // first sample, block, tile
 layout(location = 3) in vec4 a_morph; // height to start from, error, radius, born
 out Surface {
     vec3 position;   // metres from the eye
     vec2 sample_at;  // samples from the tile's first
-    flat int layer;
+    flat int block;
 } surface;
 invariant gl_Position;
 
@@ -76,7 +77,7 @@ void main() {
     gl_Position = view_projection * vec4(p, 1.0);
     surface.position = p;
     surface.sample_at = vec2(a_sample - a_tile.xy);
-    surface.layer = a_tile.z;
+    surface.block = a_tile.z;
 }
 )";
 }
@@ -91,12 +92,12 @@ layout(triangle_strip, max_vertices = 3) out;
 in Surface {
     vec3 position;
     vec2 sample_at;
-    flat int layer;
+    flat int block;
 } corner[];
 out Surface {
     vec3 position;
     vec2 sample_at;
-    flat int layer;
+    flat int block;
 } surface;
 flat out int triangle_level;
 out vec3 corner_weight; // 1 at one corner, 0 along the edge across: what wireframe measures
@@ -110,7 +111,7 @@ void main() {
         gl_Position = gl_in[i].gl_Position;
         surface.position = corner[i].position;
         surface.sample_at = corner[i].sample_at;
-        surface.layer = corner[i].layer;
+        surface.block = corner[i].block;
         triangle_level = name;
         corner_weight = vec3(i == 0, i == 1, i == 2);
         EmitVertex();
@@ -120,12 +121,16 @@ void main() {
 )";
 }
 
+// A tile's map is sampled as if the pack's own size were there, but with a footprint no smaller than the texels that
+// are: each axis of it is stretched to a texel of mip `finest`. So the level is at least that, whatever the driver
+// makes of the two axes, and anisotropic filtering keeps what it still can. Along a tile's border `finest` is the same
+// on both sides, uv is the same expression whatever the size, and every mip's border texels are equal: no seam.
 const char* terrain_fragment_shader() {
     return R"(
 in Surface {
     vec3 position;
     vec2 sample_at;
-    flat int layer;
+    flat int block;
 } surface;
 #ifdef LEVELS
 flat in int triangle_level;
@@ -134,30 +139,113 @@ flat in int triangle_level;
 in vec3 corner_weight;
 #endif
 layout(location = 0) out vec4 out_colour;
-layout(binding = 0) uniform sampler2DArray colour_map;
-layout(binding = 1) uniform sampler2DArray normal_map;
+
+struct TileBlock {
+    ivec4 at;
+    ivec4 map; // colour: layer, array; normal: the same
+    float mip[18];
+    uint tint, reserved;
+};
+layout(std430, binding = 0) readonly buffer Tiles { TileBlock tile_block[]; };
+#ifdef RESIDENCY
+layout(binding = 0) uniform usampler2D residency;
+#elif defined(COLOUR_MAPS)
+layout(binding = 0) uniform sampler2DArray colour_map[COLOUR_MAPS];
+#endif
+#ifdef NORMAL_MAPS
+layout(binding = 8) uniform sampler2DArray normal_map[NORMAL_MAPS];
+#endif
+
+// nine_mips() at this place.
+float finest_mip(int kind) {
+    vec2 at = clamp(surface.sample_at * (2.0 / float(1 << tile.x)), 0.0, 2.0);
+    ivec2 quarter = min(ivec2(at), 1);
+    at -= vec2(quarter);
+    int i = 9 * kind + 3 * quarter.y + quarter.x;
+    float north = mix(tile_block[surface.block].mip[i], tile_block[surface.block].mip[i + 1], at.x);
+    float south = mix(tile_block[surface.block].mip[i + 3], tile_block[surface.block].mip[i + 4], at.x);
+    return mix(north, south, at.y);
+}
+
+struct Place {
+    vec2 uv, dx, dy;
+};
+vec2 stretched(vec2 axis, vec2 otherwise, float least) {
+    float longest = length(axis);
+    return longest >= least ? axis : longest > 1e-12 ? axis * (least / longest) : otherwise * least;
+}
+Place place_in_map(int kind, vec2 samples_to_uv, float texels) {
+    Place place;
+    place.uv = surface.sample_at * samples_to_uv.x + samples_to_uv.y;
+    float least = exp2(finest_mip(kind)) / texels;
+    place.dx = stretched(dFdx(place.uv), vec2(1.0, 0.0), least);
+    place.dy = stretched(dFdy(place.uv), vec2(0.0, 1.0), least);
+    return place;
+}
 
 // x east, y up, z south. The map stores east and south, 0 as the byte 128 (fjell/texture.h); up follows, because the
 // terrain has no overhangs.
 vec3 world_normal() {
-#ifdef NORMAL_MAP
-    vec2 codes = texture(normal_map, vec3(surface.sample_at * grid2.x + grid2.y, surface.layer)).rg;
-    vec2 slope = codes * (255.0 / 127.0) - 128.0 / 127.0;
-    return vec3(slope.x, sqrt(max(1.0 - dot(slope, slope), 0.0)), slope.y);
-#else
     vec3 n = normalize(cross(dFdx(surface.position), dFdy(surface.position)));
-    return n.y < 0.0 ? -n : n;
+    if (n.y < 0.0) n = -n;
+#ifdef NORMAL_MAPS
+    Place at = place_in_map(1, grid2.xy, maps.y);
+    ivec2 map = tile_block[surface.block].map.zw;
+    if (map.y >= 0) { // the same for a whole draw, as indexing needs
+        vec2 codes = textureGrad(normal_map[map.y], vec3(at.uv, map.x), at.dx, at.dy).rg;
+        vec2 slope = codes * (255.0 / 127.0) - 128.0 / 127.0;
+        n = vec3(slope.x, sqrt(max(1.0 - dot(slope, slope), 0.0)), slope.y);
+    }
+#endif
+    return n;
+}
+
+// Neutral rock: lighter where debris can lie, darker where it cannot.
+vec3 rock(vec3 normal) {
+    return mix(vec3(0.17, 0.15, 0.13), vec3(0.36, 0.33, 0.28), smoothstep(0.62, 0.95, normal.y));
+}
+
+#ifdef MIPS
+vec3 mip_colour() {
+#ifdef COLOUR_MAPS
+    Place at = place_in_map(0, grid.zw, maps.x);
+    float texels = maps.x;
+    int array_of_map = tile_block[surface.block].map.y;
+#elif defined(NORMAL_MAPS)
+    Place at = place_in_map(1, grid2.xy, maps.y);
+    float texels = maps.y;
+    int array_of_map = tile_block[surface.block].map.w;
+#endif
+#if defined(COLOUR_MAPS) || defined(NORMAL_MAPS)
+    if (array_of_map < 0) return vec3(0.02);
+    float a = length(at.dx) * texels, b = length(at.dy) * texels;
+    float drawn = clamp(log2(max(min(a, b), max(a, b) / maps.z)), 0.0, float(tile.y - 1));
+    int finer = int(drawn);
+    return mix(legend[finer].rgb, legend[min(finer + 1, tile.y - 1)].rgb, drawn - float(finer));
+#else
+    return vec3(0.02);
 #endif
 }
+#endif
 
 vec3 albedo(vec3 normal) {
 #if defined(LEVELS)
-    return level[triangle_level].rgb;
-#elif defined(COLOUR_MAP)
-    return texture(colour_map, vec3(surface.sample_at * grid.z + grid.w, surface.layer)).rgb;
+    return legend[triangle_level].rgb;
+#elif defined(TILES)
+    uvec3 tint = uvec3(tile_block[surface.block].tint) >> uvec3(0u, 10u, 20u) & 1023u;
+    return vec3(tint) / 1023.0;
+#elif defined(MIPS)
+    return mip_colour();
+#elif defined(RESIDENCY)
+    vec2 at = vec2(tile_block[surface.block].at.xy) + clamp(surface.sample_at, 0.0, float(1 << tile.x) - 0.5);
+    return legend[texelFetch(residency, ivec2(at * maps.w), 0).r].rgb;
+#elif defined(COLOUR_MAPS)
+    Place at = place_in_map(0, grid.zw, maps.x);
+    ivec2 map = tile_block[surface.block].map.xy;
+    if (map.y < 0) return rock(normal);
+    return textureGrad(colour_map[map.y], vec3(at.uv, map.x), at.dx, at.dy).rgb;
 #else
-    // Neutral rock: lighter where debris can lie, darker where it cannot.
-    return mix(vec3(0.17, 0.15, 0.13), vec3(0.36, 0.33, 0.28), smoothstep(0.62, 0.95, normal.y));
+    return rock(normal);
 #endif
 }
 

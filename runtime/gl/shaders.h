@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "fjell/cut.h"
+#include "fjell/stream.h"
 #include "gl/palette.h"
 
 namespace fjell::gl {
@@ -21,30 +22,36 @@ struct FrameBlock {
     float haze[4];             // 1 / distance [1/m] (0: none); pixel's ray at the picture's centre
     float ray_x[4], ray_y[4];  // how the ray changes from the centre to the right and upper edge
     float line[4];             // wireframe: linear rgb
-    std::int32_t tile[4];      // log2 cells a side; 0; the eye's cell
-    float level[max_triangle_levels][4]; // linear rgb
-    float morph[4];                      // views, 0: nothing morphs; now [s]; 1 / time to rise [1/s]
-    float morph_eye[max_cut_views][4];   // metres from the eye that the picture is drawn for
-    float morph_reach[max_cut_views][4]; // q_start, q_full
+    float maps[4];             // texels a side of mip 0: colour, normal; anisotropy; residency: texels a sample
+    std::int32_t tile[4];      // log2 cells a side; mips of the map that Mode::mips shows; the eye's cell
+    float legend[max_triangle_levels][4]; // linear rgb of levels, mips or steps, whichever the mode shows
+    float morph[4];                       // views, 0: nothing morphs; now [s]; 1 / time to rise [1/s]
+    float morph_eye[max_cut_views][4];    // metres from the eye that the picture is drawn for
+    float morph_reach[max_cut_views][4];  // q_start, q_full
 };
-static_assert(sizeof(FrameBlock) == 64 + 9 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views) * 16 &&
-                  offsetof(FrameBlock, tile) == 192,
+static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views) * 16 &&
+                  offsetof(FrameBlock, tile) == 208,
               "FrameBlock is uploaded: change the block `Frame` in shaders.cpp with it");
 
-// What differs from tile to tile, read once an instance.
+// What differs from tile to tile: the first 16 bytes are read once an instance, all of it by the fragment shader.
 struct TileBlock {
-    std::int32_t column, row; // first sample of the tile
-    std::int32_t layer;       // of the texture arrays
-    std::int32_t reserved;
+    std::int32_t column, row;                                            // first sample of the tile
+    std::int32_t index, tile;                                            // among this draw's; of the terrain
+    std::int32_t colour_layer, colour_array, normal_layer, normal_array; // array -1: nothing is there yet
+    float mip[map_kinds][9];                                             // nine_mips()
+    std::uint32_t tint;                                                  // of Mode::tiles: linear rgb, 10 bits each
+    std::uint32_t reserved;
 };
-static_assert(sizeof(TileBlock) == 16, "TileBlock is uploaded: change attribute 2 of the renderer with it");
+static_assert(sizeof(TileBlock) == 112 && offsetof(TileBlock, mip) == 32,
+              "TileBlock is uploaded: change attribute 2 of the renderer and TileBlock in shaders.cpp with it");
 
 // The block `Frame` and the sky's colours: goes in front of every shader below.
 [[nodiscard]] const char* common_shader();
 [[nodiscard]] const char* terrain_vertex_shader();
 // Names each triangle's level and corners for the fragment shader; needed by LEVELS and WIREFRAME only.
 [[nodiscard]] const char* terrain_geometry_shader();
-// Defines: COLOUR_MAP, NORMAL_MAP when the pack has them; LEVELS or DISTANCE for a mode other than shaded; WIREFRAME.
+// Defines: COLOUR_MAPS and NORMAL_MAPS, how many array textures there are of each, when there are any; LEVELS,
+// DISTANCE, TILES, MIPS or RESIDENCY for a mode other than shaded; WIREFRAME.
 [[nodiscard]] const char* terrain_fragment_shader();
 [[nodiscard]] const char* sky_vertex_shader();
 [[nodiscard]] const char* sky_fragment_shader();

@@ -114,7 +114,7 @@ std::string check_vertex(const CutState& s, std::uint32_t vertex, std::vector<bo
 std::string check_block(const CutState& s, std::uint32_t number) {
     const BlockState& b = s.blocks[number];
     const SlotInfo& info = s.slot_info[number / max_page_blocks];
-    const ParentMasks parents = parents_of(s, number);
+    const ParentMasks parents = parents_of(s, number, (1u << shape_of(s, number).lanes) - 1);
     if (b.parent[0] != parents.parent[0] || b.parent[1] != parents.parent[1])
         return say("a parent mask is wrong in the block of", s, number * block_lanes);
     const bool draining = info.status == SlotStatus::draining;

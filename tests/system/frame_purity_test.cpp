@@ -21,6 +21,7 @@
 #include <ucontext.h>
 #include <unistd.h>
 
+#include "fjell/stream.h"
 #include "support/cut_scene.h"
 
 namespace {
@@ -239,7 +240,73 @@ Seen fly(const host::LoadedPack& pack, std::uint32_t seed, int frames) {
 
 host::LoadedPack purity_scene() {
     Random random(151);
-    return bake_and_load(random_dem(random, 513, 513, Shape::fractal), small_bake(7));
+    baker::BakeOptions options = small_bake(7);
+    options.max_texture_log2 = 7;
+    baker::Dem dem = random_dem(random, 513, 513, Shape::fractal);
+    for (float& height : dem.heights_m) height *= 0.05f; // gentle: in steep terrain every page's sphere holds the eye
+    return bake_and_load(std::move(dem), options);
+}
+
+struct SeenStream {
+    std::uint32_t exhausted = 0, failed = 0;
+    std::uint64_t pages = 0, removed = 0, mips = 0, withdrawn = 0, converged = 0;
+};
+
+// The same with everything streamed, through a third of the slots, by a client that is late and now and then wrong.
+SeenStream fly_streamed(const host::LoadedPack& pack, std::uint32_t seed, int frames) {
+    Random random(seed);
+    const TerrainBudget slots{pack.terrain.page_count() / 3};
+    PlainBlock terrain_block(terrain_bytes(pack.pack.header, slots));
+    Terrain terrain;
+    if (!create_terrain(pack.pack, slots, terrain_block.span(), terrain).ok()) throw std::runtime_error("terrain");
+    const CutBudget budget{200'000, 400'000, 64, 2};
+    PlainBlock cut_block(cut_bytes(terrain, budget));
+    LiveCut cut;
+    if (!create_cut(terrain, budget, cut_block.span(), cut).ok()) throw std::runtime_error("cut");
+    const StreamBudget stream_budget{.page_requests = 20, .map_requests = 4, .map_bytes = 250'000, .tail_log2 = 4};
+    PlainBlock stream_block(stream_bytes(pack.pack, terrain, stream_budget));
+    Stream stream;
+    if (!create_stream(pack.pack, terrain, cut, stream_budget, stream_block.span(), stream).ok())
+        throw std::runtime_error("stream");
+    SeenStream seen;
+    View views[2] = {random_view(random, terrain), random_view(random, terrain)};
+    CutSettings settings;
+    StreamSettings stream_settings;
+    for (int frame = 0; frame < frames; ++frame) {
+        views[0] = moved(random, views[0], terrain.spacing_x_m * (frame % 500 < 400 ? 0.3 : 8));
+        if (frame % 300 == 299) views[0] = random_view(random, terrain);
+        if (frame % 700 == 699) views[1] = random_view(random, terrain);
+        if (frame % 250 == 0) settings.error_px = std::pow(10.0, uniform(random, -1, 1.5));
+        if (frame % 2000 == 1999) retry_failed(stream);
+        stream_settings.now_s += 1.0 / 60;
+        stream_settings.tests = frame % 200 < 20 ? 5 : 1u << 16;
+        stream_settings.map_bytes = frame % 400 < 200 ? 100 : 1u << 20;
+        stream_settings.pages = frame % 300 < 100 ? 1 : 8;
+        const std::size_t view_count = frame % 600 < 500 ? 1 : 2;
+        StreamReport report;
+        CutReport cut_report;
+        Status done, cut_done;
+        watched([&] {
+            done = update_stream(stream, {views, view_count}, settings, stream_settings, report);
+            cut_done = update_cut(cut, {views, view_count}, settings, cut_report);
+        });
+        if (!done.ok() || !cut_done.ok()) throw std::runtime_error(done.field);
+        StreamRequest request;
+        for (int n = pick(random, 0, frame % 100 < 50 ? 8 : 2); n > 0 && next_request(stream, request); --n) {
+            if (pick(random, 0, 100) == 0)
+                fail(stream, request.ticket);
+            else
+                (void)provide(stream, request.ticket, pack.pack.bytes.subspan(request.offset, request.bytes));
+        }
+        for (const PageArrival& a : page_arrivals(stream)) seen.removed += a.event == PageEvent::removed;
+        seen.pages += report.pages_taken;
+        seen.mips += report.mips_taken;
+        seen.withdrawn += report.withdrawn;
+        seen.converged += report.converged;
+        seen.exhausted |= report.exhausted;
+        seen.failed = report.failed;
+    }
+    return seen;
 }
 
 } // namespace
@@ -272,6 +339,34 @@ TEST_CASE("10,000 frames neither allocate, lock, enter the kernel, touch a new p
     CHECK(seen.pages_loaded > 100);
     CHECK(seen.pages_released > 100);
     CHECK(seen.triangles > 0);
+}
+
+TEST_CASE("10,000 frames of streaming do not either") {
+    if (!interposed) {
+        WARN("skipped: a sanitizer has malloc to itself, or this is no x86-64");
+        return;
+    }
+    const std::string blind = watch_system_calls();
+    if (!blind.empty()) WARN("skipped: system calls are not watched: " << blind);
+    const auto pack = purity_scene();
+    (void)fly_streamed(pack, 154, 1500);
+    counts = {};
+    const SeenStream seen = fly_streamed(pack, 155, 10'000);
+    const Counts found = counts;
+    CHECK(found.allocations == 0);
+    CHECK(found.locks == 0);
+    CHECK(found.exceptions == 0);
+    CAPTURE(found.last_call);
+    CHECK(found.system_calls == 0);
+    CHECK(found.page_faults == 0);
+    CAPTURE(seen.pages, seen.removed, seen.mips, seen.withdrawn, seen.converged, seen.failed);
+    CHECK(seen.exhausted == (stream_page_slots | stream_map_bytes | stream_pages | stream_upload | stream_tests | stream_requests));
+    CHECK(seen.pages > 200);
+    CHECK(seen.removed > 150);
+    CHECK(seen.mips > 100);
+    CHECK(seen.withdrawn > 3);
+    CHECK(seen.converged > 100);
+    CHECK(seen.failed > 0);
 }
 
 TEST_CASE("the watch catches one planted allocation, lock, system call, page fault and exception") {

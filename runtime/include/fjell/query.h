@@ -2,10 +2,13 @@
 //
 // Answers come from the finest ground that is loaded, whatever the mesh shows at the moment: the full-resolution
 // surface of right isosceles triangles, or a coarser level of it where pages are missing. Every answer says how far
-// the original ground may be from it; with estimate max (PackHeader::estimate) that is a bound, else a likely size.
+// the original ground may be from it; with estimate max (PackHeader::estimate) that is a bound, else a likely size, and
+// a ray may pass a peak that no error speaks of. With all pages there the surface is whole; where some are missing,
+// answers on both sides of a page's border may differ by their errors.
 // Positions: scene axes, metres. Threads: any number, beside the one that loads and unloads pages (load_page,
 // insert_page, unload_page, update_stream); nothing waits, nothing is locked. The terrain must outlive the call.
 // Allocates nothing. Complexity: O(levels) for a height; for a ray O(levels) a crossing or near miss.
+// How it works, and what it costs: docs/notes/queries.md.
 #pragma once
 
 #include <cstdint>
@@ -19,12 +22,12 @@ namespace fjell {
 struct GroundHeight {
     bool inside = false; // the position is over the terrain; otherwise the rest is of the nearest point of its rim
     bool hole = false;   // no ground there; the height is what the ground around it suggests
-    bool finest = false; // of the full resolution
+    bool finest = false; // of the full resolution, or no different from it
     double height_m = 0;
     Vec3 normal{0, 1, 0}; // of the triangle, unit length
-    float error_m = 0;    // the original ground is within this of height_m: 0 at the full resolution, plus half a quantum
+    float error_m = 0; // the original ground is within this of height_m: 0 at the full resolution, plus half a quantum
 };
-// accurate_m: good enough; a larger one is cheaper.
+// accurate_m: good enough; a larger one is a little cheaper. Positions that are no numbers are not inside.
 [[nodiscard]] GroundHeight ground_height(const Terrain& terrain, double x_m, double z_m, float accurate_m = 0);
 
 struct GroundHit {
@@ -36,12 +39,17 @@ struct GroundHit {
     float error_m = 0; // vertical, as above
 };
 // The first place at which the ray meets the ground, from above or below; holes let it through. direction: any length
-// but 0. most_m: how far to look. A vertical ray works too.
+// but 0. most_m: how far to look, infinity if need be. A vertical ray works too; an origin on the ground is a hit at 0,
+// and one outside the terrain enters it through its sides. Numbers that are none meet nothing. Uses some 12 KB of
+// stack.
 [[nodiscard]] GroundHit cast_ray(const Terrain& terrain, Vec3 origin_m, Vec3 direction, double most_m,
                                  float accurate_m = 0);
 
+inline constexpr std::uint32_t max_patch_side = 4097;
 // Heights of side x side samples, 2^step_log2 apart, from `first` on, row by row: 33 or 65 a side suit most physics
-// engines, any from 2 to 4,097 works. Samples beyond the rim are the rim's. holes: one a sample, or empty.
+// engines, any from 2 to max_patch_side works. Samples beyond the rim are the rim's. holes: one a sample, or empty.
+// step_log2: 0 to 12. What does not fit, spans that are too short among it, leaves them alone: error_m is infinite
+// then.
 struct GroundPatch {
     float error_m = 0;   // at the samples: the largest; between them a coarse step differs more
     bool finest = false; // every sample is the pack's own

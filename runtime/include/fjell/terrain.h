@@ -5,7 +5,7 @@
 // page. A page may be missing: methods then draw coarser terrain there, never a crack, because a vertex is drawn only
 // when its parents are. The corners of tiles are always there.
 // Ownership: Terrain points into the block that create_terrain was given. Thread: one that loads and unloads; between
-// those, immutable and shareable.
+// those, immutable and shareable. Queries (fjell/query.h) may run on any thread at any time.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,9 @@ namespace fjell {
 inline constexpr std::uint32_t no_page = 0xffffffff; // of a slot that is free
 inline constexpr std::uint32_t no_page_slot = 0xffffffff;
 
-struct PageEntry {
+inline constexpr std::uint32_t change_log = 256; // changes that Terrain::changed_slots remembers
+
+struct alignas(8) PageEntry { // read at once by queries of other threads
     std::uint32_t slot; // no_page_slot: not loaded
     std::int32_t base;  // lattice steps its heights are counted from
 };
@@ -44,7 +46,8 @@ struct Terrain {
     const std::uint32_t* slot_loads = nullptr; // how often a page was loaded into each slot
     const std::uint32_t* corners = nullptr;    // (tiles_x + 1) * (tiles_y + 1), as stored (corner_void_bit)
     std::uint32_t pages_missing = 0;
-    std::uint64_t changes = 0; // pages loaded or unloaded so far
+    std::uint64_t changes = 0; // pages loaded or unloaded so far; the n-th one in slot changed_slots[n % change_log]
+    const std::uint32_t* changed_slots = nullptr;
     // The largest error on screen that pages which the views want and which are not there may hide, in pixels; 0: none.
     // Set by whoever loads pages to the views' wishes (update_stream), read by update_cut for its report.
     double missing_px = 0;

@@ -253,7 +253,7 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.page_blocks[i] = nil;
     for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.slot_info[i].page = no_page;
     s.fresh_vertex = budget.vertices; // so that all of made is cleared
-    s.seen_changes = terrain.changes - 1;
+    forget_changes(s);
     reset(s);
     begin_at_roots(s);
     cut.state = &s;

@@ -24,6 +24,19 @@ void bound_tile(CutState& s, const SlotInfo& info, bool loaded) {
     tile.radius_m = v.radius_m;
 }
 
+// Of a page that has just come nothing is active: only lanes with a parent in another page can be ready. In a block
+// page those are the centres, whose parents belong to the coarser step, and the sides along its border.
+std::uint32_t outward_lanes(const SlotInfo& info, const BlockShape& shape) {
+    const std::uint32_t all = (1u << shape.lanes) - 1;
+    if (info.shape == 0) return all;
+    switch (shape.kind) {
+    case PlaneKind::centre: break;
+    case PlaneKind::side_x: return shape.j0 == 0 || shape.j0 == page_squares ? all : 0;
+    case PlaneKind::side_y: return shape.along_y ? all : shape.i0 == 0 ? 1 : 0;
+    }
+    return all;
+}
+
 void enter(CutState& s, std::uint32_t slot) {
     const Terrain& t = *s.terrain;
     const std::uint32_t page = t.slot_page[slot];
@@ -52,9 +65,11 @@ void enter(CutState& s, std::uint32_t slot) {
         const std::uint32_t number = slot * max_page_blocks + n;
         BlockState& b = s.blocks[number];
         if (!nothing_active) {
-            const ParentMasks parents = parents_of(s, number);
-            b.parent[0] = parents.parent[0];
-            b.parent[1] = parents.parent[1];
+            const std::uint32_t lanes = outward_lanes(info, s.shapes[info.shape].blocks[n]);
+            if (lanes == 0) continue;
+            const ParentMasks parents = parents_of(s, number, lanes);
+            b.parent[0] |= parents.parent[0]; // to those that do not exist
+            b.parent[1] |= parents.parent[1];
             info.touched = true;
         }
         if (b.ready() != 0) push_due(s.lists, grade_count - 1, number);
@@ -150,10 +165,10 @@ void forget_vertices(CutState& s, std::uint32_t slot) {
     }
 }
 
-ParentMasks parents_of(const CutState& s, std::uint32_t block) {
+ParentMasks parents_of(const CutState& s, std::uint32_t block, std::uint32_t lanes) {
     ParentMasks masks{};
-    const BlockShape& shape = shape_of(s, block);
-    for (std::uint32_t lane = 0; lane < shape.lanes; ++lane) {
+    for (; lanes != 0; lanes &= lanes - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
         const std::uint32_t vertex = block * block_lanes + lane;
         const Site site = site_of(s, vertex);
         // A border has a lane in each page that holds it; only the owner's counts.
@@ -172,26 +187,47 @@ ParentMasks parents_of(const CutState& s, std::uint32_t block) {
     return masks;
 }
 
+namespace {
+
+// Lets go of what the slot held, if it holds something else by now. False: the cut had to begin again.
+bool let_go(CutState& s, std::uint32_t slot) {
+    const Terrain& t = *s.terrain;
+    const SlotInfo& info = s.slot_info[slot];
+    if (info.page == no_page || (info.page == t.slot_page[slot] && info.loads == t.slot_loads[slot])) return true;
+    // release_page was not asked, or not waited for: the mesh must let go all the same.
+    for (std::uint32_t v = holding(s, slot); v != no_vertex; v = holding(s, slot)) {
+        if (deactivate(s, lowest_below(s, v)) == Outcome::done) continue;
+        // No chunk for triangles that were hidden: then from the coarsest mesh, where all have room.
+        forget_changes(s);
+        reset(s);
+        begin_at_roots(s);
+        return false;
+    }
+    leave(s, slot);
+    return true;
+}
+
+void take_in(CutState& s, std::uint32_t slot) {
+    if (s.terrain->slot_page[slot] != no_page && s.slot_info[slot].page == no_page) enter(s, slot);
+}
+
+} // namespace
+
+void forget_changes(CutState& s) {
+    s.seen_changes = s.terrain->changes - change_log - 1; // more than the log remembers
+}
+
 void follow_pages(CutState& s) {
     const Terrain& t = *s.terrain;
-    if (s.seen_changes == t.changes) return;
+    const std::uint64_t seen = s.seen_changes, count = t.changes - seen;
+    if (count == 0) return;
     s.seen_changes = t.changes;
-    for (std::uint32_t slot = 0; slot < t.slot_count; ++slot) {
-        const SlotInfo& info = s.slot_info[slot];
-        if (info.page == no_page || (info.page == t.slot_page[slot] && info.loads == t.slot_loads[slot])) continue;
-        // release_page was not asked, or not waited for: the mesh must let go all the same.
-        for (std::uint32_t v = holding(s, slot); v != no_vertex; v = holding(s, slot)) {
-            if (deactivate(s, lowest_below(s, v)) == Outcome::done) continue;
-            // No chunk for triangles that were hidden: then from the coarsest mesh, where all have room.
-            s.seen_changes = t.changes - 1;
-            reset(s);
-            begin_at_roots(s);
-            return;
-        }
-        leave(s, slot);
-    }
-    for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
-        if (t.slot_page[slot] != no_page && s.slot_info[slot].page == no_page) enter(s, slot);
+    const auto logged = [&](std::uint64_t n) { return t.changed_slots[(seen + n) % change_log]; };
+    const bool all = count > change_log;
+    const std::uint64_t end = all ? t.slot_count : count;
+    for (std::uint64_t n = 0; n < end; ++n)
+        if (!let_go(s, all ? static_cast<std::uint32_t>(n) : logged(n))) return;
+    for (std::uint64_t n = 0; n < end; ++n) take_in(s, all ? static_cast<std::uint32_t>(n) : logged(n));
 }
 
 void stop_draining(CutState& s, std::uint32_t slot) {

@@ -5,8 +5,11 @@
 
 namespace fjell {
 
-// Enters every page that is loaded and leaves those that are gone. O(slots) when anything changed since the last call.
+// Enters every page that is loaded and leaves those that are gone. O(changes since the last call), or O(slots) when
+// those were more than the terrain's log remembers.
 void follow_pages(CutState& s);
+// The next call looks at all slots.
+void forget_changes(CutState& s);
 
 // As if nothing were active, for one page.
 void forget_vertices(CutState& s, std::uint32_t slot);
@@ -17,10 +20,10 @@ void drain_pages(CutState& s);
 // A draining page stays after all: what it could activate is looked at again.
 void stop_draining(CutState& s, std::uint32_t slot);
 
-// Finds which parents of a block's lanes are active; in all lanes.
+// Finds which parents of some lanes of a block are active.
 struct ParentMasks {
     std::uint16_t parent[2];
 };
-[[nodiscard]] ParentMasks parents_of(const CutState& s, std::uint32_t block);
+[[nodiscard]] ParentMasks parents_of(const CutState& s, std::uint32_t block, std::uint32_t lanes);
 
 } // namespace fjell

@@ -25,6 +25,7 @@ struct TerrainMemory {
     PageArrays arrays;
     std::uint32_t packed[max_page_vertices];
     CornerSteps coarse;
+    std::uint32_t changed_slots[change_log];
     LeafErrors leaf;
     // Hierarchical Z-order only: where the canonical order's vertices go, in a block and in page 0.
     std::uint16_t block_places[max_page_vertices];

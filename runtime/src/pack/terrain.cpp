@@ -13,6 +13,7 @@
 
 #include "pack/clones.h"
 #include "pack/memory.h"
+#include "pack/publish.h"
 
 namespace fjell {
 
@@ -157,17 +158,17 @@ void gather_corners(const TilePages& tile, Coord block, CornerSteps& out) {
 FJELL_CLONES void store(const Terrain& terrain, std::uint32_t page, TerrainMemory& memory, VertexRecord* to) {
     const PageArrays& from = memory.arrays;
     const std::uint32_t count = terrain.pages.page_vertices(page);
-    // Put together as numbers, which the compiler does for many at a time, and copied as bytes.
+    // Put together as numbers, which the compiler does for many at a time; then handed to whoever reads meanwhile.
     std::uint32_t* const packed = memory.packed;
     for (std::uint32_t i = 0; i < count; ++i)
         packed[i] = static_cast<std::uint32_t>(from.heights[i]) | static_cast<std::uint32_t>(from.errors[i]) << 16 |
                     static_cast<std::uint32_t>(from.radii[i]) << 24;
     if (terrain.pages.order != Order::hierarchical_z) {
-        std::memcpy(to, packed, count * sizeof(VertexRecord));
+        write_records(to, packed, count);
         return;
     }
     const std::uint16_t* const places = page == 0 ? memory.root_places : memory.block_places;
-    for (std::uint32_t i = 0; i < count; ++i) std::memcpy(to + places[i], packed + i, sizeof(VertexRecord));
+    for (std::uint32_t i = 0; i < count; ++i) write_record(to + places[i], packed[i]);
 }
 
 } // namespace
@@ -241,6 +242,7 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     t.slot_page = m.slot_page;
     t.slot_loads = m.slot_loads;
     t.corners = m.corners;
+    t.changed_slots = m.changed_slots;
     t.memory = &m;
     terrain = t;
     return {};
@@ -270,12 +272,13 @@ Status insert_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page, std
         derive_errors(m.coarse, terrain.errors, m.leaf, m.arrays);
     }
     const std::uint32_t slot = m.free_slots[--m.free_count];
+    // The order that queries of other threads rely on: pack/publish.h.
+    begin_slot(m.slot_loads[slot]);
     store(terrain, page, m, m.records + std::size_t{slot} * terrain.page_capacity);
-    table[page] = {slot, m.arrays.base};
+    publish_entry(table[page], {slot, m.arrays.base});
     m.slot_page[slot] = tile * terrain.pages_per_tile + page;
-    ++m.slot_loads[slot];
     --terrain.pages_missing;
-    ++terrain.changes;
+    m.changed_slots[terrain.changes++ % change_log] = slot;
     return {};
 }
 
@@ -284,11 +287,12 @@ void unload_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page) {
     TerrainMemory& m = *terrain.memory;
     PageEntry& entry = m.page_table[std::size_t{tile} * terrain.pages_per_tile + page];
     if (entry.slot == no_page_slot) return;
-    m.slot_page[entry.slot] = no_page;
-    m.free_slots[m.free_count++] = entry.slot;
-    entry = {no_page_slot, 0};
+    const std::uint32_t slot = entry.slot;
+    publish_entry(entry, {no_page_slot, 0}); // before its slot is anyone else's
+    m.slot_page[slot] = no_page;
+    m.free_slots[m.free_count++] = slot;
     ++terrain.pages_missing;
-    ++terrain.changes;
+    m.changed_slots[terrain.changes++ % change_log] = slot;
 }
 
 Status load_terrain(const Pack& pack, std::span<std::byte> block, Terrain& terrain) {

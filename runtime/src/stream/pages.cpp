@@ -26,6 +26,7 @@ namespace {
 constexpr float never = 3e38f;
 constexpr double grow = 1 + 0x1p-16; // more than all roundings of wanted() together
 constexpr double most_px = 1e7;      // of pages that are wanted at any threshold
+constexpr double sooner = 0.95;      // share of the threshold at which a page will be wanted soon
 
 std::uint32_t root_watch(const StreamState& s, std::uint32_t tile) {
     return s.slots * watches_per_slot + tile;
@@ -94,13 +95,13 @@ void test(StreamState& s, std::uint32_t watch) {
     std::uint8_t wants = 0;
     for (std::uint32_t i = 0; i < s.eye_count; ++i) {
         const WantedEye& eye = s.eyes[i];
-        const double threshold = eye.predicted ? 2 * s.threshold_px : s.threshold_px;
+        const double threshold = s.threshold_px * (eye.predicted ? sooner : 1);
         // The eye is rounded to float there: a few units in the last place.
         const double pad = (std::abs(eye.x) + std::abs(eye.y) + std::abs(eye.z)) * 0x1p-22;
         const double apart = distance_m(w, {eye.x, eye.y, eye.z}) - w.radius_m * grow - pad, reach = w.error_m * grow * eye.lambda_px;
         const double px = apart > 0 ? std::min(reach / apart, most_px) : most_px;
         if (px > threshold) wants |= eye.predicted ? 2 : 1;
-        most = std::max(most, eye.predicted ? px / 2 : px);
+        most = std::max(most, px);
         slack_m = std::min(slack_m, std::abs(apart - reach / threshold));
     }
     if (is_root(s, watch)) wants |= 1;
@@ -111,12 +112,12 @@ void test(StreamState& s, std::uint32_t watch) {
     set_missing(s, watch, wants != 0 && state != WatchState::loaded && state != WatchState::idle);
 }
 
-// What brings a request forward: how much worse than the threshold it is, and that a frustum may show it. The coarsest
-// pages come first: without them there is nothing to draw.
+// What brings a request forward: how much worse than the threshold it is, that a frustum may show it, and that it is
+// wanted now and not only soon. The coarsest pages come first: without them there is nothing to draw.
 float score_of(const StreamState& s, std::uint32_t watch) {
     const float ratio = static_cast<float>(s.page_px[watch] / s.threshold_px);
-    const float seen = may_be_seen(s, s.watches[watch]) ? 8.0f : 1.0f;
-    return (is_root(s, watch) ? 1e9f : 0.0f) + ratio * seen;
+    const float seen = may_be_seen(s, s.watches[watch]) ? 8.0f : 1.0f, now = s.wants[watch] & 1 ? 1.0f : 0.1f;
+    return (is_root(s, watch) ? 1e9f : 0.0f) + ratio * seen * now;
 }
 
 void record(StreamState& s, std::uint32_t watch, PageEvent event) {

@@ -103,7 +103,6 @@ struct StreamState {
     std::uint32_t* draining;
     std::uint32_t draining_count;
     std::uint64_t* failed_bits; // one a chunk
-    std::uint64_t seen_changes;
     // Eyes.
     WantedEye eyes[2 * max_cut_views];
     std::uint32_t eye_count;

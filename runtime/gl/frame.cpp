@@ -1,0 +1,160 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "gl/palette.h"
+#include "gl/state.h"
+
+namespace fjell::gl {
+namespace {
+
+float to_linear(std::uint8_t srgb) {
+    const double c = srgb / 255.0;
+    return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+}
+
+void set4(float (&to)[4], double a, double b, double c, double d) {
+    const double from[4] = {a, b, c, d};
+    for (int i = 0; i < 4; ++i) to[i] = static_cast<float>(from[i]);
+}
+
+// Camera-relative scene to clip space. w = d, the distance along forward; z = near (far - d) / (far - near), so that
+// z / w is 1 at near and 0 at far: reversed, because a float's precision lies near 0, where perspective crowds depths.
+void view_projection(const View& view, float (&columns)[16]) {
+    const Vec3 right = cross(view.forward, view.up);
+    const double tangent = std::tan(view.fov_y_rad / 2), aspect = static_cast<double>(view.width_px) / view.height_px;
+    const double range = view.far_m - view.near_m;
+    const double r[3] = {right.x, right.y, right.z}, u[3] = {view.up.x, view.up.y, view.up.z};
+    const double f[3] = {view.forward.x, view.forward.y, view.forward.z};
+    for (int j = 0; j < 3; ++j) {
+        columns[4 * j] = static_cast<float>(r[j] / (tangent * aspect));
+        columns[4 * j + 1] = static_cast<float>(u[j] / tangent);
+        columns[4 * j + 2] = static_cast<float>(-view.near_m / range * f[j]);
+        columns[4 * j + 3] = static_cast<float>(f[j]);
+    }
+    for (int i = 12; i < 16; ++i) columns[i] = 0;
+    columns[14] = static_cast<float>(view.near_m * view.far_m / range);
+}
+
+// The eye's cell: positions are counted from its first sample (see shaders.cpp).
+struct EyeCell {
+    std::int64_t column, row;
+};
+EyeCell eye_cell(const View& view, double spacing_x, double spacing_z) {
+    const auto cell = [](double metres, double spacing) {
+        return static_cast<std::int64_t>(std::floor(std::clamp(metres / spacing, -1e9, 1e9)));
+    };
+    return {cell(view.eye_m.x, spacing_x), cell(view.eye_m.z, spacing_z)};
+}
+
+Rgb8 legend_rgb(Mode mode, int i, int tile_log2, int mips) {
+    if (mode == Mode::mips) return mip_rgb(std::min(i, mips - 1), mips);
+    if (mode == Mode::residency) return step_rgb(std::min(i, tile_log2), tile_log2);
+    return level_rgb(i, tile_log2);
+}
+
+std::uint32_t packed_tint(std::uint32_t column, std::uint32_t row) {
+    std::uint32_t packed = 0;
+    const Rgb8 rgb = tile_rgb(column, row);
+    for (std::uint32_t i = 0; i < 3; ++i)
+        packed |= static_cast<std::uint32_t>(std::lround(to_linear(rgb[i]) * 1023)) << (10 * i);
+    return packed;
+}
+
+} // namespace
+
+FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now) const {
+    FrameBlock block{};
+    view_projection(view, block.view_projection);
+    const EyeCell cell = eye_cell(view, spacing_x_m, spacing_z_m);
+    const double high = static_cast<float>(view.eye_m.y);
+    set4(block.eye, view.eye_m.x - static_cast<double>(cell.column) * spacing_x_m,
+         view.eye_m.z - static_cast<double>(cell.row) * spacing_z_m, high, view.eye_m.y - high);
+    const SampleToTexel colour = sample_to_texel(header.colour_log2, header.tile_log2);
+    const SampleToTexel normal = sample_to_texel(header.normal_log2, header.tile_log2);
+    set4(block.grid, spacing_x_m, spacing_z_m, colour.scale, colour.offset);
+    const double farthest_m = std::max(1.5 * diagonal_m, 2 * view.near_m);
+    set4(block.grid2, normal.scale, normal.offset, view.near_m, 1 / std::log2(farthest_m / view.near_m));
+    constexpr double degree = 3.14159265358979323846 / 180;
+    const double azimuth = now.sun_azimuth_deg * degree, elevation = now.sun_elevation_deg * degree;
+    set4(block.sun, std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+         -std::cos(azimuth) * std::cos(elevation), now.lit ? 1 : 0);
+    // A legend's colours must reach the eye as they are.
+    const double haze_m = now.haze_m != 0 ? now.haze_m : now.mode == Mode::shaded ? 2.5 * diagonal_m : -1;
+    set4(block.haze, haze_m > 0 ? 1 / haze_m : 0, view.forward.x, view.forward.y, view.forward.z);
+    const double tangent = std::tan(view.fov_y_rad / 2), aspect = static_cast<double>(view.width_px) / view.height_px;
+    const Vec3 x = cross(view.forward, view.up) * (tangent * aspect), y = view.up * tangent;
+    set4(block.ray_x, x.x, x.y, x.z, 0);
+    set4(block.ray_y, y.x, y.y, y.z, 0);
+    set4(block.line, 0.01, 0.01, 0.012, 1);
+    set4(block.maps, 1u << header.colour_log2, 1u << header.normal_log2, maps.anisotropy,
+         1.0 / (1u << residency_block_log2(header)));
+    const std::uint32_t shown_log2 = maps.kind[0].present() ? header.colour_log2 : header.normal_log2;
+    block.tile[0] = static_cast<std::int32_t>(header.tile_log2);
+    block.tile[1] = static_cast<std::int32_t>(std::max(mip_count(shown_log2), 1u));
+    block.tile[2] = static_cast<std::int32_t>(cell.column);
+    block.tile[3] = static_cast<std::int32_t>(cell.row);
+    const MorphFrame& m = morph_frame;
+    if (m.morph != Morph::none) set4(block.morph, m.views, m.now_s, 1 / m.morph_s, 0);
+    for (std::uint32_t i = 0; i < m.views; ++i) {
+        const MorphView& v = m.view[i];
+        set4(block.morph_eye[i], v.eye_x - view.eye_m.x, v.eye_y - view.eye_m.y, v.eye_z - view.eye_m.z, 0);
+        set4(block.morph_reach[i], v.q_start, v.q_full, 0, 0);
+    }
+    for (int i = 0; i < max_triangle_levels; ++i) {
+        const Rgb8 rgb = legend_rgb(now.mode, i, block.tile[0], block.tile[1]);
+        set4(block.legend[i], to_linear(rgb[0]), to_linear(rgb[1]), to_linear(rgb[2]), 1);
+    }
+    return block;
+}
+
+TileBlock Renderer::State::make_tile(std::uint32_t tile, std::uint32_t index) const {
+    TileBlock block{};
+    const std::uint32_t column = tile % header.tiles_x, row = tile / header.tiles_x;
+    block.column = static_cast<std::int32_t>(column << header.tile_log2);
+    block.row = static_cast<std::int32_t>(row << header.tile_log2);
+    block.index = static_cast<std::int32_t>(index);
+    block.tile = static_cast<std::int32_t>(tile);
+    std::int32_t* const layers[map_kinds] = {&block.colour_layer, &block.normal_layer};
+    std::int32_t* const arrays[map_kinds] = {&block.colour_array, &block.normal_array};
+    for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
+        const MapArrays& of = maps.kind[kind];
+        *arrays[kind] = -1;
+        if (!of.present()) continue;
+        const TileMap& map = of.tiles[tile];
+        *layers[kind] = static_cast<std::int32_t>(map.layer);
+        if (map.side_log2 != 0) *arrays[kind] = of.array_of[map.side_log2];
+        nine_mips(of.tiles, header.tiles_x, tile, block.mip[kind]);
+    }
+    block.tint = packed_tint(column, row);
+    return block;
+}
+
+DrawData Renderer::State::write_draw(const MeshView& view_mesh, const View& view, const DrawOptions& now) {
+    const std::size_t ranges = std::max<std::size_t>(view_mesh.tiles.size(), 1); // a binding must not be empty
+    ring.reserve(draw_bytes(ranges));
+    DrawData data;
+    const FrameBlock frame = make_frame(view, now);
+    data.frame = ring.take(sizeof frame);
+    std::memcpy(data.frame.data, &frame, sizeof frame);
+    data.tiles = ring.take(ranges * sizeof(TileBlock));
+    data.commands = ring.take(ranges * sizeof(DrawCommand));
+    stats.tiles = stats.triangles = 0;
+    std::uint32_t last_tile = 0;
+    for (const TileRange& range : view_mesh.tiles) {
+        if (range.index_count == 0) continue;
+        if (stats.tiles == 0 || range.tile != last_tile) { // a tile's ranges follow each other
+            last_tile = range.tile;
+            const TileBlock block = make_tile(range.tile, stats.tiles);
+            std::memcpy(data.tiles.data + stats.tiles++ * sizeof block, &block, sizeof block);
+        }
+        const DrawCommand command{range.index_count, 1, range.first_index, 0, stats.tiles - 1};
+        std::memcpy(data.commands.data + data.command_count++ * sizeof command, &command, sizeof command);
+        stats.triangles += range.triangles;
+    }
+    data.tile_bytes = std::max<std::size_t>(stats.tiles, 1) * sizeof(TileBlock);
+    stats.ring_waits = ring.waits();
+    return data;
+}
+
+} // namespace fjell::gl

@@ -1,0 +1,241 @@
+#include "gl/maps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+
+#include <epoxy/gl.h>
+
+#include "fjell/texture.h"
+
+namespace fjell::gl {
+namespace {
+
+struct Format {
+    ChunkKind chunk;
+    const char* name;
+    const char* option; // RendererOptions'
+    GLenum format;
+    std::size_t block_bytes;
+    const char* extension; // that has the format; none: the core
+};
+constexpr Format formats[map_kinds] = {
+    {ChunkKind::colour, "colour map", "RendererOptions::colour", GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, colour_block_bytes,
+     "GL_EXT_texture_compression_s3tc"},
+    {ChunkKind::normal, "normal map", "RendererOptions::normal", GL_COMPRESSED_RG_RGTC2, normal_block_bytes, nullptr}};
+
+std::size_t mip_bytes(const Format& format, std::uint32_t side) {
+    return blocks_of(side) * format.block_bytes;
+}
+
+std::string check_slots(const Format& format, const MapSlots& slots, std::uint32_t pack_log2, std::uint32_t tiles,
+                        bool streamed) {
+    if (format.extension && !epoxy_has_gl_extension(format.extension))
+        return std::string("this GPU's driver lacks ") + format.extension + " for the " + format.name + "; update it";
+    if (slots.top_log2 != pack_log2 || slots.tail_log2 > slots.top_log2 || slots.tail_log2 < 2 ||
+        slots.layers[slots.tail_log2] < tiles)
+        return std::string(format.option) + " is not of this pack: take it from stream_map_slots()";
+    int most_layers = 0, largest = 0;
+    glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+    std::uint32_t sizes = 0;
+    for (std::uint32_t log2 = slots.tail_log2; log2 <= slots.top_log2; ++log2) {
+        const std::uint32_t layers = slots.layers[log2];
+        if (layers == 0) continue;
+        ++sizes;
+        if (layers > static_cast<std::uint32_t>(most_layers))
+            return "the " + std::string(format.name) + " needs " + std::to_string(layers) + " layers of " +
+                   std::to_string(1u << log2) + " texels and this GPU's texture arrays have " +
+                   std::to_string(most_layers) +
+                   (streamed ? "; lower StreamBudget::map_bytes" : "; bake with a larger --tile");
+        if (1u << log2 > static_cast<std::uint32_t>(largest))
+            return "the " + std::string(format.name) + " has " + std::to_string(1u << log2) +
+                   " texels a side and this GPU at most " + std::to_string(largest) +
+                   "; bake with a larger --tile count or smaller textures";
+    }
+    if (sizes <= max_map_sizes) return {};
+    return std::string(format.option) + " has " + std::to_string(sizes) + " sizes and a shader " +
+           std::to_string(max_map_sizes) + " samplers a kind: raise StreamBudget::tail_log2";
+}
+
+void set_sampling(unsigned name, std::uint32_t mips, float anisotropy) {
+    glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(name, GL_TEXTURE_MAX_LEVEL, static_cast<GLint>(mips) - 1);
+    if (anisotropy > 1) glTextureParameterf(name, GL_TEXTURE_MAX_ANISOTROPY, anisotropy);
+}
+
+float granted_anisotropy(float wish) {
+    if (wish <= 1 || (!epoxy_has_gl_extension("GL_ARB_texture_filter_anisotropic") &&
+                      !epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic")))
+        return 1;
+    float most = 1;
+    glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &most);
+    return std::min(wish, most);
+}
+
+std::string make_arrays(const Format& format, const MapSlots& slots, std::uint32_t tiles, bool streamed,
+                        float anisotropy, MapArrays& arrays, std::uint64_t& bytes) {
+    arrays.slots = slots;
+    arrays.tiles.assign(tiles, {});
+    while (glGetError() != GL_NO_ERROR) {
+    } // so that what follows speaks of these allocations
+    for (std::uint32_t log2 = slots.tail_log2; log2 <= slots.top_log2; ++log2) {
+        const std::uint32_t layers = slots.layers[log2], mips = mip_count(log2);
+        if (layers == 0) continue;
+        unsigned name = 0;
+        glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
+        arrays.array_of[log2] = static_cast<std::int32_t>(arrays.sizes);
+        arrays.array[arrays.sizes++] = Texture(name);
+        glTextureStorage3D(name, static_cast<GLsizei>(mips), format.format, GLsizei{1} << log2, GLsizei{1} << log2,
+                           static_cast<GLsizei>(layers));
+        set_sampling(name, mips, anisotropy);
+        for (std::uint32_t mip = 0; mip < mips; ++mip) bytes += layers * mip_bytes(format, 1u << (log2 - mip));
+    }
+    if (glGetError() == GL_NO_ERROR) return {};
+    return std::string("the GPU has no room for the ") + format.name +
+           (streamed ? ": lower StreamBudget::map_bytes" : "; bake with smaller textures");
+}
+
+void store_mip(const Format& format, unsigned texture, std::uint32_t mip, std::uint32_t layer, std::uint32_t first_row,
+               std::uint32_t rows, std::uint32_t side, std::size_t bytes, const void* blocks) {
+    glCompressedTextureSubImage3D(texture, static_cast<GLint>(mip), 0, static_cast<GLint>(first_row),
+                                  static_cast<GLint>(layer), static_cast<GLsizei>(side), static_cast<GLsizei>(rows), 1,
+                                  format.format, static_cast<GLsizei>(bytes), blocks);
+}
+
+std::string load_all(const Pack& pack, const Format& format, MapArrays& arrays) {
+    const std::uint32_t log2 = arrays.slots.top_log2;
+    std::vector<std::byte> blocks;
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    for (std::uint32_t mip = 0; mip < mip_count(log2); ++mip) {
+        const std::uint32_t side = 1u << (log2 - mip);
+        blocks.resize(mip_bytes(format, side));
+        for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile) {
+            const Status status = read_chunk(pack, {format.chunk, tile, mip}, blocks);
+            if (!status.ok())
+                return std::string("the ") + format.name + " of tile " + std::to_string(tile) + ", mip " +
+                       std::to_string(mip) + " (" + status.field + "): " + message(status.code);
+            store_mip(format, arrays.texture(log2), mip, tile, 0, side, side, blocks.size(), blocks.data());
+        }
+    }
+    for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile)
+        arrays.tiles[tile] = {tile, static_cast<std::uint8_t>(log2), 0};
+    return {};
+}
+
+// --- commands
+// ---------------------------------------------------------------------------------------------------------
+
+bool has_layer(const MapArrays& arrays, std::uint32_t log2, std::uint32_t layer) {
+    return log2 <= max_texture_log2 && arrays.present() && arrays.array_of[log2] >= 0 &&
+           layer < arrays.slots.layers[log2];
+}
+
+bool is_good(const MapCommand& command, const Maps& maps) {
+    const auto kind = static_cast<std::uint32_t>(command.map);
+    if (kind >= map_kinds) return false;
+    const MapArrays& arrays = maps.kind[kind];
+    if (!has_layer(arrays, command.side_log2, command.layer)) return false;
+    if (command.from_log2 != 0 && !has_layer(arrays, command.from_log2, command.from_layer)) return false;
+    if (command.upload_mips > mip_count(command.side_log2)) return false;
+    std::size_t bytes = 0;
+    for (std::uint32_t mip = 0; mip < command.upload_mips; ++mip)
+        bytes += mip_bytes(formats[kind], 1u << (command.side_log2 - mip));
+    return bytes == command.blocks.size();
+}
+
+// The mips that both arrays have, from the smaller one's own mip 0 down to 4 x 4.
+void copy_mips(const MapCommand& command, const MapArrays& arrays) {
+    const std::uint32_t from = command.from_log2, to = command.side_log2, common = std::min(from, to);
+    for (std::uint32_t mip = 0; mip < mip_count(common); ++mip) {
+        const GLsizei side = GLsizei{1} << (common - mip);
+        glCopyImageSubData(arrays.texture(from), GL_TEXTURE_2D_ARRAY, static_cast<GLint>(from - common + mip), 0, 0,
+                           static_cast<GLint>(command.from_layer), arrays.texture(to), GL_TEXTURE_2D_ARRAY,
+                           static_cast<GLint>(to - common + mip), 0, 0, static_cast<GLint>(command.layer), side, side,
+                           1);
+    }
+}
+
+// In strips of whole rows of blocks, as many as the ring's region has room for.
+void store_blocks(const MapCommand& command, const Format& format, const MapArrays& arrays, Ring& ring) {
+    const std::byte* from = command.blocks.data();
+    for (std::uint32_t mip = 0; mip < command.upload_mips; ++mip) {
+        const std::uint32_t side = 1u << (command.side_log2 - mip);
+        const std::size_t row_bytes = side / 4 * format.block_bytes;
+        for (std::uint32_t row = 0; row < side / 4;) {
+            ring.reserve(ring.aligned(row_bytes));
+            const auto rows =
+                static_cast<std::uint32_t>(std::min<std::size_t>(side / 4 - row, ring.room() / row_bytes));
+            const RingSlice slice = ring.take(rows * row_bytes);
+            std::memcpy(slice.data, from, rows * row_bytes);
+            store_mip(format, arrays.texture(command.side_log2), mip, command.layer, 4 * row, 4 * rows, side,
+                      rows * row_bytes, reinterpret_cast<const void*>(slice.offset));
+            from += rows * row_bytes;
+            row += rows;
+        }
+    }
+}
+
+} // namespace
+
+std::string make_maps(const Pack& pack, const MapSlots (&slots)[map_kinds], float anisotropy, Maps& maps) {
+    maps.anisotropy = granted_anisotropy(anisotropy);
+    const std::uint32_t pack_log2[map_kinds] = {pack.header.colour_log2, pack.header.normal_log2};
+    for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
+        MapArrays& arrays = maps.kind[kind];
+        std::fill(std::begin(arrays.array_of), std::end(arrays.array_of), -1);
+        const bool streamed = slots[kind].top_log2 != 0;
+        if (!streamed && pack_log2[kind] == 0) continue;
+        MapSlots own = slots[kind];
+        if (!streamed) {
+            own.tail_log2 = own.top_log2 = pack_log2[kind];
+            own.layers[own.top_log2] = pack.tile_count();
+        }
+        if (own.top_log2 > max_texture_log2) return std::string(formats[kind].option) + ": top_log2 is out of range";
+        std::string error = check_slots(formats[kind], own, pack_log2[kind], pack.tile_count(), streamed);
+        if (error.empty())
+            error = make_arrays(formats[kind], own, pack.tile_count(), streamed, maps.anisotropy, arrays, maps.bytes);
+        if (error.empty() && !streamed) error = load_all(pack, formats[kind], arrays);
+        if (!error.empty()) return error;
+    }
+    return {};
+}
+
+std::string run_commands(std::span<const MapCommand> commands, Maps& maps, Ring& ring, std::uint64_t& bytes) {
+    for (const MapCommand& command : commands)
+        if (!is_good(command, maps))
+            return "a map command for tile " + std::to_string(command.tile) +
+                   " names a size, a layer or blocks that RendererOptions::colour and ::normal have no room for";
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, ring.buffer());
+    for (const MapCommand& command : commands) {
+        const auto kind = static_cast<std::uint32_t>(command.map);
+        if (command.from_log2 != 0) copy_mips(command, maps.kind[kind]);
+        store_blocks(command, formats[kind], maps.kind[kind], ring);
+        bytes += command.blocks.size();
+    }
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    return {};
+}
+
+std::string show_maps(std::span<const TileMap> from, MapKind kind, Maps& maps) {
+    MapArrays& arrays = maps.kind[static_cast<std::uint32_t>(kind)];
+    if (from.empty()) return {};
+    if (from.size() != arrays.tiles.size())
+        return "show_maps() needs one TileMap a tile";
+    for (const TileMap& map : from)
+        if ((map.side_log2 != 0 && !has_layer(arrays, map.side_log2, map.layer)) || !std::isfinite(map.finest))
+            return "a TileMap names a size or a layer that RendererOptions::colour and ::normal have no room for";
+    std::copy(from.begin(), from.end(), arrays.tiles.begin());
+    return {};
+}
+
+SampleToTexel sample_to_texel(std::uint32_t texture_log2, std::uint32_t tile_log2) {
+    const double texels = 1u << texture_log2, cells = 1u << tile_log2;
+    return {static_cast<float>((texels - 1) / texels / cells), static_cast<float>(0.5 / texels)};
+}
+
+} // namespace fjell::gl

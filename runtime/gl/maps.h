@@ -1,0 +1,61 @@
+// The terrain's colour and normal maps on the GPU: an array texture for each size that tiles may have.
+//
+// A tile has one layer of one of them, with all mips down to 4 x 4. Of a whole pack there is one size and a layer a
+// tile, loaded at creation; of a streamed one there are the sizes and layers of MapSlots, empty at first, and
+// MapCommands fill them. Whatever its size, a tile's map covers the same square of uv: that of the pack's own size, so
+// an upgrade does not shift the picture. Internal to runtime/gl. Memory: half a byte a colour texel and 1 a normal
+// texel, times 4/3 for the mips. Failure: one line that names the chunk, the limit or the option.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fjell/pack.h"
+#include "fjell/stream.h"
+#include "gl/objects.h"
+#include "gl/ring.h"
+
+namespace fjell::gl {
+
+// Both kinds must fit into the 16 units that every fragment shader has.
+inline constexpr std::uint32_t max_map_sizes = 8;
+
+struct MapArrays {
+    MapSlots slots;          // zeroes: there is no such map
+    std::uint32_t sizes = 0; // arrays, smallest first
+    Texture array[max_map_sizes];
+    std::int32_t array_of[max_texture_log2 + 1]; // by log2 of the side; -1: none
+    std::vector<TileMap> tiles;                  // how each is drawn
+
+    [[nodiscard]] bool present() const { return sizes != 0; }
+    [[nodiscard]] unsigned texture(std::uint32_t side_log2) const {
+        return array[static_cast<std::uint32_t>(array_of[side_log2])].get();
+    }
+};
+
+struct Maps {
+    MapArrays kind[map_kinds]; // by MapKind
+    float anisotropy = 1;      // samples along the steep direction, as the driver grants them
+    std::uint64_t bytes = 0;   // on the GPU
+};
+
+// slots: of each kind; with top_log2 != 0 it is streamed, otherwise all that the pack has of it is loaded.
+[[nodiscard]] std::string make_maps(const Pack& pack, const MapSlots (&slots)[map_kinds], float anisotropy, Maps& maps);
+
+// Carries out commands, in order; adds the bytes of their blocks to `bytes`. Nothing is done when one is not of these
+// maps.
+[[nodiscard]] std::string run_commands(std::span<const MapCommand> commands, Maps& maps, Ring& ring,
+                                       std::uint64_t& bytes);
+
+// Refuses what has no layer. `from`: one a tile.
+[[nodiscard]] std::string show_maps(std::span<const TileMap> from, MapKind kind, Maps& maps);
+
+// uv of sample i of a tile = i * scale + offset: the first and last texel centre of mip 0 lie on the tile's border.
+struct SampleToTexel {
+    float scale = 0, offset = 0;
+};
+[[nodiscard]] SampleToTexel sample_to_texel(std::uint32_t texture_log2, std::uint32_t tile_log2);
+
+} // namespace fjell::gl

@@ -1,0 +1,71 @@
+#include "gl/residency.h"
+
+#include <algorithm>
+
+#include <epoxy/gl.h>
+
+namespace fjell::gl {
+namespace {
+
+constexpr std::uint32_t finest_page_log2 = page_squares_log2 + 1; // of step 1: 32 squares of 2 cells
+
+} // namespace
+
+std::uint32_t residency_block_log2(const PackHeader& header) {
+    return std::min(header.tile_log2, finest_page_log2);
+}
+
+std::uint32_t resident_step_log2(const Terrain& terrain, std::uint32_t tile, std::uint32_t block_x,
+                                 std::uint32_t block_y) {
+    const PackHeader& h = terrain.header;
+    const PageEntry* const pages = terrain.page_table + std::size_t{tile} * terrain.pages_per_tile;
+    const auto loaded = [&](std::uint32_t page) { return pages[page].slot != no_page_slot; };
+    if (h.order == Order::linear) { // its pages are of no step
+        for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page)
+            if (!loaded(page)) return h.tile_log2;
+        return 0;
+    }
+    if (!loaded(0)) return h.tile_log2;
+    std::uint32_t z = h.tile_log2 < finest_page_log2 ? 0 : h.tile_log2 - page_squares_log2;
+    while (z > 0 &&
+           loaded(terrain.pages.page_of_block(static_cast<int>(z) - 1, block_x >> (z - 1), block_y >> (z - 1))))
+        --z;
+    return z;
+}
+
+std::string Residency::follow(const Terrain& terrain) {
+    if (texture_.get() != 0 && changes_ == terrain.changes) return {};
+    const PackHeader& h = terrain.header;
+    const std::uint32_t a_side = 1u << (h.tile_log2 - residency_block_log2(h));
+    const std::uint32_t wide = h.tiles_x * a_side, high = h.tiles_y * a_side;
+    if (texture_.get() == 0) {
+        int largest = 0;
+        glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+        if (std::max(wide, high) > static_cast<std::uint32_t>(largest))
+            return "the terrain has " + std::to_string(std::max(wide, high)) +
+                   " blocks a side and this GPU's textures " + std::to_string(largest) +
+                   " texels: residency cannot be drawn, use Mode::levels";
+        unsigned name = 0;
+        glCreateTextures(GL_TEXTURE_2D, 1, &name);
+        texture_ = Texture(name);
+        glTextureStorage2D(name, 1, GL_R8UI, static_cast<GLsizei>(wide), static_cast<GLsizei>(high));
+        glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+        steps_.resize(std::size_t{wide} * high);
+    }
+    for (std::uint32_t y = 0; y < high; ++y)
+        for (std::uint32_t x = 0; x < wide; ++x)
+            steps_[std::size_t{y} * wide + x] = static_cast<std::uint8_t>(
+                resident_step_log2(terrain, y / a_side * h.tiles_x + x / a_side, x % a_side, y % a_side));
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+    glTextureSubImage2D(texture_.get(), 0, 0, 0, static_cast<GLsizei>(wide), static_cast<GLsizei>(high), GL_RED_INTEGER,
+                        GL_UNSIGNED_BYTE, steps_.data());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    changes_ = terrain.changes;
+    ++updates_;
+    return {};
+}
+
+} // namespace fjell::gl

@@ -1,0 +1,93 @@
+// What a Renderer holds, and the steps that its calls are made of.
+//
+// Internal to runtime/gl: renderer.cpp sets up and draws, upload.cpp brings meshes and maps over, frame.cpp computes a
+// draw's numbers.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "gl/maps.h"
+#include "gl/objects.h"
+#include "gl/renderer.h"
+#include "gl/residency.h"
+#include "gl/ring.h"
+#include "gl/scatter.h"
+#include "gl/shaders.h"
+
+namespace fjell::gl {
+
+inline constexpr int mode_count = 6;
+
+// As glMultiDrawElementsIndirect reads it.
+struct DrawCommand {
+    std::uint32_t index_count, instances, first_index;
+    std::int32_t base_vertex;
+    std::uint32_t base_instance; // selects the TileBlock: attribute 2 advances once an instance
+};
+static_assert(sizeof(DrawCommand) == 20, "OpenGL prescribes this layout");
+
+// A draw's numbers in the ring.
+struct DrawData {
+    RingSlice frame, tiles, commands;
+    std::size_t tile_bytes = 0;
+    std::uint32_t command_count = 0;
+};
+
+struct Renderer::State {
+    const Terrain* terrain = nullptr;
+    PackHeader header{};
+    double spacing_x_m = 1, spacing_z_m = 1, diagonal_m = 1;
+    RendererOptions options;
+    Maps maps;
+    Residency residency;
+    Ring ring;
+    Scatter scatter;
+    MeshBuffers mesh;
+    MorphFrame morph_frame; // of the cut uploaded last
+    VertexArray terrain_array, empty_array;
+    Program programs[mode_count][2]; // by Mode, without and with wireframe; debug modes at their first use
+    Program sky;
+    const MeshVertex* uploaded = nullptr; // whose vertices the buffer holds
+    std::size_t uploaded_count = 0;
+    const std::uint32_t* kept_indices = nullptr; // of a live cut, which the buffer holds; null: it holds one draw's
+    bool drawn = false;                          // since the last upload
+    DrawStats stats;
+
+    // renderer.cpp
+    std::string make_program_of(Mode mode, bool wireframe);
+    void make_buffers();
+    [[nodiscard]] std::size_t range_capacity() const;
+    [[nodiscard]] std::size_t ring_bytes() const;
+    [[nodiscard]] std::size_t draw_bytes(std::size_t ranges) const;
+    std::string check(const MeshView& mesh, const View& view) const;
+    void set_up(const Target& target) const;
+    void bind_maps(Mode mode) const;
+    void draw_picture(const DrawData& data, unsigned primitive, const DrawOptions& now) const;
+    // upload.cpp
+    void begin_frame();
+    bool begin_upload(const MeshView& mesh);
+    void upload_indices(const MeshView& mesh);
+    // frame.cpp
+    FrameBlock make_frame(const View& view, const DrawOptions& now) const;
+    TileBlock make_tile(std::uint32_t tile, std::uint32_t index) const;
+    DrawData write_draw(const MeshView& mesh, const View& view, const DrawOptions& now);
+};
+
+// Adds the time until it goes out of scope.
+class Stopwatch {
+public:
+    explicit Stopwatch(double& us) : us_(us) {}
+    ~Stopwatch() {
+        us_ += std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start_).count();
+    }
+    Stopwatch(const Stopwatch&) = delete;
+    Stopwatch& operator=(const Stopwatch&) = delete;
+
+private:
+    double& us_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+} // namespace fjell::gl

@@ -1,0 +1,99 @@
+// Pages change hands here: the frame's thread writes and unloads them, any thread reads their vertices meanwhile. No
+// locks, and nobody waits.
+//
+// What is shared are plain arrays in the host's block: the page table (8 bytes a page: slot and base), how often a page
+// was loaded into each slot, and the records. The writer and the readers of other threads touch them by atomic
+// operations only, of whole entries and whole records, so nothing is torn. The frame's own thread reads as it likes.
+//
+// The writer, one thread:
+//   unload  U: entry = none (release)
+//   insert  B: loads[slot] += 1 (release), a release fence
+//           R: the records (relaxed)
+//           P: entry = {slot, base} (release)
+//   A slot is free, so its page's U is past, before the next B of that slot.
+// A reader of one record:
+//   1. entry (acquire)   2. loads[slot] (acquire) = g   3. entry again (acquire), must be the same
+//   4. the record        5. an acquire fence            6. loads[slot], must still be g
+//
+// What it gets is the record that load g of the slot wrote, and load g was of the page that was asked for. Proof:
+// - The entry of 3 was published by load g. Say it was by load i of the slot, of this page. 3 acquires P of i, hence B
+//   of i is visible to 6, and i <= g by 6. If i < g, then U of load i comes before B of g, which 2 has acquired: 3
+//   would have found that U or something later than it. So i = g. It does not matter that 1 may have seen the same
+//   bits from an older load of the same page (out, another page in its slot, in again): the bits are equal, base
+//   included, and it is 3 that counts. With 3 after the record the proof fails: 1 sees the older load, 2 the counter of
+//   the newest while its records are still being written, 4 reads the other page's record, and 3 the new publication.
+// - The record is not older than load g: 3 has acquired P of g, which comes after R of g.
+// - The record is not newer: had 4 read what load k > g wrote, then by the fences B of k would be visible to 6.
+// After 1 to 3 the page may be read on with 4 to 6 alone, as long as 6 holds: the records are those of load g even when
+// the page has been unloaded since. Contents of a page never change, so vertices of one query may be of any times.
+// Counters wrap after 2^32 loads of one slot; a reader would have to sleep through exactly so many.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "fjell/terrain.h"
+
+namespace fjell {
+
+using RecordWord [[gnu::may_alias]] = std::uint32_t; // a VertexRecord as one atomic word
+static_assert(sizeof(VertexRecord) == sizeof(RecordWord));
+static_assert(sizeof(PageEntry) == 8 && alignof(PageEntry) == 8, "an entry is read and written at once");
+
+// --- the frame's thread
+
+inline void publish_entry(PageEntry& entry, PageEntry value) {
+    __atomic_store(&entry, &value, __ATOMIC_RELEASE);
+}
+// Before records are written to a slot.
+inline void begin_slot(std::uint32_t& loads) {
+    __atomic_store_n(&loads, loads + 1, __ATOMIC_RELEASE);
+    __atomic_thread_fence(__ATOMIC_RELEASE);
+}
+inline void write_record(VertexRecord* to, std::uint32_t packed) {
+    __atomic_store_n(reinterpret_cast<RecordWord*>(to), packed, __ATOMIC_RELAXED);
+}
+// Two records at a time, which the machine writes at once; single ones took three times as long.
+inline void write_records(VertexRecord* to, const std::uint32_t* packed, std::uint32_t count) {
+    using Pair [[gnu::may_alias]] = std::uint64_t;
+    std::uint32_t i = 0;
+    if (reinterpret_cast<std::uintptr_t>(to) % sizeof(Pair) != 0 && count != 0) write_record(to, packed[i++]);
+    for (; i + 2 <= count; i += 2) {
+        Pair pair;
+        std::memcpy(&pair, packed + i, sizeof pair);
+        __atomic_store_n(reinterpret_cast<Pair*>(to + i), pair, __ATOMIC_RELAXED);
+    }
+    if (i < count) write_record(to + i, packed[i]);
+}
+
+// --- any thread
+
+// A page as a reader has found it: steps 1 to 3.
+struct PublishedPage {
+    std::uint32_t slot = no_page_slot;
+    std::int32_t base = 0;
+    std::uint32_t loads = 0;
+};
+// False: it is not loaded, or was on its way out or in.
+[[nodiscard]] inline bool find_page(const Terrain& terrain, std::size_t page, PublishedPage& found) {
+    PageEntry first, again;
+    __atomic_load(&terrain.page_table[page], &first, __ATOMIC_ACQUIRE);
+    if (first.slot == no_page_slot) return false;
+    found.loads = __atomic_load_n(&terrain.slot_loads[first.slot], __ATOMIC_ACQUIRE);
+    __atomic_load(&terrain.page_table[page], &again, __ATOMIC_ACQUIRE);
+    found.slot = first.slot;
+    found.base = first.base;
+    return again.slot == first.slot && again.base == first.base;
+}
+// Steps 4 to 6. False: another page has come into the slot.
+[[nodiscard]] inline bool read_record(const Terrain& terrain, const PublishedPage& page, std::uint32_t index,
+                                      VertexRecord& record) {
+    const VertexRecord* const from = terrain.records + std::size_t{page.slot} * terrain.page_capacity + index;
+    const std::uint32_t word = __atomic_load_n(reinterpret_cast<const RecordWord*>(from), __ATOMIC_RELAXED);
+    __atomic_thread_fence(__ATOMIC_ACQUIRE);
+    std::memcpy(&record, &word, sizeof record);
+    return __atomic_load_n(&terrain.slot_loads[page.slot], __ATOMIC_RELAXED) == page.loads;
+}
+
+} // namespace fjell

@@ -1,0 +1,330 @@
+// The ground as queries see it: right isosceles triangles, split from a tile's corners downwards as far as pages are
+// there (DESIGN section 3; thesis 2.5.1).
+//
+// A triangle is split at the middle of its hypotenuse, by the vertex of the diamond it is half of; that vertex' error_m
+// bounds how far any sample under the unsplit triangle is from it. Ground between samples is linear on triangles that
+// nest in all coarser ones, so the same holds everywhere on it. Splits look at this tile's pages and at this triangle
+// only: neither at parents nor across. With all pages there that is the one full-resolution surface; where some are
+// missing two triangles may not meet, by no more than their errors.
+//
+// Squares that the terrain's rim cuts are the exception. Their vertices stand at the rim, so diagonals bend when they
+// are split, and a triangle's halves are not parts of it. Only the squares themselves nest. There one goes down from
+// square to square, all four corners known, until a square lies wholly inside; and because a fine triangle may lie
+// under two coarse ones, the bound between samples grows by what the two differ by within a cell (spread()).
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "fjell/terrain.h"
+#include "fjell/view.h"
+#include "pack/publish.h"
+
+namespace fjell::query {
+
+// A point over the ground, in cells: columns and rows.
+struct Point {
+    double x = 0, y = 0;
+};
+
+struct Sample {
+    bool loaded = false, hole = false;
+    std::int32_t error = 0; // code; of corners 0
+    std::int32_t steps = 0;
+};
+
+// A corner of a triangle, where it stands: samples, and the height on the lattice.
+struct Corner {
+    Coord at;
+    std::int32_t steps = 0;
+    bool hole = false;
+};
+
+// PageLayout::place() of a vertex that is not a tile's corner, with shifts instead of divisions.
+[[nodiscard]] inline PagePlace place_of(const PageLayout& pages, std::uint32_t x, std::uint32_t y) {
+    if (pages.order == Order::linear) return pages.place_as<Order::linear>(x, y);
+    const auto z = static_cast<std::uint32_t>(std::countr_zero(x | y));
+    const StepLayout step = pages.step_layout(static_cast<int>(z));
+    const std::uint32_t i = x >> (z + 1), j = y >> (z + 1), last = (1u << step.blocks_log2) - 1;
+    const int block_log2 = std::countr_zero(step.block);
+    const std::uint32_t bx = std::min(i >> block_log2, last), by = std::min(j >> block_log2, last);
+    const std::uint32_t in_x = i - (bx << block_log2), in_y = j - (by << block_log2);
+    const bool odd_x = (x >> z & 1) != 0, odd_y = (y >> z & 1) != 0;
+    const PlaneKind kind = odd_x && odd_y ? PlaneKind::centre : odd_x ? PlaneKind::side_x : PlaneKind::side_y;
+    if (pages.order == Order::hierarchical_z)
+        return {step.first_page + interleave(bx, by),
+                step.offset + block_index<Order::hierarchical_z>(step.block, kind, in_x, in_y)};
+    return {step.first_page + (by << step.blocks_log2) + bx,
+            step.offset + block_index<Order::planar>(step.block, kind, in_x, in_y)};
+}
+
+// Reads vertices of one tile, from any thread. Keeps the last page, which most often holds the next vertex too.
+class Reader {
+public:
+    Reader(const Terrain& terrain, std::int32_t tile_x, std::int32_t tile_y)
+        : t_(terrain), origin_{tile_x * terrain.tree.side(), tile_y * terrain.tree.side()},
+          first_page_((static_cast<std::size_t>(tile_y) * terrain.header.tiles_x + static_cast<std::size_t>(tile_x)) *
+                      terrain.pages_per_tile) {}
+
+    [[nodiscard]] Coord origin() const { return origin_; }
+    // v: a vertex of the tile, of the lattice.
+    [[nodiscard]] Sample read(Coord v) {
+        Sample sample;
+        if (t_.tree.is_corner(v)) {
+            const std::int32_t l = t_.tree.tile_log2;
+            const std::uint32_t stored = t_.corners[(v.y >> l) * (t_.tree.tiles_x + 1) + (v.x >> l)];
+            sample.loaded = true;
+            sample.hole = (stored & corner_void_bit) != 0;
+            sample.steps = static_cast<std::int32_t>(stored & ~corner_void_bit);
+            return sample;
+        }
+        const PagePlace at = place_of(t_.pages, static_cast<std::uint32_t>(v.x - origin_.x),
+                                      static_cast<std::uint32_t>(v.y - origin_.y));
+        VertexRecord record;
+        if (at.page != page_ || !read_record(t_, found_, at.index, record))
+            if (!find(at, record)) return sample;
+        sample.loaded = true;
+        sample.hole = is_void(record);
+        sample.error = record.error;
+        sample.steps = found_.base + record.height;
+        return sample;
+    }
+
+private:
+    // A page that went while it was read may be back at once; one that keeps coming and going counts as missing.
+    [[gnu::noinline]] bool find(PagePlace at, VertexRecord& record) {
+        constexpr int attempts = 3;
+        for (int attempt = 0; attempt < attempts; ++attempt) {
+            page_ = at.page;
+            if (find_page(t_, first_page_ + at.page, found_) && read_record(t_, found_, at.index, record)) return true;
+        }
+        page_ = no_page;
+        return false;
+    }
+
+    const Terrain& t_;
+    Coord origin_;
+    std::size_t first_page_;
+    std::uint32_t page_ = no_page; // in the tile
+    PublishedPage found_;
+};
+
+// Errors go as codes of the pack's scale, so that nothing rounds and nothing is looked up on the way.
+inline constexpr std::int32_t any_error = -1; // not known: the largest of the terrain
+[[nodiscard]] inline double error_m(const Terrain& t, std::int32_t code) {
+    return static_cast<double>(code == any_error ? t.header.max_error_m : t.errors.metres[code]);
+}
+// The most that a child's error can be, by nesting.
+[[nodiscard]] inline std::int32_t below(const Terrain& t, std::int32_t code) {
+    return std::max(code - static_cast<std::int32_t>(t.errors.nesting_steps), 0);
+}
+
+// A plane over the ground, in lattice steps a cell.
+struct Plane {
+    Coord at;
+    double steps = 0, x = 0, y = 0;
+    bool exists = false; // the triangle has an area
+    [[nodiscard]] double height(Point p) const { return steps + x * (p.x - at.x) + y * (p.y - at.y); }
+};
+[[nodiscard]] inline Plane plane_of(const Corner& a, const Corner& b, const Corner& c) {
+    const double bx = b.at.x - a.at.x, by = b.at.y - a.at.y, cx = c.at.x - a.at.x, cy = c.at.y - a.at.y;
+    const double hb = static_cast<double>(b.steps) - a.steps, hc = static_cast<double>(c.steps) - a.steps;
+    const double area = bx * cy - by * cx;
+    if (area == 0) return {a.at, static_cast<double>(a.steps), 0, 0, false};
+    return {a.at, static_cast<double>(a.steps), (hb * cy - hc * by) / area, (hc * bx - hb * cx) / area, true};
+}
+
+// Which side of the line from a through b: 0 on it.
+[[nodiscard]] inline double turn(Coord a, Coord b, Point p) {
+    return static_cast<double>(b.x - a.x) * (p.y - a.y) - static_cast<double>(b.y - a.y) * (p.x - a.x);
+}
+[[nodiscard]] inline double turn(Coord a, Coord b, Coord p) {
+    return turn(a, b, Point{static_cast<double>(p.x), static_cast<double>(p.y)});
+}
+
+// --- triangles
+
+struct Triangle {
+    Corner apex, ends[2];           // the right angle; the hypotenuse
+    std::int32_t bound = any_error; // of the vertex that splits it, should it not be there: the largest code
+    [[nodiscard]] bool hole() const { return apex.hole || ends[0].hole || ends[1].hole; }
+    // Half of a cell: of the full resolution.
+    [[nodiscard]] bool leaf() const { return ((ends[0].at.x ^ ends[1].at.x) & 1) != 0; }
+    [[nodiscard]] Coord middle() const {
+        return {(ends[0].at.x + ends[1].at.x) / 2, (ends[0].at.y + ends[1].at.y) / 2};
+    }
+    // The half that has ends[k].
+    [[nodiscard]] Triangle half(const Corner& middle_, int k, std::int32_t bound_) const {
+        return {middle_, {apex, ends[k]}, bound_};
+    }
+    // Which half p is in; on their border the first.
+    [[nodiscard]] int half_of(Point p) const {
+        const Coord m = middle();
+        return turn(apex.at, m, p) * turn(apex.at, m, ends[0].at) >= 0 ? 0 : 1;
+    }
+};
+
+// --- squares that the rim cuts
+
+// How much gradients differ: the most by which two of the planes differ at a place within a cell of where they meet.
+struct Spread {
+    double low_x = INFINITY, high_x = -INFINITY, low_y = INFINITY, high_y = -INFINITY;
+    void add(const Plane& p) {
+        if (!p.exists) return;
+        low_x = std::min(low_x, p.x), high_x = std::max(high_x, p.x);
+        low_y = std::min(low_y, p.y), high_y = std::max(high_y, p.y);
+    }
+    [[nodiscard]] double steps() const { return low_x > high_x ? 0 : high_x - low_x + high_y - low_y; }
+};
+
+// corners: [0] north-west, [1] north-east, [2] south-west, [3] south-east, where they stand; nw and side: on the
+// lattice.
+struct Square {
+    Coord nw;
+    std::int32_t side = 0;
+    bool falling = true; // its diagonal runs from north-west to south-east
+    Corner corners[4];
+    std::int32_t bound = any_error; // of its centre, should it not be there
+
+    [[nodiscard]] Coord centre() const { return {nw.x + side / 2, nw.y + side / 2}; }
+    // Its halves: the one with the south-west or, rising, the north-west corner first.
+    [[nodiscard]] Triangle half(int k) const {
+        if (falling) return {corners[k == 0 ? 2 : 1], {corners[0], corners[3]}, bound};
+        return {corners[k == 0 ? 0 : 3], {corners[1], corners[2]}, bound};
+    }
+    [[nodiscard]] int half_of(Point p) const {
+        const Triangle first = half(0);
+        return turn(first.ends[0].at, first.ends[1].at, p) * turn(first.ends[0].at, first.ends[1].at, first.apex.at) >=
+                       0
+                   ? 0
+                   : 1;
+    }
+};
+
+[[nodiscard]] inline bool cut_by_rim(const Terrain& t, Coord nw, std::int32_t side) {
+    return nw.x + side >= t.tree.columns() || nw.y + side >= t.tree.rows();
+}
+// The quarter that has p: never one without an area, beyond a centre that stands at the rim.
+[[nodiscard]] inline int quarter_at(const Terrain& t, Coord centre, Point p) {
+    return (p.x > centre.x && centre.x < t.tree.columns() - 1 ? 1 : 0) +
+           (p.y > centre.y && centre.y < t.tree.rows() - 1 ? 2 : 0);
+}
+[[nodiscard]] inline Corner corner_of(const Terrain& t, Coord v, const Sample& sample) {
+    return {t.tree.sample(v), sample.steps, sample.hole};
+}
+
+// The tile's own square, as it is without any page.
+[[nodiscard]] inline Square root_square(const Terrain& t, Reader& reader) {
+    Square s;
+    s.nw = reader.origin();
+    s.side = t.tree.side();
+    for (int k = 0; k < 4; ++k) {
+        const Coord v{s.nw.x + (k & 1) * s.side, s.nw.y + (k >> 1) * s.side};
+        s.corners[k] = corner_of(t, v, reader.read(v));
+    }
+    return s;
+}
+
+// What a quarter of a square (north-west 0, north-east 1, south-west 2, south-east 3) becomes once the square's centre
+// is active.
+struct Quarter {
+    enum class Kind { square, halves } kind = Kind::halves;
+    Square square; // of kind square
+    // Otherwise both halves: the one beside the square's northern or southern side, and the one beside its western or
+    // eastern one. `flat`: not split further here, because a page is missing; then the plane is of all four corners'
+    // triangle, and error_m holds.
+    Triangle half[2];
+    bool flat[2] = {false, false};
+    double error_m[2] = {0, 0};
+    Coord diagonal[2]; // between the halves
+
+    [[nodiscard]] int half_of(Point p) const {
+        // half[0] has the corner's row; what lies beside it decides.
+        return turn(diagonal[0], diagonal[1], p) * turn(diagonal[0], diagonal[1], side_of_first) >= 0 ? 0 : 1;
+    }
+    Coord side_of_first;
+};
+
+[[nodiscard]] inline double spread_m(const Terrain& t, const Square& s, const Corner& centre) {
+    Spread spread;
+    for (const auto& [a, b] : {std::pair{0, 1}, {1, 3}, {3, 2}, {2, 0}})
+        spread.add(plane_of(centre, s.corners[a], s.corners[b]));
+    return spread.steps() * static_cast<double>(t.lattice.quantum_m);
+}
+[[nodiscard]] inline double spread_m(const Terrain& t, const Square& s) {
+    Spread spread;
+    for (const int k : {0, 1}) {
+        const Triangle half = s.half(k);
+        spread.add(plane_of(half.apex, half.ends[0], half.ends[1]));
+    }
+    return spread.steps() * static_cast<double>(t.lattice.quantum_m);
+}
+
+// One quarter of a square whose centre is `centre`, a vertex with error code `code`.
+[[nodiscard]] inline Quarter quarter_of(const Terrain& t, Reader& reader, const Square& s, const Corner& centre,
+                                        std::int32_t code, int k) {
+    const std::int32_t half = s.side / 2;
+    const Coord at = s.centre(), nw{s.nw.x + (k & 1) * half, s.nw.y + (k >> 1) * half};
+    const Coord beside_row{at.x, s.nw.y + (k >> 1) * s.side}, beside_column{s.nw.x + (k & 1) * s.side, at.y};
+    const Sample samples[2] = {reader.read(beside_row), reader.read(beside_column)};
+    const Corner sides[2] = {corner_of(t, beside_row, samples[0]), corner_of(t, beside_column, samples[1])};
+    const Corner& own = s.corners[k];
+    Quarter q;
+    q.diagonal[0] = own.at;
+    q.diagonal[1] = centre.at;
+    q.side_of_first = sides[0].at;
+    if (cut_by_rim(t, nw, half) && samples[0].loaded && samples[1].loaded) {
+        q.kind = Quarter::Kind::square;
+        q.square.nw = nw;
+        q.square.side = half;
+        q.square.falling = k == 0 || k == 3;
+        q.square.corners[k] = own;
+        q.square.corners[3 - k] = centre;
+        q.square.corners[k ^ 1] = sides[0];
+        q.square.corners[k ^ 2] = sides[1];
+        q.square.bound = below(t, std::min(samples[0].error, samples[1].error));
+        return q;
+    }
+    const double flat_m = error_m(t, below(t, code)) + spread_m(t, s, centre);
+    for (int i = 0; i < 2; ++i) {
+        q.flat[i] = cut_by_rim(t, nw, half) || !samples[i].loaded;
+        if (q.flat[i]) { // all of the triangle over that side of the square
+            q.half[i] = {centre, {own, s.corners[i == 0 ? k ^ 1 : k ^ 2]}, any_error};
+            q.error_m[i] = flat_m;
+        } else {
+            q.half[i] = {sides[i], {own, centre}, below(t, samples[i].error)};
+        }
+    }
+    return q;
+}
+
+// --- what answers say
+
+// The bound as answers report it: with half a quantum for the original, rounded up.
+[[nodiscard]] inline float reported_m(const Terrain& t, double error_m) {
+    const double whole = error_m + 0.5 * static_cast<double>(t.lattice.quantum_m);
+    const auto rounded = static_cast<float>(whole);
+    return static_cast<double>(rounded) < whole ? std::nextafter(rounded, INFINITY) : rounded;
+}
+// The largest code whose error is good enough; any_error: none is.
+[[nodiscard]] inline std::int32_t accurate_code(const Terrain& t, float accurate_m) {
+    const double most_m = static_cast<double>(accurate_m) - 0.5 * static_cast<double>(t.lattice.quantum_m);
+    if (!(most_m >= 0)) return any_error;
+    std::int32_t enough = 0; // how many codes are
+    for (std::int32_t step = 128; step != 0; step /= 2)
+        if (error_m(t, enough + step - 1) <= most_m) enough += step;
+    return enough - 1;
+}
+// A triangle whose vertex has that code need not be split: it is exact, or good enough.
+[[nodiscard]] inline bool suffices(std::int32_t code, std::int32_t accurate, bool hole) {
+    return code <= accurate || (code == 0 && !hole);
+}
+[[nodiscard]] inline Vec3 normal_of(const Terrain& t, const Plane& plane) {
+    const double quantum = t.lattice.quantum_m;
+    return normalised({-plane.x * quantum / t.header.spacing_m[0], 1, -plane.y * quantum / t.header.spacing_m[1]});
+}
+
+} // namespace fjell::query
