@@ -189,6 +189,7 @@ std::string make_maps(const Pack& pack, const MapSlots (&slots)[map_kinds], floa
         MapArrays& arrays = maps.kind[kind];
         std::fill(std::begin(arrays.array_of), std::end(arrays.array_of), -1);
         const bool streamed = slots[kind].top_log2 != 0;
+        maps.all_there = maps.all_there && !streamed;
         if (!streamed && pack_log2[kind] == 0) continue;
         MapSlots own = slots[kind];
         if (!streamed) {
@@ -224,12 +225,12 @@ std::string run_commands(std::span<const MapCommand> commands, Maps& maps, Ring&
 std::string show_maps(std::span<const TileMap> from, MapKind kind, Maps& maps) {
     MapArrays& arrays = maps.kind[static_cast<std::uint32_t>(kind)];
     if (from.empty()) return {};
-    if (from.size() != arrays.tiles.size())
-        return "show_maps() needs one TileMap a tile";
+    if (from.size() != arrays.tiles.size()) return "show_maps() needs one TileMap a tile";
     for (const TileMap& map : from)
         if ((map.side_log2 != 0 && !has_layer(arrays, map.side_log2, map.layer)) || !std::isfinite(map.finest))
             return "a TileMap names a size or a layer that RendererOptions::colour and ::normal have no room for";
     std::copy(from.begin(), from.end(), arrays.tiles.begin());
+    maps.all_there = false;
     return {};
 }
 

@@ -37,6 +37,7 @@ struct MapArrays {
 
 struct Maps {
     MapArrays kind[map_kinds]; // by MapKind
+    bool all_there = true;     // whole packs, drawn as they are: shaders need not look at tiles
     float anisotropy = 1;      // samples along the steep direction, as the driver grants them
     std::uint64_t bytes = 0;   // on the GPU
 };

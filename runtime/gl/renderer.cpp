@@ -47,12 +47,13 @@ std::string check_limits(const RendererOptions& options) {
 } // namespace
 
 std::string Renderer::State::make_program_of(Mode mode, bool wireframe) {
-    Program& program = programs[static_cast<int>(mode)][wireframe ? 1 : 0];
+    Program& program = program_of(mode, wireframe);
     if (program.get() != 0) return {};
     const char* const modes[mode_count] = {
         "", "#define LEVELS\n", "#define DISTANCE\n", "#define TILES\n", "#define MIPS\n", "#define RESIDENCY\n"};
     std::string before = arrays_define("COLOUR_MAPS", maps.kind[0]) + arrays_define("NORMAL_MAPS", maps.kind[1]);
     before += modes[static_cast<int>(mode)];
+    if (all_there(mode)) before += "#define ALL_THERE\n";
     before += wireframe ? "#define WIREFRAME\n" : "";
     before += common_shader();
     const bool per_triangle = wireframe || mode == Mode::levels;
@@ -192,7 +193,7 @@ void Renderer::State::bind_maps(Mode mode) const {
     glBindSampler(colour_unit, 0);
 }
 
-void Renderer::State::draw_picture(const DrawData& data, unsigned primitive, const DrawOptions& now) const {
+void Renderer::State::draw_picture(const DrawData& data, unsigned primitive, const DrawOptions& now) {
     const unsigned numbers = ring.buffer();
     glBindBufferRange(GL_UNIFORM_BUFFER, frame_binding, numbers, static_cast<GLintptr>(data.frame.offset),
                       sizeof(FrameBlock));
@@ -201,7 +202,7 @@ void Renderer::State::draw_picture(const DrawData& data, unsigned primitive, con
     glVertexArrayVertexBuffer(terrain_array.get(), tile_slot, numbers, static_cast<GLintptr>(data.tiles.offset),
                               sizeof(TileBlock));
     if (data.command_count != 0) {
-        glUseProgram(programs[static_cast<int>(now.mode)][now.wireframe ? 1 : 0].get());
+        glUseProgram(program_of(now.mode, now.wireframe).get());
         glBindVertexArray(terrain_array.get());
         glBindBuffer(GL_DRAW_INDIRECT_BUFFER, numbers);
         glMultiDrawElementsIndirect(primitive, GL_UNSIGNED_INT, reinterpret_cast<const void*>(data.commands.offset),

@@ -61,8 +61,8 @@ struct DrawOptions {
     bool lit = true;             // false: bare colours, to compare
     float sun_azimuth_deg = 315; // clockwise from north: from the upper left, as maps are lit
     float sun_elevation_deg = 40;
-    // Distance at which haze hides 63%; 0: two and a half times the terrain's diagonal when shaded, none in other modes;
-    // below 0: none.
+    // Distance at which haze hides 63%; 0: two and a half times the terrain's diagonal when shaded, none in other
+    // modes; below 0: none.
     float haze_m = 0;
 };
 

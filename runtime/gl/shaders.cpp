@@ -77,7 +77,11 @@ void main() {
     gl_Position = view_projection * vec4(p, 1.0);
     surface.position = p;
     surface.sample_at = vec2(a_sample - a_tile.xy);
+#ifdef ALL_THERE
+    surface.block = a_tile.w; // a whole pack's layer
+#else
     surface.block = a_tile.z;
+#endif
 }
 )";
 }
@@ -185,19 +189,26 @@ Place place_in_map(int kind, vec2 samples_to_uv, float texels) {
 
 // x east, y up, z south. The map stores east and south, 0 as the byte 128 (fjell/texture.h); up follows, because the
 // terrain has no overhangs.
+vec3 from_codes(vec2 codes) {
+    vec2 slope = codes * (255.0 / 127.0) - 128.0 / 127.0;
+    return vec3(slope.x, sqrt(max(1.0 - dot(slope, slope), 0.0)), slope.y);
+}
+
 vec3 world_normal() {
+#if defined(ALL_THERE) && defined(NORMAL_MAPS)
+    return from_codes(texture(normal_map[0], vec3(surface.sample_at * grid2.x + grid2.y, surface.block)).rg);
+#else
     vec3 n = normalize(cross(dFdx(surface.position), dFdy(surface.position)));
     if (n.y < 0.0) n = -n;
 #ifdef NORMAL_MAPS
     Place at = place_in_map(1, grid2.xy, maps.y);
     ivec2 map = tile_block[surface.block].map.zw;
     if (map.y >= 0) { // the same for a whole draw, as indexing needs
-        vec2 codes = textureGrad(normal_map[map.y], vec3(at.uv, map.x), at.dx, at.dy).rg;
-        vec2 slope = codes * (255.0 / 127.0) - 128.0 / 127.0;
-        n = vec3(slope.x, sqrt(max(1.0 - dot(slope, slope), 0.0)), slope.y);
+        n = from_codes(textureGrad(normal_map[map.y], vec3(at.uv, map.x), at.dx, at.dy).rg);
     }
 #endif
     return n;
+#endif
 }
 
 // Neutral rock: lighter where debris can lie, darker where it cannot.
@@ -239,6 +250,8 @@ vec3 albedo(vec3 normal) {
 #elif defined(RESIDENCY)
     vec2 at = vec2(tile_block[surface.block].at.xy) + clamp(surface.sample_at, 0.0, float(1 << tile.x) - 0.5);
     return legend[texelFetch(residency, ivec2(at * maps.w), 0).r].rgb;
+#elif defined(COLOUR_MAPS) && defined(ALL_THERE)
+    return texture(colour_map[0], vec3(surface.sample_at * grid.z + grid.w, surface.block)).rgb;
 #elif defined(COLOUR_MAPS)
     Place at = place_in_map(0, grid.zw, maps.x);
     ivec2 map = tile_block[surface.block].map.xy;

@@ -51,7 +51,8 @@ static_assert(sizeof(TileBlock) == 112 && offsetof(TileBlock, mip) == 32,
 // Names each triangle's level and corners for the fragment shader; needed by LEVELS and WIREFRAME only.
 [[nodiscard]] const char* terrain_geometry_shader();
 // Defines: COLOUR_MAPS and NORMAL_MAPS, how many array textures there are of each, when there are any; LEVELS,
-// DISTANCE, TILES, MIPS or RESIDENCY for a mode other than shaded; WIREFRAME.
+// DISTANCE, TILES, MIPS or RESIDENCY for a mode other than shaded; WIREFRAME; ALL_THERE: one array of each, layer =
+// tile.
 [[nodiscard]] const char* terrain_fragment_shader();
 [[nodiscard]] const char* sky_vertex_shader();
 [[nodiscard]] const char* sky_fragment_shader();

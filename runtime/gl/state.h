@@ -47,7 +47,7 @@ struct Renderer::State {
     MeshBuffers mesh;
     MorphFrame morph_frame; // of the cut uploaded last
     VertexArray terrain_array, empty_array;
-    Program programs[mode_count][2]; // by Mode, without and with wireframe; debug modes at their first use
+    Program programs[mode_count][2][2]; // by Mode, wireframe, and all_there() for it; those but the first at first use
     Program sky;
     const MeshVertex* uploaded = nullptr; // whose vertices the buffer holds
     std::size_t uploaded_count = 0;
@@ -56,6 +56,10 @@ struct Renderer::State {
     DrawStats stats;
 
     // renderer.cpp
+    [[nodiscard]] bool all_there(Mode mode) const { return maps.all_there && mode <= Mode::distance; }
+    [[nodiscard]] Program& program_of(Mode mode, bool wireframe) {
+        return programs[static_cast<int>(mode)][wireframe ? 1 : 0][all_there(mode) ? 1 : 0];
+    }
     std::string make_program_of(Mode mode, bool wireframe);
     void make_buffers();
     [[nodiscard]] std::size_t range_capacity() const;
@@ -64,7 +68,7 @@ struct Renderer::State {
     std::string check(const MeshView& mesh, const View& view) const;
     void set_up(const Target& target) const;
     void bind_maps(Mode mode) const;
-    void draw_picture(const DrawData& data, unsigned primitive, const DrawOptions& now) const;
+    void draw_picture(const DrawData& data, unsigned primitive, const DrawOptions& now);
     // upload.cpp
     void begin_frame();
     bool begin_upload(const MeshView& mesh);

@@ -42,8 +42,8 @@ void require(const Status& status) {
 std::string mountains(Order order) {
     const std::string folder = FJELL_BENCH_DIR;
     std::filesystem::create_directories(folder);
-    const std::string path =
-        folder + "/stream-" + std::to_string(static_cast<int>(order)) + "-" + std::to_string(pack_layout_hash) + ".fjell";
+    const std::string path = folder + "/stream-" + std::to_string(static_cast<int>(order)) + "-" +
+                             std::to_string(pack_layout_hash) + ".fjell";
     if (std::filesystem::exists(path)) return path;
     baker::BakeOptions options;
     options.tile_log2 = 9;
@@ -138,7 +138,10 @@ void frame(benchmark::State& state, double cells, bool rests = false) {
 
 } // namespace
 
-BENCHMARK_CAPTURE(frame, rest, 0, true)->Name("stream/mountains/frame/rest")->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(frame, rest, 0, true)
+    ->Name("stream/mountains/frame/rest")
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(frame, walk, 0.25)->Name("stream/mountains/frame/0.25")->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(frame, drive, 1)->Name("stream/mountains/frame/1")->Iterations(1)->Unit(benchmark::kMillisecond);
 

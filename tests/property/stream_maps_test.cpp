@@ -32,7 +32,8 @@ struct Arrays {
         const std::uint32_t first = s.top_log2 - c.side_log2; // the pack's mip that is this array's mip 0
         for (std::uint32_t mip = 0; mip < mip_count(c.side_log2); ++mip) there.erase({kind, c.side_log2, c.layer, mip});
         if (c.from_log2 != 0)
-            for (std::uint32_t item = s.top_log2 - std::min(c.side_log2, c.from_log2); item < mip_count(s.top_log2); ++item) {
+            for (std::uint32_t item = s.top_log2 - std::min(c.side_log2, c.from_log2); item < mip_count(s.top_log2);
+                 ++item) {
                 const auto from = there.find({kind, c.from_log2, c.from_layer, item - (s.top_log2 - c.from_log2)});
                 if (from == there.end() || !(from->second == Mip{c.tile, item})) return "copies what is not there";
                 there[{kind, c.side_log2, c.layer, item - first}] = {c.tile, item};
@@ -62,7 +63,8 @@ struct Arrays {
                 const TileMap& map = tiles[tile];
                 if (map.side_log2 == 0) continue;
                 const auto first = static_cast<float>(s.top_log2 - map.side_log2);
-                if (map.finest < first || map.finest > static_cast<float>(s.top_log2)) return "shows a mip that is not there";
+                if (map.finest < first || map.finest > static_cast<float>(s.top_log2))
+                    return "shows a mip that is not there";
                 for (std::uint32_t mip = 0; mip < mip_count(map.side_log2); ++mip) {
                     const auto at = there.find({kind, map.side_log2, map.layer, mip});
                     if (at == there.end() || !(at->second == Mip{tile, s.top_log2 - map.side_log2 + mip}))
@@ -82,7 +84,8 @@ host::LoadedPack mapped_terrain(Random& random) {
 }
 
 // The size that the nearest point of any tile's box asks for, straight from the definition.
-std::uint32_t wanted_log2(const Streamed& on, const MapSlots& slots, std::uint32_t tile, const View& view, double texel_px) {
+std::uint32_t wanted_log2(const Streamed& on, const MapSlots& slots, std::uint32_t tile, const View& view,
+                          double texel_px) {
     const Terrain& t = on.paged.terrain;
     const Watch& box = on.stream.state->tile_box[tile];
     const auto beyond = [](double at, double low, double high) { return std::max({low - at, at - high, 0.0}); };
@@ -116,11 +119,15 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
         }
         // Between hardly more than the tails and all; a tenth more because shares are rounded down.
         const bool plenty = pick(random, 0, 2) == 0;
-        budget.map_bytes = plenty ? all * 2 : tails * 11 / 10 + static_cast<std::uint64_t>(uniform(random, 0, 0.5) * static_cast<double>(all));
+        budget.map_bytes =
+            plenty ? all * 2
+                   : tails * 11 / 10 + static_cast<std::uint64_t>(uniform(random, 0, 0.5) * static_cast<double>(all));
         Streamed on(pack.pack, 0, budget);
         const bool fails = round % 4 == 3;
         ScriptedClient client(random, on, {.fails = fails ? 0.05 : 0, .garbage = fails ? 0.05 : 0, .most_delay = 8});
-        Arrays arrays{pack.pack, {stream_map_slots(on.stream, MapKind::colour), stream_map_slots(on.stream, MapKind::normal)}, {}};
+        Arrays arrays{pack.pack,
+                      {stream_map_slots(on.stream, MapKind::colour), stream_map_slots(on.stream, MapKind::normal)},
+                      {}};
         StreamSettings settings;
         settings.fade_s = pick(random, 0, 2) ? 0.1 : 0;
         settings.texel_px = std::pow(10.0, uniform(random, -0.5, 0.8));
@@ -146,7 +153,8 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
                 const auto now = tile_maps(on.stream, static_cast<MapKind>(kind));
                 const float most = settings.fade_s > 0 ? static_cast<float>(1.0 / 60 / settings.fade_s) * 1.001f : 1e9f;
                 for (std::size_t i = 0; i < before[kind].size(); ++i)
-                    if (before[kind][i].side_log2 != 0) REQUIRE(std::abs(now[i].finest - before[kind][i].finest) <= most);
+                    if (before[kind][i].side_log2 != 0)
+                        REQUIRE(std::abs(now[i].finest - before[kind][i].finest) <= most);
                 before[kind].assign(now.begin(), now.end());
             }
         };

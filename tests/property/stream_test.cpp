@@ -136,7 +136,8 @@ TEST_CASE("pages that come late and go leave a whole mesh that keeps its promise
 }
 
 TEST_CASE("reads that fail, bring garbage or are cut short are reported once each and leave a whole mesh") {
-    const Seen seen = fly(302, {12, 60, {.fails = 0.05, .garbage = 0.05, .short_reads = 0.05, .most_delay = 10}, false});
+    const Seen seen =
+        fly(302, {12, 60, {.fails = 0.05, .garbage = 0.05, .short_reads = 0.05, .most_delay = 10}, false});
     CAPTURE(seen.failed, seen.removed);
     REQUIRE(seen.failed > 20);
     REQUIRE(seen.removed > 5);

@@ -62,7 +62,8 @@ void ScriptedClient::act() {
             return true;
         }
         const bool garbage = falls(script.garbage);
-        if (garbage) stored[static_cast<std::size_t>(pick(random, 0, static_cast<int>(r.bytes) - 1))] ^= std::byte{0x41};
+        if (garbage)
+            stored[static_cast<std::size_t>(pick(random, 0, static_cast<int>(r.bytes) - 1))] ^= std::byte{0x41};
         const bool cut_short = !garbage && falls(script.short_reads);
         if (cut_short) stored.resize(static_cast<std::size_t>(pick(random, 0, static_cast<int>(r.bytes) - 1)));
         const Status given = provide(on.stream, r.ticket, stored);
@@ -112,7 +113,8 @@ std::string check_stream(Streamed& streamed) {
         if ((page == no_page) != (watch == none)) return "a slot is taken in one place and free in another";
         if (page == no_page) continue;
         if (s.watch_page[watch] != page) return "a slot's watch speaks of another page";
-        if (s.states[watch] != WatchState::loaded && s.states[watch] != WatchState::draining) return "loaded, but not so";
+        if (s.states[watch] != WatchState::loaded && s.states[watch] != WatchState::draining)
+            return "loaded, but not so";
         if (watch < s.slots * watches_per_slot) {
             ++below[watch / watches_per_slot];
             if (t.slot_page[watch / watches_per_slot] == no_page) return "a page without the one above it";

@@ -360,7 +360,8 @@ TEST_CASE("10,000 frames of streaming do not either") {
     CHECK(found.system_calls == 0);
     CHECK(found.page_faults == 0);
     CAPTURE(seen.pages, seen.removed, seen.mips, seen.withdrawn, seen.converged, seen.failed);
-    CHECK(seen.exhausted == (stream_page_slots | stream_map_bytes | stream_pages | stream_upload | stream_tests | stream_requests));
+    CHECK(seen.exhausted ==
+          (stream_page_slots | stream_map_bytes | stream_pages | stream_upload | stream_tests | stream_requests));
     CHECK(seen.pages > 200);
     CHECK(seen.removed > 150);
     CHECK(seen.mips > 100);

@@ -315,6 +315,13 @@ TEST_CASE("the modes of tiles, mips and residency show what their legends say", 
         for (std::uint32_t column = 0; column < 2; ++column)
             CHECK(close(colour_at(tiles, 64 + 128 * column, 64 + 128 * row), gl::tile_rgb(column, row)));
 
+    for (std::uint32_t tile = 0; tile < 36; ++tile) // no tile looks like one that it touches
+        for (const auto& [dx, dy] : {std::pair{1u, 0u}, {0u, 1u}, {1u, 1u}, {1u, ~0u}}) {
+            const gl::Rgb8 a = gl::tile_rgb(6 + tile % 6, 6 + tile / 6),
+                           b = gl::tile_rgb(6 + tile % 6 + dx, 6 + tile / 6 + dy);
+            CHECK(std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]) > 60);
+        }
+
     drawing.mode = gl::Mode::mips;
     streamed.load_all();
     const auto mips = static_cast<int>(mip_count(streamed.top(0)));

@@ -41,7 +41,7 @@ struct MapSlots {
 struct StreamBudget {
     // Page slots are the terrain's (TerrainBudget::page_slots); at least one a tile.
     std::uint32_t page_requests = 32; // pages asked for at a time, 1 to 256; some 16 KB each
-    std::uint32_t map_requests = 8;   // mips asked for at a time, 1 to 64; the largest mip's bytes each
+    std::uint32_t map_requests = 16;  // mips asked for at a time, 1 to 64; the largest mip's bytes each
     std::uint64_t map_bytes = std::uint64_t{256} << 20; // of maps on the GPU; at least the tails of all tiles
     std::uint32_t tail_log2 = 6;                        // of the size that every tile keeps, 2 to 12
 };
@@ -52,13 +52,13 @@ struct StreamBudget {
 [[nodiscard]] std::uint64_t map_slot_bytes(const MapSlots& slots, MapKind kind);
 
 struct StreamSettings {
-    double texel_px = 1;                  // pixels that a texel may cover; 0.1 to 100
-    double lookahead_s = 0.5;             // how far ahead the eyes' motion is followed; 0: not at all
-    double fade_s = 0.3;                  // time in which a mip that has come fades in; 0 to 10
-    double now_s = 0;                     // the host's clock; must not run backwards
-    std::uint32_t pages = 8;              // taken over in a frame; some 10 to 20 us each
-    std::uint32_t tests = 1u << 16;       // pages looked at in a frame, some 10 ns each
-    std::uint32_t map_bytes = 1u << 20;   // handed to the renderer in a frame, but always at least one mip
+    double texel_px = 1;                // pixels that a texel may cover; 0.1 to 100
+    double lookahead_s = 0.5;           // how far ahead the eyes' motion is followed; 0: not at all
+    double fade_s = 0.3;                // time in which a mip that has come fades in; 0 to 10
+    double now_s = 0;                   // the host's clock; must not run backwards
+    std::uint32_t pages = 16;           // taken over in a frame; some 10 to 20 us each
+    std::uint32_t tests = 1u << 16;     // pages looked at in a frame, some 10 ns each
+    std::uint32_t map_bytes = 1u << 20; // handed to the renderer in a frame, but always at least one mip
 };
 
 enum StreamBudgetBit : std::uint32_t {
@@ -97,18 +97,18 @@ struct StreamReport {
     // The largest error on screen that a missing page may hide (Terrain::missing_px); 1e7: anything, because an eye is
     // too near to what is missing, or not all could be looked at.
     double missing_px = 0;
-    double missing_mips = 0;     // levels that the blurriest tile in view lacks
-    std::uint32_t exhausted = 0; // StreamBudgetBits
-    std::uint32_t pages_wanted = 0;    // missing ones, as far as their parents are there
+    double missing_mips = 0;                       // levels that the blurriest tile in view lacks
+    std::uint32_t exhausted = 0;                   // StreamBudgetBits
+    std::uint32_t pages_wanted = 0;                // missing ones, as far as their parents are there
     std::uint32_t pages_taken = 0, pages_left = 0; // in this frame
     std::uint32_t pages_draining = 0;
     std::uint32_t mips_taken = 0, mips_left = 0;
-    std::uint32_t requested = 0;       // published or with the client
-    std::uint32_t withdrawn = 0;       // in this frame
-    std::uint32_t failed = 0;          // so far
-    std::uint64_t bytes_read = 0;      // stored, so far, of what came
+    std::uint32_t requested = 0;                 // published or with the client
+    std::uint32_t withdrawn = 0;                 // in this frame
+    std::uint32_t failed = 0;                    // so far
+    std::uint64_t bytes_read = 0;                // stored, so far, of what came
     std::uint64_t pages_read = 0, mips_read = 0; // so far
-    std::uint64_t map_upload_bytes = 0; // in this frame
+    std::uint64_t map_upload_bytes = 0;          // in this frame
     BudgetUse page_slots;
     std::uint64_t map_bytes_used = 0, map_bytes_capacity = 0;
     double update_us = 0;
@@ -137,7 +137,8 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
 // Asks again for what has failed.
 void retry_failed(Stream stream);
 
-// --- maps, for the renderer -------------------------------------------------------------------------------------------
+// --- maps, for the renderer
+// -------------------------------------------------------------------------------------------
 
 // To be carried out in order. First mips are copied inside the GPU, then blocks uploaded. layer of the array of size
 // side_log2; mips count from that array's own mip 0.
@@ -148,7 +149,8 @@ struct MapCommand {
     std::uint8_t upload_mips; // from mip 0 on: 1, all of a tail's, or 0
     std::uint32_t tile;
     std::uint32_t layer, from_layer;
-    std::span<const std::byte> blocks; // of upload_mips mips, largest first (fjell/texture.h); valid until the next update
+    std::span<const std::byte>
+        blocks; // of upload_mips mips, largest first (fjell/texture.h); valid until the next update
 };
 [[nodiscard]] std::span<const MapCommand> map_commands(Stream stream);
 
@@ -166,7 +168,8 @@ struct TileMap {
 // largest of all tiles that share the place. Bilinear between them it is continuous over the whole terrain.
 void nine_mips(std::span<const TileMap> maps, std::uint32_t tiles_x, std::uint32_t tile, float (&out)[9]);
 
-// --- the client -------------------------------------------------------------------------------------------------------
+// --- the client
+// -------------------------------------------------------------------------------------------------------
 
 struct StreamRequest {
     std::uint32_t ticket = 0; // 0: none

@@ -234,7 +234,8 @@ void stop_draining(CutState& s, std::uint32_t slot) {
     SlotInfo& info = s.slot_info[slot];
     if (info.status != SlotStatus::draining) return;
     info.status = SlotStatus::live;
-    s.draining_count = static_cast<std::uint32_t>(std::remove(s.draining, s.draining + s.draining_count, slot) - s.draining);
+    s.draining_count =
+        static_cast<std::uint32_t>(std::remove(s.draining, s.draining + s.draining_count, slot) - s.draining);
     for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_blocks + n;
         const ListId list = list_of(s.lists, number);

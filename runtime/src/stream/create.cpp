@@ -47,9 +47,9 @@ std::size_t page_room(const Terrain& t) {
 
 // Where the block's parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t watches, due, page_px, states, wants, missing_bits, watch_page, below, slot_watch, draining, failed_bits,
-        tiles[map_kinds], shown[map_kinds], free_layers[map_kinds], tile_box, commands, requests, page_rooms, map_rooms,
-        zstd, failures, arrivals, end;
+    std::size_t watches, due, page_px, states, wants, missing_bits, watch_page, below, slot_watch, draining,
+        failed_bits, tiles[map_kinds], shown[map_kinds], free_layers[map_kinds], tile_box, commands, requests,
+        page_rooms, map_rooms, zstd, failures, arrivals, end;
 };
 
 Layout layout_of(const Pack& pack, const Terrain& t, const StreamBudget& budget) {
@@ -95,19 +95,22 @@ Layout layout_of(const Pack& pack, const Terrain& t, const StreamBudget& budget)
 
 Status check_budget(const Pack& pack, const Terrain& t, const StreamBudget& b) {
     if (t.pages.order == Order::linear)
-        return {Code::not_supported, "terrain in linear order (bake with --order planar): coarse vertices lie in all pages"};
+        return {Code::not_supported,
+                "terrain in linear order (bake with --order planar): coarse vertices lie in all pages"};
     if (b.page_requests < 1 || b.page_requests > max_page_requests)
         return {Code::out_of_range, "StreamBudget::page_requests (1 to 256)"};
     if (b.map_requests < 1 || b.map_requests > max_map_requests)
         return {Code::out_of_range, "StreamBudget::map_requests (1 to 64)"};
-    if (b.tail_log2 < 2 || b.tail_log2 > max_texture_log2) return {Code::out_of_range, "StreamBudget::tail_log2 (2 to 12)"};
+    if (b.tail_log2 < 2 || b.tail_log2 > max_texture_log2)
+        return {Code::out_of_range, "StreamBudget::tail_log2 (2 to 12)"};
     if (t.slot_count < t.tile_count()) return {Code::budget_too_small, "TerrainBudget::page_slots (one a tile)"};
     if (t.slot_count > 0xffffffffu / 8) return {Code::out_of_range, "TerrainBudget::page_slots"};
     if (t.pages_missing != t.page_count()) return {Code::out_of_range, "terrain (no page may be loaded yet)"};
     std::uint64_t bytes = 0;
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind)
         bytes += map_slot_bytes(map_slots(pack.header, b, static_cast<MapKind>(kind)), static_cast<MapKind>(kind));
-    if (bytes > b.map_bytes) return {Code::budget_too_small, "StreamBudget::map_bytes (the smallest mips of all tiles)"};
+    if (bytes > b.map_bytes)
+        return {Code::budget_too_small, "StreamBudget::map_bytes (the smallest mips of all tiles)"};
     return {};
 }
 

@@ -9,8 +9,8 @@
 
 #include "fjell/texture.h"
 #include "stream/best.h"
-#include "stream/pages.h"
 #include "stream/requests.h"
+#include "stream/watch.h"
 
 namespace fjell {
 
@@ -87,7 +87,8 @@ MapSlots map_slots(const PackHeader& h, const StreamBudget& budget, MapKind kind
 
 std::uint64_t map_slot_bytes(const MapSlots& slots, MapKind kind) {
     std::uint64_t bytes = 0;
-    for (std::uint32_t log2 = 2; log2 <= max_texture_log2; ++log2) bytes += slots.layers[log2] * layer_bytes(log2, kind);
+    for (std::uint32_t log2 = 2; log2 <= max_texture_log2; ++log2)
+        bytes += slots.layers[log2] * layer_bytes(log2, kind);
     return bytes;
 }
 
@@ -310,13 +311,13 @@ bool fade(StreamState& s, MapState& m, std::uint32_t index, float step) {
     TileMap& shown = m.shown[index];
     if (tile.size_log2 == 0) return true;
     const auto target = static_cast<float>(m.slots.top_log2 - (tile.lower_log2 ? tile.lower_log2 : tile.size_log2));
-    shown.finest = shown.finest < target ? std::min(shown.finest + step, target) : std::max(shown.finest - step, target);
+    shown.finest =
+        shown.finest < target ? std::min(shown.finest + step, target) : std::max(shown.finest - step, target);
     if (shown.finest != target) return false;
     if (tile.lower_log2 == 0) return true;
     if (s.command_count == s.request_count + max_drains) return false;
     const auto kind = static_cast<MapKind>(&m - s.maps);
-    s.commands[s.command_count++] = {kind,  tile.lower_log2, tile.size_log2, 0,
-                                     index, tile.reserved,   tile.layer,     {}};
+    s.commands[s.command_count++] = {kind, tile.lower_log2, tile.size_log2, 0, index, tile.reserved, tile.layer, {}};
     give_layer(m, tile.size_log2, tile.layer);
     tile.size_log2 = tile.lower_log2;
     tile.layer = tile.reserved;

@@ -29,8 +29,7 @@ bool offer_request(StreamState& s, Request& r, const ChunkId& id, std::uint32_t 
 }
 
 Request* vacant_request(StreamState& s, bool map) {
-    const std::uint32_t begin = map ? s.budget.page_requests : 0,
-                        end = map ? s.request_count : s.budget.page_requests;
+    const std::uint32_t begin = map ? s.budget.page_requests : 0, end = map ? s.request_count : s.budget.page_requests;
     for (std::uint32_t i = begin; i < end; ++i)
         if (phase_of(s.requests[i]) == Phase::vacant) return &s.requests[i];
     return nullptr;

@@ -1,5 +1,5 @@
-// The table through which the frame's thread and the client speak. No locks: each entry has one owner at a time, and its
-// state says who; what an owner wrote before it gave the entry away, the next one sees.
+// The table through which the frame's thread and the client speak. No locks: each entry has one owner at a time, and
+// its state says who; what an owner wrote before it gave the entry away, the next one sees.
 #pragma once
 
 #include "stream/state.h"

@@ -7,6 +7,7 @@
 #include "stream/maps.h"
 #include "stream/pages.h"
 #include "stream/requests.h"
+#include "stream/watch.h"
 
 namespace fjell {
 
@@ -77,7 +78,7 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
     s.failure_count = s.arrival_count = s.command_count = 0;
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i)
         if (phase_of(s.requests[i]) == Phase::shown) set_phase(s.requests[i], Phase::vacant);
-    look_for_pages(s, views, cut, s.cut.state ? s.cut.state->governor.effective_px : 0);
+    look(s, views, cut, s.cut.state ? s.cut.state->governor.effective_px : 0);
     take_pages(s);
     take_maps(s);
     want_pages(s);
