@@ -1,6 +1,7 @@
 // fjell-fly over packs that it streams: what scripts read of it, and what becomes of it when the disk or the pack
 // fails.
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <sstream>
@@ -9,6 +10,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "gl/image.h"
 #include "support/program.h"
 #include "support/temporary_folder.h"
 
@@ -102,6 +104,12 @@ float least_up(const std::string& glb) {
         }
     }
     return least;
+}
+
+gl::Image picture(const char* folder, const char* name) {
+    gl::Image image;
+    REQUIRE(gl::read_png((place().folder.path / folder / name).string(), image) == "");
+    return image;
 }
 
 // A byte in the middle of a stored page or map changed.
@@ -271,6 +279,38 @@ TEST_CASE("a streamed flight exports what is there") {
     // Normals are those of the ground that is there: its relief is a third of a tile's width, so none lies flat.
     CHECK(least_up(slurp(place().folder.path / "e.glb")) > 0.5f);
     fs::remove(place().folder.path / "e.glb");
+}
+
+TEST_CASE("pictures of a streamed flight that waits are those of the whole pack") {
+    // Finer texels than any pixel asks for, so that no mip is left out that the sampler would take.
+    spit(place().folder.path / "fine.toml", "[stream]\ntexel_px = 0.1\n");
+    for (const char* flags : {"", "--method recursive"}) {
+        const auto pictures = [&](const char* folder, const char* how) {
+            fs::create_directory(place().folder.path / folder);
+            const Run r = place().fly(std::string("t.fjell --headless --frames 4 --size 320x240 --render-every 3 ") +
+                                          flags + " --render " + folder + " " + how,
+                                      "ASAN_OPTIONS=detect_leaks=0 ");
+            INFO(r.err);
+            REQUIRE(r.code == 0);
+        };
+        pictures("whole", "--stream off");
+        pictures("streamed", "--stream on --wait --profile fine.toml");
+        for (const char* name : {"frame_00000.png", "frame_00003.png"}) {
+            const gl::Image whole = picture("whole", name), streamed = picture("streamed", name);
+            REQUIRE(streamed.rgb.size() == whole.rgb.size());
+            int largest = 0;
+            for (std::size_t i = 0; i < whole.rgb.size(); ++i)
+                largest = std::max(largest, std::abs(whole.rgb[i] - streamed.rgb[i]));
+            CAPTURE(flags, name);
+            // A tile in an array of another size counts mips from elsewhere: a step of the weight between two, 1/256 of
+            // their contrast, and one for rounding the result (maps_render_test.cpp).
+            CHECK(largest <= 2);
+            const auto [darkest, brightest] = std::minmax_element(whole.rgb.begin(), whole.rgb.end());
+            CHECK(*brightest - *darkest > 100); // there is something to see
+        }
+        for (const char* folder : {"whole", "streamed"}) fs::remove_all(place().folder.path / folder);
+    }
+    fs::remove(place().folder.path / "fine.toml");
 }
 
 TEST_CASE("what does not go with streaming is refused in one line") {

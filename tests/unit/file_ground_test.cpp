@@ -27,7 +27,8 @@ TEST_CASE("the ground of a pack in its file is that of the pack loaded whole, to
             const double x = uniform(random, -0.1, 1.1) * width, z = uniform(random, -0.1, 1.1) * depth;
             wrong += ground.ground_m(x, z) != whole.terrain.ground_m(x, z);
         }
-        for (const Coord corner : {Coord{0, 0}, {dem.columns - 1, 0}, {0, dem.rows - 1}, {dem.columns - 1, dem.rows - 1}})
+        for (const Coord corner :
+             {Coord{0, 0}, {dem.columns - 1, 0}, {0, dem.rows - 1}, {dem.columns - 1, dem.rows - 1}})
             wrong += ground.ground_m(whole.terrain.x_m(corner.x), whole.terrain.z_m(corner.y)) !=
                      whole.terrain.ground_m(whole.terrain.x_m(corner.x), whole.terrain.z_m(corner.y));
         CAPTURE(round, log2, dem.columns, dem.rows);
