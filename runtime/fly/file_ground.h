@@ -2,7 +2,7 @@
 //
 // The same heights as of a terrain that is loaded whole, bit for bit, so that a path is the same either way. Memory: a
 // few pages, and 8 bytes for each page of the pack. Thread: one; it reads the file, so not the frame's. Where a page is
-// damaged or cannot be read, the ground is the nearest coarser sample: the flight will say what is wrong.
+// damaged or cannot be read, the ground is a coarser sample's beside it: the flight will say what is wrong.
 #pragma once
 
 #include <vector>

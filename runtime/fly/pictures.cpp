@@ -1,5 +1,7 @@
 #include "fly/pictures.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "gl/context.h"
@@ -54,15 +56,29 @@ std::unique_ptr<gl::Renderer> make_renderer(const Options& options, const Sessio
         slots.indices = 3 * budget.triangles;
         slots.ranges = budget.triangles / budget.chunk_triangles;
         slots.morph = true;
+        if (session.streamed) // as without streaming, and what a frame may bring of maps
+            slots.ring_bytes = std::max(4 * budget.vertices + 2 * budget.triangles, 1u << 20) +
+                               std::min(options.profile.stream.map_bytes, 1u << 28);
     } else {
         slots.vertices = options.profile.budget.vertices;
         slots.indices = options.profile.budget.indices;
     }
-    return gl::Renderer::create(session.terrain(), session.readable_pack(), slots, error);
+    if (session.streamed) {
+        slots.colour = stream_map_slots(session.streamed->stream(), MapKind::colour);
+        slots.normal = stream_map_slots(session.streamed->stream(), MapKind::normal);
+    }
+    return gl::Renderer::create(session.terrain(), session.loaded.pack, slots, error);
 }
 
 std::string upload_mesh(gl::Renderer& renderer, const Session& session, const FrameEntry& entry) {
     if (entry.rebuilt) renderer.invalidate();
+    if (session.streamed) {
+        const Stream stream = session.streamed->stream();
+        std::string error = renderer.upload(map_commands(stream));
+        if (error.empty())
+            error = renderer.show_maps(tile_maps(stream, MapKind::colour), tile_maps(stream, MapKind::normal));
+        if (!error.empty()) return error;
+    }
     return session.incremental() ? renderer.upload(cut_mesh(session.cut)) : renderer.upload(session.mesh());
 }
 
@@ -73,7 +89,7 @@ Pictures::Pictures(const Options& options, const Session& session) : state_(std:
     state_->target = gl::Target::create({options.profile.width_px, options.profile.height_px, samples_a_pixel}, error);
     require(state_->target != nullptr, error);
     state_->renderer = make_renderer(options, session, error);
-    if (!state_->renderer)
+    if (!state_->renderer && !session.streamed)
         (void)host::check_all_chunks(session.readable_pack(),
                                      session.loaded.path); // a damaged pack is not the machine's fault
     require(state_->renderer != nullptr, error);

@@ -91,8 +91,7 @@ void open_terrain(const Options& options, Session& session) {
         session.loaded.crs = file.crs();
         make_paged(session, file.corners(), options.profile.page_slots);
         session.file_ground = std::make_unique<FileGround>(file);
-        if (!options.render_folder.empty() || !options.headless || !options.exports.empty())
-            session.mapped = std::make_unique<host::MappedPack>(options.pack);
+        if (!options.exports.empty()) session.mapped = std::make_unique<host::MappedPack>(options.pack);
         session.streamed = std::move(streamed);
     } else if (replayed_slots != 0) {
         session.loaded = host::load_pack(options.pack, host::LoadTerrain::no);

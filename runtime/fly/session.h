@@ -14,6 +14,7 @@
 
 #include "fjell/cut.h"
 #include "fjell/measure.h"
+#include "fjell/query.h"
 #include "fjell/recursive.h"
 #include "fly/file_ground.h"
 #include "fly/log.h"
@@ -31,7 +32,7 @@ struct Session {
     host::LoadedPack loaded;
     std::size_t terrain_bytes = 0;
     std::unique_ptr<host::LoadedPack> reference; // loaded whole to measure against, where `loaded` is not
-    std::unique_ptr<host::MappedPack> mapped;    // of a streamed pack: for maps and exports
+    std::unique_ptr<host::MappedPack> mapped;    // of a streamed pack: for exports
     std::unique_ptr<FileGround> file_ground;     // the same: for camera paths
     host::AlignedBlock block;
     std::size_t block_bytes = 0;
@@ -49,9 +50,16 @@ struct Session {
     [[nodiscard]] const Terrain& whole_terrain() const { return reference ? reference->terrain : loaded.terrain; }
     // With the bytes of all chunks.
     [[nodiscard]] const Pack& readable_pack() const { return mapped ? mapped->pack() : loaded.pack; }
-    // At full resolution, also where no page is there yet.
+    // At full resolution, also where no page is there yet; of a streamed pack by reading the file.
     [[nodiscard]] Ground ground() const {
         return file_ground ? ground_of(*file_ground, loaded.terrain) : ground_of(loaded.terrain);
+    }
+    // For the frame's thread: as fine as it is there.
+    [[nodiscard]] Ground live_ground() const {
+        Ground ground = ground_of(loaded.terrain);
+        if (streamed)
+            ground.height_m = [this](double x_m, double z_m) { return ground_height(terrain(), x_m, z_m).height_m; };
+        return ground;
     }
     [[nodiscard]] bool incremental() const { return method == Method::incremental; }
     // Of the last update.

@@ -106,7 +106,7 @@ class Flight {
 public:
     Flight(const Options& options, Session& session, std::span<const Pose> poses)
         : options_(options), session_(session), profile_(options.profile), mode_(options.mode),
-          ground_(session.ground()),
+          ground_(session.live_ground()),
           camera_(free_camera(poses.front(), ground_.longer_m() / 60)), playback_{poses, options.hz, 0,
                                                                                   options.frames == 0,
                                                                                   options.frames > 0 ||

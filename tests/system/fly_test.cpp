@@ -251,6 +251,8 @@ TEST_CASE("the JSON of a flight has every key that scripts rely on") {
                             "verified_error_px_max",
                             "bytes_uploaded_mean",
                             "pages_loaded",
+                            "pages_requested",
+                            "stream",
                             "textures_loaded",
                             "pack",
                             "error_px",
@@ -281,9 +283,11 @@ TEST_CASE("the JSON of a flight has every key that scripts rely on") {
     REQUIRE(rows.size() == 11);
     CHECK(rows[0] == "frame,update_us,vertices,triangles,tiles,written,error_px_asked,error_px_effective,exhausted,"
                      "converged,verified_px,items,evaluations,activations,deactivations,waiting,blocked,rising,"
-                     "triangles_drawn,rebuilt,bytes_uploaded,prepare_us,refine_us,output_us");
+                     "triangles_drawn,rebuilt,bytes_uploaded,prepare_us,refine_us,output_us,stream_us,pages_taken,"
+                     "pages_left,pages_wanted,pages_draining,pages_failed,page_slots,mips_taken,mips_left,requested,"
+                     "bytes_read,map_upload_bytes,missing_px,missing_mips,stream_converged,polls,at_s");
     CHECK(rows[10].starts_with("9,"));
-    for (const std::string& row : rows) CHECK(std::count(row.begin(), row.end(), ',') == 23);
+    for (const std::string& row : rows) CHECK(std::count(row.begin(), row.end(), ',') == 40);
     fs::remove(place().folder / "flight.json");
     fs::remove(place().folder / "flight.csv");
 }

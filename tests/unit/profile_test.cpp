@@ -2,6 +2,7 @@
 #include <string>
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "fly/log.h"
 #include "fly/profile.h"
@@ -195,12 +196,26 @@ TEST_CASE("a flight's CSV names exhausted budgets and leaves unmeasured errors e
     b.items = 7;
     b.exhausted = exhausted_triangles | exhausted_items | exhausted_time;
     b.upload_bytes = 40;
+    b.stream_us = 4.5;
+    b.stream.pages_taken = 3;
+    b.stream.failed = 1;
+    b.stream.page_slots.used = 9;
+    b.stream.requested = 2;
+    b.stream.bytes_read = 1000;
+    b.stream.missing_mips = 0.5;
+    b.stream.converged = true;
+    b.missing_px = 2.5;
+    b.at_s = 0.25;
     log.frames = {a, b};
     CHECK(csv(log) == "frame,update_us,vertices,triangles,tiles,written,error_px_asked,error_px_effective,exhausted,"
                       "converged,verified_px,items,evaluations,activations,deactivations,waiting,blocked,rising,"
-                      "triangles_drawn,rebuilt,bytes_uploaded,prepare_us,refine_us,output_us\n"
-                      "0,12.3,5,0,0,0,1,1.5,vertices+indices,0,,0,0,0,0,0,0,0,0,0,0,0.0,0.0,0.0\n"
-                      "1,0.0,0,0,0,0,0,0,triangles+items+time,1,0.25,7,0,0,0,0,0,0,0,0,40,0.0,0.0,0.0\n");
+                      "triangles_drawn,rebuilt,bytes_uploaded,prepare_us,refine_us,output_us,stream_us,pages_taken,"
+                      "pages_left,pages_wanted,pages_draining,pages_failed,page_slots,mips_taken,mips_left,requested,"
+                      "bytes_read,map_upload_bytes,missing_px,missing_mips,stream_converged,polls,at_s\n"
+                      "0,12.3,5,0,0,0,1,1.5,vertices+indices,0,,0,0,0,0,0,0,0,0,0,0,0.0,0.0,0.0,"
+                      "0.0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1,0.0000\n"
+                      "1,0.0,0,0,0,0,0,0,triangles+items+time,1,0.25,7,0,0,0,0,0,0,0,0,40,0.0,0.0,0.0,"
+                      "4.5,3,0,0,0,1,9,0,0,2,1000,0,2.5,0.5,1,1,0.2500\n");
     const Summary s = summarise(log, true);
     CHECK(s.converged == 1);
     CHECK(s.verified == 1);
@@ -241,6 +256,80 @@ TEST_CASE("a frame built from nothing is told apart from those that follow it") 
     CHECK(s.verified == 0);
     CHECK_FALSE(s.verified_px_max);
     CHECK(s.verified_lagging_px_max == 7);
+}
+
+TEST_CASE("a streamed flight is summed up apart, and knows when its first whole picture was there") {
+    const auto frame = [](double at_s, bool coarse, bool pages, bool maps) {
+        CutReport cut;
+        cut.converged = true;
+        FrameEntry f = entry_of(cut, {});
+        StreamReport r;
+        r.complete = coarse;
+        r.converged = pages;
+        r.maps_converged = maps;
+        r.pages_taken = 2;
+        r.pages_read = static_cast<std::uint64_t>(at_s * 10);
+        r.missing_px = pages ? 0 : 8;
+        r.update_us = 30;
+        r.exhausted = stream_page_slots | stream_requests;
+        add_stream(f, r);
+        f.at_s = at_s;
+        return f;
+    };
+    FlightLog log;
+    log.frames = {frame(1, false, false, false), frame(2, true, false, true), frame(3, true, true, false),
+                  frame(4, true, true, true)};
+    const Summary s = summarise(log, true);
+    CHECK(s.converged == 2); // a mesh that lacks pages has not converged
+    CHECK(s.stream.streamed);
+    CHECK(s.stream.coarse_s == 2.0);
+    CHECK(s.stream.picture_s == 4.0);
+    CHECK(s.stream.picture_frame == std::size_t{3});
+    CHECK(s.stream.converged == 2);
+    CHECK(s.stream.maps_converged == 2);
+    CHECK(s.stream.pages_taken == 8);
+    CHECK(s.stream.last.pages_read == 40);
+    CHECK(s.stream.missing_px_max == 8);
+    CHECK(s.stream.update_us.max == 30);
+    CHECK(budget_names(s.exhausted) == std::vector<std::string>{"page_slots", "stream_requests"});
+    CHECK(summary_json(s)["pages_loaded"] == 40);
+    CHECK(summary_json(s)["stream"]["first_picture_s"] == 4.0);
+    log.frames.resize(1);
+    CHECK(summary_json(summarise(log, true))["stream"]["first_picture_s"].is_null());
+    CHECK(summary_json(summarise({{FrameEntry{}}}, true))["stream"].is_null());
+}
+
+TEST_CASE("a frame that waited has the work of all its updates and the state of the last") {
+    FrameEntry frame, poll;
+    frame.items = 5;
+    frame.item_limit = poll.item_limit = 6;
+    frame.update_us = 10;
+    frame.upload_bytes = 100;
+    frame.stream.pages_taken = 2;
+    frame.stream.map_upload_bytes = 1000;
+    frame.missing_px = 7;
+    frame.exhausted = exhausted_items;
+    poll.items = 6;
+    poll.update_us = 20;
+    poll.upload_bytes = 10;
+    poll.converged = true;
+    poll.stream.pages_taken = 3;
+    poll.stream.pages_read = 5;
+    poll.vertices = 77;
+    add_poll(frame, poll);
+    add_poll(frame, FrameEntry{});
+    CHECK(frame.polls == 3);
+    CHECK(frame.items == 11);
+    CHECK(frame.item_limit == unlimited_items); // the third had no limit
+    CHECK(frame.update_us == 30);
+    CHECK(frame.upload_bytes == 110);
+    CHECK(frame.stream.pages_taken == 5);
+    CHECK(frame.stream.map_upload_bytes == 1000);
+    CHECK(frame.stream.pages_read == 0);
+    CHECK(frame.vertices == 0);
+    CHECK_FALSE(frame.converged);
+    CHECK(frame.missing_px == 0);
+    CHECK(frame.exhausted == exhausted_items);
 }
 
 TEST_CASE("each method's exhausted capacities keep their names") {
