@@ -120,7 +120,9 @@ std::string check_block(const CutState& s, std::uint32_t number) {
         return say("a parent mask is wrong in the block of", s, number * block_lanes);
     const bool draining = info.status == SlotStatus::draining;
     const std::uint32_t inactive = draining ? 0u : static_cast<std::uint32_t>(b.ready() & ~b.active);
-    const auto childless = static_cast<std::uint32_t>(b.active & ~b.parental());
+    auto childless = static_cast<std::uint32_t>(b.active & ~b.parental());
+    for (std::uint32_t lane = 0; lane < block_lanes; ++lane) // those that sink go by themselves
+        if ((b.active >> lane & 1) && sinks(s, s.slots[number * block_lanes + lane])) childless &= ~(1u << lane);
     const ListId list = list_of(s.lists, number);
     if ((inactive | childless) != 0 && list == no_list && !draining)
         return say("nobody will look at the block of", s, number * block_lanes);

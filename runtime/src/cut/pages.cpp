@@ -232,20 +232,25 @@ void follow_pages(CutState& s) {
     for (std::uint64_t n = 0; n < end; ++n) take_in(s, all ? static_cast<std::uint32_t>(n) : logged(n));
 }
 
+namespace {
+
+// The block is evaluated in this frame.
+void look_again(CutState& s, std::uint32_t number) {
+    const ListId list = list_of(s.lists, number);
+    if (list >= due_lists && list != no_list) return; // will be evaluated anyway
+    unlink(s.lists, number);
+    if (s.blocks[number].ready() != 0) push_due(s.lists, grade_count - 1, number);
+}
+
+} // namespace
+
 void stop_draining(CutState& s, std::uint32_t slot) {
     SlotInfo& info = s.slot_info[slot];
     if (info.status != SlotStatus::draining) return;
     info.status = SlotStatus::live;
     s.draining_count =
         static_cast<std::uint32_t>(std::remove(s.draining, s.draining + s.draining_count, slot) - s.draining);
-    for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
-        const std::uint32_t number = slot * max_page_blocks + n;
-        const ListId list = list_of(s.lists, number);
-        if (list >= due_lists && list != no_list) continue; // will be evaluated
-        if (list < due_lists) unlink(s.lists, number);
-        s.blocks[number].list = no_list;
-        if (s.blocks[number].ready() != 0) push_due(s.lists, grade_count - 1, number);
-    }
+    for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) look_again(s, slot * max_page_blocks + n);
 }
 
 namespace {
@@ -287,6 +292,7 @@ void end_sinking(CutState& s) {
         if (there && deactivate(s, lowest) != Outcome::done) return;
         s.report.items += there;
         s.report.deactivations += there;
+        if (there) look_again(s, lowest / block_lanes); // its page may have been kept
         if (lowest != vertex) continue;
         s.first_sinking = (s.first_sinking + 1) % s.budget.vertices;
         --s.sinking_count;

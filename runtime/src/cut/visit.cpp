@@ -21,13 +21,14 @@ struct Look {
     explicit Look(BlockState& block) : state(block) {} // the rest evaluate_block() sets
     BlockState& state;
     bool draining;
+    std::uint32_t sinking; // lanes that will go by themselves
     const VertexRecord* records;
     VertexRecord gathered[block_lanes];
     LaneMargins margins;
 
     // The lanes that could change: by the tree, they may.
     [[nodiscard]] std::uint32_t inactive() const { return draining ? 0 : bits(state.ready() & ~state.active); }
-    [[nodiscard]] std::uint32_t childless() const { return bits(state.active & ~state.parental()); }
+    [[nodiscard]] std::uint32_t childless() const { return bits(state.active & ~state.parental()) & ~sinking; }
     // And by the decision, they should.
     [[nodiscard]] std::uint32_t rising() const { return inactive() & margins.wanted; }
     [[nodiscard]] std::uint32_t falling() const { return childless() & ~margins.kept; }
@@ -38,6 +39,11 @@ void evaluate_block(CutState& s, std::uint32_t number, Look& look) {
     const SlotInfo& info = s.slot_info[slot];
     const BlockShape& shape = s.shapes[info.shape].blocks[number - slot * max_page_blocks];
     look.draining = info.status == SlotStatus::draining;
+    look.sinking = 0;
+    for (std::uint32_t lanes = s.sinking_count != 0 ? look.state.active : 0u; lanes != 0; lanes &= lanes - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
+        if (sinks(s, s.slots[number * block_lanes + lane])) look.sinking |= 1u << lane;
+    }
     look.records = s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first;
     if (shape.lanes != block_lanes || shape.stride != 1 || s.hz_places) {
         for (std::uint32_t lane = 0; lane < block_lanes; ++lane)
@@ -139,7 +145,6 @@ void carry_out(CutState& s, std::uint32_t number, bool may_retire) {
     if (may_retire)
         for (std::uint32_t lanes = look.falling(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
             const std::uint32_t vertex = number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
-            if (sinks(s, s.slots[vertex])) continue; // goes when it is down
             if (deactivate(s, vertex) == Outcome::done) {
                 spend(r.deactivations);
             } else {
