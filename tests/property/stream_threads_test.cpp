@@ -190,6 +190,7 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     disk.sound = true;
     start_reader(false);
     cut.items = unlimited_items;
+    (void)frame(); // takes over the last failures
     retry_failed(on.stream);
     CutReport report;
     for (int quiet = 0; quiet < 3;) {
