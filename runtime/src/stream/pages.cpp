@@ -112,6 +112,13 @@ void take_pages(StreamState& s) {
 
 namespace {
 
+// Who is next. Where slots are plenty, by score; where one page gives way to another, in the order in which they do
+// (gives_way): were the slot to go to another than it was freed for, say one in view, both would come and go for ever.
+float rank_of(const StreamState& s, std::uint32_t watch) {
+    if (!s.contended || is_root(s, watch)) return score_of(s, watch);
+    return s.page_px[watch] * (s.wants[watch] & 1 ? 1.0f : 1e-12f);
+}
+
 // Missing pages that are wanted: the worst one's px, and the best candidates to be asked for.
 void gather(StreamState& s, Best& best) {
     double missing_px = 0;
@@ -127,7 +134,7 @@ void gather(StreamState& s, Best& best) {
             }
             const bool going = !is_root(s, watch) && // with the page above it
                                s.states[slot_of(watch) * watches_per_slot] == WatchState::draining;
-            if (state == WatchState::missing && !going) best.offer({watch, 0, score_of(s, watch)});
+            if (state == WatchState::missing && !going) best.offer({watch, 0, rank_of(s, watch)});
         }
     // What has not been looked at may hide anything.
     s.report.missing_px = s.tested ? missing_px : most_px;
@@ -166,9 +173,10 @@ Request* least_offered(StreamState& s) {
 
 bool ask(StreamState& s, const Candidate& c) {
     Request* r = vacant_request(s, false);
+    const float score = score_of(s, c.which);
     if (!r) {
         Request* const least = least_offered(s);
-        if (!least || least->score.load(std::memory_order_relaxed) * 2 > c.score || !claim(*least, Phase::vacant))
+        if (!least || least->score.load(std::memory_order_relaxed) * 2 > score || !claim(*least, Phase::vacant))
             return false;
         end_request(s, *least, WatchState::missing);
         ++s.report.withdrawn;
@@ -177,7 +185,7 @@ bool ask(StreamState& s, const Candidate& c) {
     const ChunkId id = chunk_of(s, c.which);
     r->watch = c.which;
     r->wanted = true;
-    if (!offer_request(s, *r, id, 1, c.score)) return false; // cannot be: one chunk
+    if (!offer_request(s, *r, id, 1, score)) return false; // cannot be: one chunk
     s.states[c.which] = WatchState::requested;
     if (!is_root(s, c.which)) ++s.below[slot_of(c.which)];
     ++s.reserved_slots;
@@ -253,6 +261,7 @@ void want_pages(StreamState& s) {
     Best best;
     gather(s, best);
     drain_pages(s);
+    if (best.count <= free_slots(s)) s.contended = false;
     std::uint32_t making_room = s.draining_count;
     for (std::uint32_t i = 0; i < best.count; ++i) {
         const Candidate& c = best.at[i];
@@ -266,6 +275,7 @@ void want_pages(StreamState& s) {
             continue;
         }
         const std::uint32_t slot = s.draining_count < max_drains ? least_loaded(s) : none;
+        if (slot != none) s.contended = s.wants[slot * watches_per_slot] != 0;
         if (slot != none && slot != (is_root(s, c.which) ? none : slot_of(c.which)) && gives_way(s, slot, c)) {
             drain(s, slot);
             continue;

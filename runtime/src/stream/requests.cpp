@@ -86,8 +86,9 @@ Status provide(Stream stream, std::uint32_t ticket, std::span<const std::byte> s
     Request* const r = taken(stream, ticket);
     if (r == nullptr) return {Code::out_of_range, "ticket"};
     const auto damaged = [&] {
+        const bool page = r->id.kind == ChunkKind::geometry; // before the entry is given away
         set_phase(*r, Phase::damaged);
-        return Status{Code::corrupt, r->id.kind == ChunkKind::geometry ? "geometry page" : "map"};
+        return Status{Code::corrupt, page ? "geometry page" : "map"};
     };
     if (stored.size() != r->stored_bytes) return damaged();
     std::size_t raw = 0;

@@ -115,6 +115,7 @@ struct StreamState {
     std::uint32_t cursor; // of watches, when not all could be tested
     bool tested;          // all of them, for the present eyes
     bool moved;           // an eye has, since the update before
+    bool contended;       // there is no slot but for who wants it more than another
     double now_s;
     // Maps.
     MapState maps[map_kinds];
