@@ -139,6 +139,10 @@ Vec3 ahead(StreamState& s, std::uint32_t i, Vec3 eye, double seconds) {
     s.last_eye[i] = eye;
     s.speed[i] = s.speed[i] + (slower - s.speed[i]) * 0.25;
     const Vec3 way = s.speed[i] * s.settings.lookahead_s;
+    if (!std::isfinite(length(way))) { // a clock that hardly moves
+        s.last_speed[i] = s.speed[i] = {};
+        return eye;
+    }
     const double cell_m = std::min(s.terrain->spacing_x_m, s.terrain->spacing_z_m);
     return length(way) < 0.5 * cell_m ? eye : eye + way;
 }
@@ -179,8 +183,7 @@ void look(StreamState& s, std::span<const View> views, const CutSettings& cut, d
     s.odometer_m = 0;
     for (std::uint32_t i = 0; i < s.watch_count; ++i)
         if (s.due[i] < never) s.due[i] = -1;
-    s.tested = false;
-    s.cursor = 0;
+    s.tested = false; // from where the last tests ended: what changes with every frame must not begin anew with each
 }
 
 // Tests everything whose time has come. Sets `tested` when the limit sufficed.
