@@ -404,8 +404,8 @@ TEST_CASE("of more than a frame takes over, the coarsest of every tile come firs
     settings.map_bytes = 0; // one mip
     settings.texel_px = 0.1;
     const View view = view_from_above(pack.terrain, 0.01);
-    // A page and a tail of each tile, one a frame, and a frame each to be asked for and to be answered.
-    const int most = static_cast<int>(pack.terrain.tile_count()) + 2;
+    // Of each tile a tail of both maps, one a frame, beside its page; and a frame each to be asked for and answered.
+    const int most = 2 * static_cast<int>(pack.terrain.tile_count()) + 2;
     StreamReport report;
     int frame = 0;
     for (; frame < 10 * most && !report.complete; ++frame) {
