@@ -388,3 +388,33 @@ TEST_CASE("mips that do not lie one after the other are a failure told once; the
     CHECK_FALSE(report.complete);
     CHECK_FALSE(report.maps_converged);
 }
+
+TEST_CASE("of more than a frame takes over, the coarsest of every tile come first: none waits behind finer ones") {
+    Random random(929);
+    baker::BakeOptions options = small_bake(7);
+    options.max_texture_log2 = 7;
+    const auto pack = bake_and_load(random_dem(random, 800, 800, Shape::fractal), options);
+    StreamBudget budget;
+    budget.tail_log2 = 3;
+    Streamed on(pack.pack, 0, budget);
+    CutSettings cut;
+    cut.error_px = 0.01;
+    StreamSettings settings;
+    settings.pages = 1;
+    settings.map_bytes = 0; // one mip
+    settings.texel_px = 0.1;
+    const View view = view_from_above(pack.terrain, 0.01);
+    // Of each tile a tail of both maps, one a frame, beside its page; and a frame each to be asked for and answered.
+    const int most = 2 * static_cast<int>(pack.terrain.tile_count()) + 2;
+    StreamReport report;
+    int frame = 0;
+    for (; frame < 10 * most && !report.complete; ++frame) {
+        settings.now_s += 1.0 / 60;
+        report = on.update({&view, 1}, cut, settings);
+        StreamRequest r;
+        while (next_request(on.stream, r))
+            REQUIRE(provide(on.stream, r.ticket, pack.pack.bytes.subspan(r.offset, r.bytes)).ok());
+    }
+    CHECK(report.complete);
+    CHECK(frame <= most);
+}

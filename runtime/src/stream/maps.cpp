@@ -169,17 +169,6 @@ void take_maps(StreamState& s) {
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i) {
         Request& r = s.requests[i];
         switch (phase_of(r)) {
-        case Phase::ready:
-            if (s.report.mips_taken != 0 && s.report.map_upload_bytes + r.raw_bytes > s.settings.map_bytes) {
-                s.report.exhausted |= stream_upload;
-                break;
-            }
-            ++s.report.mips_taken;
-            s.report.map_upload_bytes += r.raw_bytes;
-            s.bytes_read += r.stored_bytes;
-            s.mips_read += r.chunks;
-            show(s, r);
-            break;
         case Phase::damaged:
         case Phase::unreadable:
             note_failure(s, r.id, r.first_chunk, phase_of(r) == Phase::damaged ? Code::corrupt : Code::unreadable);
@@ -188,6 +177,17 @@ void take_maps(StreamState& s) {
         case Phase::unwanted: end_map(s, r, false); break;
         default: break;
         }
+    }
+    while (Request* const r = best_ready(s, s.budget.page_requests, s.request_count)) {
+        if (s.report.mips_taken != 0 && s.report.map_upload_bytes + r->raw_bytes > s.settings.map_bytes) {
+            s.report.exhausted |= stream_upload;
+            break;
+        }
+        ++s.report.mips_taken;
+        s.report.map_upload_bytes += r->raw_bytes;
+        s.bytes_read += r->stored_bytes;
+        s.mips_read += r->chunks;
+        show(s, *r);
     }
 }
 

@@ -90,15 +90,6 @@ void take_pages(StreamState& s) {
     for (std::uint32_t i = 0; i < s.budget.page_requests; ++i) {
         Request& r = s.requests[i];
         switch (phase_of(r)) {
-        case Phase::ready:
-            if (s.report.pages_taken >= s.settings.pages) {
-                s.report.exhausted |= stream_pages;
-                break;
-            }
-            s.bytes_read += r.stored_bytes;
-            ++s.pages_read;
-            insert(s, r);
-            break;
         case Phase::damaged:
         case Phase::unreadable:
             note_failure(s, r.id, r.first_chunk, phase_of(r) == Phase::damaged ? Code::corrupt : Code::unreadable);
@@ -107,6 +98,15 @@ void take_pages(StreamState& s) {
         case Phase::unwanted: end_request(s, r, WatchState::missing); break;
         default: break;
         }
+    }
+    while (Request* const r = best_ready(s, 0, s.budget.page_requests)) {
+        if (s.report.pages_taken >= s.settings.pages) {
+            s.report.exhausted |= stream_pages;
+            break;
+        }
+        s.bytes_read += r->stored_bytes;
+        ++s.pages_read;
+        insert(s, *r);
     }
 }
 

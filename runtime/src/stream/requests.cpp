@@ -35,6 +35,18 @@ Request* vacant_request(StreamState& s, bool map) {
     return nullptr;
 }
 
+Request* best_ready(StreamState& s, std::uint32_t begin, std::uint32_t end) {
+    Request* best = nullptr;
+    float most = -1;
+    for (std::uint32_t i = begin; i < end; ++i) {
+        Request& r = s.requests[i];
+        if (phase_of(r) != Phase::ready) continue;
+        const float score = r.score.load(std::memory_order_relaxed);
+        if (score > most) most = score, best = &r;
+    }
+    return best;
+}
+
 namespace {
 
 // Tickets: the entry's number + 1 in the low bits, its generation above.
