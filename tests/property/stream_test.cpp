@@ -134,7 +134,7 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
 TEST_CASE("pages that come late and go leave a whole mesh that keeps its promise, and it converges at rest") {
     const Seen seen = fly(301, {24, 60, {.most_delay = 10, .most_taken = 4}, true});
     CAPTURE(seen.removed, seen.converged, seen.limited, seen.declined, seen.withdrawn);
-    REQUIRE(seen.removed > 15);
+    REQUIRE(seen.removed > 5);
     REQUIRE(seen.converged > 3);
     REQUIRE(seen.limited > 3);
     REQUIRE(seen.declined > 15);

@@ -271,13 +271,14 @@ bool ask_map(StreamState& s, const Candidate& c, std::uint32_t (&full)[map_kinds
         return true;
     }
     if (!tail && m.arrays[log2].free_count == 0) {
-        if (!(full[c.kind] >> log2 & 1) && !make_room(s, m, log2, c.score)) s.report.exhausted |= stream_map_bytes;
+        if (!(full[c.kind] >> log2 & 1) && !make_room(s, m, log2, static_cast<float>(c.score)))
+            s.report.exhausted |= stream_map_bytes;
         full[c.kind] |= 1u << log2;
         return true;
     }
-    Request* const r = request_for(s, c.score);
+    Request* const r = request_for(s, static_cast<float>(c.score));
     if (!r) return false;
-    if (!offer_request(s, *r, id, tail ? m.slots.tail_log2 - 1 : 1, c.score)) {
+    if (!offer_request(s, *r, id, tail ? m.slots.tail_log2 - 1 : 1, static_cast<float>(c.score))) {
         note_failure(s, id, chunk, Code::corrupt);
         tile.failed = true;
         return true;

@@ -119,13 +119,18 @@ float rank_of(const StreamState& s, std::uint32_t watch) {
     return s.page_px[watch] * (s.wants[watch] & 1 ? 1.0f : 1e-12f);
 }
 
+// No less than that, and cheaper.
+float most_rank(const StreamState& s, std::uint32_t watch) {
+    return is_root(s, watch) ? never : std::max(s.page_px[watch], score_if_seen(s, watch));
+}
+
 // Missing pages that are wanted: the worst one's px, and the best candidates to be asked for.
 void gather(StreamState& s, Best& best) {
     double missing_px = 0;
     for (std::uint32_t word = 0; word < (s.watch_count + 63) / 64; ++word)
         for (std::uint64_t bits = s.missing_bits[word]; bits != 0; bits &= bits - 1) {
             const std::uint32_t watch = word * 64 + static_cast<std::uint32_t>(std::countr_zero(bits));
-            test(s, watch); // its px has changed with every step of the eye
+            if (s.moved) test(s, watch); // its px has changed with every step of an eye
             const WatchState state = s.states[watch];
             if (s.wants[watch] == 0) continue;
             if (s.wants[watch] & 1) {
@@ -134,7 +139,8 @@ void gather(StreamState& s, Best& best) {
             }
             const bool going = !is_root(s, watch) && // with the page above it
                                s.states[slot_of(watch) * watches_per_slot] == WatchState::draining;
-            if (state == WatchState::missing && !going) best.offer({watch, 0, rank_of(s, watch)});
+            if (state == WatchState::missing && !going && best.takes(most_rank(s, watch)))
+                best.offer({watch, 0, rank_of(s, watch)});
         }
     // What has not been looked at may hide anything.
     s.report.missing_px = s.tested ? missing_px : most_px;
@@ -192,17 +198,14 @@ bool ask(StreamState& s, const Candidate& c) {
     return true;
 }
 
-// The loaded page without pages below it that is wanted least, or none; `after`: those wanted more than it.
-std::uint32_t least_loaded(const StreamState& s) {
-    std::uint32_t least = none;
-    int least_wants = 4;
-    float least_px = never;
+// The loaded pages without pages below them that are wanted least, least first.
+Best least_loaded(const StreamState& s) {
+    Best least;
     for (std::uint32_t slot = 0; slot < s.slots; ++slot) {
         const std::uint32_t own = slot * watches_per_slot;
         if (s.states[own] != WatchState::loaded || s.below[slot] != 0) continue;
-        const int wants = s.wants[own] & 1 ? 2 : s.wants[own] != 0 ? 1 : 0;
-        if (wants > least_wants || (wants == least_wants && s.page_px[own] >= least_px)) continue;
-        least = slot, least_wants = wants, least_px = s.page_px[own];
+        const double wanted_by = s.wants[own] & 1 ? 2 : s.wants[own] != 0 ? 1 : 0;
+        least.offer({slot, 0, -(wanted_by * 10 * most_px + static_cast<double>(s.page_px[own]))});
     }
     return least;
 }
@@ -234,7 +237,7 @@ void drain_pages(StreamState& s) {
         const std::uint32_t slot = s.draining[i], watch = s.slot_watch[slot];
         const ChunkId id = chunk_of(s, watch);
         bool released = s.cut.state == nullptr;
-        if ((s.wants[watch] & 1) && free_slots(s) != 0) { // after all
+        if ((s.wants[watch] & 1) && free_slots(s) != 0 && !s.contended) { // after all
             if (s.cut.state) keep_page(s.cut, id.tile, id.item);
             record(s, watch, PageEvent::kept);
             s.states[slot * watches_per_slot] = s.states[watch] = WatchState::loaded;
@@ -262,7 +265,8 @@ void want_pages(StreamState& s) {
     gather(s, best);
     drain_pages(s);
     if (best.count <= free_slots(s)) s.contended = false;
-    std::uint32_t making_room = s.draining_count;
+    std::uint32_t making_room = s.draining_count, next = 0;
+    Best least;
     for (std::uint32_t i = 0; i < best.count; ++i) {
         const Candidate& c = best.at[i];
         if (free_slots(s) != 0) {
@@ -274,10 +278,13 @@ void want_pages(StreamState& s) {
             --making_room;
             continue;
         }
-        const std::uint32_t slot = s.draining_count < max_drains ? least_loaded(s) : none;
-        if (slot != none) s.contended = s.wants[slot * watches_per_slot] != 0;
-        if (slot != none && slot != (is_root(s, c.which) ? none : slot_of(c.which)) && gives_way(s, slot, c)) {
+        if (least.count == 0) least = least_loaded(s);
+        const bool any = next < least.count && s.draining_count < max_drains;
+        const std::uint32_t slot = any ? least.at[next].which : none;
+        if (any) s.contended = s.wants[slot * watches_per_slot] != 0;
+        if (any && slot != (is_root(s, c.which) ? none : slot_of(c.which)) && gives_way(s, slot, c)) {
             drain(s, slot);
+            ++next;
             continue;
         }
         if (s.wants[c.which] & 1) s.report.exhausted |= stream_page_slots;

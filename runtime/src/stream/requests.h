@@ -26,8 +26,8 @@ inline void set_phase(Request& r, Phase phase) {
 // are larger than the entry's room.
 [[nodiscard]] bool offer_request(StreamState& s, Request& r, const ChunkId& id, std::uint32_t chunks, float score);
 
-// What has come among entries [begin, end) and was wanted most, or nullptr. Taken over in this order: in the table's own,
-// its first entries, filled anew with every frame, would keep the others waiting for as long as anything comes.
+// What has come among entries [begin, end) and was wanted most, or nullptr. Taken over in this order: in the table's
+// own, its first entries, filled anew with every frame, would keep the others waiting for as long as anything comes.
 [[nodiscard]] Request* best_ready(StreamState& s, std::uint32_t begin, std::uint32_t end);
 
 // A vacant entry for a page or a map, or nullptr.

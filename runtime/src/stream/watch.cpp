@@ -96,10 +96,14 @@ void test(StreamState& s, std::uint32_t watch) {
 
 // What brings a request forward: how much worse than the threshold it is, that a frustum may show it, and that it is
 // wanted now and not only soon. The coarsest pages come first: without them there is nothing to draw.
-float score_of(const StreamState& s, std::uint32_t watch) {
+float score_if_seen(const StreamState& s, std::uint32_t watch) {
     const float ratio = static_cast<float>(s.page_px[watch] / s.threshold_px);
-    const float seen = may_be_seen(s, s.watches[watch]) ? 8.0f : 1.0f, now = s.wants[watch] & 1 ? 1.0f : 0.1f;
-    return (is_root(s, watch) ? 1e9f : 0.0f) + ratio * seen * now;
+    return 8 * ratio * (s.wants[watch] & 1 ? 1.0f : 0.1f);
+}
+
+float score_of(const StreamState& s, std::uint32_t watch) {
+    const float seen = score_if_seen(s, watch);
+    return (is_root(s, watch) ? 1e9f : 0.0f) + (may_be_seen(s, s.watches[watch]) ? seen : seen / 8);
 }
 
 double distance_m(const Watch& w, Vec3 eye) {

@@ -39,6 +39,8 @@ void test(StreamState& s, std::uint32_t watch);
 void test_pages(StreamState& s);
 // What brings a request forward.
 [[nodiscard]] float score_of(const StreamState& s, std::uint32_t watch);
+// What it would be if a frustum showed the page; not of a coarsest page.
+[[nodiscard]] float score_if_seen(const StreamState& s, std::uint32_t watch);
 
 // A box around a page and the ground of its tile that it says nothing of: up to its largest error above and below.
 [[nodiscard]] Watch tile_box(const StreamState& s, std::uint32_t tile);
