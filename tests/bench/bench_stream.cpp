@@ -239,6 +239,7 @@ void soak(benchmark::State& state) {
     FileEngine e(path, 550, budget);
     const host::StreamReader reader(e.stream, e.file);
     e.refine.error_px = 4;
+    e.refine.items = 4000; // what a frame may do, teleports or not
     View view = view_at(e.terrain, 0.1, 0.9, 3500);
     (void)e.rest(view, false);
     const double cell = e.terrain.header.spacing_m[0];

@@ -367,6 +367,7 @@ void want_maps(StreamState& s, double seconds) {
         for (std::uint32_t i = 0; i < s.tiles; ++i)
             if (!satisfied(s, kind, i, step, best)) s.report.maps_converged = false;
     }
+    best.sort();
     std::uint32_t full[map_kinds] = {};
     for (std::uint32_t i = 0; i < best.count; ++i)
         if (!ask_map(s, best.at[i], full)) {

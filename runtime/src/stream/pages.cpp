@@ -142,6 +142,7 @@ void gather(StreamState& s, Best& best) {
             if (state == WatchState::missing && !going && best.takes(most_rank(s, watch)))
                 best.offer({watch, 0, rank_of(s, watch)});
         }
+    best.sort();
     // What has not been looked at may hide anything.
     s.report.missing_px = s.tested ? missing_px : most_px;
     s.report.converged = s.tested && missing_px <= s.threshold_px; // a coarsest page may be wanted for its own sake
@@ -207,6 +208,7 @@ Best least_loaded(const StreamState& s) {
         const double wanted_by = s.wants[own] & 1 ? 2 : s.wants[own] != 0 ? 1 : 0;
         least.offer({slot, 0, -(wanted_by * 10 * most_px + static_cast<double>(s.page_px[own]))});
     }
+    least.sort();
     return least;
 }
 
