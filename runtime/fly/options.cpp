@@ -210,6 +210,9 @@ void check_together(const Options& o) {
     if (!o.headless && o.wait) throw Failure(2, "--wait needs --headless: a window never waits");
     if (!o.headless && o.realtime) throw Failure(2, "--realtime needs --headless: a window always is");
     if (o.wait && o.realtime) throw Failure(2, "--wait and --realtime exclude each other; give one of them");
+    if (o.streaming == Streaming::off && (o.cold || o.read_mb_s > 0 || o.read_latency_ms > 0))
+        throw Failure(2, "--cold, --read-mb-s and --read-latency-ms are about streaming, and --stream off has none: "
+                         "leave them out, or give --stream on");
     if (o.render_folder.empty() && o.render_every != 1) throw Failure(2, "--render-every needs --render DIR");
     if (!o.record.empty() && o.profile.method != Method::incremental)
         throw Failure(2, "--record needs --method incremental: the recursive method keeps nothing to repeat");

@@ -17,7 +17,8 @@ void StreamedPack::begin(const Options& options, Terrain& terrain, LiveCut cut) 
     block_ = host::make_block(block_bytes_);
     const Status s = create_stream(file_.pack(), terrain, cut, budget, {block_.get(), block_bytes_}, stream_);
     if (!s.ok())
-        throw Failure(1, fmt::format("{}: {}: {} ([stream] of a --profile)", options.pack, s.field, message(s.code)));
+        throw Failure(1, fmt::format("{}: {}: {} ([stream] of a --profile, where map_bytes is map_mb; {} tiles)",
+                                     options.pack, s.field, message(s.code), file_.pack().tile_count()));
     if (options.cold) file_.drop_cache();
     reader_ = std::make_unique<host::StreamReader>(
         stream_, file_, host::StreamReaderOptions{options.read_mb_s * 1e6, options.read_latency_ms * 1e-3});

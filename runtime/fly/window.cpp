@@ -196,12 +196,16 @@ private:
         return entry;
     }
 
+    // What streaming is at: done, up against a capacity, or reading.
     static std::string streaming(const FrameEntry& entry) {
         if (!entry.streamed) return "";
         const StreamReport& r = entry.stream;
-        return fmt::format(" - {} pages in {} slots, {:.1f} MB read{}{}", r.page_slots.used, r.page_slots.capacity,
-                           static_cast<double>(r.bytes_read) / 1e6,
-                           r.converged && r.maps_converged ? "" : fmt::format(", {} under way", r.requested),
+        const std::uint32_t full = entry.exhausted & (exhausted_page_slots | exhausted_map_bytes);
+        const std::string state = r.converged && r.maps_converged ? "all there"
+                                  : full ? fmt::format("{} full", fmt::join(budget_names(full), " and "))
+                                         : "reading";
+        return fmt::format(" - {}: {} of {} page slots, {:.1f} MB read{}", state, r.page_slots.used,
+                           r.page_slots.capacity, static_cast<double>(r.bytes_read) / 1e6,
                            r.failed ? fmt::format(", {} damaged", r.failed) : "");
     }
 
@@ -211,11 +215,13 @@ private:
         if (shown_seconds_ < title_seconds) return;
         const bool wanting =
             entry.error_px_effective > entry.error_px_asked && entry.missing_px < entry.error_px_effective;
+        const bool missing = entry.missing_px > entry.error_px_asked;
         const std::string text = fmt::format(
             "Fjell - update {:.0f} us - {} vertices - {} triangles drawn - {:.0f} fps - {:.3g} px{}{}", entry.update_us,
             entry.vertices, entry.triangles_drawn, shown_frames_ / shown_seconds_, entry.error_px_effective,
             entry.converged ? ""
             : wanting       ? " (budget exhausted)"
+            : missing       ? " (pages missing)"
                             : " (lags)",
             streaming(entry));
         glfwSetWindowTitle(window_->handle(), text.c_str());

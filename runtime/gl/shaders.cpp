@@ -292,9 +292,9 @@ float wire_opacity() {
 
 void main() {
 #if defined(DISTANCE)
-    // Logarithmic, so that the near and the far both show; squared, because the file's numbers are sRGB.
+    // Logarithmic, so that the near and the far both show; as light, because sRGB's curve then lifts the far, where
+    // most of a view lies.
     vec3 colour = vec3(clamp(1.0 - log2(length(surface.position) / grid2.z) * grid2.w, 0.0, 1.0));
-    colour *= colour;
 #else
     vec3 normal = world_normal();
     vec3 colour = albedo(normal);

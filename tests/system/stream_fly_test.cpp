@@ -319,6 +319,8 @@ TEST_CASE("what does not go with streaming is refused in one line") {
     refuses("t.fjell --realtime", 2, "--realtime needs --headless");
     refuses("t.fjell --headless --wait --realtime", 2, "exclude each other");
     refuses("t.fjell --headless --stream on --read-mb-s -1", 2, "--read-mb-s");
+    refuses("t.fjell --headless --frames 1 --stream off --cold", 2, "leave them out");
+    refuses("t.fjell --headless --frames 1 --stream off --read-mb-s 1", 2, "leave them out");
     refuses("gone.fjell --headless --stream on", 1, "gone.fjell");
     spit(place().folder.path / "least.toml", "[stream]\npage_slots = 15\n");
     refuses("t.fjell --headless --frames 1 --profile least.toml", 1, "page_slots (one a tile)");

@@ -312,6 +312,13 @@ TEST_CASE("the ramps in content/ are ramps") {
     CHECK_FALSE(earth.relative);
     CHECK(earth.stops.front().height_m <= -10000);
     CHECK(earth.stops.back().height_m >= 8000);
+    for (const char* coast : {"cascades.json", "sierra.json"}) { // blue at the sea's height, and not above
+        const Ramp ramp = read_ramp(folder + coast);
+        CHECK_FALSE(ramp.relative);
+        CHECK(ramp.slopes.size() == 1);
+        CHECK(ramp.stops.front().height_m == 0);
+        CHECK(ramp.stops.front().rgb[2] > ramp.stops.front().rgb[0]);
+    }
 }
 
 TEST_CASE("a ramp that is not one is refused, naming the stop") {

@@ -290,7 +290,8 @@ TEST_CASE("directions that cancel between two control points are refused, not di
 }
 
 TEST_CASE("every shipped path flies over any ground without diving into it") {
-    for (const char* name : {"flythrough", "earth", "orbit", "straight"}) {
+    for (const char* name : {"flythrough", "earth", "orbit", "straight", "gallery-asia", "gallery-canyon",
+                             "gallery-craterlake", "gallery-jotunheimen", "gallery-rainier", "gallery-spain"}) {
         const CameraPath path = read_path(fmt::format("{}/content/paths/{}.json", FJELL_SOURCE_DIR, name));
         const Ground ground = ridges();
         double lowest = 1e9;
