@@ -31,79 +31,12 @@
 #include "host/load.h"
 #include "host/stream_reader.h"
 
+#include "stream_engine.h"
+
 namespace {
 
 using namespace fjell;
-using Clock = std::chrono::steady_clock;
-
-double us_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
-// What this thread has worked: less what a machine with other guests takes away.
-double worked_us() {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) * 1e6 + static_cast<double>(t.tv_nsec) * 1e-3;
-}
-double rank(std::vector<double> v, double share) {
-    std::sort(v.begin(), v.end());
-    const auto n = static_cast<std::size_t>(std::ceil(share * static_cast<double>(v.size())));
-    return v[std::clamp<std::size_t>(n, 1, v.size()) - 1];
-}
-void require(const Status& status) {
-    if (status.ok()) return;
-    std::fprintf(stderr, "%s: %s\n", status.field, message(status.code));
-    std::abort();
-}
-
-std::string mountains(Order order) {
-    const std::string folder = FJELL_BENCH_DIR;
-    std::filesystem::create_directories(folder);
-    const std::string path = folder + "/stream-" + std::to_string(static_cast<int>(order)) + "-" +
-                             std::to_string(pack_layout_hash) + ".fjell";
-    if (std::filesystem::exists(path)) return path;
-    baker::BakeOptions options;
-    options.tile_log2 = 9;
-    options.order = order;
-    options.max_texture_log2 = 9;
-    (void)baker::bake(*baker::open_synth(FJELL_SOURCE_DIR "/content/terrain/mountains.json"), options, path);
-    return path;
-}
-
-// All that an engine holds, over a pack that is read from memory.
-struct Engine {
-    host::LoadedPack pack;
-    Terrain terrain;
-    host::AlignedBlock terrain_block, cut_block, stream_block;
-    std::size_t terrain_size = 0, cut_size = 0, stream_size = 0;
-    LiveCut cut;
-    Stream stream;
-
-    Engine(const std::string& path, std::uint32_t slots, const StreamBudget& budget, bool with_cut = true)
-        : pack(host::load_pack(path, host::LoadTerrain::no)) {
-        terrain_size = terrain_bytes(pack.pack.header, {slots});
-        terrain_block = host::make_block(terrain_size);
-        require(create_terrain(pack.pack, {slots}, {terrain_block.get(), terrain_size}, terrain));
-        const CutBudget cut_budget{1u << 20, 1u << 21, 512, 1};
-        cut_size = cut_bytes(terrain, cut_budget);
-        cut_block = host::make_block(cut_size);
-        require(create_cut(terrain, cut_budget, {cut_block.get(), cut_size}, cut));
-        stream_size = stream_bytes(pack.pack, terrain, budget);
-        stream_block = host::make_block(stream_size);
-        require(create_stream(pack.pack, terrain, with_cut ? cut : LiveCut{}, budget, {stream_block.get(), stream_size}, stream));
-    }
-    void serve(std::uint32_t most) {
-        StreamRequest r;
-        for (std::uint32_t n = 0; n < most && next_request(stream, r); ++n)
-            (void)provide(stream, r.ticket, pack.pack.bytes.subspan(r.offset, r.bytes));
-    }
-};
-
-View view_at(const Terrain& t, double x, double z, double height) {
-    const double width = t.x_m(t.tree.columns() - 1);
-    return make_view({x * width, height, z * width}, {0.8, -0.2, -0.6}, {0, 1, 0}, 0.7853981633974483, 1280, 960, 10,
-                     3 * width);
-}
+using namespace fjell::bench;
 
 void frame(benchmark::State& state, double cells, bool rests = false) {
     Engine e(mountains(Order::planar), 610, {});
@@ -155,59 +88,6 @@ void frame(benchmark::State& state, double cells, bool rests = false) {
 
 // --- with the real reader
 
-// All that an engine holds, over a pack that stays in its file.
-struct FileEngine {
-    host::PackFile file;
-    Terrain terrain;
-    host::AlignedBlock terrain_block, cut_block, stream_block;
-    LiveCut cut;
-    Stream stream;
-    CutSettings refine;
-    StreamSettings settings;
-    StreamReport streamed;
-    CutReport updated;
-    double stream_us = 0, cut_us = 0, stream_worked_us = 0, cut_worked_us = 0;
-
-    FileEngine(const std::string& path, std::uint32_t slots, const StreamBudget& budget) : file(path) {
-        const PackHeader& h = file.pack().header;
-        std::size_t bytes = terrain_bytes(h, {slots});
-        terrain_block = host::make_block(bytes);
-        require(create_terrain(file.pack(), file.corners(), {slots}, {terrain_block.get(), bytes}, terrain));
-        const CutBudget cut_budget{1u << 20, 1u << 21, 512, 1};
-        bytes = cut_bytes(terrain, cut_budget);
-        cut_block = host::make_block(bytes);
-        require(create_cut(terrain, cut_budget, {cut_block.get(), bytes}, cut));
-        bytes = stream_bytes(file.pack(), terrain, budget);
-        stream_block = host::make_block(bytes);
-        require(create_stream(file.pack(), terrain, cut, budget, {stream_block.get(), bytes}, stream));
-    }
-    void frame(const View& view) {
-        settings.now_s += 1.0 / 60;
-        double worked = worked_us();
-        auto start = Clock::now();
-        require(update_stream(stream, {&view, 1}, refine, settings, streamed));
-        stream_us = us_since(start);
-        stream_worked_us = worked_us() - worked;
-        worked = worked_us();
-        start = Clock::now();
-        require(update_cut(cut, {&view, 1}, refine, updated));
-        cut_us = us_since(start);
-        cut_worked_us = worked_us() - worked;
-    }
-    // 60 a second, until the whole of it has converged, maps too if they are asked. Seconds; complete_s: to complete.
-    double rest(const View& view, bool maps, double* complete_s = nullptr) {
-        const auto start = Clock::now();
-        for (int i = 1; i < 60 * 300; ++i) {
-            frame(view);
-            const double now_s = us_since(start) * 1e-6;
-            if (complete_s && *complete_s == 0 && streamed.complete) *complete_s = now_s;
-            if (updated.converged && (!maps || streamed.maps_converged)) return now_s;
-            std::this_thread::sleep_until(start + i * std::chrono::microseconds(16667));
-        }
-        return -1;
-    }
-};
-
 // Share of the file that the system holds in memory.
 double cached(const std::string& path) {
     const std::size_t bytes = std::filesystem::file_size(path), page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
@@ -217,7 +97,8 @@ double cached(const std::string& path) {
     if (at == MAP_FAILED || mincore(at, bytes, in.data()) != 0) std::abort();
     munmap(at, bytes);
     close(fd);
-    return static_cast<double>(std::count_if(in.begin(), in.end(), [](unsigned char c) { return c & 1; })) / static_cast<double>(in.size());
+    return static_cast<double>(std::count_if(in.begin(), in.end(), [](unsigned char c) { return c & 1; })) /
+           static_cast<double>(in.size());
 }
 void drop(const std::string& path) {
     host::PackFile(path).drop_cache();
@@ -320,8 +201,9 @@ void teleport(benchmark::State& state, Order order, const Disk& disk) {
     for (auto _ : state) {
         FileEngine e(path, 8192, {});
         e.refine.error_px = 1.5;
-        e.settings.texel_px = 100; // maps' tails alone: linear order, beside which this stands, is measured without them
-        e.settings.pages = 64;     // not the frame's limit but the reader's pace
+        e.settings.texel_px =
+            100;               // maps' tails alone: linear order, beside which this stands, is measured without them
+        e.settings.pages = 64; // not the frame's limit but the reader's pace
         {
             const host::StreamReader reader(e.stream, e.file);
             (void)e.rest(view_at(e.terrain, here[0], here[1], 3500), true);
@@ -359,10 +241,13 @@ std::set<std::uint32_t> linear_pages(const Terrain& t, const View& view, double 
         const MeshVertex& v = mesh.vertices[index];
         if (v.column % side == 0 && v.row % side == 0) continue; // a tile's corner: always there
         // A vertex on a border is stored in both tiles.
-        for (std::int32_t ty = std::max(v.row - 1, 0) / side; ty <= std::min<std::int32_t>(v.row / side, t.tree.tiles_y - 1); ++ty)
-            for (std::int32_t tx = std::max(v.column - 1, 0) / side; tx <= std::min<std::int32_t>(v.column / side, t.tree.tiles_x - 1); ++tx) {
+        for (std::int32_t ty = std::max(v.row - 1, 0) / side;
+             ty <= std::min<std::int32_t>(v.row / side, t.tree.tiles_y - 1); ++ty)
+            for (std::int32_t tx = std::max(v.column - 1, 0) / side;
+                 tx <= std::min<std::int32_t>(v.column / side, t.tree.tiles_x - 1); ++tx) {
                 const auto place = static_cast<std::uint32_t>((v.row - ty * side) * (side + 1) + v.column - tx * side);
-                pages.insert(static_cast<std::uint32_t>(ty * t.tree.tiles_x + tx) * t.pages_per_tile + place / max_page_vertices);
+                pages.insert(static_cast<std::uint32_t>(ty * t.tree.tiles_x + tx) * t.pages_per_tile +
+                             place / max_page_vertices);
             }
     }
     return pages;
@@ -408,7 +293,8 @@ void teleport_linear(benchmark::State& state) {
         state.counters["seconds_as_is"] = seconds;
         for (const Disk& disk : {disks[1], disks[2]})
             state.counters[std::string("seconds_") + disk.name] =
-                seconds + static_cast<double>(wanted.size()) * disk.options.latency_s + bytes / disk.options.bytes_per_s;
+                seconds + static_cast<double>(wanted.size()) * disk.options.latency_s +
+                bytes / disk.options.bytes_per_s;
     }
 }
 
@@ -417,7 +303,8 @@ void teleport_linear(benchmark::State& state) {
 // Rough ground, so that much is wanted.
 std::string rough(std::int32_t columns, std::int32_t rows, int tile_log2) {
     const std::string path = std::string(FJELL_BENCH_DIR) + "/stream-rough-" + std::to_string(columns) + "x" +
-                             std::to_string(rows) + "-" + std::to_string(tile_log2) + "-" + std::to_string(pack_layout_hash) + ".fjell";
+                             std::to_string(rows) + "-" + std::to_string(tile_log2) + "-" +
+                             std::to_string(pack_layout_hash) + ".fjell";
     if (std::filesystem::exists(path)) return path;
     std::filesystem::create_directories(FJELL_BENCH_DIR);
     baker::Dem dem;
@@ -425,7 +312,8 @@ std::string rough(std::int32_t columns, std::int32_t rows, int tile_log2) {
     dem.spacing_m[0] = dem.spacing_m[1] = 30;
     for (std::int32_t y = 0; y < rows; ++y)
         for (std::int32_t x = 0; x < columns; ++x)
-            dem.heights_m.push_back(static_cast<float>(400 * std::sin(x * 0.011) * std::cos(y * 0.013) + 40 * std::sin(x * 0.31) * std::sin(y * 0.27) +
+            dem.heights_m.push_back(static_cast<float>(400 * std::sin(x * 0.011) * std::cos(y * 0.013) +
+                                                       40 * std::sin(x * 0.31) * std::sin(y * 0.27) +
                                                        static_cast<double>((x * 2654435761u ^ y * 40503u) >> 8 & 7)));
     baker::BakeOptions options;
     options.tile_log2 = tile_log2;
@@ -478,8 +366,10 @@ void memory(benchmark::State& state) {
         const host::AlignedBlock block = host::make_block(bytes);
         Terrain t;
         require(create_terrain(file.pack(), file.corners(), {slots}, {block.get(), bytes}, t));
-        const double records = 4.0 * t.page_capacity * t.slot_count, table = static_cast<double>(sizeof(PageEntry)) * t.page_count();
-        const double stream = static_cast<double>(stream_bytes(file.pack(), t, budget)), least = static_cast<double>(stream_bytes(file.pack(), t, one));
+        const double records = 4.0 * t.page_capacity * t.slot_count,
+                     table = static_cast<double>(sizeof(PageEntry)) * t.page_count();
+        const double stream = static_cast<double>(stream_bytes(file.pack(), t, budget)),
+                     least = static_cast<double>(stream_bytes(file.pack(), t, one));
         state.counters["terrain_records_MiB"] = records / mib;
         state.counters["page_table_KiB"] = table / kib;
         state.counters["terrain_rest_KiB"] = (static_cast<double>(bytes) - records - table) / kib;
@@ -487,8 +377,10 @@ void memory(benchmark::State& state) {
         state.counters["stream_one_request_each_KiB"] = least / kib;
         state.counters["stream_requests_KiB"] = (stream - least) / kib;
         state.counters["directory_KiB"] = static_cast<double>(h.directory_count * sizeof(ChunkEntry)) / kib;
-        state.counters["normal_maps_gpu_MiB"] = static_cast<double>(map_slot_bytes(map_slots(h, budget, MapKind::normal), MapKind::normal)) / mib;
-        state.counters["colour_maps_gpu_MiB"] = static_cast<double>(map_slot_bytes(map_slots(h, budget, MapKind::colour), MapKind::colour)) / mib;
+        state.counters["normal_maps_gpu_MiB"] =
+            static_cast<double>(map_slot_bytes(map_slots(h, budget, MapKind::normal), MapKind::normal)) / mib;
+        state.counters["colour_maps_gpu_MiB"] =
+            static_cast<double>(map_slot_bytes(map_slots(h, budget, MapKind::colour), MapKind::colour)) / mib;
     }
 }
 
@@ -502,15 +394,42 @@ BENCHMARK_CAPTURE(frame, walk, 0.25)->Name("stream/mountains/frame/0.25")->Itera
 BENCHMARK_CAPTURE(frame, drive, 1)->Name("stream/mountains/frame/1")->Iterations(1)->Unit(benchmark::kMillisecond);
 
 BENCHMARK(soak)->Name("stream/mountains/soak")->Iterations(1)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(first_picture, as_is, disks[0])->Name("stream/mountains/first_picture/as_is")->Iterations(1)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(first_picture, ssd, disks[1])->Name("stream/mountains/first_picture/ssd")->Iterations(1)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(first_picture, hard_disk, disks[2])->Name("stream/mountains/first_picture/hard_disk")->Iterations(1)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(teleport, hz, Order::hierarchical_z, disks[0])->Name("stream/mountains/teleport/hz/as_is")->Iterations(1)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(teleport, planar, Order::planar, disks[0])->Name("stream/mountains/teleport/planar/as_is")->Iterations(1)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(teleport, hz_ssd, Order::hierarchical_z, disks[1])->Name("stream/mountains/teleport/hz/ssd")->Iterations(1)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(teleport, planar_ssd, Order::planar, disks[1])->Name("stream/mountains/teleport/planar/ssd")->Iterations(1)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(teleport, hz_hard_disk, Order::hierarchical_z, disks[2])->Name("stream/mountains/teleport/hz/hard_disk")->Iterations(1)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(teleport, planar_hard_disk, Order::planar, disks[2])->Name("stream/mountains/teleport/planar/hard_disk")->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(first_picture, as_is, disks[0])
+    ->Name("stream/mountains/first_picture/as_is")
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(first_picture, ssd, disks[1])
+    ->Name("stream/mountains/first_picture/ssd")
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(first_picture, hard_disk, disks[2])
+    ->Name("stream/mountains/first_picture/hard_disk")
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(teleport, hz, Order::hierarchical_z, disks[0])
+    ->Name("stream/mountains/teleport/hz/as_is")
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(teleport, planar, Order::planar, disks[0])
+    ->Name("stream/mountains/teleport/planar/as_is")
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(teleport, hz_ssd, Order::hierarchical_z, disks[1])
+    ->Name("stream/mountains/teleport/hz/ssd")
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(teleport, planar_ssd, Order::planar, disks[1])
+    ->Name("stream/mountains/teleport/planar/ssd")
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(teleport, hz_hard_disk, Order::hierarchical_z, disks[2])
+    ->Name("stream/mountains/teleport/hz/hard_disk")
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(teleport, planar_hard_disk, Order::planar, disks[2])
+    ->Name("stream/mountains/teleport/planar/hard_disk")
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(teleport_linear)->Name("stream/mountains/teleport/linear")->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(memory)->Name("stream/mountains/memory")->Iterations(1)->Unit(benchmark::kMillisecond);
 
