@@ -117,7 +117,8 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
 Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
 
 // Asks that nothing of this page be active, so that it can be unloaded. Takes effect over the next updates, with
-// morphing over some morph_s, because its vertices sink first; `released` becomes true when it has. A page must not be unloaded before. Asking for a page that is not loaded releases at once.
+// morphing over some morph_s, because its vertices sink first; `released` becomes true when it has. A page must not be
+// unloaded before. Asking for a page that is not loaded releases at once.
 Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released);
 
 // Takes release_page() back: the page stays after all.
