@@ -123,7 +123,7 @@ double reach_cells(const Terrain& t, const Ray& ray) {
 TEST_CASE("with all pages a ray meets the triangle that it meets first of all") {
     Random random(611);
     std::size_t met = 0, missed = 0;
-    for (int round = 0; round < 500; ++round) {
+    for (int round = 0; round < 250; ++round) {
         const auto pack = random_ground(random, true);
         const Terrain& t = pack.terrain;
         for (int k = 0; k < 12; ++k) {
