@@ -154,15 +154,15 @@ void review_requests(StreamState& s) {
         const Phase phase = phase_of(r);
         if (phase != Phase::offered && phase != Phase::taken) continue;
         test(s, r.watch);
-        r.wanted = s.wants[r.watch] != 0;
-        if (r.wanted) {
+        const bool wanted = s.wants[r.watch] != 0;
+        if (wanted) {
             r.score.store(score_of(s, r.watch), std::memory_order_relaxed);
         } else if (claim(r, Phase::vacant)) {
             end_request(s, r, WatchState::missing);
             ++s.report.withdrawn;
             continue;
         }
-        r.withdrawn.store(!r.wanted, std::memory_order_relaxed); // noticed when the client has it
+        r.withdrawn.store(!wanted, std::memory_order_relaxed); // noticed when the client has it
     }
 }
 
@@ -191,7 +191,6 @@ bool ask(StreamState& s, const Candidate& c) {
     }
     const ChunkId id = chunk_of(s, c.which);
     r->watch = c.which;
-    r->wanted = true;
     if (!offer_request(s, *r, id, 1, score)) return false; // cannot be: one chunk
     s.states[c.which] = WatchState::requested;
     if (!is_root(s, c.which)) ++s.below[slot_of(c.which)];

@@ -34,7 +34,6 @@ struct Request {
     // The frame's thread only.
     std::uint32_t watch; // of a page
     std::uint32_t layer; // of a map: reserved
-    bool wanted;         // still, in the update at work
 };
 
 // A page as the tests see it: a box around its vertices and the largest numbers of any. Metres.
