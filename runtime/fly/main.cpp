@@ -1,6 +1,7 @@
 // fjell-fly: flies a camera over a pack, in a window or headless. Exit codes: 0 done, 1 the input is at fault, 2 usage,
 // 3 the machine (disk, memory, GPU) is.
 #include <chrono>
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <thread>
@@ -88,6 +89,8 @@ int run(int argc, char** argv) {
     Outputs outputs(options);
     Session session;
     open_session(options, session);
+    if (session.streamed)
+        session.streamed->on_failure([](const std::string& line) { fmt::print(stderr, "fjell-fly: {}\n", line); });
     if (!options.replay.empty()) options.profile.refine.error_px = session.recording->frames[0].settings.error_px;
     const std::size_t frames = options.frames ? options.frames : default_frames;
     std::vector<Pose> poses;

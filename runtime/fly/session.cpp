@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -39,25 +40,51 @@ CutBudget suited(CutBudget budget, const Terrain& terrain) {
     return budget;
 }
 
-void make_cut(const Options& options, Session& session) {
-    if (session.terrain().pages.order == Order::linear)
+// A method over the session's terrain, before the session has it.
+struct Made {
+    Method method = Method::incremental;
+    host::AlignedBlock block;
+    std::size_t bytes = 0;
+    CutBudget cut_budget;
+    LiveCut cut;
+    RecursiveMethod recursive;
+};
+
+Made make_cut(const Options& options, const Terrain& terrain, const CutBudget& budget) {
+    if (terrain.pages.order == Order::linear)
         throw Failure(1,
                       fmt::format("{}: the pack is in linear order, which the incremental method does not read; bake "
                                   "it with --order planar, or fly it with --method recursive",
                                   options.pack));
-    session.cut_budget =
-        !options.replay.empty() ? session.recording->budget : suited(options.profile.cut_budget, session.terrain());
-    session.block_bytes = cut_bytes(session.terrain(), session.cut_budget);
-    session.block = host::make_block(session.block_bytes);
-    require_budget(
-        create_cut(session.terrain(), session.cut_budget, {session.block.get(), session.block_bytes}, session.cut));
+    Made made;
+    made.cut_budget = budget;
+    made.bytes = cut_bytes(terrain, budget);
+    made.block = host::make_block(made.bytes);
+    require_budget(create_cut(terrain, budget, {made.block.get(), made.bytes}, made.cut));
+    return made;
 }
 
-void make_recursive(const Options& options, Session& session) {
-    session.block_bytes = recursive_bytes(session.terrain(), options.profile.budget);
-    session.block = host::make_block(session.block_bytes);
-    require_budget(create_recursive(session.terrain(), options.profile.budget,
-                                    {session.block.get(), session.block_bytes}, session.recursive));
+Made make_recursive(const Options& options, const Terrain& terrain) {
+    Made made;
+    made.method = Method::recursive;
+    made.bytes = recursive_bytes(terrain, options.profile.budget);
+    made.block = host::make_block(made.bytes);
+    require_budget(create_recursive(terrain, options.profile.budget, {made.block.get(), made.bytes}, made.recursive));
+    return made;
+}
+
+// Throws before it touches the session. recorded: the budget of what is replayed, instead of the profile's.
+void make_method(const Options& options, const CutBudget* recorded, Session& session) {
+    const Terrain& terrain = session.terrain();
+    Made made = options.profile.method == Method::recursive
+                    ? make_recursive(options, terrain)
+                    : make_cut(options, terrain, recorded ? *recorded : suited(options.profile.cut_budget, terrain));
+    session.method = made.method;
+    session.block = std::move(made.block);
+    session.block_bytes = made.bytes;
+    session.cut_budget = made.cut_budget;
+    session.cut = made.cut;
+    session.recursive = made.recursive;
 }
 
 bool shall_stream(const Options& options, const PackHeader& h) {
@@ -140,22 +167,26 @@ void open_session(const Options& options, Session& session) {
     const auto start = Clock::now();
     if (!options.replay.empty()) session.recording = parse_recording(host::read_text(options.replay), options.replay);
     open_terrain(options, session);
-    session.method = options.profile.method;
     // Streamed, there is nothing yet to build from.
     session.begun = options.limited || session.streamed;
     const std::uint64_t pack_hash = session.loaded.pack.header.directory_hash;
     if (!options.replay.empty() && session.recording->pack_hash != pack_hash)
         throw Failure(1, fmt::format("{}: recorded over another pack than {}", options.replay, options.pack));
-    if (session.incremental())
-        make_cut(options, session);
-    else
-        make_recursive(options, session);
+    make_method(options, options.replay.empty() ? nullptr : &session.recording->budget, session);
     if (!options.record.empty())
         session.recording =
             Recording{pack_hash, session.cut_budget, session.streamed ? session.loaded.terrain.slot_count : 0, {}};
     session.load_seconds = microseconds(Clock::now() - start) / 1e6;
     session.started = Clock::now();
     if (session.streamed) session.streamed->begin(options, session.loaded.terrain, session.cut);
+}
+
+void remake_method(const Options& options, Session& session) {
+    if (session.streamed || session.recording)
+        throw Failure(1, fmt::format("{}: it is {}, with the method and the budgets it was opened with; open it anew",
+                                     session.loaded.path, session.streamed ? "streamed" : "recorded or replayed"));
+    make_method(options, nullptr, session);
+    session.begun = false;
 }
 
 CameraPath path_of(const Options& options) {

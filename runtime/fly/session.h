@@ -68,6 +68,15 @@ struct Session {
 // The Session is filled in place, because the method points into its terrain.
 void open_session(const Options& options, Session& session);
 
+// Another method, or other budgets, for an open session: options.profile's method, cut_budget and budget, whatever they
+// were before. The terrain stays, and so does everything that points into it; a renderer was made for the old budgets
+// and has to be made anew. begun is false afterwards: the next update builds from nothing.
+// Both methods' blocks are in memory until the new one is made, so that a Failure leaves the session as it was and able
+// to go on: 1 for budgets or a pack that do not do, 3 when memory is short. Neither for a streamed session, whose
+// stream feeds the method it was begun with, nor for one that records or replays, which one budget holds for: those are
+// opened anew, and here they are a Failure (1).
+void remake_method(const Options& options, Session& session);
+
 // The path the options ask for: a file, a seed's, or an orbit.
 [[nodiscard]] CameraPath path_of(const Options& options);
 

@@ -1,6 +1,5 @@
 #include "fly/streamed.h"
 
-#include <cstdio>
 #include <cstring>
 
 #include <fmt/format.h>
@@ -43,8 +42,8 @@ void StreamedPack::tell(const StreamFailure& failure) {
     } else {
         ++corrupt_;
     }
-    fmt::print(stderr, "fjell-fly: {}: {} {} of tile {}: {}\n", file_.path(), what, failure.id.item, failure.id.tile,
-               why);
+    if (!listener_) return;
+    listener_(fmt::format("{}: {} {} of tile {}: {}", file_.path(), what, failure.id.item, failure.id.tile, why));
 }
 
 } // namespace fjell::fly

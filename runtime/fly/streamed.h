@@ -1,14 +1,17 @@
 // A pack that is streamed: its file, the stream over the session's terrain, and the thread that reads.
 //
 // Ownership: all of it; the terrain and the cut are the session's and must outlive it. Thread: the frame's; the reader
-// has its own. Failure: host::Failure, 1 for a budget that does not do; what cannot be read in flight is one line on
-// stderr each, and coarser terrain.
+// has its own. Failure: host::Failure, 1 for a budget that does not do; what cannot be read in flight is one line each
+// to whoever listens, and coarser terrain.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
+#include <utility>
 
 #include "fjell/stream.h"
 #include "fly/options.h"
@@ -25,6 +28,10 @@ public:
     [[nodiscard]] const host::PackFile& file() const { return file_; }
     // Begins to stream into a terrain of which no page is loaded. cut: empty for the recursive method.
     void begin(const Options& options, Terrain& terrain, LiveCut cut);
+    // Hears of every chunk that could not be read or was damaged, within update(): "PACK: page 3 of tile 1: why",
+    // without a line's end. While nothing fails it is not called and nothing is allocated. Nobody listens: only counts
+    // are kept.
+    void on_failure(std::function<void(const std::string&)> listener) { listener_ = std::move(listener); }
     // One update_stream(), before the method's own.
     const StreamReport& update(std::span<const View> views, const CutSettings& cut, const StreamSettings& settings);
 
@@ -45,6 +52,7 @@ private:
     Stream stream_;
     StreamReport report_;
     std::uint64_t corrupt_ = 0, unreadable_ = 0;
+    std::function<void(const std::string&)> listener_;
     std::unique_ptr<host::StreamReader> reader_; // last: it stops before what it reads for goes
 };
 
