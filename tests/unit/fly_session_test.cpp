@@ -1,0 +1,139 @@
+// A session changes its method under way, and tells of what it could not read.
+#include <catch2/catch.hpp>
+
+#include <numbers>
+#include <vector>
+
+#include "fly/session.h"
+#include "host/failure.h"
+#include "support/program.h"
+#include "support/terrain_fixture.h"
+
+using namespace fjell;
+using namespace fjell::fly;
+using namespace fjell::test;
+
+namespace {
+
+// A pack in its file, of 9 tiles at most, and the options to open it.
+struct Place {
+    explicit Place(unsigned seed, Order order = Order::planar) {
+        Random random(seed);
+        baker::BakeOptions bake = small_bake(6);
+        bake.order = order;
+        (void)baker::bake(random_dem(random, 150, 130, Shape::fractal), bake, folder / "t.fjell");
+        options.pack = folder / "t.fjell";
+        options.streaming = Streaming::off;
+        options.profile.refine.error_px = 2;
+    }
+    [[nodiscard]] View view(const Session& session) const {
+        return view_of(resample(path_of(options), session.ground(), 5)[2], session.terrain(), options.profile);
+    }
+    TemporaryFolder folder;
+    Options options;
+};
+
+std::uint64_t updated_hash(Session& session, const Place& place, const Profile& profile) {
+    (void)update_frame(session, place.view(session), profile, 0);
+    return mesh_hash(session.mesh());
+}
+
+std::uint64_t opened_hash(const Place& place, const Options& options) {
+    Session session;
+    open_session(options, session);
+    return updated_hash(session, place, options.profile);
+}
+
+void refuses_to_remake(const Options& options, Session& session, const std::string& part) {
+    try {
+        remake_method(options, session);
+        FAIL("remade, and it should speak of " << part);
+    } catch (const host::Failure& failure) {
+        CHECK(failure.exit_code == 1);
+        INFO(failure.what());
+        CHECK(std::string(failure.what()).find(part) != std::string::npos);
+    }
+}
+
+} // namespace
+
+TEST_CASE("a session with another method or budget draws what one opened with it does, over the same terrain") {
+    const Place place(301);
+    Options recursive = place.options, small = place.options;
+    recursive.profile.method = Method::recursive;
+    small.profile.cut_budget = {600, 1200, 64, 1};
+    Session session;
+    open_session(place.options, session);
+    const void* const records = session.terrain().records;
+    (void)updated_hash(session, place, place.options.profile);
+    for (const Options& options : {recursive, small, place.options, small, recursive, place.options}) {
+        remake_method(options, session);
+        CHECK_FALSE(session.begun);
+        CHECK(session.method == options.profile.method);
+        CHECK(session.terrain().records == records);
+        CHECK(updated_hash(session, place, options.profile) == opened_hash(place, options));
+    }
+}
+
+TEST_CASE("a session that cannot have what is asked goes on as it was") {
+    const Place place(302), linear(303, Order::linear);
+    Session session;
+    open_session(place.options, session);
+    const std::uint64_t before = updated_hash(session, place, place.options.profile);
+    Options options = place.options;
+    options.profile.cut_budget.vertices = 15; // one for each corner of 3 x 3 tiles, but for the last
+    refuses_to_remake(options, session, "CutBudget::vertices");
+    options.profile.method = Method::recursive;
+    options.profile.budget.indices = 16;
+    refuses_to_remake(options, session, "RecursiveBudget::indices");
+    CHECK(session.begun);
+    CHECK(session.incremental());
+    CHECK(mesh_hash(session.mesh()) == before);
+    CHECK_FALSE(update_frame(session, place.view(session), place.options.profile, 0).rebuilt);
+    CHECK(mesh_hash(session.mesh()) == before);
+
+    Session hz;
+    Options flown = linear.options;
+    flown.profile.method = Method::recursive;
+    open_session(flown, hz);
+    refuses_to_remake(linear.options, hz, "linear order");
+    CHECK_FALSE(hz.incremental());
+}
+
+TEST_CASE("a session that streams or records is not remade") {
+    Place place(304);
+    place.options.streaming = Streaming::on;
+    Session streamed;
+    open_session(place.options, streamed);
+    refuses_to_remake(place.options, streamed, "streamed");
+    place.options.streaming = Streaming::off;
+    place.options.record = place.folder / "flight.json";
+    Session recorded;
+    open_session(place.options, recorded);
+    refuses_to_remake(place.options, recorded, "recorded");
+}
+
+TEST_CASE("every page that is damaged is one line to who listens, and counted where nobody does") {
+    Place place(305);
+    place.options.streaming = Streaming::on;
+    place.options.profile.refine.error_px = 0.05;
+    const auto whole = host::load_pack(place.options.pack, host::LoadTerrain::yes);
+    std::string bytes = slurp(place.options.pack);
+    for (std::uint32_t tile = 0; tile < whole.terrain.tile_count(); tile += 2) {
+        const ChunkEntry e = whole.pack.entry(chunk_index(whole.terrain.header, {ChunkKind::geometry, tile, 0}));
+        bytes[e.offset + e.stored_bytes / 2] ^= 1;
+    }
+    spit(place.options.pack, bytes);
+    for (const bool listens : {true, false}) {
+        Session session;
+        std::vector<std::string> lines;
+        open_session(place.options, session);
+        if (listens) session.streamed->on_failure([&](const std::string& line) { lines.push_back(line); });
+        (void)update_until_there(session, place.view(session), place.options.profile, 0, [](const FrameEntry&) {});
+        CHECK(session.streamed->corrupt() > 0);
+        CHECK(session.streamed->unreadable() == 0);
+        CHECK(lines.size() == (listens ? session.streamed->corrupt() : 0));
+        for (const std::string& line : lines) CHECK(line.starts_with(place.options.pack + ": page 0 of tile "));
+        for (const std::string& line : lines) CHECK(line.find('\n') == std::string::npos);
+    }
+}
