@@ -49,6 +49,7 @@ struct WindowOptions {
     std::string title = "Fjell";
     bool debug = false;
     bool vsync = true;
+    bool robust = false; // tells of a driver that has reset (glGetGraphicsResetStatus), where it can
 };
 
 // One window at a time: GLFW is started with the first and stopped with the last.

@@ -28,10 +28,18 @@ std::unique_ptr<Window> Window::create(const WindowOptions& options, std::string
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, options.debug ? GLFW_TRUE : GLFW_FALSE);
+    if (options.robust) glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);
     glfwWindowHint(GLFW_DEPTH_BITS, 0); // pictures are drawn into a Target and copied; its depth is 32-bit float
     glfwWindowHint(GLFW_STENCIL_BITS, 0);
-    GLFWwindow* window = glfwCreateWindow(static_cast<int>(options.width), static_cast<int>(options.height),
-                                          options.title.c_str(), nullptr, nullptr);
+    const auto create = [&] {
+        return glfwCreateWindow(static_cast<int>(options.width), static_cast<int>(options.height),
+                                options.title.c_str(), nullptr, nullptr);
+    };
+    GLFWwindow* window = create();
+    if (window == nullptr && options.robust) { // not every driver has robust contexts
+        glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_NO_ROBUSTNESS);
+        window = create();
+    }
     if (window == nullptr) {
         error = "no window with OpenGL 4.5 core: " + glfw_reason() + "; update the driver, or use --headless";
         if (open_windows == 0) glfwTerminate();

@@ -1,0 +1,295 @@
+#include "editor/app.h"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <iostream>
+#include <sstream>
+#include <thread>
+#include <utility>
+
+#include <epoxy/gl.h>
+#include <imgui.h>
+
+#include "editor/carry_out.h"
+#include "editor/dump.h"
+#include "editor/panels/panels.h"
+#include "editor/ui.h"
+#include "fly/session.h"
+#include "gl/image.h"
+#include "host/failure.h"
+#include "host/file.h"
+
+namespace fjell::editor {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using host::Failure;
+
+double microseconds(Clock::duration d) {
+    return std::chrono::duration<double, std::micro>(d).count();
+}
+
+// SIGUSR1 asks for FJELL_EDITOR_DUMP: how tests look inside.
+volatile std::sig_atomic_t dump_asked = 0;
+const char* dump_file() {
+    static const char* const file = std::getenv("FJELL_EDITOR_DUMP");
+    return file;
+}
+
+std::vector<Command> read_script(const Options& options) {
+    std::vector<Command> script;
+    const auto add = [&](const std::string& line, const std::string& where) {
+        try {
+            if (auto command = parse_command(line)) script.push_back(std::move(*command));
+        } catch (const Failure& failure) {
+            throw Failure(2, where + ": " + failure.what());
+        }
+    };
+    for (const std::string& line : options.commands) add(line, "--do");
+    if (options.script.empty()) return script;
+    std::string text;
+    if (options.script == "-")
+        text.assign(std::istreambuf_iterator<char>(std::cin), {});
+    else
+        text = host::read_text(options.script);
+    std::istringstream lines(text);
+    int number = 0;
+    for (std::string line; std::getline(lines, line);) add(line, options.script + ":" + std::to_string(++number));
+    return script;
+}
+
+void write_text(const std::string& path, const std::string& text) {
+    host::AtomicFile file(path);
+    file.write(std::as_bytes(std::span(text)));
+    file.commit();
+}
+
+} // namespace
+
+App::App(Options options) : options_(std::move(options)) {
+    script_ = read_script(options_);
+    IMGUI_CHECKVERSION();
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr; // the state is ours to keep
+    io.LogFilename = nullptr;
+    make_surface_and_graphics();
+    state_.interface.scale = options_.scale > 0 ? options_.scale : std::clamp(surface_->content_scale(), 0.5, 4.0);
+    ui::apply_style(state_.interface.scale);
+    if (dump_file() != nullptr) std::signal(SIGUSR1, [](int) { dump_asked = 1; });
+}
+
+App::~App() {
+    jobs_.cancel();
+    target_.reset();
+    engine_.drop_graphics();
+    engine_.close();
+    surface_.reset();
+    ImGui::DestroyContext();
+}
+
+void App::make_surface_and_graphics() {
+    std::string error;
+    surface_ = make_surface({options_.headless, options_.width, options_.height, options_.vsync}, error);
+    if (!surface_) throw Failure(3, error);
+    state_.graphics = surface_->description();
+}
+
+// Everything on the GPU is gone, or shall be: what is open and edited stays.
+void App::replace_surface() {
+    std::uint32_t width = 0, height = 0;
+    surface_->size(width, height);
+    options_.width = std::max(width, 320u);
+    options_.height = std::max(height, 320u);
+    target_.reset();
+    engine_.drop_graphics();
+    surface_.reset();
+    make_surface_and_graphics();
+    engine_.make_graphics();
+    tell(state_, Severity::warning, "the graphics driver was reset; everything on it was made anew");
+}
+
+int App::run() {
+    const Desk desk{state_, engine_, jobs_};
+    if (!options_.profile.empty()) state_.document.open(options_.profile); // a bad one is an error of the command line
+    if (!options_.pack.empty())
+        apply(Open{options_.pack}, desk);
+    else
+        state_.interface.dialog = Dialog::start;
+    if (!options_.path.empty()) apply(OpenPath{options_.path}, desk);
+    while (!state_.quit) {
+        host::check_interrupt();
+        if (surface_->lost()) replace_surface();
+        if (!script_step()) break;
+        frame();
+        const bool last = options_.frames != 0 && state_.frame >= options_.frames;
+        if (last && !options_.screenshot.empty()) {
+            after_frame_.emplace_back(Screenshot{options_.screenshot, true});
+            frame();
+        }
+        if (last) break;
+    }
+    return 0;
+}
+
+bool App::there() const {
+    if (jobs_.running()) return false;
+    if (!engine_.is_open()) return true;
+    const fly::FrameEntry& e = state_.measures.last();
+    const bool streamed = !e.streamed || (e.stream.converged && e.stream.maps_converged);
+    return state_.measures.frames() > 1 && e.waiting == e.blocked && e.rising == 0 && streamed;
+}
+
+// Carries on with the script where nothing waits. False: a headless run is over.
+bool App::script_step() {
+    const Desk desk{state_, engine_, jobs_};
+    while (script_at_ < script_.size()) {
+        if (state_.frame < wait_until_frame_) return true;
+        if (waiting_there_) {
+            if (!there()) return true;
+            waiting_there_ = false;
+        }
+        const Command& command = script_[script_at_++];
+        if (const auto* wait = std::get_if<WaitFrames>(&command)) {
+            wait_until_frame_ = state_.frame + wait->frames;
+        } else if (std::holds_alternative<WaitThere>(command)) {
+            waiting_there_ = true;
+            wait_until_frame_ = state_.frame + 2; // what was just asked for shows in the frames that follow
+        } else if (std::holds_alternative<Screenshot>(command) || std::holds_alternative<DumpState>(command)) {
+            after_frame_.push_back(command);
+            wait_until_frame_ = state_.frame + 2; // drawn with what came before it
+        } else if (const auto* size = std::get_if<Resize>(&command)) {
+            surface_->resize(size->width, size->height);
+            wait_until_frame_ = state_.frame + 3;
+        } else if (std::holds_alternative<LoseGraphics>(command)) {
+            replace_surface();
+        } else {
+            apply(command, desk);
+        }
+    }
+    const bool waiting = state_.frame < wait_until_frame_ || (waiting_there_ && !there());
+    return waiting || !options_.headless || options_.frames != 0;
+}
+
+void App::frame() {
+    const auto start = Clock::now();
+    static Clock::time_point last = start; // of the frame before
+    const double frame_us = microseconds(start - std::exchange(last, start));
+    state_.now_s += std::min(frame_us * 1e-6, 0.25);
+    ++state_.frame;
+    const bool recording = dump_asked != 0 || !after_frame_.empty();
+    if (recording) ui::record_marks(true);
+    interface();
+    carry_out();
+    move_and_update();
+    draw();
+    state_.measures.record(state_.measures.last(), static_cast<float>(frame_us), 0, 0);
+    if (recording) ui::record_marks(false);
+    finish_requests();
+    surface_->present();
+}
+
+void App::interface() {
+    surface_->begin_frame();
+    surface_->size(state_.interface.width_px, state_.interface.height_px);
+    ImGui::NewFrame();
+    draw_panels(state_, commands_);
+    ImGui::Render();
+}
+
+void App::carry_out() {
+    const Desk desk{state_, engine_, jobs_};
+    const double scale = state_.interface.scale;
+    for (const std::string& file : std::exchange(surface_->dropped, {})) apply(Open{file}, desk);
+    for (const Command& command : commands_.list()) apply(command, desk);
+    commands_.clear();
+    if (jobs_.poll(state_.job)) take_result(desk);
+    follow_document(desk);
+    for (std::string& line : engine_.take_messages()) tell(state_, Severity::warning, std::move(line));
+    if (surface_->should_close()) {
+        surface_->stay_open();
+        apply(Quit{}, desk);
+    }
+    if (state_.interface.scale != scale) {
+        // The panels of this frame are drawn with the old font; from the next one on with the new.
+        after_frame_.emplace_back(SetScale{state_.interface.scale});
+    }
+}
+
+void App::move_and_update() {
+    if (!engine_.is_open()) return;
+    fit_target();
+    if (!target_) return;
+    if (const auto pose = state_.route.advance(1.0 / 60); pose && state_.eye.navigation == Navigation::path)
+        state_.eye.free = fly::free_camera(*pose, state_.eye.free.speed_m_s);
+    fly::Profile profile = state_.document.profile();
+    profile.width_px = state_.interface.view_width_px;
+    profile.height_px = state_.interface.view_height_px;
+    state_.eye.view = fly::view_of(state_.eye.free.pose(), engine_.session().terrain(), profile);
+    const View& refining = state_.eye.refining ? *state_.eye.refining : state_.eye.view;
+    double upload_us = 0;
+    const fly::FrameEntry entry = engine_.update(refining, profile, state_.now_s, upload_us);
+    state_.measures.record(entry, 0, 0, 0);
+}
+
+void App::fit_target() {
+    Interface& i = state_.interface;
+    const ui::Layout l = ui::layout(static_cast<float>(i.width_px), static_cast<float>(i.height_px), i.scale);
+    i.view_x_px = static_cast<std::uint32_t>(l.view.x);
+    i.view_y_px = static_cast<std::uint32_t>(l.view.y);
+    i.view_width_px = std::max(static_cast<std::uint32_t>(l.view.width), 1u);
+    i.view_height_px = std::max(static_cast<std::uint32_t>(l.view.height), 1u);
+    if (target_ && target_->width() == i.view_width_px && target_->height() == i.view_height_px) return;
+    std::string error;
+    target_.reset(); // the old one's memory first
+    target_ = gl::Target::create({i.view_width_px, i.view_height_px, 1}, error);
+    if (!target_) throw Failure(3, error);
+}
+
+void App::draw() {
+    const unsigned framebuffer = surface_->framebuffer();
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+    glDisable(GL_FRAMEBUFFER_SRGB);
+    glClearColor(0.06F, 0.065F, 0.075F, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+    if (engine_.is_open() && target_) {
+        engine_.draw(state_, *target_);
+        state_.drawn = engine_.stats();
+        const Interface& i = state_.interface;
+        blit(*target_, framebuffer, i.height_px, i.view_x_px, i.view_y_px);
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    surface_->draw_interface();
+}
+
+void App::finish_requests() {
+    if (dump_asked != 0 && dump_file() != nullptr) {
+        dump_asked = 0;
+        write_text(dump_file(), dump(state_));
+    }
+    for (const Command& command : std::exchange(after_frame_, {})) {
+        try {
+            if (const auto* shot = std::get_if<Screenshot>(&command)) {
+                gl::Image image;
+                if (shot->with_panels)
+                    surface_->read(image);
+                else if (target_)
+                    target_->read_colour(image);
+                const std::string error = gl::write_png(image, shot->path);
+                if (!error.empty()) throw Failure(3, error);
+            } else if (const auto* file = std::get_if<DumpState>(&command)) {
+                write_text(file->path, dump(state_));
+            } else if (const auto* scale = std::get_if<SetScale>(&command)) {
+                ui::apply_style(scale->scale);
+                surface_->fonts_changed();
+            }
+        } catch (const std::exception& failure) {
+            tell(state_, Severity::error, failure.what());
+        }
+    }
+}
+
+} // namespace fjell::editor

@@ -1,0 +1,60 @@
+// The editor's program: surface, frame, and the order of things in it.
+//
+// A frame: input; panels read the state and push commands; commands are applied; the camera moves, the terrain is
+// updated and drawn; the panels are drawn over it; what it cost is recorded. Thread: main. Failure: host::Failure gets
+// out only when nothing can be shown at all; everything else is a message in the window.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "editor/apply.h"
+#include "editor/command.h"
+#include "editor/engine.h"
+#include "editor/jobs.h"
+#include "editor/options.h"
+#include "editor/state.h"
+#include "editor/surface.h"
+
+namespace fjell::editor {
+
+class App {
+public:
+    explicit App(Options options);
+    ~App();
+    App(const App&) = delete;
+    App& operator=(const App&) = delete;
+
+    int run();
+
+private:
+    void frame();
+    void interface();
+    void carry_out();
+    void move_and_update();
+    void draw();
+    void finish_requests(); // screenshots and dumps of the frame that was just drawn
+    bool script_step();     // false: it is over
+    bool there() const;
+    void make_surface_and_graphics();
+    void replace_surface();
+    void fit_target();
+
+    Options options_;
+    State state_;
+    Jobs jobs_;
+    Commands commands_;
+    std::vector<Command> script_;
+    std::size_t script_at_ = 0;
+    std::uint64_t wait_until_frame_ = 0;
+    bool waiting_there_ = false;
+    std::uint64_t there_since_ = 0;
+    std::vector<Command> after_frame_; // Screenshot and DumpState, once the frame is drawn
+    // Destroyed from last to first: GL objects need their context.
+    std::unique_ptr<Surface> surface_;
+    Engine engine_;
+    std::unique_ptr<gl::Target> target_;
+};
+
+} // namespace fjell::editor

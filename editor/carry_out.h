@@ -1,0 +1,64 @@
+// One function a command; apply() finds the one. They may throw host::Failure, which becomes a message.
+#pragma once
+
+#include "editor/apply.h"
+
+namespace fjell::editor {
+
+// carry_out_profile.cpp
+void carry_out(const Open& c, Desk desk);
+void carry_out(const OpenSample& c, Desk desk);
+void carry_out(const SetKey& c, Desk desk);
+void carry_out(const Undo& c, Desk desk);
+void carry_out(const Redo& c, Desk desk);
+void carry_out(const DefaultProfile& c, Desk desk);
+void carry_out(const OpenProfile& c, Desk desk);
+void carry_out(const SaveProfile& c, Desk desk);
+void carry_out(const CompareProfile& c, Desk desk);
+
+// carry_out_camera.cpp
+void carry_out(const Move& c, Desk desk);
+void carry_out(const PlaceCamera& c, Desk desk);
+void carry_out(const JumpTo& c, Desk desk);
+void carry_out(const SetSpeed& c, Desk desk);
+void carry_out(const Navigate& c, Desk desk);
+void carry_out(const Freeze& c, Desk desk);
+void carry_out(const OpenPath& c, Desk desk);
+void carry_out(const SavePath& c, Desk desk);
+void carry_out(const RecordPath& c, Desk desk);
+void carry_out(const PlayPath& c, Desk desk);
+void carry_out(const SeekPath& c, Desk desk);
+void carry_out(const AddPoint& c, Desk desk);
+void carry_out(const ReplacePoint& c, Desk desk);
+void carry_out(const RemovePoint& c, Desk desk);
+void carry_out(const SelectPoint& c, Desk desk);
+void carry_out(const ClearPath& c, Desk desk);
+
+// carry_out_show.cpp
+void carry_out(const SetMode& c, Desk desk);
+void carry_out(const SetOverlay& c, Desk desk);
+void carry_out(const ShowPanel& c, Desk desk);
+void carry_out(const ShowDialog& c, Desk desk);
+void carry_out(const SetScale& c, Desk desk);
+void carry_out(const DismissMessage& c, Desk desk);
+void carry_out(const Quit& c, Desk desk);
+
+// carry_out_jobs.cpp
+void carry_out(const Bake& c, Desk desk);
+void carry_out(const Tune& c, Desk desk);
+void carry_out(const Benchmark& c, Desk desk);
+void carry_out(const Export& c, Desk desk);
+void carry_out(const PreviewExport& c, Desk desk);
+void carry_out(const CancelJob& c, Desk desk);
+// What a job that has just ended means for the state: a baked pack is opened, a tuned threshold offered.
+void take_result(Desk desk);
+
+// The surface's and the script's: the app carries them out itself (editor/app.h).
+inline void carry_out(const Screenshot&, Desk) {}
+inline void carry_out(const Resize&, Desk) {}
+inline void carry_out(const DumpState&, Desk) {}
+inline void carry_out(const LoseGraphics&, Desk) {}
+inline void carry_out(const WaitFrames&, Desk) {}
+inline void carry_out(const WaitThere&, Desk) {}
+
+} // namespace fjell::editor

@@ -1,0 +1,42 @@
+#include <algorithm>
+
+#include "editor/carry_out.h"
+
+namespace fjell::editor {
+
+void carry_out(const SetMode& c, Desk desk) {
+    desk.state.interface.mode = c.mode;
+}
+
+void carry_out(const SetOverlay& c, Desk desk) {
+    desk.state.interface.overlay[static_cast<std::size_t>(c.overlay)] = c.on;
+}
+
+void carry_out(const ShowPanel& c, Desk desk) {
+    Interface& i = desk.state.interface;
+    if (static_cast<int>(c.panel) >= left_panels) i.right = c.panel;
+    i.left = c.panel; // where there is one column, it has all; where there are two, the left one keeps to its own
+}
+
+void carry_out(const ShowDialog& c, Desk desk) {
+    desk.state.interface.dialog = c.dialog;
+}
+
+void carry_out(const SetScale& c, Desk desk) {
+    desk.state.interface.scale = std::clamp(c.scale, 0.5, 4.0);
+}
+
+void carry_out(const DismissMessage&, Desk desk) {
+    desk.state.messages.shown_until_s = 0;
+}
+
+void carry_out(const Quit& c, Desk desk) {
+    State& state = desk.state;
+    if (!c.discard && (state.document.unsaved() || state.route.unsaved())) {
+        state.interface.dialog = Dialog::unsaved;
+        return;
+    }
+    state.quit = true;
+}
+
+} // namespace fjell::editor

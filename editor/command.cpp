@@ -1,0 +1,306 @@
+#include "editor/command.h"
+
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "host/failure.h"
+
+namespace fjell::editor {
+
+namespace {
+
+using host::Failure;
+
+// The words after the verb. Quotes hold words with spaces together.
+class Words {
+public:
+    explicit Words(std::vector<std::string> words) : words_(std::move(words)) {}
+
+    [[nodiscard]] bool more() const { return at_ < words_.size(); }
+    [[nodiscard]] std::string text(const char* what) {
+        if (!more()) throw Failure(2, fmt::format("{} is missing", what));
+        return words_[at_++];
+    }
+    [[nodiscard]] std::string text_or(std::string otherwise) { return more() ? words_[at_++] : std::move(otherwise); }
+    [[nodiscard]] double number(const char* what) { return number_of(text(what), what); }
+    [[nodiscard]] double number_or(double otherwise, const char* what) { return more() ? number(what) : otherwise; }
+    [[nodiscard]] std::size_t count(const char* what) {
+        const double value = number(what);
+        if (!(value >= 0 && value <= 1e9 && value == std::floor(value)))
+            throw Failure(2, fmt::format("{} must be a whole number from 0 to 1000000000", what));
+        return static_cast<std::size_t>(value);
+    }
+    [[nodiscard]] bool on() {
+        const std::string word = text("on or off");
+        if (word != "on" && word != "off") throw Failure(2, fmt::format("{}: must be on or off", word));
+        return word == "on";
+    }
+    template <typename E>
+    [[nodiscard]] E one_of(std::span<const char* const> names, const char* what) {
+        const std::string word = text(what);
+        std::string all;
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            if (word == names[i]) return static_cast<E>(i);
+            all += (all.empty() ? "" : ", ") + std::string(names[i]);
+        }
+        throw Failure(2, fmt::format("{}: no such {}; there are {}", word, what, all));
+    }
+    // NAME=VALUE words from here on.
+    void options(const std::map<std::string, std::function<void(const std::string&)>>& known) {
+        while (more()) {
+            const std::string word = text("");
+            const std::size_t sign = word.find('=');
+            const auto found = sign == std::string::npos ? known.end() : known.find(word.substr(0, sign));
+            if (found == known.end()) {
+                std::string all;
+                for (const auto& [name, set] : known) all += (all.empty() ? "" : ", ") + name + "=";
+                throw Failure(2, fmt::format("{}: no such option; there are {}", word, all));
+            }
+            found->second(word.substr(sign + 1));
+        }
+    }
+    void end() const {
+        if (more()) throw Failure(2, fmt::format("{}: one word too many", words_[at_]));
+    }
+    [[nodiscard]] static double number_of(const std::string& word, const char* what) {
+        double value = 0;
+        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+        if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value))
+            throw Failure(2, fmt::format("{}: {} must be a number", word, what));
+        return value;
+    }
+
+private:
+    std::vector<std::string> words_;
+    std::size_t at_ = 0;
+};
+
+constexpr double degree = 3.14159265358979323846 / 180;
+
+Command set_key(Words& w) {
+    const std::string name = w.text("a key, as in a profile: refine.error_px");
+    const fly::ProfileKey* const key = fly::find_profile_key(name);
+    if (key == nullptr) throw Failure(2, fmt::format("{}: no such key; a profile has them all", name));
+    double value = 0;
+    if (const std::string problem = fly::parse_value(*key, w.text("a value"), value); !problem.empty())
+        throw Failure(2, fmt::format("{}: {}", name, problem));
+    return SetKey{key, value, false};
+}
+
+Command place_camera(Words& w) {
+    PlaceCamera c;
+    c.position_m = {w.number("x in metres"), w.number("y in metres"), w.number("z in metres")};
+    c.heading_rad = w.number("the heading in degrees") * degree;
+    c.pitch_rad = w.number("the pitch in degrees") * degree;
+    return c;
+}
+
+Command bake(Words& w) {
+    Bake b;
+    b.inputs.push_back(w.text("a file of heights"));
+    b.output = w.text("the pack to write");
+    w.options({{"tile", [&](const std::string& v) { b.tile = static_cast<std::uint32_t>(Words::number_of(v, "tile")); }},
+               {"texture", [&](const std::string& v) { b.texture = v; }},
+               {"ramp", [&](const std::string& v) { b.ramp = v; }},
+               {"spacing", [&](const std::string& v) { b.spacing_m = Words::number_of(v, "spacing"); }},
+               {"zscale", [&](const std::string& v) { b.height_scale = Words::number_of(v, "zscale"); }}});
+    return b;
+}
+
+Command tune(Words& w) {
+    Tune t;
+    TuneSettings& s = t.settings;
+    w.options(
+        {{"measure",
+          [&](const std::string& v) {
+              if (v != "update" && v != "frame") throw Failure(2, v + ": measure must be update or frame");
+              s.measure = v == "frame" ? TuneMeasure::frame : TuneMeasure::update;
+          }},
+         {"budget_us", [&](const std::string& v) { s.budget_us = Words::number_of(v, "budget_us"); }},
+         {"frames", [&](const std::string& v) { s.frames = static_cast<std::uint32_t>(Words::number_of(v, "frames")); }},
+         {"least_px", [&](const std::string& v) { s.least_px = Words::number_of(v, "least_px"); }},
+         {"most_px", [&](const std::string& v) { s.most_px = Words::number_of(v, "most_px"); }}});
+    return t;
+}
+
+struct Verb {
+    const char *name, *words, *about;
+    std::function<Command(Words&)> parse;
+};
+
+template <typename C>
+std::function<Command(Words&)> plain() {
+    return [](Words&) { return C{}; };
+}
+template <typename C>
+std::function<Command(Words&)> with_path(bool needed) {
+    return [=](Words& w) { return C{needed ? w.text("a file") : w.text_or("")}; };
+}
+template <typename C>
+std::function<Command(Words&)> with_switch() {
+    return [](Words& w) { return C{w.on()}; };
+}
+template <typename C>
+std::function<Command(Words&)> with_point() {
+    return [](Words& w) { return C{w.count("a point, from 0")}; };
+}
+
+std::vector<Verb> terrain_verbs() {
+    return {
+        {"open", "FILE", "a pack, a profile, a camera path, or heights to bake", with_path<Open>(true)},
+        {"sample", "", "the sample terrain, made at its first use", plain<OpenSample>()},
+        {"set", "KEY VALUE", "a value of the profile: set refine.error_px 2", set_key},
+        {"undo", "", "the last change of the profile", plain<Undo>()},
+        {"redo", "", "what was undone", plain<Redo>()},
+        {"defaults", "", "a profile of defaults", plain<DefaultProfile>()},
+        {"open-profile", "FILE", "another profile", with_path<OpenProfile>(true)},
+        {"save-profile", "[FILE]", "the profile, where it came from or elsewhere", with_path<SaveProfile>(false)},
+        {"compare", "[FILE]", "shows another profile's values beside; none: what was saved",
+         with_path<CompareProfile>(false)},
+        {"bake", "HEIGHTS PACK [tile=N] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S]", "bakes and opens", bake},
+    };
+}
+
+std::vector<Verb> camera_verbs() {
+    return {
+        {"camera", "X Y Z HEADING PITCH", "puts the camera there; metres and degrees, heading from north", place_camera},
+        {"jump", "X Z", "over that place, in metres",
+         [](Words& w) {
+             const double x = w.number("x in metres");
+             return JumpTo{x, w.number("z in metres")};
+         }},
+        {"speed", "M_S", "of flying, in metres a second", [](Words& w) { return SetSpeed{w.number("a speed")}; }},
+        {"navigate", "fly|orbit|path", "how keys and mouse move the camera",
+         [](Words& w) { return Navigate{w.one_of<Navigation>(navigation_names, "navigation")}; }},
+        {"freeze", "on|off", "keeps refining for where the camera is now", with_switch<Freeze>()},
+        {"open-path", "FILE", "a camera path", with_path<OpenPath>(true)},
+        {"save-path", "[FILE]", "the path, where it came from or elsewhere", with_path<SavePath>(false)},
+        {"record-path", "on|off", "notes where the camera flies", with_switch<RecordPath>()},
+        {"play-path", "on|off", "flies along the path", with_switch<PlayPath>()},
+        {"seek-path", "SHARE", "0..1 of the path", [](Words& w) { return SeekPath{w.number("a share")}; }},
+        {"add-point", "", "where the camera is, after the selected point", plain<AddPoint>()},
+        {"replace-point", "N", "by where the camera is", with_point<ReplacePoint>()},
+        {"remove-point", "N", "from the path", with_point<RemovePoint>()},
+        {"select-point", "N", "and look from there", with_point<SelectPoint>()},
+        {"clear-path", "", "no path", plain<ClearPath>()},
+    };
+}
+
+std::vector<Verb> show_verbs() {
+    return {
+        {"mode", "NAME", "shaded, wire, levels, tiles, mips, residency or distance",
+         [](Words& w) { return SetMode{w.one_of<fly::PictureMode>(fly::picture_mode_names, "mode")}; }},
+        {"overlay", "NAME on|off", "wireframe, tile-borders, page-borders, spheres, culled or error",
+         [](Words& w) {
+             const auto overlay = w.one_of<Overlay>(overlay_names, "overlay");
+             return SetOverlay{overlay, w.on()};
+         }},
+        {"panel", "NAME", "tune, camera, show, time, budgets, streaming or levels",
+         [](Words& w) { return ShowPanel{w.one_of<Panel>(panel_names, "panel")}; }},
+        {"dialog", "NAME", "opens one; none closes it",
+         [](Words& w) { return ShowDialog{w.one_of<Dialog>(dialog_names, "dialogue")}; }},
+        {"scale", "S", "of the interface, 0.5 to 4", [](Words& w) { return SetScale{w.number("a scale")}; }},
+        {"dismiss", "", "the message", plain<DismissMessage>()},
+    };
+}
+
+std::vector<Verb> program_verbs() {
+    return {
+        {"tune", "[measure=update|frame] [budget_us=N] [frames=N] [least_px=E] [most_px=E]",
+         "the smallest threshold whose p99 keeps the budget", tune},
+        {"benchmark", "FILE.csv [FRAMES]", "flies the path and writes a line a frame",
+         [](Words& w) {
+             const std::string path = w.text("a file");
+             return Benchmark{path, w.more() ? w.count("frames") : 0};
+         }},
+        {"export", "FILE.glb [ERROR_PX]", "the mesh as it is, or refined to a threshold",
+         [](Words& w) {
+             const std::string path = w.text("a file");
+             return Export{path, w.number_or(0, "a threshold")};
+         }},
+        {"preview", "[ERROR_PX]", "how large that would be",
+         [](Words& w) { return PreviewExport{w.number_or(0, "a threshold")}; }},
+        {"cancel", "", "the job that runs", plain<CancelJob>()},
+        {"screenshot", "FILE.png [terrain]", "the window, or the terrain alone",
+         [](Words& w) {
+             const std::string path = w.text("a file");
+             return Screenshot{path, w.text_or("") != "terrain"};
+         }},
+        {"resize", "WIDTH HEIGHT", "the window, in pixels",
+         [](Words& w) {
+             const auto width = static_cast<std::uint32_t>(w.count("a width"));
+             return Resize{width, static_cast<std::uint32_t>(w.count("a height"))};
+         }},
+        {"dump", "FILE.json", "the editor's state", with_path<DumpState>(true)},
+        {"lose-graphics", "", "makes everything on the GPU anew, as after a reset", plain<LoseGraphics>()},
+        {"frames", "N", "waits", [](Words& w) { return WaitFrames{w.count("frames")}; }},
+        {"wait", "", "until the mesh is converged, all is streamed in and no job runs", plain<WaitThere>()},
+        {"quit", "[discard]", "asks about unsaved changes, or not",
+         [](Words& w) { return Quit{w.text_or("") == "discard"}; }},
+    };
+}
+
+const std::vector<Verb>& verbs() {
+    static const std::vector<Verb> all = [] {
+        std::vector<Verb> list = terrain_verbs();
+        for (auto* const more : {camera_verbs, show_verbs, program_verbs})
+            for (Verb& verb : more()) list.push_back(std::move(verb));
+        return list;
+    }();
+    return all;
+}
+
+std::vector<std::string> split(std::string_view line) {
+    std::vector<std::string> words;
+    bool quoted = false, inside = false;
+    for (const char c : line) {
+        if (c == '"') {
+            quoted = !quoted;
+            if (!inside) words.emplace_back();
+            inside = true;
+        } else if (!quoted && (c == ' ' || c == '\t' || c == '\r')) {
+            inside = false;
+        } else {
+            if (!inside) words.emplace_back();
+            inside = true;
+            words.back() += c;
+        }
+    }
+    if (quoted) throw Failure(2, "a quote is not closed");
+    return words;
+}
+
+} // namespace
+
+std::optional<Command> parse_command(std::string_view line) {
+    std::vector<std::string> all = split(line);
+    if (all.empty() || all[0].starts_with('#')) return {};
+    const std::string name = all[0];
+    for (const Verb& verb : verbs()) {
+        if (name != verb.name) continue;
+        all.erase(all.begin());
+        try {
+            Words words(std::move(all));
+            Command command = verb.parse(words);
+            words.end();
+            return command;
+        } catch (const Failure& failure) {
+            throw Failure(2, fmt::format("{}: {}; it goes: {} {}", name, failure.what(), verb.name, verb.words));
+        }
+    }
+    throw Failure(2, fmt::format("{}: no such command; fjell-editor --help-commands lists them", name));
+}
+
+std::string command_help() {
+    std::string text;
+    for (const Verb& verb : verbs())
+        text += fmt::format("{}{}{}\n    {}\n", verb.name, *verb.words ? " " : "", verb.words, verb.about);
+    return text;
+}
+
+} // namespace fjell::editor

@@ -1,0 +1,191 @@
+// Everything that can be done in the editor, as data.
+//
+// Panels, keys, the command line and scripts make commands; apply() (editor/apply.h) is the one place that carries them
+// out. Each has a text form, one line: a verb and its words (`set refine.error_px 2`), so whatever a hand can do a
+// script can do too. Thread: the frame's. Memory: those that a steady frame makes hold no text and allocate nothing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "editor/names.h"
+#include "fjell/view.h"
+#include "fly/camera.h"
+#include "fly/profile_keys.h"
+
+namespace fjell::editor {
+
+// --- the terrain and its profile ---
+struct Open { // a pack, a profile, a camera path, or heights to be baked: told from the content
+    std::string path;
+};
+struct OpenSample {}; // made and baked at its first use
+struct SetKey {
+    const fly::ProfileKey* key = nullptr;
+    double value = 0;
+    bool dragging = false; // more of the same follows: one step of undoing, and nothing is rebuilt until the last
+};
+struct Undo {};
+struct Redo {};
+struct DefaultProfile {};
+struct OpenProfile {
+    std::string path;
+};
+struct SaveProfile {
+    std::string path; // empty: where it came from
+};
+struct CompareProfile {
+    std::string path; // empty: with what was saved last
+};
+
+// --- the camera ---
+struct Move { // of this frame: keys and mouse
+    fly::Steering steering;
+    double seconds = 0;
+    double right_rad = 0, up_rad = 0; // looked, or went around the orbit's centre
+    double speed_steps = 0;           // notches of the wheel
+};
+struct PlaceCamera {
+    Vec3 position_m;
+    double heading_rad = 0, pitch_rad = 0;
+};
+struct JumpTo { // to over this place, looking as before
+    double x_m = 0, z_m = 0;
+};
+struct SetSpeed {
+    double m_s = 1;
+};
+struct Navigate {
+    Navigation navigation = Navigation::fly;
+};
+struct Freeze { // the camera that refines and culls stays where it is
+    bool on = false;
+};
+
+// --- the camera's path ---
+struct OpenPath {
+    std::string path;
+};
+struct SavePath {
+    std::string path; // empty: where it came from
+};
+struct RecordPath {
+    bool on = false;
+};
+struct PlayPath {
+    bool on = false;
+};
+struct SeekPath {
+    double share = 0; // 0..1 of its length
+};
+struct AddPoint {}; // where the camera is, after the selected one
+struct ReplacePoint {
+    std::size_t point = 0; // by where the camera is
+};
+struct RemovePoint {
+    std::size_t point = 0;
+};
+struct SelectPoint { // and look from there
+    std::size_t point = 0;
+};
+struct ClearPath {};
+
+// --- what is shown ---
+struct SetMode {
+    fly::PictureMode mode = fly::PictureMode::shaded;
+};
+struct SetOverlay {
+    Overlay overlay = Overlay::wireframe;
+    bool on = false;
+};
+struct ShowPanel {
+    Panel panel = Panel::tune;
+};
+struct ShowDialog {
+    Dialog dialog = Dialog::none;
+};
+struct SetScale {
+    double scale = 1; // of the user interface
+};
+struct DismissMessage {};
+
+// --- jobs beside the frame; one at a time ---
+struct Bake {
+    std::vector<std::string> inputs;
+    std::string output; // opened when it is done
+    std::uint32_t tile = 0;
+    std::string texture, ramp;
+    double spacing_m = 0, height_scale = 1;
+};
+struct Tune {
+    TuneSettings settings;
+};
+struct Benchmark {
+    std::string csv;
+    std::size_t frames = 0; // 0: as many as the path usually has
+};
+struct Export {
+    std::string path;      // .glb
+    double error_px = 0;   // 0: as the frame is
+};
+struct PreviewExport { // size and counts of it, nothing written
+    double error_px = 0;
+};
+struct CancelJob {};
+
+// --- the program ---
+struct Screenshot {
+    std::string path;         // .png
+    bool with_panels = true;
+};
+struct Resize { // the headless window
+    std::uint32_t width = 0, height = 0;
+};
+struct DumpState {
+    std::string path; // JSON, for tests and scripts
+};
+struct LoseGraphics {}; // as when the driver resets: everything on the GPU is made anew
+struct Quit {
+    bool discard = false; // without asking about what is not saved
+};
+
+// --- of scripts only: what comes after waits ---
+struct WaitFrames {
+    std::size_t frames = 0;
+};
+struct WaitThere {}; // until the mesh has converged, all wanted is streamed in and no job runs
+
+using Command =
+    std::variant<Open, OpenSample, SetKey, Undo, Redo, DefaultProfile, OpenProfile, SaveProfile, CompareProfile, Move,
+                 PlaceCamera, JumpTo, SetSpeed, Navigate, Freeze, OpenPath, SavePath, RecordPath, PlayPath, SeekPath,
+                 AddPoint, ReplacePoint, RemovePoint, SelectPoint, ClearPath, SetMode, SetOverlay, ShowPanel,
+                 ShowDialog, SetScale, DismissMessage, Bake, Tune, Benchmark, Export, PreviewExport, CancelJob,
+                 Screenshot, Resize, DumpState, LoseGraphics, Quit, WaitFrames, WaitThere>;
+
+// What the panels of one frame ask for, in its order. Room for a frame's worth is made once.
+class Commands {
+public:
+    Commands() { list_.reserve(64); }
+    template <typename C>
+    void push(C command) {
+        list_.emplace_back(std::move(command));
+    }
+    [[nodiscard]] const std::vector<Command>& list() const { return list_; }
+    void clear() { list_.clear(); }
+
+private:
+    std::vector<Command> list_;
+};
+
+// One line of a script. Empty lines and those that begin with # are none. Throws host::Failure (2) that says what the
+// verb wants.
+[[nodiscard]] std::optional<Command> parse_command(std::string_view line);
+// Every verb, its words and what it does, one a line: for --help-commands and the README.
+[[nodiscard]] std::string command_help();
+
+} // namespace fjell::editor

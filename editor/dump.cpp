@@ -1,0 +1,144 @@
+#include "editor/dump.h"
+
+#include <nlohmann/json.hpp>
+
+#include "editor/ui.h"
+
+namespace fjell::editor {
+
+namespace {
+
+using nlohmann::json;
+
+json vector_json(const Vec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+json document_json(const Document& d) {
+    return {{"path", d.path()},           {"unsaved", d.unsaved()},       {"undo", d.undo_steps()},
+            {"redo", d.redo_steps()},     {"undo_label", d.undo_label()}, {"dragging", d.dragging()},
+            {"compared", d.compared() != nullptr}};
+}
+
+json profile_json(const fly::Profile& profile) {
+    json values;
+    for (const fly::ProfileKey& key : fly::profile_keys()) {
+        const std::string name = std::string(key.table) + "." + key.name;
+        const double value = key.get(profile);
+        if (key.kind == fly::KeyKind::choice)
+            values[name] = key.choices[static_cast<std::size_t>(value)];
+        else if (key.kind == fly::KeyKind::flag)
+            values[name] = value != 0;
+        else
+            values[name] = value;
+    }
+    return values;
+}
+
+json camera_json(const Eye& eye) {
+    const fly::FreeCamera& c = eye.free;
+    return {{"position_m", vector_json(c.position_m)},
+            {"heading_rad", c.heading},
+            {"pitch_rad", c.pitch},
+            {"speed_m_s", c.speed_m_s},
+            {"navigation", navigation_names[static_cast<int>(eye.navigation)]},
+            {"frozen", eye.frozen}};
+}
+
+json route_json(const Route& r) {
+    return {{"path", r.path()},       {"unsaved", r.unsaved()},     {"points", r.points().size()},
+            {"poses", r.poses().size()}, {"share", r.share()},      {"playing", r.playing()},
+            {"recording", r.recording()}, {"selected", r.selected() ? json(*r.selected()) : json()}};
+}
+
+json interface_json(const State& state) {
+    const Interface& i = state.interface;
+    json overlay;
+    for (std::size_t k = 0; k < i.overlay.size(); ++k) overlay[overlay_names[k]] = i.overlay[k];
+    return {{"scale", i.scale},
+            {"left", panel_names[static_cast<int>(i.left)]},
+            {"right", panel_names[static_cast<int>(i.right)]},
+            {"dialog", dialog_names[static_cast<int>(i.dialog)]},
+            {"mode", fly::picture_mode_names[static_cast<int>(i.mode)]},
+            {"overlay", overlay},
+            {"window_px", {i.width_px, i.height_px}},
+            {"view_px", {i.view_x_px, i.view_y_px, i.view_width_px, i.view_height_px}},
+            {"recent", i.recent}};
+}
+
+json job_json(const JobView& j) {
+    json curve = json::array();
+    for (const TunePoint& p : j.curve)
+        curve.push_back({{"error_px", p.error_px}, {"p50_us", p.p50_us}, {"p99_us", p.p99_us}, {"max_us", p.max_us},
+                         {"vertices", p.vertices}, {"keeps", p.keeps}});
+    return {{"kind", job_names[static_cast<int>(j.kind)]},
+            {"running", j.running},
+            {"cancelled", j.cancelled},
+            {"stage", j.stage},
+            {"share", j.share},
+            {"problem", j.problem},
+            {"result", j.result},
+            {"output", j.output},
+            {"curve", curve},
+            {"best_px", j.best_px},
+            {"preview", {{"error_px", j.preview.error_px}, {"vertices", j.preview.vertices},
+                         {"triangles", j.preview.triangles}, {"bytes", j.preview.bytes}}},
+            {"finished", j.finished}};
+}
+
+json messages_json(const State& state) {
+    json list = json::array();
+    constexpr const char* severities[] = {"note", "warning", "error"};
+    for (const Message& m : state.messages.all)
+        list.push_back({{"severity", severities[static_cast<int>(m.severity)]}, {"text", m.text}, {"times", m.times}});
+    return list;
+}
+
+json measures_json(const State& state) {
+    const fly::FrameEntry& e = state.measures.last();
+    const auto ring = [&](Series series) {
+        const Quantiles q = state.measures.ring(series).quantiles();
+        return json{{"p50", q.p50}, {"p99", q.p99}, {"max", q.max}, {"last", q.last}};
+    };
+    json levels = json::array();
+    for (std::uint32_t i = 0; i < state.measures.levels().levels; ++i)
+        levels.push_back(state.measures.levels().triangles[i]);
+    return {{"frames", state.measures.frames()},
+            {"vertices", e.vertices},
+            {"triangles", e.triangles},
+            {"triangles_drawn", e.triangles_drawn},
+            {"error_px_asked", e.error_px_asked},
+            {"error_px_effective", e.error_px_effective},
+            {"converged", e.converged},
+            {"update_us", ring(Series::update_us)},
+            {"frame_us", ring(Series::frame_us)},
+            {"editor_us", ring(Series::editor_us)},
+            {"draw_us", ring(Series::draw_us)},
+            {"levels", levels}};
+}
+
+} // namespace
+
+std::string dump(const State& state) {
+    json marks;
+    for (const ui::Mark& m : ui::marks()) marks[m.name] = {m.rect.x, m.rect.y, m.rect.width, m.rect.height};
+    const Scene& s = state.scene;
+    const json all = {
+        {"frame", state.frame},
+        {"scene",
+         {{"path", s.path}, {"columns", s.columns}, {"rows", s.rows}, {"tiles", {s.tiles_x, s.tiles_y}},
+          {"streamed", s.streamed}, {"method_bytes", s.method_bytes}}},
+        {"profile", profile_json(state.document.profile())},
+        {"document", document_json(state.document)},
+        {"camera", camera_json(state.eye)},
+        {"route", route_json(state.route)},
+        {"interface", interface_json(state)},
+        {"job", job_json(state.job)},
+        {"messages", messages_json(state)},
+        {"measures", measures_json(state)},
+        {"graphics", state.graphics},
+        {"marks", marks}};
+    return all.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+} // namespace fjell::editor

@@ -1,0 +1,161 @@
+#include "editor/engine.h"
+
+#include <chrono>
+#include <filesystem>
+#include <utility>
+
+#include "fly/pictures.h"
+#include "host/failure.h"
+
+namespace fjell::editor {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::size_t most_messages = 64; // a damaged pack may have a line for every page
+
+double microseconds(Clock::duration d) {
+    return std::chrono::duration<double, std::micro>(d).count();
+}
+
+// The most that any changed key takes.
+fly::Rebuild rebuild_of(const fly::Profile& from, const fly::Profile& to) {
+    fly::Rebuild most = fly::Rebuild::nothing;
+    for (const fly::ProfileKey& key : fly::profile_keys())
+        if (key.get(from) != key.get(to)) most = std::max(most, key.rebuild);
+    return most;
+}
+
+const char* order_name(Order order) {
+    switch (order) {
+    case Order::planar: return "planar";
+    case Order::hierarchical_z: return "hierarchical Z";
+    case Order::linear: break;
+    }
+    return "linear";
+}
+
+std::string maps_text(const PackHeader& h) {
+    std::string text;
+    if (h.colour_log2 != 0) text = "colour " + std::to_string(1u << h.colour_log2);
+    if (h.normal_log2 != 0) text += (text.empty() ? "normals " : ", normals ") + std::to_string(1u << h.normal_log2);
+    return text.empty() ? "none" : text + " texels a tile";
+}
+
+// Needs the graphics context.
+std::unique_ptr<gl::Renderer> renderer_for(const fly::Options& options, const fly::Session& session) {
+    std::string error;
+    auto renderer = fly::make_renderer(options, session, error);
+    if (!renderer) throw host::Failure(3, error);
+    return renderer;
+}
+
+} // namespace
+
+Engine::Engine() = default;
+Engine::~Engine() = default;
+
+fly::Options Engine::options(const fly::Profile& profile) const {
+    fly::Options o;
+    o.pack = pack_;
+    o.profile = profile;
+    return o;
+}
+
+void Engine::open(const std::string& pack, const fly::Profile& profile) {
+    fly::Options o = options(profile);
+    o.pack = pack;
+    auto session = std::make_unique<fly::Session>();
+    fly::open_session(o, *session);
+    if (session->streamed)
+        session->streamed->on_failure([this](const std::string& line) {
+            if (messages_.size() < most_messages) messages_.push_back(line);
+        });
+    auto renderer = renderer_for(o, *session);
+    renderer_ = std::move(renderer); // which points into the terrain: the old one goes before the old session
+    session_ = std::move(session);
+    pack_ = pack;
+    built_ = profile;
+}
+
+void Engine::close() {
+    renderer_.reset();
+    session_.reset();
+    pack_.clear();
+}
+
+bool Engine::follow(const fly::Profile& profile) {
+    switch (rebuild_of(built_, profile)) {
+    case fly::Rebuild::nothing: return false;
+    case fly::Rebuild::method:
+        if (!session_->streamed) {
+            fly::remake_method(options(profile), *session_);
+            built_ = profile;
+            renderer_.reset();
+            renderer_ = renderer_for(options(profile), *session_);
+            return true;
+        }
+        [[fallthrough]]; // the stream holds on to the cut
+    case fly::Rebuild::session: open(std::string(pack_), profile); return true;
+    }
+    return false;
+}
+
+fly::FrameEntry Engine::update(const View& view, const fly::Profile& profile, double now_s, double& upload_us) {
+    fly::FrameEntry entry = fly::update_frame(*session_, view, profile, now_s);
+    const auto start = Clock::now();
+    const std::string error = fly::upload_mesh(*renderer_, *session_, entry);
+    upload_us = microseconds(Clock::now() - start);
+    if (!error.empty()) throw host::Failure(3, error);
+    return entry;
+}
+
+void Engine::draw(const State& state, const gl::Target& target) {
+    gl::DrawOptions options = fly::draw_options(state.interface.mode);
+    options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
+    const std::string error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, target);
+    if (!error.empty()) throw host::Failure(3, error);
+}
+
+std::vector<std::string> Engine::take_messages() {
+    return std::exchange(messages_, {});
+}
+
+void Engine::drop_graphics() {
+    renderer_.reset();
+}
+
+void Engine::make_graphics() {
+    if (session_) renderer_ = renderer_for(options(built_), *session_);
+}
+
+Scene Engine::scene() const {
+    Scene s;
+    if (!session_) return s;
+    const fly::Session& session = *session_;
+    const PackHeader& h = session.loaded.pack.header;
+    s.path = pack_;
+    s.columns = h.columns;
+    s.rows = h.rows;
+    s.tiles_x = h.tiles_x;
+    s.tiles_y = h.tiles_y;
+    s.tile_cells = 1u << h.tile_log2;
+    s.pages = session.terrain().page_count();
+    s.spacing_m[0] = h.spacing_m[0];
+    s.spacing_m[1] = h.spacing_m[1];
+    s.min_m = h.min_m;
+    s.max_m = h.max_m;
+    s.quantum_m = static_cast<double>(session.terrain().lattice.quantum_m);
+    s.order = order_name(session.terrain().pages.order);
+    s.maps = maps_text(h);
+    std::error_code ignored;
+    s.file_bytes = std::filesystem::file_size(pack_, ignored);
+    s.terrain_bytes = session.terrain_bytes;
+    s.method_bytes = session.block_bytes;
+    s.stream_bytes = session.streamed ? session.streamed->block_bytes() : 0;
+    s.streamed = session.streamed != nullptr;
+    s.load_s = session.load_seconds;
+    return s;
+}
+
+} // namespace fjell::editor

@@ -1,0 +1,56 @@
+// The terrain as the editor shows it: a session of the flight client, the renderer of its mesh, and how both follow a
+// profile that changes under them.
+//
+// Ownership: both. Thread: the frame's, with the graphics context current. Failure: host::Failure with one line; what
+// was open before stays open, as it was.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "editor/state.h"
+#include "fly/session.h"
+#include "gl/renderer.h"
+#include "gl/target.h"
+
+namespace fjell::editor {
+
+class Engine {
+public:
+    Engine();
+    ~Engine();
+    Engine(const Engine&) = delete;
+    Engine& operator=(const Engine&) = delete;
+
+    void open(const std::string& pack, const fly::Profile& profile);
+    void close();
+    [[nodiscard]] bool is_open() const { return session_ != nullptr; }
+    [[nodiscard]] const fly::Session& session() const { return *session_; }
+    [[nodiscard]] Scene scene() const;
+
+    // Makes anew what the profile's budgets ask for: the method's block, or terrain and stream too. True when it did.
+    bool follow(const fly::Profile& profile);
+    // One update for that view, uploaded. draw_us: what the upload took.
+    [[nodiscard]] fly::FrameEntry update(const View& view, const fly::Profile& profile, double now_s, double& upload_us);
+    // The terrain, and what lies over it.
+    void draw(const State& state, const gl::Target& target);
+    [[nodiscard]] const gl::DrawStats& stats() const { return renderer_->stats(); }
+    // What reading has had to say since the last call; empty: nothing.
+    [[nodiscard]] std::vector<std::string> take_messages();
+
+    // The context is gone, or about to go; and there is another one.
+    void drop_graphics();
+    void make_graphics();
+
+private:
+    [[nodiscard]] fly::Options options(const fly::Profile& profile) const;
+
+    std::vector<std::string> messages_; // of reading, until they are taken
+    std::string pack_;
+    fly::Profile built_; // what the session's blocks were made for
+    std::unique_ptr<fly::Session> session_;
+    std::unique_ptr<gl::Renderer> renderer_;
+};
+
+} // namespace fjell::editor

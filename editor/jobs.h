@@ -1,0 +1,100 @@
+// Work that takes seconds or minutes beside the frame: baking, tuning, benchmarks, exports. One at a time, on a thread
+// of its own, with progress, and cancelled at any moment.
+//
+// A job has its own terrain and, where it draws, its own headless context: it touches nothing of the frame's.
+// Ownership: Jobs owns the thread; destroying it cancels and joins. Thread: start(), poll() and cancel() on the frame's.
+// Failure: what a job throws becomes JobView::problem; files appear only when they are complete.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "editor/names.h"
+#include "fly/path.h"
+#include "fly/profile.h"
+
+namespace fjell::editor {
+
+enum class JobKind : std::uint8_t { none, bake, tune, benchmark, snapshot, preview, heights };
+inline constexpr const char* job_names[] = {"none", "bake", "tune", "benchmark", "export", "preview", "heights"};
+
+// One flight of a tuning run.
+struct TunePoint {
+    double error_px = 0;
+    double p50_us = 0, p99_us = 0, max_us = 0;
+    double vertices = 0; // mean, selected or active
+    bool keeps = false;  // p99 is within the budget
+};
+
+struct ExportPreview {
+    double error_px = 0;
+    std::uint64_t vertices = 0, triangles = 0, bytes = 0; // bytes: about
+};
+
+// What panels see of the job that runs, or of the last one.
+struct JobView {
+    JobKind kind = JobKind::none;
+    bool running = false, cancelled = false;
+    std::string stage;
+    double share = 0;     // done, 0..1
+    double seconds = 0;   // so far
+    std::string problem;  // why it failed; empty: it did not
+    std::string result;   // one line when it is done
+    std::string output;   // the file that it wrote
+    std::vector<TunePoint> curve; // of tuning, by falling threshold
+    TuneSettings tuned;
+    double best_px = 0;   // of tuning: the smallest threshold that keeps the budget; 0: none does
+    ExportPreview preview;
+    std::uint64_t finished = 0; // jobs that ended so far
+};
+
+// What a job's body is given. Thread: the job's.
+class JobControl {
+public:
+    // Throws Cancelled when the job is to stop. stage: what is being done.
+    void progress(const char* stage, std::uint64_t done, std::uint64_t total);
+    // Changes the view that panels will see.
+    void publish(const std::function<void(JobView&)>& change);
+    [[nodiscard]] bool cancelled() const { return stop_.stop_requested(); }
+
+private:
+    friend class Jobs;
+    std::stop_token stop_;
+    std::mutex lock_;
+    JobView view_;
+    std::atomic<bool> changed_{false}, done_{false};
+};
+struct Cancelled {};
+
+class Jobs {
+public:
+    using Body = std::function<void(JobControl&)>;
+    Jobs() = default;
+    ~Jobs();
+    Jobs(const Jobs&) = delete;
+    Jobs& operator=(const Jobs&) = delete;
+
+    // Throws host::Failure (2) while another one runs.
+    void start(JobKind kind, Body body);
+    void cancel();
+    [[nodiscard]] bool running() const { return thread_.joinable(); }
+    // Brings the view up to date; allocates nothing when nothing has changed. True once, when a job has ended.
+    bool poll(JobView& view);
+
+private:
+    std::shared_ptr<JobControl> control_;
+    std::uint64_t finished_ = 0;
+    std::chrono::steady_clock::time_point started_;
+    std::jthread thread_; // last: it ends before what it uses goes
+};
+
+} // namespace fjell::editor

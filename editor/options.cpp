@@ -1,0 +1,67 @@
+#include "editor/options.h"
+
+#include <charconv>
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "editor/command.h"
+#include "host/failure.h"
+
+namespace fjell::editor {
+
+namespace {
+
+using host::Failure;
+
+void read_size(const std::string& text, Options& options) {
+    const char* const end = text.data() + text.size();
+    const auto [cross, first] = std::from_chars(text.data(), end, options.width);
+    if (first == std::errc{} && cross != end && *cross == 'x') {
+        const auto [last, second] = std::from_chars(cross + 1, end, options.height);
+        const auto fits = [](std::uint32_t px) { return px >= 320 && px <= 8192; };
+        if (second == std::errc{} && last == end && fits(options.width) && fits(options.height)) return;
+    }
+    throw Failure(2, fmt::format("--size {}: must be WIDTHxHEIGHT, 320 to 8192 each", text));
+}
+
+} // namespace
+
+bool parse_options(int argc, char** argv, Options& options) {
+    CLI::App app("Tunes thresholds and budgets over a terrain, by eye and by number.", "fjell-editor");
+    std::string size;
+    bool help_commands = false, no_vsync = false;
+    app.add_option("PACK", options.pack, "the terrain: a pack, or heights to be baked; none: the start page");
+    app.add_option("--profile", options.profile, "the profile to tune (profiles/*.toml)");
+    app.add_option("--path", options.path, "a camera path (content/paths/*.json)");
+    app.add_option("--screenshot", options.screenshot, "writes the window as PNG after --frames, and quits");
+    app.add_option("--frames", options.frames, "quits after so many frames");
+    app.add_option("--do", options.commands, "a command; may be given again (see --help-commands)")->allow_extra_args(false);
+    app.add_option("--script", options.script, "a file of commands, one a line; -: standard input");
+    app.add_flag("--headless", options.headless, "no window: for scripts; quits when they are done");
+    app.add_option("--size", size, "window in pixels, WIDTHxHEIGHT (default 1280x720)");
+    app.add_option("--scale", options.scale, "of the interface, 0.5 to 4; default: the desktop's")
+        ->check(CLI::Range(0.5, 4.0));
+    app.add_flag("--no-vsync", no_vsync, "frames as fast as they go");
+    app.add_flag("--help-commands", help_commands, "lists the commands of --do and --script");
+    app.set_version_flag("--version", std::string("fjell-editor ") + FJELL_VERSION);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& done) {
+        (void)app.exit(done);
+        return false;
+    } catch (const CLI::ParseError& error) {
+        throw Failure(2, fmt::format("{}; see fjell-editor --help", error.what()));
+    }
+    if (help_commands) {
+        fmt::print("{}", command_help());
+        return false;
+    }
+    if (!size.empty()) read_size(size, options);
+    options.vsync = !no_vsync;
+    if (!options.screenshot.empty() && options.frames == 0) options.frames = 60;
+    return true;
+}
+
+} // namespace fjell::editor

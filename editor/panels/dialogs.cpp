@@ -1,0 +1,44 @@
+#include "editor/panels/panels.h"
+
+namespace fjell::editor {
+
+namespace {
+
+struct Window {
+    const char* title;
+    double width, height; // unscaled pixels
+    void (*draw)(const State&, Commands&);
+};
+constexpr Window windows[] = {
+    {"", 0, 0, nullptr},
+    {"Welcome to Fjell", 560, 380, draw_start},
+    {"Open", 640, 460, draw_open_file},
+    {"Save profile", 640, 460, draw_save_profile},
+    {"Save camera path", 640, 460, draw_save_path},
+    {"Compare profiles", 640, 460, draw_compare},
+    {"Bake", 560, 420, draw_bake},
+    {"Auto-tune", 640, 520, draw_auto_tune},
+    {"Benchmark", 520, 300, draw_benchmark},
+    {"Export glTF", 520, 320, draw_snapshot},
+    {"Screenshot", 520, 220, draw_screenshot},
+    {"Keys", 560, 460, draw_keys},
+    {"Messages", 640, 420, draw_messages},
+    {"Unsaved changes", 480, 200, draw_unsaved},
+    {"Recovered changes", 480, 220, draw_recover},
+};
+static_assert(std::size(windows) == dialogs, "a dialogue was added: say how it looks");
+
+} // namespace
+
+void draw_dialog(const State& state, Commands& commands) {
+    const Dialog dialog = state.interface.dialog;
+    if (dialog == Dialog::none) return;
+    const Window& window = windows[static_cast<std::size_t>(dialog)];
+    bool open = true;
+    ui::begin_dialog(window.title, window.width, window.height, state, open);
+    window.draw(state, commands);
+    ImGui::End();
+    if (!open) commands.push(ShowDialog{Dialog::none});
+}
+
+} // namespace fjell::editor

@@ -1,0 +1,44 @@
+// The panels: each reads the state and pushes commands, and touches nothing else.
+#pragma once
+
+#include "editor/command.h"
+#include "editor/state.h"
+#include "editor/ui.h"
+
+namespace fjell::editor {
+
+// Everything of a frame: menu, columns, status line, the picture's area and whatever dialogue is open.
+void draw_panels(const State& state, Commands& commands);
+
+void draw_menu(const State& state, Commands& commands);
+void draw_status(const State& state, const ui::Layout& layout, Commands& commands);
+// Keys and mouse over the picture.
+void draw_view(const State& state, const ui::Layout& layout, Commands& commands);
+
+// Inside a column.
+void draw_tune(const State& state, Commands& commands);
+void draw_camera(const State& state, Commands& commands);
+void draw_show(const State& state, Commands& commands);
+void draw_time(const State& state, Commands& commands);
+void draw_budgets(const State& state, Commands& commands);
+void draw_streaming(const State& state, Commands& commands);
+void draw_levels(const State& state, Commands& commands);
+
+// The open one; it has its window, its place and its way to be closed already.
+void draw_dialog(const State& state, Commands& commands);
+void draw_start(const State& state, Commands& commands);
+void draw_open_file(const State& state, Commands& commands);
+void draw_save_profile(const State& state, Commands& commands);
+void draw_save_path(const State& state, Commands& commands);
+void draw_compare(const State& state, Commands& commands);
+void draw_unsaved(const State& state, Commands& commands);
+void draw_recover(const State& state, Commands& commands);
+void draw_bake(const State& state, Commands& commands);
+void draw_auto_tune(const State& state, Commands& commands);
+void draw_benchmark(const State& state, Commands& commands);
+void draw_snapshot(const State& state, Commands& commands);
+void draw_screenshot(const State& state, Commands& commands);
+void draw_keys(const State& state, Commands& commands);
+void draw_messages(const State& state, Commands& commands);
+
+} // namespace fjell::editor

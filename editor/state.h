@@ -1,0 +1,111 @@
+// All that the editor knows and panels read: one plain value, changed by apply() and by the frame (editor/app.h) alone.
+//
+// docs/notes/editor.md draws who reads and who writes. Thread: the frame's. Units are in the names; times of the clock
+// are seconds since the editor started.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "editor/document.h"
+#include "editor/jobs.h"
+#include "editor/measures.h"
+#include "editor/names.h"
+#include "editor/route.h"
+#include "fjell/view.h"
+#include "fly/camera.h"
+#include "fly/log.h"
+#include "fly/options.h"
+#include "gl/renderer.h"
+
+namespace fjell::editor {
+
+// What is open.
+struct Scene {
+    std::string path; // of the pack; empty: nothing is open
+    std::uint32_t columns = 0, rows = 0, tiles_x = 0, tiles_y = 0, tile_cells = 0, pages = 0;
+    double spacing_m[2] = {}, min_m = 0, max_m = 0, quantum_m = 0;
+    std::string order, maps; // for people
+    std::uint64_t file_bytes = 0, terrain_bytes = 0, method_bytes = 0, stream_bytes = 0, gpu_bytes = 0;
+    bool streamed = false;
+    double load_s = 0;
+
+    [[nodiscard]] bool open() const { return !path.empty(); }
+    [[nodiscard]] double width_m() const { return columns > 1 ? (columns - 1) * spacing_m[0] : 0; }
+    [[nodiscard]] double depth_m() const { return rows > 1 ? (rows - 1) * spacing_m[1] : 0; }
+};
+
+struct Eye {
+    fly::FreeCamera free;
+    Navigation navigation = Navigation::fly;
+    Vec3 orbit_centre_m;
+    double orbit_radius_m = 1;
+    View view;                    // of the last frame, as drawn
+    bool frozen = false;          // refined for another view than is drawn:
+    std::optional<View> refining; // that one
+};
+
+enum class Severity : std::uint8_t { note, warning, error };
+struct Message {
+    Severity severity = Severity::note;
+    std::string text; // one line, the remedy in it
+    double at_s = 0;
+    std::uint32_t times = 1; // the same again
+};
+
+struct Messages {
+    std::deque<Message> all; // the last 200
+    double shown_until_s = 0; // the newest, over the picture
+};
+
+// What a file dialogue looks at.
+struct Browser {
+    std::string folder, chosen; // chosen: the name that is typed
+    struct Entry {
+        std::string name;
+        bool folder = false;
+        std::uint64_t bytes = 0;
+    };
+    std::vector<Entry> entries;
+    std::string problem; // why the folder cannot be read
+};
+
+struct Interface {
+    double scale = 1;
+    Panel left = Panel::tune, right = Panel::time;
+    Dialog dialog = Dialog::none;
+    fly::PictureMode mode = fly::PictureMode::shaded;
+    std::array<bool, overlays> overlay{};
+    std::vector<std::string> recent; // packs, the latest first
+    std::uint32_t width_px = 0, height_px = 0; // of the window
+    std::uint32_t view_x_px = 0, view_y_px = 0, view_width_px = 0, view_height_px = 0; // of the picture in it
+};
+
+struct State {
+    Scene scene;
+    Document document;
+    Route route;
+    Eye eye;
+    Measures measures;
+    JobView job;
+    Messages messages;
+    Browser browser;
+    Interface interface;
+    double now_s = 0;
+    std::uint64_t frame = 0;
+    bool quit = false;
+    std::optional<gl::DrawStats> drawn; // of the last frame
+    std::string graphics;               // the driver
+
+    [[nodiscard]] bool shows(Overlay overlay) const {
+        return interface.overlay[static_cast<std::size_t>(overlay)];
+    }
+};
+
+void tell(State& state, Severity severity, std::string text);
+
+} // namespace fjell::editor

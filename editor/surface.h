@@ -1,0 +1,55 @@
+// Where the editor shows itself: a window, or a headless picture of any size for scripts and tests.
+//
+// Both hold a current OpenGL context and Dear ImGui's back ends for it. Ownership: the surface's; GL objects of others
+// must be gone before it. Thread: the frame's. Failure: create functions return null with one line in error.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gl/image.h"
+#include "gl/target.h"
+
+namespace fjell::editor {
+
+class Surface {
+public:
+    virtual ~Surface() = default;
+    Surface() = default;
+    Surface(const Surface&) = delete;
+    Surface& operator=(const Surface&) = delete;
+
+    virtual void begin_frame() = 0; // input, and ImGui's display size and time
+    // 0 x 0 while minimised.
+    virtual void size(std::uint32_t& width, std::uint32_t& height) const = 0;
+    [[nodiscard]] virtual unsigned framebuffer() const = 0;
+    void draw_interface(); // ImGui's draw data, into the bound framebuffer
+    void fonts_changed();  // the atlas was made anew
+    virtual void present() = 0;
+    [[nodiscard]] virtual bool should_close() const = 0;
+    virtual void stay_open() = 0; // after should_close(): the user is asked first
+    virtual void set_title(const char* title) = 0;
+    virtual void resize(std::uint32_t width, std::uint32_t height) = 0;
+    [[nodiscard]] virtual bool lost() const = 0; // the driver has reset: nothing on the GPU is left
+    [[nodiscard]] virtual std::string description() const = 0;
+    [[nodiscard]] virtual double content_scale() const = 0; // what the desktop asks for
+    void read(gl::Image& image) const;                      // what is drawn so far
+
+    std::vector<std::string> dropped; // files, since they were last taken
+};
+
+struct SurfaceOptions {
+    bool headless = false;
+    std::uint32_t width = 1280, height = 720;
+    bool vsync = true;
+};
+[[nodiscard]] std::unique_ptr<Surface> make_surface(const SurfaceOptions& options, std::string& error);
+
+// Copies a target's picture to that place of a framebuffer, y from the top.
+void blit(const gl::Target& target, unsigned framebuffer, std::uint32_t framebuffer_height, std::uint32_t x,
+          std::uint32_t y);
+
+} // namespace fjell::editor
