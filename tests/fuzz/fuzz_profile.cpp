@@ -1,9 +1,9 @@
-// Profiles: any text is refused, naming the file, or gives settings within their ranges.
+// Profiles: any text is refused, naming the file, or gives settings within their ranges, which can be written and read.
 #include <cstdint>
 #include <cstring>
 #include <string_view>
 
-#include "fly/profile.h"
+#include "fly/profile_keys.h"
 #include "host/failure.h"
 #include "input.h"
 
@@ -12,8 +12,9 @@ using namespace fjell::fly;
 using fuzz::must;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const std::string_view text(reinterpret_cast<const char*>(data), size);
     try {
-        const Profile p = parse_profile({reinterpret_cast<const char*>(data), size}, "fuzz");
+        const Profile p = parse_profile(text, "fuzz");
         must(p.refine.error_px >= min_error_px && p.refine.error_px <= max_error_px, "error_px keeps to its range");
         must(p.cut.hysteresis >= 0 && p.cut.hysteresis <= max_hysteresis, "hysteresis keeps to its range");
         must(p.cut.morph_s >= min_morph_s && p.cut.morph_s <= max_morph_s, "morph_s keeps to its range");
@@ -24,6 +25,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         must(p.budget.vertices <= max_vertices && p.budget.indices <= max_indices, "budgets keep to theirs");
         must(p.width_px >= 1 && p.width_px <= max_size_px && p.height_px >= 1 && p.height_px <= max_size_px, "a size");
         must(p.fov_deg >= min_fov_deg && p.fov_deg <= max_fov_deg, "fov_deg keeps to its range");
+        const Profile back = parse_profile(profile_text(p, profile_heading(text)), "fuzz: written");
+        must(differing_keys(p, back).empty(), "what is written reads back");
         must(cut_settings(p, 1).error_px == p.refine.error_px, "both methods have the same error");
     } catch (const host::Failure& refused) {
         must(refused.exit_code == 1 && std::strncmp(refused.what(), "fuzz", 4) == 0, "a refusal names the file");

@@ -1,9 +1,11 @@
 // A session changes its method under way, and tells of what it could not read.
 #include <catch2/catch.hpp>
 
-#include <numbers>
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include "fly/profile_keys.h"
 #include "fly/session.h"
 #include "host/failure.h"
 #include "support/program.h"
@@ -72,6 +74,39 @@ TEST_CASE("a session with another method or budget draws what one opened with it
         CHECK(session.method == options.profile.method);
         CHECK(session.terrain().records == records);
         CHECK(updated_hash(session, place, options.profile) == opened_hash(place, options));
+    }
+}
+
+TEST_CASE("what a changed key takes is what its table says: nothing, or the method's block") {
+    Place place(306);
+    for (const Method method : {Method::incremental, Method::recursive}) {
+        place.options.profile.method = method;
+        Session session;
+        open_session(place.options, session);
+        (void)update_frame(session, place.view(session), place.options.profile, 0);
+        const Profile before = place.options.profile;
+        for (const ProfileKey& key : profile_keys()) {
+            if (key.used_by == UsedBy::streaming || key.rebuild == Rebuild::session) continue;
+            if (key.kind == KeyKind::choice && key.rebuild == Rebuild::method) continue; // tested above
+            INFO(key.name);
+            Options options = place.options;
+            const double other = key.kind == KeyKind::whole    ? key.get(before) / 2
+                                 : key.kind == KeyKind::number ? key.get(before) * 1.5
+                                                               : key.most - key.get(before);
+            key.set(options.profile, std::clamp(std::floor(other), key.least, key.most));
+            if (key.rebuild == Rebuild::method) remake_method(options, session);
+            session.begun = false; // built from nothing, so that it is comparable
+            Session fresh;
+            open_session(options, fresh);
+            const View view = place.view(session);
+            const FrameEntry here = update_frame(session, view, options.profile, 0);
+            const FrameEntry there = update_frame(fresh, view, options.profile, 0);
+            CHECK(here.vertices == there.vertices);
+            CHECK(here.triangles == there.triangles);
+            CHECK(session.mesh().topology == fresh.mesh().topology);
+            CHECK(session.block_bytes == fresh.block_bytes);
+            if (key.rebuild == Rebuild::method) remake_method(place.options, session);
+        }
     }
 }
 
