@@ -68,7 +68,7 @@ constexpr ProfileTable tables[] = {
     {"view", "View"},
 };
 
-constexpr auto number = KeyKind::number, whole = KeyKind::whole, flag = KeyKind::flag, choice = KeyKind::choice;
+constexpr auto whole = KeyKind::whole, flag = KeyKind::flag, choice = KeyKind::choice;
 
 constexpr ProfileKey keys[] = {
     {.table = "refine",
