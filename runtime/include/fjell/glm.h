@@ -1,0 +1,54 @@
+// For engines that use GLM: a View's matrices, and conversions. Optional: nothing else includes it, and the library does
+// not link GLM.
+//
+// Axes are the scene's: x east, y up, z south, metres; cameras look along -z in their own space. Matrices are for
+// column vectors. Everything is double: subtract the eye before a position becomes float. Thread: any.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include <glm/ext/matrix_double4x4.hpp>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/ext/vector_double2.hpp>
+#include <glm/ext/vector_double3.hpp>
+#include <glm/ext/vector_double4.hpp>
+
+#include "fjell/view.h"
+
+namespace fjell {
+
+[[nodiscard]] inline glm::dvec3 to_glm(const Vec3& v) {
+    return {v.x, v.y, v.z};
+}
+[[nodiscard]] inline Vec3 from_glm(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+// World to camera.
+[[nodiscard]] inline glm::dmat4 view_matrix(const View& view) {
+    return glm::lookAt(to_glm(view.eye_m), to_glm(view.eye_m + view.forward), to_glm(view.up));
+}
+
+// Camera to clip space with reversed depth, as our renderer has it: 1 at the near plane, 0 at the far one, for a clip
+// space whose depths are 0..1 (glClipControl(..., GL_ZERO_TO_ONE), Vulkan, Direct3D) and a float depth buffer.
+[[nodiscard]] inline glm::dmat4 reversed_projection(const View& view) {
+    const double tangent = std::tan(view.fov_y_rad / 2), range = view.far_m - view.near_m;
+    const double aspect = static_cast<double>(view.width_px) / view.height_px;
+    glm::dmat4 m(0.0);
+    m[0][0] = 1 / (tangent * aspect);
+    m[1][1] = 1 / tangent;
+    m[2][2] = view.near_m / range;
+    m[2][3] = -1;
+    m[3][2] = view.near_m * view.far_m / range;
+    return m;
+}
+
+// Where a point is seen, in pixels from the picture's upper left corner; none: nearer than the near plane or behind.
+[[nodiscard]] inline std::optional<glm::dvec2> project(const View& view, const Vec3& point) {
+    const glm::dvec4 clip = reversed_projection(view) * (view_matrix(view) * glm::dvec4(to_glm(point), 1.0));
+    if (!(clip.w >= view.near_m)) return std::nullopt;
+    return glm::dvec2{(1 + clip.x / clip.w) / 2 * view.width_px, (1 - clip.y / clip.w) / 2 * view.height_px};
+}
+
+} // namespace fjell
