@@ -18,6 +18,10 @@ void set4(float (&to)[4], double a, double b, double c, double d) {
     for (int i = 0; i < 4; ++i) to[i] = static_cast<float>(from[i]);
 }
 
+void set_colour(float (&to)[4], const Rgb8& srgb, double opacity) {
+    set4(to, to_linear(srgb[0]), to_linear(srgb[1]), to_linear(srgb[2]), opacity);
+}
+
 // Camera-relative scene to clip space. w = d, the distance along forward; z = near (far - d) / (far - near), so that
 // z / w is 1 at near and 0 at far: reversed, because a float's precision lies near 0, where perspective crowds depths.
 void view_projection(const View& view, float (&columns)[16]) {
@@ -101,10 +105,13 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
         set4(block.morph_eye[i], v.eye_x - view.eye_m.x, v.eye_y - view.eye_m.y, v.eye_z - view.eye_m.z, 0);
         set4(block.morph_reach[i], v.q_start, v.q_full, 0, 0);
     }
-    for (int i = 0; i < max_triangle_levels; ++i) {
-        const Rgb8 rgb = legend_rgb(now.mode, i, block.tile[0], block.tile[1]);
-        set4(block.legend[i], to_linear(rgb[0]), to_linear(rgb[1]), to_linear(rgb[2]), 1);
-    }
+    const bool blocks = header.order != Order::linear;
+    set_colour(block.tile_border, tile_border_rgb, now.tile_borders ? 1 : 0);
+    set_colour(block.page_border, page_border_rgb, now.page_borders && blocks ? 0.8 : 0);
+    block.last[0] = static_cast<std::int32_t>(header.columns) - 1;
+    block.last[1] = static_cast<std::int32_t>(header.rows) - 1;
+    for (int i = 0; i < max_triangle_levels; ++i)
+        set_colour(block.legend[i], legend_rgb(now.mode, i, block.tile[0], block.tile[1]), 1);
     return block;
 }
 

@@ -27,4 +27,7 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 // brightnesses, so that rows and columns can be counted.
 [[nodiscard]] Rgb8 tile_rgb(std::uint32_t column, std::uint32_t row);
 
+// Borders on the surface (DrawOptions): of tiles, and of pages of the finest step.
+inline constexpr Rgb8 tile_border_rgb{255, 250, 240}, page_border_rgb{90, 220, 255};
+
 } // namespace fjell::gl

@@ -46,17 +46,19 @@ std::string check_limits(const RendererOptions& options) {
 
 } // namespace
 
-std::string Renderer::State::make_program_of(Mode mode, bool wireframe) {
-    Program& program = program_of(mode, wireframe);
+std::string Renderer::State::make_program_of(const DrawOptions& now) {
+    const Mode mode = now.mode;
+    Program& program = program_of(now);
     if (program.get() != 0) return {};
     const char* const modes[mode_count] = {
         "", "#define LEVELS\n", "#define DISTANCE\n", "#define TILES\n", "#define MIPS\n", "#define RESIDENCY\n"};
     std::string before = arrays_define("COLOUR_MAPS", maps.kind[0]) + arrays_define("NORMAL_MAPS", maps.kind[1]);
     before += modes[static_cast<int>(mode)];
     if (all_there(mode)) before += "#define ALL_THERE\n";
-    before += wireframe ? "#define WIREFRAME\n" : "";
+    if (now.wireframe) before += "#define WIREFRAME\n";
+    if (now.tile_borders || now.page_borders) before += "#define BORDERS\n";
     before += common_shader();
-    const bool per_triangle = wireframe || mode == Mode::levels;
+    const bool per_triangle = now.wireframe || mode == Mode::levels;
     std::string error;
     program = make_program({"terrain", std::move(before), terrain_vertex_shader(),
                             per_triangle ? terrain_geometry_shader() : "", terrain_fragment_shader()},
@@ -111,7 +113,7 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
     // multisampled triangles: frames of half a minute were seen.
     const float anisotropy = is_software() ? 1.0f : options.anisotropy > 0 ? options.anisotropy : 8.0f;
     if (error.empty()) error = make_maps(pack, {options.colour, options.normal}, anisotropy, s.maps);
-    if (error.empty()) error = s.make_program_of(Mode::shaded, false);
+    if (error.empty()) error = s.make_program_of({});
     if (error.empty())
         s.sky = make_program({"sky", common_shader(), sky_vertex_shader(), "", sky_fragment_shader()}, error);
     if (error.empty() && options.morph) error = s.scatter.create();
@@ -202,7 +204,7 @@ void Renderer::State::draw_picture(const DrawData& data, unsigned primitive, con
     glVertexArrayVertexBuffer(terrain_array.get(), tile_slot, numbers, static_cast<GLintptr>(data.tiles.offset),
                               sizeof(TileBlock));
     if (data.command_count != 0) {
-        glUseProgram(program_of(now.mode, now.wireframe).get());
+        glUseProgram(program_of(now).get());
         glBindVertexArray(terrain_array.get());
         glBindBuffer(GL_DRAW_INDIRECT_BUFFER, numbers);
         glMultiDrawElementsIndirect(primitive, GL_UNSIGNED_INT, reinterpret_cast<const void*>(data.commands.offset),
@@ -233,7 +235,7 @@ std::string Renderer::draw_uploaded(const MeshView& mesh, const View& view, cons
     State& s = *state_;
     if (std::string error = s.check(mesh, view); !error.empty()) return error;
     if (s.uploaded != mesh.vertices.data()) return "the mesh was not uploaded: call upload() after the update";
-    if (std::string error = s.make_program_of(options.mode, options.wireframe); !error.empty()) return error;
+    if (std::string error = s.make_program_of(options); !error.empty()) return error;
     if (options.mode == Mode::residency)
         if (std::string error = s.residency.follow(*s.terrain); !error.empty()) return error;
     s.upload_indices(mesh);

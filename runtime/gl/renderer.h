@@ -56,7 +56,10 @@ enum class Mode : std::uint8_t {
 
 struct DrawOptions {
     Mode mode = Mode::shaded;
-    bool wireframe = false;      // the triangles' edges over the picture
+    bool wireframe = false; // the triangles' edges over the picture
+    // Lines on the surface, over any mode: around tiles, and around blocks of 64 x 64 samples, the pages of the finest
+    // step (none in linear order, whose pages are rows). Where they would lie closer than 6 pixels they fade out.
+    bool tile_borders = false, page_borders = false;
     bool sky = true;             // false: black
     bool lit = true;             // false: bare colours, to compare
     float sun_azimuth_deg = 315; // clockwise from north: from the upper left, as maps are lit

@@ -21,7 +21,17 @@ layout(std140, binding = 0) uniform Frame {
     vec4 morph;
     vec4 morph_eye[8];
     vec4 morph_reach[8];
+    vec4 tile_border;
+    vec4 page_border;
+    ivec4 last;
 };
+
+// What stages hand on: metres from the eye; samples from the tile's first; the tile's block; its last sample.
+#ifdef BORDERS
+#define SURFACE vec3 position; vec2 sample_at; flat int block; flat ivec2 tile_end;
+#else
+#define SURFACE vec3 position; vec2 sample_at; flat int block;
+#endif
 
 const vec3 horizon = vec3(0.56, 0.68, 0.80), zenith = vec3(0.09, 0.22, 0.52);
 
@@ -52,9 +62,7 @@ layout(location = 1) in float a_height;
 layout(location = 2) in ivec4 a_tile; // first sample, block, tile
 layout(location = 3) in vec4 a_morph; // height to start from, error, radius, born
 out Surface {
-    vec3 position;   // metres from the eye
-    vec2 sample_at;  // samples from the tile's first
-    flat int block;
+    SURFACE
 } surface;
 invariant gl_Position;
 
@@ -82,6 +90,9 @@ void main() {
 #else
     surface.block = a_tile.z;
 #endif
+#ifdef BORDERS
+    surface.tile_end = min(ivec2(1 << tile.x), last.xy - a_tile.xy); // the terrain's rim may cut the tile
+#endif
 }
 )";
 }
@@ -94,14 +105,10 @@ const char* terrain_geometry_shader() {
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 3) out;
 in Surface {
-    vec3 position;
-    vec2 sample_at;
-    flat int block;
+    SURFACE
 } corner[];
 out Surface {
-    vec3 position;
-    vec2 sample_at;
-    flat int block;
+    SURFACE
 } surface;
 flat out int triangle_level;
 out vec3 corner_weight; // 1 at one corner, 0 along the edge across: what wireframe measures
@@ -116,6 +123,9 @@ void main() {
         surface.position = corner[i].position;
         surface.sample_at = corner[i].sample_at;
         surface.block = corner[i].block;
+#ifdef BORDERS
+        surface.tile_end = corner[i].tile_end;
+#endif
         triangle_level = name;
         corner_weight = vec3(i == 0, i == 1, i == 2);
         EmitVertex();
@@ -132,9 +142,7 @@ void main() {
 const char* terrain_fragment_shader() {
     return R"(
 in Surface {
-    vec3 position;
-    vec2 sample_at;
-    flat int block;
+    SURFACE
 } surface;
 #ifdef LEVELS
 flat in int triangle_level;
@@ -290,6 +298,34 @@ float wire_opacity() {
 }
 #endif
 
+#ifdef BORDERS
+// Of the lines of one kind, each way: the nearer one's cover. `apart`: samples between two such lines. Lines pale before
+// they would lie closer than 6 pixels, each way by itself: seen flat, those across the view go first. Then nothing is
+// left to flicker.
+float border_cover(vec2 samples, vec2 samples_a_pixel, float apart, float half_width_px) {
+    vec2 covered = clamp(half_width_px + 0.5 - samples / samples_a_pixel, 0.0, 1.0);
+    covered *= smoothstep(6.0, 16.0, apart / samples_a_pixel);
+    return max(covered.x, covered.y);
+}
+// With a dark rim of a pixel, so that a line shows on any ground.
+vec3 with_line(vec3 colour, vec4 line_colour, vec2 samples, vec2 samples_a_pixel, float apart, float half_width_px) {
+    float rim = border_cover(samples, samples_a_pixel, apart, half_width_px + 1.0);
+    colour *= 1.0 - 0.6 * line_colour.a * rim;
+    return mix(colour, line_colour.rgb,
+               line_colour.a * border_cover(samples, samples_a_pixel, apart, half_width_px));
+}
+
+// Tiles draw half of their common border each, like triangles their edges.
+vec3 with_borders(vec3 colour) {
+    vec2 at = surface.sample_at, dx = dFdx(at), dy = dFdy(at);
+    vec2 samples_a_pixel = max(vec2(length(vec2(dx.x, dy.x)), length(vec2(dx.y, dy.y))), 1e-9);
+    float side = float(1 << tile.x), page = 1.0 / maps.w;
+    vec2 to_page = abs(at - page * round(at * maps.w)), to_tile = abs(min(at, vec2(surface.tile_end) - at));
+    colour = with_line(colour, page_border, to_page, samples_a_pixel, page, 0.75);
+    return with_line(colour, tile_border, to_tile, samples_a_pixel, side, 1.25);
+}
+#endif
+
 void main() {
 #if defined(DISTANCE)
     // Logarithmic, so that the near and the far both show; as light, because sRGB's curve then lifts the far, where
@@ -303,6 +339,9 @@ void main() {
 #endif
 #ifdef WIREFRAME
     colour = mix(colour, line.rgb, wire_opacity());
+#endif
+#ifdef BORDERS
+    colour = with_borders(colour);
 #endif
     out_colour = vec4(colour, 1.0);
 }

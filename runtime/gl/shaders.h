@@ -28,8 +28,10 @@ struct FrameBlock {
     float morph[4];                       // views, 0: nothing morphs; now [s]; 1 / time to rise [1/s]
     float morph_eye[max_cut_views][4];    // metres from the eye that the picture is drawn for
     float morph_reach[max_cut_views][4];  // q_start, q_full
+    float tile_border[4], page_border[4]; // linear rgb, opacity
+    std::int32_t last[4];                 // the terrain's last column and row
 };
-static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views) * 16 &&
+static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 3) * 16 &&
                   offsetof(FrameBlock, tile) == 208,
               "FrameBlock is uploaded: change the block `Frame` in shaders.cpp with it");
 
@@ -51,8 +53,8 @@ static_assert(sizeof(TileBlock) == 112 && offsetof(TileBlock, mip) == 32,
 // Names each triangle's level and corners for the fragment shader; needed by LEVELS and WIREFRAME only.
 [[nodiscard]] const char* terrain_geometry_shader();
 // Defines: COLOUR_MAPS and NORMAL_MAPS, how many array textures there are of each, when there are any; LEVELS,
-// DISTANCE, TILES, MIPS or RESIDENCY for a mode other than shaded; WIREFRAME; ALL_THERE: one array of each, layer =
-// tile.
+// DISTANCE, TILES, MIPS or RESIDENCY for a mode other than shaded; WIREFRAME; BORDERS; ALL_THERE: one array of each,
+// layer = tile.
 [[nodiscard]] const char* terrain_fragment_shader();
 [[nodiscard]] const char* sky_vertex_shader();
 [[nodiscard]] const char* sky_fragment_shader();

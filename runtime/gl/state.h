@@ -47,7 +47,7 @@ struct Renderer::State {
     MeshBuffers mesh;
     MorphFrame morph_frame; // of the cut uploaded last
     VertexArray terrain_array, empty_array;
-    Program programs[mode_count][2][2]; // by Mode, wireframe, and all_there() for it; those but the first at first use
+    Program programs[mode_count][2][2][2]; // by Mode, wireframe, borders, all_there(); those but the first at first use
     Program sky;
     const MeshVertex* uploaded = nullptr; // whose vertices the buffer holds
     std::size_t uploaded_count = 0;
@@ -57,10 +57,12 @@ struct Renderer::State {
 
     // renderer.cpp
     [[nodiscard]] bool all_there(Mode mode) const { return maps.all_there && mode <= Mode::distance; }
-    [[nodiscard]] Program& program_of(Mode mode, bool wireframe) {
-        return programs[static_cast<int>(mode)][wireframe ? 1 : 0][all_there(mode) ? 1 : 0];
+    [[nodiscard]] Program& program_of(const DrawOptions& now) {
+        const bool borders = now.tile_borders || now.page_borders;
+        return programs[static_cast<int>(now.mode)][now.wireframe ? 1 : 0][borders ? 1 : 0]
+                       [all_there(now.mode) ? 1 : 0];
     }
-    std::string make_program_of(Mode mode, bool wireframe);
+    std::string make_program_of(const DrawOptions& now);
     void make_buffers();
     [[nodiscard]] std::size_t range_capacity() const;
     [[nodiscard]] std::size_t ring_bytes() const;

@@ -97,7 +97,7 @@ struct Scene {
     std::unique_ptr<gl::Target> target;
     std::unique_ptr<gl::Renderer> renderer;
 
-    Scene(baker::Dem dem, int tile_log2) {
+    Scene(baker::Dem dem, int tile_log2, Order order = Order::planar) {
         context();
         char path[] = "/tmp/fjell-picture-XXXXXX";
         const int fd = mkstemp(path);
@@ -106,6 +106,7 @@ struct Scene {
         baker::BakeOptions options;
         options.tile_log2 = tile_log2;
         options.compression = 1;
+        options.order = order;
         baker::bake(std::move(dem), options, path);
         loaded = host::load_pack(path, host::LoadTerrain::yes);
         unlink(path);
