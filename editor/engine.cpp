@@ -113,7 +113,14 @@ fly::FrameEntry Engine::update(const View& view, const fly::Profile& profile, do
 void Engine::draw(const State& state, const gl::Target& target) {
     gl::DrawOptions options = fly::draw_options(state.interface.mode);
     options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
-    const std::string error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, target);
+    options.tile_borders = state.shows(Overlay::tile_borders);
+    options.page_borders = state.shows(Overlay::page_borders);
+    std::string error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, target);
+    scene_lines_.build(state, *session_);
+    if (error.empty() && !scene_lines_.empty()) {
+        if (!lines_) lines_ = gl::Lines::create({SceneLines::most_lines, SceneLines::most_balls}, error);
+        if (lines_) error = lines_->draw(scene_lines_.lines(), scene_lines_.balls(), state.eye.view, target);
+    }
     if (!error.empty()) throw host::Failure(3, error);
 }
 
@@ -122,6 +129,7 @@ std::vector<std::string> Engine::take_messages() {
 }
 
 void Engine::drop_graphics() {
+    lines_.reset();
     renderer_.reset();
 }
 

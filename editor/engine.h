@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "editor/state.h"
+#include "editor/scene_lines.h"
 #include "fly/session.h"
+#include "gl/lines.h"
 #include "gl/renderer.h"
 #include "gl/target.h"
 
@@ -51,6 +53,8 @@ private:
     fly::Profile built_; // what the session's blocks were made for
     std::unique_ptr<fly::Session> session_;
     std::unique_ptr<gl::Renderer> renderer_;
+    SceneLines scene_lines_;
+    std::unique_ptr<gl::Lines> lines_; // made when there are some
 };
 
 } // namespace fjell::editor
