@@ -13,7 +13,7 @@ using namespace fjell::test;
 
 namespace {
 
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+#if defined(FJELL_SANITIZED)
 constexpr std::uint64_t changes_wanted = 3'000;
 #else
 constexpr std::uint64_t changes_wanted = 100'000;

@@ -20,7 +20,7 @@ using namespace fjell::test;
 
 namespace {
 
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+#if defined(FJELL_SANITIZED)
 constexpr int rounds = 4, checked_every = 40;
 #else
 constexpr int rounds = 10, checked_every = 25;
@@ -121,6 +121,10 @@ std::uint64_t wrong_pages(const Terrain& is, const Terrain& should_be) {
 
 struct Seen {
     std::uint64_t answers = 0, hits = 0, failures = 0, removed = 0, mips = 0, converged = 0, stops = 0;
+
+    bool enough() const {
+        return answers > 100 && hits > 50 && failures > 20 && removed > 20 && mips > 50 && converged > 0 && stops > 20;
+    }
 };
 
 // One life of a stream: a flight with readers that come and go, then either an end in the midst of it or a rest.
@@ -213,7 +217,6 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     REQUIRE(check_frame(on.cut, full, report, cut) == "");
     REQUIRE(wrong_pages(on.paged.terrain, full) == 0);
     stop_reader();
-    
 }
 
 } // namespace
@@ -221,7 +224,8 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
 TEST_CASE("reader, frames and queries at once: answers keep their bounds, meshes are whole, and all ends at any moment") {
     Random random(811);
     Seen seen;
-    for (int round = 0; round < rounds; ++round) {
+    // How much happens in a round is the scheduler's to say: at least so many, and on until everything was seen.
+    for (int round = 0; round < rounds || (!seen.enough() && round < 10 * rounds); ++round) {
         const Ground ground(random, round % 3 == 0 ? Order::hierarchical_z : Order::planar);
         for (int life = 0; life < 3; ++life) {
             CAPTURE(round, life);
@@ -229,11 +233,5 @@ TEST_CASE("reader, frames and queries at once: answers keep their bounds, meshes
         }
     }
     CAPTURE(seen.answers, seen.hits, seen.failures, seen.removed, seen.mips, seen.converged, seen.stops);
-    CHECK(seen.answers > 100);
-    CHECK(seen.hits > 50);
-    CHECK(seen.failures > 20);
-    CHECK(seen.removed > 20);
-    CHECK(seen.mips > 50);
-    CHECK(seen.converged > 0);
-    CHECK(seen.stops > 20);
+    CHECK(seen.enough());
 }

@@ -234,7 +234,7 @@ TEST_CASE(
         REQUIRE(little.code == 0);
         CHECK(slurp(folder / "a.fjell") == slurp(folder / "b.fjell"));
         const double resident_mb = nlohmann::json::parse(slurp(folder / "bake.json"))["resident_mb_max"];
-#ifdef __SANITIZE_ADDRESS__
+#ifdef FJELL_SANITIZED
         WARN("skipped: how much memory a bake takes (" << resident_mb << " MB with a sanitizer's own)");
 #else
         CHECK(resident_mb > 20);

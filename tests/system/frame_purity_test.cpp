@@ -35,7 +35,7 @@ thread_local Counts counts;
 
 } // namespace
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__x86_64__)
+#if defined(FJELL_SANITIZED) || !defined(__x86_64__)
 constexpr bool interposed = false;
 #else
 constexpr bool interposed = true;
