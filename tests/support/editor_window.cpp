@@ -217,16 +217,20 @@ void EditorWindow::click(const std::string& mark) {
     click_at(p.x + p.width / 2, p.y + p.height / 2);
 }
 
-void EditorWindow::drag(const std::string& mark, double from, double to) {
-    const Place p = place(mark);
-    const double y = p.y + p.height / 2;
-    move(p.x + from * p.width, y);
+void EditorWindow::drag_at(double x, double y, double to_x, double to_y) {
+    move(x, y);
     xdotool("mousedown 1");
     rest(150ms);
     constexpr int steps = 8;
-    for (int i = 1; i <= steps; ++i) move(p.x + (from + (to - from) * i / steps) * p.width, y);
+    for (int i = 1; i <= steps; ++i) move(x + (to_x - x) * i / steps, y + (to_y - y) * i / steps);
     xdotool("mouseup 1");
     rest(150ms);
+}
+
+void EditorWindow::drag(const std::string& mark, double from, double to) {
+    const Place p = place(mark);
+    const double y = p.y + p.height / 2;
+    drag_at(p.x + from * p.width, y, p.x + to * p.width, y);
 }
 
 void EditorWindow::key(const std::string& name) {
@@ -258,8 +262,5 @@ void EditorWindow::resize(std::uint32_t width, std::uint32_t height) {
     rest(300ms);
 }
 
-void EditorWindow::close() {
-    xdotool("windowclose " + window_);
-}
 
 } // namespace fjell::test

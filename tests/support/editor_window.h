@@ -57,13 +57,12 @@ public:
     void click_at(double x, double y);
     // Presses at one share of its width, moves in steps to another, lets go.
     void drag(const std::string& mark, double from, double to);
+    void drag_at(double x, double y, double to_x, double to_y);
     void key(const std::string& name); // as xdotool has them: "ctrl+z", "Return"
     void hold(const std::string& name, double seconds);
     void type(const std::string& text);
     void wheel(int notches); // up is positive
     void resize(std::uint32_t width, std::uint32_t height);
-    // As a window manager's button would.
-    void close();
 
     [[nodiscard]] bool runs();
     void signal(int number);

@@ -1,0 +1,86 @@
+// A steady frame of the editor's own code - panels, commands, measures - allocates nothing: counted in the whole
+// program, headless, panel by panel and dialogue by dialogue. Drivers and the terrain's update are not the editor's own.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "editor/app.h"
+#include "editor/names.h"
+#include "support/count_allocations.h"
+#include "support/program.h"
+#include "support/temporary_folder.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+constexpr std::size_t shown = 90, settling = 60; // frames: of each sight, and until it is steady
+
+std::vector<long> by_frame; // allocations
+
+void watch(bool begins) {
+    if (begins) {
+        allocations = 0;
+        counting = true;
+    } else {
+        counting = false;
+        by_frame.push_back(allocations);
+    }
+}
+
+std::string baked(const TemporaryFolder& folder) {
+    const Run r = run_in(folder.path, FJELL_BIN_DIR "/fjell-bake " FJELL_SOURCE_DIR
+                                                    "/content/terrain/mountains-small.json -o small.fjell --tile 64");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    return folder / "small.fjell";
+}
+
+// Flies through a list of sights; the worst frame of each once it is steady.
+std::vector<long> worst_of(const std::vector<std::string>& sights, const std::vector<std::string>& first) {
+    const TemporaryFolder folder;
+    for (const char* name : {"XDG_CONFIG_HOME", "XDG_STATE_HOME", "XDG_CACHE_HOME"})
+        setenv(name, folder.path.c_str(), 1);
+    editor::Options options;
+    options.headless = true;
+    options.pack = baked(folder);
+    options.commands = first;
+    options.commands.push_back("wait");
+    options.commands.push_back("frames 60");
+    for (const std::string& sight : sights) {
+        options.commands.push_back(sight);
+        options.commands.push_back("frames " + std::to_string(shown));
+    }
+    by_frame.clear();
+    by_frame.reserve(1 << 20);
+    editor::App app(options);
+    app.watch_own_code(watch);
+    REQUIRE(app.run() == 0);
+    REQUIRE(by_frame.size() > sights.size() * shown);
+    std::vector<long> worst;
+    for (std::size_t i = 0; i < sights.size(); ++i) {
+        const auto begin = by_frame.end() - static_cast<std::ptrdiff_t>((sights.size() - i) * shown - settling);
+        worst.push_back(*std::max_element(begin, begin + (shown - settling - 2)));
+    }
+    return worst;
+}
+
+} // namespace
+
+TEST_CASE("with any panel or dialogue open, a steady frame of the editor's own code allocates nothing") {
+    if (!interposed) {
+        WARN("skipped: a sanitizer has malloc to itself");
+        return;
+    }
+    std::vector<std::string> sights;
+    for (const char* panel : editor::panel_names) sights.push_back(std::string("panel ") + panel);
+    for (const char* dialog : editor::dialog_names) sights.push_back(std::string("dialog ") + dialog);
+    const std::vector<long> worst = worst_of(sights, {"resize 1600 900"});
+    for (std::size_t i = 0; i < sights.size(); ++i) {
+        INFO(sights[i]);
+        CHECK(worst[i] == 0);
+    }
+}
