@@ -69,8 +69,8 @@ vec4 placed(vec3 at, vec2 moved_px) {
     return vec4(at.xy + moved_px / viewport.xy * at.z, depth.x - depth.y * at.z, at.z);
 }
 
-// The direction on the screen of a curve that goes through xyw `at` along `tangent`; where the chord says something else,
-// because it turns or is cut, the chord's.
+// The direction on the screen of a curve that goes through xyw `at` along `tangent`; where the chord says something
+// else, because it turns or is cut, the chord's.
 vec2 direction(vec3 at, vec3 tangent, vec2 chord) {
     vec2 along = (tangent.xy * at.z - at.xy * tangent.z) * viewport.xy;
     float size = length(along);

@@ -8,11 +8,11 @@
 // textures; the Pack's bytes are read only in create(), the mesh's spans and MapCommands' blocks only in upload() and
 // draw(). The terrain must outlive it: Mode::residency reads its page table. Thread: the context's; where pages are
 // loaded, also the one that does it. Memory, all at creation but for the mode residency's 1 byte a block of 64 x 64
-// samples: 12 bytes a vertex (28 with morph), 4 an index, the maps, and three times ring_bytes, 132 bytes a range and 2
-// KB. Complexity of an upload: a MeshView's dirty vertices and all its indices, or a CutMesh's written slots and
-// nothing else, in the same few GL calls however they lie; of a draw: the ranges, then one draw call and the sky. A
-// debug mode's first draw compiles its shader. Failure: one line with the number to change; the target keeps its former
-// picture.
+// samples and set_heights(): 12 bytes a vertex (28 with morph), 4 an index, the maps, and three times ring_bytes, 132
+// bytes a range and 2 KB. Complexity of an upload: a MeshView's dirty vertices and all its indices, or a CutMesh's
+// written slots and nothing else, in the same few GL calls however they lie; of a draw: the ranges, then one draw call
+// and the sky. A debug mode's first draw compiles its shader. Failure: one line with the number to change; the target
+// keeps its former picture.
 #pragma once
 
 #include <cstdint>

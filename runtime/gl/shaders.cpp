@@ -288,7 +288,8 @@ vec3 mip_colour() {
 #ifdef ERROR
 float height_at(ivec2 at) {
     ivec2 part = at / heights.zw;
-    return texelFetch(height_map, ivec3(at - part * heights.zw, part.y * ((last.z + heights.z - 1) / heights.z) + part.x), 0).r;
+    int across = (last.z + heights.z - 1) / heights.z; // layers
+    return texelFetch(height_map, ivec3(at - part * heights.zw, part.y * across + part.x), 0).r;
 }
 
 // The height of the full resolution at a sample and a share of the way to the next: on the triangle that bisection ends
@@ -314,7 +315,8 @@ float full_height(ivec2 first, vec2 further) {
 vec3 error_colour() {
     ivec2 extent = max(max(triangle_edges.xy, triangle_edges.zw), ivec2(0)) -
                    min(min(triangle_edges.xy, triangle_edges.zw), ivec2(0));
-    if (heights.x > 0 && max(extent.x, extent.y) <= 1 << heights.x) return legend[5].rgb; // finer than the grid: not known
+    // As fine as the grid or finer: not known.
+    if (heights.x > 0 && max(extent.x, extent.y) <= 1 << heights.x) return legend[5].rgb;
     vec3 at = max(weight, 0.0);
     at /= at.x + at.y + at.z;
     vec2 further = at.y * vec2(triangle_edges.xy) + at.z * vec2(triangle_edges.zw);
@@ -385,9 +387,9 @@ float wire_opacity() {
 #endif
 
 #ifdef BORDERS
-// Of the lines of one kind, each way: the nearer one's cover. `apart`: samples between two such lines. Lines pale before
-// they would lie closer than 6 pixels, each way by itself: seen flat, those across the view go first. Then nothing is
-// left to flicker.
+// Of the lines of one kind, each way: the nearer one's cover. `apart`: samples between two such lines. Lines pale
+// before they would lie closer than 6 pixels, each way by itself: seen flat, those across the view go first. Then
+// nothing is left to flicker.
 float border_cover(vec2 samples, vec2 samples_a_pixel, float apart, float half_width_px) {
     vec2 covered = clamp(half_width_px + 0.5 - samples / samples_a_pixel, 0.0, 1.0);
     covered *= smoothstep(6.0, 16.0, apart / samples_a_pixel);

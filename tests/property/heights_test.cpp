@@ -62,7 +62,8 @@ TEST_CASE("the heights read from a pack are those of its terrain, whatever its o
                      static_cast<double>((whole.terrain.tree.tiles_x + 1) * (whole.terrain.tree.tiles_y + 1))));
         const auto some = host::read_heights(whole.pack, whole.path, most);
         REQUIRE(some);
-        REQUIRE(some->heights_m.size() == static_cast<std::size_t>(some->columns) * some->rows);
+        REQUIRE(some->heights_m.size() ==
+                static_cast<std::size_t>(some->columns) * static_cast<std::size_t>(some->rows));
         CHECK(some->heights_m.size() <= most);
         CHECK(differences(whole.terrain, *some) == 0);
         const std::int32_t step = 1 << some->step_log2;
@@ -72,7 +73,7 @@ TEST_CASE("the heights read from a pack are those of its terrain, whatever its o
         CHECK((some->rows - 2) * step < dem.rows - 1);
         if (some->step_log2 > 0) {
             const auto finer = [&](std::int32_t n) { return (n - 1 + step / 2 - 1) / (step / 2) + 1; };
-            CHECK(static_cast<std::uint64_t>(finer(dem.columns)) * finer(dem.rows) > most);
+            CHECK(static_cast<std::uint64_t>(finer(dem.columns)) * static_cast<std::uint64_t>(finer(dem.rows)) > most);
         }
     }
     CHECK(with_holes > 5);
