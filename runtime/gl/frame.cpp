@@ -8,11 +8,6 @@
 namespace fjell::gl {
 namespace {
 
-float to_linear(std::uint8_t srgb) {
-    const double c = srgb / 255.0;
-    return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-}
-
 void set4(float (&to)[4], double a, double b, double c, double d) {
     const double from[4] = {a, b, c, d};
     for (int i = 0; i < 4; ++i) to[i] = static_cast<float>(from[i]);
@@ -52,6 +47,7 @@ EyeCell eye_cell(const View& view, double spacing_x, double spacing_z) {
 }
 
 Rgb8 legend_rgb(Mode mode, int i, int tile_log2, int mips) {
+    if (mode == Mode::error) return error_stops[std::min(i, 5)];
     if (mode == Mode::mips) return mip_rgb(std::min(i, mips - 1), mips);
     if (mode == Mode::residency) return step_rgb(std::min(i, tile_log2), tile_log2);
     return level_rgb(i, tile_log2);
@@ -110,9 +106,29 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
     set_colour(block.page_border, page_border_rgb, now.page_borders && blocks ? 0.8 : 0);
     block.last[0] = static_cast<std::int32_t>(header.columns) - 1;
     block.last[1] = static_cast<std::int32_t>(header.rows) - 1;
+    if (now.mode == Mode::error) set_error(view, now, block);
     for (int i = 0; i < max_triangle_levels; ++i)
         set_colour(block.legend[i], legend_rgb(now.mode, i, block.tile[0], block.tile[1]), 1);
     return block;
+}
+
+void Renderer::State::set_error(const View& view, const DrawOptions& now, FrameBlock& block) const {
+    const Vec3 eye = now.error_eye_m.value_or(view.eye_m) - view.eye_m;
+    const double lambda_px = now.error_lambda_px > 0 ? now.error_lambda_px : view.lambda_px;
+    set4(block.error_eye, eye.x, eye.y, eye.z, lambda_px / now.error_full_px);
+    block.last[2] = heights.columns;
+    block.last[3] = heights.rows;
+    block.heights[0] = heights.step_log2;
+    block.heights[1] = heights.step_log2 < block.tile[0] ? 1 : 0;
+    block.heights[2] = heights.wide;
+    block.heights[3] = heights.high;
+    // In units of 2^-24 of the largest height and the range: both heights are floats of two roundings (measure.cpp), 2;
+    // two products and two sums on each surface, 8; the place, which weights and sums leave 2^-23 of a cell off, where
+    // slopes differ by twice the range a cell at most, 4.
+    const double largest =
+        std::max(std::abs(static_cast<double>(header.min_m)), std::abs(static_cast<double>(header.max_m)));
+    set4(block.rounding, 0x1p-20 * (largest + static_cast<double>(header.max_m) - static_cast<double>(header.min_m)), 0,
+         0, 0);
 }
 
 TileBlock Renderer::State::make_tile(std::uint32_t tile, std::uint32_t index) const {

@@ -1,5 +1,6 @@
 #include "gl/lines.h"
 
+#include <initializer_list>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -69,8 +70,8 @@ vec4 placed(vec3 at, vec2 moved_px) {
     return vec4(at.xy + moved_px / viewport.xy * at.z, depth.x - depth.y * at.z, at.z);
 }
 
-// The direction on the screen of a curve that goes through xyw `at` along `tangent`; where the chord says something else,
-// because it turns or is cut, the chord's.
+// The direction on the screen of a curve that goes through xyw `at` along `tangent`; where the chord says something
+// else, because it turns or is cut, the chord's.
 vec2 direction(vec3 at, vec3 tangent, vec2 chord) {
     vec2 along = (tangent.xy * at.z - at.xy * tangent.z) * viewport.xy;
     float size = length(along);
@@ -269,8 +270,8 @@ namespace {
 void set_up(const Target& target) {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer());
     glViewport(0, 0, static_cast<GLsizei>(target.width()), static_cast<GLsizei>(target.height()));
-    for (const GLenum off : {GL_CULL_FACE, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_RASTERIZER_DISCARD}) glDisable(off);
-    for (const GLenum on : {GL_DEPTH_TEST, GL_BLEND, GL_FRAMEBUFFER_SRGB, GL_MULTISAMPLE}) glEnable(on);
+    for (const GLenum off : std::initializer_list<GLenum>{GL_CULL_FACE, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_RASTERIZER_DISCARD}) glDisable(off);
+    for (const GLenum on : std::initializer_list<GLenum>{GL_DEPTH_TEST, GL_BLEND, GL_FRAMEBUFFER_SRGB, GL_MULTISAMPLE}) glEnable(on);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthMask(GL_FALSE);

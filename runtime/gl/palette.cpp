@@ -41,4 +41,23 @@ Rgb8 tile_rgb(std::uint32_t column, std::uint32_t row) {
     return rgb;
 }
 
+double to_linear(std::uint8_t srgb) {
+    const double c = srgb / 255.0;
+    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+}
+
+Rgb8 error_rgb(double share) {
+    if (share > 1) return error_stops[4];
+    const double t = std::clamp((share - 0.1) / 0.3, 0.0, 3.0);
+    const auto i = static_cast<std::size_t>(std::min(t, 2.0));
+    Rgb8 rgb{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double from = to_linear(error_stops[i][k]), to = to_linear(error_stops[i + 1][k]);
+        const double light = from + (to - from) * (t - static_cast<double>(i));
+        const double code = light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
+        rgb[k] = static_cast<std::uint8_t>(std::lround(255 * code));
+    }
+    return rgb;
+}
+
 } // namespace fjell::gl

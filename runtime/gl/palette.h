@@ -27,6 +27,16 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 // brightnesses, so that rows and columns can be counted.
 [[nodiscard]] Rgb8 tile_rgb(std::uint32_t column, std::uint32_t row);
 
+// An error on screen by its share of what is red: dark blue up to a tenth, then over green and yellow to red at 1;
+// magenta above 1, a promise that is broken. Between those colours they blend in linear light.
+[[nodiscard]] Rgb8 error_rgb(double share);
+// At shares 0.1, 0.4, 0.7 and 1, above 1, and where there is nothing to compare with: holes, and places that are drawn
+// finer than the heights that are compared with.
+inline constexpr Rgb8 error_stops[6] = {{34, 46, 140}, {28, 160, 70}, {244, 222, 40},
+                                        {220, 24, 16}, {255, 0, 220}, {120, 120, 120}};
+
+[[nodiscard]] double to_linear(std::uint8_t srgb); // 0 to 1
+
 // Borders on the surface (DrawOptions): of tiles, and of pages of the finest step.
 inline constexpr Rgb8 tile_border_rgb{255, 250, 240}, page_border_rgb{90, 220, 255};
 

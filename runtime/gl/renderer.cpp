@@ -1,5 +1,6 @@
 #include "gl/renderer.h"
 
+#include <initializer_list>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -50,15 +51,20 @@ std::string Renderer::State::make_program_of(const DrawOptions& now) {
     const Mode mode = now.mode;
     Program& program = program_of(now);
     if (program.get() != 0) return {};
-    const char* const modes[mode_count] = {
-        "", "#define LEVELS\n", "#define DISTANCE\n", "#define TILES\n", "#define MIPS\n", "#define RESIDENCY\n"};
+    const char* const modes[mode_count] = {"",
+                                           "#define LEVELS\n",
+                                           "#define DISTANCE\n",
+                                           "#define TILES\n",
+                                           "#define MIPS\n",
+                                           "#define RESIDENCY\n",
+                                           "#define ERROR\n"};
     std::string before = arrays_define("COLOUR_MAPS", maps.kind[0]) + arrays_define("NORMAL_MAPS", maps.kind[1]);
     before += modes[static_cast<int>(mode)];
     if (all_there(mode)) before += "#define ALL_THERE\n";
     if (now.wireframe) before += "#define WIREFRAME\n";
     if (now.tile_borders || now.page_borders) before += "#define BORDERS\n";
     before += common_shader();
-    const bool per_triangle = now.wireframe || mode == Mode::levels;
+    const bool per_triangle = now.wireframe || mode == Mode::levels || mode == Mode::error;
     std::string error;
     program = make_program({"terrain", std::move(before), terrain_vertex_shader(),
                             per_triangle ? terrain_geometry_shader() : "", terrain_fragment_shader()},
@@ -165,12 +171,26 @@ std::string Renderer::State::check(const MeshView& mesh_view, const View& view) 
     return good ? std::string() : "the mesh is not of this terrain: a tile or a range lies outside it";
 }
 
+// What a mode needs besides its shader.
+std::string Renderer::State::prepare(const DrawOptions& now) {
+    if (now.mode == Mode::error) {
+        if (!heights.present()) return "Mode::error has nothing to compare with: call set_heights() before";
+        if (!(now.error_full_px > 0)) return "DrawOptions::error_full_px must be above 0";
+    }
+    if (std::string error = make_program_of(now); !error.empty()) return error;
+    return now.mode == Mode::residency ? residency.follow(*terrain) : std::string();
+}
+
+std::string Renderer::set_heights(const HeightGrid& grid) {
+    return state_->heights.set(grid, *state_->terrain, state_->options.texture_side);
+}
+
 void Renderer::State::set_up(const Target& target) const {
     // All state we depend on: a user interface may have drawn in this context in between.
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer());
     glViewport(0, 0, static_cast<GLsizei>(target.width()), static_cast<GLsizei>(target.height()));
-    for (const GLenum off : {GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_RASTERIZER_DISCARD}) glDisable(off);
-    for (const GLenum on : {GL_DEPTH_TEST, GL_CULL_FACE, GL_FRAMEBUFFER_SRGB, GL_MULTISAMPLE}) glEnable(on);
+    for (const GLenum off : std::initializer_list<GLenum>{GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_RASTERIZER_DISCARD}) glDisable(off);
+    for (const GLenum on : std::initializer_list<GLenum>{GL_DEPTH_TEST, GL_CULL_FACE, GL_FRAMEBUFFER_SRGB, GL_MULTISAMPLE}) glEnable(on);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     glCullFace(GL_BACK);
     glFrontFace(GL_CCW);
@@ -190,8 +210,8 @@ void Renderer::State::bind_maps(Mode mode) const {
             glBindTextureUnit(first_unit[kind] + i, maps.kind[kind].array[i].get());
             glBindSampler(first_unit[kind] + i, 0);
         }
-    if (mode != Mode::residency) return; // it has no use for colours
-    glBindTextureUnit(colour_unit, residency.texture());
+    if (mode != Mode::residency && mode != Mode::error) return; // they have no use for colours
+    glBindTextureUnit(colour_unit, mode == Mode::residency ? residency.texture() : heights.texture());
     glBindSampler(colour_unit, 0);
 }
 
@@ -235,9 +255,7 @@ std::string Renderer::draw_uploaded(const MeshView& mesh, const View& view, cons
     State& s = *state_;
     if (std::string error = s.check(mesh, view); !error.empty()) return error;
     if (s.uploaded != mesh.vertices.data()) return "the mesh was not uploaded: call upload() after the update";
-    if (std::string error = s.make_program_of(options); !error.empty()) return error;
-    if (options.mode == Mode::residency)
-        if (std::string error = s.residency.follow(*s.terrain); !error.empty()) return error;
+    if (std::string error = s.prepare(options); !error.empty()) return error;
     s.upload_indices(mesh);
     s.drawn = true;
     const DrawData data = s.write_draw(mesh, view, options);

@@ -8,15 +8,16 @@
 // textures; the Pack's bytes are read only in create(), the mesh's spans and MapCommands' blocks only in upload() and
 // draw(). The terrain must outlive it: Mode::residency reads its page table. Thread: the context's; where pages are
 // loaded, also the one that does it. Memory, all at creation but for the mode residency's 1 byte a block of 64 x 64
-// samples: 12 bytes a vertex (28 with morph), 4 an index, the maps, and three times ring_bytes, 132 bytes a range and 2
-// KB. Complexity of an upload: a MeshView's dirty vertices and all its indices, or a CutMesh's written slots and
-// nothing else, in the same few GL calls however they lie; of a draw: the ranges, then one draw call and the sky. A
-// debug mode's first draw compiles its shader. Failure: one line with the number to change; the target keeps its former
-// picture.
+// samples and set_heights(): 12 bytes a vertex (28 with morph), 4 an index, the maps, and three times ring_bytes, 132
+// bytes a range and 2 KB. Complexity of an upload: a MeshView's dirty vertices and all its indices, or a CutMesh's
+// written slots and nothing else, in the same few GL calls however they lie; of a draw: the ranges, then one draw call
+// and the sky. A debug mode's first draw compiles its shader. Failure: one line with the number to change; the target
+// keeps its former picture.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -43,15 +44,25 @@ struct RendererOptions {
     // Streamed maps (stream_map_slots()): array textures of these sizes, empty at first. top_log2 0: all of the pack's
     // map is loaded at creation. At most 8 sizes of each kind.
     MapSlots colour{}, normal{};
+    std::uint32_t texture_side = 0; // texels a side that set_heights() uses at most; 0: as many as the driver takes
 };
 
 enum class Mode : std::uint8_t {
     shaded,
-    levels,   // every triangle in its level's colour (gl/palette.h)
-    distance, // logarithmic: white at the near plane, black beyond the terrain
-    tiles,    // every tile in a colour that its neighbours do not have
-    mips,     // by the mip that colours, or else normals, are drawn from; nothing there yet: black
-    residency // by the finest step of geometry that is loaded over each place, whatever is drawn of it
+    levels,    // every triangle in its level's colour (gl/palette.h)
+    distance,  // logarithmic: white at the near plane, black beyond the terrain
+    tiles,     // every tile in a colour that its neighbours do not have
+    mips,      // by the mip that colours, or else normals, are drawn from; nothing there yet: black
+    residency, // by the finest step of geometry that is loaded over each place, whatever is drawn of it
+    error      // by how far the drawn surface is above or below the full resolution, in pixels; needs set_heights()
+};
+
+// The terrain's heights, every 2^step_log2-th sample of each row and column; a last one that would lie beyond the rim
+// stands there (fjell/tree.h). host::read_heights() reads them from a pack.
+struct HeightGrid {
+    std::int32_t columns = 0, rows = 0;
+    std::uint32_t step_log2 = 0;
+    std::span<const float> heights_m; // row by row; NaN: a hole
 };
 
 struct DrawOptions {
@@ -67,6 +78,10 @@ struct DrawOptions {
     // Distance at which haze hides 63%; 0: two and a half times the terrain's diagonal when shaded, none in other
     // modes; below 0: none.
     float haze_m = 0;
+    // Mode::error: vertical metres * lambda / distance from an eye, whatever their direction, as the cut measures them.
+    float error_full_px = 1;           // what is red: the threshold that was promised; above it is magenta
+    std::optional<Vec3> error_eye_m{}; // whose picture was refined; none: the view's
+    double error_lambda_px = 0;        // that eye's; 0: the view's
 };
 
 struct DrawStats {
@@ -96,6 +111,9 @@ public:
     [[nodiscard]] std::string upload(const CutMesh& mesh);
     // Carries out the stream's map_commands(), each once and in order: copies within the GPU, and blocks.
     [[nodiscard]] std::string upload(std::span<const MapCommand> commands);
+    // What Mode::error compares with; copied, 4 bytes a sample. Of a grid with a step above 1 places that are drawn as
+    // fine stay grey: only what is coarser can be compared. An empty grid frees them.
+    [[nodiscard]] std::string set_heights(const HeightGrid& grid);
     // How tiles are drawn from now on: the stream's tile_maps() of each kind, one a tile; empty leaves
     // that kind as it is. Copied. Before it is called nothing of a streamed map shows.
     [[nodiscard]] std::string show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal);

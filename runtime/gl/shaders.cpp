@@ -24,14 +24,23 @@ layout(std140, binding = 0) uniform Frame {
     vec4 tile_border;
     vec4 page_border;
     ivec4 last;
+    vec4 error_eye;
+    ivec4 heights;
+    vec4 rounding;
 };
 
-// What stages hand on: metres from the eye; samples from the tile's first; the tile's block; its last sample.
+// What stages hand on: metres from the eye; samples from the tile's first; the tile's block; what modes need.
 #ifdef BORDERS
-#define SURFACE vec3 position; vec2 sample_at; flat int block; flat ivec2 tile_end;
+#define SURFACE_END flat ivec2 tile_end;
 #else
-#define SURFACE vec3 position; vec2 sample_at; flat int block;
+#define SURFACE_END
 #endif
+#ifdef ERROR
+#define SURFACE_HEIGHT float height; // as drawn, in metres
+#else
+#define SURFACE_HEIGHT
+#endif
+#define SURFACE vec3 position; vec2 sample_at; flat int block; SURFACE_END SURFACE_HEIGHT
 
 const vec3 horizon = vec3(0.56, 0.68, 0.80), zenith = vec3(0.09, 0.22, 0.52);
 
@@ -81,7 +90,11 @@ float morphed_height(vec3 at) {
 void main() {
     vec2 cells = vec2(a_sample - tile.zw);
     precise vec3 p = vec3(cells.x * grid.x - eye.x, (a_height - eye.z) - eye.w, cells.y * grid.y - eye.y);
-    if (morph.x > 0.0) p.y = (morphed_height(p) - eye.z) - eye.w;
+    float height = a_height;
+    if (morph.x > 0.0) {
+        height = morphed_height(p);
+        p.y = (height - eye.z) - eye.w;
+    }
     gl_Position = view_projection * vec4(p, 1.0);
     surface.position = p;
     surface.sample_at = vec2(a_sample - a_tile.xy);
@@ -89,6 +102,9 @@ void main() {
     surface.block = a_tile.w; // a whole pack's layer
 #else
     surface.block = a_tile.z;
+#endif
+#ifdef ERROR
+    surface.height = height;
 #endif
 #ifdef BORDERS
     surface.tile_end = min(ivec2(1 << tile.x), last.xy - a_tile.xy); // the terrain's rim may cut the tile
@@ -111,6 +127,12 @@ out Surface {
     SURFACE
 } surface;
 flat out int triangle_level;
+#ifdef ERROR
+flat out ivec2 triangle_at;     // the first corner, in the tile
+flat out ivec4 triangle_edges;  // to the second and the third, in samples
+flat out vec3 triangle_heights; // of the first, and what the others have more
+centroid out vec3 weight;       // of the corners; within the triangle for every sample
+#endif
 out vec3 corner_weight; // 1 at one corner, 0 along the edge across: what wireframe measures
 invariant gl_Position;
 void main() {
@@ -118,11 +140,21 @@ void main() {
     ivec2 extent = max(max(a, b), c) - min(min(a, b), c);
     int longest = max(extent.x, extent.y);
     int name = 2 * (tile.x - findMSB(longest)) + (extent.x == extent.y ? 0 : 1);
+#ifdef ERROR
+    vec3 heights_m = vec3(corner[0].height, corner[1].height - corner[0].height, corner[2].height - corner[0].height);
+#endif
     for (int i = 0; i < 3; ++i) {
         gl_Position = gl_in[i].gl_Position;
         surface.position = corner[i].position;
         surface.sample_at = corner[i].sample_at;
         surface.block = corner[i].block;
+#ifdef ERROR
+        surface.height = corner[i].height;
+        triangle_at = a;
+        triangle_edges = ivec4(b - a, c - a);
+        triangle_heights = heights_m;
+        weight = vec3(i == 0, i == 1, i == 2);
+#endif
 #ifdef BORDERS
         surface.tile_end = corner[i].tile_end;
 #endif
@@ -159,7 +191,13 @@ struct TileBlock {
     uint tint, reserved;
 };
 layout(std430, binding = 0) readonly buffer Tiles { TileBlock tile_block[]; };
-#ifdef RESIDENCY
+#ifdef ERROR
+flat in ivec2 triangle_at;
+flat in ivec4 triangle_edges;
+flat in vec3 triangle_heights;
+centroid in vec3 weight;
+layout(binding = 0) uniform sampler2DArray height_map;
+#elif defined(RESIDENCY)
 layout(binding = 0) uniform usampler2D residency;
 #elif defined(COLOUR_MAPS)
 layout(binding = 0) uniform sampler2DArray colour_map[COLOUR_MAPS];
@@ -247,8 +285,58 @@ vec3 mip_colour() {
 }
 #endif
 
+#ifdef ERROR
+float height_at(ivec2 at) {
+    ivec2 part = at / heights.zw;
+    int across = (last.z + heights.z - 1) / heights.z; // layers
+    return texelFetch(height_map, ivec3(at - part * heights.zw, part.y * across + part.x), 0).r;
+}
+
+// The height of the full resolution at a sample and a share of the way to the next: on the triangle that bisection ends
+// with, not between all four. Squares with an even sum are cut from north-west to south-east, odd ones the other way
+// (fjell/tree.h); tiles of one square all fall. Without a height: below -1e38.
+float full_height(ivec2 first, vec2 further) {
+    ivec2 whole = ivec2(floor(further)), sample_at = first + whole;
+    ivec2 square = clamp(sample_at >> heights.x, ivec2(0), last.zw - 2);
+    ivec2 begin = square << heights.x, end = min((square + 1) << heights.x, last.xy);
+    vec2 at = (vec2(sample_at - begin) + (further - vec2(whole))) / vec2(end - begin);
+    bool falls = ((square.x + square.y) & heights.y) == 0;
+    bool first_half = falls ? at.y >= at.x : at.x + at.y <= 1.0;
+    float nw = height_at(square), ne = height_at(square + ivec2(1, 0));
+    float sw = height_at(square + ivec2(0, 1)), se = height_at(square + ivec2(1, 1));
+    float least = falls ? min(min(nw, se), first_half ? sw : ne) : min(min(ne, sw), first_half ? nw : se);
+    if (least < -1e38) return least;
+    if (falls) return first_half ? nw + (sw - nw) * at.y + (se - sw) * at.x : nw + (ne - nw) * at.x + (se - ne) * at.y;
+    if (first_half) return nw + (ne - nw) * at.x + (sw - nw) * at.y;
+    return se + (sw - se) * (1.0 - at.x) + (ne - se) * (1.0 - at.y);
+}
+
+// Weights are held inside the triangle: seen edge-on they are rounded beyond it, to where another one is drawn.
+vec3 error_colour() {
+    ivec2 extent = max(max(triangle_edges.xy, triangle_edges.zw), ivec2(0)) -
+                   min(min(triangle_edges.xy, triangle_edges.zw), ivec2(0));
+    // As fine as the grid or finer: not known.
+    if (heights.x > 0 && max(extent.x, extent.y) <= 1 << heights.x) return legend[5].rgb;
+    vec3 at = max(weight, 0.0);
+    at /= at.x + at.y + at.z;
+    vec2 further = at.y * vec2(triangle_edges.xy) + at.z * vec2(triangle_edges.zw);
+    float full = full_height(tile_block[surface.block].at.xy + triangle_at, further);
+    if (full < -1e38) return legend[5].rgb;
+    float drawn = triangle_heights.x + (at.y * triangle_heights.y + at.z * triangle_heights.z);
+    float error_m = max(abs(drawn - full) - rounding.x, 0.0);
+    vec3 from_eye = vec3(surface.position.x, (full - eye.z) - eye.w, surface.position.z) - error_eye.xyz;
+    float share = error_m * error_eye.w / max(length(from_eye), 1e-6);
+    if (share > 1.0) return legend[4].rgb;
+    float t = clamp((share - 0.1) / 0.3, 0.0, 3.0);
+    int i = min(int(t), 2);
+    return mix(legend[i].rgb, legend[i + 1].rgb, t - float(i));
+}
+#endif
+
 vec3 albedo(vec3 normal) {
-#if defined(LEVELS)
+#if defined(ERROR)
+    return error_colour();
+#elif defined(LEVELS)
     return legend[triangle_level].rgb;
 #elif defined(TILES)
     uvec3 tint = uvec3(tile_block[surface.block].tint) >> uvec3(0u, 10u, 20u) & 1023u;
@@ -299,9 +387,9 @@ float wire_opacity() {
 #endif
 
 #ifdef BORDERS
-// Of the lines of one kind, each way: the nearer one's cover. `apart`: samples between two such lines. Lines pale before
-// they would lie closer than 6 pixels, each way by itself: seen flat, those across the view go first. Then nothing is
-// left to flicker.
+// Of the lines of one kind, each way: the nearer one's cover. `apart`: samples between two such lines. Lines pale
+// before they would lie closer than 6 pixels, each way by itself: seen flat, those across the view go first. Then
+// nothing is left to flicker.
 float border_cover(vec2 samples, vec2 samples_a_pixel, float apart, float half_width_px) {
     vec2 covered = clamp(half_width_px + 0.5 - samples / samples_a_pixel, 0.0, 1.0);
     covered *= smoothstep(6.0, 16.0, apart / samples_a_pixel);
@@ -334,7 +422,11 @@ void main() {
 #else
     vec3 normal = world_normal();
     vec3 colour = albedo(normal);
+#ifdef ERROR
+    if (sun.w > 0.0) colour *= 0.35 + 0.65 * min(dot(light(normal), vec3(1.0 / 3.0)), 1.0); // the legend stays readable
+#else
     if (sun.w > 0.0) colour *= light(normal);
+#endif
     if (haze.x > 0.0) colour = through_haze(colour);
 #endif
 #ifdef WIREFRAME

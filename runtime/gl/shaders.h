@@ -29,9 +29,12 @@ struct FrameBlock {
     float morph_eye[max_cut_views][4];    // metres from the eye that the picture is drawn for
     float morph_reach[max_cut_views][4];  // q_start, q_full
     float tile_border[4], page_border[4]; // linear rgb, opacity
-    std::int32_t last[4];                 // the terrain's last column and row
+    std::int32_t last[4];                 // the terrain's last column and row; columns and rows of the height grid
+    float error_eye[4];                   // metres from the eye; share of a metre's error at a metre's distance
+    std::int32_t heights[4];              // log2 of the grid's step, 1 where diagonals alternate; texels of a layer
+    float rounding[4];                    // metres that floats may add to an error
 };
-static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 3) * 16 &&
+static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6) * 16 &&
                   offsetof(FrameBlock, tile) == 208,
               "FrameBlock is uploaded: change the block `Frame` in shaders.cpp with it");
 
@@ -50,11 +53,11 @@ static_assert(sizeof(TileBlock) == 112 && offsetof(TileBlock, mip) == 32,
 // The block `Frame` and the sky's colours: goes in front of every shader below.
 [[nodiscard]] const char* common_shader();
 [[nodiscard]] const char* terrain_vertex_shader();
-// Names each triangle's level and corners for the fragment shader; needed by LEVELS and WIREFRAME only.
+// Names each triangle's level and corners for the fragment shader; needed by LEVELS, ERROR and WIREFRAME only.
 [[nodiscard]] const char* terrain_geometry_shader();
 // Defines: COLOUR_MAPS and NORMAL_MAPS, how many array textures there are of each, when there are any; LEVELS,
-// DISTANCE, TILES, MIPS or RESIDENCY for a mode other than shaded; WIREFRAME; BORDERS; ALL_THERE: one array of each,
-// layer = tile.
+// DISTANCE, TILES, MIPS, RESIDENCY or ERROR for a mode other than shaded; WIREFRAME; BORDERS; ALL_THERE: one array of
+// each, layer = tile.
 [[nodiscard]] const char* terrain_fragment_shader();
 [[nodiscard]] const char* sky_vertex_shader();
 [[nodiscard]] const char* sky_fragment_shader();

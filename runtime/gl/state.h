@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string>
 
+#include "gl/heights.h"
 #include "gl/maps.h"
 #include "gl/objects.h"
 #include "gl/renderer.h"
@@ -18,7 +19,7 @@
 
 namespace fjell::gl {
 
-inline constexpr int mode_count = 6;
+inline constexpr int mode_count = 7;
 
 // As glMultiDrawElementsIndirect reads it.
 struct DrawCommand {
@@ -42,6 +43,7 @@ struct Renderer::State {
     RendererOptions options;
     Maps maps;
     Residency residency;
+    Heights heights;
     Ring ring;
     Scatter scatter;
     MeshBuffers mesh;
@@ -68,6 +70,7 @@ struct Renderer::State {
     [[nodiscard]] std::size_t ring_bytes() const;
     [[nodiscard]] std::size_t draw_bytes(std::size_t ranges) const;
     std::string check(const MeshView& mesh, const View& view) const;
+    std::string prepare(const DrawOptions& now);
     void set_up(const Target& target) const;
     void bind_maps(Mode mode) const;
     void draw_picture(const DrawData& data, unsigned primitive, const DrawOptions& now);
@@ -77,6 +80,7 @@ struct Renderer::State {
     void upload_indices(const MeshView& mesh);
     // frame.cpp
     FrameBlock make_frame(const View& view, const DrawOptions& now) const;
+    void set_error(const View& view, const DrawOptions& now, FrameBlock& block) const;
     TileBlock make_tile(std::uint32_t tile, std::uint32_t index) const;
     DrawData write_draw(const MeshView& mesh, const View& view, const DrawOptions& now);
 };

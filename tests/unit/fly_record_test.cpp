@@ -19,7 +19,7 @@ Recording random_recording(std::mt19937_64& random) {
     r.page_slots = static_cast<std::uint32_t>(random());
     for (int frame = 0; frame < 5; ++frame) {
         RecordedFrame f;
-        f.views.resize(1 + frame % 3);
+        f.views.resize(static_cast<std::size_t>(1 + frame % 3));
         for (View& v : f.views) {
             v.eye_m = {real(), real(), real()};
             v.forward = {real(), real(), real()};

@@ -1,0 +1,84 @@
+#include "gl/heights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <epoxy/gl.h>
+
+namespace fjell::gl {
+namespace {
+
+constexpr float hole_m = -3e38f; // what the shader takes for one: below -1e38
+
+std::string check(const HeightGrid& grid, const Terrain& terrain) {
+    const auto along = [&](std::int32_t extent) { // the last one at the rim or beyond
+        return ((extent - 1 + (std::int32_t{1} << grid.step_log2) - 1) >> grid.step_log2) + 1;
+    };
+    if (grid.step_log2 > terrain.header.tile_log2)
+        return "HeightGrid::step_log2 is more than a tile's: take every 2^step_log2-th sample, a tile's corners at "
+               "most";
+    if (grid.columns != along(terrain.tree.columns()) || grid.rows != along(terrain.tree.rows()) ||
+        grid.heights_m.size() != static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows))
+        return "the heights are not this terrain's: HeightGrid must have " +
+               std::to_string(along(terrain.tree.columns())) + " columns and " +
+               std::to_string(along(terrain.tree.rows())) + " rows for its step_log2, and a height for each";
+    return {};
+}
+
+// Parts of equal size, as few as `most` allows.
+std::int32_t part_of(std::int32_t extent, std::int32_t most) {
+    const std::int32_t parts = (extent + most - 1) / most;
+    return (extent + parts - 1) / parts;
+}
+
+} // namespace
+
+std::string Heights::set(const HeightGrid& grid, const Terrain& terrain, std::uint32_t texture_side) {
+    if (grid.heights_m.empty()) {
+        texture_ = Texture();
+        return {};
+    }
+    if (std::string error = check(grid, terrain); !error.empty()) return error;
+    int most = 0, most_layers = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+    glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
+    if (texture_side != 0) most = std::min(most, static_cast<int>(texture_side));
+    const std::int32_t w = part_of(grid.columns, most), h = part_of(grid.rows, most);
+    const std::int32_t across = (grid.columns + w - 1) / w, down = (grid.rows + h - 1) / h;
+    if (across > most_layers / down)
+        return "this GPU's textures have no room for " + std::to_string(grid.heights_m.size()) +
+               " heights: give a HeightGrid of a larger step_log2";
+    while (glGetError() != GL_NO_ERROR) {
+    } // so that the check below speaks of this texture
+    unsigned name = 0;
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
+    Texture texture(name);
+    glTextureStorage3D(name, 1, GL_R32F, w, h, across * down);
+    if (glGetError() != GL_NO_ERROR)
+        return "the GPU has no room for " + std::to_string(grid.heights_m.size()) +
+               " heights: give a HeightGrid of a larger step_log2";
+    glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+    std::vector<float> row(static_cast<std::size_t>(grid.columns));
+    for (std::int32_t y = 0; y < grid.rows; ++y) {
+        const float* const from = grid.heights_m.data() + static_cast<std::size_t>(y) * row.size();
+        std::transform(from, from + row.size(), row.begin(), [](float m) { return std::isnan(m) ? hole_m : m; });
+        for (std::int32_t x = 0; x < grid.columns; x += w)
+            glTextureSubImage3D(name, 0, 0, y % h, y / h * across + x / w, std::min(w, grid.columns - x), 1, 1, GL_RED,
+                                GL_FLOAT, row.data() + x);
+    }
+    texture_ = std::move(texture);
+    columns = grid.columns;
+    rows = grid.rows;
+    step_log2 = static_cast<std::int32_t>(grid.step_log2);
+    wide = w;
+    high = h;
+    return {};
+}
+
+} // namespace fjell::gl
