@@ -72,14 +72,19 @@ void Engine::open(const std::string& pack, const fly::Profile& profile) {
             if (messages_.size() < most_messages) messages_.push_back(line);
         });
     auto renderer = renderer_for(o, *session);
-    renderer_ = std::move(renderer); // which points into the terrain: the old one goes before the old session
+    set_renderer(std::move(renderer)); // which points into the terrain: the old one goes before the old session
     session_ = std::move(session);
     pack_ = pack;
     built_ = profile;
 }
 
+void Engine::set_renderer(std::unique_ptr<gl::Renderer> renderer) {
+    heights_.forget(); // which the old one had
+    renderer_ = std::move(renderer);
+}
+
 void Engine::close() {
-    renderer_.reset();
+    set_renderer(nullptr);
     session_.reset();
     pack_.clear();
 }
@@ -91,8 +96,8 @@ bool Engine::follow(const fly::Profile& profile) {
         if (!session_->streamed) {
             fly::remake_method(options(profile), *session_);
             built_ = profile;
-            renderer_.reset();
-            renderer_ = renderer_for(options(profile), *session_);
+            set_renderer(nullptr); // the old one's memory first
+            set_renderer(renderer_for(options(profile), *session_));
             return true;
         }
         [[fallthrough]]; // the stream holds on to the cut
@@ -110,11 +115,28 @@ fly::FrameEntry Engine::update(const View& view, const fly::Profile& profile, do
     return entry;
 }
 
+// Until the heights are there the picture is the usual one. Measured from the refining eye, against what it was
+// promised: pixels of that view, as a cut that has converged keeps them.
+void Engine::ask_for_error(const State& state, gl::DrawOptions& options) {
+    if (!state.shows(Overlay::error)) return;
+    heights_.read(pack_);
+    if (!heights_.upload(*renderer_)) {
+        if (!heights_.problem().empty() && messages_.empty()) messages_.push_back(heights_.problem());
+        return;
+    }
+    const View& refining = state.eye.refining ? *state.eye.refining : state.eye.view;
+    options.mode = gl::Mode::error;
+    options.error_full_px = static_cast<float>(state.document.profile().refine.error_px);
+    options.error_eye_m = refining.eye_m;
+    options.error_lambda_px = refining.lambda_px;
+}
+
 void Engine::draw(const State& state, const gl::Target& target) {
     gl::DrawOptions options = fly::draw_options(state.interface.mode);
     options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
     options.tile_borders = state.shows(Overlay::tile_borders);
     options.page_borders = state.shows(Overlay::page_borders);
+    ask_for_error(state, options);
     std::string error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, target);
     scene_lines_.build(state, *session_);
     if (error.empty() && !scene_lines_.empty()) {
@@ -130,11 +152,11 @@ std::vector<std::string> Engine::take_messages() {
 
 void Engine::drop_graphics() {
     lines_.reset();
-    renderer_.reset();
+    set_renderer(nullptr);
 }
 
 void Engine::make_graphics() {
-    if (session_) renderer_ = renderer_for(options(built_), *session_);
+    if (session_) set_renderer(renderer_for(options(built_), *session_));
 }
 
 Scene Engine::scene() const {

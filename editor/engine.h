@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "editor/state.h"
+#include "editor/full_heights.h"
 #include "editor/scene_lines.h"
 #include "fly/session.h"
 #include "gl/lines.h"
@@ -37,6 +38,8 @@ public:
     [[nodiscard]] fly::FrameEntry update(const View& view, const fly::Profile& profile, double now_s, double& upload_us);
     // The terrain, and what lies over it.
     void draw(const State& state, const gl::Target& target);
+    // Of what the picture of the true error needs, 0..1.
+    [[nodiscard]] double heights_share() const { return heights_.share(); }
     [[nodiscard]] const gl::DrawStats& stats() const { return renderer_->stats(); }
     // What reading has had to say since the last call; empty: nothing.
     [[nodiscard]] std::vector<std::string> take_messages();
@@ -47,12 +50,15 @@ public:
 
 private:
     [[nodiscard]] fly::Options options(const fly::Profile& profile) const;
+    void ask_for_error(const State& state, gl::DrawOptions& options);
+    void set_renderer(std::unique_ptr<gl::Renderer> renderer);
 
     std::vector<std::string> messages_; // of reading, until they are taken
     std::string pack_;
     fly::Profile built_; // what the session's blocks were made for
     std::unique_ptr<fly::Session> session_;
     std::unique_ptr<gl::Renderer> renderer_;
+    FullHeights heights_;
     SceneLines scene_lines_;
     std::unique_ptr<gl::Lines> lines_; // made when there are some
 };

@@ -1,10 +1,10 @@
 #include "gl/lines.h"
 
-#include <initializer_list>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <initializer_list>
 
 #include <epoxy/gl.h>
 
@@ -13,6 +13,8 @@
 
 namespace fjell::gl {
 namespace {
+
+using Switches = std::initializer_list<GLenum>;
 
 constexpr unsigned block_binding = 0, record_slot = 0;
 constexpr int circle_pieces = 96; // a chord leaves its circle by 1/1,870 of the radius: 0.2 pixels of 400
@@ -270,8 +272,8 @@ namespace {
 void set_up(const Target& target) {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer());
     glViewport(0, 0, static_cast<GLsizei>(target.width()), static_cast<GLsizei>(target.height()));
-    for (const GLenum off : std::initializer_list<GLenum>{GL_CULL_FACE, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_RASTERIZER_DISCARD}) glDisable(off);
-    for (const GLenum on : std::initializer_list<GLenum>{GL_DEPTH_TEST, GL_BLEND, GL_FRAMEBUFFER_SRGB, GL_MULTISAMPLE}) glEnable(on);
+    for (const GLenum off : Switches{GL_CULL_FACE, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_RASTERIZER_DISCARD}) glDisable(off);
+    for (const GLenum on : Switches{GL_DEPTH_TEST, GL_BLEND, GL_FRAMEBUFFER_SRGB, GL_MULTISAMPLE}) glEnable(on);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthMask(GL_FALSE);

@@ -1,9 +1,9 @@
 #include "gl/renderer.h"
 
-#include <initializer_list>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <initializer_list>
 #include <utility>
 
 #include <epoxy/gl.h>
@@ -12,6 +12,8 @@
 
 namespace fjell::gl {
 namespace {
+
+using Switches = std::initializer_list<GLenum>;
 
 constexpr unsigned frame_binding = 0, tiles_binding = 0, colour_unit = 0, normal_unit = max_map_sizes;
 constexpr unsigned vertex_slot = 0, tile_slot = 1, morph_slot = 2;
@@ -189,8 +191,8 @@ void Renderer::State::set_up(const Target& target) const {
     // All state we depend on: a user interface may have drawn in this context in between.
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer());
     glViewport(0, 0, static_cast<GLsizei>(target.width()), static_cast<GLsizei>(target.height()));
-    for (const GLenum off : std::initializer_list<GLenum>{GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_RASTERIZER_DISCARD}) glDisable(off);
-    for (const GLenum on : std::initializer_list<GLenum>{GL_DEPTH_TEST, GL_CULL_FACE, GL_FRAMEBUFFER_SRGB, GL_MULTISAMPLE}) glEnable(on);
+    for (const GLenum off : Switches{GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_RASTERIZER_DISCARD}) glDisable(off);
+    for (const GLenum on : Switches{GL_DEPTH_TEST, GL_CULL_FACE, GL_FRAMEBUFFER_SRGB, GL_MULTISAMPLE}) glEnable(on);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     glCullFace(GL_BACK);
     glFrontFace(GL_CCW);
