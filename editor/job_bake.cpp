@@ -94,6 +94,7 @@ Jobs::Body bake_job(Bake bake) {
     if (bake.output.empty() && !bake.inputs.empty()) bake.output = pack_beside(bake.inputs.front());
     const baker::Recipe recipe = recipe_of(bake);
     baker::BakeOptions options = baker::bake_options(recipe);
+    if (bake.checkpoint_s >= 0) options.checkpoint_s = bake.checkpoint_s;
     options.memory_bytes = std::uint64_t{bake.memory_mb} << 20;
     std::vector<std::string> inputs = recipe.inputs;
     inputs.push_back(bake.texture);

@@ -17,6 +17,7 @@ namespace fjell::editor {
 namespace {
 
 constexpr double doubtful = 0.9;   // of the budget: what takes less has no business beside one that fails
+constexpr double hopeless = 1.5;   // of the budget, for half of all frames: not flown again
 constexpr double resolved = 1.015; // thresholds that lie no farther apart are not told apart
 constexpr std::uint32_t most_at_one = 3;
 
@@ -110,12 +111,13 @@ std::uint32_t Search::expected() const {
     return std::min(result_.flights + static_cast<std::uint32_t>(more), most_flights);
 }
 
-// Whether it keeps the budget, after as few flights as say so. Half of all frames is more than other programs spoil.
+// Whether it keeps the budget, after as few flights as say so. Half of all frames is more than other programs spoil,
+// but for what they take of the caches.
 bool Search::settle(Candidate& c) {
     const TunePoint& p = c.point;
     while (!p.keeps && p.flights < most_at_one && may_fly()) {
         fly(c);
-        if (p.p50_us > settings_.budget_us || p.reached < least_reached) break;
+        if (p.p50_us > hopeless * settings_.budget_us || p.reached < least_reached) break;
     }
     return p.keeps;
 }
@@ -144,7 +146,8 @@ void Search::bisect() {
     }
 }
 
-// What was found is flown anew. Where it fails, the next larger threshold that kept the budget is looked at: false.
+// What was found is flown anew. Where it fails, what lies between it and the next larger one that kept the budget is
+// searched again: false.
 bool Search::confirm() {
     confirming_ = true;
     Candidate& found = candidate(good_px_);
@@ -155,7 +158,9 @@ bool Search::confirm() {
     if (found.point.keeps) return true;
     for (auto c = candidates_.rbegin(); c != candidates_.rend(); ++c)
         if (c->point.error_px > good_px_ && c->point.keeps) {
+            bad_px_ = good_px_;
             good_px_ = c->point.error_px;
+            bisect();
             return false;
         }
     good_px_ = 0;

@@ -3,12 +3,12 @@
 // Cost is taken to fall with a rising threshold (thesis 6.3 and 6.4 measured it so). The flights of one threshold do the
 // same work frame by frame, so what they differ in is other programs, which make frames dearer and never cheaper, and
 // which no threshold can help: each frame counts with its least time. More flights can then only lower the p99: a
-// threshold is flown until it keeps the budget, three times at most, or once where not even the half of all frames do.
+// threshold is flown until it keeps the budget, three times at most, or once where half of all frames are far beyond it.
 // The search goes down from most_px by halves until one fails, which flies what is dear only once and gives the curve
 // its span, and bisects the last octave on a logarithmic scale down to 1.5%. Should the threshold that was found have
 // room to spare next to one that failed, the failed one is doubted, once, and flown again. Every threshold tried has three
 // digits, rounded up, so that the one that is offered is one that was flown. In the end it is flown anew, as if for the
-// first time, and gives way to the next larger one if it fails then.
+// first time, and if it fails then, a larger one is looked for.
 //
 // Rejected: a fit of a power law through all flights. It needs fewer of them, but offers thresholds never flown, and a
 // budget of vertices that is reached bends the curve.
