@@ -125,6 +125,8 @@ int App::run() {
         if (surface_->lost()) replace_surface();
         if (!script_step()) break;
         frame();
+        // Nothing else holds a headless run back; what a job measures is not to be disturbed by it.
+        if (options_.headless && jobs_.running()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
         const bool last = options_.frames != 0 && state_.frame >= options_.frames;
         if (last && !options_.screenshot.empty()) {
             after_frame_.emplace_back(Screenshot{options_.screenshot, true});

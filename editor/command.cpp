@@ -64,6 +64,11 @@ public:
             found->second(word.substr(sign + 1));
         }
     }
+    // NAME=..., which no file is called here; after a folder it may be.
+    [[nodiscard]] bool is_option() const {
+        const std::size_t sign = words_[at_].find('=');
+        return sign != std::string::npos && sign != 0 && words_[at_].find('/') > sign;
+    }
     void end() const {
         if (more()) throw Failure(2, fmt::format("{}: one word too many", words_[at_]));
     }
@@ -73,6 +78,13 @@ public:
         if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value))
             throw Failure(2, fmt::format("{}: {} must be a number", word, what));
         return value;
+    }
+
+    [[nodiscard]] static std::uint32_t whole_of(const std::string& word, const char* what) {
+        const double value = number_of(word, what);
+        if (!(value >= 0 && value <= 1e9 && value == std::floor(value)))
+            throw Failure(2, fmt::format("{}: {} must be a whole number from 0 to 1000000000", word, what));
+        return static_cast<std::uint32_t>(value);
     }
 
 private:
@@ -104,7 +116,15 @@ Command bake(Words& w) {
     Bake b;
     b.inputs.push_back(w.text("a file of heights"));
     b.output = w.text("the pack to write");
-    w.options({{"tile", [&](const std::string& v) { b.tile = static_cast<std::uint32_t>(Words::number_of(v, "tile")); }},
+    while (w.more() && !w.is_option()) { // several files of heights: the pack comes last
+        b.inputs.push_back(std::move(b.output));
+        b.output = w.text("the pack to write");
+    }
+    w.options({{"tile", [&](const std::string& v) { b.tile = v == "auto" ? 0 : Words::whole_of(v, "tile"); }},
+               {"order", [&](const std::string& v) { b.order = v; }},
+               {"nodata", [&](const std::string& v) { b.nodata = v; }},
+               {"crs", [&](const std::string& v) { b.crs = v; }},
+               {"memory_mb", [&](const std::string& v) { b.memory_mb = Words::whole_of(v, "memory_mb"); }},
                {"texture", [&](const std::string& v) { b.texture = v; }},
                {"ramp", [&](const std::string& v) { b.ramp = v; }},
                {"spacing", [&](const std::string& v) { b.spacing_m = Words::number_of(v, "spacing"); }},
@@ -122,7 +142,13 @@ Command tune(Words& w) {
               s.measure = v == "frame" ? TuneMeasure::frame : TuneMeasure::update;
           }},
          {"budget_us", [&](const std::string& v) { s.budget_us = Words::number_of(v, "budget_us"); }},
-         {"frames", [&](const std::string& v) { s.frames = static_cast<std::uint32_t>(Words::number_of(v, "frames")); }},
+         {"frames", [&](const std::string& v) { s.frames = Words::whole_of(v, "frames"); }},
+         {"csv", [&](const std::string& v) { t.csv = v; }},
+         {"apply",
+          [&](const std::string& v) {
+              if (v != "yes" && v != "no") throw Failure(2, v + ": apply must be yes or no");
+              s.apply = v == "yes";
+          }},
          {"least_px", [&](const std::string& v) { s.least_px = Words::number_of(v, "least_px"); }},
          {"most_px", [&](const std::string& v) { s.most_px = Words::number_of(v, "most_px"); }}});
     return t;
@@ -162,7 +188,9 @@ std::vector<Verb> terrain_verbs() {
         {"save-profile", "[FILE]", "the profile, where it came from or elsewhere", with_path<SaveProfile>(false)},
         {"compare", "[FILE]", "shows another profile's values beside; none: what was saved",
          with_path<CompareProfile>(false)},
-        {"bake", "HEIGHTS PACK [tile=N] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S]", "bakes and opens", bake},
+        {"bake", "HEIGHTS... PACK [tile=N|auto] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S] [order=planar|hz|linear] "
+                 "[nodata=hole|fill|refuse] [crs=C] [memory_mb=N]",
+         "bakes and opens; several files make a mosaic, a .json is a recipe of mountains", bake},
     };
 }
 
@@ -211,8 +239,8 @@ std::vector<Verb> show_verbs() {
 
 std::vector<Verb> program_verbs() {
     return {
-        {"tune", "[measure=update|frame] [budget_us=N] [frames=N] [least_px=E] [most_px=E]",
-         "the smallest threshold whose p99 keeps the budget", tune},
+        {"tune", "[measure=update|frame] [budget_us=N] [frames=N] [least_px=E] [most_px=E] [apply=yes|no] [csv=FILE]",
+         "the smallest threshold whose p99 keeps the budget; apply sets refine.error_px to it", tune},
         {"benchmark", "FILE.csv [FRAMES]", "flies the path and writes a line a frame",
          [](Words& w) {
              const std::string path = w.text("a file");

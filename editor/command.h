@@ -118,12 +118,16 @@ struct DismissMessage {};
 struct Bake {
     std::vector<std::string> inputs;
     std::string output; // opened when it is done
-    std::uint32_t tile = 0;
+    std::uint32_t tile = 0; // cells a side; 0: auto
     std::string texture, ramp;
-    double spacing_m = 0, height_scale = 1;
+    double spacing_m = 0, height_scale = 1; // 0: the file's own
+    std::string order, nodata, crs;         // as fjell-bake has them; empty: its defaults
+    std::uint32_t memory_mb = 512;
+    double checkpoint_s = -1; // how often the way so far is secured; below 0: every 5 s, unless all fits the memory
 };
 struct Tune {
     TuneSettings settings;
+    std::string csv; // of the curve; empty: none
 };
 struct Benchmark {
     std::string csv;

@@ -70,7 +70,8 @@ json job_json(const JobView& j) {
     json curve = json::array();
     for (const TunePoint& p : j.curve)
         curve.push_back({{"error_px", p.error_px}, {"p50_us", p.p50_us}, {"p99_us", p.p99_us}, {"max_us", p.max_us},
-                         {"vertices", p.vertices}, {"keeps", p.keeps}});
+                         {"vertices", p.vertices}, {"keeps", p.keeps}, {"reached", p.reached}, {"frames", p.frames},
+                         {"flights", p.flights}});
     return {{"kind", job_names[static_cast<int>(j.kind)]},
             {"running", j.running},
             {"cancelled", j.cancelled},
@@ -81,6 +82,8 @@ json job_json(const JobView& j) {
             {"output", j.output},
             {"curve", curve},
             {"best_px", j.best_px},
+            {"flights", j.flights},
+            {"seconds", j.seconds},
             {"preview", {{"error_px", j.preview.error_px}, {"vertices", j.preview.vertices},
                          {"triangles", j.preview.triangles}, {"bytes", j.preview.bytes}}},
             {"finished", j.finished}};

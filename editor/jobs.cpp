@@ -1,7 +1,9 @@
 #include "editor/jobs.h"
 
+#include <algorithm>
 #include <exception>
 #include <new>
+#include <system_error>
 #include <utility>
 
 #include "host/failure.h"
@@ -11,6 +13,11 @@ namespace fjell::editor {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds between_shown{50};
+
+double seconds(Clock::duration d) {
+    return std::chrono::duration<double>(d).count();
+}
 
 // What the body throws is all that is known of why it ended.
 void run(const Jobs::Body& body, JobControl& control) {
@@ -24,7 +31,10 @@ void run(const Jobs::Body& body, JobControl& control) {
         problem = "memory is short; close something, or ask for less";
     } catch (const std::exception& failure) {
         problem = failure.what();
+    } catch (...) {
+        problem = "the job ended for a reason unknown; report it with what was asked for";
     }
+    // What a library makes of being stopped is still a cancelled job.
     cancelled = cancelled || (!problem.empty() && control.cancelled());
     control.publish([&](JobView& view) {
         view.cancelled = cancelled;
@@ -34,12 +44,26 @@ void run(const Jobs::Body& body, JobControl& control) {
 
 } // namespace
 
-void JobControl::progress(const char* stage, std::uint64_t done, std::uint64_t total) {
+void JobControl::check() const {
     if (cancelled()) throw Cancelled{};
-    publish([&](JobView& view) {
-        if (view.stage != stage) view.stage = stage;
-        view.share = total == 0 ? 0 : static_cast<double>(done) / static_cast<double>(total);
-    });
+}
+
+void JobControl::progress(const char* stage, std::uint64_t done, std::uint64_t total) {
+    check();
+    const auto now = Clock::now();
+    const std::scoped_lock hold(lock_);
+    const bool another = view_.stage != stage;
+    if (!another && done < total && now - shown_ < between_shown) return;
+    if (another) {
+        view_.stage = stage;
+        stage_began_ = now;
+    }
+    shown_ = now;
+    const double elapsed = seconds(now - stage_began_);
+    view_.share = total == 0 ? 0 : static_cast<double>(done) / static_cast<double>(total);
+    view_.rate = elapsed > 0.2 ? static_cast<double>(done) / elapsed : 0;
+    view_.left_s = view_.rate > 0 ? static_cast<double>(total - std::min(done, total)) / view_.rate : 0;
+    changed_.store(true, std::memory_order_release);
 }
 
 void JobControl::publish(const std::function<void(JobView&)>& change) {
@@ -54,16 +78,21 @@ Jobs::~Jobs() {
 
 void Jobs::start(JobKind kind, Body body) {
     if (running()) throw host::Failure(2, "another job is running; wait for it, or cancel it first");
-    control_ = std::make_shared<JobControl>();
-    control_->view_.kind = kind;
-    control_->view_.running = true;
-    control_->changed_ = true;
+    auto control = std::make_shared<JobControl>();
+    control->view_.kind = kind;
+    control->view_.running = true;
+    control->changed_ = true;
+    try {
+        thread_ = std::jthread([control, body = std::move(body)](const std::stop_token& stop) {
+            control->stop_ = stop;
+            run(body, *control);
+            control->done_.store(true, std::memory_order_release);
+        });
+    } catch (const std::system_error&) {
+        throw host::Failure(3, "the system gives no thread for the job; close other programs");
+    }
+    control_ = std::move(control);
     started_ = Clock::now();
-    thread_ = std::jthread([control = control_, body = std::move(body)](const std::stop_token& stop) {
-        control->stop_ = stop;
-        run(body, *control);
-        control->done_.store(true, std::memory_order_release);
-    });
 }
 
 void Jobs::cancel() {
@@ -78,7 +107,7 @@ bool Jobs::poll(JobView& view) {
         view = control_->view_;
         view.finished = finished_;
     }
-    view.seconds = std::chrono::duration<double>(Clock::now() - started_).count();
+    view.seconds = seconds(Clock::now() - started_);
     if (!done) return false;
     thread_.join();
     control_.reset();

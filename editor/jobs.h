@@ -27,12 +27,15 @@ namespace fjell::editor {
 enum class JobKind : std::uint8_t { none, bake, tune, benchmark, snapshot, preview, heights };
 inline constexpr const char* job_names[] = {"none", "bake", "tune", "benchmark", "export", "preview", "heights"};
 
-// One flight of a tuning run.
+// What flights at one threshold cost: each frame with its least time (editor/job_tune.h).
 struct TunePoint {
     double error_px = 0;
     double p50_us = 0, p99_us = 0, max_us = 0;
-    double vertices = 0; // mean, selected or active
-    bool keeps = false;  // p99 is within the budget
+    double vertices = 0;       // mean, selected or active
+    double reached = 1;        // share of frames that had what the threshold asks for: no budget in its way, no lag
+    std::uint32_t frames = 0;  // that counted: without the first
+    std::uint32_t flights = 0; // at this threshold
+    bool keeps = false;        // p99 is within the budget, and the threshold was reached
 };
 
 struct ExportPreview {
@@ -45,23 +48,26 @@ struct JobView {
     JobKind kind = JobKind::none;
     bool running = false, cancelled = false;
     std::string stage;
-    double share = 0;     // done, 0..1
+    double share = 0;     // done, 0..1; of this stage
+    double rate = 0, left_s = 0; // units of the stage a second, and until its end; 0: not known
     double seconds = 0;   // so far
     std::string problem;  // why it failed; empty: it did not
     std::string result;   // one line when it is done
     std::string output;   // the file that it wrote
     std::vector<TunePoint> curve; // of tuning, by falling threshold
     TuneSettings tuned;
-    double best_px = 0;   // of tuning: the smallest threshold that keeps the budget; 0: none does
+    std::uint32_t flights = 0; // of tuning, so far
+    double best_px = 0;        // of tuning: the smallest threshold that keeps the budget; 0: none does
     ExportPreview preview;
     std::uint64_t finished = 0; // jobs that ended so far
 };
 
-// What a job's body is given. Thread: the job's.
+// What a job's body is given. Thread: the job's, and those that it starts.
 class JobControl {
 public:
-    // Throws Cancelled when the job is to stop. stage: what is being done.
+    // Throws Cancelled when the job is to stop. stage: what is being done. Cheap: at most 20 a second are shown.
     void progress(const char* stage, std::uint64_t done, std::uint64_t total);
+    void check() const; // throws Cancelled too, and shows nothing
     // Changes the view that panels will see.
     void publish(const std::function<void(JobView&)>& change);
     [[nodiscard]] bool cancelled() const { return stop_.stop_requested(); }
@@ -69,8 +75,9 @@ public:
 private:
     friend class Jobs;
     std::stop_token stop_;
-    std::mutex lock_;
+    std::mutex lock_; // of what follows
     JobView view_;
+    std::chrono::steady_clock::time_point stage_began_, shown_;
     std::atomic<bool> changed_{false}, done_{false};
 };
 struct Cancelled {};
@@ -83,7 +90,7 @@ public:
     Jobs(const Jobs&) = delete;
     Jobs& operator=(const Jobs&) = delete;
 
-    // Throws host::Failure (2) while another one runs.
+    // Throws host::Failure: 2 while another one runs, 3 when the machine gives no thread.
     void start(JobKind kind, Body body);
     void cancel();
     [[nodiscard]] bool running() const { return thread_.joinable(); }

@@ -92,6 +92,8 @@ struct State {
     Eye eye;
     Measures measures;
     JobView job;
+    JobView tuned;          // the last tuning that was not cancelled
+    std::string bake_input; // heights that the bake dialogue begins with
     Messages messages;
     Browser browser;
     Interface interface;

@@ -86,14 +86,17 @@ Json extras(const Pack& pack, const SnapshotInfo& info, const SnapshotResult& co
             {"pack_hash", fmt::format("{:016x}", h.directory_hash)}};
 }
 
-void add_tiles(const Pack& pack, const Terrain& terrain, const MeshView& mesh, std::uint32_t max_texture_px,
+void add_tiles(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotOptions& options,
                SceneBuilder& scene, SnapshotResult& result) {
-    const ColourMip mip = choose_mip(pack.header, max_texture_px);
+    const ColourMip mip = choose_mip(pack.header, options.max_texture_px);
     result.texture_px = mip.side_px;
     std::vector<std::byte> blocks(mip.side_px ? chunk_raw_bytes(pack.header, {ChunkKind::colour, 0, mip.level}) : 0);
     std::vector<std::uint8_t> rgb(std::size_t{mip.side_px} * mip.side_px * 3);
     TileCollector collector(terrain, mip.side_px);
+    std::uint64_t done = 0;
     for (const TileRange& range : mesh.tiles) {
+        if (options.progress && !options.progress(done++, mesh.tiles.size()))
+            throw host::Failure(130, "stopped; nothing is written");
         const TileGeometry geometry = collector.collect(mesh, range);
         if (geometry.indices.empty()) continue;
         const std::string name =
@@ -130,13 +133,14 @@ std::string json_chunk(const SceneBuilder& scene, Json fjell_extras) {
 
 // The container (glTF 2.0, section 4.4): a header of 12 bytes, then chunks of length, type and data, all in words of 4.
 std::uint64_t write_glb(const SceneBuilder& scene, const std::string& json, std::uint64_t max_file_bytes,
-                        const std::string& path) {
+                        const std::string& path, bool write) {
     const std::uint64_t total = container_bytes + json.size() + scene.binary_bytes();
     if (total > max_file_bytes)
         throw host::Failure(
             1, fmt::format("{}: the snapshot needs {} bytes, more than the {} that are allowed; ask for a larger "
                            "error_px or smaller textures (max_texture_px)",
                            path, total, max_file_bytes));
+    if (!write) return total;
     host::AtomicFile file(path);
     const auto words = [&](std::initializer_list<std::uint32_t> list) {
         file.write(std::as_bytes(std::span(list.begin(), list.size())));
@@ -155,16 +159,18 @@ std::uint64_t write_glb(const SceneBuilder& scene, const std::string& json, std:
 SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
                               const std::string& path, const SnapshotOptions& options) {
     try {
-        if (path.empty()) throw host::Failure(2, "the snapshot has no file name; give one that ends in .glb");
+        if (path.empty() && options.write) throw host::Failure(2, "the snapshot has no file name; give one that ends in .glb");
         check(pack, terrain, mesh, info);
-        { const host::AtomicFile probe(path); } // says what is wrong with the place before seconds of work, not after
+        if (options.write) {
+            const host::AtomicFile probe(path); // says what is wrong with the place before seconds of work, not after
+        }
         const std::uint64_t max_file_bytes = std::min(options.max_file_bytes, most_file_bytes);
         SnapshotResult result;
         result.converged = info.converged;
         SceneBuilder scene(max_file_bytes);
-        add_tiles(pack, terrain, mesh, options.max_texture_px, scene, result);
+        add_tiles(pack, terrain, mesh, options, scene, result);
         scene.add_camera(info.view);
-        result.file_bytes = write_glb(scene, json_chunk(scene, extras(pack, info, result)), max_file_bytes, path);
+        result.file_bytes = write_glb(scene, json_chunk(scene, extras(pack, info, result)), max_file_bytes, path, options.write);
         return result;
     } catch (const host::Failure& failure) {
         return refused(failure.exit_code, failure.what());

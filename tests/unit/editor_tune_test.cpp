@@ -1,0 +1,218 @@
+// How the tuner looks for a threshold, over costs that are made up: a curve, noise on it, and frames that other
+// programs spoil.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "editor/job_tune.h"
+#include "host/failure.h"
+
+using namespace fjell::editor;
+
+namespace {
+
+// Frames cost scale / error_px^power microseconds, each its own share of it, up to 1.
+struct Cost {
+    double scale = 2000, power = 1.5;
+    double noise = 0;         // the dearer part of any frame, evenly up to this share of it
+    double spoiled = 0;       // share of frames that take four times as long
+    double reached_from = 0;  // thresholds below are not reached
+    std::uint32_t seed = 1;
+    std::uint32_t frames = 400;
+
+    [[nodiscard]] double p99_us(double error_px) const { return scale / std::pow(error_px, power) * 0.99; }
+    // The threshold whose p99 is exactly that.
+    [[nodiscard]] double threshold(double budget_us) const { return std::pow(scale * 0.99 / budget_us, 1 / power); }
+};
+
+struct Tuned {
+    TuneResult result;
+    std::vector<double> flown; // in their order
+    std::vector<TuneResult> published;
+};
+
+Tuned tune(const Cost& cost, const TuneSettings& settings) {
+    std::mt19937 random(cost.seed);
+    std::uniform_real_distribution<double> share(0, 1);
+    Tuned t;
+    const auto fly = [&](double error_px) {
+        t.flown.push_back(error_px);
+        TuneFlight flight;
+        flight.reached = error_px >= cost.reached_from ? 1 : 0.5;
+        flight.vertices = 1e5 / error_px;
+        for (std::uint32_t i = 1; i <= cost.frames; ++i) {
+            double us = cost.scale / std::pow(error_px, cost.power) * i / cost.frames;
+            us *= 1 + cost.noise * share(random);
+            if (share(random) < cost.spoiled) us *= 4;
+            flight.times_us.push_back(us);
+        }
+        return flight;
+    };
+    t.result = find_threshold(settings, fly, [&](const TuneResult& r) { t.published.push_back(r); });
+    return t;
+}
+
+TuneSettings asked(double budget_us) {
+    TuneSettings s;
+    s.budget_us = budget_us;
+    return s;
+}
+
+} // namespace
+
+TEST_CASE("the tuner finds the smallest threshold that keeps the budget, to two in a hundred, in a few flights") {
+    for (const double power : {0.7, 1.0, 1.5, 2.0})
+        for (const double budget_us : {300.0, 1000.0, 2000.0, 7000.0}) {
+            Cost cost;
+            cost.power = power;
+            const Tuned t = tune(cost, asked(budget_us));
+            const double right = std::max(cost.threshold(budget_us), asked(budget_us).least_px);
+            INFO("power " << power << ", budget " << budget_us << ": found " << t.result.best_px << ", is " << right);
+            CHECK(cost.p99_us(t.result.best_px) <= budget_us);
+            CHECK(t.result.best_px <= 1.02 * right);
+            CHECK(t.result.flights == t.flown.size());
+            CHECK(t.result.flights <= 32);
+        }
+}
+
+TEST_CASE("noise costs the tuner no more than its own size, and never has it offer what is dearer than that") {
+    for (std::uint32_t seed = 1; seed <= 200; ++seed) {
+        Cost cost;
+        cost.seed = seed;
+        cost.noise = 0.06;
+        const Tuned t = tune(cost, asked(1000));
+        const double right = cost.threshold(1000), found = t.result.best_px;
+        INFO("seed " << seed << ": found " << found << ", is " << right);
+        CHECK(cost.p99_us(found) <= 1000); // noise only adds: what keeps the budget with it does without
+        CHECK(found <= 1.02 * cost.threshold(1000 / 1.06));
+        CHECK(t.result.flights <= most_flights + 3);
+    }
+}
+
+TEST_CASE("frames that other programs spoil do not mislead the tuner") {
+    int far = 0;
+    for (std::uint32_t seed = 1; seed <= 200; ++seed) {
+        Cost cost;
+        cost.seed = seed;
+        cost.spoiled = 0.05; // five times what p99 can bear in one flight
+        const Tuned t = tune(cost, asked(1000));
+        INFO("seed " << seed << ": found " << t.result.best_px << ", is " << cost.threshold(1000));
+        CHECK(cost.p99_us(t.result.best_px) <= 1000);
+        far += t.result.best_px > 1.03 * cost.threshold(1000) ? 1 : 0;
+    }
+    CHECK(far == 0); // spoiled three times over: 1 frame in 8,000
+}
+
+TEST_CASE("the threshold that is offered was flown, has three digits and keeps the budget in its last flights") {
+    for (std::uint32_t seed = 1; seed <= 50; ++seed) {
+        Cost cost;
+        cost.seed = seed;
+        cost.noise = 0.3;
+        const Tuned t = tune(cost, asked(3000));
+        REQUIRE(t.result.best_px > 0);
+        CHECK(std::ranges::count(t.flown, t.result.best_px) >= 2);
+        CHECK(rounded_up(t.result.best_px) == t.result.best_px);
+        const TunePoint* const best = t.result.at(t.result.best_px);
+        REQUIRE(best != nullptr);
+        CHECK(best->keeps);
+        CHECK(best->p99_us <= 3000);
+    }
+}
+
+TEST_CASE("where nothing keeps the budget the tuner says so, and where everything does it takes the least") {
+    const Tuned none = tune({}, asked(10));
+    CHECK(none.result.best_px == 0);
+    CHECK(none.result.curve.size() == 1);
+    CHECK(none.flown.size() <= 3);
+    CHECK_THAT(tune_text(none.result, asked(10)), Catch::Contains("no threshold up to 32 px") && Catch::Contains("p99 11 us of 10"));
+    const Tuned all = tune({}, asked(500'000));
+    CHECK(all.result.best_px == 0.25);
+    CHECK_THAT(tune_text(all.result, asked(500'000)), Catch::Contains("0.25 px, the least that was asked for"));
+}
+
+TEST_CASE("a threshold that the profile's budgets do not let it reach keeps nothing, however fast it is") {
+    Cost cost;
+    cost.reached_from = 3;
+    const Tuned t = tune(cost, asked(500'000));
+    CHECK(t.result.best_px >= 3);
+    CHECK(t.result.best_px <= 3 * 1.02);
+    CHECK_THAT(tune_text(t.result, asked(500'000)), Catch::Contains("a budget of the profile is in the way"));
+    cost.reached_from = 100;
+    const Tuned none = tune(cost, asked(500'000));
+    CHECK(none.result.best_px == 0);
+    CHECK_THAT(tune_text(none.result, asked(500'000)), Catch::Contains("50% of the frames"));
+}
+
+TEST_CASE("the curve falls from the largest threshold, grows flight by flight, and never promises fewer flights") {
+    Cost cost;
+    cost.noise = 0.1;
+    const Tuned t = tune(cost, asked(1000));
+    REQUIRE(t.published.size() > t.flown.size());
+    for (std::size_t i = 0; i < t.published.size(); ++i) {
+        const TuneResult& r = t.published[i];
+        CHECK(r.flights == std::min(i + 1, t.flown.size()));
+        CHECK(r.expected >= r.flights);
+        CHECK(std::ranges::is_sorted(r.curve, std::ranges::greater{}, &TunePoint::error_px));
+        if (i > 0) CHECK(r.curve.size() >= t.published[i - 1].curve.size());
+    }
+    CHECK(t.published.front().curve.size() == 1);
+}
+
+TEST_CASE("the tuner stops after a bounded number of flights, whatever they say") {
+    std::mt19937 random(5);
+    std::size_t flown = 0;
+    const TuneResult r = find_threshold(
+        asked(1000),
+        [&](double) {
+            ++flown;
+            return TuneFlight{std::vector<double>(50, random() % 2 == 0 ? 900.0 : 1100.0), 1, 1};
+        },
+        [](const TuneResult&) {});
+    CHECK(r.flights == flown);
+    CHECK(flown <= most_flights + 3);
+}
+
+TEST_CASE("thresholds are rounded up to three digits") {
+    CHECK(rounded_up(1.2301) == 1.24);
+    CHECK(rounded_up(1.23) == 1.23);
+    CHECK(rounded_up(0.9991) == 1);
+    CHECK(rounded_up(0.012341) == 0.0124);
+    CHECK(rounded_up(32) == 32);
+    CHECK(rounded_up(123.1) == 124);
+    CHECK(rounded_up(1000) == 1000);
+    for (double e = 0.01; e < 1000; e *= 1.0137) {
+        const double once = rounded_up(e);
+        CHECK(once >= e * (1 - 1e-9));
+        CHECK(once <= e * 1.0101);
+        CHECK(rounded_up(once) == once);
+    }
+}
+
+TEST_CASE("the curve as CSV has a line a threshold") {
+    const Tuned t = tune({}, asked(1000));
+    const std::string csv = tune_csv(t.result.curve);
+    CHECK(csv.starts_with("threshold_px,p50_us,p99_us,max_us,vertices,frames,keeps,reached,flights\n32,"));
+    CHECK(static_cast<std::size_t>(std::ranges::count(csv, '\n')) == t.result.curve.size() + 1);
+}
+
+TEST_CASE("settings of a tuning that are out of range are refused by their names") {
+    const auto refuses = [](auto change, const std::string& name) {
+        TuneSettings s;
+        change(s);
+        CHECK_THROWS_WITH(check(s), Catch::Contains(name));
+    };
+    CHECK_NOTHROW(check({}));
+    refuses([](TuneSettings& s) { s.budget_us = 9; }, "budget_us");
+    refuses([](TuneSettings& s) { s.budget_us = std::numeric_limits<double>::quiet_NaN(); }, "budget_us");
+    refuses([](TuneSettings& s) { s.frames = 9; }, "frames");
+    refuses([](TuneSettings& s) { s.frames = 100'001; }, "frames");
+    refuses([](TuneSettings& s) { s.least_px = 0; }, "least_px");
+    refuses([](TuneSettings& s) { s.most_px = s.least_px; }, "most_px");
+    refuses([](TuneSettings& s) { s.most_px = 1001; }, "most_px");
+}
