@@ -45,6 +45,7 @@ public:
 
 private:
     [[nodiscard]] fly::Options options(const fly::Profile& profile) const;
+    void remake(const fly::Profile& profile); // the method's block, and a renderer for it
 
     std::vector<std::string> messages_; // of reading, until they are taken
     std::string pack_;
