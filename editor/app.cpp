@@ -82,7 +82,8 @@ App::App(Options options) : options_(std::move(options)) {
     scale = options_.scale;
     if (scale <= 0 && !options_.headless) scale = state_.files.settings.scale;
     if (scale <= 0) scale = std::clamp(surface_->content_scale(), 0.5, 4.0);
-    ui::apply_style(state_.interface.scale);
+    ui::apply_style(scale);
+    styled_scale_ = scale;
     if (dump_file() != nullptr) std::signal(SIGUSR1, [](int) { dump_asked = 1; });
 }
 
@@ -210,7 +211,6 @@ void App::interface() {
 
 void App::carry_out() {
     const Desk desk{state_, engine_, jobs_};
-    const double scale = state_.interface.scale;
     for (const std::string& file : std::exchange(surface_->dropped, {})) apply(Open{file, false}, desk);
     for (const Command& command : commands_.list()) apply(command, desk);
     commands_.clear();
@@ -226,7 +226,7 @@ void App::carry_out() {
         surface_->stay_open();
         apply(Quit{}, desk);
     }
-    if (state_.interface.scale != scale) {
+    if (std::exchange(styled_scale_, state_.interface.scale) != state_.interface.scale) {
         // The panels of this frame are drawn with the old font; from the next one on with the new.
         after_frame_.emplace_back(SetScale{state_.interface.scale});
     }

@@ -51,6 +51,7 @@ private:
     bool waiting_there_ = false;
     std::uint64_t there_since_ = 0;
     std::string shown_title_;
+    double styled_scale_ = 1; // that fonts and metrics are for
     bool ended_ = false; // as it should: not by a signal or a failure
     std::vector<Command> after_frame_; // Screenshot and DumpState, once the frame is drawn
     // Destroyed from last to first: GL objects need their context.

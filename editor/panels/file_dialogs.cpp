@@ -73,7 +73,7 @@ void draw_differences(const State& state, Commands& commands) {
     ImGui::TableSetupColumn("Key", ImGuiTableColumnFlags_WidthStretch, 2);
     ImGui::TableSetupColumn("Mine", ImGuiTableColumnFlags_WidthStretch, 1.2F);
     ImGui::TableSetupColumn("Theirs", ImGuiTableColumnFlags_WidthStretch, 1.2F);
-    ImGui::TableSetupColumn("##take", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("Take theirs  ").x);
+    ImGui::TableSetupColumn("##take", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("Take theirs   ").x);
     ImGui::TableHeadersRow();
     for (const Difference& d : state.files.differences) {
         char name[64];

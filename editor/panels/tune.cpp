@@ -1,6 +1,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include <strings.h>
+
 #include "editor/panels/panels.h"
 #include "editor/panels/tune_cost.h"
 #include "editor/slider.h"
@@ -63,7 +65,7 @@ void draw_label(const Row& row) {
     ImGui::TextUnformatted(row.key.label);
     if (changed) ImGui::PopStyleColor();
     tip(row);
-    if (*row.key.unit != '\0') {
+    if (*row.key.unit != '\0' && strcasecmp(row.key.unit, row.key.label) != 0) {
         ImGui::SameLine();
         ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
         ImGui::TextUnformatted(row.key.unit);
