@@ -77,12 +77,18 @@ App::App(Options options) : options_(std::move(options)) {
     io.IniFilename = nullptr; // the state is ours to keep
     io.LogFilename = nullptr;
     make_surface_and_graphics();
-    state_.interface.scale = options_.scale > 0 ? options_.scale : std::clamp(surface_->content_scale(), 0.5, 4.0);
-    ui::apply_style(state_.interface.scale);
+    begin_keeping(state_, !options_.headless);
+    double& scale = state_.interface.scale;
+    scale = options_.scale;
+    if (scale <= 0 && !options_.headless) scale = state_.files.settings.scale;
+    if (scale <= 0) scale = std::clamp(surface_->content_scale(), 0.5, 4.0);
+    ui::apply_style(scale);
+    styled_scale_ = scale;
     if (dump_file() != nullptr) std::signal(SIGUSR1, [](int) { dump_asked = 1; });
 }
 
 App::~App() {
+    end_keeping(state_, ended_);
     jobs_.cancel();
     target_.reset();
     engine_.drop_graphics();
@@ -94,6 +100,7 @@ App::~App() {
 void App::make_surface_and_graphics() {
     std::string error;
     surface_ = make_surface({options_.headless, options_.width, options_.height, options_.vsync}, error);
+    shown_title_.clear();
     if (!surface_) throw Failure(3, error);
     state_.graphics = surface_->description();
 }
@@ -116,10 +123,11 @@ int App::run() {
     const Desk desk{state_, engine_, jobs_};
     if (!options_.profile.empty()) state_.document.open(options_.profile); // a bad one is an error of the command line
     if (!options_.pack.empty())
-        apply(Open{options_.pack}, desk);
+        apply(Open{options_.pack, true}, desk);
     else
         state_.interface.dialog = Dialog::start;
-    if (!options_.path.empty()) apply(OpenPath{options_.path}, desk);
+    if (!options_.path.empty()) apply(OpenPath{options_.path, true}, desk);
+    if (state_.files.keeps && state_.files.recovery.found()) state_.interface.dialog = Dialog::recover;
     while (!state_.quit) {
         host::check_interrupt();
         if (surface_->lost()) replace_surface();
@@ -134,6 +142,7 @@ int App::run() {
         }
         if (last) break;
     }
+    ended_ = true;
     return 0;
 }
 
@@ -204,18 +213,22 @@ void App::interface() {
 
 void App::carry_out() {
     const Desk desk{state_, engine_, jobs_};
-    const double scale = state_.interface.scale;
-    for (const std::string& file : std::exchange(surface_->dropped, {})) apply(Open{file}, desk);
+    for (const std::string& file : std::exchange(surface_->dropped, {})) apply(Open{file, false}, desk);
     for (const Command& command : commands_.list()) apply(command, desk);
     commands_.clear();
     if (jobs_.poll(state_.job)) take_result(desk);
     follow_document(desk);
+    keep_up(state_);
+    if (shown_title_ != state_.files.title) {
+        shown_title_ = state_.files.title;
+        surface_->set_title(shown_title_.c_str());
+    }
     for (std::string& line : engine_.take_messages()) tell(state_, Severity::warning, std::move(line));
     if (surface_->should_close()) {
         surface_->stay_open();
         apply(Quit{}, desk);
     }
-    if (state_.interface.scale != scale) {
+    if (std::exchange(styled_scale_, state_.interface.scale) != state_.interface.scale) {
         // The panels of this frame are drawn with the old font; from the next one on with the new.
         after_frame_.emplace_back(SetScale{state_.interface.scale});
     }

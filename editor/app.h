@@ -50,6 +50,9 @@ private:
     std::uint64_t wait_until_frame_ = 0;
     bool waiting_there_ = false;
     std::uint64_t there_since_ = 0;
+    std::string shown_title_;
+    double styled_scale_ = 1; // that fonts and metrics are for
+    bool ended_ = false; // as it should: not by a signal or a failure
     std::vector<Command> after_frame_; // Screenshot and DumpState, once the frame is drawn
     // Destroyed from last to first: GL objects need their context.
     std::unique_ptr<Surface> surface_;

@@ -42,12 +42,17 @@ void follow_document(Desk desk) {
     State& state = desk.state;
     if (!desk.engine.is_open() || state.document.dragging()) return;
     try {
-        if (!desk.engine.follow(state.document.profile())) return;
+        const bool anew = desk.engine.follow(state.document.profile());
+        state.document.accept();
+        if (!anew) return;
         state.scene = desk.engine.scene();
         state.measures.clear();
     } catch (const std::exception& failure) {
+        const bool memory = dynamic_cast<const std::bad_alloc*>(&failure) != nullptr;
         state.document.revert();
-        tell(state, Severity::error, std::string("not possible, and taken back: ") + failure.what());
+        state.scene = desk.engine.scene(); // closed when what was before cannot be had any more either
+        tell(state, Severity::error,
+             std::string("not possible, and taken back: ") + (memory ? "memory is short" : failure.what()));
     }
 }
 

@@ -6,8 +6,6 @@
 namespace fjell::editor {
 
 // carry_out_profile.cpp
-void carry_out(const Open& c, Desk desk);
-void carry_out(const OpenSample& c, Desk desk);
 void carry_out(const SetKey& c, Desk desk);
 void carry_out(const Undo& c, Desk desk);
 void carry_out(const Redo& c, Desk desk);
@@ -15,6 +13,32 @@ void carry_out(const DefaultProfile& c, Desk desk);
 void carry_out(const OpenProfile& c, Desk desk);
 void carry_out(const SaveProfile& c, Desk desk);
 void carry_out(const CompareProfile& c, Desk desk);
+void carry_out(const StopComparing& c, Desk desk);
+
+// carry_out_files.cpp
+void carry_out(const Open& c, Desk desk);
+void carry_out(const OpenSample& c, Desk desk);
+void carry_out(const Browse& c, Desk desk);
+void carry_out(const BrowseAll& c, Desk desk);
+void carry_out(const GoOn& c, Desk desk);
+void carry_out(const Recover& c, Desk desk);
+// Before a command that would lose changes: asks about them and remembers it. again: the command as it is carried out
+// once it is answered. True: it was asked, and nothing is to be done now.
+[[nodiscard]] bool asks_first(Command again, Desk desk);
+// After something was saved: goes on with what waited for it.
+void go_on_saving(Desk desk);
+// A dialogue opens: what it looks at is read, and what waited for another one waits no longer.
+void dialog_opens(Dialog dialog, State& state);
+// A pack was opened: it is a recent one now, and the page that asked what to open goes.
+void opened_pack(const std::string& path, State& state);
+// "* laptop.toml - alps.fjell - Fjell editor"
+[[nodiscard]] std::string title(const State& state);
+// At the start: settings are read, and what an earlier run left is found. In a window both are written from now on.
+void begin_keeping(State& state, bool window);
+// Once a frame: what is made from the document, for as long as it is the same; and changes are kept from crashes.
+void keep_up(State& state);
+// At the end. wanted: the user's will, and nothing is left to recover; else changes are kept for the next run.
+void end_keeping(State& state, bool wanted);
 
 // carry_out_camera.cpp
 void carry_out(const Move& c, Desk desk);

@@ -66,11 +66,14 @@ void carry_out(const Freeze& c, Desk desk) {
 }
 
 void carry_out(const OpenPath& c, Desk desk) {
+    if (!c.discard && asks_first(OpenPath{c.path, true}, desk)) return;
     desk.state.route.open(c.path, desk.engine.session().ground());
 }
 
 void carry_out(const SavePath& c, Desk desk) {
     desk.state.route.save(c.path);
+    if (desk.state.interface.dialog == Dialog::save_path) desk.state.interface.dialog = Dialog::none;
+    go_on_saving(desk);
 }
 void carry_out(const RecordPath&, Desk) {}
 void carry_out(const PlayPath& c, Desk desk) {

@@ -1,16 +1,18 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
 #include "editor/carry_out.h"
 
 namespace fjell::editor {
 
-void carry_out(const Open& c, Desk desk) {
-    desk.engine.open(c.path, desk.state.document.profile());
-    look_at_scene(desk);
-}
-
-void carry_out(const OpenSample&, Desk) {}
-
 void carry_out(const SetKey& c, Desk desk) {
-    desk.state.document.set(*c.key, c.value, c.dragging);
+    Document& document = desk.state.document;
+    document.set(*c.key, c.value, c.dragging);
+    if (c.dragging || (c.value >= c.key->least && c.value <= c.key->most)) return;
+    tell(desk.state, Severity::warning,
+         fmt::format("{}: {}; {} was taken", c.key->label, fly::key_refusal(*c.key),
+                     fly::value_text(*c.key, document.profile())));
 }
 
 void carry_out(const Undo&, Desk desk) {
@@ -26,15 +28,27 @@ void carry_out(const DefaultProfile&, Desk desk) {
 }
 
 void carry_out(const OpenProfile& c, Desk desk) {
-    desk.state.document.open(c.path);
+    if (!c.discard && asks_first(OpenProfile{c.path, true}, desk)) return;
+    State& state = desk.state;
+    state.document.open(c.path);
+    if (state.interface.dialog == Dialog::open_file) state.interface.dialog = Dialog::none;
+    tell(state, Severity::note, "opened " + c.path);
 }
 
 void carry_out(const SaveProfile& c, Desk desk) {
-    desk.state.document.save(c.path);
+    State& state = desk.state;
+    state.document.save(c.path);
+    if (state.interface.dialog == Dialog::save_profile) state.interface.dialog = Dialog::none;
+    tell(state, Severity::note, "saved " + state.document.path());
+    go_on_saving(desk);
 }
 
 void carry_out(const CompareProfile& c, Desk desk) {
     desk.state.document.compare(c.path);
+}
+
+void carry_out(const StopComparing&, Desk desk) {
+    desk.state.document.stop_comparing();
 }
 
 } // namespace fjell::editor

@@ -19,7 +19,10 @@ void carry_out(const ShowPanel& c, Desk desk) {
 }
 
 void carry_out(const ShowDialog& c, Desk desk) {
-    desk.state.interface.dialog = c.dialog;
+    State& state = desk.state;
+    dialog_opens(c.dialog, state);
+    const bool leaves_nothing = c.dialog == Dialog::none && !state.scene.open();
+    state.interface.dialog = leaves_nothing && state.interface.dialog != Dialog::start ? Dialog::start : c.dialog;
 }
 
 void carry_out(const SetScale& c, Desk desk) {
@@ -31,12 +34,8 @@ void carry_out(const DismissMessage&, Desk desk) {
 }
 
 void carry_out(const Quit& c, Desk desk) {
-    State& state = desk.state;
-    if (!c.discard && (state.document.unsaved() || state.route.unsaved())) {
-        state.interface.dialog = Dialog::unsaved;
-        return;
-    }
-    state.quit = true;
+    if (!c.discard && asks_first(Quit{true}, desk)) return;
+    desk.state.quit = true;
 }
 
 } // namespace fjell::editor

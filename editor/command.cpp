@@ -29,11 +29,13 @@ public:
     [[nodiscard]] std::string text_or(std::string otherwise) { return more() ? words_[at_++] : std::move(otherwise); }
     [[nodiscard]] double number(const char* what) { return number_of(text(what), what); }
     [[nodiscard]] double number_or(double otherwise, const char* what) { return more() ? number(what) : otherwise; }
-    [[nodiscard]] std::size_t count(const char* what) {
-        const double value = number(what);
-        if (!(value >= 0 && value <= 1e9 && value == std::floor(value)))
-            throw Failure(2, fmt::format("{} must be a whole number from 0 to 1000000000", what));
-        return static_cast<std::size_t>(value);
+    [[nodiscard]] std::size_t count(const char* what) { return count_of(text(what), what); }
+    // Whether the last word is that one; no other may be there.
+    [[nodiscard]] bool flag(const char* name) {
+        if (!more()) return false;
+        const std::string word = text(name);
+        if (word != name) throw Failure(2, fmt::format("{}: only {} may follow", word, name));
+        return true;
     }
     [[nodiscard]] bool on() {
         const std::string word = text("on or off");
@@ -79,12 +81,18 @@ public:
             throw Failure(2, fmt::format("{}: {} must be a number", word, what));
         return value;
     }
-
-    [[nodiscard]] static std::uint32_t whole_of(const std::string& word, const char* what) {
+    [[nodiscard]] static std::uint32_t count_of(const std::string& word, const char* what, double least = 0,
+                                                double most = 1e9) {
         const double value = number_of(word, what);
-        if (!(value >= 0 && value <= 1e9 && value == std::floor(value)))
-            throw Failure(2, fmt::format("{}: {} must be a whole number from 0 to 1000000000", word, what));
+        if (!(value >= least && value <= most && value == std::floor(value)))
+            throw Failure(2, fmt::format("{} must be a whole number from {} to {}", what, least, most));
         return static_cast<std::uint32_t>(value);
+    }
+    [[nodiscard]] static double number_in(const std::string& word, const char* what, double least, double most) {
+        const double value = number_of(word, what);
+        if (!(value >= least && value <= most))
+            throw Failure(2, fmt::format("{} must be a number from {} to {}", what, least, most));
+        return value;
     }
 
 private:
@@ -120,11 +128,11 @@ Command bake(Words& w) {
         b.inputs.push_back(std::move(b.output));
         b.output = w.text("the pack to write");
     }
-    w.options({{"tile", [&](const std::string& v) { b.tile = v == "auto" ? 0 : Words::whole_of(v, "tile"); }},
+    w.options({{"tile", [&](const std::string& v) { b.tile = v == "auto" ? 0 : Words::count_of(v, "tile"); }},
                {"order", [&](const std::string& v) { b.order = v; }},
                {"nodata", [&](const std::string& v) { b.nodata = v; }},
                {"crs", [&](const std::string& v) { b.crs = v; }},
-               {"memory_mb", [&](const std::string& v) { b.memory_mb = Words::whole_of(v, "memory_mb"); }},
+               {"memory_mb", [&](const std::string& v) { b.memory_mb = Words::count_of(v, "memory_mb"); }},
                {"texture", [&](const std::string& v) { b.texture = v; }},
                {"ramp", [&](const std::string& v) { b.ramp = v; }},
                {"spacing", [&](const std::string& v) { b.spacing_m = Words::number_of(v, "spacing"); }},
@@ -141,16 +149,16 @@ Command tune(Words& w) {
               if (v != "update" && v != "frame") throw Failure(2, v + ": measure must be update or frame");
               s.measure = v == "frame" ? TuneMeasure::frame : TuneMeasure::update;
           }},
-         {"budget_us", [&](const std::string& v) { s.budget_us = Words::number_of(v, "budget_us"); }},
-         {"frames", [&](const std::string& v) { s.frames = Words::whole_of(v, "frames"); }},
+         {"budget_us", [&](const std::string& v) { s.budget_us = Words::number_in(v, "budget_us", 10, 1e6); }},
+         {"frames", [&](const std::string& v) { s.frames = Words::count_of(v, "frames", 10, 1e5); }},
          {"csv", [&](const std::string& v) { t.csv = v; }},
          {"apply",
           [&](const std::string& v) {
               if (v != "yes" && v != "no") throw Failure(2, v + ": apply must be yes or no");
               s.apply = v == "yes";
           }},
-         {"least_px", [&](const std::string& v) { s.least_px = Words::number_of(v, "least_px"); }},
-         {"most_px", [&](const std::string& v) { s.most_px = Words::number_of(v, "most_px"); }}});
+         {"least_px", [&](const std::string& v) { s.least_px = Words::number_in(v, "least_px", fly::min_error_px, fly::max_error_px); }},
+         {"most_px", [&](const std::string& v) { s.most_px = Words::number_in(v, "most_px", fly::min_error_px, fly::max_error_px); }}});
     return t;
 }
 
@@ -168,6 +176,13 @@ std::function<Command(Words&)> with_path(bool needed) {
     return [=](Words& w) { return C{needed ? w.text("a file") : w.text_or("")}; };
 }
 template <typename C>
+std::function<Command(Words&)> with_path_and_discard() {
+    return [](Words& w) {
+        const std::string path = w.text("a file");
+        return C{path, w.flag("discard")};
+    };
+}
+template <typename C>
 std::function<Command(Words&)> with_switch() {
     return [](Words& w) { return C{w.on()}; };
 }
@@ -178,16 +193,29 @@ std::function<Command(Words&)> with_point() {
 
 std::vector<Verb> terrain_verbs() {
     return {
-        {"open", "FILE", "a pack, a profile, a camera path, or heights to bake", with_path<Open>(true)},
+        {"open", "FILE [discard]", "a pack, a profile, a camera path, or heights to bake",
+         with_path_and_discard<Open>()},
         {"sample", "", "the sample terrain, made at its first use", plain<OpenSample>()},
         {"set", "KEY VALUE", "a value of the profile: set refine.error_px 2", set_key},
         {"undo", "", "the last change of the profile", plain<Undo>()},
         {"redo", "", "what was undone", plain<Redo>()},
         {"defaults", "", "a profile of defaults", plain<DefaultProfile>()},
-        {"open-profile", "FILE", "another profile", with_path<OpenProfile>(true)},
+        {"open-profile", "FILE [discard]", "another profile; asks about unsaved changes, or not",
+         with_path_and_discard<OpenProfile>()},
         {"save-profile", "[FILE]", "the profile, where it came from or elsewhere", with_path<SaveProfile>(false)},
         {"compare", "[FILE]", "shows another profile's values beside; none: what was saved",
          with_path<CompareProfile>(false)},
+        {"compare-off", "", "shows the profile alone", plain<StopComparing>()},
+        {"browse", "[FOLDER]", "what file dialogues look at; none: the same once more",
+         [](Words& w) { return Browse{w.text_or("")}; }},
+        {"browse-all", "on|off", "files of all kinds in them", with_switch<BrowseAll>()},
+        {"go-on", "save|discard|cancel", "answers what is asked about unsaved changes",
+         [](Words& w) { return GoOn{w.one_of<Answer>(answer_names, "answer")}; }},
+        {"recover", "restore|discard", "what an earlier run did not save",
+         [](Words& w) {
+             constexpr const char* ways[] = {"discard", "restore"};
+             return Recover{w.one_of<int>(ways, "way") == 1};
+         }},
         {"bake", "HEIGHTS... PACK [tile=N|auto] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S] [order=planar|hz|linear] "
                  "[nodata=hole|fill|refuse] [crs=C] [memory_mb=N]",
          "bakes and opens; several files make a mosaic, a .json is a recipe of mountains", bake},
@@ -206,11 +234,12 @@ std::vector<Verb> camera_verbs() {
         {"navigate", "fly|orbit|path", "how keys and mouse move the camera",
          [](Words& w) { return Navigate{w.one_of<Navigation>(navigation_names, "navigation")}; }},
         {"freeze", "on|off", "keeps refining for where the camera is now", with_switch<Freeze>()},
-        {"open-path", "FILE", "a camera path", with_path<OpenPath>(true)},
+        {"open-path", "FILE [discard]", "a camera path; asks about unsaved changes, or not",
+         with_path_and_discard<OpenPath>()},
         {"save-path", "[FILE]", "the path, where it came from or elsewhere", with_path<SavePath>(false)},
         {"record-path", "on|off", "notes where the camera flies", with_switch<RecordPath>()},
         {"play-path", "on|off", "flies along the path", with_switch<PlayPath>()},
-        {"seek-path", "SHARE", "0..1 of the path", [](Words& w) { return SeekPath{w.number("a share")}; }},
+        {"seek-path", "SHARE", "0..1 of the path", [](Words& w) { return SeekPath{Words::number_in(w.text("a share"), "a share", 0, 1)}; }},
         {"add-point", "", "where the camera is, after the selected point", plain<AddPoint>()},
         {"replace-point", "N", "by where the camera is", with_point<ReplacePoint>()},
         {"remove-point", "N", "from the path", with_point<RemovePoint>()},
@@ -232,7 +261,7 @@ std::vector<Verb> show_verbs() {
          [](Words& w) { return ShowPanel{w.one_of<Panel>(panel_names, "panel")}; }},
         {"dialog", "NAME", "opens one; none closes it",
          [](Words& w) { return ShowDialog{w.one_of<Dialog>(dialog_names, "dialogue")}; }},
-        {"scale", "S", "of the interface, 0.5 to 4", [](Words& w) { return SetScale{w.number("a scale")}; }},
+        {"scale", "S", "of the interface, 0.5 to 4", [](Words& w) { return SetScale{Words::number_in(w.text("a scale"), "a scale", 0.5, 4)}; }},
         {"dismiss", "", "the message", plain<DismissMessage>()},
     };
 }
@@ -257,19 +286,19 @@ std::vector<Verb> program_verbs() {
         {"screenshot", "FILE.png [terrain]", "the window, or the terrain alone",
          [](Words& w) {
              const std::string path = w.text("a file");
-             return Screenshot{path, w.text_or("") != "terrain"};
+             return Screenshot{path, !w.flag("terrain")};
          }},
         {"resize", "WIDTH HEIGHT", "the window, in pixels",
          [](Words& w) {
-             const auto width = static_cast<std::uint32_t>(w.count("a width"));
-             return Resize{width, static_cast<std::uint32_t>(w.count("a height"))};
+             const std::uint32_t width = Words::count_of(w.text("a width"), "a width", 320, 8192);
+             return Resize{width, Words::count_of(w.text("a height"), "a height", 320, 8192)};
          }},
         {"dump", "FILE.json", "the editor's state", with_path<DumpState>(true)},
         {"lose-graphics", "", "makes everything on the GPU anew, as after a reset", plain<LoseGraphics>()},
         {"frames", "N", "waits", [](Words& w) { return WaitFrames{w.count("frames")}; }},
         {"wait", "", "until the mesh is converged, all is streamed in and no job runs", plain<WaitThere>()},
         {"quit", "[discard]", "asks about unsaved changes, or not",
-         [](Words& w) { return Quit{w.text_or("") == "discard"}; }},
+         [](Words& w) { return Quit{w.flag("discard")}; }},
     };
 }
 

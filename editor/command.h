@@ -23,6 +23,7 @@ namespace fjell::editor {
 // --- the terrain and its profile ---
 struct Open { // a pack, a profile, a camera path, or heights to be baked: told from the content
     std::string path;
+    bool discard = false; // without asking about what is not saved
 };
 struct OpenSample {}; // made and baked at its first use
 struct SetKey {
@@ -35,12 +36,26 @@ struct Redo {};
 struct DefaultProfile {};
 struct OpenProfile {
     std::string path;
+    bool discard = false; // without asking about what is not saved
 };
 struct SaveProfile {
     std::string path; // empty: where it came from
 };
 struct CompareProfile {
     std::string path; // empty: with what was saved last
+};
+struct StopComparing {};
+struct Browse { // what file dialogues look at
+    std::string folder; // relative: from there on; empty: once more
+};
+struct BrowseAll { // files of all kinds
+    bool on = false;
+};
+struct GoOn { // with what was to be done, and asked about changes that are not saved
+    Answer answer = Answer::cancel;
+};
+struct Recover { // what an earlier run did not save
+    bool restore = false; // or it is gone
 };
 
 // --- the camera ---
@@ -70,6 +85,7 @@ struct Freeze { // the camera that refines and culls stays where it is
 // --- the camera's path ---
 struct OpenPath {
     std::string path;
+    bool discard = false; // without asking about what is not saved
 };
 struct SavePath {
     std::string path; // empty: where it came from
@@ -165,8 +181,8 @@ struct WaitFrames {
 struct WaitThere {}; // until the mesh has converged, all wanted is streamed in and no job runs
 
 using Command =
-    std::variant<Open, OpenSample, SetKey, Undo, Redo, DefaultProfile, OpenProfile, SaveProfile, CompareProfile, Move,
-                 PlaceCamera, JumpTo, SetSpeed, Navigate, Freeze, OpenPath, SavePath, RecordPath, PlayPath, SeekPath,
+    std::variant<Open, OpenSample, SetKey, Undo, Redo, DefaultProfile, OpenProfile, SaveProfile, CompareProfile,
+                 StopComparing, Browse, BrowseAll, GoOn, Recover, Move, PlaceCamera, JumpTo, SetSpeed, Navigate, Freeze, OpenPath, SavePath, RecordPath, PlayPath, SeekPath,
                  AddPoint, ReplacePoint, RemovePoint, SelectPoint, ClearPath, SetMode, SetOverlay, ShowPanel,
                  ShowDialog, SetScale, DismissMessage, Bake, Tune, Benchmark, Export, PreviewExport, CancelJob,
                  Screenshot, Resize, DumpState, LoseGraphics, Quit, WaitFrames, WaitThere>;

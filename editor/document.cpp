@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
+#include "host/failure.h"
 #include "host/file.h"
 
 namespace fjell::editor {
@@ -12,11 +14,11 @@ namespace {
 
 constexpr std::size_t most_steps = 500;
 
-std::string changed_label(const fly::Profile& a, const fly::Profile& b) {
-    std::string label;
+const char* changed_label(const fly::Profile& a, const fly::Profile& b) {
+    const char* label = "";
     for (const fly::ProfileKey& key : fly::profile_keys()) {
         if (key.get(a) == key.get(b)) continue;
-        if (!label.empty()) return "several values";
+        if (*label != '\0') return "several values";
         label = key.label;
     }
     return label;
@@ -30,79 +32,165 @@ bool same(const fly::Profile& a, const fly::Profile& b) {
 } // namespace
 
 bool Document::unsaved() const {
-    return !same(profile_, saved_);
+    return !same(profile_, file_.saved);
 }
 
-std::string Document::undo_label() const {
+const char* Document::undo_label() const {
     return undo_.empty() ? "" : changed_label(undo_.back(), profile_);
 }
 
-std::string Document::redo_label() const {
+const char* Document::redo_label() const {
     return redo_.empty() ? "" : changed_label(profile_, redo_.back());
+}
+
+void Document::changing() {
+    ++version_;
+    if (!accepted_) accepted_ = Past{profile_, undo_, redo_, file_};
 }
 
 void Document::step() {
     if (undo_.size() == most_steps) undo_.erase(undo_.begin());
     undo_.push_back(profile_);
-    redo_.clear();
+    redo_before_drag_ = std::exchange(redo_, {});
+}
+
+// Of a drag that came back to where it began, nothing is left.
+void Document::end_drag() {
+    if (!dragging()) return;
+    held_ = nullptr;
+    if (undo_.empty() || !same(profile_, undo_.back())) return;
+    undo_.pop_back();
+    redo_ = std::exchange(redo_before_drag_, {});
+}
+
+void Document::stop_hearing() {
+    const fly::ProfileKey* const held = held_;
+    end_drag();
+    held_ = held;
+    deaf_ = held != nullptr;
 }
 
 void Document::set(const fly::ProfileKey& key, double value, bool dragging) {
+    if (held_ == &key && deaf_) {
+        if (!dragging) held_ = nullptr, deaf_ = false;
+        return;
+    }
+    if (held_ != nullptr && held_ != &key) { // another control, or a script, while one is held
+        end_drag();
+        held_ = nullptr, deaf_ = false;
+    }
     value = std::clamp(value, key.least, key.most);
     if (key.kind != fly::KeyKind::number) value = std::round(value);
-    const bool changes = key.get(profile_) != value;
-    if (changes && !dragging_) step(); // a drag is one step, from its beginning
-    dragging_ = dragging && (changes || dragging_);
-    if (changes) key.set(profile_, value);
+    if (key.get(profile_) != value) {
+        fly::Profile changed = profile_;
+        key.set(changed, value);
+        if (const std::string conflict = fly::profile_conflict(changed); !conflict.empty()) {
+            end_drag();
+            throw host::Failure(2, conflict);
+        }
+        changing();
+        if (held_ == nullptr) step(); // a drag is one step, from its beginning
+        profile_ = changed;
+        if (dragging) held_ = &key;
+    }
+    if (!dragging) {
+        if (held_ != nullptr) ++version_; // unheld is a change too
+        end_drag();
+    }
 }
 
 void Document::undo() {
+    stop_hearing();
     if (undo_.empty()) return;
-    dragging_ = false;
+    changing();
     redo_.push_back(std::exchange(profile_, undo_.back()));
     undo_.pop_back();
 }
 
 void Document::redo() {
+    stop_hearing();
     if (redo_.empty()) return;
-    dragging_ = false;
+    changing();
     undo_.push_back(std::exchange(profile_, redo_.back()));
     redo_.pop_back();
 }
 
 void Document::replace(const fly::Profile& profile) {
-    dragging_ = false;
+    stop_hearing();
     if (same(profile, profile_)) return;
+    changing();
     step();
     profile_ = profile;
 }
 
-void Document::revert() {
-    if (undo_.empty()) return;
-    profile_ = undo_.back();
-    undo_.pop_back();
+void Document::accept() {
+    if (!dragging()) accepted_.reset();
+}
+
+bool Document::revert() {
+    if (!accepted_) return false;
+    stop_hearing();
+    Past past = std::move(*accepted_);
+    accepted_.reset();
+    ++version_;
+    profile_ = past.profile;
+    undo_ = std::move(past.undo);
+    redo_ = std::move(past.redo);
+    file_ = std::move(past.file);
+    return true;
+}
+
+void Document::read(const std::string& path, fly::Profile& profile, File& file) const {
+    const std::string text = host::read_text(path);
+    profile = fly::parse_profile(text, path);
+    file = {profile, path, fly::profile_heading(text)};
 }
 
 void Document::open(const std::string& path) {
-    const fly::Profile read = fly::read_profile(path);
-    replace(read);
-    saved_ = read;
-    path_ = path;
+    fly::Profile profile;
+    File file;
+    read(path, profile, file);
+    changing();
+    replace(profile);
+    file_ = std::move(file);
 }
 
 void Document::save(const std::string& path) {
-    const std::string& to = path.empty() ? path_ : path;
-    const std::string text = fly::profile_text(profile_, "");
+    const std::string to = path.empty() ? file_.path : path;
+    if (to.empty()) throw host::Failure(2, "the profile has no file yet; say where to save it");
+    const std::string text = fly::profile_text(profile_, file_.heading);
     host::AtomicFile file(to);
     file.write(std::as_bytes(std::span(text)));
     file.commit();
-    saved_ = profile_;
-    path_ = to;
+    ++version_;
+    file_.saved = profile_;
+    file_.path = to;
+    if (accepted_) accepted_->file = file_;
+}
+
+void Document::restore(const fly::Profile& profile, const std::string& path) {
+    fly::Profile read_profile;
+    File file;
+    try {
+        if (!path.empty()) read(path, read_profile, file);
+    } catch (const host::Failure&) { // gone or changed: all of it is unsaved then, and still to be saved there
+        file = {{}, path, ""};
+    }
+    changing();
+    file_ = std::move(file);
+    replace(profile);
 }
 
 void Document::compare(const std::string& path) {
-    compared_ = path.empty() ? saved_ : fly::read_profile(path);
+    compared_ = path.empty() ? file_.saved : fly::read_profile(path);
     compared_path_ = path;
+    ++version_;
+}
+
+void Document::stop_comparing() {
+    compared_.reset();
+    compared_path_.clear();
+    ++version_;
 }
 
 } // namespace fjell::editor

@@ -35,6 +35,24 @@ json profile_json(const fly::Profile& profile) {
     return values;
 }
 
+json files_json(const State& state) {
+    const Files& f = state.files;
+    json differences = json::array(), entries = json::array();
+    for (const Difference& d : f.differences)
+        differences.push_back(
+            {{"key", std::string(d.key->table) + "." + d.key->name}, {"mine", d.mine}, {"theirs", d.theirs}});
+    for (std::size_t i = 0; i < f.browser.size(); ++i) entries.push_back(f.browser.entry(i).name);
+    return {{"title", f.title},
+            {"differences", differences},
+            {"folder", f.browser.folder()},
+            {"entries", entries},
+            {"browser_problem", f.browser.problem()},
+            {"waiting", f.waiting.has_value()},
+            {"recovery_file", f.recovery.file()},
+            {"found", f.recovery.found().has_value()},
+            {"bake_input", state.bake_input}};
+}
+
 json camera_json(const Eye& eye) {
     const fly::FreeCamera& c = eye.free;
     return {{"position_m", vector_json(c.position_m)},
@@ -133,6 +151,7 @@ std::string dump(const State& state) {
           {"streamed", s.streamed}, {"method_bytes", s.method_bytes}}},
         {"profile", profile_json(state.document.profile())},
         {"document", document_json(state.document)},
+        {"files", files_json(state)},
         {"camera", camera_json(state.eye)},
         {"route", route_json(state.route)},
         {"interface", interface_json(state)},

@@ -89,15 +89,29 @@ void Engine::close() {
     pack_.clear();
 }
 
+void Engine::remake(const fly::Profile& profile) {
+    fly::remake_method(options(profile), *session_);
+    set_renderer(nullptr); // the old one's memory first
+    try {
+        set_renderer(renderer_for(options(profile), *session_));
+        built_ = profile;
+    } catch (...) { // as it was; and when that cannot be had any more either, nothing is open
+        try {
+            fly::remake_method(options(built_), *session_);
+            set_renderer(renderer_for(options(built_), *session_));
+        } catch (...) {
+            close();
+        }
+        throw;
+    }
+}
+
 bool Engine::follow(const fly::Profile& profile) {
     switch (rebuild_of(built_, profile)) {
     case fly::Rebuild::nothing: return false;
     case fly::Rebuild::method:
         if (!session_->streamed) {
-            fly::remake_method(options(profile), *session_);
-            built_ = profile;
-            set_renderer(nullptr); // the old one's memory first
-            set_renderer(renderer_for(options(profile), *session_));
+            remake(profile);
             return true;
         }
         [[fallthrough]]; // the stream holds on to the cut

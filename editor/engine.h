@@ -52,6 +52,7 @@ private:
     [[nodiscard]] fly::Options options(const fly::Profile& profile) const;
     void ask_for_error(const State& state, gl::DrawOptions& options);
     void set_renderer(std::unique_ptr<gl::Renderer> renderer);
+    void remake(const fly::Profile& profile); // the method's block, and a renderer for it
 
     std::vector<std::string> messages_; // of reading, until they are taken
     std::string pack_;

@@ -44,6 +44,10 @@ inline constexpr const char* dialog_names[] = {"none", "start",     "open",     
                                                "screenshot", "keys", "messages", "unsaved",     "recover"};
 inline constexpr int dialogs = static_cast<int>(std::size(dialog_names));
 
+// To what is asked before changes would be lost.
+enum class Answer : std::uint8_t { save, discard, cancel };
+inline constexpr const char* answer_names[] = {"save", "discard", "cancel"};
+
 enum class TuneMeasure : std::uint8_t { update, frame }; // update: the CPU's; frame: with upload, drawing and the GPU
 inline constexpr const char* tune_measure_names[] = {"update", "frame"};
 

@@ -11,10 +11,14 @@
 #include <string>
 #include <vector>
 
+#include "editor/browser.h"
+#include "editor/command.h"
 #include "editor/document.h"
+#include "editor/files.h"
 #include "editor/jobs.h"
 #include "editor/measures.h"
 #include "editor/names.h"
+#include "editor/recovery.h"
 #include "editor/route.h"
 #include "fjell/view.h"
 #include "fly/camera.h"
@@ -62,16 +66,30 @@ struct Messages {
     double shown_until_s = 0; // the newest, over the picture
 };
 
-// What a file dialogue looks at.
-struct Browser {
-    std::string folder, chosen; // chosen: the name that is typed
-    struct Entry {
-        std::string name;
-        bool folder = false;
-        std::uint64_t bytes = 0;
-    };
-    std::vector<Entry> entries;
-    std::string problem; // why the folder cannot be read
+// Keys of which the profile and the one it is compared with have different values.
+struct Difference {
+    const fly::ProfileKey* key = nullptr;
+    double theirs_value = 0;
+    std::string mine, theirs;
+};
+
+// What the editor keeps between runs, and what it is asked meanwhile.
+struct Files {
+    Places places;
+    Settings settings; // as they were written last
+    bool keeps = false; // settings and changes are written: it is in a window
+    Browser browser;
+    Recovery recovery;
+    std::optional<Command> waiting; // for changes to be saved or discarded
+    bool saving = false;            // and the user wants them saved
+    double scale_seen = 0;          // of the interface, in the frame before
+    // Made anew when one of the three below has changed.
+    std::string title;        // of the window
+    std::string profile_name; // with a star when it is not saved
+    std::vector<Difference> differences;
+    std::uint64_t version = ~std::uint64_t{0}; // of the document
+    bool path_unsaved = false;
+    std::string pack;
 };
 
 struct Interface {
@@ -93,9 +111,9 @@ struct State {
     Measures measures;
     JobView job;
     JobView tuned;          // the last tuning that was not cancelled
-    std::string bake_input; // heights that the bake dialogue begins with
     Messages messages;
-    Browser browser;
+    Files files;
+    std::string bake_input; // heights or a recipe that were opened: for the dialogue that bakes them
     Interface interface;
     double now_s = 0;
     std::uint64_t frame = 0;

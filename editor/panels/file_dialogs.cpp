@@ -1,13 +1,197 @@
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "editor/panels/browse.h"
 #include "editor/panels/panels.h"
 
 namespace fjell::editor {
 
-void draw_start(const State&, Commands&) {}
-void draw_open_file(const State&, Commands&) {}
-void draw_save_profile(const State&, Commands&) {}
-void draw_save_path(const State&, Commands&) {}
-void draw_compare(const State&, Commands&) {}
-void draw_unsaved(const State&, Commands&) {}
-void draw_recover(const State&, Commands&) {}
+namespace {
+
+// One file dialogue is open at a time.
+BrowseForm form;
+
+// As wide as the longest of some, so that they stand in a column.
+bool wide_button(const char* label, const char* name) {
+    const bool pressed = ImGui::Button(label, {13 * ImGui::GetFontSize(), 0});
+    ui::mark("start", name);
+    return pressed;
+}
+
+const char* last_part(const std::string& path) {
+    const char* const slash = std::strrchr(path.c_str(), '/');
+    return slash != nullptr ? slash + 1 : path.c_str();
+}
+
+bool exists(const std::string& path) {
+    std::error_code ignored;
+    return std::filesystem::exists(path, ignored);
+}
+
+// Saving under a name; own: the file it came from, which is overwritten without a word. True: at form.name, now.
+bool save_as(const State& state, Commands& commands, const std::string& own, const char* otherwise) {
+    begin_browsing(form, state, own.empty() ? otherwise : last_part(own));
+    if (form.asks) return draw_overwrite(form);
+    if (!draw_browser(state, commands, form, "Save")) return false;
+    const std::string path = state.files.browser.path_of(form.name);
+    form.asks = exists(path) && path != own;
+    return !form.asks;
+}
+
+void draw_sample_progress(const State& state, Commands& commands) {
+    const JobView& job = state.job;
+    if (job.kind != JobKind::bake || !job.running) return;
+    ImGui::Spacing();
+    ImGui::ProgressBar(static_cast<float>(job.share), {-1, 0}, job.stage.c_str());
+    if (ImGui::Button("Cancel")) commands.push(CancelJob{});
+    ui::mark("start", "cancel");
+}
+
+void draw_recent_packs(const State& state, Commands& commands) {
+    ui::heading("Opened before");
+    if (state.interface.recent.empty()) ImGui::TextDisabled("Nothing yet.");
+    for (const std::string& pack : state.interface.recent) {
+        ImGui::PushID(&pack);
+        if (ImGui::Selectable(last_part(pack))) commands.push(Open{pack});
+        ImGui::PopID();
+        ui::mark("recent", last_part(pack));
+        ui::tip(pack.c_str());
+    }
+}
+
+void draw_differences(const State& state, Commands& commands) {
+    ImGui::TextWrapped("Beside %s: %zu keys differ.",
+                       state.document.compared_path().empty() ? "what was saved" : state.document.compared_path().c_str(),
+                       state.files.differences.size());
+    const float below = ImGui::GetFrameHeightWithSpacing();
+    const float height = std::max(ImGui::GetContentRegionAvail().y - below, 3 * below);
+    constexpr ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersOuter | ImGuiTableFlags_RowBg;
+    if (!ImGui::BeginTable("differences", 4, flags, {0, height})) return;
+    ImGui::TableSetupScrollFreeze(0, 1);
+    ImGui::TableSetupColumn("Key", ImGuiTableColumnFlags_WidthStretch, 2);
+    ImGui::TableSetupColumn("Mine", ImGuiTableColumnFlags_WidthStretch, 1.2F);
+    ImGui::TableSetupColumn("Theirs", ImGuiTableColumnFlags_WidthStretch, 1.2F);
+    ImGui::TableSetupColumn("##take", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("Take theirs   ").x);
+    ImGui::TableHeadersRow();
+    for (const Difference& d : state.files.differences) {
+        char name[64];
+        (void)std::snprintf(name, sizeof name, "%s.%s", d.key->table, d.key->name);
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(name);
+        ui::tip(d.key->about);
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(d.mine.c_str());
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(d.theirs.c_str());
+        ImGui::TableNextColumn();
+        ImGui::PushID(d.key);
+        if (ImGui::SmallButton("Take theirs")) commands.push(SetKey{d.key, d.theirs_value, false});
+        ui::mark("take", name);
+        ImGui::PopID();
+    }
+    ImGui::EndTable();
+}
+
+// The answers stand in one line at the bottom of what they answer.
+bool answer(const char* label, const char* name, bool first) {
+    if (!first) ImGui::SameLine();
+    const bool pressed = ImGui::Button(label);
+    ui::mark("answer", name);
+    return pressed;
+}
+
+} // namespace
+
+void draw_start(const State& state, Commands& commands) {
+    ImGui::TextWrapped("Fjell draws large terrains with a bound on the error that shows. This editor tunes its thresholds "
+                       "and budgets, by eye and by number.");
+    ImGui::Spacing();
+    if (wide_button("Open the sample", "sample")) commands.push(OpenSample{});
+    ui::tip("A small synthetic landscape. Baked at its first use, in some seconds.");
+    if (wide_button("Open a file...", "open")) commands.push(ShowDialog{Dialog::open_file});
+    ui::tip("A pack (.fjell), a profile, or heights that GDAL reads, to be baked.");
+    ImGui::TextDisabled("Or drop a file onto the window.");
+    draw_sample_progress(state, commands);
+    draw_recent_packs(state, commands);
+}
+
+void draw_open_file(const State& state, Commands& commands) {
+    begin_browsing(form, state, "");
+    if (draw_browser(state, commands, form, "Open")) commands.push(Open{state.files.browser.path_of(form.name)});
+}
+
+void draw_save_profile(const State& state, Commands& commands) {
+    if (save_as(state, commands, state.document.path(), "profile.toml"))
+        commands.push(SaveProfile{state.files.browser.path_of(form.name)});
+}
+
+void draw_save_path(const State& state, Commands& commands) {
+    if (save_as(state, commands, state.route.path(), "path.json"))
+        commands.push(SavePath{state.files.browser.path_of(form.name)});
+}
+
+void draw_compare(const State& state, Commands& commands) {
+    if (state.document.compared() == nullptr) {
+        begin_browsing(form, state, "");
+        if (ImGui::Button("With what was saved")) commands.push(CompareProfile{});
+        ui::mark("compare", "saved");
+        ImGui::SameLine();
+        ImGui::TextUnformatted("or with another profile:");
+        if (draw_browser(state, commands, form, "Compare"))
+            commands.push(CompareProfile{state.files.browser.path_of(form.name)});
+        return;
+    }
+    draw_differences(state, commands);
+    if (ImGui::Button("Another")) commands.push(StopComparing{});
+    ui::mark("compare", "another");
+    ui::tip("Compares with another profile.");
+    ImGui::SameLine();
+    if (ImGui::Button("Compare no more")) {
+        commands.push(StopComparing{});
+        commands.push(ShowDialog{Dialog::none});
+    }
+    ui::mark("compare", "off");
+    ImGui::SameLine();
+    if (ImGui::Button("Close")) commands.push(ShowDialog{Dialog::none});
+    ui::mark("compare", "close");
+    ui::tip("The other profile's values stay beside ours in the panel.");
+}
+
+void draw_unsaved(const State& state, Commands& commands) {
+    if (state.document.unsaved())
+        ImGui::TextWrapped("The profile has changes that are not saved: %s.",
+                           state.document.path().empty() ? "it has no file yet" : state.document.path().c_str());
+    if (state.route.unsaved())
+        ImGui::TextWrapped("The camera path has changes that are not saved: %s.",
+                           state.route.path().empty() ? "it has no file yet" : state.route.path().c_str());
+    ImGui::Spacing();
+    ImGui::BeginDisabled(!state.files.waiting);
+    if (answer("Save", "save", true)) commands.push(GoOn{Answer::save});
+    if (answer("Discard", "discard", false)) commands.push(GoOn{Answer::discard});
+    ImGui::EndDisabled();
+    if (answer("Cancel", "cancel", false)) commands.push(ShowDialog{Dialog::none});
+}
+
+void draw_recover(const State& state, Commands& commands) {
+    const std::optional<Unsaved>& found = state.files.recovery.found();
+    if (!found) {
+        ImGui::TextWrapped("There is nothing to recover.");
+        if (answer("Close", "close", true)) commands.push(ShowDialog{Dialog::none});
+        return;
+    }
+    ImGui::TextWrapped("An earlier run ended before its changes were saved.");
+    if (found->profile_changed)
+        ImGui::BulletText("of the profile %s", found->path.empty() ? "that had no file yet" : last_part(found->path));
+    if (!found->points.empty()) ImGui::BulletText("a camera path of %zu points", found->points.size());
+    if (!found->pack.empty()) ImGui::BulletText("over %s", last_part(found->pack));
+    ImGui::Spacing();
+    if (answer("Restore", "restore", true)) commands.push(Recover{true});
+    if (answer("Discard", "discard", false)) commands.push(Recover{false});
+    ImGui::SameLine();
+    ImGui::TextDisabled("closed, it asks again next time");
+}
 
 } // namespace fjell::editor

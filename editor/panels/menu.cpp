@@ -1,31 +1,162 @@
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+
 #include "editor/panels/panels.h"
 
 namespace fjell::editor {
 
 namespace {
 
+constexpr double threshold_step = 1.25;
+
 void item(const char* name, const char* label, const char* keys, bool enabled, Commands& commands, Command command) {
     if (ImGui::MenuItem(label, keys, false, enabled)) commands.push(std::move(command));
     ui::mark("menu", name);
 }
 
+void save(const State& state, Commands& commands) {
+    if (state.document.path().empty())
+        commands.push(ShowDialog{Dialog::save_profile});
+    else
+        commands.push(SaveProfile{});
+}
+
+void change_threshold(const State& state, double factor, Commands& commands) {
+    static const fly::ProfileKey* const key = fly::find_profile_key("refine.error_px");
+    const double value = key->get(state.document.profile()) * factor;
+    commands.push(SetKey{key, std::clamp(value, key->least, key->most), false});
+}
+
+// ImGui 1.86 knows most letters by the window system's number only, GLFW's are those of ASCII.
+bool pressed(char key, bool repeat) {
+    return ImGui::IsKeyPressed(key, repeat);
+}
+
+void shortcuts(const State& state, Commands& commands) {
+    const ImGuiIO& io = ImGui::GetIO();
+    if (io.WantTextInput || io.KeyAlt || io.KeySuper) return;
+    if (!io.KeyCtrl) {
+        if (pressed('[', true)) change_threshold(state, 1 / threshold_step, commands);
+        if (pressed(']', true)) change_threshold(state, threshold_step, commands);
+        return;
+    }
+    if (pressed('Z', true)) io.KeyShift ? commands.push(Redo{}) : commands.push(Undo{});
+    if (pressed('Y', true)) commands.push(Redo{});
+    if (pressed('O', false)) commands.push(ShowDialog{Dialog::open_file});
+    if (pressed('S', false)) io.KeyShift ? commands.push(ShowDialog{Dialog::save_profile}) : save(state, commands);
+    if (pressed('Q', false)) commands.push(Quit{});
+}
+
+void draw_recent(const State& state, Commands& commands) {
+    const bool any = !state.interface.recent.empty();
+    if (ImGui::BeginMenu("Open recent", any)) {
+        for (const std::string& pack : state.interface.recent)
+            if (ImGui::MenuItem(pack.c_str())) commands.push(Open{pack});
+        ImGui::EndMenu();
+    }
+    ui::mark("menu", "recent");
+}
+
+void draw_file(const State& state, Commands& commands) {
+    item("open", "Open...", "Ctrl+O", true, commands, ShowDialog{Dialog::open_file});
+    draw_recent(state, commands);
+    item("sample", "Open the sample", "", true, commands, OpenSample{});
+    ImGui::Separator();
+    if (ImGui::MenuItem("Save profile", "Ctrl+S")) save(state, commands);
+    ui::mark("menu", "save");
+    item("save-as", "Save profile as...", "Ctrl+Shift+S", true, commands, ShowDialog{Dialog::save_profile});
+    item("compare", "Compare profiles...", "", true, commands, ShowDialog{Dialog::compare});
+    item("save-path", "Save camera path as...", "", !state.route.empty(), commands, ShowDialog{Dialog::save_path});
+    ImGui::Separator();
+    item("quit", "Quit", "Ctrl+Q", true, commands, Quit{});
+}
+
+void draw_edit(const State& state, Commands& commands) {
+    const Document& document = state.document;
+    char label[96]; // what follows ### tells it from others, whatever it is called
+    (void)std::snprintf(label, sizeof label, "Undo %s###undo", document.undo_label());
+    item("undo", label, "Ctrl+Z", document.undo_steps() > 0, commands, Undo{});
+    (void)std::snprintf(label, sizeof label, "Redo %s###redo", document.redo_label());
+    item("redo", label, "Ctrl+Shift+Z", document.redo_steps() > 0, commands, Redo{});
+    ImGui::Separator();
+    item("defaults", "All values to their defaults", "", true, commands, DefaultProfile{});
+    if (ImGui::MenuItem("Lower threshold", "[")) change_threshold(state, 1 / threshold_step, commands);
+    ui::mark("menu", "lower");
+    if (ImGui::MenuItem("Raise threshold", "]")) change_threshold(state, threshold_step, commands);
+    ui::mark("menu", "raise");
+}
+
+void draw_show_menu(const State& state, Commands& commands) {
+    for (int i = 0; i < fly::picture_modes; ++i) {
+        const auto mode = static_cast<fly::PictureMode>(i);
+        if (ImGui::MenuItem(fly::picture_mode_names[i], "", state.interface.mode == mode)) commands.push(SetMode{mode});
+    }
+    ImGui::Separator();
+    for (int i = 0; i < overlays; ++i) {
+        const auto overlay = static_cast<Overlay>(i);
+        const bool on = state.shows(overlay);
+        if (ImGui::MenuItem(overlay_names[i], "", on)) commands.push(SetOverlay{overlay, !on});
+    }
+    ImGui::Separator();
+    constexpr struct {
+        const char* label;
+        double scale;
+    } scales[] = {{"100%", 1}, {"125%", 1.25}, {"150%", 1.5}, {"200%", 2}};
+    for (const auto& s : scales)
+        if (ImGui::MenuItem(s.label, "", state.interface.scale == s.scale)) commands.push(SetScale{s.scale});
+}
+
+// What is edited, and whether it is saved, on the bar's right.
+void draw_profile_name(const State& state, Commands& commands) {
+    const char* const name = state.files.profile_name.c_str();
+    const float width = ImGui::CalcTextSize(name).x + ImGui::GetStyle().WindowPadding.x;
+    const float at = ImGui::GetWindowWidth() - width;
+    if (at > ImGui::GetCursorPosX()) ImGui::SetCursorPosX(at);
+    const bool unsaved = state.document.unsaved();
+    if (unsaved) ImGui::PushStyleColor(ImGuiCol_Text, ui::careful);
+    ImGui::TextUnformatted(name);
+    if (unsaved) ImGui::PopStyleColor();
+    ui::mark("menu", "profile");
+    if (ImGui::IsItemClicked()) save(state, commands);
+    if (ImGui::IsItemHovered()) {
+        char text[700];
+        const std::string& path = state.document.path();
+        (void)std::snprintf(text, sizeof text, "The profile: %.500s%s", path.empty() ? "the defaults, in no file yet" : path.c_str(),
+                            unsaved ? "\nIt has changes that are not saved; a click saves them." : "");
+        ui::tip(text);
+    }
+}
+
+// A control that went away while it was held, with its panel, has been let go.
+void let_go(const State& state, Commands& commands) {
+    const fly::ProfileKey* const held = state.document.held();
+    if (held != nullptr && !ImGui::IsAnyItemActive())
+        commands.push(SetKey{held, held->get(state.document.profile()), false});
+}
+
 } // namespace
 
 void draw_menu(const State& state, Commands& commands) {
+    let_go(state, commands);
+    shortcuts(state, commands);
     if (!ImGui::BeginMainMenuBar()) return;
     const bool open = state.scene.open();
     if (ImGui::BeginMenu("File")) {
-        item("open", "Open...", "Ctrl+O", true, commands, ShowDialog{Dialog::open_file});
-        item("quit", "Quit", "Ctrl+Q", true, commands, Quit{});
+        draw_file(state, commands);
         ImGui::EndMenu();
     }
     ui::mark("menu", "file");
     if (ImGui::BeginMenu("Edit")) {
-        item("undo", "Undo", "Ctrl+Z", state.document.undo_steps() > 0, commands, Undo{});
-        item("redo", "Redo", "Ctrl+Shift+Z", state.document.redo_steps() > 0, commands, Redo{});
+        draw_edit(state, commands);
         ImGui::EndMenu();
     }
     ui::mark("menu", "edit");
+    if (ImGui::BeginMenu("View")) {
+        draw_show_menu(state, commands);
+        ImGui::EndMenu();
+    }
+    ui::mark("menu", "view");
     if (ImGui::BeginMenu("Tools")) {
         item("tune", "Auto-tune...", "", open, commands, ShowDialog{Dialog::tune});
         item("benchmark", "Benchmark...", "", open, commands, ShowDialog{Dialog::benchmark});
@@ -38,6 +169,7 @@ void draw_menu(const State& state, Commands& commands) {
         ImGui::EndMenu();
     }
     ui::mark("menu", "help");
+    draw_profile_name(state, commands);
     ImGui::EndMainMenuBar();
 }
 

@@ -1,0 +1,188 @@
+#include "editor/panels/browse.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+
+#include "editor/ui.h"
+
+namespace fjell::editor {
+
+namespace {
+
+void set_name(BrowseForm& form, const char* name) {
+    (void)std::snprintf(form.name, sizeof form.name, "%s", name);
+}
+
+void go(const std::string& folder, Commands& commands, BrowseForm& form) {
+    commands.push(Browse{folder});
+    form.name[0] = '\0';
+}
+
+// The end of a text that is too long is what tells; it is shown behind dots.
+void text_from_right(const char* text) {
+    const float room = ImGui::GetContentRegionAvail().x, dots = ImGui::CalcTextSize("...").x;
+    if (ImGui::CalcTextSize(text).x <= room) return ImGui::TextUnformatted(text);
+    while (*text != '\0' && ImGui::CalcTextSize(text).x > room - dots) ++text;
+    while ((static_cast<unsigned char>(*text) & 0xc0) == 0x80) ++text; // not from the middle of a letter
+    ImGui::TextUnformatted("...");
+    ImGui::SameLine(0, 0);
+    ImGui::TextUnformatted(text);
+}
+
+void draw_places(const State& state, Commands& commands, BrowseForm& form) {
+    const Browser& browser = state.files.browser;
+    ImGui::BeginDisabled(browser.parent().empty());
+    if (ImGui::Button("Up")) go(browser.parent(), commands, form);
+    ui::mark("browse", "up");
+    ImGui::EndDisabled();
+    ImGui::SameLine();
+    if (ImGui::Button("Home")) go(state.files.places.home, commands, form);
+    ui::mark("browse", "home");
+    ImGui::SameLine();
+    if (ImGui::Button("Reload")) commands.push(Browse{});
+    ui::mark("browse", "reload");
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+    if (ImGui::BeginCombo("##recent", "Folders of recent files")) {
+        for (const std::string& pack : state.interface.recent) {
+            const std::size_t slash = pack.rfind('/');
+            if (slash == std::string::npos) continue;
+            char folder[600];
+            (void)std::snprintf(folder, sizeof folder, "%.*s", static_cast<int>(std::max<std::size_t>(slash, 1)),
+                                pack.c_str());
+            ImGui::PushID(&pack);
+            if (ImGui::Selectable(folder)) go(folder, commands, form);
+            ImGui::PopID();
+        }
+        ImGui::EndCombo();
+    }
+    ui::mark("browse", "recent");
+    text_from_right(browser.folder().c_str());
+}
+
+// True: that file was chosen by a double click.
+bool draw_entry(const Browser::Entry& entry, const State& state, Commands& commands, BrowseForm& form) {
+    char size[32] = "folder", label[300];
+    if (!entry.folder) write_bytes(entry.bytes, size, sizeof size);
+    (void)std::snprintf(label, sizeof label, "%.255s%s", entry.name.c_str(), entry.folder ? "/" : "");
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::PushID(&entry);
+    const bool selected = entry.name == form.name;
+    const bool clicked = ImGui::Selectable(
+        label, selected, ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick);
+    ImGui::PopID();
+    ui::mark("file", entry.name.c_str());
+    ImGui::TableNextColumn();
+    const float width = ImGui::CalcTextSize(size).x;
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x - width);
+    ImGui::TextUnformatted(size);
+    if (!clicked) return false;
+    const bool twice = ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
+    if (entry.folder && twice) {
+        go(state.files.browser.path_of(entry.name), commands, form);
+        return false;
+    }
+    set_name(form, entry.name.c_str());
+    return twice;
+}
+
+bool draw_list(const State& state, Commands& commands, BrowseForm& form, float height) {
+    const Browser& browser = state.files.browser;
+    bool chosen = false;
+    if (!ImGui::BeginTable("files", 2, ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersOuter, {0, height})) return false;
+    ImGui::TableSetupColumn("Name", ImGuiTableColumnFlags_WidthStretch);
+    ImGui::TableSetupColumn("Size", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("1023.9 MB ").x);
+    if (!browser.parent().empty()) {
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        if (ImGui::Selectable("..", false, ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick) &&
+            ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
+            go(browser.parent(), commands, form);
+        ui::mark("file", "..");
+    }
+    if (!browser.problem().empty() || browser.size() == 0) {
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(!browser.problem().empty() ? browser.problem().c_str()
+                               : browser.hidden() != 0    ? "no files of this kind here"
+                                                          : "an empty folder");
+    }
+    ImGuiListClipper clipper;
+    clipper.Begin(static_cast<int>(browser.size()));
+    while (clipper.Step())
+        for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i)
+            chosen = draw_entry(browser.entry(static_cast<std::size_t>(i)), state, commands, form) || chosen;
+    ImGui::EndTable();
+    return chosen;
+}
+
+// What is named: a folder is gone to, all else is chosen.
+bool choose(const State& state, Commands& commands, BrowseForm& form) {
+    if (form.name[0] == '\0') return false;
+    const std::string path = state.files.browser.path_of(form.name);
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(path, ignored)) return true;
+    go(path, commands, form);
+    return false;
+}
+
+} // namespace
+
+void write_bytes(std::uint64_t bytes, char* to, std::size_t size) {
+    constexpr const char* units[] = {"B", "KB", "MB", "GB", "TB"};
+    auto value = static_cast<double>(bytes);
+    std::size_t unit = 0;
+    while (value >= 1000 && unit + 1 < std::size(units)) value /= 1000, ++unit;
+    (void)std::snprintf(to, size, unit == 0 ? "%.0f %s" : "%.1f %s", value, units[unit]);
+}
+
+void begin_browsing(BrowseForm& form, const State& state, const char* name) {
+    const bool begins = form.frame + 1 != state.frame;
+    form.frame = state.frame;
+    if (!begins) return;
+    form.asks = false;
+    set_name(form, name);
+}
+
+bool draw_browser(const State& state, Commands& commands, BrowseForm& form, const char* button) {
+    draw_places(state, commands, form);
+    const float below = 2 * ImGui::GetFrameHeightWithSpacing();
+    const float least = 4 * ImGui::GetTextLineHeightWithSpacing();
+    bool chosen = draw_list(state, commands, form, std::max(ImGui::GetContentRegionAvail().y - below, least));
+    ImGui::SetNextItemWidth(-1);
+    chosen = ImGui::InputTextWithHint("##name", "a name, or a whole path", form.name, sizeof form.name,
+                                      ImGuiInputTextFlags_EnterReturnsTrue) ||
+             chosen;
+    ui::mark("browse", "name");
+    ImGui::BeginDisabled(form.name[0] == '\0');
+    chosen = ImGui::Button(button) || chosen;
+    ui::mark("browse", "choose");
+    ImGui::EndDisabled();
+    ImGui::SameLine();
+    const bool cancelled = ImGui::Button("Cancel");
+    ui::mark("browse", "cancel");
+    if (cancelled || (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) && !ImGui::IsAnyItemActive()))
+        commands.push(ShowDialog{Dialog::none});
+    ImGui::SameLine();
+    bool all = state.files.browser.all();
+    if (ImGui::Checkbox("All files", &all)) commands.push(BrowseAll{all});
+    ui::mark("browse", "all");
+    ui::tip("Files of other kinds too.");
+    return chosen && choose(state, commands, form);
+}
+
+bool draw_overwrite(BrowseForm& form) {
+    ImGui::TextWrapped("%s exists already.", form.name);
+    ImGui::Spacing();
+    const bool yes = ImGui::Button("Overwrite it");
+    ui::mark("overwrite", "yes");
+    ImGui::SameLine();
+    if (ImGui::Button("Choose another name") || yes) form.asks = false;
+    ui::mark("overwrite", "no");
+    return yes;
+}
+
+} // namespace fjell::editor

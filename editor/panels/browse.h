@@ -1,0 +1,25 @@
+// The part of file dialogues that chooses a file: a folder's list, ways to other folders, and a name to type.
+#pragma once
+
+#include <cstdint>
+
+#include "editor/command.h"
+#include "editor/state.h"
+
+namespace fjell::editor {
+
+// What is being typed and asked in the dialogue that is open: nothing else of the editor needs it.
+struct BrowseForm {
+    char name[512] = {};
+    bool asks = false;       // about overwriting that file
+    std::uint64_t frame = 0; // that it was drawn in last
+};
+// A dialogue that opens begins anew, with that name in it.
+void begin_browsing(BrowseForm& form, const State& state, const char* name);
+// button: what choosing is called. True: a name was chosen, and it is no folder.
+[[nodiscard]] bool draw_browser(const State& state, Commands& commands, BrowseForm& form, const char* button);
+// Instead of the browser while form.asks. True: the file may be overwritten.
+[[nodiscard]] bool draw_overwrite(BrowseForm& form);
+void write_bytes(std::uint64_t bytes, char* to, std::size_t size);
+
+} // namespace fjell::editor

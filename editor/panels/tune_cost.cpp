@@ -1,0 +1,161 @@
+#include "editor/panels/tune_cost.h"
+
+#include <cstdio>
+#include <cstring>
+
+namespace fjell::editor {
+
+namespace {
+
+using fly::FrameEntry;
+
+struct Text {
+    char* to;
+    std::size_t size, used = 0;
+
+    void add(const char* format, auto... values) {
+        if (used + 1 >= size) return;
+        const int n = std::snprintf(to + used, size - used, format, values...);
+        if (n > 0) used += static_cast<std::size_t>(n);
+    }
+    void bytes(double bytes) {
+        if (bytes < 10e3)
+            add("%.0f B", bytes);
+        else if (bytes < 10e6)
+            add("%.0f KB", bytes / 1e3);
+        else if (bytes < 10e9)
+            add("%.0f MB", bytes / 1e6);
+        else
+            add("%.1f GB", bytes / 1e9);
+    }
+};
+
+// What the table above the profile's keys says of bytes, for the chosen method.
+void vertices(const State& state, Text& text, double value) {
+    const FrameEntry& e = state.measures.last();
+    const bool incremental = state.document.profile().method == fly::Method::incremental;
+    text.bytes(value * (incremental ? 57 : 20));
+    text.add(" + ");
+    text.bytes(value * (incremental ? 28 : 12));
+    text.add(" GPU");
+    if (incremental)
+        text.add(", used %u, peak %u", e.vertices, e.vertices_peak);
+    else
+        text.add(", used %u", e.vertices);
+}
+
+void triangles(const State& state, Text& text, double value) {
+    const FrameEntry& e = state.measures.last();
+    text.bytes(value * 16);
+    text.add(" + ");
+    text.bytes(value * 12);
+    text.add(" GPU, used %u, peak %u", e.triangles, e.triangles_peak);
+}
+
+void indices(const State&, Text& text, double value) {
+    text.bytes(value * 4);
+    text.add(" + ");
+    text.bytes(value * 4);
+    text.add(" GPU");
+}
+
+void items(const State& state, Text& text, double) {
+    text.add("last frame %u", state.measures.last().items);
+}
+
+void time(const State& state, Text& text, double) {
+    text.add("last update %.0f us", state.measures.last().update_us);
+}
+
+void threshold(const State& state, Text& text, double) {
+    const FrameEntry& e = state.measures.last();
+    text.add("holds %.3g px, %u triangles drawn", e.error_px_effective, e.triangles_drawn);
+}
+
+void page_slots(const State& state, Text& text, double value) {
+    text.bytes(value * 12.5e3);
+    if (state.scene.pages != 0) text.add(", the pack has %u", state.scene.pages);
+    const FrameEntry& e = state.measures.last();
+    if (e.streamed) text.add(", used %u, peak %u", e.stream.page_slots.used, e.stream.page_slots.peak);
+}
+
+void page_requests(const State& state, Text& text, double value) {
+    text.bytes(value * 16e3);
+    if (state.measures.last().streamed) text.add(", under way %u with mips", state.measures.last().stream.requested);
+}
+
+void map_requests(const State&, Text& text, double value) {
+    text.add("up to ");
+    text.bytes(value * 525e3);
+}
+
+void map_mb(const State& state, Text& text, double value) {
+    text.bytes(value * 1048576);
+    text.add(" GPU");
+    const FrameEntry& e = state.measures.last();
+    if (!e.streamed) return;
+    text.add(", used ");
+    text.bytes(static_cast<double>(e.stream.map_bytes_used));
+}
+
+void pages(const State& state, Text& text, double) {
+    const FrameEntry& e = state.measures.last();
+    if (e.streamed) text.add("last frame %u, left %u", e.stream.pages_taken, e.stream.pages_left);
+}
+
+void map_kb(const State& state, Text& text, double) {
+    const FrameEntry& e = state.measures.last();
+    if (!e.streamed) return;
+    text.add("last frame ");
+    text.bytes(static_cast<double>(e.stream.map_upload_bytes));
+}
+
+struct Cost {
+    const char *table, *name;
+    void (*write)(const State&, Text&, double value);
+};
+constexpr Cost costs[] = {
+    {"refine", "error_px", threshold},         {"budget", "vertices", vertices},
+    {"budget", "triangles", triangles},        {"budget", "items", items},
+    {"budget", "budget_us", time},             {"budget", "indices", indices},
+    {"stream", "page_slots", page_slots},      {"stream", "page_requests", page_requests},
+    {"stream", "map_requests", map_requests},  {"stream", "map_mb", map_mb},
+    {"stream", "pages", pages},                {"stream", "map_kb", map_kb},
+};
+
+bool is(const fly::ProfileKey& key, const char* table, const char* name) {
+    return std::strcmp(key.table, table) == 0 && std::strcmp(key.name, name) == 0;
+}
+
+} // namespace
+
+bool cost_text(const fly::ProfileKey& key, const State& state, char* to, std::size_t size) {
+    for (const Cost& cost : costs) {
+        if (!is(key, cost.table, cost.name)) continue;
+        Text text{to, size};
+        cost.write(state, text, key.get(state.document.profile()));
+        return text.used != 0;
+    }
+    return false;
+}
+
+const char* why_idle(const fly::ProfileKey& key, const State& state) {
+    const fly::Profile& profile = state.document.profile();
+    switch (key.used_by) {
+    case fly::UsedBy::any: break;
+    case fly::UsedBy::incremental:
+        if (profile.method != fly::Method::incremental) return "Of the incremental method, which is not the chosen one.";
+        break;
+    case fly::UsedBy::recursive:
+        if (profile.method != fly::Method::recursive) return "Of the recursive method, which is not the chosen one.";
+        break;
+    case fly::UsedBy::streaming: // page_slots decides whether anything is streamed: it counts always
+        if (!state.scene.streamed && !is(key, "stream", "page_slots"))
+            return "Of streaming: the pack is loaded whole. It is streamed when it has more pages than page slots.";
+        break;
+    }
+    if (is(key, "refine", "morph_s") && profile.cut.morph != Morph::time) return "Of morph \"time\", which is not chosen.";
+    return nullptr;
+}
+
+} // namespace fjell::editor

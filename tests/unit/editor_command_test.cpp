@@ -1,0 +1,155 @@
+// Commands as text: what scripts say and --help-commands lists.
+#include <catch2/catch.hpp>
+
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "editor/command.h"
+#include "host/failure.h"
+
+using namespace fjell;
+using namespace fjell::editor;
+
+namespace {
+
+// One that each verb takes, and some that it does not. Those of no words refuse any.
+struct Use {
+    std::vector<std::string> good, bad;
+};
+const std::map<std::string, Use>& uses() {
+    static const std::map<std::string, Use> all = {
+        {"open", {{"a.fjell", "\"a b.fjell\" discard"}, {"", "a b", "a discard c"}}},
+        {"sample", {{""}, {"x"}}},
+        {"set",
+         {{"refine.error_px 2", "refine.method recursive", "budget.items 0", "refine.cull false"},
+          {"", "refine.error_px", "refine.error_px x", "refine.error_px -1", "error_px 2", "budget.vertices 1.5",
+           "refine.method sometimes", "refine.error_px 2 3"}}},
+        {"undo", {{""}, {"x"}}},
+        {"redo", {{""}, {"x"}}},
+        {"defaults", {{""}, {"x"}}},
+        {"open-profile", {{"a.toml", "a.toml discard"}, {"", "a.toml b"}}},
+        {"save-profile", {{"", "a.toml"}, {"a b"}}},
+        {"compare", {{"", "a.toml"}, {"a b"}}},
+        {"compare-off", {{""}, {"x"}}},
+        {"browse", {{"", "/tmp"}, {"a b"}}},
+        {"browse-all", {{"on", "off"}, {"", "yes"}}},
+        {"go-on", {{"save", "discard", "cancel"}, {"", "perhaps", "save save"}}},
+        {"recover", {{"restore", "discard"}, {"", "perhaps"}}},
+        {"bake",
+         {{"a.tif b.fjell", "a.tif b.fjell tile=64 texture=t.png ramp=r.json spacing=30 zscale=2"},
+          {"", "a.tif", "a.tif b.fjell tile", "a.tif b.fjell tile=x", "a.tif b.fjell tile=-1", "a.tif b.fjell size=1",
+           "a.tif b.fjell spacing=wide"}}},
+        {"camera", {{"1 2 3 0 -20"}, {"", "1 2 3 0", "1 2 3 0 x", "1 2 3 0 0 0", "1 2 inf 0 0"}}},
+        {"jump", {{"1 2"}, {"", "1", "1 x", "1 2 3"}}},
+        {"speed", {{"100"}, {"", "fast", "1 2"}}},
+        {"navigate", {{"fly", "orbit", "path"}, {"", "swim"}}},
+        {"freeze", {{"on", "off"}, {"", "maybe", "on on"}}},
+        {"open-path", {{"a.json", "a.json discard"}, {"", "a b"}}},
+        {"save-path", {{"", "a.json"}, {"a b"}}},
+        {"record-path", {{"on", "off"}, {""}}},
+        {"play-path", {{"on", "off"}, {"", "x"}}},
+        {"seek-path", {{"0", "0.5", "1"}, {"", "2", "-1", "x"}}},
+        {"add-point", {{""}, {"1"}}},
+        {"replace-point", {{"0"}, {"", "-1", "1.5", "x"}}},
+        {"remove-point", {{"3"}, {"", "-1"}}},
+        {"select-point", {{"3"}, {"", "x"}}},
+        {"clear-path", {{""}, {"x"}}},
+        {"mode", {{"shaded", "levels"}, {"", "pretty"}}},
+        {"overlay", {{"wireframe on", "culled off"}, {"", "wireframe", "clouds on"}}},
+        {"panel", {{"tune", "levels"}, {"", "none"}}},
+        {"dialog", {{"none", "start", "recover"}, {"", "chat"}}},
+        {"scale", {{"0.5", "2"}, {"", "0", "100", "x"}}},
+        {"dismiss", {{""}, {"x"}}},
+        {"tune",
+         {{"", "measure=frame budget_us=3000 frames=100 least_px=0.5 most_px=8"},
+          {"measure=sound", "budget_us=x", "frames=1.5", "frames=-3", "speed=1", "budget_us"}}},
+        {"benchmark", {{"a.csv", "a.csv 100"}, {"", "a.csv x", "a.csv -1"}}},
+        {"export", {{"a.glb", "a.glb 2"}, {"", "a.glb x"}}},
+        {"preview", {{"", "2"}, {"x"}}},
+        {"cancel", {{""}, {"x"}}},
+        {"screenshot", {{"a.png", "a.png terrain"}, {"", "a.png sky"}}},
+        {"resize", {{"640 480"}, {"", "640", "1 1", "640 x", "100000 100000"}}},
+        {"dump", {{"a.json"}, {"", "a b"}}},
+        {"lose-graphics", {{""}, {"x"}}},
+        {"frames", {{"3"}, {"", "-1", "x"}}},
+        {"wait", {{""}, {"x"}}},
+        {"quit", {{"", "discard"}, {"x", "discard discard"}}},
+    };
+    return all;
+}
+
+// Those that --help-commands lists: lines that are not indented.
+std::set<std::string> listed() {
+    std::set<std::string> verbs;
+    std::istringstream lines(command_help());
+    for (std::string line; std::getline(lines, line);)
+        if (!line.starts_with(' ')) verbs.insert(line.substr(0, line.find(' ')));
+    return verbs;
+}
+
+} // namespace
+
+TEST_CASE("every verb that the help lists takes its words, and others only with one line that says how it goes") {
+    const std::set<std::string> verbs = listed();
+    for (const std::string& verb : verbs) {
+        INFO(verb);
+        const auto use = uses().find(verb);
+        REQUIRE(use != uses().end()); // a verb was added: say above how it is used
+        for (const std::string& words : use->second.good) {
+            INFO(words);
+            CHECK(parse_command(verb + " " + words).has_value());
+        }
+        for (const std::string& words : use->second.bad) {
+            INFO(words);
+            try {
+                (void)parse_command(verb + " " + words);
+                FAIL_CHECK("was taken");
+            } catch (const host::Failure& failure) {
+                const std::string line = failure.what();
+                CHECK(failure.exit_code == 2);
+                CHECK(line.find('\n') == std::string::npos);
+                CHECK(line.starts_with(verb + ": "));
+                CHECK(line.find("it goes: " + verb) != std::string::npos);
+            }
+        }
+    }
+    for (const auto& [verb, use] : uses()) CHECK(verbs.count(verb) == 1);
+}
+
+TEST_CASE("every kind of command but those of a frame's hand has a text form") {
+    std::set<std::size_t> kinds;
+    for (const auto& [verb, use] : uses())
+        for (const std::string& words : use.good) kinds.insert(parse_command(verb + " " + words)->index());
+    CHECK(kinds.count(Command(Move{}).index()) == 0);
+    CHECK(kinds.size() + 1 == std::variant_size_v<Command>);
+}
+
+TEST_CASE("commands carry what their words say") {
+    const auto parsed = [](const char* line) { return *parse_command(line); };
+    const SetKey set = std::get<SetKey>(parsed("set refine.error_px 2.5"));
+    CHECK(std::string(set.key->name) == "error_px");
+    CHECK(set.value == 2.5);
+    CHECK_FALSE(set.dragging);
+    CHECK(std::get<SetKey>(parsed("set refine.method recursive")).value == 1);
+    CHECK(std::get<Open>(parsed("open \"a b.fjell\" discard")).path == "a b.fjell");
+    CHECK(std::get<Open>(parsed("open a discard")).discard);
+    CHECK_FALSE(std::get<Open>(parsed("open a")).discard);
+    CHECK(std::get<GoOn>(parsed("go-on discard")).answer == Answer::discard);
+    CHECK(std::get<Recover>(parsed("recover restore")).restore);
+    CHECK_FALSE(std::get<Recover>(parsed("recover discard")).restore);
+    CHECK_FALSE(std::get<Screenshot>(parsed("screenshot a.png terrain")).with_panels);
+    CHECK(std::get<Quit>(parsed("quit discard")).discard);
+    const Bake bake = std::get<Bake>(parsed("bake a.tif b.fjell tile=64 zscale=2"));
+    CHECK(bake.inputs == std::vector<std::string>{"a.tif"});
+    CHECK(bake.tile == 64);
+    CHECK(bake.height_scale == 2);
+}
+
+TEST_CASE("empty lines and those that begin with # are no commands, and an unknown verb says where verbs are listed") {
+    for (const char* line : {"", "   ", "# set refine.error_px 2", "\t\r"}) CHECK_FALSE(parse_command(line).has_value());
+    CHECK_THROWS_WITH(parse_command("fly me"), Catch::Contains("--help-commands"));
+    CHECK_THROWS_WITH(parse_command("open \"a"), Catch::Contains("quote"));
+}
