@@ -191,7 +191,8 @@ void App::frame() {
     const double frame_us = microseconds(start - std::exchange(last, start));
     state_.now_s += std::min(frame_us * 1e-6, 0.25);
     ++state_.frame;
-    const bool recording = dump_asked != 0 || !after_frame_.empty();
+    dumping_ = dump_asked != 0; // asked for later, it waits for a frame that records its marks
+    const bool recording = dumping_ || !after_frame_.empty();
     if (recording) ui::record_marks(true);
     interface();
     carry_out();
@@ -281,7 +282,7 @@ void App::draw() {
 }
 
 void App::finish_requests() {
-    if (dump_asked != 0 && dump_file() != nullptr) {
+    if (dumping_ && dump_file() != nullptr) {
         dump_asked = 0;
         write_text(dump_file(), dump(state_));
     }

@@ -52,6 +52,7 @@ private:
     std::uint64_t there_since_ = 0;
     std::string shown_title_;
     double styled_scale_ = 1; // that fonts and metrics are for
+    bool dumping_ = false; // at the end of this frame
     bool ended_ = false; // as it should: not by a signal or a failure
     std::vector<Command> after_frame_; // Screenshot and DumpState, once the frame is drawn
     // Destroyed from last to first: GL objects need their context.

@@ -30,11 +30,20 @@ bool exists(const std::string& path) {
     return std::filesystem::exists(path, ignored);
 }
 
+// What is opened again is told by it.
+void add_extension(const char* extension) {
+    const std::size_t length = std::strlen(form.name), added = std::strlen(extension);
+    if (length >= added && std::strcmp(form.name + length - added, extension) == 0) return;
+    if (length + added < sizeof form.name) std::memcpy(form.name + length, extension, added + 1);
+}
+
 // Saving under a name; own: the file it came from, which is overwritten without a word. True: at form.name, now.
-bool save_as(const State& state, Commands& commands, const std::string& own, const char* otherwise) {
+bool save_as(const State& state, Commands& commands, const std::string& own, const char* otherwise,
+             const char* extension) {
     begin_browsing(form, state, own.empty() ? otherwise : last_part(own));
     if (form.asks) return draw_overwrite(form);
     if (!draw_browser(state, commands, form, "Save")) return false;
+    add_extension(extension);
     const std::string path = state.files.browser.path_of(form.name);
     form.asks = exists(path) && path != own;
     return !form.asks;
@@ -124,12 +133,12 @@ void draw_open_file(const State& state, Commands& commands) {
 }
 
 void draw_save_profile(const State& state, Commands& commands) {
-    if (save_as(state, commands, state.document.path(), "profile.toml"))
+    if (save_as(state, commands, state.document.path(), "profile.toml", ".toml"))
         commands.push(SaveProfile{state.files.browser.path_of(form.name)});
 }
 
 void draw_save_path(const State& state, Commands& commands) {
-    if (save_as(state, commands, state.route.path(), "path.json"))
+    if (save_as(state, commands, state.route.path(), "path.json", ".json"))
         commands.push(SavePath{state.files.browser.path_of(form.name)});
 }
 

@@ -19,12 +19,12 @@ struct Text {
         if (n > 0) used += static_cast<std::size_t>(n);
     }
     void bytes(double bytes) {
-        if (bytes < 10e3)
+        if (bytes < 1e3)
             add("%.0f B", bytes);
-        else if (bytes < 10e6)
+        else if (bytes < 1e6)
             add("%.0f KB", bytes / 1e3);
-        else if (bytes < 10e9)
-            add("%.0f MB", bytes / 1e6);
+        else if (bytes < 1e9)
+            add(bytes < 1e8 ? "%.1f MB" : "%.0f MB", bytes / 1e6);
         else
             add("%.1f GB", bytes / 1e9);
     }
