@@ -51,6 +51,7 @@ private:
     bool waiting_there_ = false;
     std::uint64_t there_since_ = 0;
     std::vector<Command> after_frame_; // Screenshot and DumpState, once the frame is drawn
+    std::vector<Command> next_frame_;  // those that panels ask for: of the frame after theirs
     // Destroyed from last to first: GL objects need their context.
     std::unique_ptr<Surface> surface_;
     Engine engine_;
