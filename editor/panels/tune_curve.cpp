@@ -39,6 +39,8 @@ void short_number(char (&text)[16], double value) {
         std::snprintf(text, sizeof text, "%.3gM", value * 1e-6);
     else if (value >= 9995)
         std::snprintf(text, sizeof text, "%.3gk", value * 1e-3);
+    else if (value >= 100)
+        std::snprintf(text, sizeof text, "%.0f", value);
     else
         std::snprintf(text, sizeof text, "%.3g", value);
 }
