@@ -192,6 +192,8 @@ void App::frame() {
     state_.now_s += std::min(frame_us * 1e-6, 0.25);
     ++state_.frame;
     dumping_ = dump_asked != 0; // asked for later, it waits for a frame that records its marks
+    for (Command& command : next_frame_) after_frame_.push_back(std::move(command));
+    next_frame_.clear();
     const bool recording = dumping_ || !after_frame_.empty();
     if (recording) ui::record_marks(true);
     interface();
@@ -215,7 +217,13 @@ void App::interface() {
 void App::carry_out() {
     const Desk desk{state_, engine_, jobs_};
     for (const std::string& file : std::exchange(surface_->dropped, {})) apply(Open{file, false}, desk);
-    for (const Command& command : commands_.list()) apply(command, desk);
+    for (const Command& command : commands_.list()) {
+        // The panels of this frame are drawn already, with the dialogue that asked: the next one's are shown.
+        if (std::holds_alternative<Screenshot>(command) || std::holds_alternative<DumpState>(command))
+            next_frame_.push_back(command);
+        else
+            apply(command, desk);
+    }
     commands_.clear();
     if (jobs_.poll(state_.job)) take_result(desk);
     follow_document(desk);

@@ -55,6 +55,7 @@ private:
     bool dumping_ = false; // at the end of this frame
     bool ended_ = false; // as it should: not by a signal or a failure
     std::vector<Command> after_frame_; // Screenshot and DumpState, once the frame is drawn
+    std::vector<Command> next_frame_;  // those that panels ask for: of the frame after theirs
     // Destroyed from last to first: GL objects need their context.
     std::unique_ptr<Surface> surface_;
     Engine engine_;

@@ -12,6 +12,8 @@ void draw_panels(const State& state, Commands& commands);
 
 void draw_menu(const State& state, Commands& commands);
 void draw_status(const State& state, const ui::Layout& layout, Commands& commands);
+// Within the status line: what the job that runs is at, and a button that stops it; then on the same line.
+void draw_job_status(const State& state, Commands& commands);
 // Keys and mouse over the picture.
 void draw_view(const State& state, const ui::Layout& layout, Commands& commands);
 

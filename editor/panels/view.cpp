@@ -39,9 +39,10 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
     commands.push(move);
 }
 
-void draw_status(const State& state, const ui::Layout& layout, Commands&) {
+void draw_status(const State& state, const ui::Layout& layout, Commands& commands) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     ui::begin_column("status", {0, display.y - layout.status_height, display.x, layout.status_height});
+    draw_job_status(state, commands);
     if (!state.messages.all.empty() && state.now_s < state.messages.shown_until_s)
         ImGui::TextUnformatted(state.messages.all.back().text.c_str());
     else

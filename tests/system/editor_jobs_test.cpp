@@ -1,0 +1,168 @@
+// Bake, tune, benchmark and export by the built editor without a window, as a script asks for them.
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "support/program.h"
+
+using namespace fjell;
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::Run;
+using test::slurp;
+using test::spit;
+
+class Place {
+public:
+    Place() {
+        char name[] = "/tmp/fjell-editor-jobs-XXXXXX";
+        REQUIRE(mkdtemp(name) != nullptr);
+        folder = name;
+        spit(folder / "hills.json",
+             R"({"columns": 513, "rows": 513, "spacing_m": 60, "seed": 7, "relief_m": 2500, "feature_m": 6000})");
+        spit(folder / "small.toml", "[view]\nwidth_px = 640\nheight_px = 360\n");
+    }
+    ~Place() { fs::remove_all(folder); }
+    Place(const Place&) = delete;
+    Place& operator=(const Place&) = delete;
+
+    // What the state is after these commands, and `more` besides on the command line, after `before` in the shell.
+    [[nodiscard]] json after(const std::vector<std::string>& commands, const std::string& more = "",
+                             const std::string& before = "") const {
+        // In a sanitized build Mesa's own bytes would count as a leak of ours.
+        std::string line = before + "ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR "/fjell-editor --headless --size 640x480 " + more;
+        for (const std::string& c : commands) line += " --do '" + c + "'";
+        const Run r = test::run_in(folder, line + " --do 'dump state.json'");
+        INFO(line << "\n" << r.err);
+        REQUIRE(r.code == 0);
+        json state = json::parse(slurp(folder / "state.json"));
+        fs::remove(folder / "state.json");
+        return state;
+    }
+    void bake() const { (void)after({"bake hills.json hills.fjell tile=128", "wait"}); }
+    [[nodiscard]] std::vector<std::string> files() const {
+        std::vector<std::string> names;
+        for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename());
+        std::sort(names.begin(), names.end());
+        return names;
+    }
+
+    fs::path folder;
+};
+
+std::string last_message(const json& state) {
+    const json& all = state["messages"];
+    return all.empty() ? "" : all.back()["text"].get<std::string>();
+}
+
+} // namespace
+
+TEST_CASE("a bake by command writes the pack and opens it") {
+    const Place place;
+    const json state = place.after({"bake hills.json hills.fjell tile=128", "wait"});
+    CHECK(state["scene"]["path"] == "hills.fjell");
+    CHECK(state["scene"]["columns"] == 513);
+    CHECK(state["scene"]["tiles"] == json({4, 4}));
+    CHECK(state["job"]["problem"] == "");
+    CHECK(place.files() == std::vector<std::string>{"hills.fjell", "hills.json", "small.toml"});
+}
+
+TEST_CASE("a bake that cannot be, or is cancelled, is a message and leaves nothing") {
+    const Place place;
+    CHECK_THAT(last_message(place.after({"bake none.tif x.fjell", "wait"})), Catch::Contains("none.tif"));
+    CHECK_THAT(last_message(place.after({"bake hills.json x.fjell tile=100", "wait"})), Catch::Contains("100"));
+    const json state = place.after({"bake hills.json x.fjell", "cancel", "wait"});
+    CHECK(state["job"]["cancelled"] == true);
+    CHECK_THAT(last_message(state), Catch::Contains("bake cancelled"));
+    CHECK(place.files() == std::vector<std::string>{"hills.json", "small.toml"});
+}
+
+TEST_CASE("a tuning by command sets the threshold only when it shall, as one step of undoing, and writes its curve") {
+    const Place place;
+    place.bake();
+    const std::string words = "tune frames=20 budget_us=1000000 least_px=2 csv=curve.csv";
+    for (const bool apply : {false, true}) {
+        const json state =
+            place.after({"set refine.error_px 5", words + (apply ? " apply=yes" : ""), "wait"}, "hills.fjell");
+        INFO(last_message(state));
+        CHECK(state["job"]["best_px"] == 2);
+        CHECK(state["profile"]["refine.error_px"] == (apply ? 2 : 5));
+        CHECK(state["document"]["undo"] == (apply ? 2 : 1));
+        CHECK(state["job"]["curve"].size() == 5);
+        const std::string csv = slurp(place.folder / "curve.csv");
+        CHECK(std::count(csv.begin(), csv.end(), '\n') == 6);
+        CHECK_THAT(last_message(state), Catch::Contains("of 1,000,000 at 2 px"));
+    }
+}
+
+TEST_CASE("a tuning of whole frames draws them in a context of its own") {
+    const Place place;
+    place.bake();
+    const json state = place.after(
+        {"tune measure=frame frames=10 budget_us=1000000 least_px=8", "wait"}, "hills.fjell --profile small.toml");
+    INFO(last_message(state));
+    CHECK(state["job"]["best_px"] == 8);
+    CHECK(state["job"]["curve"][0]["p50_us"] > state["measures"]["update_us"]["p50"].get<double>() / 1000);
+}
+
+TEST_CASE("a benchmark and an export by command write their files, and a preview says how large one will be") {
+    const Place place;
+    place.bake();
+    const json flown = place.after({"benchmark b.csv 25", "wait"}, "hills.fjell");
+    CHECK_THAT(last_message(flown), Catch::Contains("b.csv: 25 frames"));
+    const std::string csv = slurp(place.folder / "b.csv");
+    CHECK(std::count(csv.begin(), csv.end(), '\n') == 26);
+    const json preview = place.after({"set refine.error_px 3", "wait", "preview", "wait"}, "hills.fjell");
+    const json written = place.after({"set refine.error_px 3", "wait", "export m.glb", "wait"}, "hills.fjell");
+    CHECK(preview["job"]["preview"]["error_px"] == 3);
+    CHECK(preview["job"]["preview"] == written["job"]["preview"]);
+    CHECK(fs::file_size(place.folder / "m.glb") == preview["job"]["preview"]["bytes"]);
+    const json own = place.after({"export n.glb 12", "wait"}, "hills.fjell");
+    CHECK(own["job"]["preview"]["error_px"] == 12);
+    CHECK(fs::file_size(place.folder / "n.glb") < fs::file_size(place.folder / "m.glb"));
+}
+
+TEST_CASE("a disk that takes no more bytes is a message, and nothing half-written stays") {
+    const Place place;
+    place.bake();
+    // A limit on file sizes stands for a full disk: writing fails in the same place.
+    for (const std::string command : {"export m.glb 1", "benchmark b.csv 2000"}) {
+        const auto before = place.files();
+        const json state = place.after({"frames 3", command, "wait"}, "hills.fjell", "ulimit -f 64; ");
+        INFO(command << ": " << last_message(state));
+        CHECK(state["messages"].back()["severity"] == "error");
+        CHECK(state["job"]["problem"] != "");
+        CHECK(place.files() == before);
+    }
+}
+
+TEST_CASE("quitting in the middle of a job cancels it and leaves nothing") {
+    const Place place;
+    place.bake();
+    const auto before = place.files();
+    const Run r = test::run_in(place.folder, "ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR
+                                             "/fjell-editor hills.fjell --headless --size 640x480 "
+                                             "--do 'benchmark b.csv 1000000' --do 'frames 3' --do 'quit discard'");
+    CHECK(r.code == 0);
+    CHECK(place.files() == before);
+}
+
+TEST_CASE("jobs without a terrain, beside another job or out of range are refused in a line") {
+    const Place place;
+    for (const std::string command : {"tune", "benchmark b.csv", "export m.glb", "preview"})
+        CHECK_THAT(last_message(place.after({command})), Catch::Contains("open a terrain first"));
+    place.bake();
+    CHECK_THAT(last_message(place.after({"tune budget_us=1"}, "hills.fjell")), Catch::Contains("budget_us"));
+    CHECK_THAT(last_message(place.after({"frames 2", "benchmark b.csv 1000000", "preview"}, "hills.fjell")),
+               Catch::Contains("another job is running"));
+    CHECK_THAT(last_message(place.after({"frames 2", "export no/m.glb", "wait"}, "hills.fjell")),
+               Catch::Contains("no/m.glb"));
+}
