@@ -76,12 +76,14 @@ void Engine::open(const std::string& pack, const fly::Profile& profile) {
     session_ = std::move(session);
     pack_ = pack;
     built_ = profile;
+    ++terrains_;
 }
 
 void Engine::close() {
     renderer_.reset();
     session_.reset();
     pack_.clear();
+    ++terrains_;
 }
 
 bool Engine::follow(const fly::Profile& profile) {

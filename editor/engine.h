@@ -36,6 +36,8 @@ public:
     // The terrain, and what lies over it.
     void draw(const State& state, const gl::Target& target);
     [[nodiscard]] const gl::DrawStats& stats() const { return renderer_->stats(); }
+    // How many were opened so far, a rebuilt one counted anew: what was made of another terrain is out of date.
+    [[nodiscard]] std::uint64_t terrains() const { return terrains_; }
     // What reading has had to say since the last call; empty: nothing.
     [[nodiscard]] std::vector<std::string> take_messages();
 
@@ -47,6 +49,7 @@ private:
     [[nodiscard]] fly::Options options(const fly::Profile& profile) const;
 
     std::vector<std::string> messages_; // of reading, until they are taken
+    std::uint64_t terrains_ = 0;
     std::string pack_;
     fly::Profile built_; // what the session's blocks were made for
     std::unique_ptr<fly::Session> session_;
