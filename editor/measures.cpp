@@ -43,7 +43,7 @@ int triangle_level(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c
     const std::uint64_t ab = squared(a, b), bc = squared(b, c), ca = squared(c, a);
     if (ab == 0 || bc == 0 || ca == 0) return -1;
     // Between 2^k and 2^(k+1) squared cells lies no hypotenuse: bit_width names the power of two.
-    return 2 * static_cast<int>(tile_log2) + 2 - std::bit_width(std::max({ab, bc, ca}));
+    return 2 * static_cast<int>(tile_log2) + 2 - static_cast<int>(std::bit_width(std::max({ab, bc, ca})));
 }
 
 void Measures::record(const fly::FrameEntry& entry, double frame_us, double draw_us, double editor_us) {
