@@ -20,8 +20,12 @@ const Engine& open_engine(Desk desk) {
     if (!desk.engine.is_open()) throw Failure(2, "no terrain is open; open a pack first");
     return desk.engine;
 }
+// The surface of triangles that the mesh approaches, as fine as it is there: the camera must not sink into that one.
 fly::Ground live_ground(Desk desk) {
-    return open_engine(desk).session().live_ground();
+    const Terrain& terrain = open_engine(desk).session().terrain();
+    fly::Ground ground = fly::ground_of(terrain);
+    ground.height_m = [&terrain](double x_m, double z_m) { return ground_height(terrain, x_m, z_m).height_m; };
+    return ground;
 }
 // For paths, whose flight must not depend on what has been streamed in.
 fly::Ground whole_ground(Desk desk) {

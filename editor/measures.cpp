@@ -36,19 +36,20 @@ Quantiles Ring::quantiles() const {
 }
 
 int triangle_level(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c, std::uint32_t tile_log2) {
-    const auto squared = [](const MeshVertex& p, const MeshVertex& q) {
-        const std::int64_t x = std::int64_t{p.column} - q.column, z = std::int64_t{p.row} - q.row;
-        return static_cast<std::uint64_t>(x * x + z * z);
-    };
-    const std::uint64_t ab = squared(a, b), bc = squared(b, c), ca = squared(c, a);
-    if (ab == 0 || bc == 0 || ca == 0) return -1;
-    // Between 2^k and 2^(k+1) squared cells lies no hypotenuse: bit_width names the power of two.
-    return 2 * static_cast<int>(tile_log2) + 2 - static_cast<int>(std::bit_width(std::max({ab, bc, ca})));
+    const std::int64_t bx = std::int64_t{b.column} - a.column, bz = std::int64_t{b.row} - a.row;
+    const std::int64_t cx = std::int64_t{c.column} - a.column, cz = std::int64_t{c.row} - a.row;
+    if (bx * cz == bz * cx) return -1;
+    const auto [left, right] = std::minmax({std::int64_t{0}, bx, cx});
+    const auto [top, bottom] = std::minmax({std::int64_t{0}, bz, cz});
+    const std::int64_t wide = right - left, deep = bottom - top;
+    const int longest_log2 = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(std::max(wide, deep)))) - 1;
+    return 2 * (static_cast<int>(tile_log2) - longest_log2) + (wide == deep ? 0 : 1);
 }
 
 void Measures::record(const fly::FrameEntry& entry, double frame_us, double draw_us, double editor_us) {
     last_ = entry;
     ++frames_;
+    if (entry.rebuilt) return; // once, and hundreds of times as much as a frame: it would be all that graphs show
     const auto push = [&](Series series, auto value) {
         rings_[static_cast<std::size_t>(series)].push(static_cast<float>(value));
     };
@@ -69,7 +70,6 @@ void Measures::record(const fly::FrameEntry& entry, double frame_us, double draw
     push(Series::uploaded_bytes, entry.upload_bytes);
     push(Series::requested, entry.streamed ? entry.stream.requested : 0);
     push(Series::pages_wanted, entry.streamed ? entry.stream.pages_wanted : 0);
-    if (entry.rebuilt) return;
     const auto raise = [](auto& peak, auto value) { peak = std::max<std::decay_t<decltype(peak)>>(peak, value); };
     raise(peaks_.vertices, entry.vertex_slots.used);
     raise(peaks_.indices, entry.index_slots.used);

@@ -59,15 +59,16 @@ private:
     std::size_t first_ = 0, size_ = 0;
 };
 
-// The most of each since the measures were cleared; what a rebuilt frame took is none of it.
+// The most of each since the measures were cleared.
 struct Peaks {
     std::uint32_t vertices = 0, indices = 0, items = 0, requested = 0, pages_taken = 0, page_slots = 0;
     std::uint64_t map_bytes = 0, map_upload_bytes = 0;
     double update_us = 0;
 };
 
-// The level of a triangle of the mesh, 0 to 2 * tile_log2: from its hypotenuse, whose square in cells is 2 * 4^tile_log2
-// of a base triangle and half as much with every level. Negative: it is degenerate.
+// The level of a triangle of the mesh, 0 to 2 * tile_log2, as the picture's mode colours it: by its bounding rectangle,
+// a square of 2^tile_log2 cells of a base triangle, half of it at the next level. Cut off by the terrain's rim it may
+// count as a finer one. Negative: it is degenerate.
 [[nodiscard]] int triangle_level(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c,
                                  std::uint32_t tile_log2);
 
@@ -84,7 +85,7 @@ public:
     [[nodiscard]] const Peaks& peaks() const { return peaks_; }
     [[nodiscard]] std::uint64_t frames() const { return frames_; }
 
-    // Once a frame.
+    // Once a frame. One that was built from nothing is the last one, and none of the series'.
     void record(const fly::FrameEntry& entry, double frame_us, double draw_us, double editor_us);
     // Counts some thousand triangles a call, so that no frame pays for a large mesh; shown when all are counted.
     // The mesh may change between calls: the counts are then of several frames. O(indices_a_call).

@@ -83,6 +83,7 @@ struct Browser {
 struct Interface {
     double scale = 1;
     Panel left = Panel::tune, right = Panel::time;
+    Panel newest = Panel::tune; // what one column shows, where there is no room for two
     Dialog dialog = Dialog::none;
     fly::PictureMode mode = fly::PictureMode::shaded;
     std::array<bool, overlays> overlay{};

@@ -36,8 +36,7 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
     amount(used, line.used, line.unit);
     amount(peak, line.peak, line.unit);
     if (line.capacity > 0) amount(capacity, line.capacity, line.unit);
-    std::snprintf(value, sizeof value, "%s | %s | %s%s", used, peak, capacity,
-                  line.unit == Unit::microseconds ? " us" : "");
+    std::snprintf(value, sizeof value, "%s | %s | %s", used, peak, capacity);
     const bool exhausted = (state.measures.last().exhausted & line.bit) != 0;
     const double share = line.capacity > 0 ? line.used / line.capacity : 0;
     const double mark = line.capacity > 0 ? line.peak / line.capacity : -1;
@@ -97,7 +96,7 @@ void draw_method(const State& state, Commands& commands) {
                static_cast<double>(e.items), static_cast<double>(p.items),
                limited ? static_cast<double>(e.item_limit) : 0, fly::exhausted_items},
               state, commands);
-    draw_line({"Time", "budget.budget_us", "What an update may take. Exhausted, the mesh lags behind the camera.",
+    draw_line({"Time, us", "budget.budget_us", "What an update may take. Exhausted, the mesh lags behind the camera.",
                e.update_us, p.update_us, profile.cut.budget_us, fly::exhausted_time, Unit::microseconds},
               state, commands);
 }

@@ -73,7 +73,7 @@ void draw_grid(ImDrawList& list, const Graph& graph, const Scale& s, float left)
         const float width = ImGui::CalcTextSize(text).x;
         list.AddText({s.low.x - width - 0.3F * text_height, y - text_height / 2}, quiet, text);
     }
-    list.AddText({left, s.low.y - 1.3F * text_height}, quiet, graph.unit);
+    list.AddText({left, s.low.y - 1.75F * text_height}, quiet, graph.unit);
 }
 
 void draw_line(ImDrawList& list, const Scale& s, const GraphLine& line) {
@@ -95,9 +95,9 @@ void draw_budget(ImDrawList& list, const Graph& graph, const Scale& s) {
     if (!(graph.budget > 0)) return;
     const float y = s.y(graph.budget);
     list.AddLine({s.low.x, y}, {s.high.x, y}, careful, std::max(1.0F, ImGui::GetFontSize() / 10));
-    const float height = ImGui::GetFontSize(), width = ImGui::CalcTextSize(graph.budget_label).x;
+    const float height = ImGui::GetFontSize(); // on the left, where the older frames are
     const bool above = y - height > s.low.y;
-    list.AddText({s.high.x - width - 3, above ? y - height - 1 : y + 1}, careful, graph.budget_label);
+    list.AddText({s.low.x + 0.3F * height, above ? y - height - 1 : y + 1}, careful, graph.budget_label);
 }
 
 // The line above the plot: the unit on its left, what the lines are on its right.
@@ -106,7 +106,7 @@ void draw_legend(ImDrawList& list, const Scale& s, std::initializer_list<GraphLi
     float x = s.high.x;
     for (auto line = std::rbegin(lines); line != std::rend(lines); ++line) {
         x -= ImGui::CalcTextSize(line->label).x;
-        list.AddText({x, s.low.y - 1.3F * em}, line->colour | IM_COL32_A_MASK, line->label);
+        list.AddText({x, s.low.y - 1.75F * em}, line->colour | IM_COL32_A_MASK, line->label);
         x -= 0.9F * em;
     }
 }
@@ -140,7 +140,7 @@ void graph(const Graph& graph, std::initializer_list<GraphLine> lines) {
     mark("graph", graph.name);
     if (!ImGui::IsItemVisible()) return;
     Scale s = scale_of(graph, lines);
-    s.low = {from.x + 3.6F * em, from.y + 1.4F * em};
+    s.low = {from.x + 3.6F * em, from.y + 1.9F * em};
     s.high = {from.x + width - 1, from.y + height - 0.6F * em};
     ImDrawList& list = *ImGui::GetWindowDrawList();
     list.AddRectFilled(s.low, s.high, paper);

@@ -50,7 +50,8 @@ ImVec4 severity_colour(Severity severity) {
 void draw_keys(const State&, Commands&) {
     ImGui::BeginChild("list");
     if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-        ImGui::TableSetupColumn("keys");
+        ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed,
+                                ImGui::CalcTextSize("Right drag, Shift drag").x + ImGui::GetFontSize());
         ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
         for (const Key& key : keys) {
             ImGui::TableNextRow();

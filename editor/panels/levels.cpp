@@ -18,7 +18,7 @@ ImU32 colour(const gl::Rgb8& rgb) {
 
 // "0  64 cells": a bar as long as its share of the fullest level.
 void level_bar(const LevelHistogram& levels, std::uint32_t level, int tile_log2, double cell_m) {
-    const float em = ImGui::GetFontSize(), names = 5.6F * em, numbers = 4.2F * em;
+    const float em = ImGui::GetFontSize(), names = 6 * em, numbers = 4.2F * em;
     const ImVec2 from = ImGui::GetCursorScreenPos();
     const float width = std::max(ImGui::GetContentRegionAvail().x, names + numbers + em);
     const float room = width - names - numbers;
@@ -27,7 +27,7 @@ void level_bar(const LevelHistogram& levels, std::uint32_t level, int tile_log2,
     char text[32];
     // Legs of level 2 k are 2^(tile_log2 - k) cells long.
     const double leg_m = cell_m * std::exp2(tile_log2 - level / 2.0);
-    if (leg_m >= 10000)
+    if (leg_m >= 1000)
         std::snprintf(text, sizeof text, "%2u  %.3g km", level, leg_m / 1000);
     else
         std::snprintf(text, sizeof text, "%2u  %.3g m", level, leg_m);

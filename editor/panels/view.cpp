@@ -95,13 +95,13 @@ void write_over(const State& state, const ui::Rect& view) {
     }
     if (state.route.recording()) {
         std::snprintf(text, sizeof text, "Recording: %zu points - R ends it", state.route.recorded());
-        plate(view, 0, 0, ui::bad, text);
+        plate(view, 0, 1, ui::bad, text);
     } else if (state.route.playing()) {
         std::snprintf(text, sizeof text, "Path: %.1f of %.1f s - P pauses",
                       state.route.share() * state.route.seconds(), state.route.seconds());
-        plate(view, 0, 0, IM_COL32_WHITE, text);
+        plate(view, 0, 1, IM_COL32_WHITE, text);
     } else if (eye.navigation == Navigation::orbit) {
-        plate(view, 0, 0, IM_COL32_WHITE, "Orbit - 1 flies");
+        plate(view, 0, 1, IM_COL32_WHITE, "Orbit - 1 flies");
     }
     list.PopClipRect();
 }
