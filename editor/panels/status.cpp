@@ -46,9 +46,9 @@ Part threshold_part(const State& state) {
                                                          : "lags";
     }
     if (e.error_px_effective >= 1e6)
-        std::snprintf(part.text, sizeof part.text, "no bound  %s", why);
+        std::snprintf(part.text, sizeof part.text, "threshold open  %s", why);
     else
-        std::snprintf(part.text, sizeof part.text, *why ? "%.3g px  %s" : "%.3g px", e.error_px_effective, why);
+        std::snprintf(part.text, sizeof part.text, "threshold %.3g px%s%s", e.error_px_effective, *why ? ", " : "", why);
     return part;
 }
 
