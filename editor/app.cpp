@@ -80,7 +80,8 @@ App::App(Options options) : options_(std::move(options)) {
     io.LogFilename = nullptr;
     make_surface_and_graphics();
     state_.interface.scale = options_.scale > 0 ? options_.scale : std::clamp(surface_->content_scale(), 0.5, 4.0);
-    ui::apply_style(state_.interface.scale);
+    styled_ = state_.interface.scale;
+    ui::apply_style(styled_);
     if (dump_file() != nullptr) std::signal(SIGUSR1, [](int) { dump_asked = 1; });
 }
 
@@ -210,7 +211,6 @@ double App::interface() {
 double App::carry_out() {
     const auto start = Clock::now();
     const Desk desk{state_, engine_, jobs_};
-    const double scale = state_.interface.scale;
     for (const std::string& file : std::exchange(surface_->dropped, {})) apply(Open{file}, desk);
     for (const Command& command : commands_.list()) apply(command, desk);
     commands_.clear();
@@ -222,10 +222,6 @@ double App::carry_out() {
     if (surface_->should_close()) {
         surface_->stay_open();
         apply(Quit{}, desk);
-    }
-    if (state_.interface.scale != scale) {
-        // The panels of this frame are drawn with the old font; from the next one on with the new.
-        after_frame_.emplace_back(SetScale{state_.interface.scale});
     }
     return microseconds(Clock::now() - start) - microseconds(followed - follow);
 }
@@ -297,6 +293,12 @@ void App::draw() {
 }
 
 void App::finish_requests() {
+    if (state_.interface.scale != styled_) {
+        // The panels of this frame were drawn with the old font; from the next one on with the new.
+        styled_ = state_.interface.scale;
+        ui::apply_style(styled_);
+        surface_->fonts_changed();
+    }
     if (dump_asked != 0 && dump_file() != nullptr) {
         dump_asked = 0;
         write_text(dump_file(), dump(state_));
@@ -313,9 +315,6 @@ void App::finish_requests() {
                 if (!error.empty()) throw Failure(3, error);
             } else if (const auto* file = std::get_if<DumpState>(&command)) {
                 write_text(file->path, dump(state_));
-            } else if (const auto* scale = std::get_if<SetScale>(&command)) {
-                ui::apply_style(scale->scale);
-                surface_->fonts_changed();
             }
         } catch (const std::exception& failure) {
             tell(state_, Severity::error, failure.what());

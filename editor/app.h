@@ -52,6 +52,7 @@ private:
     std::uint64_t wait_until_frame_ = 0;
     bool waiting_there_ = false;
     std::uint64_t there_since_ = 0;
+    double styled_ = 0; // the scale that fonts were made for
     fly::FrameEntry entry_; // of this frame
     double draw_us_ = 0;    // and what giving it to the driver took
     std::vector<Command> after_frame_; // Screenshot and DumpState, once the frame is drawn

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <epoxy/gl.h>
 
@@ -16,6 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t texels_a_look = 16;   // at the clock
+constexpr std::uint32_t first_step = 4;       // texels a side, of the first pass
 constexpr std::uint32_t frames_between = 30;  // passes over a terrain that is still coming
 constexpr std::uint32_t ground = 0xff2a2520u; // no texel yet, and holes: the panels' grey
 
@@ -60,6 +62,7 @@ void Overview::begin(const Terrain& terrain) {
     column_ = row_ = rest_frames_ = 0;
     dirty_begin_ = 0;
     dirty_end_ = rows_;
+    step_ = first_step;
     done_ = false;
     first_ = true;
     texture_ = {}; // it may have another size now
@@ -83,29 +86,42 @@ void Overview::advance(const Terrain& terrain, bool complete, double budget_us) 
     }
     const auto until = Clock::now() + std::chrono::duration<double, std::micro>(budget_us);
     if (column_ == 0 && row_ == 0) complete_ = complete;
-    const PackHeader& h = terrain.header;
-    const double step_x = extent_m(h.columns, h.spacing_m[0]) / columns_;
-    const double step_z = extent_m(h.rows, h.spacing_m[1]) / rows_;
-    const auto accurate_m = static_cast<float>((h.max_m - h.min_m) / 512); // finer than a texel's shade
     for (std::uint32_t n = 1;; ++n) {
-        const GroundHeight at = ground_height(terrain, (column_ + 0.5) * step_x, (row_ + 0.5) * step_z, accurate_m);
-        const std::size_t i = std::size_t{row_} * columns_ + column_;
-        heights_[i] = at.hole ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(at.height_m);
-        texels_[i] = shade(terrain, column_, row_);
-        if (++column_ == columns_) {
+        paint(terrain);
+        column_ += step_;
+        if (column_ >= columns_) {
             column_ = 0;
             dirty_begin_ = dirty_begin_ == dirty_end_ ? row_ : std::min(dirty_begin_, row_);
-            dirty_end_ = std::max(dirty_end_, ++row_);
+            row_ += step_;
+            dirty_end_ = std::max(dirty_end_, std::min(row_, rows_));
         }
-        if (row_ == rows_) {
+        if (row_ >= rows_) {
             row_ = 0;
             first_ = false;
-            done_ = complete_;
-            rest_frames_ = frames_between;
+            const bool fine = std::exchange(step_, 1) == 1;
+            done_ = fine && complete_;
+            rest_frames_ = fine ? frames_between : 0;
             return;
         }
         if (n % texels_a_look == 0 && Clock::now() >= until) return;
     }
+}
+
+void Overview::paint(const Terrain& terrain) {
+    const PackHeader& h = terrain.header;
+    const double half = 0.5 * step_;
+    const double x = (column_ + half) * extent_m(h.columns, h.spacing_m[0]) / columns_;
+    const double z = (row_ + half) * extent_m(h.rows, h.spacing_m[1]) / rows_;
+    const auto accurate_m = static_cast<float>((h.max_m - h.min_m) / 512); // finer than a texel's shade
+    const GroundHeight at = ground_height(terrain, x, z, accurate_m);
+    const std::size_t first = std::size_t{row_} * columns_ + column_;
+    heights_[first] = at.hole ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(at.height_m);
+    const std::uint32_t texel = shade(terrain, column_, row_);
+    for (std::uint32_t r = row_; r < std::min(row_ + step_, rows_); ++r)
+        for (std::uint32_t c = column_; c < std::min(column_ + step_, columns_); ++c) {
+            heights_[std::size_t{r} * columns_ + c] = heights_[first];
+            texels_[std::size_t{r} * columns_ + c] = texel;
+        }
 }
 
 // Lit from the north-west, by the heights to the west and to the north, which are there already.
@@ -118,8 +134,8 @@ std::uint32_t Overview::shade(const Terrain& terrain, std::uint32_t column, std:
         const float rise = there && !std::isnan(heights_[before]) ? height - heights_[before] : 0.0F;
         return rise / static_cast<float>(step_m);
     };
-    const float dx = slope(column > 0, i - 1, extent_m(h.columns, h.spacing_m[0]) / columns_);
-    const float dz = slope(row > 0, i - columns_, extent_m(h.rows, h.spacing_m[1]) / rows_);
+    const float dx = slope(column > 0, i - 1, step_ * extent_m(h.columns, h.spacing_m[0]) / columns_);
+    const float dz = slope(row > 0, i - columns_, step_ * extent_m(h.rows, h.spacing_m[1]) / rows_);
     // Slopes are drawn three times as steep, or a map of a continent would be flat.
     const float sx = 3 * dx, sz = 3 * dz;
     const float light = (0.5F * (sx + sz) + 0.71F) / std::sqrt(sx * sx + sz * sz + 1);

@@ -33,16 +33,18 @@ public:
     [[nodiscard]] std::uint32_t rows() const { return rows_; }
     [[nodiscard]] std::span<const std::uint32_t> texels() const { return texels_; } // RGBA bytes, sRGB
     [[nodiscard]] bool done() const { return done_; }
-    // Of the pass that is under way, or 1.
+    // Of the first pass, which is coarse; 1 afterwards.
     [[nodiscard]] double share() const;
 
 private:
+    void paint(const Terrain& terrain);
     [[nodiscard]] std::uint32_t shade(const Terrain& terrain, std::uint32_t column, std::uint32_t row) const;
 
     std::uint32_t columns_ = 0, rows_ = 0;
     std::vector<float> heights_; // NaN: no ground
     std::vector<std::uint32_t> texels_;
     std::uint32_t column_ = 0, row_ = 0, rest_frames_ = 0;
+    std::uint32_t step_ = 1; // texels that are painted alike: the first pass is quick
     std::uint32_t dirty_begin_ = 0, dirty_end_ = 0; // rows that the texture does not have
     bool complete_ = false;                         // when the pass began
     bool done_ = true, first_ = true;
