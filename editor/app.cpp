@@ -32,6 +32,8 @@ double microseconds(Clock::duration d) {
     return std::chrono::duration<double, std::micro>(d).count();
 }
 
+constexpr double map_us = 150; // of a frame, for painting the map
+
 // SIGUSR1 asks for FJELL_EDITOR_DUMP: how tests look inside.
 volatile std::sig_atomic_t dump_asked = 0;
 const char* dump_file() {
@@ -83,7 +85,7 @@ App::App(Options options) : options_(std::move(options)) {
     if (scale <= 0 && !options_.headless) scale = state_.files.settings.scale;
     if (scale <= 0) scale = std::clamp(surface_->content_scale(), 0.5, 4.0);
     ui::apply_style(scale);
-    styled_scale_ = scale;
+    styled_ = scale;
     if (dump_file() != nullptr) std::signal(SIGUSR1, [](int) { dump_asked = 1; });
 }
 
@@ -91,6 +93,7 @@ App::~App() {
     end_keeping(state_, ended_);
     jobs_.cancel();
     target_.reset();
+    overview_.drop_graphics(state_.map);
     engine_.drop_graphics();
     engine_.close();
     surface_.reset();
@@ -112,6 +115,7 @@ void App::replace_surface() {
     options_.width = std::max(width, 320u);
     options_.height = std::max(height, 320u);
     target_.reset();
+    overview_.drop_graphics(state_.map);
     engine_.drop_graphics();
     surface_.reset();
     make_surface_and_graphics();
@@ -196,25 +200,29 @@ void App::frame() {
     next_frame_.clear();
     const bool recording = dumping_ || !after_frame_.empty();
     if (recording) ui::record_marks(true);
-    interface();
-    carry_out();
-    move_and_update();
+    paint_map(); // before the panels, which show its texture
+    const double panels_us = interface();
+    const double commands_us = carry_out();
+    const double own_us = panels_us + commands_us + move_and_update();
     draw();
-    state_.measures.record(state_.measures.last(), static_cast<float>(frame_us), 0, 0);
+    state_.measures.record(entry_, frame_us, draw_us_, own_us);
     if (recording) ui::record_marks(false);
     finish_requests();
     surface_->present();
 }
 
-void App::interface() {
+double App::interface() {
     surface_->begin_frame();
     surface_->size(state_.interface.width_px, state_.interface.height_px);
+    const auto start = Clock::now();
     ImGui::NewFrame();
     draw_panels(state_, commands_);
     ImGui::Render();
+    return microseconds(Clock::now() - start);
 }
 
-void App::carry_out() {
+double App::carry_out() {
+    const auto start = Clock::now();
     const Desk desk{state_, engine_, jobs_};
     for (const std::string& file : std::exchange(surface_->dropped, {})) apply(Open{file, false}, desk);
     for (const Command& command : commands_.list()) {
@@ -226,7 +234,9 @@ void App::carry_out() {
     }
     commands_.clear();
     if (jobs_.poll(state_.job)) take_result(desk);
-    follow_document(desk);
+    const auto follow = Clock::now();
+    follow_document(desk); // making a terrain anew is not what the editor costs
+    const auto followed = Clock::now();
     keep_up(state_);
     if (shown_title_ != state_.files.title) {
         shown_title_ = state_.files.title;
@@ -237,26 +247,41 @@ void App::carry_out() {
         surface_->stay_open();
         apply(Quit{}, desk);
     }
-    if (std::exchange(styled_scale_, state_.interface.scale) != state_.interface.scale) {
-        // The panels of this frame are drawn with the old font; from the next one on with the new.
-        after_frame_.emplace_back(SetScale{state_.interface.scale});
-    }
+    return microseconds(Clock::now() - start) - microseconds(followed - follow);
 }
 
-void App::move_and_update() {
-    if (!engine_.is_open()) return;
+double App::move_and_update() {
+    entry_ = {};
+    draw_us_ = 0;
+    if (!engine_.is_open()) return 0;
     fit_target();
-    if (!target_) return;
-    if (const auto pose = state_.route.advance(1.0 / 60); pose && state_.eye.navigation == Navigation::path)
-        state_.eye.free = fly::free_camera(*pose, state_.eye.free.speed_m_s);
-    fly::Profile profile = state_.document.profile();
-    profile.width_px = state_.interface.view_width_px;
-    profile.height_px = state_.interface.view_height_px;
-    state_.eye.view = fly::view_of(state_.eye.free.pose(), engine_.session().terrain(), profile);
+    if (!target_) return 0;
+    const auto start = Clock::now();
+    move_camera({state_, engine_, jobs_}, std::min(static_cast<double>(ImGui::GetIO().DeltaTime), 0.25));
+    const auto moved = Clock::now();
     const View& refining = state_.eye.refining ? *state_.eye.refining : state_.eye.view;
-    double upload_us = 0;
-    const fly::FrameEntry entry = engine_.update(refining, profile, state_.now_s, upload_us);
-    state_.measures.record(entry, 0, 0, 0);
+    entry_ = engine_.update(refining, state_.document.profile(), state_.now_s, draw_us_);
+    const auto updated = Clock::now();
+    const fly::Session& session = engine_.session();
+    if (session.streamed) state_.reader = session.streamed->reader();
+    state_.measures.count_levels(session.mesh(), session.loaded.pack.header.tile_log2);
+    return microseconds(moved - start) + microseconds(Clock::now() - updated);
+}
+
+// Its own time is bounded, and it is done soon: it does not count as what every frame costs.
+void App::paint_map() {
+    if (mapped_ != engine_.terrains()) {
+        mapped_ = engine_.terrains();
+        if (engine_.is_open())
+            overview_.begin(engine_.session().terrain());
+        else
+            overview_.end();
+    }
+    if (engine_.is_open()) {
+        const fly::Session& session = engine_.session();
+        overview_.advance(session.terrain(), !session.streamed || session.streamed->report().complete, map_us);
+    }
+    overview_.upload(state_.map);
 }
 
 void App::fit_target() {
@@ -280,7 +305,9 @@ void App::draw() {
     glClearColor(0.06F, 0.065F, 0.075F, 1);
     glClear(GL_COLOR_BUFFER_BIT);
     if (engine_.is_open() && target_) {
+        const auto start = Clock::now();
         engine_.draw(state_, *target_);
+        draw_us_ += microseconds(Clock::now() - start);
         state_.drawn = engine_.stats();
         const Interface& i = state_.interface;
         blit(*target_, framebuffer, i.height_px, i.view_x_px, i.view_y_px);
@@ -290,6 +317,12 @@ void App::draw() {
 }
 
 void App::finish_requests() {
+    if (state_.interface.scale != styled_) {
+        // The panels of this frame were drawn with the old font; from the next one on with the new.
+        styled_ = state_.interface.scale;
+        ui::apply_style(styled_);
+        surface_->fonts_changed();
+    }
     if (dumping_ && dump_file() != nullptr) {
         dump_asked = 0;
         write_text(dump_file(), dump(state_));
@@ -306,9 +339,6 @@ void App::finish_requests() {
                 if (!error.empty()) throw Failure(3, error);
             } else if (const auto* file = std::get_if<DumpState>(&command)) {
                 write_text(file->path, dump(state_));
-            } else if (const auto* scale = std::get_if<SetScale>(&command)) {
-                ui::apply_style(scale->scale);
-                surface_->fonts_changed();
             }
         } catch (const std::exception& failure) {
             tell(state_, Severity::error, failure.what());

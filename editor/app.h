@@ -14,6 +14,7 @@
 #include "editor/engine.h"
 #include "editor/jobs.h"
 #include "editor/options.h"
+#include "editor/overview.h"
 #include "editor/state.h"
 #include "editor/surface.h"
 
@@ -30,10 +31,11 @@ public:
 
 private:
     void frame();
-    void interface();
-    void carry_out();
-    void move_and_update();
+    double interface(); // what it took, us
+    double carry_out();
+    double move_and_update(); // what the editor itself took of it, us
     void draw();
+    void paint_map();
     void finish_requests(); // screenshots and dumps of the frame that was just drawn
     bool script_step();     // false: it is over
     bool there() const;
@@ -51,14 +53,18 @@ private:
     bool waiting_there_ = false;
     std::uint64_t there_since_ = 0;
     std::string shown_title_;
-    double styled_scale_ = 1; // that fonts and metrics are for
     bool dumping_ = false; // at the end of this frame
     bool ended_ = false; // as it should: not by a signal or a failure
+    double styled_ = 0; // the scale that fonts were made for
+    fly::FrameEntry entry_; // of this frame
+    double draw_us_ = 0;    // and what giving it to the driver took
     std::vector<Command> after_frame_; // Screenshot and DumpState, once the frame is drawn
     std::vector<Command> next_frame_;  // those that panels ask for: of the frame after theirs
     // Destroyed from last to first: GL objects need their context.
     std::unique_ptr<Surface> surface_;
     Engine engine_;
+    Overview overview_;
+    std::uint64_t mapped_ = 0; // Engine::terrains() that the map shows
     std::unique_ptr<gl::Target> target_;
 };
 

@@ -23,5 +23,8 @@ void apply(const Command& command, Desk desk);
 void follow_document(Desk desk);
 // After a pack was opened: scene, camera, measures.
 void look_at_scene(Desk desk);
+// What a frame does to the camera of itself: the path that is played or recorded goes on, and Eye::view and ground_m
+// follow. A pack must be open, and Interface know the picture's size.
+void move_camera(Desk desk, double seconds);
 
 } // namespace fjell::editor

@@ -44,6 +44,7 @@ void end_keeping(State& state, bool wanted);
 void carry_out(const Move& c, Desk desk);
 void carry_out(const PlaceCamera& c, Desk desk);
 void carry_out(const JumpTo& c, Desk desk);
+void carry_out(const LookAtAll& c, Desk desk);
 void carry_out(const SetSpeed& c, Desk desk);
 void carry_out(const Navigate& c, Desk desk);
 void carry_out(const Freeze& c, Desk desk);
@@ -56,7 +57,11 @@ void carry_out(const AddPoint& c, Desk desk);
 void carry_out(const ReplacePoint& c, Desk desk);
 void carry_out(const RemovePoint& c, Desk desk);
 void carry_out(const SelectPoint& c, Desk desk);
+void carry_out(const MovePoint& c, Desk desk);
 void carry_out(const ClearPath& c, Desk desk);
+void carry_out(const RestorePath& c, Desk desk);
+void carry_out(const PathSeconds& c, Desk desk);
+void carry_out(const LoopPath& c, Desk desk);
 
 // carry_out_show.cpp
 void carry_out(const SetMode& c, Desk desk);

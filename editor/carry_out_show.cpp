@@ -14,8 +14,8 @@ void carry_out(const SetOverlay& c, Desk desk) {
 
 void carry_out(const ShowPanel& c, Desk desk) {
     Interface& i = desk.state.interface;
-    if (static_cast<int>(c.panel) >= left_panels) i.right = c.panel;
-    i.left = c.panel; // where there is one column, it has all; where there are two, the left one keeps to its own
+    (static_cast<int>(c.panel) >= left_panels ? i.right : i.left) = c.panel;
+    i.newest = c.panel;
 }
 
 void carry_out(const ShowDialog& c, Desk desk) {

@@ -230,6 +230,7 @@ std::vector<Verb> camera_verbs() {
              const double x = w.number("x in metres");
              return JumpTo{x, w.number("z in metres")};
          }},
+        {"home", "", "looks at the whole terrain", plain<LookAtAll>()},
         {"speed", "M_S", "of flying, in metres a second", [](Words& w) { return SetSpeed{w.number("a speed")}; }},
         {"navigate", "fly|orbit|path", "how keys and mouse move the camera",
          [](Words& w) { return Navigate{w.one_of<Navigation>(navigation_names, "navigation")}; }},
@@ -244,7 +245,16 @@ std::vector<Verb> camera_verbs() {
         {"replace-point", "N", "by where the camera is", with_point<ReplacePoint>()},
         {"remove-point", "N", "from the path", with_point<RemovePoint>()},
         {"select-point", "N", "and look from there", with_point<SelectPoint>()},
+        {"move-point", "N TO", "so that it becomes the TO-th",
+         [](Words& w) {
+             const std::size_t point = w.count("a point, from 0");
+             return MovePoint{point, w.count("its new place, from 0")};
+         }},
         {"clear-path", "", "no path", plain<ClearPath>()},
+        {"restore-path", "", "as it was before it was last edited, cleared or replaced", plain<RestorePath>()},
+        {"path-seconds", "N", "how long its flight takes; 0: as suits the terrain",
+         [](Words& w) { return PathSeconds{w.number("seconds")}; }},
+        {"loop-path", "on|off", "begins again at its end", with_switch<LoopPath>()},
     };
 }
 

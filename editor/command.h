@@ -63,7 +63,8 @@ struct Move { // of this frame: keys and mouse
     fly::Steering steering;
     double seconds = 0;
     double right_rad = 0, up_rad = 0; // looked, or went around the orbit's centre
-    double speed_steps = 0;           // notches of the wheel
+    double speed_steps = 0;           // notches of the wheel: faster, or nearer to the orbit's centre
+    double pan_right = 0, pan_back = 0; // of the orbit's centre, in shares of its distance
 };
 struct PlaceCamera {
     Vec3 position_m;
@@ -72,6 +73,7 @@ struct PlaceCamera {
 struct JumpTo { // to over this place, looking as before
     double x_m = 0, z_m = 0;
 };
+struct LookAtAll {}; // from the south, all of the terrain in view
 struct SetSpeed {
     double m_s = 1;
 };
@@ -109,7 +111,17 @@ struct RemovePoint {
 struct SelectPoint { // and look from there
     std::size_t point = 0;
 };
+struct MovePoint { // so that it becomes the to-th
+    std::size_t point = 0, to = 0;
+};
 struct ClearPath {};
+struct RestorePath {}; // as it was before its last edit
+struct PathSeconds {
+    double seconds = 0; // 0: at a speed that suits the terrain
+};
+struct LoopPath {
+    bool on = true;
+};
 
 // --- what is shown ---
 struct SetMode {
@@ -182,8 +194,10 @@ struct WaitThere {}; // until the mesh has converged, all wanted is streamed in 
 
 using Command =
     std::variant<Open, OpenSample, SetKey, Undo, Redo, DefaultProfile, OpenProfile, SaveProfile, CompareProfile,
-                 StopComparing, Browse, BrowseAll, GoOn, Recover, Move, PlaceCamera, JumpTo, SetSpeed, Navigate, Freeze, OpenPath, SavePath, RecordPath, PlayPath, SeekPath,
-                 AddPoint, ReplacePoint, RemovePoint, SelectPoint, ClearPath, SetMode, SetOverlay, ShowPanel,
+                 StopComparing, Browse, BrowseAll, GoOn, Recover, Move, PlaceCamera, JumpTo, LookAtAll, SetSpeed,
+                 Navigate, Freeze, OpenPath, SavePath, RecordPath, PlayPath, SeekPath, AddPoint, ReplacePoint,
+                 RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath, PathSeconds, LoopPath, SetMode,
+                 SetOverlay, ShowPanel,
                  ShowDialog, SetScale, DismissMessage, Bake, Tune, Benchmark, Export, PreviewExport, CancelJob,
                  Screenshot, Resize, DumpState, LoseGraphics, Quit, WaitFrames, WaitThere>;
 

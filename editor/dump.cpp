@@ -60,13 +60,20 @@ json camera_json(const Eye& eye) {
             {"pitch_rad", c.pitch},
             {"speed_m_s", c.speed_m_s},
             {"navigation", navigation_names[static_cast<int>(eye.navigation)]},
-            {"frozen", eye.frozen}};
+            {"frozen", eye.frozen},
+            {"ground_m", eye.ground_m},
+            {"on_path", eye.on_path.has_value()},
+            {"view_eye_m", vector_json(eye.view.eye_m)},
+            {"refining_eye_m", eye.refining ? vector_json(eye.refining->eye_m) : json()},
+            {"orbit_centre_m", vector_json(eye.orbit_centre_m)},
+            {"orbit_radius_m", eye.orbit_radius_m}};
 }
 
 json route_json(const Route& r) {
     return {{"path", r.path()},       {"unsaved", r.unsaved()},     {"points", r.points().size()},
             {"poses", r.poses().size()}, {"share", r.share()},      {"playing", r.playing()},
-            {"recording", r.recording()}, {"selected", r.selected() ? json(*r.selected()) : json()}};
+            {"recording", r.recording()}, {"recorded", r.recorded()}, {"seconds", r.seconds()}, {"loops", r.loops()},
+            {"as_read", r.as_read()}, {"can_restore", r.can_restore()}, {"selected", r.selected() ? json(*r.selected()) : json()}};
 }
 
 json interface_json(const State& state) {
@@ -134,6 +141,8 @@ json measures_json(const State& state) {
             {"update_us", ring(Series::update_us)},
             {"frame_us", ring(Series::frame_us)},
             {"editor_us", ring(Series::editor_us)},
+            {"stream_us", ring(Series::stream_us)},
+            {"exhausted", fly::budget_names(e.exhausted)},
             {"draw_us", ring(Series::draw_us)},
             {"levels", levels}};
 }
@@ -158,6 +167,7 @@ std::string dump(const State& state) {
         {"job", job_json(state.job)},
         {"messages", messages_json(state)},
         {"measures", measures_json(state)},
+        {"map", {{"share", state.map.share}, {"there", state.map.texture != 0}}},
         {"graphics", state.graphics},
         {"marks", marks}};
     return all.dump(1, ' ', false, json::error_handler_t::replace) + "\n";

@@ -76,6 +76,7 @@ void Engine::open(const std::string& pack, const fly::Profile& profile) {
     session_ = std::move(session);
     pack_ = pack;
     built_ = profile;
+    ++terrains_;
 }
 
 void Engine::set_renderer(std::unique_ptr<gl::Renderer> renderer) {
@@ -87,6 +88,7 @@ void Engine::close() {
     set_renderer(nullptr);
     session_.reset();
     pack_.clear();
+    ++terrains_;
 }
 
 void Engine::remake(const fly::Profile& profile) {

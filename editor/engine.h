@@ -41,6 +41,8 @@ public:
     // Of what the picture of the true error needs, 0..1.
     [[nodiscard]] double heights_share() const { return heights_.share(); }
     [[nodiscard]] const gl::DrawStats& stats() const { return renderer_->stats(); }
+    // How many were opened so far, a rebuilt one counted anew: what was made of another terrain is out of date.
+    [[nodiscard]] std::uint64_t terrains() const { return terrains_; }
     // What reading has had to say since the last call; empty: nothing.
     [[nodiscard]] std::vector<std::string> take_messages();
 
@@ -55,6 +57,7 @@ private:
     void remake(const fly::Profile& profile); // the method's block, and a renderer for it
 
     std::vector<std::string> messages_; // of reading, until they are taken
+    std::uint64_t terrains_ = 0;
     std::string pack_;
     fly::Profile built_; // what the session's blocks were made for
     std::unique_ptr<fly::Session> session_;

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdlib>
+#include <type_traits>
+#include <utility>
 
 namespace fjell::editor {
 
@@ -34,15 +35,30 @@ Quantiles Ring::quantiles() const {
     return {rank(0.5), rank(0.99), *std::max_element(sorted.begin(), end), value(size_ - 1)};
 }
 
-void Measures::record(const fly::FrameEntry& entry, float frame_us, float draw_us, float editor_us) {
+int triangle_level(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c, std::uint32_t tile_log2) {
+    const std::int64_t bx = std::int64_t{b.column} - a.column, bz = std::int64_t{b.row} - a.row;
+    const std::int64_t cx = std::int64_t{c.column} - a.column, cz = std::int64_t{c.row} - a.row;
+    if (bx * cz == bz * cx) return -1;
+    const auto [left, right] = std::minmax({std::int64_t{0}, bx, cx});
+    const auto [top, bottom] = std::minmax({std::int64_t{0}, bz, cz});
+    const std::int64_t wide = right - left, deep = bottom - top;
+    const int longest_log2 = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(std::max(wide, deep)))) - 1;
+    return 2 * (static_cast<int>(tile_log2) - longest_log2) + (wide == deep ? 0 : 1);
+}
+
+void Measures::record(const fly::FrameEntry& entry, double frame_us, double draw_us, double editor_us) {
     last_ = entry;
     ++frames_;
+    if (entry.rebuilt) return; // once, and hundreds of times as much as a frame: it would be all that graphs show
     const auto push = [&](Series series, auto value) {
         rings_[static_cast<std::size_t>(series)].push(static_cast<float>(value));
     };
     push(Series::frame_us, frame_us);
     push(Series::update_us, entry.update_us);
     push(Series::stream_us, entry.stream_us);
+    push(Series::prepare_us, entry.prepare_us);
+    push(Series::refine_us, entry.refine_us);
+    push(Series::output_us, entry.output_us);
     push(Series::draw_us, draw_us);
     push(Series::editor_us, editor_us);
     push(Series::asked_px, entry.error_px_asked);
@@ -53,12 +69,49 @@ void Measures::record(const fly::FrameEntry& entry, float frame_us, float draw_u
     push(Series::deactivations, entry.deactivations);
     push(Series::uploaded_bytes, entry.upload_bytes);
     push(Series::requested, entry.streamed ? entry.stream.requested : 0);
+    push(Series::pages_wanted, entry.streamed ? entry.stream.pages_wanted : 0);
+    const auto raise = [](auto& peak, auto value) { peak = std::max<std::decay_t<decltype(peak)>>(peak, value); };
+    raise(peaks_.vertices, entry.vertex_slots.used);
+    raise(peaks_.indices, entry.index_slots.used);
+    raise(peaks_.items, entry.items);
+    raise(peaks_.update_us, entry.update_us);
+    if (!entry.streamed) return;
+    raise(peaks_.requested, entry.stream.requested);
+    raise(peaks_.pages_taken, entry.stream.pages_taken);
+    raise(peaks_.page_slots, entry.stream.page_slots.used);
+    raise(peaks_.map_bytes, entry.stream.map_bytes_used);
+    raise(peaks_.map_upload_bytes, entry.stream.map_upload_bytes);
 }
 
 void Measures::clear() {
     *this = {};
 }
 
-void Measures::count_levels(const MeshView&, std::uint32_t) {}
+void Measures::count_levels(const MeshView& mesh, std::uint32_t tile_log2) {
+    const bool strip = mesh.topology == Topology::strip;
+    const std::size_t step = strip ? 1 : 3;
+    counting_.levels = std::min<std::uint32_t>(2 * tile_log2 + 1, gl::max_triangle_levels);
+    const auto vertex = [&](std::size_t i) -> const MeshVertex& { return mesh.vertices[mesh.indices[i]]; };
+    std::size_t left = indices_a_call;
+    for (; range_ < mesh.tiles.size(); ++range_, index_ = 0) {
+        const TileRange& range = mesh.tiles[range_];
+        for (; index_ + 3 <= range.index_count; index_ += step) {
+            if (left < step) return; // goes on in the next call
+            left -= step;
+            const std::size_t at = range.first_index + index_;
+            const int level = triangle_level(vertex(at), vertex(at + 1), vertex(at + 2), tile_log2);
+            if (level >= 0 && level < static_cast<int>(counting_.levels))
+                ++counting_.triangles[static_cast<std::size_t>(level)];
+        }
+        left -= std::min<std::size_t>(left, 1); // empty ranges are not free either
+        if (left == 0) {
+            ++range_, index_ = 0;
+            return;
+        }
+    }
+    counting_.most = *std::max_element(counting_.triangles.begin(), counting_.triangles.end());
+    shown_ = std::exchange(counting_, {});
+    range_ = index_ = 0;
+}
 
 } // namespace fjell::editor

@@ -22,6 +22,9 @@ enum class Series : std::uint8_t {
     frame_us, // from swap to swap
     update_us,
     stream_us,
+    prepare_us, // of update_us, as the next two: incremental
+    refine_us,
+    output_us,
     draw_us,   // upload and drawing, the CPU's part
     editor_us, // panels, commands, measures: the editor's own
     asked_px,
@@ -32,6 +35,7 @@ enum class Series : std::uint8_t {
     deactivations,
     uploaded_bytes,
     requested, // pages and mips under way
+    pages_wanted,
     count
 };
 inline constexpr std::size_t series_count = static_cast<std::size_t>(Series::count);
@@ -55,6 +59,19 @@ private:
     std::size_t first_ = 0, size_ = 0;
 };
 
+// The most of each since the measures were cleared.
+struct Peaks {
+    std::uint32_t vertices = 0, indices = 0, items = 0, requested = 0, pages_taken = 0, page_slots = 0;
+    std::uint64_t map_bytes = 0, map_upload_bytes = 0;
+    double update_us = 0;
+};
+
+// The level of a triangle of the mesh, 0 to 2 * tile_log2, as the picture's mode colours it: by its bounding rectangle,
+// a square of 2^tile_log2 cells of a base triangle, half of it at the next level. Cut off by the terrain's rim it may
+// count as a finer one. Negative: it is degenerate.
+[[nodiscard]] int triangle_level(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c,
+                                 std::uint32_t tile_log2);
+
 struct LevelHistogram {
     std::array<std::uint32_t, gl::max_triangle_levels> triangles{}; // drawn, by level
     std::uint32_t levels = 0, most = 0;
@@ -65,18 +82,23 @@ public:
     [[nodiscard]] const Ring& ring(Series series) const { return rings_[static_cast<std::size_t>(series)]; }
     [[nodiscard]] const fly::FrameEntry& last() const { return last_; }
     [[nodiscard]] const LevelHistogram& levels() const { return shown_; }
+    [[nodiscard]] const Peaks& peaks() const { return peaks_; }
     [[nodiscard]] std::uint64_t frames() const { return frames_; }
 
-    void record(const fly::FrameEntry& entry, float frame_us, float draw_us, float editor_us);
+    // Once a frame. One that was built from nothing is the last one, and none of the series'.
+    void record(const fly::FrameEntry& entry, double frame_us, double draw_us, double editor_us);
     // Counts some thousand triangles a call, so that no frame pays for a large mesh; shown when all are counted.
+    // The mesh may change between calls: the counts are then of several frames. O(indices_a_call).
     void count_levels(const MeshView& mesh, std::uint32_t tile_log2);
+    static constexpr std::size_t indices_a_call = 12'000;
     void clear();
 
 private:
     std::array<Ring, series_count> rings_{};
     fly::FrameEntry last_;
     LevelHistogram shown_, counting_;
-    std::size_t range_ = 0, triangle_ = 0;
+    Peaks peaks_;
+    std::size_t range_ = 0, index_ = 0; // where counting goes on: in MeshView::tiles, and in that range
     std::uint64_t frames_ = 0;
 };
 

@@ -2,44 +2,276 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "host/failure.h"
+#include "host/file.h"
 
 namespace fjell::editor {
 
-void Route::open(const std::string& path, const fly::Ground& ground) {
-    const fly::CameraPath read = fly::read_path(path);
-    std::vector<fly::Pose> poses = fly::resample(read, ground);
-    *this = {};
-    path_ = path;
-    poses_ = std::move(poses);
+namespace {
+
+using fly::CameraPath;
+using fly::ControlPoint;
+using fly::Pose;
+using host::Failure;
+
+constexpr double turned_rad = 0.07; // 4 degrees: a point at least so often while recording
+constexpr std::size_t points_of_flight = 65; // of a path that is not made of points
+
+ControlPoint point_of(const Pose& p) {
+    return fly::unit_point({p.position_m.x, p.position_m.y, p.position_m.z, p.direction.x, p.direction.y,
+                            p.direction.z, p.up.x, p.up.y, p.up.z});
 }
 
-void Route::save(const std::string&) {}
+Pose pose_of(const ControlPoint& p) {
+    const Vec3 direction = normalised(Vec3{p[3], p[4], p[5]}), up{p[6], p[7], p[8]};
+    return {{p[0], p[1], p[2]}, direction, normalised(up - direction * dot(up, direction))};
+}
+
+CameraPath spline_through(std::vector<ControlPoint> points, double seconds) {
+    CameraPath path;
+    path.name = "camera path";
+    path.seconds = seconds;
+    std::vector<double> knots = fly::chord_knots(points, path.name);
+    path.kind = fly::SplinePath{fly::NaturalSpline<9>(std::move(knots), std::move(points))};
+    return path;
+}
+
+double length_m(std::span<const ControlPoint> points) {
+    double sum = 0;
+    for (std::size_t i = 1; i < points.size(); ++i)
+        sum += length(Vec3{points[i][0], points[i][1], points[i][2]} -
+                      Vec3{points[i - 1][0], points[i - 1][1], points[i - 1][2]});
+    return sum;
+}
+
+std::size_t frames_for(double seconds) {
+    return std::max<std::size_t>(static_cast<std::size_t>(std::lround(seconds * poses_a_second)), 2);
+}
+
+// The spline's own where it is in metres; otherwise some of its flight.
+std::vector<ControlPoint> points_of(const CameraPath& path, std::span<const Pose> poses) {
+    std::vector<ControlPoint> points;
+    const auto* spline = std::get_if<fly::SplinePath>(&path.kind);
+    if (spline != nullptr && path.units == fly::Units::metres && spline->spline.knots().size() <= most_points) {
+        for (const double knot : spline->spline.knots()) points.push_back(fly::unit_point(spline->spline.at(knot)));
+        return points;
+    }
+    const std::size_t count = std::min(points_of_flight, poses.size());
+    for (std::size_t i = 0; i < count; ++i) {
+        const ControlPoint p = point_of(poses[i * (poses.size() - 1) / std::max<std::size_t>(count - 1, 1)]);
+        if (points.empty() || p != points.back()) points.push_back(p);
+    }
+    return points;
+}
+
+} // namespace
+
+void Route::open(const std::string& path, const fly::Ground& ground) {
+    Content next;
+    CameraPath read = fly::read_path(path);
+    next.seconds = read.seconds > 0 ? read.seconds : static_cast<double>(fly::default_frames) / poses_a_second;
+    next.poses = fly::resample(read, ground, frames_for(next.seconds));
+    next.points = points_of(read, next.poses);
+    next.path = path;
+    next.as_read = std::move(read);
+    take_over(std::move(next));
+    share_ = 0;
+    playing_ = recording_ = false;
+}
+
+void Route::save(const std::string& path) {
+    const std::string& to = path.empty() ? now_.path : path;
+    if (to.empty()) throw Failure(2, "the camera path has no file yet; say where to save it");
+    if (now_.points.size() < 2) throw Failure(2, "a camera path needs at least 2 points; add some before saving it");
+    CameraPath written;
+    if (now_.as_read && now_.as_read->units != fly::Units::recorded)
+        written = *now_.as_read;
+    else
+        written = spline_through(now_.points, now_.seconds);
+    written.seconds = now_.seconds;
+    const std::string text = fly::path_text(written);
+    host::AtomicFile file(to);
+    file.write(std::as_bytes(std::span(text)));
+    file.commit();
+    now_.path = std::string(to);
+    now_.unsaved = false;
+}
 
 void Route::clear() {
-    *this = {};
+    take_over({});
+    share_ = 0;
+    playing_ = recording_ = false;
+    taken_.clear();
+}
+
+void Route::restore() {
+    if (!can_restore()) throw Failure(2, "there is no earlier camera path to restore");
+    std::swap(now_, before_);
+    share_ = 0;
+    playing_ = false;
 }
 
 void Route::play(bool on) {
-    playing_ = on && !poses_.empty();
+    if (on && empty()) throw Failure(2, "there is no camera path to play; open one, record one or add points");
+    if (on && share_ >= 1) share_ = 0;
+    playing_ = on;
 }
 
 void Route::seek(double share) {
     share_ = std::clamp(share, 0.0, 1.0);
 }
 
-std::optional<fly::Pose> Route::advance(double seconds) {
-    if (!playing_ || poses_.empty()) return {};
-    share_ = std::fmod(share_ + seconds / this->seconds(), 1.0);
-    return poses_[std::min(static_cast<std::size_t>(share_ * static_cast<double>(poses_.size())), poses_.size() - 1)];
+void Route::set_seconds(double seconds, const fly::Ground& ground) {
+    if (!(seconds == 0 || (seconds >= 1 && seconds <= fly::max_path_seconds)))
+        throw Failure(2, fmt::format("a path takes from 1 to {} seconds, or 0 for a speed that suits the terrain",
+                                     fly::max_path_seconds));
+    Content next = now_;
+    next.seconds = seconds;
+    if (next.as_read) { // the same flight, only slower or faster
+        next.poses = fly::resample(*next.as_read, ground, seconds > 0 ? frames_for(seconds) : fly::default_frames);
+        next.unsaved = true;
+        take_over(std::move(next));
+        return;
+    }
+    edit(std::move(next), ground);
 }
 
-void Route::record(bool, const fly::Pose&, const fly::Ground&) {}
-void Route::follow(const fly::Pose&) {}
-void Route::add(const fly::Pose&, const fly::Ground&) {}
-void Route::replace(std::size_t, const fly::Pose&, const fly::Ground&) {}
-void Route::remove(std::size_t, const fly::Ground&) {}
-fly::Pose Route::select(std::size_t) {
-    return {};
+std::optional<Pose> Route::advance(double seconds) {
+    if (!playing_ || empty()) return {};
+    share_ += seconds / this->seconds();
+    if (share_ >= 1) {
+        playing_ = loops_;
+        share_ = loops_ ? std::fmod(share_, 1.0) : 1;
+    }
+    return pose();
+}
+
+Pose Route::pose() const {
+    const std::vector<Pose>& poses = now_.poses;
+    const double at = share_ * static_cast<double>(poses.size() - 1);
+    const auto i = std::min(static_cast<std::size_t>(at), poses.size() - 1);
+    const Pose &a = poses[i], &b = poses[std::min(i + 1, poses.size() - 1)];
+    const double f = at - static_cast<double>(i);
+    const auto between = [f](Vec3 from, Vec3 to) { return from * (1 - f) + to * f; };
+    const Vec3 direction = normalised(between(a.direction, b.direction)), up = between(a.up, b.up);
+    return {between(a.position_m, b.position_m), direction, normalised(up - direction * dot(up, direction))};
+}
+
+void Route::record(bool on, const Pose& pose, const fly::Ground& ground) {
+    if (on == recording_) return;
+    recording_ = on;
+    if (on) {
+        playing_ = false;
+        step_m_ = std::max(2 * ground.cell_m, ground.longer_m() / 1000);
+        taken_s_ = 0;
+        taken_.clear();
+        taken_.reserve(most_points); // here, so that no frame has to
+        note(pose);
+        return;
+    }
+    Content next;
+    next.points = std::exchange(taken_, {});
+    const ControlPoint last = point_of(pose);
+    if (!next.points.empty() && next.points.back() != last && next.points.size() < most_points)
+        next.points.push_back(last);
+    if (next.points.size() < 2) throw Failure(2, "nothing was recorded, because the camera did not move");
+    next.seconds = std::clamp(taken_s_, 1.0, fly::max_path_seconds);
+    next.selected = {};
+    edit(std::move(next), ground);
+    share_ = 0;
+}
+
+void Route::note(const Pose& pose) {
+    taken_.push_back(point_of(pose));
+}
+
+bool Route::follow(const Pose& pose, double seconds) {
+    if (!recording_) return true;
+    const ControlPoint& last = taken_.back();
+    const double moved = length(pose.position_m - Vec3{last[0], last[1], last[2]});
+    const double turned = length(pose.direction - Vec3{last[3], last[4], last[5]}) +
+                          length(pose.up - Vec3{last[6], last[7], last[8]});
+    taken_s_ += seconds;
+    if (moved >= step_m_ || turned >= turned_rad) note(pose);
+    return taken_.size() < most_points;
+}
+
+void Route::edit(Content next, const fly::Ground& ground) {
+    next.poses.clear();
+    next.as_read.reset();
+    next.unsaved = !next.points.empty() || !next.path.empty();
+    if (next.points.size() >= 2) {
+        const double cruising_m_s = ground.longer_m() / 60;
+        const double seconds = next.seconds > 0 ? next.seconds
+                                                : std::clamp(length_m(next.points) / cruising_m_s, 2.0,
+                                                             fly::max_path_seconds);
+        next.poses = fly::resample(spline_through(next.points, seconds), ground, frames_for(seconds));
+    }
+    take_over(std::move(next));
+    if (empty()) playing_ = false;
+}
+
+void Route::take_over(Content next) {
+    if (!now_.points.empty()) before_ = std::move(now_);
+    now_ = std::move(next);
+}
+
+void Route::require(std::size_t point) const {
+    if (point >= now_.points.size())
+        throw Failure(2, now_.points.empty()
+                             ? std::string("the camera path has no points")
+                             : fmt::format("there is no point {}; the path has 0 to {}", point, now_.points.size() - 1));
+}
+
+void Route::add(const Pose& pose, const fly::Ground& ground) {
+    if (now_.points.size() >= most_points)
+        throw Failure(2, fmt::format("a camera path has at most {} points; remove some", most_points));
+    Content next = now_;
+    const std::size_t at = next.selected ? *next.selected + 1 : next.points.size();
+    next.points.insert(next.points.begin() + static_cast<std::ptrdiff_t>(at), point_of(pose));
+    next.selected = at;
+    edit(std::move(next), ground);
+}
+
+void Route::replace(std::size_t point, const Pose& pose, const fly::Ground& ground) {
+    require(point);
+    Content next = now_;
+    next.points[point] = point_of(pose);
+    next.selected = point;
+    edit(std::move(next), ground);
+}
+
+void Route::remove(std::size_t point, const fly::Ground& ground) {
+    require(point);
+    Content next = now_;
+    next.points.erase(next.points.begin() + static_cast<std::ptrdiff_t>(point));
+    next.selected.reset();
+    if (!next.points.empty()) next.selected = std::min(point, next.points.size() - 1);
+    edit(std::move(next), ground);
+}
+
+void Route::move(std::size_t point, std::size_t to, const fly::Ground& ground) {
+    require(point);
+    require(to);
+    Content next = now_;
+    const auto at = [&](std::size_t i) { return next.points.begin() + static_cast<std::ptrdiff_t>(i); };
+    if (point < to)
+        std::rotate(at(point), at(point + 1), at(to + 1));
+    else
+        std::rotate(at(to), at(point), at(point + 1));
+    next.selected = to;
+    edit(std::move(next), ground);
+}
+
+Pose Route::select(std::size_t point) {
+    require(point);
+    now_.selected = point;
+    return pose_of(now_.points[point]);
 }
 
 } // namespace fjell::editor

@@ -1,8 +1,10 @@
 // The camera's path as the editor has it: loaded, recorded or laid point by point, edited, played.
 //
-// Points are metres (ControlPoint: position, direction, up). A path of another kind - orbit, straight, recorded frames -
-// is played as it is and turned into points when it is first edited. Thread: the frame's. Failure: reading, writing and
-// resampling throw host::Failure and leave the route as it was.
+// Points are metres (ControlPoint: position, direction, up). A path of another kind - orbit, straight, shares of the
+// terrain, recorded frames - is played and saved as it is, beside points taken from its flight, and becomes those when
+// it is first edited. What an edit, a recording or another file replaces is kept once: restore() swaps the two.
+// Thread: the frame's. Memory: a pose is 72 bytes, 60 a second; advance(), follow() and pose() allocate nothing.
+// Failure: reading, writing and resampling throw host::Failure and leave the route as it was.
 #pragma once
 
 #include <cstddef>
@@ -14,44 +16,78 @@
 
 namespace fjell::editor {
 
+inline constexpr std::size_t most_points = 10'000; // of a recording or by hand
+inline constexpr double poses_a_second = 60;
+
 class Route {
 public:
-    [[nodiscard]] bool empty() const { return poses_.empty(); }
-    [[nodiscard]] const std::string& path() const { return path_; } // of the file; empty: never saved
-    [[nodiscard]] bool unsaved() const { return unsaved_; }
-    [[nodiscard]] const std::vector<fly::ControlPoint>& points() const { return points_; }
-    [[nodiscard]] std::optional<std::size_t> selected() const { return selected_; }
-    [[nodiscard]] const std::vector<fly::Pose>& poses() const { return poses_; } // resampled, 60 a second
-    [[nodiscard]] double share() const { return share_; }                       // where it is being played
+    [[nodiscard]] bool empty() const { return now_.poses.empty(); }
+    [[nodiscard]] const std::string& path() const { return now_.path; } // of the file; empty: never saved
+    [[nodiscard]] bool unsaved() const { return now_.unsaved; }
+    [[nodiscard]] const std::vector<fly::ControlPoint>& points() const { return now_.points; }
+    [[nodiscard]] std::optional<std::size_t> selected() const { return now_.selected; }
+    [[nodiscard]] const std::vector<fly::Pose>& poses() const { return now_.poses; } // resampled, 60 a second
+    [[nodiscard]] double share() const { return share_; }                           // where it is being played
     [[nodiscard]] bool playing() const { return playing_; }
     [[nodiscard]] bool recording() const { return recording_; }
-    [[nodiscard]] double seconds() const { return static_cast<double>(poses_.size()) / 60; }
+    [[nodiscard]] std::size_t recorded() const { return taken_.size(); } // points, while recording
+    [[nodiscard]] bool loops() const { return loops_; }
+    [[nodiscard]] double seconds() const { return static_cast<double>(now_.poses.size()) / poses_a_second; }
+    // That it shall take; 0: as long as its way at a sixtieth of the terrain's longer extent a second.
+    [[nodiscard]] double asked_seconds() const { return now_.seconds; }
+    // Not points yet: an orbit, say, as it was read.
+    [[nodiscard]] bool as_read() const { return now_.as_read.has_value(); }
+    [[nodiscard]] bool can_restore() const { return !before_.points.empty(); }
 
     void open(const std::string& path, const fly::Ground& ground);
-    void save(const std::string& path);
+    void save(const std::string& path); // empty: where it came from
     void clear();
+    void restore(); // what was there before the last edit; again: what was there now
 
     void play(bool on);
     void seek(double share);
-    // Moves on and says where the camera is; none: not playing.
+    void loop(bool on) { loops_ = on; }
+    // 0 or 1 to fly::max_path_seconds.
+    void set_seconds(double seconds, const fly::Ground& ground);
+    // Moves on and says where the camera is; none: not playing. At the end it stops, or begins again.
     std::optional<fly::Pose> advance(double seconds);
+    // Where share() is; the path must not be empty. Between two poses, in between.
+    [[nodiscard]] fly::Pose pose() const;
 
+    // On: the path that there was stays until off, when what was noted takes its place. Throws Failure (2), and there
+    // is no new path, when it has fewer than two points.
     void record(bool on, const fly::Pose& pose, const fly::Ground& ground);
-    // While recording: notes a point when the camera has moved or turned enough.
-    void follow(const fly::Pose& pose);
+    // While recording: notes a point when the camera has moved or turned enough. False: there is no more room.
+    bool follow(const fly::Pose& pose, double seconds);
 
-    void add(const fly::Pose& pose, const fly::Ground& ground); // after the selected point
+    void add(const fly::Pose& pose, const fly::Ground& ground); // after the selected point, or last; it is selected then
     void replace(std::size_t point, const fly::Pose& pose, const fly::Ground& ground);
     void remove(std::size_t point, const fly::Ground& ground);
+    void move(std::size_t point, std::size_t to, const fly::Ground& ground); // so that it becomes the to-th
     [[nodiscard]] fly::Pose select(std::size_t point);
 
 private:
-    std::string path_;
-    std::vector<fly::ControlPoint> points_;
-    std::vector<fly::Pose> poses_;
-    std::optional<std::size_t> selected_;
+    struct Content {
+        std::string path;
+        std::vector<fly::ControlPoint> points;
+        std::vector<fly::Pose> poses;
+        std::optional<fly::CameraPath> as_read;
+        std::optional<std::size_t> selected;
+        double seconds = 0;
+        bool unsaved = false;
+    };
+    // Makes the poses and takes it over; what was there can be restored.
+    void edit(Content next, const fly::Ground& ground);
+    void take_over(Content next);
+    void require(std::size_t point) const;
+    void note(const fly::Pose& pose);
+
+    Content now_, before_;
     double share_ = 0;
-    bool playing_ = false, recording_ = false, unsaved_ = false;
+    bool playing_ = false, loops_ = true;
+    bool recording_ = false; // what follows: of it
+    std::vector<fly::ControlPoint> taken_;
+    double step_m_ = 0, taken_s_ = 0;
 };
 
 } // namespace fjell::editor

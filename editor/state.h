@@ -25,6 +25,7 @@
 #include "fly/log.h"
 #include "fly/options.h"
 #include "gl/renderer.h"
+#include "host/stream_reader.h"
 
 namespace fjell::editor {
 
@@ -46,11 +47,16 @@ struct Scene {
 struct Eye {
     fly::FreeCamera free;
     Navigation navigation = Navigation::fly;
-    Vec3 orbit_centre_m;
+    Vec3 orbit_centre_m; // on the ground
     double orbit_radius_m = 1;
+    double ground_m = 0;              // under the camera
+    double speed_shown_until_s = 0;   // in the picture's corner
+    std::optional<fly::Pose> on_path; // of the path that is played, as long as no hand has moved the camera
     View view;                    // of the last frame, as drawn
     bool frozen = false;          // refined for another view than is drawn:
     std::optional<View> refining; // that one
+
+    [[nodiscard]] fly::Pose pose() const { return on_path ? *on_path : free.pose(); }
 };
 
 enum class Severity : std::uint8_t { note, warning, error };
@@ -95,6 +101,7 @@ struct Files {
 struct Interface {
     double scale = 1;
     Panel left = Panel::tune, right = Panel::time;
+    Panel newest = Panel::tune; // what one column shows, where there is no room for two
     Dialog dialog = Dialog::none;
     fly::PictureMode mode = fly::PictureMode::shaded;
     std::array<bool, overlays> overlay{};
@@ -103,12 +110,20 @@ struct Interface {
     std::uint32_t view_x_px = 0, view_y_px = 0, view_width_px = 0, view_height_px = 0; // of the picture in it
 };
 
+// The terrain from above (editor/overview.h), north up.
+struct Map {
+    unsigned texture = 0; // GL name; 0: there is none yet
+    double share = 0;     // of it that is painted, 0..1
+};
+
 struct State {
     Scene scene;
     Document document;
     Route route;
     Eye eye;
     Measures measures;
+    Map map;
+    host::StreamReaderCounters reader; // of a streamed pack
     JobView job;
     JobView tuned;          // the last tuning that was not cancelled
     Messages messages;

@@ -1,8 +1,95 @@
+// Keys, and all messages.
+#include <cstdio>
+
 #include "editor/panels/panels.h"
 
 namespace fjell::editor {
 
-void draw_keys(const State&, Commands&) {}
-void draw_messages(const State&, Commands&) {}
+namespace {
+
+struct Key {
+    const char *keys, *what; // what null: a heading
+};
+constexpr Key keys[] = {
+    {"Camera", nullptr},
+    {"W S, A D", "fly forwards and back, left and right; in orbit: pan"},
+    {"E Q", "up and down"},
+    {"Shift", "five times as fast"},
+    {"Arrows, left drag", "look around; in orbit: go around the centre"},
+    {"Wheel", "speed; in orbit: nearer and farther"},
+    {"Right drag, Shift drag", "in orbit: pan"},
+    {"1  2  3", "fly, orbit, follow the path"},
+    {"Home", "look at the whole terrain"},
+    {"Click on the map", "fly there, at the same height above the ground"},
+    {"F", "freeze refinement, and look at its mesh from elsewhere"},
+    {"Camera path", nullptr},
+    {"R", "record where the camera flies; again: end"},
+    {"N", "add a point where the camera is"},
+    {"P", "play; again: pause"},
+    {"Picture", nullptr},
+    {"M, Shift M", "next and previous picture mode"},
+    {"G", "wireframe"},
+    {"Profile and program", nullptr},
+    {"[  ]", "a smaller, a larger threshold"},
+    {"Ctrl Z, Ctrl Shift Z", "undo, redo"},
+    {"Ctrl O", "open a pack, a DEM, a profile or a camera path"},
+    {"Ctrl S", "save the profile"},
+    {"Ctrl click on a slider", "type a value"},
+    {"F1", "this list"},
+    {"Ctrl Q", "quit"},
+};
+
+ImVec4 severity_colour(Severity severity) {
+    return ImGui::ColorConvertU32ToFloat4(severity == Severity::error     ? ui::bad
+                                          : severity == Severity::warning ? ui::careful
+                                                                          : ui::good);
+}
+
+} // namespace
+
+void draw_keys(const State&, Commands&) {
+    ImGui::BeginChild("list");
+    if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+        ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed,
+                                ImGui::CalcTextSize("Right drag, Shift drag").x + ImGui::GetFontSize());
+        ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
+        for (const Key& key : keys) {
+            ImGui::TableNextRow();
+            ImGui::TableNextColumn();
+            if (key.what == nullptr) {
+                ImGui::Spacing();
+                ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::quiet), "%s", key.keys);
+                continue;
+            }
+            ImGui::TextUnformatted(key.keys);
+            ImGui::TableNextColumn();
+            ImGui::TextWrapped("%s", key.what);
+        }
+        ImGui::EndTable();
+    }
+    ImGui::EndChild();
+}
+
+void draw_messages(const State& state, Commands& commands) {
+    const float button = ImGui::GetFrameHeightWithSpacing();
+    ImGui::BeginChild("list", {0, -button});
+    if (state.messages.all.empty()) ImGui::TextUnformatted("Nothing has been said so far.");
+    for (auto message = state.messages.all.rbegin(); message != state.messages.all.rend(); ++message) {
+        const int seconds = static_cast<int>(message->at_s);
+        char time[24];
+        std::snprintf(time, sizeof time, "%d:%02d", seconds / 60, seconds % 60);
+        ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::quiet), "%s", time);
+        ImGui::SameLine(4 * ImGui::GetFontSize());
+        ImGui::PushStyleColor(ImGuiCol_Text, severity_colour(message->severity));
+        ImGui::PushTextWrapPos(0);
+        ImGui::TextUnformatted(message->text.c_str());
+        if (message->times > 1) ImGui::Text("(%u times)", message->times);
+        ImGui::PopTextWrapPos();
+        ImGui::PopStyleColor();
+    }
+    ImGui::EndChild();
+    if (ImGui::Button("Close")) commands.push(ShowDialog{Dialog::none});
+    ui::mark("messages", "close");
+}
 
 } // namespace fjell::editor

@@ -45,10 +45,9 @@ void draw_panels(const State& state, Commands& commands) {
     const ui::Layout layout = ui::layout(display.x, display.y, state.interface.scale);
     draw_menu(state, commands);
     if (layout.one_column()) {
-        draw_column("left", layout.left, 0, panels, state.interface.left, state, commands);
+        draw_column("left", layout.left, 0, panels, state.interface.newest, state, commands);
     } else {
-        const Panel left = static_cast<int>(state.interface.left) < left_panels ? state.interface.left : Panel::tune;
-        draw_column("left", layout.left, 0, left_panels, left, state, commands);
+        draw_column("left", layout.left, 0, left_panels, state.interface.left, state, commands);
         draw_column("right", layout.right, left_panels, panels, state.interface.right, state, commands);
     }
     draw_view(state, layout, commands);

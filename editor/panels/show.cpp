@@ -1,20 +1,132 @@
+// How the picture is drawn, what lies over it, and how large the interface is.
+#include <bit>
+#include <cmath>
+#include <cstdio>
+
+#include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
+#include "gl/palette.h"
 
 namespace fjell::editor {
 
+namespace {
+
+struct Text {
+    const char *label, *about;
+};
+constexpr Text modes[] = {
+    {"Shaded", "Colours and light, as in a game."},
+    {"Wire", "Shaded, with the edges of all triangles."},
+    {"Levels", "Every triangle in its level's colour: coarse ones violet and blue, fine ones orange and red."},
+    {"Tiles", "Every tile in a colour that its neighbours do not have."},
+    {"Mips", "By the mip that is drawn: the pack's finest red, the smallest violet. Black: nothing is there yet."},
+    {"Residency", "By the finest step of geometry that is in memory, whatever is drawn of it."},
+    {"Distance", "White at the near plane, black beyond the terrain; logarithmic."},
+};
+static_assert(std::size(modes) == fly::picture_modes, "a mode was added: say what it shows");
+constexpr Text laid_over[] = {
+    {"Wireframe", "Edges of all triangles."},
+    {"Tile borders", "Where tiles meet, on the ground; on the map too."},
+    {"Page borders", "Of the blocks of geometry that are loaded and unloaded together."},
+    {"Bounding spheres", "Around vertices, as the refinement sees them."},
+    {"Culled", "With refinement frozen: what it left out, and its view's edges."},
+    {"True error", "How far the mesh is from the finest terrain, in pixels; slow, for large terrains very slow."},
+};
+static_assert(std::size(laid_over) == overlays, "an overlay was added: say what it shows");
+
+ImU32 colour(const gl::Rgb8& rgb) {
+    return IM_COL32(rgb[0], rgb[1], rgb[2], 255);
+}
+
+// One entry after the other, in as many lines as it takes.
+class Legend {
+public:
+    void entry(ImU32 square, const char* text) {
+        const float em = ImGui::GetFontSize();
+        const float width = ImGui::CalcTextSize(text).x + 0.9F * em + 2 * ImGui::GetStyle().ItemSpacing.x;
+        if (!first_) {
+            ImGui::SameLine();
+            if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
+        }
+        first_ = false;
+        ui::swatch(square);
+        ImGui::TextUnformatted(text);
+    }
+
+private:
+    bool first_ = true;
+};
+
+void step_legend(const Scene& scene, int tile_log2, bool levels) {
+    Legend legend;
+    char text[24];
+    for (int i = 0; i <= (levels ? 2 * tile_log2 : tile_log2); ++i) {
+        if (levels)
+            std::snprintf(text, sizeof text, "%d", i);
+        else
+            std::snprintf(text, sizeof text, "%.4g m", scene.spacing_m[0] * (1u << i));
+        legend.entry(colour(levels ? gl::level_rgb(i, tile_log2) : gl::step_rgb(i, tile_log2)), text);
+    }
+}
+
+void draw_legend(const State& state) {
+    const int tile_log2 = static_cast<int>(std::bit_width(state.scene.tile_cells)) - 1;
+    switch (state.interface.mode) {
+    case fly::PictureMode::levels: step_legend(state.scene, tile_log2, true); break;
+    case fly::PictureMode::residency: step_legend(state.scene, tile_log2, false); break;
+    case fly::PictureMode::mips: {
+        Legend legend;
+        // The pack's mips are those of its tiles' maps, down to 4 x 4 texels; colours go by their share of all.
+        constexpr int shown = 8;
+        for (int i = 0; i < shown; ++i)
+            legend.entry(colour(gl::mip_rgb(i, shown)), i == 0 ? "finest" : i == shown - 1 ? "coarsest" : "");
+        break;
+    }
+    default: break;
+    }
+}
+
+void draw_scale(const State& state, Commands& commands) {
+    ui::heading("Interface");
+    constexpr double scales[] = {0.75, 1, 1.25, 1.5, 2, 2.5, 3};
+    constexpr const char* names[] = {"75%", "100%", "125%", "150%", "200%", "250%", "300%"};
+    for (std::size_t i = 0; i < std::size(scales); ++i) {
+        const float width = ImGui::CalcTextSize(names[i]).x + 2 * ImGui::GetStyle().FramePadding.x;
+        if (i > 0) {
+            ImGui::SameLine();
+            if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
+        }
+        const bool on = std::abs(state.interface.scale - scales[i]) < 0.01;
+        if (!on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
+        if (ImGui::Button(names[i])) commands.push(SetScale{scales[i]});
+        ui::mark("scale", names[i]);
+        ui::tip("Size of text and controls.");
+        if (!on) ImGui::PopStyleColor();
+    }
+}
+
+} // namespace
+
 void draw_show(const State& state, Commands& commands) {
-    ui::heading("Picture");
+    ui::heading("Picture (M: the next one)");
     for (int i = 0; i < fly::picture_modes; ++i) {
         const auto mode = static_cast<fly::PictureMode>(i);
-        if (ImGui::RadioButton(fly::picture_mode_names[i], state.interface.mode == mode)) commands.push(SetMode{mode});
+        if (ImGui::RadioButton(modes[i].label, state.interface.mode == mode)) commands.push(SetMode{mode});
         ui::mark("mode", fly::picture_mode_names[i]);
+        ui::tip(modes[i].about);
     }
+    ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
+    ImGui::TextWrapped("%s", modes[static_cast<int>(state.interface.mode)].about);
+    ImGui::PopStyleColor();
+    if (state.scene.open()) draw_legend(state);
     ui::heading("Over it");
     for (int i = 0; i < overlays; ++i) {
         bool on = state.interface.overlay[static_cast<std::size_t>(i)];
-        if (ImGui::Checkbox(overlay_names[i], &on)) commands.push(SetOverlay{static_cast<Overlay>(i), on});
+        if (ImGui::Checkbox(laid_over[i].label, &on)) commands.push(SetOverlay{static_cast<Overlay>(i), on});
         ui::mark("overlay", overlay_names[i]);
+        ui::tip(laid_over[i].about);
     }
+    draw_scale(state, commands);
 }
 
 } // namespace fjell::editor

@@ -1,4 +1,6 @@
+// Keys and mouse over the picture, and what is written over it.
 #include <algorithm>
+#include <cstdio>
 
 #include "editor/panels/panels.h"
 
@@ -7,47 +9,122 @@ namespace fjell::editor {
 namespace {
 
 constexpr float radians_a_pixel = 0.003F;
+constexpr double fast = 5; // with Shift
 
-// ImGui 1.86 knows most letters by the window system's number only; the GLFW back end passes those through.
+// ImGui 1.86 knows most keys by the window system's number only; the GLFW back end passes those through. Letters and
+// digits are their ASCII codes.
+namespace key {
+constexpr int right = 262, left = 263, down = 264, up = 265, home = 268, f1 = 290;
+}
+
 double axis(int plus, int minus) {
     const bool* const down = ImGui::GetIO().KeysDown;
     return (down[plus] ? 1.0 : 0.0) - (down[minus] ? 1.0 : 0.0);
+}
+
+bool pressed(int number) {
+    return ImGui::IsKeyPressed(number, false);
+}
+
+// Keys that stay down: where the camera goes.
+void steer(Move& move) {
+    const double speed = ImGui::GetIO().KeyShift ? fast : 1;
+    move.steering = {speed * axis('W', 'S'), speed * axis('D', 'A'), speed * axis('E', 'Q'), 0, 0};
+    move.steering.turn_right = axis(key::right, key::left);
+    move.steering.turn_up = axis(key::up, key::down);
+}
+
+void point(const State& state, Move& move) {
+    const ImGuiIO& io = ImGui::GetIO();
+    move.speed_steps = static_cast<double>(io.MouseWheel);
+    const bool orbit = state.eye.navigation == Navigation::orbit;
+    const bool left = ImGui::IsMouseDragging(ImGuiMouseButton_Left, 0);
+    const bool pans = ImGui::IsMouseDragging(ImGuiMouseButton_Right, 0) || (left && io.KeyShift);
+    if (orbit && pans) {
+        // As if the ground were held: a picture's height is about 0.8 of the distance.
+        const double share = 0.8 / std::max(state.interface.view_height_px, 1u);
+        move.pan_right = -static_cast<double>(io.MouseDelta.x) * share;
+        move.pan_back = -static_cast<double>(io.MouseDelta.y) * share;
+    } else if (left) {
+        move.right_rad = static_cast<double>(io.MouseDelta.x * radians_a_pixel);
+        move.up_rad = static_cast<double>(-io.MouseDelta.y * radians_a_pixel);
+    }
+}
+
+// Keys that are struck.
+void strike(const State& state, Commands& commands) {
+    for (int i = 0; i < 3; ++i)
+        if (pressed('1' + i)) commands.push(Navigate{static_cast<Navigation>(i)});
+    if (pressed('F')) commands.push(Freeze{!state.eye.frozen});
+    if (pressed('P')) commands.push(PlayPath{!state.route.playing()});
+    if (pressed('R')) commands.push(RecordPath{!state.route.recording()});
+    if (pressed('N')) commands.push(AddPoint{});
+    if (pressed(key::home)) commands.push(LookAtAll{});
+    if (pressed('G')) commands.push(SetOverlay{Overlay::wireframe, !state.shows(Overlay::wireframe)});
+    if (pressed('M')) {
+        const int modes = fly::picture_modes, step = ImGui::GetIO().KeyShift ? modes - 1 : 1;
+        commands.push(SetMode{static_cast<fly::PictureMode>((static_cast<int>(state.interface.mode) + step) % modes)});
+    }
+}
+
+// Text on a dark plate, in the picture; x and y: where in it its own share of its extent lies.
+void plate(const ui::Rect& view, float x, float y, ImU32 colour, const char* text) {
+    const float em = ImGui::GetFontSize();
+    const ImVec2 pad{0.6F * em, 0.3F * em}, size = ImGui::CalcTextSize(text);
+    const float w = size.x + 2 * pad.x, h = size.y + 2 * pad.y, margin = 0.6F * em;
+    const ImVec2 from{view.x + margin + x * (view.width - 2 * margin - w),
+                      view.y + margin + y * (view.height - 2 * margin - h)};
+    ImDrawList& list = *ImGui::GetBackgroundDrawList(); // over the picture, under the panels, and no window: the
+                                                        // mouse goes through it
+    list.AddRectFilled(from, {from.x + w, from.y + h}, IM_COL32(12, 14, 18, 205), 0.25F * em);
+    list.AddText({from.x + pad.x, from.y + pad.y}, colour, text);
+}
+
+void write_over(const State& state, const ui::Rect& view) {
+    char text[96];
+    const Eye& eye = state.eye;
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
+    if (eye.frozen) plate(view, 0.5F, 0, ui::careful, "Refinement frozen - F releases");
+    if (state.now_s < eye.speed_shown_until_s) {
+        if (eye.free.speed_m_s >= 10000)
+            std::snprintf(text, sizeof text, "%.3g km/s", eye.free.speed_m_s / 1000);
+        else
+            std::snprintf(text, sizeof text, "%.3g m/s", eye.free.speed_m_s);
+        plate(view, 1, 1, IM_COL32_WHITE, text);
+    }
+    if (state.route.recording()) {
+        std::snprintf(text, sizeof text, "Recording: %zu points - R ends it", state.route.recorded());
+        plate(view, 0, 1, ui::bad, text);
+    } else if (state.route.playing()) {
+        std::snprintf(text, sizeof text, "Path: %.1f of %.1f s - P pauses",
+                      state.route.share() * state.route.seconds(), state.route.seconds());
+        plate(view, 0, 1, IM_COL32_WHITE, text);
+    } else if (eye.navigation == Navigation::orbit) {
+        plate(view, 0, 1, IM_COL32_WHITE, "Orbit - 1 flies");
+    }
+    list.PopClipRect();
 }
 
 } // namespace
 
 void draw_view(const State& state, const ui::Layout& layout, Commands& commands) {
     const ImGuiIO& io = ImGui::GetIO();
+    const bool typing = io.WantTextInput || io.WantCaptureKeyboard;
+    if (!io.WantTextInput && pressed(key::f1)) {
+        const bool open = state.interface.dialog == Dialog::keys;
+        commands.push(ShowDialog{open ? Dialog::none : Dialog::keys});
+    }
+    if (!state.scene.open()) return;
     Move move;
     move.seconds = std::min(static_cast<double>(io.DeltaTime), 0.25);
-    if (!io.WantTextInput && !io.KeyCtrl) {
-        move.steering = {axis('W', 'S'), axis('D', 'A'), axis('E', 'Q'), 0, 0};
-        if (!io.WantCaptureKeyboard) {
-            move.steering.turn_right = axis(ImGui::GetKeyIndex(ImGuiKey_RightArrow), ImGui::GetKeyIndex(ImGuiKey_LeftArrow));
-            move.steering.turn_up = axis(ImGui::GetKeyIndex(ImGuiKey_UpArrow), ImGui::GetKeyIndex(ImGuiKey_DownArrow));
-        }
+    if (!typing && !io.KeyCtrl && !io.KeyAlt && !io.KeySuper && state.interface.dialog == Dialog::none) {
+        steer(move);
+        strike(state, commands);
     }
-    if (!io.WantCaptureMouse) {
-        move.speed_steps = static_cast<double>(io.MouseWheel);
-        if (ImGui::IsMouseDragging(ImGuiMouseButton_Left, 0)) {
-            move.right_rad = static_cast<double>(io.MouseDelta.x * radians_a_pixel);
-            move.up_rad = static_cast<double>(-io.MouseDelta.y * radians_a_pixel);
-        }
-    }
-    (void)layout;
-    (void)state;
+    if (!io.WantCaptureMouse) point(state, move);
     commands.push(move);
-}
-
-void draw_status(const State& state, const ui::Layout& layout, Commands& commands) {
-    const ImVec2 display = ImGui::GetIO().DisplaySize;
-    ui::begin_column("status", {0, display.y - layout.status_height, display.x, layout.status_height});
-    draw_job_status(state, commands);
-    if (!state.messages.all.empty() && state.now_s < state.messages.shown_until_s)
-        ImGui::TextUnformatted(state.messages.all.back().text.c_str());
-    else
-        ImGui::Text("%u triangles drawn", state.measures.last().triangles_drawn);
-    ImGui::End();
+    write_over(state, layout.view);
 }
 
 } // namespace fjell::editor

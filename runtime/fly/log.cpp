@@ -185,6 +185,8 @@ FrameEntry entry_of(const CutReport& r, const CutSettings& settings) {
                   bit_if(r.exhausted, cut_budget_triangles, exhausted_triangles) |
                   bit_if(r.exhausted, cut_budget_items, exhausted_items) |
                   bit_if(r.exhausted, cut_budget_time, exhausted_time);
+    f.vertex_slots = r.vertex_slots;
+    f.triangle_slots = r.triangle_slots;
     f.vertices_peak = r.vertex_slots.peak;
     f.triangles_peak = r.triangle_slots.peak;
     f.error_px_asked = r.error_px_asked;

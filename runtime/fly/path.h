@@ -72,15 +72,23 @@ struct Straight {
     double pitch_deg = 0;       // of the view against the flight; positive looks up
 };
 
+inline constexpr double max_path_seconds = 3600;
+
 struct CameraPath {
     std::string name; // for messages
     Units units = Units::metres;
     std::variant<SplinePath, Orbit, Straight> kind;
+    double seconds = 0; // that its flight should take, up to max_path_seconds; 0: not said
 };
 
 // The format is told from the content.
 [[nodiscard]] CameraPath read_path(const std::string& file);
 [[nodiscard]] CameraPath parse_path(std::string_view text, const std::string& name);
+// The other way: JSON, a line a control point, that parse_path() reads back to the last bit where directions and ups
+// have unit length (unit_point()). Throws Failure (1) for recorded frames, which have no text of ours.
+[[nodiscard]] std::string path_text(const CameraPath& path);
+// With direction and up of unit length, as parse_path() makes them; what is of unit length within rounding stays.
+[[nodiscard]] ControlPoint unit_point(const ControlPoint& point);
 // A wandering path over any terrain, the same for the same seed everywhere.
 [[nodiscard]] CameraPath random_path(std::uint64_t seed);
 

@@ -1,8 +1,9 @@
-// Camera paths from text: our JSON, and frames recorded by G3dOGL (H. Hoppe's terrain viewer), one line
+// Camera paths from text and to it: our JSON, and frames recorded by G3dOGL (H. Hoppe's terrain viewer), one line
 // `F level  view(3)  left(3)  up(3)  position(3)  zoom` each.
 #include <cmath>
 #include <initializer_list>
 #include <set>
+#include <span>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -88,10 +89,11 @@ ControlPoint control_point(const json& value, const std::string& name, std::size
     fields.refuse_others();
     if (!(length(direction) > 1e-9)) fields.bad("direction", "is zero; give the way the camera looks");
     if (!(length(up) > 1e-9)) fields.bad("up", "is zero; give the camera's upward axis, e.g. [0, 1, 0]");
-    const Vec3 d = normalised(direction), u = normalised(up);
-    if (!(length(cross(d, u)) > 1e-3)) fields.bad("up", "is parallel to direction; give another up");
-    // Unit lengths, or a long vector would pull the interpolated direction to its side.
-    return {position.x, position.y, position.z, d.x, d.y, d.z, u.x, u.y, u.z};
+    const ControlPoint p = unit_point(
+        {position.x, position.y, position.z, direction.x, direction.y, direction.z, up.x, up.y, up.z});
+    if (!(length(cross({p[3], p[4], p[5]}, {p[6], p[7], p[8]})) > 1e-3))
+        fields.bad("up", "is parallel to direction; give another up");
+    return p;
 }
 
 SplinePath spline_path(const json& value, const std::string& name) {
@@ -156,6 +158,7 @@ CameraPath parse_json(std::string_view text, const std::string& name) {
         else
             fields.bad("units", "must be \"metres\" or \"terrain\"");
     }
+    path.seconds = fields.number("seconds", 0, 0, max_path_seconds);
     const json *points = fields.find("points"), *around = fields.find("orbit"), *line = fields.find("straight");
     if ((points != nullptr) + (around != nullptr) + (line != nullptr) != 1)
         fields.bad("a path has exactly one of points, orbit and straight");
@@ -167,6 +170,30 @@ CameraPath parse_json(std::string_view text, const std::string& name) {
     else
         path.kind = straight(*line, name);
     return path;
+}
+
+// The shortest digits that read back to the same double.
+std::string numbers_text(std::span<const double> values) {
+    std::string text = "[";
+    for (const double v : values) text += fmt::format("{}{}", text.size() > 1 ? ", " : "", v);
+    return text + "]";
+}
+std::string vector_text(const Vec3& v) {
+    return numbers_text(std::array{v.x, v.y, v.z});
+}
+
+std::string points_text(const SplinePath& path) {
+    std::string text = "\"points\": [";
+    const char* before = "";
+    for (const double knot : path.spline.knots()) { // where the spline is exactly the point
+        const ControlPoint p = unit_point(path.spline.at(knot));
+        const std::span<const double> all(p);
+        text += fmt::format("{}\n    {{\"position\": {}, \"direction\": {}, \"up\": {}}}", before,
+                            numbers_text(all.subspan(0, 3)), numbers_text(all.subspan(3, 3)),
+                            numbers_text(all.subspan(6, 3)));
+        before = ",";
+    }
+    return text + "\n  ]";
 }
 
 // The recording's frame has x east, y north, z up, in multiples of the DEM's width, from its south-west corner. It says
@@ -207,6 +234,33 @@ CameraPath parse_path(std::string_view text, const std::string& name) {
     const std::size_t first = text.find_first_not_of(" \t\r\n");
     if (first != std::string_view::npos && text.substr(first).starts_with("F ")) return parse_recorded(text, name);
     return parse_json(text, name);
+}
+
+ControlPoint unit_point(const ControlPoint& p) {
+    // Unit lengths, or a long vector would pull the interpolated direction to its side. Dividing a vector by a length
+    // that is 1 but for rounding would only move its last bits, and a path that is written and read would wander.
+    const auto unit = [](Vec3 v) { return std::abs(length(v) - 1) <= 0x1p-50 ? v : normalised(v); };
+    const Vec3 d = unit({p[3], p[4], p[5]}), u = unit({p[6], p[7], p[8]});
+    return {p[0], p[1], p[2], d.x, d.y, d.z, u.x, u.y, u.z};
+}
+
+std::string path_text(const CameraPath& path) {
+    if (path.units == Units::recorded)
+        fail(path.name, "", "recorded frames are not written; make control points of them first");
+    std::string text = fmt::format("{{\n  \"units\": \"{}\",\n", path.units == Units::metres ? "metres" : "terrain");
+    if (path.seconds > 0) text += fmt::format("  \"seconds\": {},\n", path.seconds);
+    if (const auto* spline = std::get_if<SplinePath>(&path.kind)) {
+        text += "  " + points_text(*spline);
+    } else if (const auto* o = std::get_if<Orbit>(&path.kind)) {
+        text += fmt::format("  \"orbit\": {{\"centre\": {}, \"radius\": {}, \"height\": {}, \"turns\": {}}}",
+                            numbers_text(std::array{o->centre_x, o->centre_z}), o->radius, o->height, o->turns);
+    } else {
+        const auto& line = std::get<Straight>(path.kind);
+        text += fmt::format(
+            "  \"straight\": {{\"from\": {}, \"to\": {}, \"cells_per_frame\": {}, \"pitch_deg\": {}}}",
+            vector_text(line.from), vector_text(line.to), line.cells_per_frame, line.pitch_deg);
+    }
+    return text + "\n}\n";
 }
 
 CameraPath read_path(const std::string& file) {

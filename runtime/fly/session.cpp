@@ -158,6 +158,8 @@ FrameEntry run_recursive(Session& session, const View& view, const RefineSetting
     const MeshView mesh = session.mesh();
     entry.upload_bytes =
         std::uint64_t{mesh.dirty_end - mesh.dirty_begin} * sizeof(MeshVertex) + mesh.indices.size_bytes();
+    entry.vertex_slots = {report.vertices, 0, static_cast<std::uint32_t>(mesh.vertices.size())};
+    entry.index_slots.used = static_cast<std::uint32_t>(mesh.indices.size());
     return entry;
 }
 
@@ -228,6 +230,7 @@ FrameEntry update_frame(Session& session, const View& view, const Profile& profi
         }
     } else {
         entry = run_recursive(session, view, profile.refine);
+        entry.index_slots.capacity = profile.budget.indices;
         if (session.streamed) // which this method's report knows nothing of
             entry.error_px_effective = std::max(entry.error_px_effective, session.terrain().missing_px);
     }

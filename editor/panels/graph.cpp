@@ -1,0 +1,207 @@
+#include "editor/panels/graph.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace fjell::editor::ui {
+
+namespace {
+
+constexpr double least_logarithmic = 1e-3;
+constexpr ImU32 paper = IM_COL32(28, 31, 37, 255), grid = IM_COL32(255, 255, 255, 26);
+
+// Values to pixels.
+struct Scale {
+    ImVec2 low, high; // of the plot on screen; low: left and top
+    double least = 0, most = 1;
+    bool logarithmic = false;
+
+    [[nodiscard]] float y(double value) const {
+        double share = 0;
+        if (logarithmic)
+            share = std::log(std::max(value, least_logarithmic) / least) / std::log(most / least);
+        else
+            share = (value - least) / (most - least);
+        return high.y - static_cast<float>(std::clamp(share, 0.0, 1.0)) * (high.y - low.y);
+    }
+    // The newest frame is at the right rim, and a frame as wide as if the ring were full.
+    [[nodiscard]] float x(std::size_t i, std::size_t size) const {
+        const auto from_right = static_cast<float>(size - 1 - i) / static_cast<float>(measured_frames - 1);
+        return high.x - from_right * (high.x - low.x);
+    }
+};
+
+Scale scale_of(const Graph& graph, std::initializer_list<GraphLine> lines) {
+    Scale s;
+    s.logarithmic = graph.logarithmic;
+    double least = graph.budget > 0 ? graph.budget : 1e9, most = graph.budget > 0 ? 1.15 * graph.budget : 0;
+    bool down = false;
+    for (const GraphLine& line : lines) {
+        down = down || line.factor < 0;
+        for (std::size_t i = 0; i < line.values->size(); ++i) {
+            const auto v = static_cast<double>(line.values->value(i) * std::abs(line.factor));
+            most = std::max(most, v);
+            least = std::min(least, v);
+        }
+    }
+    if (graph.logarithmic) {
+        s.least = std::pow(10.0, std::floor(std::log10(std::max(least, least_logarithmic))));
+        s.most = std::max(std::pow(10.0, std::ceil(std::log10(std::max(most, least_logarithmic)))), 10 * s.least);
+    } else {
+        s.most = round_up(most);
+        s.least = down ? -s.most : 0;
+    }
+    return s;
+}
+
+void draw_grid(ImDrawList& list, const Graph& graph, const Scale& s, float left) {
+    constexpr int steps = 4;
+    const int lines = s.logarithmic ? static_cast<int>(std::lround(std::log10(s.most / s.least))) : steps;
+    const float text_height = ImGui::GetFontSize();
+    const int every = std::max(1, static_cast<int>(std::ceil(static_cast<float>(lines) * text_height * 1.1F /
+                                                             (s.high.y - s.low.y))));
+    char text[16];
+    for (int i = 0; i <= lines; i += every) {
+        const double share = static_cast<double>(i) / lines;
+        const double value =
+            s.logarithmic ? s.least * std::pow(s.most / s.least, share) : s.least + (s.most - s.least) * share;
+        const float y = s.y(value);
+        list.AddLine({s.low.x, y}, {s.high.x, y}, grid);
+        short_number(text, std::abs(value));
+        const float width = ImGui::CalcTextSize(text).x;
+        list.AddText({s.low.x - width - 0.3F * text_height, y - text_height / 2}, quiet, text);
+    }
+    list.AddText({left, s.low.y - 1.75F * text_height}, quiet, graph.unit);
+}
+
+void draw_line(ImDrawList& list, const Scale& s, const GraphLine& line) {
+    const std::size_t size = line.values->size();
+    if (size == 0) return;
+    std::array<ImVec2, measured_frames> points;
+    const float zero = s.logarithmic ? s.high.y : s.y(0);
+    for (std::size_t i = 0; i < size; ++i)
+        points[i] = {s.x(i, size), s.y(static_cast<double>(line.values->value(i) * line.factor))};
+    if (line.filled) {
+        const ImU32 fill = (line.colour & ~IM_COL32_A_MASK) | (70u << IM_COL32_A_SHIFT);
+        for (std::size_t i = 1; i < size; ++i)
+            list.AddQuadFilled({points[i - 1].x, zero}, points[i - 1], points[i], {points[i].x, zero}, fill);
+    }
+    list.AddPolyline(points.data(), static_cast<int>(size), line.colour, 0, std::max(1.0F, ImGui::GetFontSize() / 12));
+}
+
+void draw_budget(ImDrawList& list, const Graph& graph, const Scale& s) {
+    if (!(graph.budget > 0)) return;
+    const float y = s.y(graph.budget);
+    list.AddLine({s.low.x, y}, {s.high.x, y}, careful, std::max(1.0F, ImGui::GetFontSize() / 10));
+    const float height = ImGui::GetFontSize(); // on the left, where the older frames are
+    const bool above = y - height > s.low.y;
+    list.AddText({s.low.x + 0.3F * height, above ? y - height - 1 : y + 1}, careful, graph.budget_label);
+}
+
+// The line above the plot: the unit on its left, what the lines are on its right.
+void draw_legend(ImDrawList& list, const Scale& s, std::initializer_list<GraphLine> lines) {
+    const float em = ImGui::GetFontSize();
+    float x = s.high.x;
+    for (auto line = std::rbegin(lines); line != std::rend(lines); ++line) {
+        x -= ImGui::CalcTextSize(line->label).x;
+        list.AddText({x, s.low.y - 1.75F * em}, line->colour | IM_COL32_A_MASK, line->label);
+        x -= 0.9F * em;
+    }
+}
+
+void hover(ImDrawList& list, const Graph& graph, const Scale& s, std::initializer_list<GraphLine> lines) {
+    if (!ImGui::IsItemHovered()) return;
+    const float at = std::clamp((s.high.x - ImGui::GetMousePos().x) / (s.high.x - s.low.x), 0.0F, 1.0F);
+    const auto ago = static_cast<std::size_t>(std::lround(at * static_cast<float>(measured_frames - 1)));
+    const float x = s.high.x - at * (s.high.x - s.low.x);
+    list.AddLine({x, s.low.y}, {x, s.high.y}, IM_COL32(255, 255, 255, 90));
+    ImGui::BeginTooltip();
+    ImGui::Text("%zu frames ago", ago);
+    for (const GraphLine& line : lines) {
+        const std::size_t size = line.values->size();
+        if (ago >= size) continue;
+        ImGui::PushStyleColor(ImGuiCol_Text, line.colour | IM_COL32_A_MASK);
+        ImGui::Text("%s %.4g %s", line.label,
+                    static_cast<double>(line.values->value(size - 1 - ago) * std::abs(line.factor)), graph.unit);
+        ImGui::PopStyleColor();
+    }
+    ImGui::EndTooltip();
+}
+
+} // namespace
+
+void graph(const Graph& graph, std::initializer_list<GraphLine> lines) {
+    const float em = ImGui::GetFontSize(), width = std::max(ImGui::GetContentRegionAvail().x, 6 * em);
+    const auto height = static_cast<float>(graph.height_em) * em;
+    const ImVec2 from = ImGui::GetCursorScreenPos();
+    ImGui::InvisibleButton(graph.name, {width, height});
+    mark("graph", graph.name);
+    if (!ImGui::IsItemVisible()) return;
+    Scale s = scale_of(graph, lines);
+    s.low = {from.x + 3.6F * em, from.y + 1.9F * em};
+    s.high = {from.x + width - 1, from.y + height - 0.6F * em};
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    list.AddRectFilled(s.low, s.high, paper);
+    draw_grid(list, graph, s, from.x);
+    draw_legend(list, s, lines);
+    list.PushClipRect(s.low, s.high, true);
+    for (const GraphLine& line : lines) draw_line(list, s, line);
+    list.PopClipRect();
+    draw_budget(list, graph, s);
+    hover(list, graph, s, lines);
+}
+
+double round_up(double value) {
+    if (!(value > 0)) return 1;
+    const double power = std::pow(10.0, std::floor(std::log10(value)));
+    for (const double step : {1.0, 2.0, 5.0})
+        if (step * power >= value * (1 - 1e-9)) return step * power;
+    return 10 * power;
+}
+
+void short_number(char (&text)[16], double value) {
+    if (value >= 1e9)
+        std::snprintf(text, sizeof text, "%.3g G", value / 1e9);
+    else if (value >= 1e6)
+        std::snprintf(text, sizeof text, "%.3g M", value / 1e6);
+    else if (value >= 1e4)
+        std::snprintf(text, sizeof text, "%.3g k", value / 1e3);
+    else
+        std::snprintf(text, sizeof text, "%.4g", value);
+}
+
+void short_bytes(char (&text)[16], double bytes) {
+    if (bytes >= 1e9)
+        std::snprintf(text, sizeof text, "%.3g GB", bytes / 1e9);
+    else if (bytes >= 999.5e3)
+        std::snprintf(text, sizeof text, "%.3g MB", bytes / 1e6);
+    else if (bytes >= 1e3)
+        std::snprintf(text, sizeof text, "%.3g kB", bytes / 1e3);
+    else
+        std::snprintf(text, sizeof text, "%.0f B", bytes);
+}
+
+void bar(const char* label, const char* value, double share, double mark, ImU32 colour) {
+    row(label, "%s", value);
+    const float em = ImGui::GetFontSize(), width = ImGui::GetContentRegionAvail().x, height = 0.45F * em;
+    const ImVec2 from = ImGui::GetCursorScreenPos();
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    const auto x = [&](double at) { return from.x + static_cast<float>(std::clamp(at, 0.0, 1.0)) * width; };
+    list.AddRectFilled(from, {from.x + width, from.y + height}, paper);
+    if (share > 0) list.AddRectFilled(from, {std::max(x(share), from.x + 1), from.y + height}, colour);
+    if (mark >= 0) list.AddRectFilled({x(mark) - 1, from.y - 1}, {x(mark) + 1, from.y + height + 1}, IM_COL32_WHITE);
+    ImGui::Dummy({width, height + 0.25F * em});
+}
+
+void swatch(ImU32 colour) {
+    const float em = ImGui::GetFontSize();
+    const ImVec2 from = ImGui::GetCursorScreenPos();
+    ImGui::GetWindowDrawList()->AddRectFilled({from.x, from.y + 0.1F * em}, {from.x + 0.9F * em, from.y + 0.95F * em},
+                                              colour);
+    ImGui::Dummy({0.9F * em, em});
+    ImGui::SameLine();
+}
+
+} // namespace fjell::editor::ui

@@ -1,0 +1,45 @@
+// What the measuring panels draw: graphs over the last frames, and bars.
+//
+// Thread: the frame's, inside a window. Memory: none; complexity O(values), at most measured_frames a line.
+#pragma once
+
+#include <initializer_list>
+
+#include "editor/measures.h"
+#include "editor/ui.h"
+
+namespace fjell::editor::ui {
+
+struct GraphLine {
+    const Ring* values = nullptr;
+    ImU32 colour = 0;
+    const char* label = "";
+    float factor = 1;   // from the ring's unit to the graph's; below 0: downwards from the middle
+    bool filled = false;
+};
+struct Graph {
+    const char* name = ""; // of its mark, and its id
+    const char* unit = "";
+    double height_em = 6;  // in text heights
+    double budget = 0;     // a line across, in the graph's unit; 0: none
+    const char* budget_label = "";
+    bool logarithmic = false; // values below 1e-3 count as that
+};
+// Over the column's width: lines from the oldest frame on the left to the newest, gridlines with numbers, the budget's
+// line, a legend, and what the frame under the mouse had.
+void graph(const Graph& graph, std::initializer_list<GraphLine> lines);
+
+// The next round number of 1, 2 and 5 times a power of ten that is not below value; 1 for 0 and less.
+[[nodiscard]] double round_up(double value);
+// "12.3 M", "4,096", "0.25": up to 7 characters.
+void short_number(char (&text)[16], double value);
+// "12.3 MB".
+void short_bytes(char (&text)[16], double bytes);
+
+// A bar over the column's width under a line "label   value": share 0..1 of it full, mark 0..1 a notch (the peak;
+// below 0: none).
+void bar(const char* label, const char* value, double share, double mark, ImU32 colour);
+// A square of that colour, for legends, in the line of the text that follows.
+void swatch(ImU32 colour);
+
+} // namespace fjell::editor::ui

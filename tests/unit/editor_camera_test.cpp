@@ -1,0 +1,230 @@
+// The editor's camera on a real terrain, by its commands; and the map. Needs a headless OpenGL context.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <memory>
+#include <set>
+
+#include "editor/apply.h"
+#include "editor/overview.h"
+#include "fjell/query.h"
+#include "gl/context.h"
+#include "support/program.h"
+#include "support/terrain_fixture.h"
+
+using namespace fjell;
+using namespace fjell::editor;
+using namespace fjell::test;
+
+namespace {
+
+struct Place {
+    explicit Place(unsigned seed) : random(seed) {
+        std::string error;
+        context = gl::Headless::create({}, error);
+        if (!context) throw std::runtime_error(error);
+        (void)baker::bake(random_dem(random, 180, 140, Shape::fractal), small_bake(5), folder / "t.fjell");
+        state.interface.view_width_px = 640;
+        state.interface.view_height_px = 360;
+        engine.open(folder / "t.fjell", state.document.profile());
+        look_at_scene(desk());
+        frame();
+    }
+    ~Place() { engine.close(); } // before its context goes
+    Desk desk() { return {state, engine, jobs}; }
+    void act(const Command& command) { apply(command, desk()); }
+    void frame() { move_camera(desk(), 1.0 / 60); }
+    [[nodiscard]] const Terrain& terrain() const { return engine.session().terrain(); }
+    [[nodiscard]] double ground(double x, double z) const { return ground_height(terrain(), x, z).height_m; }
+    [[nodiscard]] double above() const {
+        const Vec3& at = state.eye.free.position_m;
+        return at.y - ground(at.x, at.z);
+    }
+    void fly_somewhere() {
+        const double w = state.scene.width_m(), d = state.scene.depth_m();
+        act(PlaceCamera{{uniform(random, 0, w), uniform(random, 0, w / 4), uniform(random, 0, d)},
+                        uniform(random, -3, 3), uniform(random, -1.3, 0.3)});
+    }
+
+    Random random;
+    TemporaryFolder folder;
+    std::unique_ptr<gl::Headless> context;
+    State state;
+    Engine engine;
+    Jobs jobs;
+};
+
+Move drag(Random& random) {
+    Move move;
+    move.seconds = 1.0 / 60;
+    move.right_rad = uniform(random, -0.5, 0.5);
+    move.up_rad = uniform(random, -0.5, 0.5);
+    if (pick(random, 0, 3) == 0) move.speed_steps = pick(random, -8, 8);
+    if (pick(random, 0, 3) == 0) move.pan_right = uniform(random, -0.4, 0.4);
+    if (pick(random, 0, 3) == 0) move.pan_back = uniform(random, -0.4, 0.4);
+    if (pick(random, 0, 3) == 0) move.steering.up = uniform(random, -5, 5);
+    return move;
+}
+
+} // namespace
+
+TEST_CASE("however it is dragged, the camera never sinks into the ground") {
+    for (unsigned seed = 0; seed < 4; ++seed) {
+        Place place(seed);
+        INFO("seed " << seed);
+        for (const Navigation navigation : {Navigation::orbit, Navigation::fly}) {
+            place.fly_somewhere();
+            place.act(Navigate{navigation});
+            double least = 1e9;
+            for (int i = 0; i < 400; ++i) {
+                place.act(drag(place.random));
+                place.frame();
+                least = std::min(least, place.above());
+            }
+            CHECK(least > 0);
+        }
+    }
+}
+
+TEST_CASE("an orbit begins without moving the camera, around the ground in the picture's middle, and looks at it") {
+    for (unsigned seed = 0; seed < 6; ++seed) {
+        Place place(seed);
+        place.fly_somewhere();
+        Eye& eye = place.state.eye;
+        const fly::Pose pose = eye.free.pose();
+        const GroundHit hit = cast_ray(place.terrain(), pose.position_m, pose.direction, 1e9);
+        place.act(Navigate{Navigation::orbit});
+        INFO("seed " << seed << (hit.hit ? "" : ", sky"));
+        CHECK(length(eye.free.position_m - pose.position_m) == 0);
+        if (hit.hit) {
+            CHECK(length(eye.orbit_centre_m - hit.position_m) == 0);
+            CHECK(length(eye.free.pose().direction - pose.direction) < 1e-12);
+        }
+        for (int i = 0; i < 100; ++i) {
+            Move move = drag(place.random);
+            place.act(move);
+            const Vec3 way = normalised(eye.orbit_centre_m - eye.free.position_m);
+            // Straight over the centre pitch stops short, and there alone the two differ.
+            if (std::abs(way.y) < std::sin(1.49)) CHECK(length(way - eye.free.pose().direction) < 1e-6);
+        }
+    }
+}
+
+TEST_CASE("the wheel nears the orbit's centre and sets the speed of flying") {
+    Place place(2);
+    place.act(LookAtAll{});
+    const double speed = place.state.eye.free.speed_m_s;
+    Move wheel;
+    wheel.speed_steps = 1;
+    place.act(wheel);
+    CHECK(place.state.eye.free.speed_m_s == Approx(1.25 * speed));
+    CHECK(place.state.eye.speed_shown_until_s > place.state.now_s);
+    place.act(Navigate{Navigation::orbit});
+    const double away = place.state.eye.orbit_radius_m;
+    place.act(wheel);
+    CHECK(place.state.eye.orbit_radius_m == Approx(0.85 * away));
+    CHECK(place.state.eye.free.speed_m_s == Approx(1.25 * speed));
+}
+
+TEST_CASE("a jump keeps the view and the height above the ground") {
+    for (unsigned seed = 0; seed < 3; ++seed) {
+        Place place(seed);
+        place.fly_somewhere();
+        for (int i = 0; i < 50; ++i) {
+            const fly::FreeCamera before = place.state.eye.free;
+            const double above = place.above();
+            const JumpTo to{uniform(place.random, 0, place.state.scene.width_m()),
+                            uniform(place.random, 0, place.state.scene.depth_m())};
+            place.act(to);
+            const fly::FreeCamera& now = place.state.eye.free;
+            CHECK(now.position_m.x == to.x_m);
+            CHECK(now.position_m.z == to.z_m);
+            CHECK(place.above() == Approx(above).margin(1e-6));
+            CHECK(now.heading == before.heading);
+            CHECK(now.pitch == before.pitch);
+        }
+        place.act(JumpTo{-1e9, 1e9}); // beside the map
+        CHECK(place.state.eye.free.position_m.x == 0);
+        CHECK(place.state.eye.free.position_m.z == Approx(place.state.scene.depth_m()));
+    }
+}
+
+TEST_CASE("frozen, refinement stays where it was and the picture moves on") {
+    Place place(4);
+    const Vec3 here = place.state.eye.view.eye_m;
+    place.act(Freeze{true});
+    place.fly_somewhere();
+    place.frame();
+    REQUIRE(place.state.eye.refining);
+    CHECK(length(place.state.eye.refining->eye_m - here) == 0);
+    CHECK(length(place.state.eye.view.eye_m - here) > 0);
+    CHECK(place.state.eye.frozen);
+    place.act(Freeze{false});
+    CHECK_FALSE(place.state.eye.refining);
+    CHECK_FALSE(place.state.eye.frozen);
+}
+
+TEST_CASE("a path is followed as it is held, until a hand moves the camera") {
+    Place place(6);
+    place.act(AddPoint{});
+    for (int i = 0; i < 3; ++i) {
+        place.act(JumpTo{30.0 * (i + 1) * place.state.scene.spacing_m[0], 40 * place.state.scene.spacing_m[1]});
+        place.act(AddPoint{});
+    }
+    REQUIRE(place.state.route.points().size() == 4);
+    place.act(PathSeconds{4});
+    place.act(PlayPath{true});
+    CHECK(place.state.eye.navigation == Navigation::path);
+    for (int i = 0; i < 60; ++i) place.frame();
+    CHECK(place.state.route.share() == Approx(0.25).margin(1e-9));
+    CHECK(length(place.state.eye.view.eye_m - place.state.route.pose().position_m) == 0);
+    place.act(Move{}); // of a frame in which nothing was touched
+    CHECK(place.state.route.playing());
+    Move look;
+    look.right_rad = 0.1;
+    place.act(look);
+    CHECK_FALSE(place.state.route.playing());
+    CHECK(place.state.eye.navigation == Navigation::fly);
+    place.act(SeekPath{1});
+    place.frame();
+    CHECK(length(place.state.eye.view.eye_m - place.state.route.poses().back().position_m) == 0);
+    place.act(ClearPath{});
+    CHECK(place.state.route.empty());
+    place.act(RestorePath{});
+    CHECK(place.state.route.points().size() == 4);
+}
+
+TEST_CASE("what cannot be done says so and changes nothing") {
+    Place place(8);
+    const std::size_t said = place.state.messages.all.size();
+    for (const Command& command : std::initializer_list<Command>{
+             PlayPath{true}, SeekPath{0.5}, Navigate{Navigation::path}, RemovePoint{0}, RestorePath{}, SavePath{},
+             PlaceCamera{{1e9, 0, 0}, 0, 0}})
+        place.act(command);
+    CHECK(place.state.messages.all.size() == said + 7);
+    CHECK(place.state.eye.navigation == Navigation::fly);
+}
+
+TEST_CASE("the map is painted in slices, all of it, and again while coarse terrain is still coming") {
+    Place place(9);
+    Overview map;
+    map.begin(place.terrain());
+    CHECK(map.columns() == Overview::longer_texels); // 180 samples by 140
+    CHECK(map.rows() < map.columns());
+    CHECK(map.rows() > map.columns() / 2);
+    int frames = 0;
+    while (!map.done() && frames < 1'000'000) map.advance(place.terrain(), frames > 20, 0), ++frames;
+    CHECK(map.done());
+    CHECK(frames > 100);
+    const std::set<std::uint32_t> colours(map.texels().begin(), map.texels().end());
+    CHECK(colours.size() > 100);
+    Map shown;
+    map.upload(shown);
+    CHECK(shown.texture != 0);
+    CHECK(shown.share == 1);
+    map.drop_graphics(shown);
+    CHECK(shown.texture == 0);
+    map.upload(shown); // another context: from what was painted
+    CHECK(shown.texture != 0);
+    map.end();
+}

@@ -1,0 +1,190 @@
+// Rings, quantiles, peaks and the histogram of levels, against the obvious ways to get them.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include "editor/measures.h"
+#include "fjell/cut.h"
+#include "support/terrain_fixture.h"
+
+using namespace fjell;
+using namespace fjell::editor;
+using namespace fjell::test;
+
+namespace {
+
+// From the bounding rectangle, as the shader finds it: a square holds even levels, two squares side by side odd ones.
+void count_plainly(const MeshView& mesh, int tile_log2, LevelHistogram& levels, std::uint64_t& triangles) {
+    for (const TileRange& range : mesh.tiles) {
+        triangles += range.triangles;
+        const std::size_t step = mesh.topology == Topology::strip ? 1 : 3;
+        for (std::size_t i = 0; i + 3 <= range.index_count; i += step) {
+            const auto vertex = [&](std::size_t k) { return mesh.vertices[mesh.indices[range.first_index + i + k]]; };
+            const MeshVertex a = vertex(0), b = vertex(1), c = vertex(2);
+            const auto x = [&](const MeshVertex& v) { return v.column - a.column; };
+            const auto z = [&](const MeshVertex& v) { return v.row - a.row; };
+            if (x(b) * z(c) - z(b) * x(c) == 0) continue;
+            const auto [left, right] = std::minmax({a.column, b.column, c.column});
+            const auto [top, bottom] = std::minmax({a.row, b.row, c.row});
+            const int w = right - left, h = bottom - top;
+            const int halvings = tile_log2 - static_cast<int>(std::floor(std::log2(std::max(w, h))));
+            ++levels.triangles[static_cast<std::size_t>(2 * halvings + (w == h ? 0 : 1))];
+        }
+    }
+}
+
+std::size_t calls_until_shown(Measures& measures, const MeshView& mesh, std::uint32_t tile_log2) {
+    std::size_t calls = 0;
+    do
+        measures.count_levels(mesh, tile_log2);
+    while (++calls < 10'000 && measures.levels().levels == 0);
+    return calls;
+}
+
+void check_histogram(const MeshView& mesh, std::uint32_t tile_log2) {
+    Measures measures;
+    const std::size_t calls = calls_until_shown(measures, mesh, tile_log2);
+    LevelHistogram plain;
+    std::uint64_t triangles = 0, counted = 0;
+    count_plainly(mesh, static_cast<int>(tile_log2), plain, triangles);
+    for (const std::uint32_t n : measures.levels().triangles) counted += n;
+    CHECK(measures.levels().triangles == plain.triangles);
+    CHECK(counted == triangles); // which the method has counted itself
+    CHECK(measures.levels().most == *std::max_element(plain.triangles.begin(), plain.triangles.end()));
+    CHECK(calls <= mesh.indices.size() / (Measures::indices_a_call / 2) + mesh.tiles.size() / 1000 + 2);
+}
+
+} // namespace
+
+TEST_CASE("a ring holds the last values, the oldest first") {
+    for (unsigned seed = 0; seed < 5; ++seed) {
+        Random random(seed);
+        Ring ring;
+        std::deque<float> model;
+        for (int i = pick(random, 0, 1500); i > 0; --i) {
+            model.push_back(static_cast<float>(uniform(random, -5, 5)));
+            if (model.size() > measured_frames) model.pop_front();
+            ring.push(model.back());
+        }
+        REQUIRE(ring.size() == model.size());
+        for (std::size_t i = 0; i < model.size(); ++i) REQUIRE(ring.value(i) == model[i]);
+    }
+}
+
+TEST_CASE("quantiles are the nearest ranks of what was sorted") {
+    CHECK(Ring().quantiles().max == 0);
+    for (unsigned seed = 0; seed < 60; ++seed) {
+        Random random(seed);
+        Ring ring;
+        std::vector<float> all;
+        for (int i = pick(random, 1, 700); i > 0; --i) {
+            // Often the same value.
+            all.push_back(static_cast<float>(pick(random, 0, 1) == 1 ? pick(random, 0, 3) : uniform(random, 0, 1e4)));
+            ring.push(all.back());
+        }
+        const float last = all.back();
+        if (all.size() > measured_frames) all.erase(all.begin(), all.end() - measured_frames);
+        std::sort(all.begin(), all.end());
+        const auto rank = [&](std::size_t percent) { return all[(percent * all.size() + 99) / 100 - 1]; };
+        const Quantiles q = ring.quantiles();
+        INFO("seed " << seed << ", " << all.size() << " values");
+        CHECK(q.p50 == rank(50));
+        CHECK(q.p99 == rank(99));
+        CHECK(q.max == all.back());
+        CHECK(q.last == last);
+    }
+}
+
+TEST_CASE("a frame is recorded once, and one that was built from nothing counts as none of the others") {
+    Measures measures;
+    fly::FrameEntry entry;
+    entry.update_us = 9000;
+    entry.items = 70;
+    entry.rebuilt = true;
+    measures.record(entry, 16000, 3000, 400);
+    CHECK(measures.frames() == 1);
+    CHECK(measures.last().items == 70);
+    CHECK(measures.ring(Series::frame_us).size() == 0);
+    CHECK(measures.peaks().update_us == 0);
+    entry.rebuilt = false;
+    entry.update_us = 800;
+    measures.record(entry, 16000, 3000, 400);
+    CHECK(measures.ring(Series::frame_us).size() == 1);
+    CHECK(measures.ring(Series::editor_us).quantiles().last == 400);
+    CHECK(measures.ring(Series::draw_us).quantiles().last == 3000);
+    entry.items = 10;
+    measures.record(entry, 16000, 3000, 400);
+    CHECK(measures.peaks().update_us == 800);
+    CHECK(measures.peaks().items == 70);
+    CHECK(measures.last().items == 10);
+    measures.clear();
+    CHECK(measures.frames() == 0);
+    CHECK(measures.peaks().items == 0);
+}
+
+TEST_CASE("halving a triangle raises its level by one") {
+    for (unsigned seed = 0; seed < 200; ++seed) {
+        Random random(seed);
+        const int tile_log2 = pick(random, 1, 12), side = 1 << tile_log2;
+        const int left = side * pick(random, -3, 3), top = side * pick(random, -3, 3);
+        MeshVertex ends[2] = {{left, top, 0}, {left + side, top + side, 0}}; // of the hypotenuse
+        MeshVertex apex{left + side, top, 0};
+        if (pick(random, 0, 1) == 1) apex = {left, top + side, 0};
+        for (int level = 0; level <= 2 * tile_log2; ++level) {
+            INFO("seed " << seed << ", tiles of " << side);
+            CHECK(triangle_level(ends[0], apex, ends[1], static_cast<std::uint32_t>(tile_log2)) == level);
+            const MeshVertex middle{(ends[0].column + ends[1].column) / 2, (ends[0].row + ends[1].row) / 2, 0};
+            ends[pick(random, 0, 1)] = apex;
+            apex = middle;
+        }
+    }
+    const MeshVertex a{0, 0, 0}, b{4, 4, 0}, c{2, 2, 0};
+    CHECK(triangle_level(a, b, c, 3) < 0);
+    CHECK(triangle_level(a, a, b, 3) < 0);
+}
+
+TEST_CASE("the histogram of levels is the plain count, of lists and of strips") {
+    for (unsigned seed = 0; seed < 12; ++seed) {
+        Random random(seed);
+        const int tile_log2 = pick(random, 3, 6);
+        const host::LoadedPack loaded = bake_and_load(
+            random_dem(random, pick(random, 40, 260), pick(random, 40, 260), Shape::fractal), small_bake(tile_log2));
+        Recursive method(loaded.terrain, ample_budget(loaded.terrain));
+        RefineSettings settings;
+        settings.error_px = uniform(random, 0.2, 20);
+        settings.cull = pick(random, 0, 1) == 1;
+        for (const Topology topology : {Topology::triangles, Topology::strip}) {
+            settings.topology = topology;
+            (void)method.update(random_view(random, loaded.terrain), settings);
+            INFO("seed " << seed << ", " << (topology == Topology::strip ? "strips" : "list"));
+            check_histogram(method.mesh(), static_cast<std::uint32_t>(tile_log2));
+        }
+    }
+}
+
+TEST_CASE("the histogram of the live cut is the plain count, whatever lies idle in its chunks") {
+    for (unsigned seed = 0; seed < 6; ++seed) {
+        Random random(seed);
+        const int tile_log2 = pick(random, 4, 6);
+        const host::LoadedPack loaded =
+            bake_and_load(random_dem(random, 200, 170, Shape::fractal), small_bake(tile_log2));
+        CutBudget budget;
+        budget.vertices = 1u << 16;
+        budget.triangles = 1u << 18;
+        const std::size_t bytes = cut_bytes(loaded.terrain, budget);
+        const host::AlignedBlock block = host::make_block(bytes);
+        LiveCut cut;
+        REQUIRE(create_cut(loaded.terrain, budget, {block.get(), bytes}, cut).ok());
+        for (int frame = 0; frame < 4; ++frame) {
+            const View view = random_view(random, loaded.terrain);
+            CutSettings settings;
+            settings.error_px = uniform(random, 0.5, 8);
+            CutReport report;
+            REQUIRE(update_cut(cut, std::span(&view, 1), settings, report).ok());
+            INFO("seed " << seed << ", frame " << frame);
+            check_histogram(cut_mesh(cut).mesh, static_cast<std::uint32_t>(tile_log2));
+        }
+    }
+}

@@ -1,0 +1,307 @@
+// The editor's camera path: what is written is read back, and no edit loses anything.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <variant>
+
+#include "editor/route.h"
+#include "host/failure.h"
+#include "support/program.h"
+#include "support/terrain_fixture.h"
+
+using namespace fjell;
+using namespace fjell::editor;
+using namespace fjell::test;
+using fly::ControlPoint;
+using fly::Pose;
+
+namespace {
+
+fly::Ground plain() {
+    fly::Ground ground;
+    ground.extent_x_m = 9000;
+    ground.extent_z_m = 7000;
+    ground.cell_m = 30;
+    return ground;
+}
+
+Pose random_pose(Random& random) {
+    const double heading = uniform(random, -3, 3), pitch = uniform(random, -1.4, 1.4), roll = uniform(random, -0.8, 0.8);
+    const Vec3 direction{std::sin(heading) * std::cos(pitch), std::sin(pitch), -std::cos(heading) * std::cos(pitch)};
+    const Vec3 level = normalised(Vec3{0, 1, 0} - direction * direction.y);
+    const Vec3 up = level * std::cos(roll) + cross(direction, level) * std::sin(roll);
+    return {{uniform(random, -1e5, 1e5), uniform(random, -400, 9000), uniform(random, -1e5, 1e5)}, direction, up};
+}
+
+// Poses that turn a little from one to the next: a path through them can be held upright.
+Pose gentle_pose(Random& random, int i) {
+    const double heading = 0.2 * i + uniform(random, -0.1, 0.1), pitch = uniform(random, -0.4, 0.1);
+    const Vec3 d{std::sin(heading) * std::cos(pitch), std::sin(pitch), -std::cos(heading) * std::cos(pitch)};
+    return {{300.0 * i + uniform(random, 0, 100), uniform(random, 500, 900), uniform(random, 0, 7000)},
+            d,
+            normalised(Vec3{0, 1, 0} - d * d.y)};
+}
+
+ControlPoint point_of(const Pose& p) {
+    return fly::unit_point({p.position_m.x, p.position_m.y, p.position_m.z, p.direction.x, p.direction.y,
+                            p.direction.z, p.up.x, p.up.y, p.up.z});
+}
+
+std::vector<ControlPoint> lay(Random& random, Route& route, int count) {
+    std::vector<ControlPoint> points;
+    for (int i = 0; i < count; ++i) {
+        const Pose pose = gentle_pose(random, i);
+        route.add(pose, plain());
+        points.push_back(point_of(pose));
+    }
+    return points;
+}
+
+std::vector<ControlPoint> points_in(const fly::CameraPath& path) {
+    std::vector<ControlPoint> points;
+    const auto& spline = std::get<fly::SplinePath>(path.kind).spline;
+    for (const double knot : spline.knots()) points.push_back(spline.at(knot));
+    return points;
+}
+
+} // namespace
+
+TEST_CASE("a path's text reads back to the last bit") {
+    for (unsigned seed = 0; seed < 200; ++seed) {
+        Random random(seed);
+        INFO("seed " << seed);
+        std::vector<ControlPoint> points;
+        for (int i = pick(random, 2, 30); i > 0; --i) points.push_back(point_of(random_pose(random)));
+        fly::CameraPath path;
+        path.name = "laid";
+        path.seconds = pick(random, 0, 1) == 1 ? uniform(random, 0.001, 3600) : 0;
+        std::vector<double> knots = fly::chord_knots(points, path.name);
+        path.kind = fly::SplinePath{fly::NaturalSpline<9>(knots, points)};
+        const std::string text = fly::path_text(path);
+        const fly::CameraPath back = fly::parse_path(text, "back");
+        CHECK(points_in(back) == points);
+        CHECK(back.seconds == path.seconds);
+        CHECK(back.units == fly::Units::metres);
+        CHECK(fly::path_text(back) == text);
+    }
+}
+
+TEST_CASE("orbits and lines keep their text too, and recorded frames have none") {
+    for (const char* text :
+         {R"({"units": "terrain", "orbit": {"radius": 0.3, "turns": -2.5}})",
+          R"({"orbit": {"centre": [100, 200], "radius": 1000, "height": 400}})",
+          R"({"units": "terrain", "seconds": 12, "straight": {"from": [0, 0.1, 0.5], "to": [1, 0.1, 0.5],
+              "cells_per_frame": 1.5, "pitch_deg": -10}})"}) {
+        const fly::CameraPath path = fly::parse_path(text, "p");
+        const std::string written = fly::path_text(path);
+        const fly::CameraPath back = fly::parse_path(written, "back");
+        CHECK(fly::path_text(back) == written);
+        CHECK(back.units == path.units);
+        CHECK(back.seconds == path.seconds);
+        const auto a = fly::resample(path, plain(), 50), b = fly::resample(back, plain(), 50);
+        for (std::size_t i = 0; i < a.size(); ++i) CHECK(length(a[i].position_m - b[i].position_m) == 0);
+    }
+    const fly::CameraPath recorded =
+        fly::parse_path("F 0 1 0 0 0 1 0 0 0 1 0.1 0.2 0.3 1\nF 0 1 0 0 0 1 0 0 0 1 0.2 0.2 0.3 1\n", "r");
+    CHECK_THROWS_AS(fly::path_text(recorded), host::Failure);
+}
+
+TEST_CASE("a path that is laid, saved and opened is the same path") {
+    const TemporaryFolder folder;
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        Random random(seed);
+        INFO("seed " << seed);
+        Route route, opened;
+        const std::vector<ControlPoint> points = lay(random, route, pick(random, 2, 25));
+        if (seed % 2 == 0) route.set_seconds(uniform(random, 1, 40), plain());
+        CHECK(route.points() == points);
+        CHECK(route.unsaved());
+        route.save(folder / "p.json");
+        CHECK_FALSE(route.unsaved());
+        opened.open(folder / "p.json", plain());
+        CHECK(opened.points() == points);
+        CHECK_FALSE(opened.unsaved());
+        if (seed % 2 != 0) continue;
+        REQUIRE(opened.poses().size() == route.poses().size());
+        for (std::size_t i = 0; i < route.poses().size(); ++i)
+            CHECK(length(opened.poses()[i].position_m - route.poses()[i].position_m) == 0);
+    }
+}
+
+TEST_CASE("a path passes through all of its points, as long as it was asked to") {
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        Random random(seed);
+        Route route;
+        const std::vector<ControlPoint> points = lay(random, route, pick(random, 2, 12));
+        const double seconds = uniform(random, 5, 60);
+        route.set_seconds(seconds, plain());
+        INFO("seed " << seed);
+        CHECK(std::abs(route.seconds() - seconds) <= 0.5 / poses_a_second + 1e-9);
+        double step_m = 0; // the camera is between two poses when it passes a point
+        for (std::size_t i = 1; i < route.poses().size(); ++i)
+            step_m = std::max(step_m, length(route.poses()[i].position_m - route.poses()[i - 1].position_m));
+        for (const ControlPoint& p : points) {
+            double nearest = 1e9;
+            for (const Pose& pose : route.poses())
+                nearest = std::min(nearest, length(pose.position_m - Vec3{p[0], p[1], p[2]}));
+            CHECK(nearest <= step_m);
+        }
+    }
+}
+
+TEST_CASE("playing goes through the path once in its seconds, and begins again or stops") {
+    Random random(7);
+    Route route;
+    (void)lay(random, route, 5);
+    route.set_seconds(10, plain());
+    route.play(true);
+    for (int i = 0; i < 300; ++i) REQUIRE(route.advance(1.0 / 60));
+    CHECK(route.share() == Approx(0.5).margin(1e-9));
+    route.play(false);
+    CHECK_FALSE(route.advance(1.0 / 60));
+    CHECK(route.share() == Approx(0.5).margin(1e-9));
+    route.play(true);
+    for (int i = 0; i < 330; ++i) REQUIRE(route.advance(1.0 / 60));
+    CHECK(route.share() == Approx(0.05).margin(1e-9)); // once round
+    route.loop(false);
+    for (int i = 0; i < 600 && route.playing(); ++i) (void)route.advance(1.0 / 60);
+    CHECK_FALSE(route.playing());
+    CHECK(route.share() == 1);
+    CHECK(length(route.pose().position_m - route.poses().back().position_m) == 0);
+    route.play(true); // from the beginning
+    CHECK(route.share() == 0);
+}
+
+TEST_CASE("a recording keeps near the flight and takes its time") {
+    Random random(11);
+    Route route;
+    const auto at = [](double s) { // a wave over the plain, 20 seconds long
+        const Vec3 position{400 * s, 600 + 100 * std::sin(s / 3), 3000 + 800 * std::sin(s / 4)};
+        const Vec3 d = normalised(Vec3{400, 0, 200 * std::cos(s / 4)});
+        return Pose{position, d, {0, 1, 0}};
+    };
+    route.record(true, at(0), plain());
+    for (int i = 1; i <= 1200; ++i) REQUIRE(route.follow(at(i / 60.0), 1.0 / 60));
+    CHECK(route.empty()); // until it ends
+    route.record(false, at(20), plain());
+    CHECK(route.points().size() > 50);
+    CHECK(route.seconds() == Approx(20).margin(0.1));
+    CHECK(route.unsaved());
+    double worst = 0;
+    for (const Pose& pose : route.poses()) {
+        const Pose flown = at(pose.position_m.x / 400);
+        worst = std::max(worst, length(flown.position_m - pose.position_m));
+    }
+    CHECK(worst < 60); // points are two cells apart at least, 60 m
+}
+
+TEST_CASE("a recording of a camera that stood still is refused, and the path before it stays") {
+    Random random(3);
+    Route route;
+    const std::vector<ControlPoint> points = lay(random, route, 4);
+    const Pose still = gentle_pose(random, 1);
+    route.record(true, still, plain());
+    for (int i = 0; i < 100; ++i) (void)route.follow(still, 1.0 / 60);
+    CHECK_THROWS_AS(route.record(false, still, plain()), host::Failure);
+    CHECK_FALSE(route.recording());
+    CHECK(route.points() == points);
+}
+
+TEST_CASE("a recording ends itself when it is full") {
+    Route route;
+    const auto at = [](int i) { return Pose{{100.0 * i, 500, 0}, {1, 0, 0}, {0, 1, 0}}; };
+    route.record(true, at(0), plain());
+    int i = 1;
+    while (route.follow(at(i), 0.01)) ++i;
+    CHECK(route.recorded() == most_points);
+    route.record(false, at(i), plain());
+    CHECK(route.points().size() == most_points);
+}
+
+TEST_CASE("edits do to the list what they say, and restoring takes the last one back") {
+    for (unsigned seed = 0; seed < 30; ++seed) {
+        Random random(seed);
+        INFO("seed " << seed);
+        Route route;
+        std::vector<ControlPoint> model = lay(random, route, pick(random, 3, 10));
+        for (int edit = 0; edit < 12; ++edit) {
+            const std::vector<ControlPoint> before = model;
+            const auto n = static_cast<int>(model.size());
+            const auto at = static_cast<std::size_t>(pick(random, 0, n - 1));
+            const auto to = static_cast<std::size_t>(pick(random, 0, n - 1));
+            const Pose pose = gentle_pose(random, 100 + edit);
+            const auto place = [&](std::size_t i) { return model.begin() + static_cast<std::ptrdiff_t>(i); };
+            switch (pick(random, 0, 3)) {
+            case 0:
+                (void)route.select(at);
+                route.add(pose, plain());
+                model.insert(place(at + 1), point_of(pose));
+                CHECK(route.selected() == at + 1);
+                break;
+            case 1:
+                route.replace(at, pose, plain());
+                model[at] = point_of(pose);
+                break;
+            case 2:
+                if (n <= 3) continue;
+                route.remove(at, plain());
+                model.erase(place(at));
+                break;
+            default: {
+                const ControlPoint moved = model[at];
+                route.move(at, to, plain());
+                model.erase(place(at));
+                model.insert(place(to), moved);
+            }
+            }
+            CHECK(route.points() == model);
+            if (pick(random, 0, 2) != 0) continue;
+            route.restore();
+            CHECK(route.points() == before);
+            model = before;
+        }
+        route.clear();
+        CHECK(route.points().empty());
+        CHECK(route.empty());
+        route.restore();
+        CHECK(route.points() == model);
+        CHECK(route.unsaved());
+    }
+}
+
+TEST_CASE("what cannot be leaves the path as it was") {
+    Random random(5);
+    Route route;
+    const std::vector<ControlPoint> points = lay(random, route, 4);
+    CHECK_THROWS_AS(route.remove(4, plain()), host::Failure);
+    CHECK_THROWS_AS(route.select(99), host::Failure);
+    CHECK_THROWS_AS(route.set_seconds(0.5, plain()), host::Failure);
+    CHECK_THROWS_AS(route.open("/nowhere/at all.json", plain()), host::Failure);
+    CHECK_THROWS_AS(route.save(""), host::Failure);
+    CHECK_THROWS_AS(route.save("/nowhere/at all.json"), host::Failure);
+    const Pose last = route.select(3);
+    CHECK_THROWS_AS(route.add(last, plain()), host::Failure); // the same place twice
+    CHECK(route.points() == points);
+    CHECK(route.unsaved());
+}
+
+TEST_CASE("an orbit is played and saved as it is until it is edited") {
+    const TemporaryFolder folder;
+    spit(folder / "o.json", R"({"units": "terrain", "orbit": {"radius": 0.2}})");
+    Route route;
+    route.open(folder / "o.json", plain());
+    CHECK(route.as_read());
+    CHECK(route.points().size() > 10);
+    CHECK(route.poses().size() == fly::default_frames);
+    route.save(folder / "same.json");
+    CHECK(std::holds_alternative<fly::Orbit>(fly::read_path(folder / "same.json").kind));
+    const Pose on_it = route.poses()[100];
+    route.replace(3, route.poses()[45], plain());
+    CHECK_FALSE(route.as_read());
+    CHECK(route.unsaved());
+    double nearest = 1e9;
+    for (const Pose& pose : route.poses()) nearest = std::min(nearest, length(pose.position_m - on_it.position_m));
+    CHECK(nearest < 0.01 * plain().longer_m()); // still round there
+    route.save("");
+    CHECK(std::holds_alternative<fly::SplinePath>(fly::read_path(folder / "same.json").kind));
+}
