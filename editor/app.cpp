@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <iostream>
+#include <optional>
 #include <sstream>
 #include <thread>
 #include <utility>
@@ -31,6 +32,18 @@ using host::Failure;
 double microseconds(Clock::duration d) {
     return std::chrono::duration<double, std::micro>(d).count();
 }
+
+// A stretch of the editor's own code.
+class Own {
+public:
+    explicit Own(void (*watch)(bool begins)) : watch_(watch) { watch_(true); }
+    ~Own() { watch_(false); }
+    Own(const Own&) = delete;
+    Own& operator=(const Own&) = delete;
+
+private:
+    void (*watch_)(bool begins);
+};
 
 constexpr double map_us = 150; // of a frame, for painting the map
 
@@ -205,7 +218,10 @@ void App::frame() {
     const double commands_us = carry_out();
     const double own_us = panels_us + commands_us + move_and_update();
     draw();
-    state_.measures.record(entry_, frame_us, draw_us_, own_us);
+    {
+        const Own own(watch_);
+        state_.measures.record(entry_, frame_us, draw_us_, own_us);
+    }
     if (recording) ui::record_marks(false);
     finish_requests();
     surface_->present();
@@ -214,6 +230,7 @@ void App::frame() {
 double App::interface() {
     surface_->begin_frame();
     surface_->size(state_.interface.width_px, state_.interface.height_px);
+    const Own own(watch_);
     const auto start = Clock::now();
     ImGui::NewFrame();
     draw_panels(state_, commands_);
@@ -222,6 +239,7 @@ double App::interface() {
 }
 
 double App::carry_out() {
+    std::optional<Own> own(watch_);
     const auto start = Clock::now();
     const Desk desk{state_, engine_, jobs_};
     for (const std::string& file : std::exchange(surface_->dropped, {})) apply(Open{file, false}, desk);
@@ -234,9 +252,11 @@ double App::carry_out() {
     }
     commands_.clear();
     if (jobs_.poll(state_.job)) take_result(desk);
+    own.reset();
     const auto follow = Clock::now();
     follow_document(desk); // making a terrain anew is not what the editor costs
     const auto followed = Clock::now();
+    own.emplace(watch_);
     keep_up(state_);
     if (shown_title_ != state_.files.title) {
         shown_title_ = state_.files.title;
@@ -257,10 +277,14 @@ double App::move_and_update() {
     fit_target();
     if (!target_) return 0;
     const auto start = Clock::now();
-    move_camera({state_, engine_, jobs_}, std::min(static_cast<double>(ImGui::GetIO().DeltaTime), 0.25));
+    {
+        const Own own(watch_);
+        move_camera({state_, engine_, jobs_}, std::min(static_cast<double>(ImGui::GetIO().DeltaTime), 0.25));
+    }
     const auto moved = Clock::now();
     const View& refining = state_.eye.refining ? *state_.eye.refining : state_.eye.view;
     entry_ = engine_.update(refining, state_.document.profile(), state_.now_s, draw_us_);
+    const Own own(watch_);
     const auto updated = Clock::now();
     const fly::Session& session = engine_.session();
     if (session.streamed) state_.reader = session.streamed->reader();

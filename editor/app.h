@@ -28,6 +28,9 @@ public:
     App& operator=(const App&) = delete;
 
     int run();
+    [[nodiscard]] const State& state() const { return state_; }
+    // Called where the editor's own code of a frame begins and ends: for tests that count what it does.
+    void watch_own_code(void (*watch)(bool begins)) { watch_ = watch; }
 
 private:
     void frame();
@@ -51,13 +54,13 @@ private:
     std::size_t script_at_ = 0;
     std::uint64_t wait_until_frame_ = 0;
     bool waiting_there_ = false;
-    std::uint64_t there_since_ = 0;
     std::string shown_title_;
     bool dumping_ = false; // at the end of this frame
     bool ended_ = false; // as it should: not by a signal or a failure
     double styled_ = 0; // the scale that fonts were made for
     fly::FrameEntry entry_; // of this frame
     double draw_us_ = 0;    // and what giving it to the driver took
+    void (*watch_)(bool begins) = [](bool) {};
     std::vector<Command> after_frame_; // Screenshot and DumpState, once the frame is drawn
     std::vector<Command> next_frame_;  // those that panels ask for: of the frame after theirs
     // Destroyed from last to first: GL objects need their context.

@@ -156,7 +156,7 @@ std::string dump(const State& state) {
     const json all = {
         {"frame", state.frame},
         {"scene",
-         {{"path", s.path}, {"columns", s.columns}, {"rows", s.rows}, {"tiles", {s.tiles_x, s.tiles_y}},
+         {{"path", s.path}, {"columns", s.columns}, {"rows", s.rows}, {"spacing_m", {s.spacing_m[0], s.spacing_m[1]}}, {"tiles", {s.tiles_x, s.tiles_y}},
           {"streamed", s.streamed}, {"method_bytes", s.method_bytes}}},
         {"profile", profile_json(state.document.profile())},
         {"document", document_json(state.document)},

@@ -1,6 +1,6 @@
 #include "editor/surface.h"
 
-#include <chrono>
+#include <array>
 #include <cstring>
 #include <utility>
 
@@ -27,7 +27,10 @@ public:
             auto* const self = static_cast<WindowSurface*>(glfwGetWindowUserPointer(w));
             self->dropped.assign(paths, paths + count);
         });
-        ImGui_ImplGlfw_InitForOpenGL(handle, true);
+        glfwSetKeyCallback(handle, [](GLFWwindow* w, int key, int, int action, int mods) {
+            static_cast<WindowSurface*>(glfwGetWindowUserPointer(w))->note(key, action, mods);
+        });
+        ImGui_ImplGlfw_InitForOpenGL(handle, true); // its callbacks call ours
         ImGui_ImplOpenGL3_Init("#version 450 core");
     }
     ~WindowSurface() override {
@@ -36,7 +39,17 @@ public:
     }
 
     void begin_frame() override {
+        ImGuiIO& io = ImGui::GetIO();
+        for (std::size_t i = 0; i < struck_; ++i)
+            if (glfwGetKey(window_->handle(), keys_[i]) != GLFW_PRESS) io.KeysDown[keys_[i]] = false;
+        struck_ = 0;
         window_->poll();
+        for (std::size_t i = 0; i < struck_; ++i) io.KeysDown[keys_[i]] = true;
+        if (struck_ != 0) {
+            io.KeyCtrl = (mods_ & GLFW_MOD_CONTROL) != 0;
+            io.KeyShift = (mods_ & GLFW_MOD_SHIFT) != 0;
+            io.KeyAlt = (mods_ & GLFW_MOD_ALT) != 0;
+        }
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
     }
@@ -58,7 +71,18 @@ public:
     }
 
 private:
+    // ImGui 1.86 looks at keys once a frame: what goes down and up again between two frames would be lost. It is held
+    // down for the frame that follows, with the modifiers it was struck with.
+    void note(int key, int action, int mods) {
+        if (action != GLFW_PRESS || key < 0 || key >= GLFW_KEY_LEFT_SHIFT || struck_ == keys_.size()) return;
+        keys_[struck_++] = key;
+        mods_ = mods;
+    }
+
     std::unique_ptr<gl::Window> window_;
+    std::array<int, 16> keys_{};
+    std::size_t struck_ = 0;
+    int mods_ = 0;
 };
 
 class HeadlessSurface : public Surface {
