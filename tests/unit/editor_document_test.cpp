@@ -216,6 +216,20 @@ TEST_CASE("an open that an engine refuses leaves the file that was there before"
     CHECK(document.undo_steps() == 0);
 }
 
+TEST_CASE("what was saved before an engine refused it is saved still") {
+    const TemporaryFolder folder;
+    Document document;
+    document.save(folder / "a.toml");
+    document.accept();
+    document.set(key_of("refine.error_px"), 3, false);
+    document.save(folder / "b.toml");
+    REQUIRE(document.revert());
+    CHECK(document.path() == folder / "b.toml");
+    CHECK(document.saved().refine.error_px == 3);
+    CHECK(document.profile().refine.error_px == 1);
+    CHECK(document.unsaved());
+}
+
 TEST_CASE("a drag is one step, and none when it ends where it began") {
     Document document;
     const fly::ProfileKey& key = key_of("refine.error_px");
