@@ -97,9 +97,7 @@ private:
         }
     }
     // Few different ones, so that they come back often.
-    double any_value(const fly::ProfileKey& key) {
-        return slider_value(key, static_cast<double>(random_() % 4) / 3);
-    }
+    double any_value(const fly::ProfileKey& key) { return slider_value(key, static_cast<double>(random_() % 4) / 3); }
     fly::Profile with(fly::Profile profile, const fly::ProfileKey& key, double value) {
         if (key.get(profile) != value) key.set(profile, value);
         return profile;
@@ -296,8 +294,8 @@ TEST_CASE("a profile that cannot be saved stays unsaved, and what was there stay
     document.save(folder / "mine.toml");
     const std::string before = slurp(folder / "mine.toml");
     document.set(key_of("refine.error_px"), 7, false);
-    for (const std::string& path : {folder / "file/mine.toml", folder / "folder.toml", std::string("/dev/full"),
-                                    folder / "missing/mine.toml"}) {
+    for (const std::string& path :
+         {folder / "file/mine.toml", folder / "folder.toml", std::string("/dev/full"), folder / "missing/mine.toml"}) {
         INFO(path);
         CHECK_THROWS_AS(document.save(path), host::Failure);
         CHECK(document.unsaved());
