@@ -12,9 +12,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* everything[] = {".fjell", ".toml", ".json", ".txt", ".path", ".tif", ".tiff", ".hgt", ".asc",
-                                      ".dem",   ".vrt",  ".nc",   ".png", ".img",  ".bil", ".flt",  ".adf", ".bmp",
-                                      ".dt0",   ".dt1",  ".dt2",  ".jp2"};
+constexpr const char* everything[] = {".fjell", ".toml", ".json", ".txt", ".path", ".tif", ".tiff", ".hgt",
+                                      ".asc",   ".dem",  ".vrt",  ".nc",  ".png",  ".img", ".bil",  ".flt",
+                                      ".adf",   ".bmp",  ".dt0",  ".dt1", ".dt2",  ".jp2"};
 constexpr const char* profiles[] = {".toml"};
 constexpr const char* paths[] = {".json", ".txt", ".path"};
 

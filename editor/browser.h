@@ -22,8 +22,8 @@ public:
         std::uint64_t bytes = 0;
     };
 
-    [[nodiscard]] const std::string& folder() const { return folder_; } // absolute; empty: not looked anywhere yet
-    [[nodiscard]] const std::string& parent() const { return parent_; } // empty: there is none above
+    [[nodiscard]] const std::string& folder() const { return folder_; }   // absolute; empty: not looked anywhere yet
+    [[nodiscard]] const std::string& parent() const { return parent_; }   // empty: there is none above
     [[nodiscard]] const std::string& problem() const { return problem_; } // why the folder cannot be read
     // Those that are shown: folders first, then files of the dialogue's kinds, each by name.
     [[nodiscard]] std::size_t size() const { return shown_.size(); }

@@ -48,7 +48,8 @@ std::string written_path(const Unsaved& unsaved, const std::string& folder) {
     if (unsaved.points.empty()) return {};
     nlohmann::json points = nlohmann::json::array();
     for (const fly::ControlPoint& p : unsaved.points)
-        points.push_back({{"position", {p[0], p[1], p[2]}}, {"direction", {p[3], p[4], p[5]}}, {"up", {p[6], p[7], p[8]}}});
+        points.push_back(
+            {{"position", {p[0], p[1], p[2]}}, {"direction", {p[3], p[4], p[5]}}, {"up", {p[6], p[7], p[8]}}});
     const nlohmann::json path = {{"comment", "Recovered."}, {"units", "metres"}, {"points", points}};
     const std::string text = path.dump(1) + "\n";
     std::string name = folder + "/recovered-path.json";
@@ -151,9 +152,7 @@ void carry_out(const Open& c, Desk desk) {
         if (!desk.engine.is_open())
             throw host::Failure(2, fmt::format("{}: a camera path; open a terrain for it first", c.path));
         return carry_out(OpenPath{c.path, c.discard}, desk);
-    case FileKind::heights:
-        state.bake_input = c.path;
-        return carry_out(ShowDialog{Dialog::bake}, desk);
+    case FileKind::heights: state.bake_input = c.path; return carry_out(ShowDialog{Dialog::bake}, desk);
     }
 }
 

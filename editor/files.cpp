@@ -51,9 +51,10 @@ FileKind kind_of_json(const std::string& path) {
     if (!object.is_object()) throw Failure(1, fmt::format("{}: begins like JSON, but is none", path));
     if (has({"points", "orbit", "straight"})) return FileKind::path;
     if (has({"inputs", "relief_m", "feature_m"})) return FileKind::heights;
-    throw Failure(1, fmt::format("{}: JSON, but no camera path (points, orbit, straight), landscape (relief_m) or recipe "
-                                 "(inputs)",
-                                 path));
+    throw Failure(1,
+                  fmt::format("{}: JSON, but no camera path (points, orbit, straight), landscape (relief_m) or recipe "
+                              "(inputs)",
+                              path));
 }
 
 } // namespace

@@ -2,8 +2,8 @@
 //
 // Folders are XDG's: settings in $XDG_CONFIG_HOME/fjell (~/.config/fjell), changes that were not saved in
 // $XDG_STATE_HOME/fjell (~/.local/state/fjell), the sample in $XDG_CACHE_HOME/fjell (~/.cache/fjell). Thread: the
-// frame's, at what a hand does, never in a steady frame. Failure: host::Failure, but for settings, which nothing depends
-// on: those that cannot be read are the defaults, with a problem to tell.
+// frame's, at what a hand does, never in a steady frame. Failure: host::Failure, but for settings, which nothing
+// depends on: those that cannot be read are the defaults, with a problem to tell.
 #pragma once
 
 #include <cstddef>

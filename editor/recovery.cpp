@@ -70,8 +70,8 @@ Unsaved parse(const std::string& text) {
 // Not AtomicFile: that waits until the disk has it, which no frame can.
 void write_quickly(const std::string& file, const std::string& text) {
     const std::string temporary = file + ".tmp";
-    const int fd = host::uninterrupted(
-        [&] { return open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600); });
+    const int fd =
+        host::uninterrupted([&] { return open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600); });
     if (fd < 0) host::disk_failure(temporary, "open");
     try {
         host::write_all(fd, 0, std::as_bytes(std::span(text)), temporary);

@@ -20,8 +20,8 @@ namespace fjell::editor {
 struct Unsaved {
     fly::Profile profile;
     bool profile_changed = false;
-    std::string path;                     // of the profile's file; empty: it had none
-    std::string pack;                     // that was open; empty: none
+    std::string path;                      // of the profile's file; empty: it had none
+    std::string pack;                      // that was open; empty: none
     std::vector<fly::ControlPoint> points; // of the camera's path, when that was not saved
 };
 
@@ -44,7 +44,7 @@ public:
     // At once: the program is about to end, and not of its own will.
     void keep_now(const Document& document, const Route& route, const std::string& pack);
     void remove();
-    [[nodiscard]] std::string take_problem(); // one line, each only once; empty: none
+    [[nodiscard]] std::string take_problem();                       // one line, each only once; empty: none
     [[nodiscard]] const std::string& file() const { return file_; } // empty: nothing is kept
 
 private:

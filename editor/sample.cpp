@@ -26,8 +26,7 @@ std::string sample_pack(const std::string& cache_folder) {
 }
 
 Bake bake_sample(const std::string& cache_folder) {
-    if (cache_folder.empty())
-        throw host::Failure(3, "there is no folder for the sample; set XDG_CACHE_HOME or HOME");
+    if (cache_folder.empty()) throw host::Failure(3, "there is no folder for the sample; set XDG_CACHE_HOME or HOME");
     std::error_code ignored; // what is wrong with the folder, the file says
     std::filesystem::create_directories(cache_folder, ignored);
     Bake bake;

@@ -71,8 +71,8 @@ bool draw_entry(const Browser::Entry& entry, const State& state, Commands& comma
     ImGui::TableNextColumn();
     ImGui::PushID(&entry);
     const bool selected = entry.name == form.name;
-    const bool clicked = ImGui::Selectable(
-        label, selected, ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick);
+    const bool clicked =
+        ImGui::Selectable(label, selected, ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick);
     ImGui::PopID();
     ui::mark("file", entry.name.c_str());
     ImGui::TableNextColumn();
@@ -92,13 +92,15 @@ bool draw_entry(const Browser::Entry& entry, const State& state, Commands& comma
 bool draw_list(const State& state, Commands& commands, BrowseForm& form, float height) {
     const Browser& browser = state.files.browser;
     bool chosen = false;
-    if (!ImGui::BeginTable("files", 2, ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersOuter, {0, height})) return false;
+    if (!ImGui::BeginTable("files", 2, ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersOuter, {0, height}))
+        return false;
     ImGui::TableSetupColumn("Name", ImGuiTableColumnFlags_WidthStretch);
     ImGui::TableSetupColumn("Size", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("1023.9 MB ").x);
     if (!browser.parent().empty()) {
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
-        if (ImGui::Selectable("..", false, ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick) &&
+        if (ImGui::Selectable("..", false,
+                              ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick) &&
             ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
             go(browser.parent(), commands, form);
         ui::mark("file", "..");

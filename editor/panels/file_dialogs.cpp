@@ -72,7 +72,8 @@ void draw_recent_packs(const State& state, Commands& commands) {
 
 void draw_differences(const State& state, Commands& commands) {
     ImGui::TextWrapped("Beside %s: %zu keys differ.",
-                       state.document.compared_path().empty() ? "what was saved" : state.document.compared_path().c_str(),
+                       state.document.compared_path().empty() ? "what was saved"
+                                                              : state.document.compared_path().c_str(),
                        state.files.differences.size());
     const float below = ImGui::GetFrameHeightWithSpacing();
     const float height = std::max(ImGui::GetContentRegionAvail().y - below, 3 * below);
@@ -115,8 +116,9 @@ bool answer(const char* label, const char* name, bool first) {
 } // namespace
 
 void draw_start(const State& state, Commands& commands) {
-    ImGui::TextWrapped("Fjell draws large terrains with a bound on the error that shows. This editor tunes its thresholds "
-                       "and budgets, by eye and by number.");
+    ImGui::TextWrapped(
+        "Fjell draws large terrains with a bound on the error that shows. This editor tunes its thresholds "
+        "and budgets, by eye and by number.");
     ImGui::Spacing();
     if (wide_button("Open the sample", "sample")) commands.push(OpenSample{});
     ui::tip("A small synthetic landscape. Baked at its first use, in some seconds.");

@@ -122,7 +122,8 @@ void draw_profile_name(const State& state, Commands& commands) {
     if (ImGui::IsItemHovered()) {
         char text[700];
         const std::string& path = state.document.path();
-        (void)std::snprintf(text, sizeof text, "The profile: %.500s%s", path.empty() ? "the defaults, in no file yet" : path.c_str(),
+        (void)std::snprintf(text, sizeof text, "The profile: %.500s%s",
+                            path.empty() ? "the defaults, in no file yet" : path.c_str(),
                             unsaved ? "\nIt has changes that are not saved; a click saves them." : "");
         ui::tip(text);
     }

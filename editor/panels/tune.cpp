@@ -110,7 +110,8 @@ void draw_slider(Row& row) {
     const float field = field_px * static_cast<float>(row.state.interface.scale);
     auto share = static_cast<float>(slider_share(row.key, row.value));
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - field - ImGui::GetStyle().ItemSpacing.x);
-    const bool moved = ImGui::SliderFloat("##slider", &share, 0, 1, "", ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat);
+    const bool moved =
+        ImGui::SliderFloat("##slider", &share, 0, 1, "", ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat);
     const bool ctrl = ImGui::GetIO().KeyCtrl; // which asks for the field instead
     if (moved && !ctrl) {
         const double value = slider_value(row.key, static_cast<double>(share));
@@ -128,7 +129,8 @@ void draw_slider(Row& row) {
 void draw_choices(const Row& row) {
     const auto count = static_cast<int>(row.key.choices.size());
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
-    const float width = (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(count - 1)) / static_cast<float>(count);
+    const float width =
+        (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(count - 1)) / static_cast<float>(count);
     for (int i = 0; i < count; ++i) {
         if (i != 0) ImGui::SameLine(0, gap);
         const bool on = static_cast<int>(row.value) == i;

@@ -69,7 +69,8 @@ void time(const State& state, Text& text, double) {
 
 void threshold(const State& state, Text& text, double) {
     const FrameEntry& e = state.measures.last();
-    text.add("holds %.3g px, %u triangles drawn", e.error_px_effective, e.triangles_drawn);
+    text.add(e.error_px_effective < 100 ? "holds %.2f px, %u triangles drawn" : "holds %.0f px, %u triangles drawn",
+             e.error_px_effective, e.triangles_drawn);
 }
 
 void page_slots(const State& state, Text& text, double value) {
@@ -115,12 +116,18 @@ struct Cost {
     void (*write)(const State&, Text&, double value);
 };
 constexpr Cost costs[] = {
-    {"refine", "error_px", threshold},         {"budget", "vertices", vertices},
-    {"budget", "triangles", triangles},        {"budget", "items", items},
-    {"budget", "budget_us", time},             {"budget", "indices", indices},
-    {"stream", "page_slots", page_slots},      {"stream", "page_requests", page_requests},
-    {"stream", "map_requests", map_requests},  {"stream", "map_mb", map_mb},
-    {"stream", "pages", pages},                {"stream", "map_kb", map_kb},
+    {"refine", "error_px", threshold},
+    {"budget", "vertices", vertices},
+    {"budget", "triangles", triangles},
+    {"budget", "items", items},
+    {"budget", "budget_us", time},
+    {"budget", "indices", indices},
+    {"stream", "page_slots", page_slots},
+    {"stream", "page_requests", page_requests},
+    {"stream", "map_requests", map_requests},
+    {"stream", "map_mb", map_mb},
+    {"stream", "pages", pages},
+    {"stream", "map_kb", map_kb},
 };
 
 bool is(const fly::ProfileKey& key, const char* table, const char* name) {
@@ -144,7 +151,8 @@ const char* why_idle(const fly::ProfileKey& key, const State& state) {
     switch (key.used_by) {
     case fly::UsedBy::any: break;
     case fly::UsedBy::incremental:
-        if (profile.method != fly::Method::incremental) return "Of the incremental method, which is not the chosen one.";
+        if (profile.method != fly::Method::incremental)
+            return "Of the incremental method, which is not the chosen one.";
         break;
     case fly::UsedBy::recursive:
         if (profile.method != fly::Method::recursive) return "Of the recursive method, which is not the chosen one.";
@@ -154,7 +162,8 @@ const char* why_idle(const fly::ProfileKey& key, const State& state) {
             return "Of streaming: the pack is loaded whole. It is streamed when it has more pages than page slots.";
         break;
     }
-    if (is(key, "refine", "morph_s") && profile.cut.morph != Morph::time) return "Of morph \"time\", which is not chosen.";
+    if (is(key, "refine", "morph_s") && profile.cut.morph != Morph::time)
+        return "Of morph \"time\", which is not chosen.";
     return nullptr;
 }
 

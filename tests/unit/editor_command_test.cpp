@@ -149,7 +149,8 @@ TEST_CASE("commands carry what their words say") {
 }
 
 TEST_CASE("empty lines and those that begin with # are no commands, and an unknown verb says where verbs are listed") {
-    for (const char* line : {"", "   ", "# set refine.error_px 2", "\t\r"}) CHECK_FALSE(parse_command(line).has_value());
+    for (const char* line : {"", "   ", "# set refine.error_px 2", "\t\r"})
+        CHECK_FALSE(parse_command(line).has_value());
     CHECK_THROWS_WITH(parse_command("fly me"), Catch::Contains("--help-commands"));
     CHECK_THROWS_WITH(parse_command("open \"a"), Catch::Contains("quote"));
 }

@@ -97,9 +97,7 @@ private:
         }
     }
     // Few different ones, so that they come back often.
-    double any_value(const fly::ProfileKey& key) {
-        return slider_value(key, static_cast<double>(random_() % 4) / 3);
-    }
+    double any_value(const fly::ProfileKey& key) { return slider_value(key, static_cast<double>(random_() % 4) / 3); }
     fly::Profile with(fly::Profile profile, const fly::ProfileKey& key, double value) {
         if (key.get(profile) != value) key.set(profile, value);
         return profile;
@@ -216,6 +214,20 @@ TEST_CASE("an open that an engine refuses leaves the file that was there before"
     CHECK(document.undo_steps() == 0);
 }
 
+TEST_CASE("what was saved before an engine refused it is saved still") {
+    const TemporaryFolder folder;
+    Document document;
+    document.save(folder / "a.toml");
+    document.accept();
+    document.set(key_of("refine.error_px"), 3, false);
+    document.save(folder / "b.toml");
+    REQUIRE(document.revert());
+    CHECK(document.path() == folder / "b.toml");
+    CHECK(document.saved().refine.error_px == 3);
+    CHECK(document.profile().refine.error_px == 1);
+    CHECK(document.unsaved());
+}
+
 TEST_CASE("a drag is one step, and none when it ends where it began") {
     Document document;
     const fly::ProfileKey& key = key_of("refine.error_px");
@@ -282,8 +294,8 @@ TEST_CASE("a profile that cannot be saved stays unsaved, and what was there stay
     document.save(folder / "mine.toml");
     const std::string before = slurp(folder / "mine.toml");
     document.set(key_of("refine.error_px"), 7, false);
-    for (const std::string& path : {folder / "file/mine.toml", folder / "folder.toml", std::string("/dev/full"),
-                                    folder / "missing/mine.toml"}) {
+    for (const std::string& path :
+         {folder / "file/mine.toml", folder / "folder.toml", std::string("/dev/full"), folder / "missing/mine.toml"}) {
         INFO(path);
         CHECK_THROWS_AS(document.save(path), host::Failure);
         CHECK(document.unsaved());

@@ -109,7 +109,8 @@ TEST_CASE("settings are read as they were written; damaged ones are the defaults
     CHECK(read_settings(folder / "config", problem) == settings);
     CHECK(problem.empty());
     const std::string file = folder / "config/editor.json";
-    for (const char* text : {"", "{", "[]", "{\"recent\": 3}", "{\"recent\": [3]}", "{\"recent\": [], \"scale\": \"x\"}"}) {
+    for (const char* text :
+         {"", "{", "[]", "{\"recent\": 3}", "{\"recent\": [3]}", "{\"recent\": [], \"scale\": \"x\"}"}) {
         INFO(text);
         spit(file, text);
         CHECK(read_settings(folder / "config", problem) == Settings{});
