@@ -123,9 +123,11 @@ void draw_outcome(const State& state, JobKind kind, bool with_rate = false) {
     ImGui::PopTextWrapPos();
 }
 
-// A place beside the pack, or where the program was started: terrain.fjell and ".csv" make terrain.csv.
+// A name after the pack's, where the program was started: terrain.fjell and ".csv" make terrain.csv. made_for: the pack
+// that it was suggested for; another one's name is none of a path.
+constexpr const char* nothing_yet = "\n";
 void suggest(PathText& path, std::string& made_for, const State& state, const char* ending) {
-    if (made_for == state.scene.path && path[0] != '\0') return;
+    if (made_for == state.scene.path) return;
     made_for = state.scene.path;
     const std::filesystem::path pack(state.scene.path);
     copy(path, (state.scene.open() ? pack.stem().string() : std::string("fjell")) + ending);
@@ -231,14 +233,14 @@ void draw_tune_result(const State& state, const JobView& shown, Commands& comman
 // ---- export
 
 struct ExportForm {
-    std::string made_for;
+    std::string made_for = nothing_yet;
     PathText path = "";
     int own = 0; // a threshold of its own
     double error_px = 1;
 };
 
 struct CsvForm {
-    std::string made_for;
+    std::string made_for = nothing_yet;
     PathText path = "";
     int frames = 0;
 };
@@ -274,7 +276,7 @@ void draw_auto_tune(const State& state, Commands& commands) {
     const bool can = !state.job.running && state.scene.open();
     if (button("Start", "auto-tune", "start", can,
                "Flies the path, or an orbit, over a terrain of its own until the smallest threshold is found whose "
-               "p99 keeps the budget.")) {
+               "p99 keeps the budget. The view is as large as the profile says.")) {
         Tune t;
         t.settings = {form.measure == 1 ? TuneMeasure::frame : TuneMeasure::update, form.budget_us,
                       static_cast<std::uint32_t>(form.frames), form.least_px, form.most_px, false};

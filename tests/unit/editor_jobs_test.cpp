@@ -241,10 +241,11 @@ TEST_CASE("an export that is cancelled, or has no place, leaves what was there")
     const std::string path = place.folder / "m.glb";
     spit(path, "older");
     Jobs jobs;
-    jobs.start(JobKind::snapshot, [&](JobControl& control) {
-        jobs.cancel();
-        export_job(place.snapshot(path))(control);
+    jobs.start(JobKind::snapshot, [body = export_job(place.snapshot(path))](JobControl& control) {
+        while (!control.cancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        body(control);
     });
+    jobs.cancel();
     CHECK(finish(jobs).cancelled);
     CHECK(slurp(path) == "older");
     const JobView nowhere = run(JobKind::snapshot, export_job(place.snapshot(place.folder / "no/m.glb")));

@@ -91,7 +91,7 @@ TEST_CASE("noise costs the tuner no more than its own size, and never has it off
         INFO("seed " << seed << ": found " << found << ", is " << right);
         CHECK(cost.p99_us(found) <= 1000); // noise only adds: what keeps the budget with it does without
         CHECK(found <= 1.02 * cost.threshold(1000 / 1.06));
-        CHECK(t.result.flights <= most_flights + 3);
+        CHECK(t.result.flights <= most_flights);
     }
 }
 
@@ -117,6 +117,7 @@ TEST_CASE("the threshold that is offered was flown, has three digits and keeps t
         const Tuned t = tune(cost, asked(3000));
         REQUIRE(t.result.best_px > 0);
         CHECK(std::ranges::count(t.flown, t.result.best_px) >= 2);
+        CHECK(t.flown.back() == t.result.best_px);
         CHECK(rounded_up(t.result.best_px) == t.result.best_px);
         const TunePoint* const best = t.result.at(t.result.best_px);
         REQUIRE(best != nullptr);
@@ -164,18 +165,40 @@ TEST_CASE("the curve falls from the largest threshold, grows flight by flight, a
     CHECK(t.published.front().curve.size() == 1);
 }
 
-TEST_CASE("the tuner stops after a bounded number of flights, whatever they say") {
-    std::mt19937 random(5);
-    std::size_t flown = 0;
+TEST_CASE("the tuner stops after a bounded number of flights, though each threshold fails when it is flown again") {
+    std::vector<double> flown;
+    TuneSettings settings = asked(1000);
+    settings.least_px = 0.01;
+    settings.most_px = 1000;
     const TuneResult r = find_threshold(
-        asked(1000),
-        [&](double) {
-            ++flown;
-            return TuneFlight{std::vector<double>(50, random() % 2 == 0 ? 900.0 : 1100.0), 1, 1};
+        settings,
+        [&](double error_px) {
+            const bool again = std::ranges::find(flown, error_px) != flown.end();
+            flown.push_back(error_px);
+            return TuneFlight{std::vector<double>(50, error_px < 0.1 || (again && error_px < 900) ? 1100.0 : 800.0), 1, 1};
         },
         [](const TuneResult&) {});
-    CHECK(r.flights == flown);
-    CHECK(flown <= most_flights + 3);
+    CHECK(r.flights == flown.size());
+    CHECK(flown.size() == most_flights);
+    REQUIRE(r.at(r.best_px) != nullptr);
+    CHECK(r.at(r.best_px)->keeps);
+}
+
+TEST_CASE("a threshold that fails beside one with room to spare is flown again, and the search goes on below it") {
+    std::size_t at_four = 0;
+    const Cost cost;
+    const double right = cost.threshold(1000);
+    REQUIRE(right < 2);
+    const TuneResult r = find_threshold(
+        asked(1000),
+        [&](double error_px) {
+            const bool spoiled = error_px == 4 && ++at_four <= 2;
+            return TuneFlight{std::vector<double>(50, cost.p99_us(error_px) * (spoiled ? 10 : 1)), 1, 1};
+        },
+        [](const TuneResult&) {});
+    CHECK(at_four > 2);
+    CHECK(r.best_px >= right);
+    CHECK(r.best_px <= 1.02 * right);
 }
 
 TEST_CASE("thresholds are rounded up to three digits") {
