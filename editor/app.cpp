@@ -131,7 +131,15 @@ void App::replace_surface() {
     overview_.drop_graphics(state_.map);
     engine_.drop_graphics();
     surface_.reset();
-    make_surface_and_graphics();
+    for (int left = 20;; --left) { // a driver that resets takes a while
+        try {
+            make_surface_and_graphics();
+            break;
+        } catch (const Failure&) {
+            if (left == 0) throw; // what is not saved is kept for the next start
+            std::this_thread::sleep_for(std::chrono::milliseconds(250));
+        }
+    }
     engine_.make_graphics();
     tell(state_, Severity::warning, "the graphics driver was reset; everything on it was made anew");
 }

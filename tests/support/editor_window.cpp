@@ -65,7 +65,7 @@ VirtualDisplay::VirtualDisplay(std::uint32_t width, std::uint32_t height) {
     if (pipe(pipe_fds) != 0) throw std::runtime_error("no pipe");
     const std::string screen = std::to_string(width) + "x" + std::to_string(height) + "x24";
     pid_ = start({"Xvfb", "-displayfd", std::to_string(pipe_fds[1]), "-screen", "0", screen, "-fbdir", folder_.path,
-                  "-nolisten", "tcp"},
+                  "-nolisten", "tcp", "-noreset"},
                  [&] {
                      close(pipe_fds[0]);
                      open_as(2, folder_ / "log");
@@ -119,7 +119,11 @@ EditorWindow::EditorWindow(const VirtualDisplay& display, const fs::path& home,
         open_as(1, home_ / "out");
         open_as(2, home_ / "err");
     });
-    // The window exists before its signal handler would be missed: the first frame has been drawn.
+    find();
+}
+
+void EditorWindow::find() {
+    window_.clear();
     const auto start_time = Clock::now();
     while (window_.empty() && Clock::now() - start_time < patience && runs()) {
         rest(100ms);

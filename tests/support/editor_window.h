@@ -47,6 +47,8 @@ public:
                  const std::vector<std::string>& arguments);
     ~EditorWindow(); // kills what is still running
 
+    void find(); // the window anew, after it was replaced
+
     [[nodiscard]] nlohmann::json state();
     // Asks again and again until it holds; fails the test after 30 s, naming what was waited for.
     nlohmann::json until(const std::string& what, const std::function<bool(const nlohmann::json&)>& holds);

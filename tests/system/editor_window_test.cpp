@@ -283,7 +283,7 @@ TEST_CASE("a corrupt pack, a folder that takes nothing and a lost graphics conte
     for (std::size_t i = 0; i < 64; ++i) damaged[i * 7 + 8] ^= 0x55;
     spit(home / "damaged.fjell", damaged);
     EditorWindow editor(display, home.path,
-                        {packs() / "small.fjell", "--do", "wait", "--do", "open " + home / "damaged.fjell", "--do",
+                        {packs() / "small.fjell", "--do", "frames 80", "--do", "open " + home / "damaged.fjell", "--do",
                          "set refine.error_px 3", "--do", "save-profile /proc/none.toml", "--do", "lose-graphics", "--do",
                          "wait"});
     const json state = editor.until("the script's end", [](const json& s) {
@@ -297,8 +297,10 @@ TEST_CASE("a corrupt pack, a folder that takes nothing and a lost graphics conte
     CHECK(state["scene"]["path"] == packs() / "small.fjell");
     CHECK(state["document"]["unsaved"] == true);
     CHECK(state["measures"]["error_px_asked"] == 3);
+    // And there is a window, which shows the terrain and listens.
+    editor.find();
+    editor.move(5, 5);
     CHECK(colours_in(display.picture(), view_of(state)) > 500);
-    // And it still is a window that listens.
     editor.key("ctrl+z");
     editor.until("undone", [](const json& s) { return s["profile"]["refine.error_px"] == 1; });
 }
