@@ -150,7 +150,7 @@ Command tune(Words& w) {
               s.measure = v == "frame" ? TuneMeasure::frame : TuneMeasure::update;
           }},
          {"budget_us", [&](const std::string& v) { s.budget_us = Words::number_in(v, "budget_us", 10, 1e6); }},
-         {"frames", [&](const std::string& v) { s.frames = Words::count_of(v, "frames", 10, 1e5); }},
+         {"frames", [&](const std::string& v) { s.frames = Words::count_of(v, "frames", 0, 1e5); }},
          {"csv", [&](const std::string& v) { t.csv = v; }},
          {"apply",
           [&](const std::string& v) {

@@ -51,7 +51,7 @@ std::vector<long> worst_of(const std::vector<std::string>& sights, const std::ve
     options.path = FJELL_SOURCE_DIR "/content/paths/flythrough.json";
     options.commands = first;
     // Until all graphs have their full length: they grow, and ImGui's buffers with them.
-    options.commands.push_back("frames " + std::to_string(editor::measured_frames + settling));
+    options.commands.push_back("frames " + std::to_string(2 * editor::measured_frames));
     for (const std::string& sight : sights) {
         options.commands.push_back(sight);
         options.commands.push_back("frames " + std::to_string(shown));
