@@ -91,6 +91,7 @@ App::App(Options options) : options_(std::move(options)) {
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr; // the state is ours to keep
     io.LogFilename = nullptr;
+    state_.headless = options_.headless;
     make_surface_and_graphics();
     begin_keeping(state_, !options_.headless);
     double& scale = state_.interface.scale;
@@ -168,7 +169,7 @@ int App::run() {
         if (last) break;
     }
     ended_ = true;
-    return 0;
+    return options_.headless ? state_.exit_code : 0;
 }
 
 bool App::there() const {
@@ -224,7 +225,8 @@ void App::frame() {
     paint_map(); // before the panels, which show its texture
     const double panels_us = interface();
     const double commands_us = carry_out();
-    const double own_us = panels_us + commands_us + move_and_update();
+    double own_us = panels_us + commands_us;
+    attempt([&] { own_us += move_and_update(); });
     draw();
     {
         const Own own(watch_);
@@ -330,20 +332,31 @@ void App::fit_target() {
     if (!target_) throw Failure(3, error);
 }
 
+// What the terrain or the driver refuses in a frame is told; the panels go on.
+void App::attempt(const std::function<void()>& what) {
+    try {
+        what();
+    } catch (const std::exception& failure) {
+        tell_failure(state_, failure);
+    }
+}
+
+void App::draw_terrain() {
+    const auto start = Clock::now();
+    engine_.draw(state_, *target_);
+    draw_us_ += microseconds(Clock::now() - start);
+    state_.drawn = engine_.stats();
+    const Interface& i = state_.interface;
+    blit(*target_, surface_->framebuffer(), i.height_px, i.view_x_px, i.view_y_px);
+}
+
 void App::draw() {
     const unsigned framebuffer = surface_->framebuffer();
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
     glDisable(GL_FRAMEBUFFER_SRGB);
     glClearColor(0.06F, 0.065F, 0.075F, 1);
     glClear(GL_COLOR_BUFFER_BIT);
-    if (engine_.is_open() && target_) {
-        const auto start = Clock::now();
-        engine_.draw(state_, *target_);
-        draw_us_ += microseconds(Clock::now() - start);
-        state_.drawn = engine_.stats();
-        const Interface& i = state_.interface;
-        blit(*target_, framebuffer, i.height_px, i.view_x_px, i.view_y_px);
-    }
+    if (engine_.is_open() && target_) attempt([&] { draw_terrain(); });
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     surface_->draw_interface();
 }
@@ -357,10 +370,10 @@ void App::finish_requests() {
     }
     if (dumping_ && dump_file() != nullptr) {
         dump_asked = 0;
-        write_text(dump_file(), dump(state_));
+        attempt([&] { write_text(dump_file(), dump(state_)); });
     }
     for (const Command& command : std::exchange(after_frame_, {})) {
-        try {
+        attempt([&] {
             if (const auto* shot = std::get_if<Screenshot>(&command)) {
                 gl::Image image;
                 if (shot->with_panels)
@@ -372,9 +385,7 @@ void App::finish_requests() {
             } else if (const auto* file = std::get_if<DumpState>(&command)) {
                 write_text(file->path, dump(state_));
             }
-        } catch (const std::exception& failure) {
-            tell(state_, Severity::error, failure.what());
-        }
+        });
     }
 }
 

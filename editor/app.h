@@ -5,6 +5,7 @@
 // out only when nothing can be shown at all; everything else is a message in the window.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,6 +39,8 @@ private:
     double carry_out();
     double move_and_update(); // what the editor itself took of it, us
     void draw();
+    void draw_terrain();
+    void attempt(const std::function<void()>& what);
     void paint_map();
     void finish_requests(); // screenshots and dumps of the frame that was just drawn
     bool script_step();     // false: it is over

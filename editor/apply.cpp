@@ -1,8 +1,11 @@
 #include "editor/apply.h"
 
+#include <cstdio>
 #include <exception>
 #include <new>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "editor/carry_out.h"
 #include "host/failure.h"
@@ -17,6 +20,8 @@ constexpr double shown_s = 8;
 } // namespace
 
 void tell(State& state, Severity severity, std::string text) {
+    if (state.headless && severity == Severity::note) fmt::print("{}\n", text);
+    if (state.headless && severity != Severity::note) fmt::print(stderr, "fjell-editor: {}\n", text);
     auto& all = state.messages.all;
     if (!all.empty() && all.back().text == text) {
         ++all.back().times;
@@ -28,13 +33,19 @@ void tell(State& state, Severity severity, std::string text) {
     state.messages.shown_until_s = state.now_s + shown_s;
 }
 
+void tell_failure(State& state, const std::exception& failure, const std::string& before) {
+    const auto* const own = dynamic_cast<const host::Failure*>(&failure);
+    const bool memory = dynamic_cast<const std::bad_alloc*>(&failure) != nullptr;
+    if (state.exit_code == 0) state.exit_code = own != nullptr ? own->exit_code : 3;
+    tell(state, Severity::error,
+         before + (memory ? "memory is short; choose smaller budgets, or a smaller terrain" : failure.what()));
+}
+
 void apply(const Command& command, Desk desk) {
     try {
         std::visit([&](const auto& c) { carry_out(c, desk); }, command);
-    } catch (const std::bad_alloc&) {
-        tell(desk.state, Severity::error, "memory is short; choose smaller budgets, or a smaller terrain");
     } catch (const std::exception& failure) {
-        tell(desk.state, Severity::error, failure.what());
+        tell_failure(desk.state, failure);
     }
 }
 
@@ -48,11 +59,9 @@ void follow_document(Desk desk) {
         state.scene = desk.engine.scene();
         state.measures.clear();
     } catch (const std::exception& failure) {
-        const bool memory = dynamic_cast<const std::bad_alloc*>(&failure) != nullptr;
         state.document.revert();
         state.scene = desk.engine.scene(); // closed when what was before cannot be had any more either
-        tell(state, Severity::error,
-             std::string("not possible, and taken back: ") + (memory ? "memory is short" : failure.what()));
+        tell_failure(state, failure, "not possible, and taken back: ");
     }
 }
 

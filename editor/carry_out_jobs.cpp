@@ -78,7 +78,7 @@ void take_result(Desk desk) {
         return;
     }
     if (!job.problem.empty()) {
-        tell(state, Severity::error, fmt::format("{}: {}", name, job.problem));
+        tell_failure(state, host::Failure(job.exit_code, job.problem), fmt::format("{}: ", name));
         return;
     }
     if (!job.result.empty()) tell(state, Severity::note, job.result);

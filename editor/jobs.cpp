@@ -22,6 +22,7 @@ double seconds(Clock::duration d) {
 // What the body throws is all that is known of why it ended.
 void run(const Jobs::Body& body, JobControl& control) {
     std::string problem;
+    int exit_code = 3;
     bool cancelled = false;
     try {
         body(control);
@@ -29,6 +30,9 @@ void run(const Jobs::Body& body, JobControl& control) {
         cancelled = true;
     } catch (const std::bad_alloc&) {
         problem = "memory is short; close something, or ask for less";
+    } catch (const host::Failure& failure) {
+        problem = failure.what();
+        exit_code = failure.exit_code;
     } catch (const std::exception& failure) {
         problem = failure.what();
     } catch (...) {
@@ -38,7 +42,9 @@ void run(const Jobs::Body& body, JobControl& control) {
     cancelled = cancelled || (!problem.empty() && control.cancelled());
     control.publish([&](JobView& view) {
         view.cancelled = cancelled;
-        if (!cancelled) view.problem = std::move(problem);
+        if (cancelled || problem.empty()) return;
+        view.problem = std::move(problem);
+        view.exit_code = exit_code;
     });
 }
 

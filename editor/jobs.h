@@ -52,6 +52,7 @@ struct JobView {
     double rate = 0, left_s = 0; // units of the stage a second, and until its end; 0: not known
     double seconds = 0;   // so far
     std::string problem;  // why it failed; empty: it did not
+    int exit_code = 0;    // and whose fault it was, as for a program
     std::string result;   // one line when it is done
     std::string output;   // the file that it wrote
     std::vector<TunePoint> curve; // of tuning, by falling threshold

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <exception>
 #include <optional>
 #include <string>
 #include <vector>
@@ -133,6 +134,8 @@ struct State {
     double now_s = 0;
     std::uint64_t frame = 0;
     bool quit = false;
+    bool headless = false; // messages go to the terminal too
+    int exit_code = 0;     // of a headless run: the first failure's
     std::optional<gl::DrawStats> drawn; // of the last frame
     std::string graphics;               // the driver
 
@@ -142,5 +145,7 @@ struct State {
 };
 
 void tell(State& state, Severity severity, std::string text);
+// What was thrown, as an error. before: the line's beginning.
+void tell_failure(State& state, const std::exception& failure, const std::string& before = "");
 
 } // namespace fjell::editor
