@@ -168,6 +168,7 @@ std::string dump(const State& state) {
         {"messages", messages_json(state)},
         {"measures", measures_json(state)},
         {"map", {{"share", state.map.share}, {"there", state.map.texture != 0}}},
+        {"heights_share", state.heights_share},
         {"graphics", state.graphics},
         {"marks", marks}};
     return all.dump(1, ' ', false, json::error_handler_t::replace) + "\n";

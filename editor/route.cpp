@@ -202,6 +202,8 @@ bool Route::follow(const Pose& pose, double seconds) {
 }
 
 void Route::edit(Content next, const fly::Ground& ground) {
+    if (std::ranges::adjacent_find(next.points) != next.points.end())
+        throw Failure(2, "there is a point of the path at this place already, looking the same way; move the camera first");
     next.poses.clear();
     next.as_read.reset();
     next.unsaved = !next.points.empty() || !next.path.empty();

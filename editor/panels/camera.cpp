@@ -72,7 +72,7 @@ void draw_navigation(const State& state, Commands& commands) {
         ui::tip(abouts[i]);
     }
     ImGui::SameLine();
-    if (ImGui::Button("Whole")) commands.push(LookAtAll{});
+    if (ImGui::Button("Overview")) commands.push(LookAtAll{});
     ui::mark("camera", "home");
     ui::tip("Look at the whole terrain from the south (Home).");
     labelled("Speed");
