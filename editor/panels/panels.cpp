@@ -36,7 +36,7 @@ void draw_column(const char* name, const ui::Rect& rect, int first, int last, Pa
     const ImGuiStyle& style = ImGui::GetStyle();
     const float width = ImGui::GetContentRegionAvail().x + style.WindowPadding.x / 2;
     ImGui::SetNextWindowContentSize({width - style.ScrollbarSize - style.WindowPadding.x / 2, 0});
-    ImGui::BeginChild("panel", {width, 0});
+    ImGui::BeginChild(titles[static_cast<int>(shown)], {width, 0}); // each where it was scrolled to
     draws[static_cast<int>(shown)](state, commands);
     ImGui::EndChild();
     ImGui::End();

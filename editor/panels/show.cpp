@@ -128,6 +128,11 @@ void explain_overlays(const State& state) {
     error_legend(state.document.profile().refine.error_px);
 }
 
+// Two stand side by side: what explains them below is seen on small screens too.
+void second_column(int i) {
+    if (i % 2 != 0) ImGui::SameLine(0.5F * ImGui::GetContentRegionMax().x);
+}
+
 void draw_scale(const State& state, Commands& commands) {
     ui::heading("Interface");
     constexpr double scales[] = {0.75, 1, 1.25, 1.5, 2, 2.5, 3};
@@ -161,6 +166,7 @@ void draw_show(const State& state, Commands& commands) {
     ui::heading("Picture (M: the next one)");
     for (int i = 0; i < fly::picture_modes; ++i) {
         const auto mode = static_cast<fly::PictureMode>(i);
+        second_column(i);
         if (ImGui::RadioButton(modes[i].label, state.interface.mode == mode)) commands.push(SetMode{mode});
         ui::mark("mode", fly::picture_mode_names[i]);
         ui::tip(modes[i].about);
@@ -171,6 +177,7 @@ void draw_show(const State& state, Commands& commands) {
     ui::heading("Over it");
     for (int i = 0; i < overlays; ++i) {
         bool on = state.interface.overlay[static_cast<std::size_t>(i)];
+        second_column(i);
         if (ImGui::Checkbox(laid_over[i].label, &on)) commands.push(SetOverlay{static_cast<Overlay>(i), on});
         ui::mark("overlay", overlay_names[i]);
         ui::tip(laid_over[i].about);

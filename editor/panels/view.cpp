@@ -115,7 +115,10 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
         const bool open = state.interface.dialog == Dialog::keys;
         commands.push(ShowDialog{open ? Dialog::none : Dialog::keys});
     }
-    if (!state.scene.open()) return;
+    if (!state.scene.open()) {
+        plate(layout.view, 0.5F, 0.5F, ui::quiet, "No terrain is open: see File, or drop one here");
+        return;
+    }
     Move move;
     move.seconds = std::min(static_cast<double>(io.DeltaTime), 0.25);
     if (!typing && !io.KeyCtrl && !io.KeyAlt && !io.KeySuper && state.interface.dialog == Dialog::none) {
