@@ -79,7 +79,8 @@ void draw_navigation(const State& state, Commands& commands) {
     double speed = state.eye.free.speed_m_s;
     const double least = 0.1, most = std::max(1000.0, 0.2 * std::max(state.scene.width_m(), state.scene.depth_m()));
     ImGui::SetNextItemWidth(-FLT_MIN);
-    if (ImGui::SliderScalar("##speed", ImGuiDataType_Double, &speed, &least, &most, "%.4g m/s",
+    if (ImGui::SliderScalar("##speed", ImGuiDataType_Double, &speed, &least, &most,
+                            speed < 1000 ? "%.4g m/s" : "%.0f m/s",
                             ImGuiSliderFlags_Logarithmic))
         commands.push(SetSpeed{speed});
     ui::mark("camera", "speed");

@@ -90,7 +90,7 @@ void write_over(const State& state, const ui::Rect& view) {
         if (eye.free.speed_m_s >= 10000)
             std::snprintf(text, sizeof text, "%.3g km/s", eye.free.speed_m_s / 1000);
         else
-            std::snprintf(text, sizeof text, "%.3g m/s", eye.free.speed_m_s);
+            std::snprintf(text, sizeof text, eye.free.speed_m_s < 1000 ? "%.3g m/s" : "%.0f m/s", eye.free.speed_m_s);
         plate(view, 1, 1, IM_COL32_WHITE, text);
     }
     if (state.route.recording()) {

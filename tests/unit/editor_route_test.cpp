@@ -284,6 +284,10 @@ TEST_CASE("what cannot be leaves the path as it was") {
     CHECK_THROWS_AS(route.save("/nowhere/at all.json"), host::Failure);
     const Pose last = route.select(3);
     CHECK_THROWS_AS(route.add(last, plain()), host::Failure); // the same place twice
+    Pose rounded = last; // as a camera has it that was put there
+    rounded.position_m.x += 1e-9;
+    rounded.direction = normalised(rounded.direction + rounded.up * 1e-15);
+    CHECK_THROWS_WITH(route.add(rounded, plain()), Catch::Contains("move the camera first"));
     CHECK(route.points() == points);
     CHECK(route.unsaved());
 }
