@@ -161,7 +161,8 @@ int App::run() {
         frame();
         // Nothing else holds a headless run back; what a job measures is not to be disturbed by it.
         if (options_.headless && jobs_.running()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-        const bool last = options_.frames != 0 && state_.frame >= options_.frames;
+        const std::uint64_t least = script_.empty() ? 1 : 2; // a script begins after the first frame
+        const bool last = options_.frames != 0 && state_.frame >= std::max(options_.frames, least);
         if (last && !options_.screenshot.empty()) {
             after_frame_.emplace_back(Screenshot{options_.screenshot, true});
             frame();
@@ -175,6 +176,7 @@ int App::run() {
 bool App::there() const {
     if (jobs_.running()) return false;
     if (!engine_.is_open()) return true;
+    if (state_.shows(Overlay::error) && state_.heights_share >= 0 && state_.heights_share < 1) return false;
     const fly::FrameEntry& e = state_.measures.last();
     const bool streamed = !e.streamed || (e.stream.converged && e.stream.maps_converged);
     return state_.measures.frames() > 1 && e.waiting == e.blocked && e.rising == 0 && streamed;
@@ -182,6 +184,7 @@ bool App::there() const {
 
 // Carries on with the script where nothing waits. False: a headless run is over.
 bool App::script_step() {
+    if (state_.frame == 0) return true; // how large the picture is, is known after a frame
     const Desk desk{state_, engine_, jobs_};
     while (script_at_ < script_.size()) {
         if (state_.frame < wait_until_frame_) return true;
@@ -243,6 +246,7 @@ double App::interface() {
     const Own own(watch_);
     const auto start = Clock::now();
     ImGui::NewFrame();
+    place_view();
     draw_panels(state_, commands_);
     ImGui::Render();
     return microseconds(Clock::now() - start);
@@ -318,13 +322,18 @@ void App::paint_map() {
     overview_.upload(state_.map);
 }
 
-void App::fit_target() {
+// Commands look through it, whether a terrain is drawn already or not.
+void App::place_view() {
     Interface& i = state_.interface;
     const ui::Layout l = ui::layout(static_cast<float>(i.width_px), static_cast<float>(i.height_px), i.scale);
     i.view_x_px = static_cast<std::uint32_t>(l.view.x);
     i.view_y_px = static_cast<std::uint32_t>(l.view.y);
     i.view_width_px = std::max(static_cast<std::uint32_t>(l.view.width), 1u);
     i.view_height_px = std::max(static_cast<std::uint32_t>(l.view.height), 1u);
+}
+
+void App::fit_target() {
+    const Interface& i = state_.interface;
     if (target_ && target_->width() == i.view_width_px && target_->height() == i.view_height_px) return;
     std::string error;
     target_.reset(); // the old one's memory first
@@ -344,6 +353,7 @@ void App::attempt(const std::function<void()>& what) {
 void App::draw_terrain() {
     const auto start = Clock::now();
     engine_.draw(state_, *target_);
+    state_.heights_share = engine_.heights_share();
     draw_us_ += microseconds(Clock::now() - start);
     state_.drawn = engine_.stats();
     const Interface& i = state_.interface;

@@ -47,6 +47,7 @@ private:
     bool there() const;
     void make_surface_and_graphics();
     void replace_surface();
+    void place_view();
     void fit_target();
 
     Options options_;

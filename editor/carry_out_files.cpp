@@ -50,7 +50,8 @@ std::string written_path(const Unsaved& unsaved, const std::string& folder) {
     for (const fly::ControlPoint& p : unsaved.points)
         points.push_back(
             {{"position", {p[0], p[1], p[2]}}, {"direction", {p[3], p[4], p[5]}}, {"up", {p[6], p[7], p[8]}}});
-    const nlohmann::json path = {{"comment", "Recovered."}, {"units", "metres"}, {"points", points}};
+    const nlohmann::json path = {
+        {"comment", "Recovered."}, {"units", "metres"}, {"seconds", unsaved.path_seconds}, {"points", points}};
     const std::string text = path.dump(1) + "\n";
     std::string name = folder + "/recovered-path.json";
     std::error_code ignored;

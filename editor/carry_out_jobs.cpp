@@ -81,7 +81,8 @@ void take_result(Desk desk) {
         tell_failure(state, host::Failure(job.exit_code, job.problem), fmt::format("{}: ", name));
         return;
     }
-    if (!job.result.empty()) tell(state, Severity::note, job.result);
+    const bool bare = job.kind == JobKind::tune; // figures alone, among other messages
+    if (!job.result.empty()) tell(state, Severity::note, bare ? fmt::format("{}: {}", name, job.result) : job.result);
     if (job.kind == JobKind::tune) take_tuned(desk);
     if (job.kind == JobKind::bake) {
         if (state.interface.dialog == Dialog::bake) state.interface.dialog = Dialog::none;

@@ -262,7 +262,7 @@ std::vector<Verb> show_verbs() {
     return {
         {"mode", "NAME", "shaded, wire, levels, tiles, mips, residency or distance",
          [](Words& w) { return SetMode{w.one_of<fly::PictureMode>(fly::picture_mode_names, "mode")}; }},
-        {"overlay", "NAME on|off", "wireframe, tile-borders, page-borders, spheres, culled or error",
+        {"overlay", "NAME on|off", "wireframe, tile-borders, page-borders, spheres, culled, error or path",
          [](Words& w) {
              const auto overlay = w.one_of<Overlay>(overlay_names, "overlay");
              return SetOverlay{overlay, w.on()};

@@ -65,6 +65,7 @@ json camera_json(const Eye& eye) {
             {"on_path", eye.on_path.has_value()},
             {"view_eye_m", vector_json(eye.view.eye_m)},
             {"refining_eye_m", eye.refining ? vector_json(eye.refining->eye_m) : json()},
+            {"refining_px", eye.refining ? json({eye.refining->width_px, eye.refining->height_px}) : json()},
             {"orbit_centre_m", vector_json(eye.orbit_centre_m)},
             {"orbit_radius_m", eye.orbit_radius_m}};
 }
@@ -168,6 +169,7 @@ std::string dump(const State& state) {
         {"messages", messages_json(state)},
         {"measures", measures_json(state)},
         {"map", {{"share", state.map.share}, {"there", state.map.texture != 0}}},
+        {"heights_share", state.heights_share},
         {"graphics", state.graphics},
         {"marks", marks}};
     return all.dump(1, ' ', false, json::error_handler_t::replace) + "\n";

@@ -134,10 +134,11 @@ fly::FrameEntry Engine::update(const View& view, const fly::Profile& profile, do
 // Until the heights are there the picture is the usual one. Measured from the refining eye, against what it was
 // promised: pixels of that view, as a cut that has converged keeps them.
 void Engine::ask_for_error(const State& state, gl::DrawOptions& options) {
-    if (!state.shows(Overlay::error)) return;
+    if (!state.shows(Overlay::error)) return heights_.excuse();
+    if (!heights_.problem().empty()) return; // said already
     heights_.read(pack_);
     if (!heights_.upload(*renderer_)) {
-        if (!heights_.problem().empty() && messages_.empty()) messages_.push_back(heights_.problem());
+        if (!heights_.problem().empty()) messages_.push_back(heights_.problem());
         return;
     }
     const View& refining = state.eye.refining ? *state.eye.refining : state.eye.view;
@@ -194,6 +195,7 @@ Scene Engine::scene() const {
     s.quantum_m = static_cast<double>(session.terrain().lattice.quantum_m);
     s.order = order_name(session.terrain().pages.order);
     s.maps = maps_text(h);
+    s.mips = mip_count(h.colour_log2 != 0 ? h.colour_log2 : h.normal_log2);
     std::error_code ignored;
     s.file_bytes = std::filesystem::file_size(pack_, ignored);
     s.terrain_bytes = session.terrain_bytes;

@@ -38,8 +38,10 @@ public:
     [[nodiscard]] fly::FrameEntry update(const View& view, const fly::Profile& profile, double now_s, double& upload_us);
     // The terrain, and what lies over it.
     void draw(const State& state, const gl::Target& target);
-    // Of what the picture of the true error needs, 0..1.
-    [[nodiscard]] double heights_share() const { return heights_.share(); }
+    // Of what the picture of the true error needs, 0..1; below 0: it cannot be had.
+    [[nodiscard]] double heights_share() const {
+        return heights_.problem().empty() ? heights_.share() : -1;
+    }
     [[nodiscard]] const gl::DrawStats& stats() const { return renderer_->stats(); }
     // How many were opened so far, a rebuilt one counted anew: what was made of another terrain is out of date.
     [[nodiscard]] std::uint64_t terrains() const { return terrains_; }

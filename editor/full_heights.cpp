@@ -7,11 +7,10 @@
 namespace fjell::editor {
 
 void FullHeights::read(const std::string& pack) {
-    if (thread_.joinable() || uploaded_) return;
+    if (thread_.joinable() || uploaded_ || !problem_.empty()) return;
     share_ = 0;
     done_ = false;
     failure_.clear();
-    problem_.clear();
     thread_ = std::jthread([this, pack](const std::stop_token& stop) { run(pack, stop); });
 }
 
@@ -35,6 +34,7 @@ void FullHeights::forget() {
     }
     heights_.reset();
     uploaded_ = false;
+    problem_.clear();
     share_ = 0;
 }
 

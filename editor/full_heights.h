@@ -3,7 +3,8 @@
 //
 // Ownership: the thread and, until they are on the GPU, the heights. Thread: the frame's, with the graphics context
 // current in upload(). Memory: 4 bytes a sample, most_samples of them; a larger terrain is compared at every second,
-// fourth, ... sample. Failure: problem() is one line; asked again, it is tried again.
+// fourth, ... sample. Failure: problem() is one line; it is not tried again
+// before excuse() or forget().
 #pragma once
 
 #include <atomic>
@@ -26,8 +27,9 @@ public:
     FullHeights(const FullHeights&) = delete;
     FullHeights& operator=(const FullHeights&) = delete;
 
-    void read(const std::string& pack); // nothing when it is under way or done
+    void read(const std::string& pack); // nothing when it is under way, done or failed
     void forget();                      // another pack, or another renderer
+    void excuse() { problem_.clear(); } // what failed may be tried again
     // Hands them to the renderer once they are there. True: the renderer has them.
     [[nodiscard]] bool upload(gl::Renderer& renderer);
     [[nodiscard]] double share() const { return share_.load(std::memory_order_relaxed); } // read, 0..1

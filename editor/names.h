@@ -11,9 +11,9 @@ namespace fjell::editor {
 enum class Navigation : std::uint8_t { fly, orbit, path };
 inline constexpr const char* navigation_names[] = {"fly", "orbit", "path"};
 
-enum class Overlay : std::uint8_t { wireframe, tile_borders, page_borders, spheres, culled, error };
-inline constexpr const char* overlay_names[] = {"wireframe", "tile-borders", "page-borders",
-                                                "spheres",   "culled",       "error"};
+enum class Overlay : std::uint8_t { wireframe, tile_borders, page_borders, spheres, culled, error, path };
+inline constexpr const char* overlay_names[] = {"wireframe", "tile-borders", "page-borders", "spheres",
+                                                "culled",    "error",        "path"};
 inline constexpr int overlays = static_cast<int>(std::size(overlay_names));
 
 // Those of the left column, then those of the right one.

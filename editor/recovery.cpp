@@ -47,12 +47,14 @@ void unlock(const std::string& file, int& fd) {
 std::uint64_t hash_of(const Route& route) {
     std::uint64_t hash = 14695981039346656037u; // FNV-1a, by words
     if (!route.unsaved()) return 0;
+    const auto add = [&](double value) {
+        std::uint64_t bits = 0;
+        std::memcpy(&bits, &value, sizeof bits);
+        hash = (hash ^ bits) * 1099511628211u;
+    };
     for (const fly::ControlPoint& point : route.points())
-        for (const double value : point) {
-            std::uint64_t bits = 0;
-            std::memcpy(&bits, &value, sizeof bits);
-            hash = (hash ^ bits) * 1099511628211u;
-        }
+        for (const double value : point) add(value);
+    add(route.asked_seconds());
     return hash;
 }
 
@@ -64,6 +66,7 @@ Unsaved parse(const std::string& text) {
     u.profile_changed = j.at("profile_changed").get<bool>();
     u.profile = fly::parse_profile(j.at("profile").get<std::string>(), "the profile");
     for (const json& point : j.at("points")) u.points.push_back(point.get<fly::ControlPoint>());
+    u.path_seconds = std::clamp(j.value("path_seconds", 0.0), 0.0, fly::max_path_seconds);
     return u;
 }
 
@@ -165,7 +168,10 @@ void Recovery::write(const Document& document, const Route& route, const std::st
                   {"profile_changed", document.unsaved()},
                   {"profile", fly::profile_text(document.profile(), document.heading())},
                   {"points", json::array()}};
-        if (route.unsaved()) j["points"] = route.points();
+        if (route.unsaved()) {
+            j["points"] = route.points();
+            j["path_seconds"] = route.asked_seconds();
+        }
         write_quickly(file_, j.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
     } catch (const std::exception& failure) {
         complain(std::string("changes would not survive a crash; save often: ") + failure.what());

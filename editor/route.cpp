@@ -32,6 +32,15 @@ Pose pose_of(const ControlPoint& p) {
     return {{p[0], p[1], p[2]}, direction, normalised(up - direction * dot(up, direction))};
 }
 
+// No way of one camera to the other but what numbers round to, through which no curve can be laid.
+bool same_place(const ControlPoint& a, const ControlPoint& b) {
+    constexpr double least_m = 1e-3, least_turn = 1e-5;
+    double moved = 0, turned = 0;
+    for (std::size_t i = 0; i < 3; ++i) moved = std::max(moved, std::abs(a[i] - b[i]));
+    for (std::size_t i = 3; i < 9; ++i) turned = std::max(turned, std::abs(a[i] - b[i]));
+    return moved < least_m && turned < least_turn;
+}
+
 CameraPath spline_through(std::vector<ControlPoint> points, double seconds) {
     CameraPath path;
     path.name = "camera path";
@@ -202,6 +211,8 @@ bool Route::follow(const Pose& pose, double seconds) {
 }
 
 void Route::edit(Content next, const fly::Ground& ground) {
+    if (std::ranges::adjacent_find(next.points, same_place) != next.points.end())
+        throw Failure(2, "the point before or after is at this place already, looking the same way; move the camera first");
     next.poses.clear();
     next.as_read.reset();
     next.unsaved = !next.points.empty() || !next.path.empty();

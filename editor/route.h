@@ -31,6 +31,7 @@ public:
     [[nodiscard]] bool playing() const { return playing_; }
     [[nodiscard]] bool recording() const { return recording_; }
     [[nodiscard]] std::size_t recorded() const { return taken_.size(); } // points, while recording
+    [[nodiscard]] const std::vector<fly::ControlPoint>& recorded_points() const { return taken_; }
     [[nodiscard]] bool loops() const { return loops_; }
     [[nodiscard]] double seconds() const { return static_cast<double>(now_.poses.size()) / poses_a_second; }
     // That it shall take; 0: as long as its way at a sixtieth of the terrain's longer extent a second.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "editor/route_lines.h"
 #include "fjell/query.h"
 #include "fjell/tree.h"
 #include "gl/palette.h"
@@ -52,6 +53,8 @@ void SceneLines::build(const State& state, const fly::Session& session) {
         lines_.resize(12);
         gl::frustum_lines(*state.eye.refining, length_m, frustum_rgba, std::span<gl::Line, 12>(lines_));
     }
+    // Flying along it, the line would be in the eye.
+    if (state.shows(Overlay::path) && !state.route.playing()) add_route_lines(state.route, state.eye.view, lines_);
     if (state.shows(Overlay::culled)) add_culled(session);
     if (state.shows(Overlay::spheres)) {
         add_tile_spheres(session, state.eye.view);

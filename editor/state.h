@@ -36,6 +36,7 @@ struct Scene {
     std::uint32_t columns = 0, rows = 0, tiles_x = 0, tiles_y = 0, tile_cells = 0, pages = 0;
     double spacing_m[2] = {}, min_m = 0, max_m = 0, quantum_m = 0;
     std::string order, maps; // for people
+    std::uint32_t mips = 0;  // of the maps that are shown by their mips; 0: it has none
     std::uint64_t file_bytes = 0, terrain_bytes = 0, method_bytes = 0, stream_bytes = 0, gpu_bytes = 0;
     bool streamed = false;
     double load_s = 0;
@@ -105,7 +106,7 @@ struct Interface {
     Panel newest = Panel::tune; // what one column shows, where there is no room for two
     Dialog dialog = Dialog::none;
     fly::PictureMode mode = fly::PictureMode::shaded;
-    std::array<bool, overlays> overlay{};
+    std::array<bool, overlays> overlay{false, false, false, false, false, false, true}; // the path
     std::vector<std::string> recent; // packs, the latest first
     std::uint32_t width_px = 0, height_px = 0; // of the window
     std::uint32_t view_x_px = 0, view_y_px = 0, view_width_px = 0, view_height_px = 0; // of the picture in it
@@ -137,6 +138,8 @@ struct State {
     bool headless = false; // messages go to the terminal too
     int exit_code = 0;     // of a headless run: the first failure's
     std::optional<gl::DrawStats> drawn; // of the last frame
+    double heights_share = 0; // of what the picture of the true error needs, read; below 1 it is not drawn yet,
+                              // below 0 it cannot be
     std::string graphics;               // the driver
 
     [[nodiscard]] bool shows(Overlay overlay) const {

@@ -36,7 +36,7 @@ void colours(ImGuiStyle& style) {
     c[ImGuiCol_HeaderActive] = {0.3F, 0.46F, 0.65F, 1};
     c[ImGuiCol_TitleBgActive] = {0.16F, 0.22F, 0.3F, 1};
     c[ImGuiCol_PlotLines] = {0.55F, 0.74F, 0.95F, 1};
-    c[ImGuiCol_PlotHistogram] = {0.42F, 0.62F, 0.84F, 1};
+    c[ImGuiCol_PlotHistogram] = {0.22F, 0.4F, 0.61F, 1}; // white text is on it
     c[ImGuiCol_ModalWindowDimBg] = {0, 0, 0, 0.45F};
 }
 
@@ -96,7 +96,8 @@ const std::vector<Mark>& marks() {
 }
 
 void tip(const char* text) {
-    if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+    // While it is dragged, what it does beside it shall be seen.
+    if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled) || ImGui::IsItemActive()) return;
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
     ImGui::TextUnformatted(text);
@@ -120,6 +121,7 @@ void begin_dialog(const char* title, double width, double height, const State& s
     };
     ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5F, 0.5F});
     ImGui::SetNextWindowSize({fit(width, display.x), fit(height, display.y)}, ImGuiCond_Always);
+    ImGui::SetNextWindowSizeConstraints({0, 0}, {display.x, 0.96F * display.y});
     ImGui::Begin(title, &open,
                  ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
                      ImGuiWindowFlags_NoSavedSettings);

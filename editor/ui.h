@@ -42,8 +42,8 @@ void record_marks(bool on); // begins anew
 void tip(const char* text);
 // A column's window: fixed, with a scroll bar when it needs one. Ends with ImGui::End().
 void begin_column(const char* name, const Rect& rect);
-// A dialogue in the middle, as wide as given in unscaled pixels, and never beyond the window; `open` becomes false when
-// it is closed. Ends with ImGui::End().
+// A dialogue in the middle, as large as given in unscaled pixels, height 0: as its content, and never beyond the
+// window; `open` becomes false when it is closed. Ends with ImGui::End().
 void begin_dialog(const char* title, double width, double height, const State& state, bool& open);
 void heading(const char* text);
 // "label   value" over the width of the column, the value on its right.

@@ -142,8 +142,9 @@ void write_bytes(std::uint64_t bytes, char* to, std::size_t size) {
 }
 
 void begin_browsing(BrowseForm& form, const State& state, const char* name) {
-    const bool begins = form.frame + 1 != state.frame;
+    const bool begins = form.frame + 1 != state.frame || form.of != state.interface.dialog;
     form.frame = state.frame;
+    form.of = state.interface.dialog;
     if (!begins) return;
     form.asks = false;
     set_name(form, name);
@@ -164,10 +165,8 @@ bool draw_browser(const State& state, Commands& commands, BrowseForm& form, cons
     ui::mark("browse", "choose");
     ImGui::EndDisabled();
     ImGui::SameLine();
-    const bool cancelled = ImGui::Button("Cancel");
+    if (ImGui::Button("Cancel")) commands.push(ShowDialog{Dialog::none});
     ui::mark("browse", "cancel");
-    if (cancelled || (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) && !ImGui::IsAnyItemActive()))
-        commands.push(ShowDialog{Dialog::none});
     ImGui::SameLine();
     bool all = state.files.browser.all();
     if (ImGui::Checkbox("All files", &all)) commands.push(BrowseAll{all});

@@ -12,7 +12,8 @@ namespace fjell::editor {
 struct BrowseForm {
     char name[512] = {};
     bool asks = false;       // about overwriting that file
-    std::uint64_t frame = 0; // that it was drawn in last
+    std::uint64_t frame = 0; // that it was drawn in last, in
+    Dialog of = Dialog::none; // this dialogue
 };
 // A dialogue that opens begins anew, with that name in it.
 void begin_browsing(BrowseForm& form, const State& state, const char* name);

@@ -72,14 +72,15 @@ void draw_navigation(const State& state, Commands& commands) {
         ui::tip(abouts[i]);
     }
     ImGui::SameLine();
-    if (ImGui::Button("Whole")) commands.push(LookAtAll{});
+    if (ImGui::Button("Overview")) commands.push(LookAtAll{});
     ui::mark("camera", "home");
     ui::tip("Look at the whole terrain from the south (Home).");
     labelled("Speed");
     double speed = state.eye.free.speed_m_s;
     const double least = 0.1, most = std::max(1000.0, 0.2 * std::max(state.scene.width_m(), state.scene.depth_m()));
     ImGui::SetNextItemWidth(-FLT_MIN);
-    if (ImGui::SliderScalar("##speed", ImGuiDataType_Double, &speed, &least, &most, "%.4g m/s",
+    if (ImGui::SliderScalar("##speed", ImGuiDataType_Double, &speed, &least, &most,
+                            speed < 1000 ? "%.4g m/s" : "%.0f m/s",
                             ImGuiSliderFlags_Logarithmic))
         commands.push(SetSpeed{speed});
     ui::mark("camera", "speed");

@@ -6,7 +6,7 @@ namespace {
 
 struct Window {
     const char* title;
-    double width, height; // unscaled pixels
+    double width, height; // unscaled pixels; height 0: as its content
     void (*draw)(const State&, Commands&);
 };
 constexpr Window windows[] = {
@@ -16,17 +16,23 @@ constexpr Window windows[] = {
     {"Save profile", 640, 460, draw_save_profile},
     {"Save camera path", 640, 460, draw_save_path},
     {"Compare profiles", 640, 460, draw_compare},
-    {"Bake", 560, 420, draw_bake},
+    {"Bake", 560, 0, draw_bake},
     {"Auto-tune", 640, 520, draw_auto_tune},
-    {"Benchmark", 520, 300, draw_benchmark},
-    {"Export glTF", 520, 320, draw_snapshot},
-    {"Screenshot", 520, 220, draw_screenshot},
-    {"Keys", 560, 460, draw_keys},
+    {"Benchmark", 520, 0, draw_benchmark},
+    {"Export glTF", 520, 270, draw_snapshot},
+    {"Screenshot", 520, 0, draw_screenshot},
+    {"Keys", 560, 570, draw_keys},
     {"Messages", 640, 420, draw_messages},
-    {"Unsaved changes", 480, 200, draw_unsaved},
-    {"Recovered changes", 480, 220, draw_recover},
+    {"Unsaved changes", 480, 0, draw_unsaved},
+    {"Recovered changes", 480, 0, draw_recover},
 };
 static_assert(std::size(windows) == dialogs, "a dialogue was added: say how it looks");
+
+// Asked before the dialogue is drawn: what is typed into takes the key for itself, and a list that is dropped down.
+bool escapes() {
+    return ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false) && !ImGui::IsAnyItemActive() &&
+           !ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+}
 
 } // namespace
 
@@ -34,11 +40,12 @@ void draw_dialog(const State& state, Commands& commands) {
     const Dialog dialog = state.interface.dialog;
     if (dialog == Dialog::none) return;
     const Window& window = windows[static_cast<std::size_t>(dialog)];
+    const bool escaped = escapes();
     bool open = true;
     ui::begin_dialog(window.title, window.width, window.height, state, open);
     window.draw(state, commands);
     ImGui::End();
-    if (!open) commands.push(ShowDialog{Dialog::none});
+    if (!open || escaped) commands.push(ShowDialog{Dialog::none});
 }
 
 } // namespace fjell::editor

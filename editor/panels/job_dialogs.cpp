@@ -93,9 +93,9 @@ void draw_bar(const JobView& job, bool with_rate) {
     char text[96];
     const int n = std::snprintf(text, sizeof text, "%s  %.0f%%", job.stage.c_str(), 100 * job.share);
     const auto used = static_cast<std::size_t>(std::clamp(n, 0, 95));
-    if (job.left_s > 0 && with_rate && job.rate >= 1e4)
+    if (job.left_s >= 0.5 && with_rate && job.rate >= 1e4)
         std::snprintf(text + used, sizeof text - used, "  %.1f M/s  %.0f s left", job.rate * 1e-6, job.left_s);
-    else if (job.left_s > 0)
+    else if (job.left_s >= 0.5)
         std::snprintf(text + used, sizeof text - used, "  %.0f s left", job.left_s);
     ImGui::ProgressBar(static_cast<float>(job.share), {-1, 0}, text);
     ui::mark("job", "progress");
@@ -323,7 +323,7 @@ void draw_snapshot(const State& state, Commands& commands) {
                  "camera sees.");
     ImGui::BeginDisabled(form.own == 0);
     double shown = form.own == 1 ? form.error_px : state.measures.last().error_px_effective;
-    number_field("px", "export", "error_px", shown, "%.4g", "0.01 to 1000 pixels: a smaller one makes a larger file.");
+    number_field("Pixels", "export", "error_px", shown, "%.4g", "0.01 to 1000 pixels: a smaller one makes a larger file.");
     if (form.own == 1) form.error_px = shown;
     ImGui::EndDisabled();
     ImGui::Separator();
@@ -341,7 +341,8 @@ void draw_snapshot(const State& state, Commands& commands) {
         ui::row("Triangles", "%llu", static_cast<unsigned long long>(p.triangles));
         ui::row("File", "%.2f MB at %.3g px", static_cast<double>(p.bytes) * 1e-6, p.error_px);
     }
-    draw_outcome(state, state.job.kind == JobKind::preview ? JobKind::preview : JobKind::snapshot);
+    const bool counted = state.job.kind == JobKind::preview && !state.job.running && p.bytes != 0;
+    if (!counted) draw_outcome(state, state.job.kind == JobKind::preview ? JobKind::preview : JobKind::snapshot);
 }
 
 void draw_screenshot(const State&, Commands& commands) {

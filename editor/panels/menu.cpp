@@ -62,12 +62,16 @@ void draw_file(const State& state, Commands& commands) {
     item("open", "Open...", "Ctrl+O", true, commands, ShowDialog{Dialog::open_file});
     draw_recent(state, commands);
     item("sample", "Open the sample", "", true, commands, OpenSample{});
+    item("bake", "Bake heights...", "", true, commands, ShowDialog{Dialog::bake});
     ImGui::Separator();
     if (ImGui::MenuItem("Save profile", "Ctrl+S")) save(state, commands);
     ui::mark("menu", "save");
     item("save-as", "Save profile as...", "Ctrl+Shift+S", true, commands, ShowDialog{Dialog::save_profile});
     item("compare", "Compare profiles...", "", true, commands, ShowDialog{Dialog::compare});
     item("save-path", "Save camera path as...", "", !state.route.empty(), commands, ShowDialog{Dialog::save_path});
+    ImGui::Separator();
+    item("export", "Export glTF...", "", state.scene.open(), commands, ShowDialog{Dialog::snapshot});
+    item("screenshot", "Screenshot...", "", true, commands, ShowDialog{Dialog::screenshot});
     ImGui::Separator();
     item("quit", "Quit", "Ctrl+Q", true, commands, Quit{});
 }
@@ -90,13 +94,13 @@ void draw_edit(const State& state, Commands& commands) {
 void draw_show_menu(const State& state, Commands& commands) {
     for (int i = 0; i < fly::picture_modes; ++i) {
         const auto mode = static_cast<fly::PictureMode>(i);
-        if (ImGui::MenuItem(fly::picture_mode_names[i], "", state.interface.mode == mode)) commands.push(SetMode{mode});
+        if (ImGui::MenuItem(label_of(mode), "", state.interface.mode == mode)) commands.push(SetMode{mode});
     }
     ImGui::Separator();
     for (int i = 0; i < overlays; ++i) {
         const auto overlay = static_cast<Overlay>(i);
         const bool on = state.shows(overlay);
-        if (ImGui::MenuItem(overlay_names[i], "", on)) commands.push(SetOverlay{overlay, !on});
+        if (ImGui::MenuItem(label_of(overlay), "", on)) commands.push(SetOverlay{overlay, !on});
     }
     ImGui::Separator();
     constexpr struct {

@@ -32,7 +32,11 @@ void draw_column(const char* name, const ui::Rect& rect, int first, int last, Pa
                  Commands& commands) {
     ui::begin_column(name, rect);
     draw_tabs(first, last, shown, commands);
-    ImGui::BeginChild("panel");
+    // The scroll bar has its room always, in the column's margin, and stands off what it scrolls.
+    const ImGuiStyle& style = ImGui::GetStyle();
+    const float width = ImGui::GetContentRegionAvail().x + style.WindowPadding.x / 2;
+    ImGui::SetNextWindowContentSize({width - style.ScrollbarSize - style.WindowPadding.x / 2, 0});
+    ImGui::BeginChild(titles[static_cast<int>(shown)], {width, 0}); // each where it was scrolled to
     draws[static_cast<int>(shown)](state, commands);
     ImGui::EndChild();
     ImGui::End();

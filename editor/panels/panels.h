@@ -26,6 +26,10 @@ void draw_budgets(const State& state, Commands& commands);
 void draw_streaming(const State& state, Commands& commands);
 void draw_levels(const State& state, Commands& commands);
 
+// As panel and menu call them.
+[[nodiscard]] const char* label_of(fly::PictureMode mode);
+[[nodiscard]] const char* label_of(Overlay overlay);
+
 // The open one; it has its window, its place and its way to be closed already.
 void draw_dialog(const State& state, Commands& commands);
 void draw_start(const State& state, Commands& commands);

@@ -30,12 +30,20 @@ constexpr Text laid_over[] = {
     {"Page borders", "Of the blocks of geometry that are loaded and unloaded together."},
     {"Bounding spheres", "Around vertices, as the refinement sees them."},
     {"Culled", "With refinement frozen: what it left out, and its view's edges."},
-    {"True error", "How far the mesh is from the finest terrain, in pixels; slow, for large terrains very slow."},
+    {"True error", "How far the mesh is from the finest terrain, in pixels. Instead of the picture; all heights are read "
+                   "first."},
+    {"Camera path", "Where it goes, with its points, and what is being recorded; not while it is played."},
 };
 static_assert(std::size(laid_over) == overlays, "an overlay was added: say what it shows");
 
 ImU32 colour(const gl::Rgb8& rgb) {
     return IM_COL32(rgb[0], rgb[1], rgb[2], 255);
+}
+
+void note(const char* text) {
+    ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
+    ImGui::TextWrapped("%s", text);
+    ImGui::PopStyleColor();
 }
 
 // One entry after the other, in as many lines as it takes.
@@ -61,12 +69,39 @@ void step_legend(const Scene& scene, int tile_log2, bool levels) {
     Legend legend;
     char text[24];
     for (int i = 0; i <= (levels ? 2 * tile_log2 : tile_log2); ++i) {
+        const double step_m = scene.spacing_m[0] * (1u << i);
         if (levels)
             std::snprintf(text, sizeof text, "%d", i);
         else
-            std::snprintf(text, sizeof text, "%.4g m", scene.spacing_m[0] * (1u << i));
+            std::snprintf(text, sizeof text, step_m < 10000 ? "%.4g m" : "%.3g km", step_m < 10000 ? step_m : step_m / 1000);
         legend.entry(colour(levels ? gl::level_rgb(i, tile_log2) : gl::step_rgb(i, tile_log2)), text);
     }
+}
+
+// 0 is the pack's finest.
+void mip_legend(int mips) {
+    if (mips == 0) {
+        note("This pack has no maps.");
+        return;
+    }
+    Legend legend;
+    char text[16];
+    for (int i = 0; i < mips; ++i) {
+        std::snprintf(text, sizeof text, "%d", i);
+        legend.entry(colour(gl::mip_rgb(i, mips)), text);
+    }
+}
+
+// In pixels: what is promised is red.
+void error_legend(double promised_px) {
+    Legend legend;
+    char text[40];
+    for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+        std::snprintf(text, sizeof text, share < 1 ? "%.3g" : "%.3g px: as promised", share * promised_px);
+        legend.entry(colour(gl::error_rgb(share)), text);
+    }
+    legend.entry(colour(gl::error_stops[4]), "more than promised");
+    legend.entry(colour(gl::error_stops[5]), "nothing to compare with");
 }
 
 void draw_legend(const State& state) {
@@ -74,16 +109,28 @@ void draw_legend(const State& state) {
     switch (state.interface.mode) {
     case fly::PictureMode::levels: step_legend(state.scene, tile_log2, true); break;
     case fly::PictureMode::residency: step_legend(state.scene, tile_log2, false); break;
-    case fly::PictureMode::mips: {
-        Legend legend;
-        // The pack's mips are those of its tiles' maps, down to 4 x 4 texels; colours go by their share of all.
-        constexpr int shown = 8;
-        for (int i = 0; i < shown; ++i)
-            legend.entry(colour(gl::mip_rgb(i, shown)), i == 0 ? "finest" : i == shown - 1 ? "coarsest" : "");
-        break;
-    }
+    case fly::PictureMode::mips: mip_legend(static_cast<int>(state.scene.mips)); break;
     default: break;
     }
+}
+
+void explain_overlays(const State& state) {
+    if (state.shows(Overlay::culled) && !state.eye.frozen)
+        note("What was culled is out of view: freeze refinement (F), and look from elsewhere.");
+    if (!state.shows(Overlay::error)) return;
+    if (state.heights_share < 0) return note("The heights to compare with could not be read; messages say why.");
+    if (state.heights_share < 1) {
+        char text[48];
+        std::snprintf(text, sizeof text, "Reading heights: %.0f%%", 100 * state.heights_share);
+        return note(text);
+    }
+    note("True error:");
+    error_legend(state.document.profile().refine.error_px);
+}
+
+// Two stand side by side: what explains them below is seen on small screens too.
+void second_column(int i) {
+    if (i % 2 != 0) ImGui::SameLine(0.5F * ImGui::GetContentRegionMax().x);
 }
 
 void draw_scale(const State& state, Commands& commands) {
@@ -107,25 +154,35 @@ void draw_scale(const State& state, Commands& commands) {
 
 } // namespace
 
+const char* label_of(fly::PictureMode mode) {
+    return modes[static_cast<std::size_t>(mode)].label;
+}
+
+const char* label_of(Overlay overlay) {
+    return laid_over[static_cast<std::size_t>(overlay)].label;
+}
+
 void draw_show(const State& state, Commands& commands) {
     ui::heading("Picture (M: the next one)");
     for (int i = 0; i < fly::picture_modes; ++i) {
         const auto mode = static_cast<fly::PictureMode>(i);
+        second_column(i);
         if (ImGui::RadioButton(modes[i].label, state.interface.mode == mode)) commands.push(SetMode{mode});
         ui::mark("mode", fly::picture_mode_names[i]);
         ui::tip(modes[i].about);
     }
-    ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-    ImGui::TextWrapped("%s", modes[static_cast<int>(state.interface.mode)].about);
-    ImGui::PopStyleColor();
-    if (state.scene.open()) draw_legend(state);
+    note(modes[static_cast<int>(state.interface.mode)].about);
+    const bool hidden = state.shows(Overlay::error) && state.heights_share >= 1;
+    if (state.scene.open() && !hidden) draw_legend(state);
     ui::heading("Over it");
     for (int i = 0; i < overlays; ++i) {
         bool on = state.interface.overlay[static_cast<std::size_t>(i)];
+        second_column(i);
         if (ImGui::Checkbox(laid_over[i].label, &on)) commands.push(SetOverlay{static_cast<Overlay>(i), on});
         ui::mark("overlay", overlay_names[i]);
         ui::tip(laid_over[i].about);
     }
+    if (state.scene.open()) explain_overlays(state);
     draw_scale(state, commands);
 }
 

@@ -48,7 +48,7 @@ Part threshold_part(const State& state) {
     if (e.error_px_effective >= 1e6)
         std::snprintf(part.text, sizeof part.text, "threshold open  %s", why);
     else
-        std::snprintf(part.text, sizeof part.text, "threshold %.3g px%s%s", e.error_px_effective, *why ? ", " : "", why);
+        std::snprintf(part.text, sizeof part.text, "threshold %.4g px%s%s", e.error_px_effective, *why ? ", " : "", why);
     return part;
 }
 

@@ -65,6 +65,10 @@ void draw_table(const State& state) {
 } // namespace
 
 void draw_time(const State& state, Commands&) {
+    if (!state.scene.open()) {
+        ImGui::TextWrapped("No terrain is open.");
+        return;
+    }
     const Measures& m = state.measures;
     const auto ring = [&](Series series) { return &m.ring(series); };
     const double budget_us = state.document.profile().cut.budget_us;

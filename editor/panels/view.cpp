@@ -90,7 +90,7 @@ void write_over(const State& state, const ui::Rect& view) {
         if (eye.free.speed_m_s >= 10000)
             std::snprintf(text, sizeof text, "%.3g km/s", eye.free.speed_m_s / 1000);
         else
-            std::snprintf(text, sizeof text, "%.3g m/s", eye.free.speed_m_s);
+            std::snprintf(text, sizeof text, eye.free.speed_m_s < 1000 ? "%.3g m/s" : "%.0f m/s", eye.free.speed_m_s);
         plate(view, 1, 1, IM_COL32_WHITE, text);
     }
     if (state.route.recording()) {
@@ -115,7 +115,10 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
         const bool open = state.interface.dialog == Dialog::keys;
         commands.push(ShowDialog{open ? Dialog::none : Dialog::keys});
     }
-    if (!state.scene.open()) return;
+    if (!state.scene.open()) {
+        plate(layout.view, 0.5F, 0.5F, ui::quiet, "No terrain is open: see File, or drop one here");
+        return;
+    }
     Move move;
     move.seconds = std::min(static_cast<double>(io.DeltaTime), 0.25);
     if (!typing && !io.KeyCtrl && !io.KeyAlt && !io.KeySuper && state.interface.dialog == Dialog::none) {

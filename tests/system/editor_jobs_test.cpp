@@ -88,6 +88,18 @@ TEST_CASE("a bake that cannot be, or is cancelled, is a message and leaves nothi
     CHECK(place.files() == std::vector<std::string>{"hills.json", "small.toml"});
 }
 
+TEST_CASE("freezing before anything was drawn freezes what is seen then") {
+    const Place place;
+    place.bake();
+    const json s = place.after({"freeze on", "frames 2"}, "hills.fjell");
+    CHECK(s["camera"]["refining_eye_m"] == s["camera"]["view_eye_m"]);
+    const json& view = s["interface"]["view_px"];
+    CHECK(s["camera"]["refining_px"] == json({view[2], view[3]}));
+    // The same of a pack that a script opens, when none was before.
+    const json opened = place.after({"open hills.fjell", "freeze on", "frames 2"});
+    CHECK(opened["camera"]["refining_px"] == json({view[2], view[3]}));
+}
+
 TEST_CASE("a tuning by command sets the threshold only when it shall, as one step of undoing, and writes its curve") {
     const Place place;
     place.bake();

@@ -305,6 +305,26 @@ TEST_CASE("a corrupt pack, a folder that takes nothing and a lost graphics conte
     editor.until("undone", [](const json& s) { return s["profile"]["refine.error_px"] == 1; });
 }
 
+TEST_CASE("escape closes a dialogue, but first what is being typed in it") {
+    if (no_windows()) return;
+    Desk desk;
+    const auto dialog = [](const char* name) {
+        return [name](const json& s) { return s["interface"]["dialog"] == name; };
+    };
+    desk.editor.key("F1");
+    desk.editor.until("the keys", dialog("keys"));
+    desk.editor.key("Escape");
+    desk.editor.until("no dialogue", dialog("none"));
+    desk.editor.key("ctrl+o");
+    desk.editor.until("the file dialogue", dialog("open"));
+    desk.editor.click("browse.name");
+    desk.editor.key("a");
+    desk.editor.key("Escape");
+    CHECK(desk.editor.state()["interface"]["dialog"] == "open");
+    desk.editor.key("Escape");
+    desk.editor.until("no dialogue", dialog("none"));
+}
+
 TEST_CASE("a click on the map jumps there") {
     if (no_windows()) return;
     Desk desk;

@@ -276,6 +276,28 @@ TEST_CASE("changes are kept every two seconds, found when their editor is no mor
     CHECK(names_in(where).empty());
 }
 
+TEST_CASE("a path that was not saved is found with the time that it takes, also when that alone has changed") {
+    const TemporaryFolder folder;
+    const std::string where = folder / "state/fjell";
+    const Document document;
+    Route route;
+    fly::Ground ground;
+    ground.extent_x_m = ground.extent_z_m = 9000;
+    ground.cell_m = 30;
+    for (int i = 0; i < 4; ++i) route.add({{1000.0 * i, 500, 3000}, {0, 0, -1}, {0, 1, 0}}, ground);
+    auto living = std::make_unique<Recovery>();
+    living->begin(where);
+    living->keep(document, route, "a.fjell", 0);
+    route.set_seconds(9.5, ground);
+    living->keep(document, route, "a.fjell", 10);
+    living.reset();
+    Recovery next;
+    next.look(where);
+    REQUIRE(next.found());
+    CHECK(next.found()->points == route.points());
+    CHECK(next.found()->path_seconds == 9.5);
+}
+
 TEST_CASE("changes that are saved or undone are kept no longer") {
     const TemporaryFolder folder;
     Document document;

@@ -1,13 +1,16 @@
 // The editor's camera path: what is written is read back, and no edit loses anything.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
 #include "editor/route.h"
+#include "editor/route_lines.h"
 #include "host/failure.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
+#include "fjell/glm.h"
 
 using namespace fjell;
 using namespace fjell::editor;
@@ -281,6 +284,10 @@ TEST_CASE("what cannot be leaves the path as it was") {
     CHECK_THROWS_AS(route.save("/nowhere/at all.json"), host::Failure);
     const Pose last = route.select(3);
     CHECK_THROWS_AS(route.add(last, plain()), host::Failure); // the same place twice
+    Pose rounded = last; // as a camera has it that was put there
+    rounded.position_m.x += 1e-9;
+    rounded.direction = normalised(rounded.direction + rounded.up * 1e-15);
+    CHECK_THROWS_WITH(route.add(rounded, plain()), Catch::Contains("move the camera first"));
     CHECK(route.points() == points);
     CHECK(route.unsaved());
 }
@@ -304,4 +311,90 @@ TEST_CASE("an orbit is played and saved as it is until it is edited") {
     CHECK(nearest < 0.01 * plain().longer_m()); // still round there
     route.save("");
     CHECK(std::holds_alternative<fly::SplinePath>(fly::read_path(folder / "same.json").kind));
+}
+
+namespace {
+
+View view_from(const Pose& pose) {
+    View view;
+    view.eye_m = pose.position_m;
+    view.forward = pose.direction;
+    view.up = pose.up;
+    view.fov_y_rad = 0.8;
+    view.near_m = 1;
+    view.far_m = 1e6;
+    view.width_px = 800;
+    view.height_px = 500;
+    return view;
+}
+
+bool one_of(const std::vector<Vec3>& places, const Vec3& place) {
+    return std::ranges::any_of(places, [&](const Vec3& p) { return length(p - place) == 0; });
+}
+
+} // namespace
+
+TEST_CASE("a path is shown from its beginning to its end, however long, and its points are squares around where they are seen") {
+    for (unsigned seed = 0; seed < 12; ++seed) {
+        INFO("seed " << seed);
+        Random random(seed);
+        Route route;
+        const int count = pick(random, 2, 40);
+        const std::vector<ControlPoint> points = lay(random, route, count);
+        route.set_seconds(pick(random, 1, 60), plain());
+        const auto selected = static_cast<std::size_t>(pick(random, 0, count - 1));
+        (void)route.select(selected);
+        const View view = view_from(random_pose(random));
+        std::vector<gl::Line> lines;
+        lines.reserve(most_route_lines);
+        add_route_lines(route, view, lines);
+        const std::size_t pieces = std::min(route.poses().size() - 1, most_route_pieces);
+        REQUIRE(lines.size() >= pieces);
+        std::vector<Vec3> way;
+        for (const Pose& pose : route.poses()) way.push_back(pose.position_m);
+        CHECK(length(lines[0].from - way.front()) == 0);
+        CHECK(length(lines[pieces - 1].to - way.back()) == 0);
+        for (std::size_t i = 0; i < pieces; ++i) {
+            CHECK(one_of(way, lines[i].from));
+            if (i > 0) CHECK(length(lines[i].from - lines[i - 1].to) == 0);
+        }
+        // What is left are the squares of those points that lie before the eye, the selected one last and larger.
+        std::size_t at = pieces, before = 0;
+        for (std::size_t k = 0; k <= points.size(); ++k) {
+            if (k == selected) continue;
+            const ControlPoint& p = points[k == points.size() ? selected : k];
+            const Vec3 place{p[0], p[1], p[2]};
+            const auto middle = project(view, place);
+            if (!middle) continue;
+            ++before;
+            REQUIRE(lines.size() >= at + 4);
+            const double side_px = k == points.size() ? 12 : 7;
+            for (std::size_t i = 0; i < 4; ++i, ++at) {
+                const auto from = project(view, lines[at].from), to = project(view, lines[at].to);
+                REQUIRE((from && to));
+                CHECK(std::hypot(to->x - from->x, to->y - from->y) == Approx(side_px).epsilon(1e-6));
+                CHECK(std::hypot(from->x - middle->x, from->y - middle->y) == Approx(side_px / std::sqrt(2)).epsilon(1e-6));
+            }
+        }
+        CHECK(lines.size() == pieces + 4 * before);
+    }
+}
+
+TEST_CASE("a path of thousands of points and a recording take no more lines than there is room for") {
+    Random random(7);
+    Route route;
+    const Pose start = gentle_pose(random, 0);
+    route.record(true, start, plain());
+    for (int i = 1; i < 3000; ++i) (void)route.follow(gentle_pose(random, i), 1.0 / 60);
+    std::vector<gl::Line> lines;
+    add_route_lines(route, view_from(start), lines);
+    CHECK(lines.size() == most_route_pieces);
+    CHECK(length(lines.front().from - start.position_m) == 0);
+    route.record(false, gentle_pose(random, 3000), plain());
+    route.record(true, start, plain());
+    for (int i = 1; i < 3000; ++i) (void)route.follow(gentle_pose(random, i), 1.0 / 60);
+    lines.clear();
+    add_route_lines(route, view_from(start), lines);
+    CHECK(lines.size() > 2 * most_route_pieces);
+    CHECK(lines.size() <= most_route_lines);
 }
