@@ -153,6 +153,7 @@ int App::run() {
     else
         state_.interface.dialog = Dialog::start;
     if (!options_.path.empty()) apply(OpenPath{options_.path, true}, desk);
+    if (!engine_.is_open() && state_.interface.dialog == Dialog::none) state_.interface.dialog = Dialog::start;
     if (state_.files.keeps && state_.files.recovery.found()) state_.interface.dialog = Dialog::recover;
     while (!state_.quit) {
         host::check_interrupt();
@@ -178,7 +179,11 @@ bool App::there() const {
     if (!engine_.is_open()) return true;
     if (state_.shows(Overlay::error) && state_.heights_share >= 0 && state_.heights_share < 1) return false;
     const fly::FrameEntry& e = state_.measures.last();
-    const bool streamed = !e.streamed || (e.stream.converged && e.stream.maps_converged);
+    const StreamReport& r = e.stream;
+    // Slots may not suffice for what is wanted, and damaged pages never come: then all is there that will be.
+    const bool resting = r.requested == 0 && r.pages_left == 0 && r.mips_left == 0 && r.pages_taken == 0 &&
+                         r.mips_taken == 0 && r.pages_draining == 0 && e.activations == 0 && e.deactivations == 0;
+    const bool streamed = !e.streamed || (r.converged && r.maps_converged) || resting;
     return state_.measures.frames() > 1 && e.waiting == e.blocked && e.rising == 0 && streamed;
 }
 
@@ -385,6 +390,7 @@ void App::finish_requests() {
     for (const Command& command : std::exchange(after_frame_, {})) {
         attempt([&] {
             if (const auto* shot = std::get_if<Screenshot>(&command)) {
+                host::refuse_overwriting({shot->path}, {state_.scene.path});
                 gl::Image image;
                 if (shot->with_panels)
                     surface_->read(image);
@@ -393,6 +399,7 @@ void App::finish_requests() {
                 const std::string error = gl::write_png(image, shot->path);
                 if (!error.empty()) throw Failure(3, error);
             } else if (const auto* file = std::get_if<DumpState>(&command)) {
+                host::refuse_overwriting({file->path}, {state_.scene.path});
                 write_text(file->path, dump(state_));
             }
         });

@@ -63,6 +63,8 @@ void carry_out(const RestorePath& c, Desk desk);
 void carry_out(const PathSeconds& c, Desk desk);
 void carry_out(const LoopPath& c, Desk desk);
 
+void end_recording(Desk desk);
+
 // carry_out_show.cpp
 void carry_out(const SetMode& c, Desk desk);
 void carry_out(const SetOverlay& c, Desk desk);

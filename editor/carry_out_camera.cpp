@@ -5,6 +5,7 @@
 #include "editor/carry_out.h"
 #include "fjell/query.h"
 #include "host/failure.h"
+#include "host/file.h"
 
 namespace fjell::editor {
 
@@ -32,8 +33,16 @@ fly::Ground whole_ground(Desk desk) {
     return open_engine(desk).session().ground();
 }
 
+// Views end at 1e8 m (fjell/view.h), and ten extents of a large terrain do not.
+void stay_in_reach(fly::FreeCamera& camera) {
+    constexpr double reach_m = 9e7;
+    for (double* const c : {&camera.position_m.x, &camera.position_m.y, &camera.position_m.z})
+        *c = std::clamp(*c, -reach_m, reach_m);
+}
+
 View drawn_view(Desk desk) {
-    const State& state = desk.state;
+    State& state = desk.state;
+    stay_in_reach(state.eye.free);
     fly::Profile profile = state.document.profile();
     profile.width_px = std::max(state.interface.view_width_px, 1u);
     profile.height_px = std::max(state.interface.view_height_px, 1u);
@@ -231,7 +240,17 @@ void carry_out(const Freeze& c, Desk desk) {
     eye.frozen = c.on;
 }
 
+// What is being recorded becomes the path: then it can be saved, asked about and restored.
+void end_recording(Desk desk) {
+    if (!desk.state.route.recording()) return;
+    try {
+        carry_out(RecordPath{false}, desk);
+    } catch (const Failure&) { // the camera did not move: there is nothing to lose
+    }
+}
+
 void carry_out(const OpenPath& c, Desk desk) {
+    end_recording(desk);
     if (!c.discard && asks_first(OpenPath{c.path, true}, desk)) return;
     State& state = desk.state;
     const bool lost = state.route.unsaved();
@@ -241,6 +260,7 @@ void carry_out(const OpenPath& c, Desk desk) {
 }
 
 void carry_out(const SavePath& c, Desk desk) {
+    host::refuse_overwriting({c.path}, {desk.state.scene.path});
     desk.state.route.save(c.path);
     if (desk.state.interface.dialog == Dialog::save_path) desk.state.interface.dialog = Dialog::none;
     go_on_saving(desk);
@@ -297,6 +317,7 @@ void carry_out(const MovePoint& c, Desk desk) {
 }
 
 void carry_out(const ClearPath&, Desk desk) {
+    end_recording(desk);
     const bool unsaved = desk.state.route.unsaved();
     take_from_path(desk.state);
     desk.state.route.clear();

@@ -189,6 +189,8 @@ void carry_out(const Recover& c, Desk desk) {
     State& state = desk.state;
     Recovery& recovery = state.files.recovery;
     if (!recovery.found()) throw host::Failure(2, "there is nothing to recover");
+    if (c.restore && state.headless)
+        throw host::Failure(2, "a run without a window keeps nothing: recover in the editor's window");
     const Unsaved found = *recovery.found();
     if (c.restore) {
         const std::string path = written_path(found, state.files.places.state);

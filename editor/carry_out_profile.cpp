@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "editor/carry_out.h"
+#include "host/file.h"
 
 namespace fjell::editor {
 
@@ -37,6 +38,7 @@ void carry_out(const OpenProfile& c, Desk desk) {
 
 void carry_out(const SaveProfile& c, Desk desk) {
     State& state = desk.state;
+    host::refuse_overwriting({c.path}, {state.scene.path});
     state.document.save(c.path);
     if (state.interface.dialog == Dialog::save_profile) state.interface.dialog = Dialog::none;
     tell(state, Severity::note, "saved " + state.document.path());

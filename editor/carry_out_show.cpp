@@ -34,6 +34,7 @@ void carry_out(const DismissMessage&, Desk desk) {
 }
 
 void carry_out(const Quit& c, Desk desk) {
+    if (!c.discard) end_recording(desk);
     if (!c.discard && asks_first(Quit{true}, desk)) return;
     desk.state.quit = true;
 }

@@ -1,8 +1,11 @@
 #include "editor/engine.h"
 
+#include <bit>
 #include <chrono>
 #include <filesystem>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "fly/pictures.h"
 #include "host/failure.h"
@@ -12,7 +15,7 @@ namespace fjell::editor {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t most_messages = 64; // a damaged pack may have a line for every page
+constexpr std::uint64_t most_messages = 3; // in full: a damaged pack may have a line for every page
 
 double microseconds(Clock::duration d) {
     return std::chrono::duration<double, std::micro>(d).count();
@@ -67,9 +70,15 @@ void Engine::open(const std::string& pack, const fly::Profile& profile) {
     o.pack = pack;
     auto session = std::make_unique<fly::Session>();
     fly::open_session(o, *session);
+    unread_ = 0;
     if (session->streamed)
         session->streamed->on_failure([this](const std::string& line) {
-            if (messages_.size() < most_messages) messages_.push_back(line);
+            if (++unread_ <= most_messages)
+                messages_.push_back(line);
+            else if (std::has_single_bit(unread_))
+                messages_.push_back(fmt::format("{}: {} pages or mips cannot be read; it is coarser there; check it "
+                                                "with fjell-bake verify",
+                                                pack_, unread_));
         });
     auto renderer = renderer_for(o, *session);
     set_renderer(std::move(renderer)); // which points into the terrain: the old one goes before the old session
@@ -117,7 +126,13 @@ bool Engine::follow(const fly::Profile& profile) {
             return true;
         }
         [[fallthrough]]; // the stream holds on to the cut
-    case fly::Rebuild::session: open(std::string(pack_), profile); return true;
+    case fly::Rebuild::session: {
+        const std::uint64_t hash = session_->loaded.pack.header.directory_hash;
+        open(std::string(pack_), profile);
+        if (session_->loaded.pack.header.directory_hash != hash)
+            messages_.push_back(pack_ + ": the file is another one than before; this is what it holds now");
+        return true;
+    }
     }
     return false;
 }

@@ -58,6 +58,7 @@ private:
     void set_renderer(std::unique_ptr<gl::Renderer> renderer);
     void remake(const fly::Profile& profile); // the method's block, and a renderer for it
 
+    std::uint64_t unread_ = 0;          // pages and mips of this session
     std::vector<std::string> messages_; // of reading, until they are taken
     std::uint64_t terrains_ = 0;
     std::string pack_;

@@ -77,7 +77,8 @@ Settings read_settings(const std::string& config_folder, std::string& problem) {
         const json j = json::parse(host::read_text(file));
         Settings s;
         for (const json& pack : j.at("recent"))
-            if (s.recent.size() < most_recent) s.recent.push_back(pack.get<std::string>());
+            if (s.recent.size() < most_recent && !pack.get<std::string>().empty())
+                s.recent.push_back(pack.get<std::string>());
         s.folder = j.value("folder", "");
         s.scale = j.value("scale", 0.0);
         if (s.scale != 0 && !(s.scale >= 0.5 && s.scale <= 4)) s.scale = 0;

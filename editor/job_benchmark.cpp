@@ -112,6 +112,7 @@ Jobs::Body tune_job(FlightPlan plan, const TuneSettings& settings, const std::st
     plan.frames = settings.frames;
     plan.draws = settings.measure == TuneMeasure::frame;
     // Opened before the work, so that a missing folder does not cost a minute.
+    host::refuse_overwriting({csv}, {plan.pack});
     auto file = csv.empty() ? nullptr : std::make_shared<host::AtomicFile>(csv);
     return [plan = std::move(plan), settings, file](JobControl& control) { tune(plan, settings, file.get(), control); };
 }

@@ -1,6 +1,7 @@
 #include "editor/options.h"
 
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 
 #include <CLI/CLI.hpp>
@@ -36,12 +37,13 @@ bool parse_options(int argc, char** argv, Options& options) {
     app.add_option("--profile", options.profile, "the profile to tune (profiles/*.toml)");
     app.add_option("--path", options.path, "a camera path (content/paths/*.json)");
     app.add_option("--screenshot", options.screenshot, "writes the window as PNG after --frames, and quits");
-    app.add_option("--frames", options.frames, "quits after so many frames");
+    app.add_option("--frames", options.frames, "quits after so many frames")
+        ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}));
     app.add_option("--do", options.commands, "a command; may be given again (see --help-commands)")->allow_extra_args(false);
     app.add_option("--script", options.script, "a file of commands, one a line; -: standard input");
     app.add_flag("--headless", options.headless, "no window: for scripts; quits when they are done");
     app.add_option("--size", size, "window in pixels, WIDTHxHEIGHT (default 1280x720)");
-    app.add_option("--scale", options.scale, "of the interface, 0.5 to 4; default: the desktop's")
+    app.add_option("--scale", options.scale, "of the interface, 0.5 to 4; default: as last time, or the desktop's")
         ->check(CLI::Range(0.5, 4.0));
     app.add_flag("--no-vsync", no_vsync, "frames as fast as they go");
     app.add_flag("--help-commands", help_commands, "lists the commands of --do and --script");
@@ -58,6 +60,7 @@ bool parse_options(int argc, char** argv, Options& options) {
         fmt::print("{}", command_help());
         return false;
     }
+    if (!std::isfinite(options.scale)) throw Failure(2, "--scale: must be a number from 0.5 to 4");
     if (!size.empty()) read_size(size, options);
     options.vsync = !no_vsync;
     if (!options.screenshot.empty() && options.frames == 0) options.frames = 60;

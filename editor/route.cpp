@@ -184,7 +184,7 @@ void Route::record(bool on, const Pose& pose, const fly::Ground& ground) {
         return;
     }
     Content next;
-    next.points = std::exchange(taken_, {});
+    next.points = taken_; // which stay until they are the path
     const ControlPoint last = point_of(pose);
     if (!next.points.empty() && next.points.back() != last && next.points.size() < most_points)
         next.points.push_back(last);
@@ -192,6 +192,7 @@ void Route::record(bool on, const Pose& pose, const fly::Ground& ground) {
     next.seconds = std::clamp(taken_s_, 1.0, fly::max_path_seconds);
     next.selected = {};
     edit(std::move(next), ground);
+    taken_.clear();
     share_ = 0;
 }
 

@@ -23,7 +23,7 @@ class Route {
 public:
     [[nodiscard]] bool empty() const { return now_.poses.empty(); }
     [[nodiscard]] const std::string& path() const { return now_.path; } // of the file; empty: never saved
-    [[nodiscard]] bool unsaved() const { return now_.unsaved; }
+    [[nodiscard]] bool unsaved() const { return now_.unsaved || taken_.size() > 1; }
     [[nodiscard]] const std::vector<fly::ControlPoint>& points() const { return now_.points; }
     [[nodiscard]] std::optional<std::size_t> selected() const { return now_.selected; }
     [[nodiscard]] const std::vector<fly::Pose>& poses() const { return now_.poses; } // resampled, 60 a second

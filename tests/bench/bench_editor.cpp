@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "baker/bake.h"
-#include "baker/synth.h"
+#include "baker/read.h"
 #include "editor/app.h"
 #include "editor/names.h"
 
