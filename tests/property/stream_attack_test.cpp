@@ -346,7 +346,7 @@ TEST_CASE("bounds that lie, wherever the pages are, make terrain late or coarse 
                 }).opened.ok());
 }
 
-TEST_CASE("mips that do not lie one after the other are a failure told once; the rest of the terrain comes") {
+TEST_CASE("mips that do not lie one after the other are a failure told once, and the rest of the terrain comes") {
     Random random(928);
     baker::BakeOptions options = small_bake(6);
     options.max_texture_log2 = 6;

@@ -102,7 +102,7 @@ TEST_CASE("dragging the threshold's slider coarsens the mesh at once, as one ste
     CHECK(back["document"]["unsaved"] == false);
 }
 
-TEST_CASE("a number is typed beside the slider; one out of range does no harm") {
+TEST_CASE("a number is typed beside the slider, and one out of range does no harm") {
     if (no_windows()) return;
     Desk desk;
     const auto enter = [&](const std::string& text) {
@@ -205,7 +205,7 @@ TEST_CASE("the window is resized: columns, picture and controls stay inside it, 
     }
 }
 
-TEST_CASE("budgets and methods are made anew under the same view; what cannot be had is taken back") {
+TEST_CASE("budgets and methods are made anew under the same view, and what cannot be had is taken back") {
     if (no_windows()) return;
     Desk desk;
     const json before = desk.editor.until("a picture", [](const json& s) { return s["measures"]["converged"] == true; });

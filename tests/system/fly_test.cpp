@@ -192,7 +192,7 @@ TEST_CASE("a morphing flight keeps its promises") {
     }
 }
 
-TEST_CASE("a recorded flight is repeated bit for bit; one that was changed, or of another pack, is refused") {
+TEST_CASE("a recorded flight is repeated bit for bit, and one that was changed, or of another pack, is refused") {
     for (const char* limits : {"", "--items 40", "--budget-us 20 --morph time --hysteresis 0.2"}) {
         REQUIRE(place().fly("small.fjell --headless --frames 90 --record r.json " + std::string(limits)).code == 0);
         CHECK(place().fly("small.fjell --headless --replay r.json --csv -").code == 0);

@@ -233,7 +233,7 @@ TEST_CASE("a damaged page is one line on stderr, coarser ground, and exit code 1
     fs::remove(place().folder.path / "bad.fjell");
 }
 
-TEST_CASE("a disk that fails costs what it did not give, and exit code 3; signals and short reads cost nothing") {
+TEST_CASE("a disk that fails costs what it did not give, and exit code 3, and signals and short reads cost nothing") {
     const std::string preload = "LD_PRELOAD=" FJELL_FAULTS " FJELL_FAULT=";
     const std::string flight = "t.fjell --frames 20 --stream on --wait";
     const json healthy = place().flight(flight);

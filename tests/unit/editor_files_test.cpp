@@ -96,7 +96,7 @@ TEST_CASE("settings, state and cache are where XDG says, at home otherwise, and 
     CHECK(places().config.empty());
 }
 
-TEST_CASE("settings are read as they were written; damaged ones are the defaults, with one line to say so") {
+TEST_CASE("settings are read as they were written, and damaged ones are the defaults, with one line to say so") {
     const TemporaryFolder folder;
     std::string problem;
     CHECK(read_settings(folder / "config", problem) == Settings{});
@@ -539,7 +539,7 @@ TEST_CASE("an editor that ended against its will leaves its changes to the next 
     }
 }
 
-TEST_CASE("packs that were opened are recent in the next run; headless ones are not, nor are their changes kept") {
+TEST_CASE("packs that were opened are recent in the next run, and headless ones are not, nor are their changes kept") {
     const Home home;
     {
         Editor editor;

@@ -38,7 +38,7 @@ TEST_CASE("files side by side, in any order and direction, read as one") {
     check_windows(*open_source({s, e, w}, {}));
 }
 
-TEST_CASE("where files overlap the later one is on top, but for its voids; gaps are holes") {
+TEST_CASE("where files overlap the later one is on top, but for its voids, and gaps are holes") {
     const TempDir dir;
     Raster below = piece(0, 0, 120, 100), above = piece(70, 80, 120, 100);
     for (double& v : above.values) v += 1000;

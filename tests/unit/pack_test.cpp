@@ -132,7 +132,7 @@ TEST_CASE("automatic tiles: 512 cells, more for more than 1,024 tiles, fewer whe
     CHECK(baker::auto_tile_log2(65537, 65537) == 11);
 }
 
-TEST_CASE("whatever bake accepts, open_pack opens; what it does not accept leaves nothing") {
+TEST_CASE("whatever bake accepts, open_pack opens, and what it does not accept leaves nothing") {
     Random random(27);
     int accepted = 0, refused = 0;
     for (int round = 0; round < 300; ++round) {
@@ -246,7 +246,7 @@ TEST_CASE("a block that is too small or a budget below the coarsest mesh is refu
     CHECK(create_recursive(pack.terrain, least, {room.get(), bytes}, method).ok());
 }
 
-TEST_CASE("a bake that fails leaves nothing, one that is interrupted its work; an old pack stays as it was") {
+TEST_CASE("a bake that fails leaves nothing, one that is interrupted its work, and an old pack stays as it was") {
     Random random(25);
     const TemporaryFolder folder;
     const std::string out = folder / "pack.fjell";

@@ -88,7 +88,7 @@ TEST_CASE("what is wanted comes, as it is in the pack, and is counted") {
     CHECK(c.provide_s > 0);
 }
 
-TEST_CASE("a read that fails is told once, the rest comes; asked again, all of it") {
+TEST_CASE("a read that fails is told once, the rest comes, and asked again, all of it") {
     Scene scene(2);
     std::atomic<bool> failing{true};
     std::atomic<std::uint64_t> calls{0};

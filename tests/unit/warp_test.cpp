@@ -180,7 +180,7 @@ TEST_CASE("extents that no plane holds are refused with what can be done") {
     CHECK(part.voids.empty());
 }
 
-TEST_CASE("voids of a file stay where they are, and smear nothing; undeclared ones are refused before they could") {
+TEST_CASE("voids of a file stay where they are, and smear nothing, and undeclared ones are refused before they could") {
     const TempDir dir;
     const auto hole = [](double x, double y) { return x > 8.4 && x < 8.5 && y < 60.8 && y > 60.7; };
     Raster r = degrees([&](double x, double y) { return hole(x, y) ? -9999 : 500; });
