@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "support/program.h"
+#include "support/temporary_folder.h"
 
 using namespace fjell;
 
@@ -23,16 +24,10 @@ using test::spit;
 class Place {
 public:
     Place() {
-        char name[] = "/tmp/fjell-editor-jobs-XXXXXX";
-        REQUIRE(mkdtemp(name) != nullptr);
-        folder = name;
         spit(folder / "hills.json",
              R"({"columns": 513, "rows": 513, "spacing_m": 60, "seed": 7, "relief_m": 2500, "feature_m": 6000})");
         spit(folder / "small.toml", "[view]\nwidth_px = 640\nheight_px = 360\n");
     }
-    ~Place() { fs::remove_all(folder); }
-    Place(const Place&) = delete;
-    Place& operator=(const Place&) = delete;
 
     // What the state is after these commands, and `more` besides on the command line, after `before` in the shell.
     [[nodiscard]] json after(const std::vector<std::string>& commands, const std::string& more = "",
@@ -49,14 +44,10 @@ public:
         return state;
     }
     void bake() const { (void)after({"bake hills.json hills.fjell tile=128", "wait"}); }
-    [[nodiscard]] std::vector<std::string> files() const {
-        std::vector<std::string> names;
-        for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename());
-        std::sort(names.begin(), names.end());
-        return names;
-    }
+    [[nodiscard]] std::vector<std::string> files() const { return own.names(); }
 
-    fs::path folder;
+    test::TemporaryFolder own;
+    fs::path folder = own.path;
     mutable int last_code = 0; // of after(): the first failure's, for scripts
 };
 
