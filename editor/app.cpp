@@ -13,21 +13,21 @@
 #include <epoxy/gl.h>
 #include <imgui.h>
 
-#include "editor/carry_out.h"
+#include "editor/handlers/handlers.h"
 #include "editor/dump.h"
 #include "editor/panels/panels.h"
-#include "editor/ui.h"
-#include "fly/session.h"
+#include "editor/panels/ui.h"
+#include "flight/session.h"
 #include "gl/image.h"
-#include "host/failure.h"
-#include "host/file.h"
+#include "io/failure.h"
+#include "io/file.h"
 
 namespace fjell::editor {
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using host::Failure;
+using io::Failure;
 
 double microseconds(Clock::duration d) {
     return std::chrono::duration<double, std::micro>(d).count();
@@ -69,7 +69,7 @@ std::vector<Command> read_script(const Options& options) {
     if (options.script == "-")
         text.assign(std::istreambuf_iterator<char>(std::cin), {});
     else
-        text = host::read_text(options.script);
+        text = io::read_text(options.script);
     std::istringstream lines(text);
     int number = 0;
     for (std::string line; std::getline(lines, line);) add(line, options.script + ":" + std::to_string(++number));
@@ -77,7 +77,7 @@ std::vector<Command> read_script(const Options& options) {
 }
 
 void write_text(const std::string& path, const std::string& text) {
-    host::AtomicFile file(path);
+    io::AtomicFile file(path);
     file.write(std::as_bytes(std::span(text)));
     file.commit();
 }
@@ -156,7 +156,7 @@ int App::run() {
     if (!engine_.is_open() && state_.interface.dialog == Dialog::none) state_.interface.dialog = Dialog::start;
     if (state_.files.keeps && state_.files.recovery.found()) state_.interface.dialog = Dialog::recover;
     while (!state_.quit) {
-        host::check_interrupt();
+        io::check_interrupt();
         if (surface_->lost()) replace_surface();
         if (!script_step()) break;
         frame();
@@ -178,7 +178,7 @@ bool App::there() const {
     if (jobs_.running()) return false;
     if (!engine_.is_open()) return true;
     if (state_.shows(Overlay::error) && state_.heights_share >= 0 && state_.heights_share < 1) return false;
-    const fly::FrameEntry& e = state_.measures.last();
+    const flight::FrameEntry& e = state_.measures.last();
     const StreamReport& r = e.stream;
     // Slots may not suffice for what is wanted, and damaged pages never come: then all is there that will be.
     const bool resting = r.requested == 0 && r.pages_left == 0 && r.mips_left == 0 && r.pages_taken == 0 &&
@@ -305,7 +305,7 @@ double App::move_and_update() {
     entry_ = engine_.update(refining, state_.document.profile(), state_.now_s, draw_us_);
     const Own own(watch_);
     const auto updated = Clock::now();
-    const fly::Session& session = engine_.session();
+    const flight::Session& session = engine_.session();
     if (session.streamed) state_.reader = session.streamed->reader();
     state_.measures.count_levels(session.mesh(), session.loaded.pack.header.tile_log2);
     return microseconds(moved - start) + microseconds(Clock::now() - updated);
@@ -321,7 +321,7 @@ void App::paint_map() {
             overview_.end();
     }
     if (engine_.is_open()) {
-        const fly::Session& session = engine_.session();
+        const flight::Session& session = engine_.session();
         overview_.advance(session.terrain(), !session.streamed || session.streamed->report().complete, map_us);
     }
     overview_.upload(state_.map);
@@ -390,7 +390,7 @@ void App::finish_requests() {
     for (const Command& command : std::exchange(after_frame_, {})) {
         attempt([&] {
             if (const auto* shot = std::get_if<Screenshot>(&command)) {
-                host::refuse_overwriting({shot->path}, {state_.scene.path});
+                io::refuse_overwriting({shot->path}, {state_.scene.path});
                 gl::Image image;
                 if (shot->with_panels)
                     surface_->read(image);
@@ -399,7 +399,7 @@ void App::finish_requests() {
                 const std::string error = gl::write_png(image, shot->path);
                 if (!error.empty()) throw Failure(3, error);
             } else if (const auto* file = std::get_if<DumpState>(&command)) {
-                host::refuse_overwriting({file->path}, {state_.scene.path});
+                io::refuse_overwriting({file->path}, {state_.scene.path});
                 write_text(file->path, dump(state_));
             }
         });

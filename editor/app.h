@@ -1,7 +1,7 @@
 // The editor's program: surface, frame, and the order of things in it.
 //
 // A frame: input; panels read the state and push commands; commands are applied; the camera moves, the terrain is
-// updated and drawn; the panels are drawn over it; what it cost is recorded. Thread: main. Failure: host::Failure gets
+// updated and drawn; the panels are drawn over it; what it cost is recorded. Thread: main. Failure: io::Failure gets
 // out only when nothing can be shown at all; everything else is a message in the window.
 #pragma once
 
@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "editor/apply.h"
+#include "editor/handlers/apply.h"
 #include "editor/command.h"
 #include "editor/engine.h"
-#include "editor/jobs.h"
+#include "editor/jobs/jobs.h"
 #include "editor/options.h"
-#include "editor/overview.h"
+#include "editor/scene/overview.h"
 #include "editor/state.h"
-#include "editor/surface.h"
+#include "editor/scene/surface.h"
 
 namespace fjell::editor {
 
@@ -62,7 +62,7 @@ private:
     bool dumping_ = false; // at the end of this frame
     bool ended_ = false; // as it should: not by a signal or a failure
     double styled_ = 0; // the scale that fonts were made for
-    fly::FrameEntry entry_; // of this frame
+    flight::FrameEntry entry_; // of this frame
     double draw_us_ = 0;    // and what giving it to the driver took
     void (*watch_)(bool begins) = [](bool) {};
     std::vector<Command> after_frame_; // Screenshot and DumpState, once the frame is drawn

@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
-#include "host/failure.h"
+#include "io/failure.h"
 
 namespace fjell::editor {
 
 namespace {
 
-using host::Failure;
+using io::Failure;
 
 // The words after the verb. Quotes hold words with spaces together.
 class Words {
@@ -104,10 +104,10 @@ constexpr double degree = 3.14159265358979323846 / 180;
 
 Command set_key(Words& w) {
     const std::string name = w.text("a key, as in a profile: refine.error_px");
-    const fly::ProfileKey* const key = fly::find_profile_key(name);
+    const flight::ProfileKey* const key = flight::find_profile_key(name);
     if (key == nullptr) throw Failure(2, fmt::format("{}: no such key; a profile has them all", name));
     double value = 0;
-    if (const std::string problem = fly::parse_value(*key, w.text("a value"), value); !problem.empty())
+    if (const std::string problem = flight::parse_value(*key, w.text("a value"), value); !problem.empty())
         throw Failure(2, fmt::format("{}: {}", name, problem));
     return SetKey{key, value, false};
 }
@@ -157,8 +157,8 @@ Command tune(Words& w) {
               if (v != "yes" && v != "no") throw Failure(2, v + ": apply must be yes or no");
               s.apply = v == "yes";
           }},
-         {"least_px", [&](const std::string& v) { s.least_px = Words::number_in(v, "least_px", fly::min_error_px, fly::max_error_px); }},
-         {"most_px", [&](const std::string& v) { s.most_px = Words::number_in(v, "most_px", fly::min_error_px, fly::max_error_px); }}});
+         {"least_px", [&](const std::string& v) { s.least_px = Words::number_in(v, "least_px", flight::min_error_px, flight::max_error_px); }},
+         {"most_px", [&](const std::string& v) { s.most_px = Words::number_in(v, "most_px", flight::min_error_px, flight::max_error_px); }}});
     return t;
 }
 
@@ -261,7 +261,7 @@ std::vector<Verb> camera_verbs() {
 std::vector<Verb> show_verbs() {
     return {
         {"mode", "NAME", "shaded, wire, levels, tiles, mips, residency or distance",
-         [](Words& w) { return SetMode{w.one_of<fly::PictureMode>(fly::picture_mode_names, "mode")}; }},
+         [](Words& w) { return SetMode{w.one_of<flight::PictureMode>(flight::picture_mode_names, "mode")}; }},
         {"overlay", "NAME on|off", "wireframe, tile-borders, page-borders, spheres, culled, error or path",
          [](Words& w) {
              const auto overlay = w.one_of<Overlay>(overlay_names, "overlay");

@@ -15,8 +15,8 @@
 
 #include "editor/names.h"
 #include "fjell/view.h"
-#include "fly/camera.h"
-#include "fly/profile_keys.h"
+#include "flight/camera.h"
+#include "flight/profile_keys.h"
 
 namespace fjell::editor {
 
@@ -27,7 +27,7 @@ struct Open { // a pack, a profile, a camera path, or heights to be baked: told 
 };
 struct OpenSample {}; // made and baked at its first use
 struct SetKey {
-    const fly::ProfileKey* key = nullptr;
+    const flight::ProfileKey* key = nullptr;
     double value = 0;
     bool dragging = false; // more of the same follows: one step of undoing, and nothing is rebuilt until the last
 };
@@ -60,7 +60,7 @@ struct Recover { // what an earlier run did not save
 
 // --- the camera ---
 struct Move { // of this frame: keys and mouse
-    fly::Steering steering;
+    flight::Steering steering;
     double seconds = 0;
     double right_rad = 0, up_rad = 0; // looked, or went around the orbit's centre
     double speed_steps = 0;           // notches of the wheel: faster, or nearer to the orbit's centre
@@ -125,7 +125,7 @@ struct LoopPath {
 
 // --- what is shown ---
 struct SetMode {
-    fly::PictureMode mode = fly::PictureMode::shaded;
+    flight::PictureMode mode = flight::PictureMode::shaded;
 };
 struct SetOverlay {
     Overlay overlay = Overlay::wireframe;
@@ -216,7 +216,7 @@ private:
     std::vector<Command> list_;
 };
 
-// One line of a script. Empty lines and those that begin with # are none. Throws host::Failure (2) that says what the
+// One line of a script. Empty lines and those that begin with # are none. Throws io::Failure (2) that says what the
 // verb wants.
 [[nodiscard]] std::optional<Command> parse_command(std::string_view line);
 // Every verb, its words and what it does, one a line: for --help-commands and the README.

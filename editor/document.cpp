@@ -5,8 +5,8 @@
 #include <string_view>
 #include <utility>
 
-#include "host/failure.h"
-#include "host/file.h"
+#include "io/failure.h"
+#include "io/file.h"
 
 namespace fjell::editor {
 
@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::size_t most_steps = 500;
 
-const char* changed_label(const fly::Profile& a, const fly::Profile& b) {
+const char* changed_label(const flight::Profile& a, const flight::Profile& b) {
     const char* label = "";
-    for (const fly::ProfileKey& key : fly::profile_keys()) {
+    for (const flight::ProfileKey& key : flight::profile_keys()) {
         if (key.get(a) == key.get(b)) continue;
         if (*label != '\0') return "several values";
         label = key.label;
@@ -24,9 +24,9 @@ const char* changed_label(const fly::Profile& a, const fly::Profile& b) {
     return label;
 }
 
-bool same(const fly::Profile& a, const fly::Profile& b) {
-    return std::ranges::all_of(fly::profile_keys(),
-                               [&](const fly::ProfileKey& key) { return key.get(a) == key.get(b); });
+bool same(const flight::Profile& a, const flight::Profile& b) {
+    return std::ranges::all_of(flight::profile_keys(),
+                               [&](const flight::ProfileKey& key) { return key.get(a) == key.get(b); });
 }
 
 } // namespace
@@ -64,13 +64,13 @@ void Document::end_drag() {
 }
 
 void Document::stop_hearing() {
-    const fly::ProfileKey* const held = held_;
+    const flight::ProfileKey* const held = held_;
     end_drag();
     held_ = held;
     deaf_ = held != nullptr;
 }
 
-void Document::set(const fly::ProfileKey& key, double value, bool dragging) {
+void Document::set(const flight::ProfileKey& key, double value, bool dragging) {
     if (held_ == &key && deaf_) {
         if (!dragging) held_ = nullptr, deaf_ = false;
         return;
@@ -80,13 +80,13 @@ void Document::set(const fly::ProfileKey& key, double value, bool dragging) {
         held_ = nullptr, deaf_ = false;
     }
     value = std::clamp(value, key.least, key.most);
-    if (key.kind != fly::KeyKind::number) value = std::round(value);
+    if (key.kind != flight::KeyKind::number) value = std::round(value);
     if (key.get(profile_) != value) {
-        fly::Profile changed = profile_;
+        flight::Profile changed = profile_;
         key.set(changed, value);
-        if (const std::string conflict = fly::profile_conflict(changed); !conflict.empty()) {
+        if (const std::string conflict = flight::profile_conflict(changed); !conflict.empty()) {
             end_drag();
-            throw host::Failure(2, conflict);
+            throw io::Failure(2, conflict);
         }
         changing();
         if (held_ == nullptr) step(); // a drag is one step, from its beginning
@@ -115,7 +115,7 @@ void Document::redo() {
     redo_.pop_back();
 }
 
-void Document::replace(const fly::Profile& profile) {
+void Document::replace(const flight::Profile& profile) {
     stop_hearing();
     if (same(profile, profile_)) return;
     changing();
@@ -140,14 +140,14 @@ bool Document::revert() {
     return true;
 }
 
-void Document::read(const std::string& path, fly::Profile& profile, File& file) const {
-    const std::string text = host::read_text(path);
-    profile = fly::parse_profile(text, path);
-    file = {profile, path, fly::profile_heading(text)};
+void Document::read(const std::string& path, flight::Profile& profile, File& file) const {
+    const std::string text = io::read_text(path);
+    profile = flight::parse_profile(text, path);
+    file = {profile, path, flight::profile_heading(text)};
 }
 
 void Document::open(const std::string& path) {
-    fly::Profile profile;
+    flight::Profile profile;
     File file;
     read(path, profile, file);
     changing();
@@ -157,9 +157,9 @@ void Document::open(const std::string& path) {
 
 void Document::save(const std::string& path) {
     const std::string to = path.empty() ? file_.path : path;
-    if (to.empty()) throw host::Failure(2, "the profile has no file yet; say where to save it");
-    const std::string text = fly::profile_text(profile_, file_.heading);
-    host::AtomicFile file(to);
+    if (to.empty()) throw io::Failure(2, "the profile has no file yet; say where to save it");
+    const std::string text = flight::profile_text(profile_, file_.heading);
+    io::AtomicFile file(to);
     file.write(std::as_bytes(std::span(text)));
     file.commit();
     ++version_;
@@ -168,12 +168,12 @@ void Document::save(const std::string& path) {
     if (accepted_) accepted_->file = file_;
 }
 
-void Document::restore(const fly::Profile& profile, const std::string& path) {
-    fly::Profile read_profile;
+void Document::restore(const flight::Profile& profile, const std::string& path) {
+    flight::Profile read_profile;
     File file;
     try {
         if (!path.empty()) read(path, read_profile, file);
-    } catch (const host::Failure&) { // gone or changed: all of it is unsaved then, and still to be saved there
+    } catch (const io::Failure&) { // gone or changed: all of it is unsaved then, and still to be saved there
         file = {{}, path, ""};
     }
     changing();
@@ -182,7 +182,7 @@ void Document::restore(const fly::Profile& profile, const std::string& path) {
 }
 
 void Document::compare(const std::string& path) {
-    compared_ = path.empty() ? file_.saved : fly::read_profile(path);
+    compared_ = path.empty() ? file_.saved : flight::read_profile(path);
     compared_path_ = path;
     ++version_;
 }

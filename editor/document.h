@@ -2,7 +2,7 @@
 //
 // A drag is one step, from the control's first change until it is let go; one that ends where it began is none. Thread:
 // the frame's. Memory: a step is a Profile, some hundred bytes; the last 500 are kept. Failure: reading and writing
-// throw host::Failure and leave the document as it was, and so do values that do not go together.
+// throw io::Failure and leave the document as it was, and so do values that do not go together.
 #pragma once
 
 #include <cstddef>
@@ -11,38 +11,38 @@
 #include <string>
 #include <vector>
 
-#include "fly/profile.h"
-#include "fly/profile_keys.h"
+#include "flight/profile.h"
+#include "flight/profile_keys.h"
 
 namespace fjell::editor {
 
 class Document {
 public:
-    [[nodiscard]] const fly::Profile& profile() const { return profile_; }
-    [[nodiscard]] const fly::Profile& saved() const { return file_.saved; }
+    [[nodiscard]] const flight::Profile& profile() const { return profile_; }
+    [[nodiscard]] const flight::Profile& saved() const { return file_.saved; }
     [[nodiscard]] const std::string& path() const { return file_.path; }       // empty: the defaults, never saved
     [[nodiscard]] const std::string& heading() const { return file_.heading; } // what its file begins with
     [[nodiscard]] bool unsaved() const;                                        // differs from what was saved
     // A control is held: more of the same follows.
     [[nodiscard]] bool dragging() const { return held_ != nullptr && !deaf_; }
-    [[nodiscard]] const fly::ProfileKey* held() const { return held_; } // the control; null: none
+    [[nodiscard]] const flight::ProfileKey* held() const { return held_; } // the control; null: none
     [[nodiscard]] std::size_t undo_steps() const { return undo_.size(); }
     [[nodiscard]] std::size_t redo_steps() const { return redo_.size(); }
     // What one step back, or forward, would change: the key's label, "several values", or empty.
     [[nodiscard]] const char* undo_label() const;
     [[nodiscard]] const char* redo_label() const;
     // Beside which the panels show this one's values; null: none.
-    [[nodiscard]] const fly::Profile* compared() const { return compared_ ? &*compared_ : nullptr; }
+    [[nodiscard]] const flight::Profile* compared() const { return compared_ ? &*compared_ : nullptr; }
     [[nodiscard]] const std::string& compared_path() const { return compared_path_; }
     // Grows with every change of any of this: for what is made from it and kept.
     [[nodiscard]] std::uint64_t version() const { return version_; }
 
     // value is clamped to the key's range. dragging: the control is held; an undo meanwhile makes deaf to it until it
     // is let go, which a call without dragging says.
-    void set(const fly::ProfileKey& key, double value, bool dragging);
+    void set(const flight::ProfileKey& key, double value, bool dragging);
     void undo();
     void redo();
-    void replace(const fly::Profile& profile); // one step
+    void replace(const flight::Profile& profile); // one step
 
     // The engine goes by the profile as it is now.
     void accept();
@@ -53,33 +53,33 @@ public:
     void open(const std::string& path);
     void save(const std::string& path); // empty: where it came from
     // Changes that an earlier run did not save, of the file at path, which may be gone.
-    void restore(const fly::Profile& profile, const std::string& path);
+    void restore(const flight::Profile& profile, const std::string& path);
     void compare(const std::string& path); // empty: with what was saved
     void stop_comparing();
 
 private:
     struct File {
-        fly::Profile saved;
+        flight::Profile saved;
         std::string path, heading;
     };
     struct Past {
-        fly::Profile profile;
-        std::vector<fly::Profile> undo, redo;
+        flight::Profile profile;
+        std::vector<flight::Profile> undo, redo;
         File file;
     };
     void changing(); // before any change: what accept() and revert() go by
     void step();
     void end_drag();
     void stop_hearing();
-    void read(const std::string& path, fly::Profile& profile, File& file) const;
+    void read(const std::string& path, flight::Profile& profile, File& file) const;
 
-    fly::Profile profile_;
+    flight::Profile profile_;
     File file_;
     std::string compared_path_;
-    std::optional<fly::Profile> compared_;
-    std::vector<fly::Profile> undo_, redo_;
-    std::vector<fly::Profile> redo_before_drag_;
-    const fly::ProfileKey* held_ = nullptr;
+    std::optional<flight::Profile> compared_;
+    std::vector<flight::Profile> undo_, redo_;
+    std::vector<flight::Profile> redo_before_drag_;
+    const flight::ProfileKey* held_ = nullptr;
     bool deaf_ = false; // what the held control says is not wanted any more
     std::optional<Past> accepted_;
     std::uint64_t version_ = 0;

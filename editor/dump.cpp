@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "editor/ui.h"
+#include "editor/panels/ui.h"
 
 namespace fjell::editor {
 
@@ -20,14 +20,14 @@ json document_json(const Document& d) {
             {"compared", d.compared() != nullptr}};
 }
 
-json profile_json(const fly::Profile& profile) {
+json profile_json(const flight::Profile& profile) {
     json values;
-    for (const fly::ProfileKey& key : fly::profile_keys()) {
+    for (const flight::ProfileKey& key : flight::profile_keys()) {
         const std::string name = std::string(key.table) + "." + key.name;
         const double value = key.get(profile);
-        if (key.kind == fly::KeyKind::choice)
+        if (key.kind == flight::KeyKind::choice)
             values[name] = key.choices[static_cast<std::size_t>(value)];
-        else if (key.kind == fly::KeyKind::flag)
+        else if (key.kind == flight::KeyKind::flag)
             values[name] = value != 0;
         else
             values[name] = value;
@@ -54,7 +54,7 @@ json files_json(const State& state) {
 }
 
 json camera_json(const Eye& eye) {
-    const fly::FreeCamera& c = eye.free;
+    const flight::FreeCamera& c = eye.free;
     return {{"position_m", vector_json(c.position_m)},
             {"heading_rad", c.heading},
             {"pitch_rad", c.pitch},
@@ -85,7 +85,7 @@ json interface_json(const State& state) {
             {"left", panel_names[static_cast<int>(i.left)]},
             {"right", panel_names[static_cast<int>(i.right)]},
             {"dialog", dialog_names[static_cast<int>(i.dialog)]},
-            {"mode", fly::picture_mode_names[static_cast<int>(i.mode)]},
+            {"mode", flight::picture_mode_names[static_cast<int>(i.mode)]},
             {"overlay", overlay},
             {"window_px", {i.width_px, i.height_px}},
             {"view_px", {i.view_x_px, i.view_y_px, i.view_width_px, i.view_height_px}},
@@ -124,7 +124,7 @@ json messages_json(const State& state) {
 }
 
 json measures_json(const State& state) {
-    const fly::FrameEntry& e = state.measures.last();
+    const flight::FrameEntry& e = state.measures.last();
     const auto ring = [&](Series series) {
         const Quantiles q = state.measures.ring(series).quantiles();
         return json{{"p50", q.p50}, {"p99", q.p99}, {"max", q.max}, {"last", q.last}};
@@ -143,7 +143,7 @@ json measures_json(const State& state) {
             {"frame_us", ring(Series::frame_us)},
             {"editor_us", ring(Series::editor_us)},
             {"stream_us", ring(Series::stream_us)},
-            {"exhausted", fly::budget_names(e.exhausted)},
+            {"exhausted", flight::budget_names(e.exhausted)},
             {"draw_us", ring(Series::draw_us)},
             {"levels", levels}};
 }

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "fly/pictures.h"
-#include "host/failure.h"
+#include "flight/pictures.h"
+#include "io/failure.h"
 
 namespace fjell::editor {
 
@@ -22,9 +22,9 @@ double microseconds(Clock::duration d) {
 }
 
 // The most that any changed key takes.
-fly::Rebuild rebuild_of(const fly::Profile& from, const fly::Profile& to) {
-    fly::Rebuild most = fly::Rebuild::nothing;
-    for (const fly::ProfileKey& key : fly::profile_keys())
+flight::Rebuild rebuild_of(const flight::Profile& from, const flight::Profile& to) {
+    flight::Rebuild most = flight::Rebuild::nothing;
+    for (const flight::ProfileKey& key : flight::profile_keys())
         if (key.get(from) != key.get(to)) most = std::max(most, key.rebuild);
     return most;
 }
@@ -46,10 +46,10 @@ std::string maps_text(const PackHeader& h) {
 }
 
 // Needs the graphics context.
-std::unique_ptr<gl::Renderer> renderer_for(const fly::Options& options, const fly::Session& session) {
+std::unique_ptr<gl::Renderer> renderer_for(const flight::FlightOptions& options, const flight::Session& session) {
     std::string error;
-    auto renderer = fly::make_renderer(options, session, error);
-    if (!renderer) throw host::Failure(3, error);
+    auto renderer = flight::make_renderer(options, session, error);
+    if (!renderer) throw io::Failure(3, error);
     return renderer;
 }
 
@@ -58,18 +58,18 @@ std::unique_ptr<gl::Renderer> renderer_for(const fly::Options& options, const fl
 Engine::Engine() = default;
 Engine::~Engine() = default;
 
-fly::Options Engine::options(const fly::Profile& profile) const {
-    fly::Options o;
+flight::FlightOptions Engine::options(const flight::Profile& profile) const {
+    flight::FlightOptions o;
     o.pack = pack_;
     o.profile = profile;
     return o;
 }
 
-void Engine::open(const std::string& pack, const fly::Profile& profile) {
-    fly::Options o = options(profile);
+void Engine::open(const std::string& pack, const flight::Profile& profile) {
+    flight::FlightOptions o = options(profile);
     o.pack = pack;
-    auto session = std::make_unique<fly::Session>();
-    fly::open_session(o, *session);
+    auto session = std::make_unique<flight::Session>();
+    flight::open_session(o, *session);
     unread_ = 0;
     if (session->streamed)
         session->streamed->on_failure([this](const std::string& line) {
@@ -100,15 +100,15 @@ void Engine::close() {
     ++terrains_;
 }
 
-void Engine::remake(const fly::Profile& profile) {
-    fly::remake_method(options(profile), *session_);
+void Engine::remake(const flight::Profile& profile) {
+    flight::remake_method(options(profile), *session_);
     set_renderer(nullptr); // the old one's memory first
     try {
         set_renderer(renderer_for(options(profile), *session_));
         built_ = profile;
     } catch (...) { // as it was; and when that cannot be had any more either, nothing is open
         try {
-            fly::remake_method(options(built_), *session_);
+            flight::remake_method(options(built_), *session_);
             set_renderer(renderer_for(options(built_), *session_));
         } catch (...) {
             close();
@@ -117,16 +117,16 @@ void Engine::remake(const fly::Profile& profile) {
     }
 }
 
-bool Engine::follow(const fly::Profile& profile) {
+bool Engine::follow(const flight::Profile& profile) {
     switch (rebuild_of(built_, profile)) {
-    case fly::Rebuild::nothing: return false;
-    case fly::Rebuild::method:
+    case flight::Rebuild::nothing: return false;
+    case flight::Rebuild::method:
         if (!session_->streamed) {
             remake(profile);
             return true;
         }
         [[fallthrough]]; // the stream holds on to the cut
-    case fly::Rebuild::session: {
+    case flight::Rebuild::session: {
         const std::uint64_t hash = session_->loaded.pack.header.directory_hash;
         open(std::string(pack_), profile);
         if (session_->loaded.pack.header.directory_hash != hash)
@@ -137,12 +137,12 @@ bool Engine::follow(const fly::Profile& profile) {
     return false;
 }
 
-fly::FrameEntry Engine::update(const View& view, const fly::Profile& profile, double now_s, double& upload_us) {
-    fly::FrameEntry entry = fly::update_frame(*session_, view, profile, now_s);
+flight::FrameEntry Engine::update(const View& view, const flight::Profile& profile, double now_s, double& upload_us) {
+    flight::FrameEntry entry = flight::update_frame(*session_, view, profile, now_s);
     const auto start = Clock::now();
-    const std::string error = fly::upload_mesh(*renderer_, *session_, entry);
+    const std::string error = flight::upload_mesh(*renderer_, *session_, entry);
     upload_us = microseconds(Clock::now() - start);
-    if (!error.empty()) throw host::Failure(3, error);
+    if (!error.empty()) throw io::Failure(3, error);
     return entry;
 }
 
@@ -164,7 +164,7 @@ void Engine::ask_for_error(const State& state, gl::DrawOptions& options) {
 }
 
 void Engine::draw(const State& state, const gl::Target& target) {
-    gl::DrawOptions options = fly::draw_options(state.interface.mode);
+    gl::DrawOptions options = flight::draw_options(state.interface.mode);
     options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
     options.tile_borders = state.shows(Overlay::tile_borders);
     options.page_borders = state.shows(Overlay::page_borders);
@@ -175,7 +175,7 @@ void Engine::draw(const State& state, const gl::Target& target) {
         if (!lines_) lines_ = gl::Lines::create({SceneLines::most_lines, SceneLines::most_balls}, error);
         if (lines_) error = lines_->draw(scene_lines_.lines(), scene_lines_.balls(), state.eye.view, target);
     }
-    if (!error.empty()) throw host::Failure(3, error);
+    if (!error.empty()) throw io::Failure(3, error);
 }
 
 std::vector<std::string> Engine::take_messages() {
@@ -194,7 +194,7 @@ void Engine::make_graphics() {
 Scene Engine::scene() const {
     Scene s;
     if (!session_) return s;
-    const fly::Session& session = *session_;
+    const flight::Session& session = *session_;
     const PackHeader& h = session.loaded.pack.header;
     s.path = pack_;
     s.columns = h.columns;
@@ -207,7 +207,7 @@ Scene Engine::scene() const {
     s.spacing_m[1] = h.spacing_m[1];
     s.min_m = h.min_m;
     s.max_m = h.max_m;
-    s.quantum_m = static_cast<double>(session.terrain().lattice.quantum_m);
+    s.quantum_m = static_cast<double>(session.terrain().height_scale.quantum_m);
     s.order = order_name(session.terrain().pages.order);
     s.maps = maps_text(h);
     s.mips = mip_count(h.colour_log2 != 0 ? h.colour_log2 : h.normal_log2);

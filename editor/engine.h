@@ -1,7 +1,7 @@
 // The terrain as the editor shows it: a session of the flight client, the renderer of its mesh, and how both follow a
 // profile that changes under them.
 //
-// Ownership: both. Thread: the frame's, with the graphics context current. Failure: host::Failure with one line; what
+// Ownership: both. Thread: the frame's, with the graphics context current. Failure: io::Failure with one line; what
 // was open before stays open, as it was.
 #pragma once
 
@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "editor/state.h"
-#include "editor/full_heights.h"
-#include "editor/scene_lines.h"
-#include "fly/session.h"
+#include "editor/scene/full_heights.h"
+#include "editor/scene/scene_lines.h"
+#include "flight/session.h"
 #include "gl/lines.h"
 #include "gl/renderer.h"
 #include "gl/target.h"
@@ -26,16 +26,16 @@ public:
     Engine(const Engine&) = delete;
     Engine& operator=(const Engine&) = delete;
 
-    void open(const std::string& pack, const fly::Profile& profile);
+    void open(const std::string& pack, const flight::Profile& profile);
     void close();
     [[nodiscard]] bool is_open() const { return session_ != nullptr; }
-    [[nodiscard]] const fly::Session& session() const { return *session_; }
+    [[nodiscard]] const flight::Session& session() const { return *session_; }
     [[nodiscard]] Scene scene() const;
 
     // Makes anew what the profile's budgets ask for: the method's block, or terrain and stream too. True when it did.
-    bool follow(const fly::Profile& profile);
+    bool follow(const flight::Profile& profile);
     // One update for that view, uploaded. draw_us: what the upload took.
-    [[nodiscard]] fly::FrameEntry update(const View& view, const fly::Profile& profile, double now_s, double& upload_us);
+    [[nodiscard]] flight::FrameEntry update(const View& view, const flight::Profile& profile, double now_s, double& upload_us);
     // The terrain, and what lies over it.
     void draw(const State& state, const gl::Target& target);
     // Of what the picture of the true error needs, 0..1; below 0: it cannot be had.
@@ -53,17 +53,17 @@ public:
     void make_graphics();
 
 private:
-    [[nodiscard]] fly::Options options(const fly::Profile& profile) const;
+    [[nodiscard]] flight::FlightOptions options(const flight::Profile& profile) const;
     void ask_for_error(const State& state, gl::DrawOptions& options);
     void set_renderer(std::unique_ptr<gl::Renderer> renderer);
-    void remake(const fly::Profile& profile); // the method's block, and a renderer for it
+    void remake(const flight::Profile& profile); // the method's block, and a renderer for it
 
     std::uint64_t unread_ = 0;          // pages and mips of this session
     std::vector<std::string> messages_; // of reading, until they are taken
     std::uint64_t terrains_ = 0;
     std::string pack_;
-    fly::Profile built_; // what the session's blocks were made for
-    std::unique_ptr<fly::Session> session_;
+    flight::Profile built_; // what the session's blocks were made for
+    std::unique_ptr<flight::Session> session_;
     std::unique_ptr<gl::Renderer> renderer_;
     FullHeights heights_;
     SceneLines scene_lines_;

@@ -9,16 +9,16 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "baker/gdal_file.h"
+#include "baker/read/gdal_file.h"
 #include "fjell/pack.h"
-#include "host/failure.h"
-#include "host/file.h"
+#include "io/failure.h"
+#include "io/file.h"
 
 namespace fjell::editor {
 
 namespace {
 
-using host::Failure;
+using io::Failure;
 using nlohmann::json;
 namespace fs = std::filesystem;
 
@@ -44,7 +44,7 @@ FileKind kind_of_json(const std::string& path) {
     std::error_code ignored;
     if (fs::file_size(path, ignored) > most_json_bytes)
         throw Failure(1, fmt::format("{}: too long for a camera path or a recipe", path));
-    const json object = json::parse(host::read_text(path), nullptr, false);
+    const json object = json::parse(io::read_text(path), nullptr, false);
     const auto has = [&](std::initializer_list<const char*> keys) {
         return std::ranges::any_of(keys, [&](const char* key) { return object.contains(key); });
     };
@@ -74,7 +74,7 @@ Settings read_settings(const std::string& config_folder, std::string& problem) {
     const std::string file = settings_file(config_folder);
     if (config_folder.empty() || !fs::exists(file, ignored)) return {};
     try {
-        const json j = json::parse(host::read_text(file));
+        const json j = json::parse(io::read_text(file));
         Settings s;
         for (const json& pack : j.at("recent"))
             if (s.recent.size() < most_recent && !pack.get<std::string>().empty())
@@ -97,7 +97,7 @@ void write_settings(const std::string& config_folder, const Settings& settings) 
     fs::create_directories(config_folder, ignored);
     const json j = {{"recent", settings.recent}, {"folder", settings.folder}, {"scale", settings.scale}};
     const std::string text = j.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
-    host::AtomicFile file(settings_file(config_folder));
+    io::AtomicFile file(settings_file(config_folder));
     file.write(std::as_bytes(std::span(text)));
     file.commit();
 }

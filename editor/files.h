@@ -2,7 +2,7 @@
 //
 // Folders are XDG's: settings in $XDG_CONFIG_HOME/fjell (~/.config/fjell), changes that were not saved in
 // $XDG_STATE_HOME/fjell (~/.local/state/fjell), the sample in $XDG_CACHE_HOME/fjell (~/.cache/fjell). Thread: the
-// frame's, at what a hand does, never in a steady frame. Failure: host::Failure, but for settings, which nothing
+// frame's, at what a hand does, never in a steady frame. Failure: io::Failure, but for settings, which nothing
 // depends on: those that cannot be read are the defaults, with a problem to tell.
 #pragma once
 

@@ -2,13 +2,13 @@
 // fault, 2 usage, 3 the machine (disk, memory, GPU) is.
 #include "editor/app.h"
 #include "editor/options.h"
-#include "host/failure.h"
+#include "io/failure.h"
 
 int main(int argc, char** argv) {
-    return fjell::host::run_tool("fjell-editor", [&] {
+    return fjell::io::run_tool("fjell-editor", [&] {
         fjell::editor::Options options;
         if (!fjell::editor::parse_options(argc, argv, options)) return 0;
-        fjell::host::catch_interrupts();
+        fjell::io::catch_interrupts();
         return fjell::editor::App(std::move(options)).run();
     });
 }

@@ -46,7 +46,7 @@ int triangle_level(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c
     return 2 * (static_cast<int>(tile_log2) - longest_log2) + (wide == deep ? 0 : 1);
 }
 
-void Measures::record(const fly::FrameEntry& entry, double frame_us, double draw_us, double editor_us) {
+void Measures::record(const flight::FrameEntry& entry, double frame_us, double draw_us, double editor_us) {
     last_ = entry;
     ++frames_;
     if (entry.rebuilt) return; // once, and hundreds of times as much as a frame: it would be all that graphs show

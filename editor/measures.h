@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "fjell/mesh.h"
-#include "fly/log.h"
+#include "flight/log.h"
 #include "gl/palette.h"
 
 namespace fjell::editor {
@@ -80,13 +80,13 @@ struct LevelHistogram {
 class Measures {
 public:
     [[nodiscard]] const Ring& ring(Series series) const { return rings_[static_cast<std::size_t>(series)]; }
-    [[nodiscard]] const fly::FrameEntry& last() const { return last_; }
+    [[nodiscard]] const flight::FrameEntry& last() const { return last_; }
     [[nodiscard]] const LevelHistogram& levels() const { return shown_; }
     [[nodiscard]] const Peaks& peaks() const { return peaks_; }
     [[nodiscard]] std::uint64_t frames() const { return frames_; }
 
     // Once a frame. One that was built from nothing is the last one, and none of the series'.
-    void record(const fly::FrameEntry& entry, double frame_us, double draw_us, double editor_us);
+    void record(const flight::FrameEntry& entry, double frame_us, double draw_us, double editor_us);
     // Counts some thousand triangles a call, so that no frame pays for a large mesh; shown when all are counted.
     // The mesh may change between calls: the counts are then of several frames. O(indices_a_call).
     void count_levels(const MeshView& mesh, std::uint32_t tile_log2);
@@ -95,7 +95,7 @@ public:
 
 private:
     std::array<Ring, series_count> rings_{};
-    fly::FrameEntry last_;
+    flight::FrameEntry last_;
     LevelHistogram shown_, counting_;
     Peaks peaks_;
     std::size_t range_ = 0, index_ = 0; // where counting goes on: in MeshView::tiles, and in that range

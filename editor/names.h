@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <iterator>
 
-#include "fly/options.h"
+#include "flight/options.h"
 
 namespace fjell::editor {
 

@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 
 #include "editor/command.h"
-#include "host/failure.h"
+#include "io/failure.h"
 
 namespace fjell::editor {
 
 namespace {
 
-using host::Failure;
+using io::Failure;
 
 void read_size(const std::string& text, Options& options) {
     const char* const end = text.data() + text.size();

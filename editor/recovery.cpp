@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "host/failure.h"
-#include "host/file.h"
+#include "io/failure.h"
+#include "io/file.h"
 
 namespace fjell::editor {
 
@@ -31,7 +31,7 @@ std::string lock_of(const std::string& file) {
 
 // -1: another one has it, or it cannot be made.
 int locked(const std::string& file) {
-    const int fd = host::uninterrupted([&] { return open(lock_of(file).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600); });
+    const int fd = io::uninterrupted([&] { return open(lock_of(file).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600); });
     if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0) return fd;
     if (fd >= 0) close(fd);
     return -1;
@@ -52,7 +52,7 @@ std::uint64_t hash_of(const Route& route) {
         std::memcpy(&bits, &value, sizeof bits);
         hash = (hash ^ bits) * 1099511628211u;
     };
-    for (const fly::ControlPoint& point : route.points())
+    for (const flight::ControlPoint& point : route.points())
         for (const double value : point) add(value);
     add(route.asked_seconds());
     return hash;
@@ -64,9 +64,9 @@ Unsaved parse(const std::string& text) {
     u.path = j.at("path").get<std::string>();
     u.pack = j.at("pack").get<std::string>();
     u.profile_changed = j.at("profile_changed").get<bool>();
-    u.profile = fly::parse_profile(j.at("profile").get<std::string>(), "the profile");
-    for (const json& point : j.at("points")) u.points.push_back(point.get<fly::ControlPoint>());
-    u.path_seconds = std::clamp(j.value("path_seconds", 0.0), 0.0, fly::max_path_seconds);
+    u.profile = flight::parse_profile(j.at("profile").get<std::string>(), "the profile");
+    for (const json& point : j.at("points")) u.points.push_back(point.get<flight::ControlPoint>());
+    u.path_seconds = std::clamp(j.value("path_seconds", 0.0), 0.0, flight::max_path_seconds);
     return u;
 }
 
@@ -74,17 +74,17 @@ Unsaved parse(const std::string& text) {
 void write_quickly(const std::string& file, const std::string& text) {
     const std::string temporary = file + ".tmp";
     const int fd =
-        host::uninterrupted([&] { return open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600); });
-    if (fd < 0) host::disk_failure(temporary, "open");
+        io::uninterrupted([&] { return open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600); });
+    if (fd < 0) io::disk_failure(temporary, "open");
     try {
-        host::write_all(fd, 0, std::as_bytes(std::span(text)), temporary);
-    } catch (const host::Failure&) {
+        io::write_all(fd, 0, std::as_bytes(std::span(text)), temporary);
+    } catch (const io::Failure&) {
         close(fd);
         unlink(temporary.c_str());
         throw;
     }
     close(fd);
-    if (std::rename(temporary.c_str(), file.c_str()) != 0) host::disk_failure(file, "rename");
+    if (std::rename(temporary.c_str(), file.c_str()) != 0) io::disk_failure(file, "rename");
 }
 
 } // namespace
@@ -112,7 +112,7 @@ bool Recovery::take(const std::string& file) {
     std::error_code gone;
     if (fs::exists(file, gone)) { // nobody took it before it was locked
         try {
-            found_ = parse(host::read_text(file));
+            found_ = parse(io::read_text(file));
             return true;
         } catch (const std::exception&) {
             fs::rename(file, file + ".damaged", gone);
@@ -157,7 +157,7 @@ void Recovery::make_file() {
         file_ = std::move(file);
         return;
     }
-    throw host::Failure(3, fmt::format("{}: cannot write there; choose another XDG_STATE_HOME", folder_));
+    throw io::Failure(3, fmt::format("{}: cannot write there; choose another XDG_STATE_HOME", folder_));
 }
 
 void Recovery::write(const Document& document, const Route& route, const std::string& pack) {
@@ -166,7 +166,7 @@ void Recovery::write(const Document& document, const Route& route, const std::st
         json j = {{"path", document.path()},
                   {"pack", pack},
                   {"profile_changed", document.unsaved()},
-                  {"profile", fly::profile_text(document.profile(), document.heading())},
+                  {"profile", flight::profile_text(document.profile(), document.heading())},
                   {"points", json::array()}};
         if (route.unsaved()) {
             j["points"] = route.points();

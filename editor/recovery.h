@@ -18,11 +18,11 @@ namespace fjell::editor {
 
 // What an earlier run left.
 struct Unsaved {
-    fly::Profile profile;
+    flight::Profile profile;
     bool profile_changed = false;
     std::string path;                      // of the profile's file; empty: it had none
     std::string pack;                      // that was open; empty: none
-    std::vector<fly::ControlPoint> points; // of the camera's path, when that was not saved
+    std::vector<flight::ControlPoint> points; // of the camera's path, when that was not saved
     double path_seconds = 0;               // that it shall take; 0: as suits the terrain
 };
 

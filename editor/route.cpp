@@ -7,23 +7,23 @@
 
 #include <fmt/format.h>
 
-#include "host/failure.h"
-#include "host/file.h"
+#include "io/failure.h"
+#include "io/file.h"
 
 namespace fjell::editor {
 
 namespace {
 
-using fly::CameraPath;
-using fly::ControlPoint;
-using fly::Pose;
-using host::Failure;
+using flight::CameraPath;
+using flight::ControlPoint;
+using flight::Pose;
+using io::Failure;
 
 constexpr double turned_rad = 0.07; // 4 degrees: a point at least so often while recording
 constexpr std::size_t points_of_flight = 65; // of a path that is not made of points
 
 ControlPoint point_of(const Pose& p) {
-    return fly::unit_point({p.position_m.x, p.position_m.y, p.position_m.z, p.direction.x, p.direction.y,
+    return flight::unit_point({p.position_m.x, p.position_m.y, p.position_m.z, p.direction.x, p.direction.y,
                             p.direction.z, p.up.x, p.up.y, p.up.z});
 }
 
@@ -45,8 +45,8 @@ CameraPath spline_through(std::vector<ControlPoint> points, double seconds) {
     CameraPath path;
     path.name = "camera path";
     path.seconds = seconds;
-    std::vector<double> knots = fly::chord_knots(points, path.name);
-    path.kind = fly::SplinePath{fly::NaturalSpline<9>(std::move(knots), std::move(points))};
+    std::vector<double> knots = flight::chord_knots(points, path.name);
+    path.kind = flight::SplinePath{flight::NaturalSpline<9>(std::move(knots), std::move(points))};
     return path;
 }
 
@@ -65,9 +65,9 @@ std::size_t frames_for(double seconds) {
 // The spline's own where it is in metres; otherwise some of its flight.
 std::vector<ControlPoint> points_of(const CameraPath& path, std::span<const Pose> poses) {
     std::vector<ControlPoint> points;
-    const auto* spline = std::get_if<fly::SplinePath>(&path.kind);
-    if (spline != nullptr && path.units == fly::Units::metres && spline->spline.knots().size() <= most_points) {
-        for (const double knot : spline->spline.knots()) points.push_back(fly::unit_point(spline->spline.at(knot)));
+    const auto* spline = std::get_if<flight::SplinePath>(&path.kind);
+    if (spline != nullptr && path.units == flight::Units::metres && spline->spline.knots().size() <= most_points) {
+        for (const double knot : spline->spline.knots()) points.push_back(flight::unit_point(spline->spline.at(knot)));
         return points;
     }
     const std::size_t count = std::min(points_of_flight, poses.size());
@@ -80,11 +80,11 @@ std::vector<ControlPoint> points_of(const CameraPath& path, std::span<const Pose
 
 } // namespace
 
-void Route::open(const std::string& path, const fly::Ground& ground) {
+void Route::open(const std::string& path, const flight::Ground& ground) {
     Content next;
-    CameraPath read = fly::read_path(path);
-    next.seconds = read.seconds > 0 ? read.seconds : static_cast<double>(fly::default_frames) / poses_a_second;
-    next.poses = fly::resample(read, ground, frames_for(next.seconds));
+    CameraPath read = flight::read_path(path);
+    next.seconds = read.seconds > 0 ? read.seconds : static_cast<double>(flight::default_frames) / poses_a_second;
+    next.poses = flight::resample(read, ground, frames_for(next.seconds));
     next.points = points_of(read, next.poses);
     next.path = path;
     next.as_read = std::move(read);
@@ -98,13 +98,13 @@ void Route::save(const std::string& path) {
     if (to.empty()) throw Failure(2, "the camera path has no file yet; say where to save it");
     if (now_.points.size() < 2) throw Failure(2, "a camera path needs at least 2 points; add some before saving it");
     CameraPath written;
-    if (now_.as_read && now_.as_read->units != fly::Units::recorded)
+    if (now_.as_read && now_.as_read->units != flight::Units::recorded)
         written = *now_.as_read;
     else
         written = spline_through(now_.points, now_.seconds);
     written.seconds = now_.seconds;
-    const std::string text = fly::path_text(written);
-    host::AtomicFile file(to);
+    const std::string text = flight::path_text(written);
+    io::AtomicFile file(to);
     file.write(std::as_bytes(std::span(text)));
     file.commit();
     now_.path = std::string(to);
@@ -135,14 +135,14 @@ void Route::seek(double share) {
     share_ = std::clamp(share, 0.0, 1.0);
 }
 
-void Route::set_seconds(double seconds, const fly::Ground& ground) {
-    if (!(seconds == 0 || (seconds >= 1 && seconds <= fly::max_path_seconds)))
+void Route::set_seconds(double seconds, const flight::Ground& ground) {
+    if (!(seconds == 0 || (seconds >= 1 && seconds <= flight::max_path_seconds)))
         throw Failure(2, fmt::format("a path takes from 1 to {} seconds, or 0 for a speed that suits the terrain",
-                                     fly::max_path_seconds));
+                                     flight::max_path_seconds));
     Content next = now_;
     next.seconds = seconds;
     if (next.as_read) { // the same flight, only slower or faster
-        next.poses = fly::resample(*next.as_read, ground, seconds > 0 ? frames_for(seconds) : fly::default_frames);
+        next.poses = flight::resample(*next.as_read, ground, seconds > 0 ? frames_for(seconds) : flight::default_frames);
         next.unsaved = true;
         take_over(std::move(next));
         return;
@@ -171,7 +171,7 @@ Pose Route::pose() const {
     return {between(a.position_m, b.position_m), direction, normalised(up - direction * dot(up, direction))};
 }
 
-void Route::record(bool on, const Pose& pose, const fly::Ground& ground) {
+void Route::record(bool on, const Pose& pose, const flight::Ground& ground) {
     if (on == recording_) return;
     recording_ = on;
     if (on) {
@@ -189,7 +189,7 @@ void Route::record(bool on, const Pose& pose, const fly::Ground& ground) {
     if (!next.points.empty() && next.points.back() != last && next.points.size() < most_points)
         next.points.push_back(last);
     if (next.points.size() < 2) throw Failure(2, "nothing was recorded, because the camera did not move");
-    next.seconds = std::clamp(taken_s_, 1.0, fly::max_path_seconds);
+    next.seconds = std::clamp(taken_s_, 1.0, flight::max_path_seconds);
     next.selected = {};
     edit(std::move(next), ground);
     taken_.clear();
@@ -211,7 +211,7 @@ bool Route::follow(const Pose& pose, double seconds) {
     return taken_.size() < most_points;
 }
 
-void Route::edit(Content next, const fly::Ground& ground) {
+void Route::edit(Content next, const flight::Ground& ground) {
     if (std::ranges::adjacent_find(next.points, same_place) != next.points.end())
         throw Failure(2, "the point before or after is at this place already, looking the same way; move the camera first");
     next.poses.clear();
@@ -221,8 +221,8 @@ void Route::edit(Content next, const fly::Ground& ground) {
         const double cruising_m_s = ground.longer_m() / 60;
         const double seconds = next.seconds > 0 ? next.seconds
                                                 : std::clamp(length_m(next.points) / cruising_m_s, 2.0,
-                                                             fly::max_path_seconds);
-        next.poses = fly::resample(spline_through(next.points, seconds), ground, frames_for(seconds));
+                                                             flight::max_path_seconds);
+        next.poses = flight::resample(spline_through(next.points, seconds), ground, frames_for(seconds));
     }
     take_over(std::move(next));
     if (empty()) playing_ = false;
@@ -240,7 +240,7 @@ void Route::require(std::size_t point) const {
                              : fmt::format("there is no point {}; the path has 0 to {}", point, now_.points.size() - 1));
 }
 
-void Route::add(const Pose& pose, const fly::Ground& ground) {
+void Route::add(const Pose& pose, const flight::Ground& ground) {
     if (now_.points.size() >= most_points)
         throw Failure(2, fmt::format("a camera path has at most {} points; remove some", most_points));
     Content next = now_;
@@ -250,7 +250,7 @@ void Route::add(const Pose& pose, const fly::Ground& ground) {
     edit(std::move(next), ground);
 }
 
-void Route::replace(std::size_t point, const Pose& pose, const fly::Ground& ground) {
+void Route::replace(std::size_t point, const Pose& pose, const flight::Ground& ground) {
     require(point);
     Content next = now_;
     next.points[point] = point_of(pose);
@@ -258,7 +258,7 @@ void Route::replace(std::size_t point, const Pose& pose, const fly::Ground& grou
     edit(std::move(next), ground);
 }
 
-void Route::remove(std::size_t point, const fly::Ground& ground) {
+void Route::remove(std::size_t point, const flight::Ground& ground) {
     require(point);
     Content next = now_;
     next.points.erase(next.points.begin() + static_cast<std::ptrdiff_t>(point));
@@ -267,7 +267,7 @@ void Route::remove(std::size_t point, const fly::Ground& ground) {
     edit(std::move(next), ground);
 }
 
-void Route::move(std::size_t point, std::size_t to, const fly::Ground& ground) {
+void Route::move(std::size_t point, std::size_t to, const flight::Ground& ground) {
     require(point);
     require(to);
     Content next = now_;

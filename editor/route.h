@@ -4,7 +4,7 @@
 // terrain, recorded frames - is played and saved as it is, beside points taken from its flight, and becomes those when
 // it is first edited. What an edit, a recording or another file replaces is kept once: restore() swaps the two.
 // Thread: the frame's. Memory: a pose is 72 bytes, 60 a second; advance(), follow() and pose() allocate nothing.
-// Failure: reading, writing and resampling throw host::Failure and leave the route as it was.
+// Failure: reading, writing and resampling throw io::Failure and leave the route as it was.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "fly/path.h"
+#include "flight/path.h"
 
 namespace fjell::editor {
 
@@ -24,14 +24,14 @@ public:
     [[nodiscard]] bool empty() const { return now_.poses.empty(); }
     [[nodiscard]] const std::string& path() const { return now_.path; } // of the file; empty: never saved
     [[nodiscard]] bool unsaved() const { return now_.unsaved || taken_.size() > 1; }
-    [[nodiscard]] const std::vector<fly::ControlPoint>& points() const { return now_.points; }
+    [[nodiscard]] const std::vector<flight::ControlPoint>& points() const { return now_.points; }
     [[nodiscard]] std::optional<std::size_t> selected() const { return now_.selected; }
-    [[nodiscard]] const std::vector<fly::Pose>& poses() const { return now_.poses; } // resampled, 60 a second
+    [[nodiscard]] const std::vector<flight::Pose>& poses() const { return now_.poses; } // resampled, 60 a second
     [[nodiscard]] double share() const { return share_; }                           // where it is being played
     [[nodiscard]] bool playing() const { return playing_; }
     [[nodiscard]] bool recording() const { return recording_; }
     [[nodiscard]] std::size_t recorded() const { return taken_.size(); } // points, while recording
-    [[nodiscard]] const std::vector<fly::ControlPoint>& recorded_points() const { return taken_; }
+    [[nodiscard]] const std::vector<flight::ControlPoint>& recorded_points() const { return taken_; }
     [[nodiscard]] bool loops() const { return loops_; }
     [[nodiscard]] double seconds() const { return static_cast<double>(now_.poses.size()) / poses_a_second; }
     // That it shall take; 0: as long as its way at a sixtieth of the terrain's longer extent a second.
@@ -40,7 +40,7 @@ public:
     [[nodiscard]] bool as_read() const { return now_.as_read.has_value(); }
     [[nodiscard]] bool can_restore() const { return !before_.points.empty(); }
 
-    void open(const std::string& path, const fly::Ground& ground);
+    void open(const std::string& path, const flight::Ground& ground);
     void save(const std::string& path); // empty: where it came from
     void clear();
     void restore(); // what was there before the last edit; again: what was there now
@@ -48,46 +48,46 @@ public:
     void play(bool on);
     void seek(double share);
     void loop(bool on) { loops_ = on; }
-    // 0 or 1 to fly::max_path_seconds.
-    void set_seconds(double seconds, const fly::Ground& ground);
+    // 0 or 1 to flight::max_path_seconds.
+    void set_seconds(double seconds, const flight::Ground& ground);
     // Moves on and says where the camera is; none: not playing. At the end it stops, or begins again.
-    std::optional<fly::Pose> advance(double seconds);
+    std::optional<flight::Pose> advance(double seconds);
     // Where share() is; the path must not be empty. Between two poses, in between.
-    [[nodiscard]] fly::Pose pose() const;
+    [[nodiscard]] flight::Pose pose() const;
 
     // On: the path that there was stays until off, when what was noted takes its place. Throws Failure (2), and there
     // is no new path, when it has fewer than two points.
-    void record(bool on, const fly::Pose& pose, const fly::Ground& ground);
+    void record(bool on, const flight::Pose& pose, const flight::Ground& ground);
     // While recording: notes a point when the camera has moved or turned enough. False: there is no more room.
-    bool follow(const fly::Pose& pose, double seconds);
+    bool follow(const flight::Pose& pose, double seconds);
 
-    void add(const fly::Pose& pose, const fly::Ground& ground); // after the selected point, or last; it is selected then
-    void replace(std::size_t point, const fly::Pose& pose, const fly::Ground& ground);
-    void remove(std::size_t point, const fly::Ground& ground);
-    void move(std::size_t point, std::size_t to, const fly::Ground& ground); // so that it becomes the to-th
-    [[nodiscard]] fly::Pose select(std::size_t point);
+    void add(const flight::Pose& pose, const flight::Ground& ground); // after the selected point, or last; it is selected then
+    void replace(std::size_t point, const flight::Pose& pose, const flight::Ground& ground);
+    void remove(std::size_t point, const flight::Ground& ground);
+    void move(std::size_t point, std::size_t to, const flight::Ground& ground); // so that it becomes the to-th
+    [[nodiscard]] flight::Pose select(std::size_t point);
 
 private:
     struct Content {
         std::string path;
-        std::vector<fly::ControlPoint> points;
-        std::vector<fly::Pose> poses;
-        std::optional<fly::CameraPath> as_read;
+        std::vector<flight::ControlPoint> points;
+        std::vector<flight::Pose> poses;
+        std::optional<flight::CameraPath> as_read;
         std::optional<std::size_t> selected;
         double seconds = 0;
         bool unsaved = false;
     };
     // Makes the poses and takes it over; what was there can be restored.
-    void edit(Content next, const fly::Ground& ground);
+    void edit(Content next, const flight::Ground& ground);
     void take_over(Content next);
     void require(std::size_t point) const;
-    void note(const fly::Pose& pose);
+    void note(const flight::Pose& pose);
 
     Content now_, before_;
     double share_ = 0;
     bool playing_ = false, loops_ = true;
     bool recording_ = false; // what follows: of it
-    std::vector<fly::ControlPoint> taken_;
+    std::vector<flight::ControlPoint> taken_;
     double step_m_ = 0, taken_s_ = 0;
 };
 

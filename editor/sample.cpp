@@ -4,8 +4,8 @@
 #include <iterator>
 #include <span>
 
-#include "host/failure.h"
-#include "host/file.h"
+#include "io/failure.h"
+#include "io/file.h"
 
 namespace fjell::editor {
 
@@ -26,13 +26,13 @@ std::string sample_pack(const std::string& cache_folder) {
 }
 
 Bake bake_sample(const std::string& cache_folder) {
-    if (cache_folder.empty()) throw host::Failure(3, "there is no folder for the sample; set XDG_CACHE_HOME or HOME");
+    if (cache_folder.empty()) throw io::Failure(3, "there is no folder for the sample; set XDG_CACHE_HOME or HOME");
     std::error_code ignored; // what is wrong with the folder, the file says
     std::filesystem::create_directories(cache_folder, ignored);
     Bake bake;
     bake.inputs = {cache_folder + "/sample.json"};
     bake.output = sample_pack(cache_folder);
-    host::AtomicFile file(bake.inputs[0]);
+    io::AtomicFile file(bake.inputs[0]);
     file.write(std::as_bytes(std::span(sample_landscape())));
     file.commit();
     return bake;

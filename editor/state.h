@@ -12,21 +12,21 @@
 #include <string>
 #include <vector>
 
-#include "editor/browser.h"
+#include "editor/panels/browser.h"
 #include "editor/command.h"
 #include "editor/document.h"
 #include "editor/files.h"
-#include "editor/jobs.h"
+#include "editor/jobs/jobs.h"
 #include "editor/measures.h"
 #include "editor/names.h"
 #include "editor/recovery.h"
 #include "editor/route.h"
 #include "fjell/view.h"
-#include "fly/camera.h"
-#include "fly/log.h"
-#include "fly/options.h"
+#include "flight/camera.h"
+#include "flight/log.h"
+#include "flight/options.h"
 #include "gl/renderer.h"
-#include "host/stream_reader.h"
+#include "io/stream_reader.h"
 
 namespace fjell::editor {
 
@@ -47,18 +47,18 @@ struct Scene {
 };
 
 struct Eye {
-    fly::FreeCamera free;
+    flight::FreeCamera free;
     Navigation navigation = Navigation::fly;
     Vec3 orbit_centre_m; // on the ground
     double orbit_radius_m = 1;
     double ground_m = 0;              // under the camera
     double speed_shown_until_s = 0;   // in the picture's corner
-    std::optional<fly::Pose> on_path; // of the path that is played, as long as no hand has moved the camera
+    std::optional<flight::Pose> on_path; // of the path that is played, as long as no hand has moved the camera
     View view;                    // of the last frame, as drawn
     bool frozen = false;          // refined for another view than is drawn:
     std::optional<View> refining; // that one
 
-    [[nodiscard]] fly::Pose pose() const { return on_path ? *on_path : free.pose(); }
+    [[nodiscard]] flight::Pose pose() const { return on_path ? *on_path : free.pose(); }
 };
 
 enum class Severity : std::uint8_t { note, warning, error };
@@ -76,7 +76,7 @@ struct Messages {
 
 // Keys of which the profile and the one it is compared with have different values.
 struct Difference {
-    const fly::ProfileKey* key = nullptr;
+    const flight::ProfileKey* key = nullptr;
     double theirs_value = 0;
     std::string mine, theirs;
 };
@@ -105,7 +105,7 @@ struct Interface {
     Panel left = Panel::tune, right = Panel::time;
     Panel newest = Panel::tune; // what one column shows, where there is no room for two
     Dialog dialog = Dialog::none;
-    fly::PictureMode mode = fly::PictureMode::shaded;
+    flight::PictureMode mode = flight::PictureMode::shaded;
     std::array<bool, overlays> overlay{false, false, false, false, false, false, true}; // the path
     std::vector<std::string> recent; // packs, the latest first
     std::uint32_t width_px = 0, height_px = 0; // of the window
@@ -125,7 +125,7 @@ struct State {
     Eye eye;
     Measures measures;
     Map map;
-    host::StreamReaderCounters reader; // of a streamed pack
+    io::StreamReaderCounters reader; // of a streamed pack
     JobView job;
     JobView tuned;          // the last tuning that was not cancelled
     Messages messages;

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "editor/ui.h"
+#include "editor/panels/ui.h"
 
 namespace fjell::editor {
 

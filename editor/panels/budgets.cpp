@@ -52,14 +52,14 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
         ImGui::EndTooltip();
     }
     if (!exhausted) return;
-    const fly::ProfileKey* const key = fly::find_profile_key(line.key);
+    const flight::ProfileKey* const key = flight::find_profile_key(line.key);
     if (key == nullptr) return;
     const double now = key->get(state.document.profile()), more = std::min(2 * now, key->most);
     ImGui::PushID(line.key);
     if (now > 0 && more > now) {
         if (ImGui::SmallButton("Double")) commands.push(SetKey{key, more, false});
         ui::mark("budget.double", line.key);
-        ui::tip(key->rebuild == fly::Rebuild::nothing ? "Twice as much, from the next frame on."
+        ui::tip(key->rebuild == flight::Rebuild::nothing ? "Twice as much, from the next frame on."
                                                       : "Twice as much: memory is made anew, where the camera is.");
         ImGui::SameLine();
     }
@@ -68,36 +68,36 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
 }
 
 void draw_method(const State& state, Commands& commands) {
-    const fly::FrameEntry& e = state.measures.last();
+    const flight::FrameEntry& e = state.measures.last();
     const Peaks& p = state.measures.peaks();
-    const fly::Profile& profile = state.document.profile();
-    const bool incremental = profile.method == fly::Method::incremental;
+    const flight::Profile& profile = state.document.profile();
+    const bool incremental = profile.method == flight::Method::incremental;
     ui::heading("Refinement:  used | peak | of");
     const double vertices_peak = std::max(e.vertex_slots.peak, p.vertices);
     draw_line({"Vertices", "budget.vertices", "Slots of the vertex buffer. Exhausted, the threshold rises.",
                static_cast<double>(e.vertex_slots.used), vertices_peak, static_cast<double>(e.vertex_slots.capacity),
-               fly::exhausted_vertices},
+               flight::exhausted_vertices},
               state, commands);
     if (!incremental) {
         draw_line({"Indices", "budget.indices", "Slots of the index buffer. Exhausted, the threshold rises.",
                    static_cast<double>(e.index_slots.used), static_cast<double>(p.indices),
-                   static_cast<double>(e.index_slots.capacity), fly::exhausted_indices},
+                   static_cast<double>(e.index_slots.capacity), flight::exhausted_indices},
                   state, commands);
         return;
     }
     draw_line({"Triangles", "budget.triangles",
                "Slots of the index buffer, in whole chunks. Exhausted, the threshold rises.",
                static_cast<double>(e.triangle_slots.used), static_cast<double>(e.triangle_slots.peak),
-               static_cast<double>(e.triangle_slots.capacity), fly::exhausted_triangles},
+               static_cast<double>(e.triangle_slots.capacity), flight::exhausted_triangles},
               state, commands);
     const bool limited = e.item_limit != unlimited_items;
     draw_line({"Work items", "budget.items",
                "Vertices that an update looks at or changes. Exhausted, the mesh lags behind the camera.",
                static_cast<double>(e.items), static_cast<double>(p.items),
-               limited ? static_cast<double>(e.item_limit) : 0, fly::exhausted_items},
+               limited ? static_cast<double>(e.item_limit) : 0, flight::exhausted_items},
               state, commands);
     draw_line({"Time, us", "budget.budget_us", "What an update may take. Exhausted, the mesh lags behind the camera.",
-               e.update_us, p.update_us, profile.cut.budget_us, fly::exhausted_time, Unit::microseconds},
+               e.update_us, p.update_us, profile.cut.budget_us, flight::exhausted_time, Unit::microseconds},
               state, commands);
 }
 
@@ -105,31 +105,31 @@ void draw_stream(const State& state, Commands& commands) {
     if (!state.scene.streamed) return;
     const StreamReport& r = state.measures.last().stream;
     const Peaks& p = state.measures.peaks();
-    const fly::Profile& profile = state.document.profile();
+    const flight::Profile& profile = state.document.profile();
     ui::heading("Streaming:  used | peak | of");
     draw_line({"Page slots", "stream.page_slots", "Pages in memory. Exhausted, far terrain is coarser than asked for.",
                static_cast<double>(r.page_slots.used), static_cast<double>(std::max(r.page_slots.peak, p.page_slots)),
-               static_cast<double>(r.page_slots.capacity), fly::exhausted_page_slots},
+               static_cast<double>(r.page_slots.capacity), flight::exhausted_page_slots},
               state, commands);
     draw_line({"Requests", "stream.page_requests",
                "Pages and mips under way (stream.map_requests are those of mips). Exhausted, more is wanted.",
                static_cast<double>(r.requested), static_cast<double>(p.requested),
                static_cast<double>(profile.stream_budget.page_requests + profile.stream_budget.map_requests),
-               fly::exhausted_stream_requests},
+               flight::exhausted_stream_requests},
               state, commands);
     draw_line({"Pages a frame", "stream.pages", "Taken over, 10 to 20 us each. Exhausted, some wait for the next frame.",
                static_cast<double>(r.pages_taken), static_cast<double>(p.pages_taken),
-               static_cast<double>(profile.stream.pages), fly::exhausted_stream_pages},
+               static_cast<double>(profile.stream.pages), flight::exhausted_stream_pages},
               state, commands);
     draw_line({"Map memory", "stream.map_mb", "Maps on the GPU. Exhausted, far maps are blurrier than asked for.",
                static_cast<double>(r.map_bytes_used), static_cast<double>(p.map_bytes),
-               static_cast<double>(r.map_bytes_capacity), fly::exhausted_map_bytes, Unit::bytes},
+               static_cast<double>(r.map_bytes_capacity), flight::exhausted_map_bytes, Unit::bytes},
               state, commands);
     draw_line({"Upload a frame", "stream.map_kb", "Of maps to the GPU; one mip may exceed it.",
                static_cast<double>(r.map_upload_bytes), static_cast<double>(p.map_upload_bytes),
-               static_cast<double>(profile.stream.map_bytes), fly::exhausted_stream_upload, Unit::bytes},
+               static_cast<double>(profile.stream.map_bytes), flight::exhausted_stream_upload, Unit::bytes},
               state, commands);
-    const bool tests = (state.measures.last().exhausted & fly::exhausted_stream_tests) != 0;
+    const bool tests = (state.measures.last().exhausted & flight::exhausted_stream_tests) != 0;
     ui::row("Pages looked at", tests ? "all that it may" : "enough");
     ui::tip("stream.tests: how many pages an update of the stream looks at. All that it may: raise it.");
 }
@@ -144,8 +144,8 @@ void memory_row(const char* label, double bytes, const char* about, double& sum)
 
 void draw_memory(const State& state) {
     const Scene& s = state.scene;
-    const fly::FrameEntry& e = state.measures.last();
-    const bool incremental = state.document.profile().method == fly::Method::incremental;
+    const flight::FrameEntry& e = state.measures.last();
+    const bool incremental = state.document.profile().method == flight::Method::incremental;
     double host = 0, gpu = 0;
     ui::heading("Memory");
     memory_row("Terrain", static_cast<double>(s.terrain_bytes), "Page slots, page table and corners.", host);

@@ -31,7 +31,7 @@ void labelled(const char* label) {
 }
 
 void draw_place(const State& state, Commands& commands) {
-    const fly::FreeCamera& c = state.eye.free;
+    const flight::FreeCamera& c = state.eye.free;
     PlaceCamera place{c.position_m, c.heading, c.pitch};
     double heading = std::fmod(c.heading / degree + 360, 360), pitch = c.pitch / degree;
     double above = c.position_m.y - state.eye.ground_m;

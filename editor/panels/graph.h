@@ -6,7 +6,7 @@
 #include <initializer_list>
 
 #include "editor/measures.h"
-#include "editor/ui.h"
+#include "editor/panels/ui.h"
 
 namespace fjell::editor::ui {
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "editor/panels/tune_curve.h"
-#include "fly/profile_keys.h"
+#include "flight/profile_keys.h"
 
 namespace fjell::editor {
 
@@ -223,7 +223,7 @@ void draw_tune_result(const State& state, const JobView& shown, Commands& comman
     if (shown.running || shown.best_px <= 0) return;
     char text[48];
     std::snprintf(text, sizeof text, "Use %.3g px", shown.best_px);
-    const fly::ProfileKey* const key = fly::find_profile_key("refine.error_px");
+    const flight::ProfileKey* const key = flight::find_profile_key("refine.error_px");
     const bool used = key->get(state.document.profile()) == shown.best_px;
     ImGui::SameLine();
     if (button(text, "auto-tune", "use", !used, "Makes it the profile's threshold; one step of undoing."))

@@ -63,9 +63,9 @@ void draw_levels(const State& state, Commands& commands) {
     for (std::uint32_t i = 0; i < levels.levels; ++i)
         level_bar(levels, i, tile_log2, std::min(state.scene.spacing_m[0], state.scene.spacing_m[1]));
     ui::row("All levels", "%llu", static_cast<unsigned long long>(all));
-    bool shown = state.interface.mode == fly::PictureMode::levels;
+    bool shown = state.interface.mode == flight::PictureMode::levels;
     if (ImGui::Checkbox("Colour the picture by level", &shown))
-        commands.push(SetMode{shown ? fly::PictureMode::levels : fly::PictureMode::shaded});
+        commands.push(SetMode{shown ? flight::PictureMode::levels : flight::PictureMode::shaded});
     ui::mark("levels", "colour");
     ui::tip("Every triangle in its level's colour, as here. Costs nothing worth a figure.");
 }

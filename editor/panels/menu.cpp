@@ -23,7 +23,7 @@ void save(const State& state, Commands& commands) {
 }
 
 void change_threshold(const State& state, double factor, Commands& commands) {
-    static const fly::ProfileKey* const key = fly::find_profile_key("refine.error_px");
+    static const flight::ProfileKey* const key = flight::find_profile_key("refine.error_px");
     const double value = key->get(state.document.profile()) * factor;
     commands.push(SetKey{key, std::clamp(value, key->least, key->most), false});
 }
@@ -92,8 +92,8 @@ void draw_edit(const State& state, Commands& commands) {
 }
 
 void draw_show_menu(const State& state, Commands& commands) {
-    for (int i = 0; i < fly::picture_modes; ++i) {
-        const auto mode = static_cast<fly::PictureMode>(i);
+    for (int i = 0; i < flight::picture_modes; ++i) {
+        const auto mode = static_cast<flight::PictureMode>(i);
         if (ImGui::MenuItem(label_of(mode), "", state.interface.mode == mode)) commands.push(SetMode{mode});
     }
     ImGui::Separator();
@@ -135,7 +135,7 @@ void draw_profile_name(const State& state, Commands& commands) {
 
 // A control that went away while it was held, with its panel, has been let go.
 void let_go(const State& state, Commands& commands) {
-    const fly::ProfileKey* const held = state.document.held();
+    const flight::ProfileKey* const held = state.document.held();
     if (held != nullptr && !ImGui::IsAnyItemActive())
         commands.push(SetKey{held, held->get(state.document.profile()), false});
 }

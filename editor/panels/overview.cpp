@@ -68,7 +68,7 @@ void draw_route(ImDrawList& list, const Place& map, const Route& route) {
     for (std::size_t i = 0; i < points.size(); i += step)
         list.AddCircleFilled(map.at(points[i][0], points[i][2]), 0.17F * em, path_colour, 8);
     if (route.selected()) {
-        const fly::ControlPoint& p = points[*route.selected()];
+        const flight::ControlPoint& p = points[*route.selected()];
         list.AddCircle(map.at(p[0], p[2]), 0.35F * em, IM_COL32_WHITE, 0, 1.5F);
     }
     if (poses.empty()) return;

@@ -3,7 +3,7 @@
 
 #include "editor/command.h"
 #include "editor/state.h"
-#include "editor/ui.h"
+#include "editor/panels/ui.h"
 
 namespace fjell::editor {
 
@@ -27,7 +27,7 @@ void draw_streaming(const State& state, Commands& commands);
 void draw_levels(const State& state, Commands& commands);
 
 // As panel and menu call them.
-[[nodiscard]] const char* label_of(fly::PictureMode mode);
+[[nodiscard]] const char* label_of(flight::PictureMode mode);
 [[nodiscard]] const char* label_of(Overlay overlay);
 
 // The open one; it has its window, its place and its way to be closed already.

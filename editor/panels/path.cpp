@@ -85,7 +85,7 @@ void draw_flight(const Route& route, Commands& commands) {
 }
 
 void draw_point(const Route& route, std::size_t i, Commands& commands) {
-    const fly::ControlPoint& p = route.points()[i];
+    const flight::ControlPoint& p = route.points()[i];
     char text[64];
     std::snprintf(text, sizeof text, "%zu: %.0f E  %.0f S  %.0f m", i, p[0], p[2], p[1]);
     ImGui::PushID(static_cast<int>(i));

@@ -23,7 +23,7 @@ constexpr Text modes[] = {
     {"Residency", "By the finest step of geometry that is in memory, whatever is drawn of it."},
     {"Distance", "White at the near plane, black beyond the terrain; logarithmic."},
 };
-static_assert(std::size(modes) == fly::picture_modes, "a mode was added: say what it shows");
+static_assert(std::size(modes) == flight::picture_modes, "a mode was added: say what it shows");
 constexpr Text laid_over[] = {
     {"Wireframe", "Edges of all triangles."},
     {"Tile borders", "Where tiles meet, on the ground; on the map too."},
@@ -107,9 +107,9 @@ void error_legend(double promised_px) {
 void draw_legend(const State& state) {
     const int tile_log2 = static_cast<int>(std::bit_width(state.scene.tile_cells)) - 1;
     switch (state.interface.mode) {
-    case fly::PictureMode::levels: step_legend(state.scene, tile_log2, true); break;
-    case fly::PictureMode::residency: step_legend(state.scene, tile_log2, false); break;
-    case fly::PictureMode::mips: mip_legend(static_cast<int>(state.scene.mips)); break;
+    case flight::PictureMode::levels: step_legend(state.scene, tile_log2, true); break;
+    case flight::PictureMode::residency: step_legend(state.scene, tile_log2, false); break;
+    case flight::PictureMode::mips: mip_legend(static_cast<int>(state.scene.mips)); break;
     default: break;
     }
 }
@@ -154,7 +154,7 @@ void draw_scale(const State& state, Commands& commands) {
 
 } // namespace
 
-const char* label_of(fly::PictureMode mode) {
+const char* label_of(flight::PictureMode mode) {
     return modes[static_cast<std::size_t>(mode)].label;
 }
 
@@ -164,11 +164,11 @@ const char* label_of(Overlay overlay) {
 
 void draw_show(const State& state, Commands& commands) {
     ui::heading("Picture (M: the next one)");
-    for (int i = 0; i < fly::picture_modes; ++i) {
-        const auto mode = static_cast<fly::PictureMode>(i);
+    for (int i = 0; i < flight::picture_modes; ++i) {
+        const auto mode = static_cast<flight::PictureMode>(i);
         second_column(i);
         if (ImGui::RadioButton(modes[i].label, state.interface.mode == mode)) commands.push(SetMode{mode});
-        ui::mark("mode", fly::picture_mode_names[i]);
+        ui::mark("mode", flight::picture_mode_names[i]);
         ui::tip(modes[i].about);
     }
     note(modes[static_cast<int>(state.interface.mode)].about);

@@ -24,24 +24,24 @@ ImU32 severity_colour(Severity severity) {
 
 // Green: as asked for. Amber: it lags, or pages are missing. Red: a budget does not suffice.
 Part threshold_part(const State& state) {
-    const fly::FrameEntry& e = state.measures.last();
+    const flight::FrameEntry& e = state.measures.last();
     Part part{"", ui::good, 1, "threshold", "The threshold that the mesh keeps at the moment, and why it is not the asked one."};
-    constexpr std::uint32_t lasting = fly::exhausted_vertices | fly::exhausted_indices | fly::exhausted_triangles |
-                                      fly::exhausted_page_slots;
+    constexpr std::uint32_t lasting = flight::exhausted_vertices | flight::exhausted_indices | flight::exhausted_triangles |
+                                      flight::exhausted_page_slots;
     const char* why = "";
     if ((e.exhausted & lasting) != 0) {
         part.colour = ui::bad;
-        why = (e.exhausted & fly::exhausted_vertices) != 0    ? "vertices exhausted"
-              : (e.exhausted & fly::exhausted_triangles) != 0 ? "triangles exhausted"
-              : (e.exhausted & fly::exhausted_indices) != 0   ? "indices exhausted"
+        why = (e.exhausted & flight::exhausted_vertices) != 0    ? "vertices exhausted"
+              : (e.exhausted & flight::exhausted_triangles) != 0 ? "triangles exhausted"
+              : (e.exhausted & flight::exhausted_indices) != 0   ? "indices exhausted"
                                                               : "page slots exhausted";
     } else if (e.streamed && !e.stream.converged) {
         part.colour = ui::careful;
         why = "pages missing";
     } else if (!e.converged) {
         part.colour = ui::careful;
-        why = (e.exhausted & fly::exhausted_items) != 0  ? "lags: items exhausted"
-              : (e.exhausted & fly::exhausted_time) != 0 ? "lags: time exhausted"
+        why = (e.exhausted & flight::exhausted_items) != 0  ? "lags: items exhausted"
+              : (e.exhausted & flight::exhausted_time) != 0 ? "lags: time exhausted"
               : e.rising > 0                             ? "vertices rise"
                                                          : "lags";
     }

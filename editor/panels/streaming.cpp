@@ -35,7 +35,7 @@ void draw_not_streamed(const State& state, Commands& commands) {
     char label[48];
     std::snprintf(label, sizeof label, "Stream with %u page slots", slots);
     if (ImGui::Button(label))
-        commands.push(SetKey{fly::find_profile_key("stream.page_slots"), static_cast<double>(slots), false});
+        commands.push(SetKey{flight::find_profile_key("stream.page_slots"), static_cast<double>(slots), false});
     ui::mark("streaming", "begin");
     ui::tip("Half of its pages. The terrain is opened anew, where the camera is; Undo takes it back.");
 }
@@ -70,7 +70,7 @@ void draw_maps(const StreamReport& r) {
     ui::row("On the GPU", "%s of %s", used, capacity);
 }
 
-void draw_reading(const StreamReport& r, const host::StreamReaderCounters& reader) {
+void draw_reading(const StreamReport& r, const io::StreamReaderCounters& reader) {
     ui::heading("Reading");
     ui::row("Under way", "%u", r.requested);
     ui::tip("Pages and mips that were asked for and have not come (stream.page_requests, stream.map_requests).");

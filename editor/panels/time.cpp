@@ -72,7 +72,7 @@ void draw_time(const State& state, Commands&) {
     const Measures& m = state.measures;
     const auto ring = [&](Series series) { return &m.ring(series); };
     const double budget_us = state.document.profile().cut.budget_us;
-    const bool limited = state.document.profile().method == fly::Method::incremental && budget_us > 0;
+    const bool limited = state.document.profile().method == flight::Method::incremental && budget_us > 0;
     ui::graph({"update", "ms", 7, limited ? budget_us / 1000 : 0, "budget", false},
               {{ring(Series::update_us), blue, "update", 1e-3F, true}});
     ui::graph({"frame", "ms", 7, frame_budget_ms, "16.7 ms: 60 a second", false},

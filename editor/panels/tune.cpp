@@ -5,7 +5,7 @@
 
 #include "editor/panels/panels.h"
 #include "editor/panels/tune_cost.h"
-#include "editor/slider.h"
+#include "editor/panels/slider.h"
 
 namespace fjell::editor {
 
@@ -15,40 +15,40 @@ constexpr float field_px = 106; // unscaled; ten digits
 
 // The field that is being typed into, and whether what is there so far is no value: it turns red.
 struct Typing {
-    const fly::ProfileKey* key = nullptr;
+    const flight::ProfileKey* key = nullptr;
     bool wrong = false;
 };
 Typing typing;
 
 struct Row {
-    const fly::ProfileKey& key;
+    const flight::ProfileKey& key;
     const State& state;
     Commands& commands;
     char name[64] = {}; // refine.error_px
     double value = 0;
     const char* idle = nullptr; // why it does not count now
 
-    Row(const fly::ProfileKey& k, const State& s, Commands& c) : key(k), state(s), commands(c) {
+    Row(const flight::ProfileKey& k, const State& s, Commands& c) : key(k), state(s), commands(c) {
         (void)std::snprintf(name, sizeof name, "%s.%s", key.table, key.name);
         value = key.get(state.document.profile());
         idle = why_idle(key, state);
     }
 };
 
-const char* rebuilds(fly::Rebuild rebuild) {
+const char* rebuilds(flight::Rebuild rebuild) {
     switch (rebuild) {
-    case fly::Rebuild::nothing: return "A change holds from the next frame on.";
-    case fly::Rebuild::method: return "A change makes the method's block anew.";
-    case fly::Rebuild::session: return "A change opens the pack anew; the view stays.";
+    case flight::Rebuild::nothing: return "A change holds from the next frame on.";
+    case flight::Rebuild::method: return "A change makes the method's block anew.";
+    case flight::Rebuild::session: return "A change opens the pack anew; the view stays.";
     }
     return "";
 }
 
 void tip(const Row& row) {
     if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
-    const fly::ProfileKey& key = row.key;
+    const flight::ProfileKey& key = row.key;
     char text[1400], range[96] = "";
-    if (key.kind == fly::KeyKind::number || key.kind == fly::KeyKind::whole)
+    if (key.kind == flight::KeyKind::number || key.kind == flight::KeyKind::whole)
         (void)std::snprintf(range, sizeof range, "Range: %.10g to %.10g%s%s\n", key.least, key.most,
                             *key.unit != '\0' ? " " : "", key.unit);
     (void)std::snprintf(text, sizeof text, "%s\n\n%s%s%s%s", key.about, range, rebuilds(key.rebuild),
@@ -80,7 +80,7 @@ void draw_label(const Row& row) {
     if (!ImGui::IsItemHovered()) return;
     char was[64], text[96];
     write_value(row.key, saved, was, sizeof was);
-    const bool choice = row.key.kind == fly::KeyKind::choice;
+    const bool choice = row.key.kind == flight::KeyKind::choice;
     (void)std::snprintf(text, sizeof text, "Back to what was saved: %s",
                         choice ? row.key.choices[static_cast<std::size_t>(saved)] : was);
     ui::tip(text);
@@ -158,11 +158,11 @@ void draw_notes(const Row& row) {
     if (row.idle == nullptr && row.state.scene.open() && cost_text(row.key, row.state, text, sizeof text))
         ImGui::TextUnformatted(text);
     ImGui::PopStyleColor();
-    const fly::Profile* const compared = row.state.document.compared();
+    const flight::Profile* const compared = row.state.document.compared();
     if (compared != nullptr && row.key.get(*compared) != row.value) {
         const double theirs = row.key.get(*compared);
         write_value(row.key, theirs, text, sizeof text);
-        const bool choice = row.key.kind == fly::KeyKind::choice, flag = row.key.kind == fly::KeyKind::flag;
+        const bool choice = row.key.kind == flight::KeyKind::choice, flag = row.key.kind == flight::KeyKind::flag;
         ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.55F, 0.74F, 0.95F, 1));
         ImGui::Text("compared: %s", choice ? row.key.choices[static_cast<std::size_t>(theirs)]
                                     : flag ? (theirs != 0 ? "on" : "off")
@@ -172,16 +172,16 @@ void draw_notes(const Row& row) {
     ImGui::PopTextWrapPos();
 }
 
-void draw_key(const fly::ProfileKey& key, const State& state, Commands& commands) {
+void draw_key(const flight::ProfileKey& key, const State& state, Commands& commands) {
     Row row(key, state, commands);
     ImGui::PushID(&key);
     ImGui::BeginDisabled(row.idle != nullptr);
     draw_label(row);
     switch (key.kind) {
-    case fly::KeyKind::number:
-    case fly::KeyKind::whole: draw_slider(row); break;
-    case fly::KeyKind::flag: draw_flag(row); break;
-    case fly::KeyKind::choice: draw_choices(row); break;
+    case flight::KeyKind::number:
+    case flight::KeyKind::whole: draw_slider(row); break;
+    case flight::KeyKind::flag: draw_flag(row); break;
+    case flight::KeyKind::choice: draw_choices(row); break;
     }
     draw_notes(row);
     ImGui::EndDisabled();
@@ -192,9 +192,9 @@ void draw_key(const fly::ProfileKey& key, const State& state, Commands& commands
 } // namespace
 
 void draw_tune(const State& state, Commands& commands) {
-    for (const fly::ProfileTable& table : fly::profile_tables()) {
+    for (const flight::ProfileTable& table : flight::profile_tables()) {
         ui::heading(table.label);
-        for (const fly::ProfileKey& key : fly::profile_keys())
+        for (const flight::ProfileKey& key : flight::profile_keys())
             if (std::strcmp(key.table, table.name) == 0) draw_key(key, state, commands);
     }
 }

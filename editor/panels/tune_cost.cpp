@@ -7,7 +7,7 @@ namespace fjell::editor {
 
 namespace {
 
-using fly::FrameEntry;
+using flight::FrameEntry;
 
 struct Text {
     char* to;
@@ -33,7 +33,7 @@ struct Text {
 // What the table above the profile's keys says of bytes, for the chosen method.
 void vertices(const State& state, Text& text, double value) {
     const FrameEntry& e = state.measures.last();
-    const bool incremental = state.document.profile().method == fly::Method::incremental;
+    const bool incremental = state.document.profile().method == flight::Method::incremental;
     text.bytes(value * (incremental ? 57 : 20));
     text.add(" + ");
     text.bytes(value * (incremental ? 28 : 12));
@@ -130,13 +130,13 @@ constexpr Cost costs[] = {
     {"stream", "map_kb", map_kb},
 };
 
-bool is(const fly::ProfileKey& key, const char* table, const char* name) {
+bool is(const flight::ProfileKey& key, const char* table, const char* name) {
     return std::strcmp(key.table, table) == 0 && std::strcmp(key.name, name) == 0;
 }
 
 } // namespace
 
-bool cost_text(const fly::ProfileKey& key, const State& state, char* to, std::size_t size) {
+bool cost_text(const flight::ProfileKey& key, const State& state, char* to, std::size_t size) {
     for (const Cost& cost : costs) {
         if (!is(key, cost.table, cost.name)) continue;
         Text text{to, size};
@@ -146,18 +146,18 @@ bool cost_text(const fly::ProfileKey& key, const State& state, char* to, std::si
     return false;
 }
 
-const char* why_idle(const fly::ProfileKey& key, const State& state) {
-    const fly::Profile& profile = state.document.profile();
+const char* why_idle(const flight::ProfileKey& key, const State& state) {
+    const flight::Profile& profile = state.document.profile();
     switch (key.used_by) {
-    case fly::UsedBy::any: break;
-    case fly::UsedBy::incremental:
-        if (profile.method != fly::Method::incremental)
+    case flight::UsedBy::any: break;
+    case flight::UsedBy::incremental:
+        if (profile.method != flight::Method::incremental)
             return "Of the incremental method, which is not the chosen one.";
         break;
-    case fly::UsedBy::recursive:
-        if (profile.method != fly::Method::recursive) return "Of the recursive method, which is not the chosen one.";
+    case flight::UsedBy::recursive:
+        if (profile.method != flight::Method::recursive) return "Of the recursive method, which is not the chosen one.";
         break;
-    case fly::UsedBy::streaming: // page_slots decides whether anything is streamed: it counts always
+    case flight::UsedBy::streaming: // page_slots decides whether anything is streamed: it counts always
         if (!state.scene.streamed && !is(key, "stream", "page_slots"))
             return "Of streaming: the pack is loaded whole. It is streamed when it has more pages than page slots.";
         break;

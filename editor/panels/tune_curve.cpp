@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdio>
 
-#include "editor/ui.h"
+#include "editor/panels/ui.h"
 
 namespace fjell::editor {
 

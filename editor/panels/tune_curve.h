@@ -2,7 +2,7 @@
 // under it the vertices. ImPlot is no package of Debian 12's, so the axes are our own.
 #pragma once
 
-#include "editor/jobs.h"
+#include "editor/jobs/jobs.h"
 
 namespace fjell::editor {
 

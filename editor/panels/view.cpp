@@ -62,8 +62,8 @@ void strike(const State& state, Commands& commands) {
     if (pressed(key::home)) commands.push(LookAtAll{});
     if (pressed('G')) commands.push(SetOverlay{Overlay::wireframe, !state.shows(Overlay::wireframe)});
     if (pressed('M')) {
-        const int modes = fly::picture_modes, step = ImGui::GetIO().KeyShift ? modes - 1 : 1;
-        commands.push(SetMode{static_cast<fly::PictureMode>((static_cast<int>(state.interface.mode) + step) % modes)});
+        const int modes = flight::picture_modes, step = ImGui::GetIO().KeyShift ? modes - 1 : 1;
+        commands.push(SetMode{static_cast<flight::PictureMode>((static_cast<int>(state.interface.mode) + step) % modes)});
     }
 }
 

@@ -11,17 +11,17 @@
 
 #include "fly/options.h"
 #include "fly/outputs.h"
-#include "fly/pictures.h"
-#include "fly/session.h"
+#include "flight/pictures.h"
+#include "flight/session.h"
 #include "fly/window.h"
 #include "gltf/snapshot.h"
-#include "host/failure.h"
+#include "io/failure.h"
 
 namespace {
 
 using namespace fjell;
-using namespace fjell::fly;
-using host::Failure;
+using namespace fjell::flight;
+using io::Failure;
 
 // What a frame that lags would show in the end: the snapshot refines anew, to the frame's effective threshold. Of a
 // streamed pack it has what is there.
@@ -47,7 +47,7 @@ void check_reads(const std::string& path, const StreamedPack& streamed) {
                               unreadable, corrupt != 0 ? "check it with fjell-bake verify" : "check the disk"));
 }
 
-void fly_headless(const Options& options, Session& session, std::span<const Pose> poses, FlightLog& log,
+void fly_headless(const FlightOptions& options, Session& session, std::span<const Pose> poses, FlightLog& log,
                   Verification& verification) {
     std::optional<Pictures> pictures;
     if (!options.render_folder.empty()) pictures.emplace(options, session);
@@ -58,7 +58,7 @@ void fly_headless(const Options& options, Session& session, std::span<const Pose
         if (pictures) pictures->follow(session, entry);
     };
     for (std::size_t frame = 0; frame < (replay ? session.recording->frames.size() : poses.size()); ++frame) {
-        host::check_interrupt();
+        io::check_interrupt();
         const View view =
             replay ? session.recording->frames[frame].views[0] : view_of(poses[frame], session.terrain(), profile);
         const double now_s = static_cast<double>(frame) / options.hz;
@@ -82,9 +82,9 @@ void fly_headless(const Options& options, Session& session, std::span<const Pose
 }
 
 int run(int argc, char** argv) {
-    Options options;
+    FlightOptions options;
     if (!parse_options(argc, argv, options)) return 0;
-    host::catch_interrupts();
+    io::catch_interrupts();
     const CameraPath path = path_of(options);
     Outputs outputs(options);
     Session session;
@@ -115,5 +115,5 @@ int run(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return host::run_tool("fjell-fly", [&] { return run(argc, argv); });
+    return io::run_tool("fjell-fly", [&] { return run(argc, argv); });
 }

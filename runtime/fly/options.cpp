@@ -9,15 +9,15 @@
 #include <fmt/format.h>
 
 #include "fjell/pack.h"
-#include "fly/path.h"
-#include "host/failure.h"
-#include "host/file.h"
+#include "flight/path.h"
+#include "io/failure.h"
+#include "io/file.h"
 
-namespace fjell::fly {
+namespace fjell::flight {
 
 namespace {
 
-using host::Failure;
+using io::Failure;
 
 constexpr std::size_t most_frames = 10'000'000;
 
@@ -41,7 +41,7 @@ struct Flags {
     std::optional<std::uint64_t> seed;
 };
 
-void declare_flight(CLI::App& app, Options& o, Flags& f) {
+void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("PACK", o.pack, "the terrain, from fjell-bake")->required();
     app.add_option("--profile", o.profile_path, "budgets and thresholds (profiles/*.toml); flags win over it");
     app.add_option("--path", o.path, "camera path (content/paths/*.json); default: an orbit");
@@ -60,7 +60,7 @@ void declare_flight(CLI::App& app, Options& o, Flags& f) {
     app.add_option("--size", f.size, "picture in pixels, WIDTHxHEIGHT");
 }
 
-void declare_methods(CLI::App& app, Options& o, Flags& f) {
+void declare_methods(CLI::App& app, FlightOptions& o, Flags& f) {
     const char* const incremental = "Incremental method";
     app.add_option("--items", f.items, "most work items a frame may take, the first one too; 0 (default): no limit")
         ->check(CLI::Range(std::uint32_t{0}, max_items))
@@ -91,7 +91,7 @@ void declare_methods(CLI::App& app, Options& o, Flags& f) {
         ->group(recursive);
 }
 
-void declare_streaming(CLI::App& app, Options& o, Flags& f) {
+void declare_streaming(CLI::App& app, FlightOptions& o, Flags& f) {
     const char* const group = "Streaming";
     app.add_option("--stream", f.stream,
                    "read pages and maps when the views want them; auto (default): when the pack has more pages than "
@@ -112,7 +112,7 @@ void declare_streaming(CLI::App& app, Options& o, Flags& f) {
         ->group(group);
 }
 
-void declare_outputs(CLI::App& app, Options& o, Flags& f) {
+void declare_outputs(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--csv", o.csv, "one line a frame; - for standard output");
     app.add_option("--json", o.json, "a summary for scripts; - for standard output");
     app.add_option("--export", f.exports, "FRAME:OUT.glb, the whole terrain as that frame sees it; may be repeated")
@@ -156,7 +156,7 @@ Export parse_export(const std::string& text, std::size_t frames) {
     return {*frame, text.substr(colon + 1)};
 }
 
-void apply(const Flags& f, Options& o) {
+void apply(const Flags& f, FlightOptions& o) {
     RefineSettings& refine = o.profile.refine;
     CutSettings& cut = o.profile.cut;
     if (!f.method.empty()) o.profile.method = f.method == "recursive" ? Method::recursive : Method::incremental;
@@ -203,7 +203,7 @@ void check_method(const Flags& f, const Profile& profile) {
         throw Failure(2, "--metric depth needs --cull on: behind the eye there is no depth");
 }
 
-void check_together(const Options& o) {
+void check_together(const FlightOptions& o) {
     if (o.seeded && !o.path.empty()) throw Failure(2, "--seed and --path exclude each other; give one of them");
     if (!o.headless && !o.render_folder.empty()) throw Failure(2, "--render needs --headless");
     if (!o.headless && !o.exports.empty()) throw Failure(2, "--export needs --headless");
@@ -229,12 +229,12 @@ void check_together(const Options& o) {
     }
     std::vector<std::string> outputs{o.csv, o.json, o.record};
     for (const Export& e : o.exports) outputs.push_back(e.path);
-    host::refuse_overwriting(outputs, {o.pack, o.path, o.profile_path, o.replay});
+    io::refuse_overwriting(outputs, {o.pack, o.path, o.profile_path, o.replay});
 }
 
 } // namespace
 
-bool parse_options(int argc, char** argv, Options& options) {
+bool parse_options(int argc, char** argv, FlightOptions& options) {
     Flags flags;
     CLI::App app{"Flies a camera over a Fjell pack, in a window or --headless."};
     app.set_version_flag("--version", fmt::format("fjell-fly, pack version {}", pack_version));
@@ -257,4 +257,4 @@ bool parse_options(int argc, char** argv, Options& options) {
     return true;
 }
 
-} // namespace fjell::fly
+} // namespace fjell::flight

@@ -1,51 +1,11 @@
 // fjell-fly's command line.
 #pragma once
 
-#include <cstdint>
-#include <iterator>
-#include <string>
-#include <vector>
+#include "flight/options.h"
 
-#include "fly/profile.h"
-
-namespace fjell::fly {
-
-enum class Streaming : std::uint8_t { automatic, on, off }; // automatic: when the pack has more pages than page slots
-
-enum class PictureMode : std::uint8_t { shaded, wire, levels, tiles, mips, residency, distance };
-inline constexpr const char* picture_mode_names[] = {"shaded", "wire",      "levels",  "tiles",
-                                                     "mips",   "residency", "distance"};
-inline constexpr int picture_modes = static_cast<int>(std::size(picture_mode_names));
-
-struct Export {
-    std::size_t frame = 0;
-    std::string path;
-};
-
-struct Options {
-    std::string pack, path, profile_path;
-    std::size_t frames = 0; // 0: not given
-    double hz = 60;         // path frames a second, in the window
-    Profile profile;        // with the flags applied
-    bool limited = false;   // --items or --budget-us bounds the first frame too
-    bool headless = false;
-    Streaming streaming = Streaming::automatic;
-    bool realtime = false;                     // headless frames at hz
-    bool wait = false;                         // headless frames until all is there
-    double read_mb_s = 0, read_latency_ms = 0; // a slower disk than there is; 0: as it is
-    bool cold = false;                         // the system forgets the file first
-    std::string csv, json;
-    std::string record, replay; // of the incremental method (fly/record.h)
-    std::vector<Export> exports;
-    std::string render_folder;
-    std::size_t render_every = 1;
-    PictureMode mode = PictureMode::shaded;
-    std::size_t verify_every = 0; // 0: never
-    bool seeded = false;
-    std::uint64_t seed = 0;
-};
+namespace fjell::flight {
 
 // Returns false when there is nothing left to do (--help, --version). Throws Failure: 2 for usage, 1 for a bad profile.
-[[nodiscard]] bool parse_options(int argc, char** argv, Options& options);
+[[nodiscard]] bool parse_options(int argc, char** argv, FlightOptions& options);
 
-} // namespace fjell::fly
+} // namespace fjell::flight

@@ -10,14 +10,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "host/failure.h"
+#include "io/failure.h"
 
-namespace fjell::fly {
+namespace fjell::flight {
 
 namespace {
 
-using host::AtomicFile;
-using host::Failure;
+using io::AtomicFile;
+using io::Failure;
 using nlohmann::json;
 
 std::unique_ptr<AtomicFile> open_output(const std::string& path) {
@@ -70,7 +70,7 @@ void add_incremental(json& j, const Session& session, const CutSettings& c) {
     j["morph"] = name_of(c.morph);
     j["budget"] = {{"vertices", session.cut_budget.vertices},
                    {"triangles", session.cut_budget.triangles},
-                   {"chunk_triangles", session.cut_budget.chunk_triangles},
+                   {"chunk_triangles", session.cut_budget.segment_triangles},
                    {"views", session.cut_budget.views},
                    {"items", c.items == unlimited_items ? 0 : c.items},
                    {"budget_us", c.budget_us}};
@@ -99,15 +99,15 @@ json pack_json(const Session& session) {
 }
 
 // What the frames do not know of streaming: where the memory is, and what the reader did.
-void add_stream(json& j, const Options& o, const Session& session) {
+void add_stream(json& j, const FlightOptions& o, const Session& session) {
     j["pages_requested"] = 0; // the pack was loaded whole
     j["textures_requested"] = 0;
     j["streamed"] = session.streamed != nullptr;
     if (!session.streamed) return;
-    const host::StreamReaderCounters r = session.streamed->reader();
+    const io::StreamReaderCounters r = session.streamed->reader();
     std::uint64_t map_bytes = 0;
     for (const MapKind kind : {MapKind::colour, MapKind::normal})
-        map_bytes += map_slot_bytes(stream_map_slots(session.streamed->stream(), kind), kind);
+        map_bytes += map_layer_bytes(stream_map_layers(session.streamed->stream(), kind), kind);
     j["pages_requested"] = r.pages;
     j["textures_requested"] = r.mips;
     j["stream"]["reader"] = {{"reads", r.reads},         {"bytes", r.bytes},     {"unwanted", r.unwanted},
@@ -132,7 +132,7 @@ void add_stream(json& j, const Options& o, const Session& session) {
                              {"map_upload_bytes", s.map_bytes}};
 }
 
-json flight_json(const Options& o, const Session& session, const CameraPath& path, const Summary& summary,
+json flight_json(const FlightOptions& o, const Session& session, const CameraPath& path, const Summary& summary,
                  const Verification& v) {
     json j = summary_json(summary);
     const RefineSettings& r = o.profile.refine;
@@ -179,9 +179,9 @@ std::string stream_rows(const Summary& summary) {
     return text;
 }
 
-std::string table(const Options& o, const Summary& s, const Verification& v) {
+std::string table(const FlightOptions& o, const Summary& s, const Verification& v) {
     std::string text;
-    const auto row = [&](const char* name, const std::string& value) { text += fly::row(name, value); };
+    const auto row = [&](const char* name, const std::string& value) { text += flight::row(name, value); };
     row("frames",
         fmt::format("{}, {} of them converged; threshold {:g} px", s.frames, s.converged, o.profile.refine.error_px));
     row("update [us]", fmt::format("{:.0f} mean, {:.0f} p50, {:.0f} p99, {:.0f} max", s.update_us_mean, s.update_us.p50,
@@ -217,13 +217,13 @@ std::string table(const Options& o, const Summary& s, const Verification& v) {
 
 } // namespace
 
-Outputs::Outputs(const Options& options)
+Outputs::Outputs(const FlightOptions& options)
     : csv_(open_output(options.csv)), json_(open_output(options.json)), record_(open_output(options.record)) {
     for (const Export& e : options.exports) check_export(e.path);
     if (!options.render_folder.empty()) check_folder(options.render_folder, options.render_folder);
 }
 
-void Outputs::finish(const Options& options, const Session& session, const CameraPath& path, const FlightLog& log,
+void Outputs::finish(const FlightOptions& options, const Session& session, const CameraPath& path, const FlightLog& log,
                      const Verification& verification) {
     const Summary summary = summarise(log, session.incremental());
     if (csv_ || options.csv == "-") write_all(csv_, options.csv, csv(log));
@@ -233,4 +233,4 @@ void Outputs::finish(const Options& options, const Session& session, const Camer
     if (options.csv != "-" && options.json != "-") fmt::print("{}", table(options, summary, verification));
 }
 
-} // namespace fjell::fly
+} // namespace fjell::flight

@@ -6,22 +6,22 @@
 #include <string>
 
 #include "fly/options.h"
-#include "fly/session.h"
-#include "host/file.h"
+#include "flight/session.h"
+#include "io/file.h"
 
-namespace fjell::fly {
+namespace fjell::flight {
 
 class Outputs {
 public:
     // Throws Failure: 1 a folder is missing, 3 it cannot be written.
-    explicit Outputs(const Options& options);
+    explicit Outputs(const FlightOptions& options);
 
     // Writes CSV and JSON and prints the summary, unless standard output is one of them.
-    void finish(const Options& options, const Session& session, const CameraPath& path, const FlightLog& log,
+    void finish(const FlightOptions& options, const Session& session, const CameraPath& path, const FlightLog& log,
                 const Verification& verification);
 
 private:
-    std::unique_ptr<host::AtomicFile> csv_, json_, record_;
+    std::unique_ptr<io::AtomicFile> csv_, json_, record_;
 };
 
-} // namespace fjell::fly
+} // namespace fjell::flight

@@ -11,13 +11,13 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include "fly/camera.h"
-#include "fly/pictures.h"
+#include "flight/camera.h"
+#include "flight/pictures.h"
 #include "gl/context.h"
 #include "gl/target.h"
-#include "host/failure.h"
+#include "io/failure.h"
 
-namespace fjell::fly {
+namespace fjell::flight {
 
 namespace {
 
@@ -34,7 +34,7 @@ constexpr double radians_a_pixel = 0.003;
 constexpr double title_seconds = 0.25;
 
 void require(bool made, const std::string& error) {
-    if (!made) throw host::Failure(3, error);
+    if (!made) throw io::Failure(3, error);
 }
 
 // What happened since the last frame; filled by GLFW's callbacks.
@@ -104,7 +104,7 @@ struct Playback {
 
 class Flight {
 public:
-    Flight(const Options& options, Session& session, std::span<const Pose> poses)
+    Flight(const FlightOptions& options, Session& session, std::span<const Pose> poses)
         : options_(options), session_(session), profile_(options.profile), mode_(options.mode),
           ground_(session.live_ground()),
           camera_(free_camera(poses.front(), ground_.longer_m() / 60)), playback_{poses, options.hz, 0,
@@ -128,7 +128,7 @@ public:
     void run(FlightLog& log, Verification& verification) {
         auto last = Clock::now();
         while (!window_->should_close() && (options_.frames == 0 || log.frames.size() < options_.frames)) {
-            host::check_interrupt();
+            io::check_interrupt();
             window_->poll();
             const auto now = Clock::now();
             const double seconds = std::min(std::chrono::duration<double>(now - last).count(), 0.25);
@@ -229,7 +229,7 @@ private:
         shown_frames_ = 0;
     }
 
-    const Options& options_;
+    const FlightOptions& options_;
     Session& session_;
     Profile profile_; // with the window's size and the keys' threshold
     PictureMode mode_;
@@ -248,11 +248,11 @@ private:
 
 } // namespace
 
-void fly_in_window(const Options& options, Session& session, std::span<const Pose> poses, FlightLog& log,
+void fly_in_window(const FlightOptions& options, Session& session, std::span<const Pose> poses, FlightLog& log,
                    Verification& verification) {
     Flight flight(options, session, poses);
     std::fputs("F1 in the window prints the keys; Esc quits\n", stderr);
     flight.run(log, verification);
 }
 
-} // namespace fjell::fly
+} // namespace fjell::flight

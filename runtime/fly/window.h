@@ -3,15 +3,15 @@
 
 #include <span>
 
-#include "fly/log.h"
+#include "flight/log.h"
 #include "fly/options.h"
-#include "fly/session.h"
+#include "flight/session.h"
 
-namespace fjell::fly {
+namespace fjell::flight {
 
 // Returns when the window is closed, or after options.frames frames when they were given. Throws Failure 3 when there
 // is no display or no OpenGL 4.5. poses: the path, resampled; not empty.
-void fly_in_window(const Options& options, Session& session, std::span<const Pose> poses, FlightLog& log,
+void fly_in_window(const FlightOptions& options, Session& session, std::span<const Pose> poses, FlightLog& log,
                    Verification& verification);
 
-} // namespace fjell::fly
+} // namespace fjell::flight

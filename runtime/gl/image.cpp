@@ -6,8 +6,8 @@
 #include <stb_image.h>
 #include <stb_image_write.h>
 
-#include "host/failure.h"
-#include "host/file.h"
+#include "io/failure.h"
+#include "io/file.h"
 
 namespace fjell::gl {
 
@@ -24,10 +24,10 @@ std::string write_png(const Image& image, const std::string& path) {
                                 image.rgb.data(), static_cast<int>(image.width * 3)))
         return "cannot write '" + path + "': the picture could not be compressed (out of memory)";
     try {
-        host::AtomicFile file(path);
+        io::AtomicFile file(path);
         file.write(std::as_bytes(std::span(png)));
         file.commit();
-    } catch (const host::Failure& failure) {
+    } catch (const io::Failure& failure) {
         return failure.what();
     }
     return {};

@@ -29,7 +29,7 @@ std::size_t mip_bytes(const Format& format, std::uint32_t side) {
     return blocks_of(side) * format.block_bytes;
 }
 
-std::string check_slots(const Format& format, const MapSlots& slots, std::uint32_t pack_log2, std::uint32_t tiles,
+std::string check_slots(const Format& format, const MapLayers& slots, std::uint32_t pack_log2, std::uint32_t tiles,
                         bool streamed) {
     if (format.extension && !epoxy_has_gl_extension(format.extension))
         return std::string("this GPU's driver lacks ") + format.extension + " for the " + format.name + "; update it";
@@ -77,7 +77,7 @@ float granted_anisotropy(float wish) {
     return std::min(wish, most);
 }
 
-std::string make_arrays(const Format& format, const MapSlots& slots, std::uint32_t tiles, bool streamed,
+std::string make_arrays(const Format& format, const MapLayers& slots, std::uint32_t tiles, bool streamed,
                         float anisotropy, MapArrays& arrays, std::uint64_t& bytes) {
     arrays.slots = slots;
     arrays.tiles.assign(tiles, {});
@@ -182,7 +182,7 @@ void store_blocks(const MapCommand& command, const Format& format, const MapArra
 
 } // namespace
 
-std::string make_maps(const Pack& pack, const MapSlots (&slots)[map_kinds], float anisotropy, Maps& maps) {
+std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], float anisotropy, Maps& maps) {
     maps.anisotropy = granted_anisotropy(anisotropy);
     const std::uint32_t pack_log2[map_kinds] = {pack.header.colour_log2, pack.header.normal_log2};
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
@@ -191,7 +191,7 @@ std::string make_maps(const Pack& pack, const MapSlots (&slots)[map_kinds], floa
         const bool streamed = slots[kind].top_log2 != 0;
         maps.all_there = maps.all_there && !streamed;
         if (!streamed && pack_log2[kind] == 0) continue;
-        MapSlots own = slots[kind];
+        MapLayers own = slots[kind];
         if (!streamed) {
             own.tail_log2 = own.top_log2 = pack_log2[kind];
             own.layers[own.top_log2] = pack.tile_count();

@@ -1,7 +1,7 @@
 // The terrain's colour and normal maps on the GPU: an array texture for each size that tiles may have.
 //
 // A tile has one layer of one of them, with all mips down to 4 x 4. Of a whole pack there is one size and a layer a
-// tile, loaded at creation; of a streamed one there are the sizes and layers of MapSlots, empty at first, and
+// tile, loaded at creation; of a streamed one there are the sizes and layers of MapLayers, empty at first, and
 // MapCommands fill them. Whatever its size, a tile's map covers the same square of uv: that of the pack's own size, so
 // an upgrade does not shift the picture. Internal to runtime/gl. Memory: half a byte a colour texel and 1 a normal
 // texel, times 4/3 for the mips. Failure: one line that names the chunk, the limit or the option.
@@ -23,7 +23,7 @@ namespace fjell::gl {
 inline constexpr std::uint32_t max_map_sizes = 8;
 
 struct MapArrays {
-    MapSlots slots;          // zeroes: there is no such map
+    MapLayers slots;          // zeroes: there is no such map
     std::uint32_t sizes = 0; // arrays, smallest first
     Texture array[max_map_sizes];
     std::int32_t array_of[max_texture_log2 + 1]; // by log2 of the side; -1: none
@@ -43,7 +43,7 @@ struct Maps {
 };
 
 // slots: of each kind; with top_log2 != 0 it is streamed, otherwise all that the pack has of it is loaded.
-[[nodiscard]] std::string make_maps(const Pack& pack, const MapSlots (&slots)[map_kinds], float anisotropy, Maps& maps);
+[[nodiscard]] std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], float anisotropy, Maps& maps);
 
 // Carries out commands, in order; adds the bytes of their blocks to `bytes`. Nothing is done when one is not of these
 // maps.

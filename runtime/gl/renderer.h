@@ -41,9 +41,9 @@ struct RendererOptions {
     // slot, 16 a triangle slot, and map blocks. 0: an eighth of all slots, 1 MB at least. More than that in a frame is
     // right too, but may wait for the GPU.
     std::uint32_t ring_bytes = 0;
-    // Streamed maps (stream_map_slots()): array textures of these sizes, empty at first. top_log2 0: all of the pack's
+    // Streamed maps (stream_map_layers()): array textures of these sizes, empty at first. top_log2 0: all of the pack's
     // map is loaded at creation. At most 8 sizes of each kind.
-    MapSlots colour{}, normal{};
+    MapLayers colour{}, normal{};
     std::uint32_t texture_side = 0; // texels a side that set_heights() uses at most; 0: as many as the driver takes
 };
 
@@ -58,7 +58,7 @@ enum class Mode : std::uint8_t {
 };
 
 // The terrain's heights, every 2^step_log2-th sample of each row and column; a last one that would lie beyond the rim
-// stands there (fjell/tree.h). host::read_heights() reads them from a pack.
+// stands there (fjell/tree.h). io::read_heights() reads them from a pack.
 struct HeightGrid {
     std::int32_t columns = 0, rows = 0;
     std::uint32_t step_log2 = 0;

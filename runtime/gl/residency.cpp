@@ -19,7 +19,7 @@ std::uint32_t resident_step_log2(const Terrain& terrain, std::uint32_t tile, std
                                  std::uint32_t block_y) {
     const PackHeader& h = terrain.header;
     const PageEntry* const pages = terrain.page_table + std::size_t{tile} * terrain.pages_per_tile;
-    const auto loaded = [&](std::uint32_t page) { return pages[page].slot != no_page_slot; };
+    const auto loaded = [&](std::uint32_t page) { return pages[page].slot != no_index; };
     if (h.order == Order::linear) { // its pages are of no step
         for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page)
             if (!loaded(page)) return h.tile_log2;
@@ -28,7 +28,7 @@ std::uint32_t resident_step_log2(const Terrain& terrain, std::uint32_t tile, std
     if (!loaded(0)) return h.tile_log2;
     std::uint32_t z = h.tile_log2 < finest_page_log2 ? 0 : h.tile_log2 - page_squares_log2;
     while (z > 0 &&
-           loaded(terrain.pages.page_of_block(static_cast<int>(z) - 1, block_x >> (z - 1), block_y >> (z - 1))))
+           loaded(terrain.pages.page_at(static_cast<int>(z) - 1, block_x >> (z - 1), block_y >> (z - 1))))
         --z;
     return z;
 }

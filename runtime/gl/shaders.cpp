@@ -206,7 +206,7 @@ layout(binding = 0) uniform sampler2DArray colour_map[COLOUR_MAPS];
 layout(binding = 8) uniform sampler2DArray normal_map[NORMAL_MAPS];
 #endif
 
-// nine_mips() at this place.
+// min_lod_grid() at this place.
 float finest_mip(int kind) {
     vec2 at = clamp(surface.sample_at * (2.0 / float(1 << tile.x)), 0.0, 2.0);
     ivec2 quarter = min(ivec2(at), 1);

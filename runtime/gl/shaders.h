@@ -43,7 +43,7 @@ struct TileBlock {
     std::int32_t column, row;                                            // first sample of the tile
     std::int32_t index, tile;                                            // among this draw's; of the terrain
     std::int32_t colour_layer, colour_array, normal_layer, normal_array; // array -1: nothing is there yet
-    float mip[map_kinds][9];                                             // nine_mips()
+    float mip[map_kinds][9];                                             // min_lod_grid()
     std::uint32_t tint;                                                  // of Mode::tiles: linear rgb, 10 bits each
     std::uint32_t reserved;
 };

@@ -11,7 +11,7 @@
 
 #include "fjell/recursive.h"
 #include "gltf/refused.h"
-#include "host/load.h"
+#include "io/load.h"
 
 namespace fjell::gltf {
 
@@ -40,9 +40,9 @@ SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const V
                                      std::min(capacity(vertices * 6), largest.indices)};
         const bool all = budget.vertices == largest.vertices && budget.indices == largest.indices;
         const std::size_t bytes = recursive_bytes(terrain, budget);
-        host::AlignedBlock block;
+        io::AlignedMemory block;
         try {
-            block = host::make_block(bytes);
+            block = io::make_block(bytes);
         } catch (const std::bad_alloc&) {
             return refused(
                 3, fmt::format("not enough memory to refine the whole terrain ({} bytes); ask for a larger error_px",

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <utility>
 
-#include "host/failure.h"
+#include "io/failure.h"
 
 namespace fjell::gltf {
 
 namespace {
 
-constexpr std::uint32_t none = 0xffff'ffff;
 
 // Along one axis: the central difference of the full-resolution heights, one-sided on the domain's rim; where pages are
 // missing, over the smallest power of two for which there are heights.
@@ -47,7 +46,7 @@ bool is_degenerate(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c
 
 TileCollector::TileCollector(const Terrain& the_terrain, std::uint32_t texture_px)
     : terrain(the_terrain), side(static_cast<std::uint32_t>(the_terrain.tree.side())),
-      slots(std::size_t{side + 1} * (side + 1), none) {
+      slots(std::size_t{side + 1} * (side + 1), no_index) {
     const double texels = std::max(texture_px, 1u);
     uv_first = 0.5 / texels;
     uv_step = (texels - 1) / texels / side;
@@ -93,7 +92,7 @@ SnapshotVertex TileCollector::make_vertex(std::uint32_t tile, const MeshVertex& 
 
 std::uint32_t TileCollector::slot(TileGeometry& geometry, std::uint32_t tile, const MeshVertex& vertex) {
     std::uint32_t& found = slots[place(tile, vertex)];
-    if (found == none) {
+    if (found == no_index) {
         found = static_cast<std::uint32_t>(geometry.vertices.size());
         geometry.vertices.push_back(make_vertex(tile, vertex));
         const float* at = geometry.vertices.back().position_m;
@@ -108,13 +107,13 @@ std::uint32_t TileCollector::slot(TileGeometry& geometry, std::uint32_t tile, co
 TileGeometry TileCollector::collect(const MeshView& mesh, const TileRange& range) {
     if (range.tile >= terrain.tile_count() || range.index_count % 3 != 0 || range.first_index > mesh.indices.size() ||
         range.index_count > mesh.indices.size() - range.first_index)
-        throw host::Failure(
+        throw io::Failure(
             2, "MeshView::tiles: a range lies outside the indices or the terrain; hand over a mesh of this terrain");
     TileGeometry geometry{};
     const auto corner = [&](std::uint32_t index) -> const MeshVertex& {
         const std::uint32_t vertex = mesh.indices[index];
         if (vertex >= mesh.vertices.size() || !in_tile(range.tile, mesh.vertices[vertex]))
-            throw host::Failure(
+            throw io::Failure(
                 2, "MeshView::indices: an index or a vertex is out of range; hand over a mesh of this terrain");
         return mesh.vertices[vertex];
     };
@@ -125,7 +124,7 @@ TileGeometry TileCollector::collect(const MeshView& mesh, const TileRange& range
     }
     // Only the used entries are cleared: a tile of few triangles costs no pass over its samples.
     for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; ++i)
-        slots[place(range.tile, corner(i))] = none;
+        slots[place(range.tile, corner(i))] = no_index;
     return geometry;
 }
 

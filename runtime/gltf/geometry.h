@@ -31,7 +31,7 @@ public:
     // texture_px: texels a side of the tile's texture, whose first and last texel centres lie on its border.
     TileCollector(const Terrain& terrain, std::uint32_t texture_px);
 
-    // Throws host::Failure when an index or a vertex lies outside what the mesh or the tile holds.
+    // Throws io::Failure when an index or a vertex lies outside what the mesh or the tile holds.
     [[nodiscard]] TileGeometry collect(const MeshView& mesh, const TileRange& range);
 
     // The corner of a tile in the scene: whole multiples of the tile's width as a float, see gltf/snapshot.h.

@@ -8,7 +8,7 @@
 
 #include <stb_image_write.h>
 
-#include "host/failure.h"
+#include "io/failure.h"
 
 namespace fjell::gltf {
 
@@ -40,7 +40,7 @@ std::vector<std::byte> encode_png(std::uint32_t side_px, std::span<const std::by
     const int written = stbi_write_png_to_func(receive, &sink, side, side, 3, rgb.data(), side * 3);
     if (sink.failure) std::rethrow_exception(sink.failure);
     if (!written)
-        throw host::Failure(3,
+        throw io::Failure(3,
                             "not enough memory to encode a texture as PNG; ask for smaller textures (max_texture_px)");
     return std::move(sink.bytes);
 }
@@ -79,7 +79,7 @@ SceneBuilder::SceneBuilder(std::uint64_t max_binary_bytes) : max_binary_bytes_(m
 int SceneBuilder::add_view(std::vector<std::byte> bytes, int target, std::size_t stride) {
     const std::size_t length = bytes.size(), padded = (length + 3) / 4 * 4;
     if (padded > max_binary_bytes_ - binary_bytes_)
-        throw host::Failure(
+        throw io::Failure(
             1, "the snapshot needs more bytes than a .glb may have (4 GiB, or max_file_bytes); ask for a larger "
                "error_px or smaller textures (max_texture_px)");
     bytes.resize(padded);

@@ -19,7 +19,7 @@ namespace fjell::gltf {
 
 class SceneBuilder {
 public:
-    // max_binary_bytes: append beyond it throws host::Failure, before anything more is allocated.
+    // max_binary_bytes: append beyond it throws io::Failure, before anything more is allocated.
     explicit SceneBuilder(std::uint64_t max_binary_bytes);
 
     // 8-bit sRGB, square. Returns the texture's index.

@@ -15,8 +15,8 @@
 #include "fjell/texture.h"
 #include "gltf/refused.h"
 #include "gltf/scene.h"
-#include "host/failure.h"
-#include "host/file.h"
+#include "io/failure.h"
+#include "io/file.h"
 
 namespace fjell::gltf {
 
@@ -29,20 +29,20 @@ constexpr std::uint64_t container_bytes = 12 + 8 + 8; // header and the heads of
 
 void require(const Status& status, const char* what) {
     if (!status.ok())
-        throw host::Failure(1,
+        throw io::Failure(1,
                             fmt::format("{}: {} ({}); bake the pack again", what, message(status.code), status.field));
 }
 
 void check(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info) {
     if (const Status status = validate(info.view); !status.ok())
-        throw host::Failure(2, fmt::format("{}: {}", status.field, message(status.code)));
+        throw io::Failure(2, fmt::format("{}: {}", status.field, message(status.code)));
     if (!(info.error_px > 0 && info.error_px_effective > 0 && std::isfinite(info.error_px_effective)))
-        throw host::Failure(2, "SnapshotInfo::error_px and error_px_effective must be above zero and finite");
+        throw io::Failure(2, "SnapshotInfo::error_px and error_px_effective must be above zero and finite");
     if (mesh.topology != Topology::triangles)
-        throw host::Failure(2,
+        throw io::Failure(2,
                             "the snapshot needs a triangle list; set RefineSettings::topology to Topology::triangles");
     if (pack.header.header_hash != terrain.header.header_hash || !terrain.records)
-        throw host::Failure(2, "the terrain was not loaded from this pack; load it with load_terrain");
+        throw io::Failure(2, "the terrain was not loaded from this pack; load it with load_terrain");
 }
 
 // The largest mip of the colour map that fits, and what it is worth: 0 texels when the pack has no colour.
@@ -96,7 +96,7 @@ void add_tiles(const Pack& pack, const Terrain& terrain, const MeshView& mesh, c
     std::uint64_t done = 0;
     for (const TileRange& range : mesh.tiles) {
         if (options.progress && !options.progress(done++, mesh.tiles.size()))
-            throw host::Failure(130, "stopped; nothing is written");
+            throw io::Failure(130, "stopped; nothing is written");
         const TileGeometry geometry = collector.collect(mesh, range);
         if (geometry.indices.empty()) continue;
         const std::string name =
@@ -113,7 +113,7 @@ void add_tiles(const Pack& pack, const Terrain& terrain, const MeshView& mesh, c
         result.triangles += geometry.indices.size() / 3;
     }
     if (result.tiles == 0)
-        throw host::Failure(2, "the mesh has no triangle; refine it with culling off before the snapshot");
+        throw io::Failure(2, "the mesh has no triangle; refine it with culling off before the snapshot");
 }
 
 // tinygltf's JSON, completed with what it cannot say: the buffer (whose bytes it does not hold) and the extras.
@@ -121,7 +121,7 @@ std::string json_chunk(const SceneBuilder& scene, Json fjell_extras) {
     tinygltf::TinyGLTF writer;
     std::ostringstream text;
     if (!writer.WriteGltfSceneToStream(&scene.model(), text, false, false))
-        throw host::Failure(3, "tinygltf could not serialise the scene; report it with the command line");
+        throw io::Failure(3, "tinygltf could not serialise the scene; report it with the command line");
     Json document = Json::parse(text.str());
     document["buffers"] = Json::array({{{"byteLength", scene.binary_bytes()}}});
     document["scenes"][0]["extras"]["fjell"] = std::move(fjell_extras);
@@ -136,12 +136,12 @@ std::uint64_t write_glb(const SceneBuilder& scene, const std::string& json, std:
                         const std::string& path, bool write) {
     const std::uint64_t total = container_bytes + json.size() + scene.binary_bytes();
     if (total > max_file_bytes)
-        throw host::Failure(
+        throw io::Failure(
             1, fmt::format("{}: the snapshot needs {} bytes, more than the {} that are allowed; ask for a larger "
                            "error_px or smaller textures (max_texture_px)",
                            path, total, max_file_bytes));
     if (!write) return total;
-    host::AtomicFile file(path);
+    io::AtomicFile file(path);
     const auto words = [&](std::initializer_list<std::uint32_t> list) {
         file.write(std::as_bytes(std::span(list.begin(), list.size())));
     };
@@ -159,10 +159,10 @@ std::uint64_t write_glb(const SceneBuilder& scene, const std::string& json, std:
 SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
                               const std::string& path, const SnapshotOptions& options) {
     try {
-        if (path.empty() && options.write) throw host::Failure(2, "the snapshot has no file name; give one that ends in .glb");
+        if (path.empty() && options.write) throw io::Failure(2, "the snapshot has no file name; give one that ends in .glb");
         check(pack, terrain, mesh, info);
         if (options.write) {
-            const host::AtomicFile probe(path); // says what is wrong with the place before seconds of work, not after
+            const io::AtomicFile probe(path); // says what is wrong with the place before seconds of work, not after
         }
         const std::uint64_t max_file_bytes = std::min(options.max_file_bytes, most_file_bytes);
         SnapshotResult result;
@@ -172,7 +172,7 @@ SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const Me
         scene.add_camera(info.view);
         result.file_bytes = write_glb(scene, json_chunk(scene, extras(pack, info, result)), max_file_bytes, path, options.write);
         return result;
-    } catch (const host::Failure& failure) {
+    } catch (const io::Failure& failure) {
         return refused(failure.exit_code, failure.what());
     } catch (const std::bad_alloc&) {
         return refused(3, "not enough memory for the snapshot; ask for a larger error_px or smaller textures");

@@ -13,7 +13,7 @@ const char* message(Code code) {
         return "the pack's record layout is not this build's; bake it again on this kind of machine";
     case Code::corrupt: return "the pack is damaged here; copy or bake it again";
     case Code::out_of_range: return "the value is outside its allowed range; see the header that declares it";
-    case Code::block_too_small:
+    case Code::memory_too_small:
         return "the memory block is smaller than the matching *_bytes() function says; pass a larger one";
     case Code::budget_too_small: return "the budget cannot hold the coarsest mesh; raise the field";
     case Code::out_of_slots: return "every page slot is taken; unload a page, or raise TerrainBudget::page_slots";

@@ -17,17 +17,17 @@
 
 #include <nlohmann/json.hpp>
 
-#include "baker/bake.h"
-#include "baker/level.h"
-#include "baker/own.h"
-#include "baker/page_pack.h"
-#include "baker/read.h"
-#include "baker/survey.h"
-#include "baker/synth.h"
-#include "baker/verify.h"
-#include "baker/write_dem.h"
+#include "baker/bake/bake.h"
+#include "baker/errors/level.h"
+#include "baker/errors/own.h"
+#include "baker/pack/page_pack.h"
+#include "baker/read/read.h"
+#include "baker/heights/survey.h"
+#include "baker/synth/synth.h"
+#include "baker/check/verify.h"
+#include "baker/synth/write_dem.h"
 #include "fjell/terrain.h"
-#include "host/load.h"
+#include "io/load.h"
 
 namespace {
 
@@ -60,7 +60,7 @@ void copy(benchmark::State& state) {
     rate(state);
 }
 
-// The error stage as the bake runs it, tile after tile, without the work files around it: lattice steps, errors by
+// The error stage as the bake runs it, tile after tile, without the work files around it: height scale steps, errors by
 // themselves, errors and radii of the finest step, which is three quarters of all vertices. pages: and its pages,
 // packed.
 class ErrorStage {
@@ -69,11 +69,11 @@ public:
         baker::Survey survey;
         for_each_tile(
             [&](Coord corner) { survey.add(baker::survey_tile(at(corner), side + 1, side + 1, dem().columns)); });
-        const Lattice lattice = baker::choose_lattice(survey, {{60, 60}, 0.1, 0});
-        scales_ = baker::choose_scales({tree_, {60, 60}, lattice, survey, 0.05});
-        leaf_ = LeafErrors(scales_.errors, lattice.quantum_m);
+        const HeightScale height_scale = baker::choose_height_scale(survey, {{60, 60}, 0.1, 0});
+        scales_ = baker::choose_scales({tree_, {60, 60}, height_scale, survey, 0.05});
+        leaf_ = LeafErrors(scales_.errors, height_scale.quantum_m);
         header_.tile_log2 = static_cast<std::uint32_t>(tree_.tile_log2);
-        header_.lattice_steps = static_cast<std::uint32_t>((survey.most_m - survey.least_m) / lattice.quantum_m);
+        header_.height_steps = static_cast<std::uint32_t>((survey.most_m - survey.least_m) / height_scale.quantum_m);
         std::copy_n(scales_.level_radius_m, 2 * max_tile_log2, header_.level_radius_m);
     }
 
@@ -97,7 +97,7 @@ private:
         for (std::int32_t y = 0; y < width; ++y) {
             const std::int32_t row = std::clamp(ground.steps.y + y, 0, dem().rows - 1),
                                x0 = std::max(ground.steps.x, 0), x1 = std::min(ground.steps.x + width, dem().columns);
-            baker::quantise(at({x0, row}), static_cast<std::size_t>(x1 - x0), scales_.lattice,
+            baker::quantise(at({x0, row}), static_cast<std::size_t>(x1 - x0), scales_.height_scale,
                             ground.steps.at(x0, ground.steps.y + y));
         }
         const baker::Region region{corner, {corner.x + side, corner.y + side}};
@@ -118,7 +118,7 @@ private:
         for (std::int32_t j = 0; pages && j < squares; j += page)
             for (std::int32_t i = 0; i < squares; i += page)
                 benchmark::DoNotOptimize(
-                    baker::pack_block({steps, error, nullptr, radii, i, j, &leaf_, scales_.errors, header_, 0})
+                    baker::pack_step_page({steps, error, nullptr, radii, i, j, &leaf_, scales_.errors, header_, 0})
                         .bytes.data());
     }
 
@@ -149,7 +149,7 @@ std::string bake_once(int threads) {
 void whole_bake(benchmark::State& state, int threads) {
     for (auto _ : state) (void)bake_once(threads);
     rate(state);
-    const host::LoadedPack pack = host::load_pack(folder + "/bake.fjell", host::LoadTerrain::no);
+    const io::LoadedPack pack = io::load_pack(folder + "/bake.fjell", io::LoadTerrain::no);
     double geometry = 0;
     const std::uint64_t chunks = chunk_index(pack.pack.header, {ChunkKind::colour, 0, 0});
     for (std::uint64_t i = 0; i < chunks; ++i)
@@ -160,9 +160,9 @@ void whole_bake(benchmark::State& state, int threads) {
 
 // The whole pack into one block: what a start costs. As much memory is written as the terrain takes.
 void load(benchmark::State& state) {
-    const host::LoadedPack pack = host::load_pack(bake_once(0), host::LoadTerrain::no);
+    const io::LoadedPack pack = io::load_pack(bake_once(0), io::LoadTerrain::no);
     const std::size_t bytes = terrain_bytes(pack.pack.header);
-    const host::AlignedBlock block = host::make_block(bytes);
+    const io::AlignedMemory block = io::make_block(bytes);
     Terrain terrain;
     for (auto _ : state)
         if (!load_terrain(pack.pack, {block.get(), bytes}, terrain).ok()) return state.SkipWithError("damaged");
@@ -178,7 +178,7 @@ void decode(benchmark::State& state, Order order) {
     options.max_texture_log2 = 2;
     const std::string path = folder + "/decode.fjell";
     (void)baker::bake(dem(), options, path);
-    const host::LoadedPack pack = host::load_pack(path, host::LoadTerrain::yes);
+    const io::LoadedPack pack = io::load_pack(path, io::LoadTerrain::yes);
     Terrain terrain = pack.terrain;
     const std::uint32_t last = terrain.pages_per_tile - 1, first = last - 31; // of 64 pages of step 1
     std::uint32_t tile = 0;
@@ -264,7 +264,7 @@ void larger_than_memory(benchmark::State& state, const char* memory_mb) {
 }
 
 void verify(benchmark::State& state) {
-    const host::LoadedPack pack = host::load_pack(bake_once(0), host::LoadTerrain::yes);
+    const io::LoadedPack pack = io::load_pack(bake_once(0), io::LoadTerrain::yes);
     for (auto _ : state) benchmark::DoNotOptimize(baker::verify(pack.terrain, nullptr));
     rate(state);
 }

@@ -15,11 +15,11 @@
 #include <utility>
 #include <vector>
 
-#include "baker/bake.h"
-#include "baker/read.h"
+#include "baker/bake/bake.h"
+#include "baker/read/read.h"
 #include "fjell/cut.h"
 #include "fjell/recursive.h"
-#include "host/load.h"
+#include "io/load.h"
 
 namespace {
 
@@ -31,7 +31,7 @@ double us_since(Clock::time_point start) {
 }
 
 struct Scene {
-    host::LoadedPack pack;
+    io::LoadedPack pack;
     double error_px = 1; // where the recursive method selects about 100,000 vertices
 };
 
@@ -86,7 +86,7 @@ double rank(std::vector<double> v, double share) {
 Flight fly_recursive(const Terrain& terrain, const std::vector<View>& views, double error_px) {
     const RecursiveBudget budget{1u << 21, 1u << 24};
     const std::size_t bytes = recursive_bytes(terrain, budget);
-    const host::AlignedBlock block = host::make_block(bytes);
+    const io::AlignedMemory block = io::make_block(bytes);
     RecursiveMethod method;
     if (!create_recursive(terrain, budget, {block.get(), bytes}, method).ok()) std::abort();
     RefineSettings settings;
@@ -110,7 +110,7 @@ const CutBudget cut_budget{1u << 21, 1u << 22, 1024, 1};
 
 Flight fly_cut(const Terrain& terrain, const std::vector<View>& views, const CutSettings& settings) {
     const std::size_t bytes = cut_bytes(terrain, cut_budget);
-    const host::AlignedBlock block = host::make_block(bytes);
+    const io::AlignedMemory block = io::make_block(bytes);
     LiveCut cut;
     if (!create_cut(terrain, cut_budget, {block.get(), bytes}, cut).ok()) std::abort();
     CutReport report;
@@ -145,7 +145,7 @@ Flight fly_cut(const Terrain& terrain, const std::vector<View>& views, const Cut
 const Scene& mountains() {
     static const Scene scene = [] {
         const auto make = [] { return baker::synthesise(FJELL_SOURCE_DIR "/content/terrain/mountains.json"); };
-        return Scene{host::load_pack(bake_scene("mountains", make, 10), host::LoadTerrain::yes), 0.8};
+        return Scene{io::load_pack(bake_scene("mountains", make, 10), io::LoadTerrain::yes), 0.8};
     }();
     return scene;
 }
@@ -162,7 +162,7 @@ const Scene& small_mountains() {
                 for (std::int32_t x = 0; x < part.columns; ++x) part.heights_m.push_back(all.at(1843 + x, 1843 + y));
             return part;
         };
-        return Scene{host::load_pack(bake_scene("mountains-411", make, 10), host::LoadTerrain::yes), 0.8};
+        return Scene{io::load_pack(bake_scene("mountains-411", make, 10), io::LoadTerrain::yes), 0.8};
     }();
     return scene;
 }
@@ -180,7 +180,7 @@ const Scene& canyon() {
             options.zscale = 14.4;
             return baker::read_dem(canyon_file(), options);
         };
-        return Scene{host::load_pack(bake_scene("canyon", make, 10), host::LoadTerrain::yes), 0.5};
+        return Scene{io::load_pack(bake_scene("canyon", make, 10), io::LoadTerrain::yes), 0.5};
     }();
     return scene;
 }
@@ -247,7 +247,7 @@ void compare_sizes(benchmark::State& state) {
 void teleport_budget(benchmark::State& state) {
     const Terrain& t = mountains().pack.terrain;
     const std::size_t bytes = cut_bytes(t, cut_budget);
-    const host::AlignedBlock block = host::make_block(bytes);
+    const io::AlignedMemory block = io::make_block(bytes);
     LiveCut cut;
     if (!create_cut(t, cut_budget, {block.get(), bytes}, cut).ok()) std::abort();
     CutSettings settings;
@@ -286,7 +286,7 @@ public:
         : columns_(static_cast<std::size_t>(terrain.tree.columns())),
           flags_(columns_ * static_cast<std::size_t>(terrain.tree.rows())) {
         const std::size_t bytes = cut_bytes(terrain, cut_budget);
-        const host::AlignedBlock block = host::make_block(bytes);
+        const io::AlignedMemory block = io::make_block(bytes);
         LiveCut cut;
         if (!create_cut(terrain, cut_budget, {block.get(), bytes}, cut).ok()) std::abort();
         CutSettings settings;
@@ -331,7 +331,7 @@ void teleport_recovery(benchmark::State& state) {
     const Scene& scene = mountains();
     const Terrain& t = scene.pack.terrain;
     const std::size_t bytes = cut_bytes(t, cut_budget);
-    const host::AlignedBlock block = host::make_block(bytes);
+    const io::AlignedMemory block = io::make_block(bytes);
     LiveCut cut;
     if (!create_cut(t, cut_budget, {block.get(), bytes}, cut).ok()) std::abort();
     CutSettings settings;

@@ -11,13 +11,13 @@
 
 #include <epoxy/gl.h>
 
-#include "baker/bake.h"
-#include "baker/synth.h"
+#include "baker/bake/bake.h"
+#include "baker/synth/synth.h"
 #include "fjell/cut.h"
 #include "gl/context.h"
 #include "gl/renderer.h"
 #include "gl/target.h"
-#include "host/load.h"
+#include "io/load.h"
 
 namespace {
 
@@ -31,8 +31,8 @@ void require(const std::string& error) {
     if (!error.empty()) stop(error);
 }
 
-const host::LoadedPack& scene() {
-    static const host::LoadedPack pack = [] {
+const io::LoadedPack& scene() {
+    static const io::LoadedPack pack = [] {
         const std::string path = std::string(FJELL_BENCH_DIR) + "/draw-" + std::to_string(pack_layout_hash) + ".fjell";
         std::filesystem::create_directories(FJELL_BENCH_DIR);
         if (!std::filesystem::exists(path)) {
@@ -41,13 +41,13 @@ const host::LoadedPack& scene() {
             options.max_texture_log2 = 9;
             (void)baker::bake(*baker::open_synth(FJELL_SOURCE_DIR "/content/terrain/mountains.json"), options, path);
         }
-        return host::load_pack(path, host::LoadTerrain::yes);
+        return io::load_pack(path, io::LoadTerrain::yes);
     }();
     return pack;
 }
 
 void draw(benchmark::State& state, double error_px, std::uint32_t width, std::uint32_t height) {
-    const host::LoadedPack& pack = scene();
+    const io::LoadedPack& pack = scene();
     std::string error;
     const auto context = gl::Headless::create({}, error);
     require(error);
@@ -55,11 +55,11 @@ void draw(benchmark::State& state, double error_px, std::uint32_t width, std::ui
     require(error);
     const CutBudget budget{1u << 21, 1u << 22, 1024, 1};
     const std::size_t bytes = cut_bytes(pack.terrain, budget);
-    const host::AlignedBlock block = host::make_block(bytes);
+    const io::AlignedMemory block = io::make_block(bytes);
     LiveCut cut;
     if (!create_cut(pack.terrain, budget, {block.get(), bytes}, cut).ok()) stop("the cut's budget is too small");
     gl::RendererOptions options{budget.vertices, 3 * budget.triangles};
-    options.ranges = budget.triangles / budget.chunk_triangles;
+    options.ranges = budget.triangles / budget.segment_triangles;
     options.morph = true;
     const auto renderer = gl::Renderer::create(pack.terrain, pack.pack, options, error);
     require(error);

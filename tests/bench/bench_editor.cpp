@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "baker/bake.h"
-#include "baker/read.h"
+#include "baker/bake/bake.h"
+#include "baker/read/read.h"
 #include "editor/app.h"
 #include "editor/names.h"
 

@@ -9,10 +9,10 @@
 
 #include <stb_dxt.h>
 
-#include "baker/blocks.h"
-#include "baker/image.h"
-#include "baker/maps.h"
-#include "baker/read.h"
+#include "baker/maps/blocks.h"
+#include "baker/maps/image.h"
+#include "baker/maps/maps.h"
+#include "baker/read/read.h"
 
 namespace {
 

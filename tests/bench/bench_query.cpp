@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "baker/bake.h"
-#include "baker/read.h"
+#include "baker/bake/bake.h"
+#include "baker/read/read.h"
 #include "fjell/query.h"
-#include "host/load.h"
+#include "io/load.h"
 
 namespace {
 
@@ -36,8 +36,8 @@ std::string pack_path() {
     return path;
 }
 
-const host::LoadedPack& scene() {
-    static const host::LoadedPack pack = host::load_pack(pack_path(), host::LoadTerrain::yes);
+const io::LoadedPack& scene() {
+    static const io::LoadedPack pack = io::load_pack(pack_path(), io::LoadTerrain::yes);
     return pack;
 }
 
@@ -115,7 +115,7 @@ void patch(benchmark::State& state, std::uint32_t side, int step) {
 void insert(benchmark::State& state) {
     const Pack& pack = scene().pack;
     const std::size_t bytes = terrain_bytes(pack.header, {});
-    const host::AlignedBlock block = host::make_block(bytes);
+    const io::AlignedMemory block = io::make_block(bytes);
     Terrain t;
     if (!create_terrain(pack, {}, {block.get(), bytes}, t).ok()) return state.SkipWithError("terrain");
     std::vector<std::vector<std::byte>> pages;

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "baker/bake.h"
-#include "baker/read.h"
+#include "baker/bake/bake.h"
+#include "baker/read/read.h"
 #include "fjell/recursive.h"
-#include "host/load.h"
+#include "io/load.h"
 
 namespace {
 
@@ -44,7 +44,7 @@ std::string pack_path(int tile_log2, Order order) {
 }
 
 struct Scene {
-    host::LoadedPack pack;
+    io::LoadedPack pack;
     std::vector<View> views;
 };
 
@@ -53,7 +53,7 @@ const Scene& scene(int tile_log2, Order order) {
     static std::map<std::pair<int, Order>, Scene> scenes;
     Scene& s = scenes[{tile_log2, order}];
     if (!s.views.empty()) return s;
-    s.pack = host::load_pack(pack_path(tile_log2, order), host::LoadTerrain::yes);
+    s.pack = io::load_pack(pack_path(tile_log2, order), io::LoadTerrain::yes);
     const Terrain& t = s.pack.terrain;
     const double cell = t.header.spacing_m[0], width = cell * (t.tree.columns() - 1),
                  depth = cell * (t.tree.rows() - 1);
@@ -80,7 +80,7 @@ void recursive(benchmark::State& state, const Case& c) {
     const Scene& s = scene(c.tile_log2, c.order);
     const RecursiveBudget budget{1u << 22, 1u << 25};
     const std::size_t bytes = recursive_bytes(s.pack.terrain, budget);
-    const host::AlignedBlock block = host::make_block(bytes);
+    const io::AlignedMemory block = io::make_block(bytes);
     RecursiveMethod method;
     if (!create_recursive(s.pack.terrain, budget, {block.get(), bytes}, method).ok())
         return state.SkipWithError("budget");

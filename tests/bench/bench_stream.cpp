@@ -23,13 +23,13 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "baker/bake.h"
-#include "baker/synth.h"
+#include "baker/bake/bake.h"
+#include "baker/synth/synth.h"
 #include "fjell/cut.h"
 #include "fjell/recursive.h"
 #include "fjell/stream.h"
-#include "host/load.h"
-#include "host/stream_reader.h"
+#include "io/load.h"
+#include "io/stream_reader.h"
 
 #include "stream_engine.h"
 
@@ -101,12 +101,12 @@ double cached(const std::string& path) {
            static_cast<double>(in.size());
 }
 void drop(const std::string& path) {
-    host::PackFile(path).drop_cache();
+    io::PackFile(path).drop_cache();
 }
 
 struct Disk {
     const char* name;
-    host::StreamReaderOptions options;
+    io::StreamReaderOptions options;
 };
 constexpr Disk disks[] = {{"as_is", {}}, {"ssd", {500e6, 0.1e-3}}, {"hard_disk", {150e6, 8e-3}}};
 
@@ -124,12 +124,12 @@ void soak(benchmark::State& state) {
     const std::string path = mountains(Order::planar);
     StreamBudget budget;
     {
-        const host::PackFile file(path);
+        const io::PackFile file(path);
         budget.map_bytes = map_total(file.pack().header) / 10;
         budget.tail_log2 = 4;
     }
     FileEngine e(path, 550, budget);
-    const host::StreamReader reader(e.stream, e.file);
+    const io::StreamReader reader(e.stream, e.file);
     e.refine.error_px = 4;
     e.refine.items = 4000; // what a frame may do, teleports or not
     View view = view_at(e.terrain, 0.1, 0.9, 3500);
@@ -179,10 +179,10 @@ void first_picture(benchmark::State& state, const Disk& disk) {
         FileEngine e(path, 8192, {});
         e.refine.error_px = 1.5;
         const double opened_s = us_since(start) * 1e-6;
-        const host::StreamReader reader(e.stream, e.file, disk.options);
+        const io::StreamReader reader(e.stream, e.file, disk.options);
         double complete_s = 0;
         const double converged_s = e.rest(view_at(e.terrain, 0.3, 0.6, 3500), true, &complete_s);
-        const host::StreamReaderCounters c = reader.counters();
+        const io::StreamReaderCounters c = reader.counters();
         state.counters["open_s"] = opened_s;
         state.counters["complete_s"] = opened_s + complete_s;
         state.counters["converged_s"] = opened_s + converged_s;
@@ -205,7 +205,7 @@ void teleport(benchmark::State& state, Order order, const Disk& disk) {
             100;               // maps' tails alone: linear order, beside which this stands, is measured without them
         e.settings.pages = 64; // not the frame's limit but the reader's pace
         {
-            const host::StreamReader reader(e.stream, e.file);
+            const io::StreamReader reader(e.stream, e.file);
             (void)e.rest(view_at(e.terrain, here[0], here[1], 3500), true);
         }
         e.file.drop_cache();
@@ -213,7 +213,7 @@ void teleport(benchmark::State& state, Order order, const Disk& disk) {
         const std::uint64_t pages = e.streamed.pages_read, bytes = e.streamed.bytes_read;
         state.counters["held"] = static_cast<double>(pages);
         state.counters["all"] = e.terrain.page_count();
-        const host::StreamReader reader(e.stream, e.file, disk.options);
+        const io::StreamReader reader(e.stream, e.file, disk.options);
         state.counters["seconds"] = e.rest(view_at(e.terrain, there[0], there[1], 3500), true);
         state.counters["pages"] = static_cast<double>(e.streamed.pages_read - pages);
         state.counters["KiB"] = static_cast<double>(e.streamed.bytes_read - bytes) / kib;
@@ -225,7 +225,7 @@ void teleport(benchmark::State& state, Order order, const Disk& disk) {
 std::set<std::uint32_t> linear_pages(const Terrain& t, const View& view, double error_px) {
     const RecursiveBudget budget{1u << 21, 1u << 24};
     const std::size_t bytes = recursive_bytes(t, budget);
-    const host::AlignedBlock block = host::make_block(bytes);
+    const io::AlignedMemory block = io::make_block(bytes);
     RecursiveMethod method;
     require(create_recursive(t, budget, {block.get(), bytes}, method));
     RefineSettings settings;
@@ -262,7 +262,7 @@ void teleport_linear(benchmark::State& state) {
         std::vector<std::uint32_t> wanted;
         std::uint32_t per_tile = 0;
         {
-            const host::LoadedPack full = host::load_pack(path, host::LoadTerrain::yes);
+            const io::LoadedPack full = io::load_pack(path, io::LoadTerrain::yes);
             const Terrain& t = full.terrain;
             per_tile = t.pages_per_tile;
             const auto before = linear_pages(t, view_at(t, here[0], here[1], 3500), 1.5),
@@ -272,7 +272,7 @@ void teleport_linear(benchmark::State& state) {
             state.counters["from_nothing"] = static_cast<double>(after.size());
             state.counters["all"] = t.page_count();
         }
-        const host::PackFile file(path);
+        const io::PackFile file(path);
         file.drop_cache();
         state.counters["cached"] = cached(path);
         const auto start = Clock::now();
@@ -355,7 +355,7 @@ void by_size(benchmark::State& state, const std::string& path, std::uint32_t slo
 }
 
 void memory(benchmark::State& state) {
-    const host::PackFile file(mountains(Order::planar));
+    const io::PackFile file(mountains(Order::planar));
     const PackHeader& h = file.pack().header;
     const StreamBudget budget;
     StreamBudget one = budget;
@@ -363,7 +363,7 @@ void memory(benchmark::State& state) {
     for (auto _ : state) {
         const std::uint32_t slots = 8192;
         const std::size_t bytes = terrain_bytes(h, {slots});
-        const host::AlignedBlock block = host::make_block(bytes);
+        const io::AlignedMemory block = io::make_block(bytes);
         Terrain t;
         require(create_terrain(file.pack(), file.corners(), {slots}, {block.get(), bytes}, t));
         const double records = 4.0 * t.page_capacity * t.slot_count,
@@ -378,9 +378,9 @@ void memory(benchmark::State& state) {
         state.counters["stream_requests_KiB"] = (stream - least) / kib;
         state.counters["directory_KiB"] = static_cast<double>(h.directory_count * sizeof(ChunkEntry)) / kib;
         state.counters["normal_maps_gpu_MiB"] =
-            static_cast<double>(map_slot_bytes(map_slots(h, budget, MapKind::normal), MapKind::normal)) / mib;
+            static_cast<double>(map_layer_bytes(map_layers(h, budget, MapKind::normal), MapKind::normal)) / mib;
         state.counters["colour_maps_gpu_MiB"] =
-            static_cast<double>(map_slot_bytes(map_slots(h, budget, MapKind::colour), MapKind::colour)) / mib;
+            static_cast<double>(map_layer_bytes(map_layers(h, budget, MapKind::colour), MapKind::colour)) / mib;
     }
 }
 

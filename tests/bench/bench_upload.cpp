@@ -15,12 +15,12 @@
 
 #include <epoxy/gl.h>
 
-#include "baker/bake.h"
-#include "baker/read.h"
+#include "baker/bake/bake.h"
+#include "baker/read/read.h"
 #include "gl/context.h"
 #include "gl/scatter.h"
 #include "gl/target.h"
-#include "host/load.h"
+#include "io/load.h"
 
 namespace {
 
@@ -35,7 +35,7 @@ enum class Way { runs, copies, scatter };
     std::exit(3);
 }
 
-host::LoadedPack load() {
+io::LoadedPack load() {
     const std::string path = std::string(FJELL_BENCH_DIR) + "/upload-" + std::to_string(pack_layout_hash) + ".fjell";
     std::filesystem::create_directories(FJELL_BENCH_DIR);
     if (!std::filesystem::exists(path)) {
@@ -46,7 +46,7 @@ host::LoadedPack load() {
                                                       "base_m": 0, "relief_m": 3000, "feature_m": 20000})"),
                           options, path);
     }
-    return host::load_pack(path, host::LoadTerrain::yes);
+    return io::load_pack(path, io::LoadTerrain::yes);
 }
 
 struct Device {
@@ -149,14 +149,14 @@ struct Device {
 };
 
 void fly(benchmark::State& state, Way way, double cells, bool finished) {
-    static host::LoadedPack loaded = load();
+    static io::LoadedPack loaded = load();
     static Device device;
     const Terrain& terrain = loaded.terrain;
     CutBudget budget;
     budget.vertices = vertex_slots;
     budget.triangles = triangle_slots;
     const std::size_t bytes = cut_bytes(terrain, budget);
-    const host::AlignedBlock block = host::make_block(bytes);
+    const io::AlignedMemory block = io::make_block(bytes);
     LiveCut cut;
     if (!create_cut(terrain, budget, {block.get(), bytes}, cut).ok()) stop("the cut's budget does not do");
     CutSettings settings;

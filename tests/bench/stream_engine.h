@@ -17,13 +17,13 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "baker/bake.h"
-#include "baker/synth.h"
+#include "baker/bake/bake.h"
+#include "baker/synth/synth.h"
 #include "fjell/cut.h"
 #include "fjell/recursive.h"
 #include "fjell/stream.h"
-#include "host/load.h"
-#include "host/stream_reader.h"
+#include "io/load.h"
+#include "io/stream_reader.h"
 
 namespace fjell::bench {
 
@@ -65,25 +65,25 @@ inline std::string mountains(Order order) {
 
 // All that an engine holds, over a pack that is read from memory.
 struct Engine {
-    host::LoadedPack pack;
+    io::LoadedPack pack;
     Terrain terrain;
-    host::AlignedBlock terrain_block, cut_block, stream_block;
+    io::AlignedMemory terrain_memory, cut_memory, stream_memory;
     std::size_t terrain_size = 0, cut_size = 0, stream_size = 0;
     LiveCut cut;
     Stream stream;
 
     Engine(const std::string& path, std::uint32_t slots, const StreamBudget& budget, bool with_cut = true)
-        : pack(host::load_pack(path, host::LoadTerrain::no)) {
+        : pack(io::load_pack(path, io::LoadTerrain::no)) {
         terrain_size = terrain_bytes(pack.pack.header, {slots});
-        terrain_block = host::make_block(terrain_size);
-        require(create_terrain(pack.pack, {slots}, {terrain_block.get(), terrain_size}, terrain));
+        terrain_memory = io::make_block(terrain_size);
+        require(create_terrain(pack.pack, {slots}, {terrain_memory.get(), terrain_size}, terrain));
         const CutBudget cut_budget{1u << 20, 1u << 21, 512, 1};
         cut_size = cut_bytes(terrain, cut_budget);
-        cut_block = host::make_block(cut_size);
-        require(create_cut(terrain, cut_budget, {cut_block.get(), cut_size}, cut));
+        cut_memory = io::make_block(cut_size);
+        require(create_cut(terrain, cut_budget, {cut_memory.get(), cut_size}, cut));
         stream_size = stream_bytes(pack.pack, terrain, budget);
-        stream_block = host::make_block(stream_size);
-        require(create_stream(pack.pack, terrain, with_cut ? cut : LiveCut{}, budget, {stream_block.get(), stream_size},
+        stream_memory = io::make_block(stream_size);
+        require(create_stream(pack.pack, terrain, with_cut ? cut : LiveCut{}, budget, {stream_memory.get(), stream_size},
                               stream));
     }
     void serve(std::uint32_t most) {
@@ -101,9 +101,9 @@ inline View view_at(const Terrain& t, double x, double z, double height) {
 
 // All that an engine holds, over a pack that stays in its file.
 struct FileEngine {
-    host::PackFile file;
+    io::PackFile file;
     Terrain terrain;
-    host::AlignedBlock terrain_block, cut_block, stream_block;
+    io::AlignedMemory terrain_memory, cut_memory, stream_memory;
     LiveCut cut;
     Stream stream;
     CutSettings refine;
@@ -115,15 +115,15 @@ struct FileEngine {
     FileEngine(const std::string& path, std::uint32_t slots, const StreamBudget& budget) : file(path) {
         const PackHeader& h = file.pack().header;
         std::size_t bytes = terrain_bytes(h, {slots});
-        terrain_block = host::make_block(bytes);
-        require(create_terrain(file.pack(), file.corners(), {slots}, {terrain_block.get(), bytes}, terrain));
+        terrain_memory = io::make_block(bytes);
+        require(create_terrain(file.pack(), file.corners(), {slots}, {terrain_memory.get(), bytes}, terrain));
         const CutBudget cut_budget{1u << 20, 1u << 21, 512, 1};
         bytes = cut_bytes(terrain, cut_budget);
-        cut_block = host::make_block(bytes);
-        require(create_cut(terrain, cut_budget, {cut_block.get(), bytes}, cut));
+        cut_memory = io::make_block(bytes);
+        require(create_cut(terrain, cut_budget, {cut_memory.get(), bytes}, cut));
         bytes = stream_bytes(file.pack(), terrain, budget);
-        stream_block = host::make_block(bytes);
-        require(create_stream(file.pack(), terrain, cut, budget, {stream_block.get(), bytes}, stream));
+        stream_memory = io::make_block(bytes);
+        require(create_stream(file.pack(), terrain, cut, budget, {stream_memory.get(), bytes}, stream));
     }
     void frame(const View& view) {
         settings.now_s += 1.0 / 60;

@@ -14,7 +14,7 @@ using namespace fjell::test;
 using Bytes = std::vector<std::byte>;
 
 // One tile of 64 x 64 cells with a hole: a page 0 and a block whose errors are derived wherever there is no hole.
-host::LoadedPack small_pack() {
+io::LoadedPack small_pack() {
     Random random(5);
     baker::Dem dem = random_dem(random, 65, 65, Shape::fractal);
     dem.voids.assign(dem.heights_m.size(), 0);
@@ -52,9 +52,9 @@ enum class Outcome { refused, read_right, read_wrong };
 // A reader that was given changed bytes, and what it should have decoded.
 class Reader {
 public:
-    explicit Reader(const host::LoadedPack& pack)
+    explicit Reader(const io::LoadedPack& pack)
         : original_(pack), chunks_(decode_chunks(pack.pack)), block_bytes_(terrain_bytes(pack.pack.header)),
-          block_(host::make_block(block_bytes_)) {}
+          block_(io::make_block(block_bytes_)) {}
 
     // Of the terrain: refused, or the same records.
     Outcome terrain(const Pack& pack) {
@@ -77,17 +77,17 @@ public:
     }
 
 private:
-    const host::LoadedPack& original_;
+    const io::LoadedPack& original_;
     const std::vector<Bytes> chunks_;
     const std::size_t block_bytes_;
-    host::AlignedBlock block_;
+    io::AlignedMemory block_;
     Bytes raw_;
 };
 
 } // namespace
 
 TEST_CASE("100,000 random flips of a small pack are refused or read right") {
-    const host::LoadedPack original = small_pack();
+    const io::LoadedPack original = small_pack();
     REQUIRE(original.terrain.has_voids());
     Reader reader(original);
     Bytes file = original.file;
@@ -123,7 +123,7 @@ TEST_CASE("100,000 random flips of a small pack are refused or read right") {
 }
 
 TEST_CASE("Every truncation of a small pack is refused") {
-    const host::LoadedPack original = small_pack();
+    const io::LoadedPack original = small_pack();
     for (std::size_t size = 0; size < original.file.size(); ++size) {
         const Bytes cut(original.file.begin(), original.file.begin() + static_cast<std::ptrdiff_t>(size));
         Pack pack;

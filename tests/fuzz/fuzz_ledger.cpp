@@ -10,7 +10,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "baker/ledger.h"
+#include "baker/bake/ledger.h"
 #include "input.h"
 
 namespace {

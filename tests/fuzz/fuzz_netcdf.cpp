@@ -5,7 +5,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "baker/netcdf_length.h"
+#include "baker/read/netcdf_length.h"
 #include "input.h"
 
 using namespace fjell;

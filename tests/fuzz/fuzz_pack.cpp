@@ -28,7 +28,7 @@ using fuzz::PackScript;
 constexpr std::size_t most_bytes = std::size_t{64} << 20; // what a host would refuse to allocate is not read
 constexpr std::uint32_t steps = 48, steps_a_frame = 24;   // of the page script
 
-// Not host::make_block: its 2 MB pages cost more than all the rest, and here the end must be exact.
+// Not io::make_block: its 2 MB pages cost more than all the rest, and here the end must be exact.
 constexpr std::align_val_t alignment{64};
 struct BlockDelete {
     void operator()(std::byte* block) const { ::operator delete[](block, alignment); }
@@ -97,16 +97,16 @@ void check_pages(const Terrain& t) {
     std::uint32_t missing = 0;
     for (std::uint32_t page = 0; page < t.page_count(); ++page) {
         const PageEntry entry = t.page_table[page];
-        if (entry.slot == no_page_slot) {
+        if (entry.slot == no_index) {
             ++missing;
             continue;
         }
         must(entry.slot < t.slot_count && t.slot_page[entry.slot] == page, "a loaded page's slot names it");
-        must(entry.base >= 0 && entry.base <= max_lattice_steps - 65535, "a page's heights lie on the lattice");
+        must(entry.base >= 0 && entry.base <= max_height_steps - 65535, "a page's heights lie on the lattice");
     }
     must(missing == t.pages_missing, "pages_missing counts the pages that are missing");
     for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
-        must(t.slot_page[slot] == no_page ||
+        must(t.slot_page[slot] == no_index ||
                  (t.slot_page[slot] < t.page_count() && t.page_table[t.slot_page[slot]].slot == slot),
              "a slot's page lies there");
 }
@@ -119,7 +119,7 @@ std::span<const VertexRecord> page_records(const Terrain& t, std::uint32_t page)
 // What a page decodes to does not depend on when it was loaded.
 void check_records(const Terrain& t, const Terrain& whole) {
     for (std::uint32_t page = 0; page < t.page_count(); ++page) {
-        if (t.page_table[page].slot == no_page_slot) continue;
+        if (t.page_table[page].slot == no_index) continue;
         must(t.page_table[page].base == whole.page_table[page].base, "a page has one base");
         const auto a = page_records(t, page), b = page_records(whole, page);
         must(std::memcmp(a.data(), b.data(), a.size_bytes()) == 0, "a page has the same records whenever it is loaded");
@@ -157,12 +157,12 @@ void check_mesh(const Terrain& terrain, const MeshView& mesh) {
 
 // What queries make of vertices here and there, of missing pages too.
 void query(const Terrain& t) {
-    const std::int32_t columns = t.tree.lattice_columns(), rows = t.tree.lattice_rows();
+    const std::int32_t columns = t.tree.grid_columns(), rows = t.tree.grid_rows();
     for (std::int32_t i = 0; i < 64; ++i) {
         const Coord at{i * 37 % columns, (i * 101 + i / 8) % rows};
         const Terrain::Vertex v = t.vertex(at);
         must(v.loaded || t.pages_missing != 0, "a vertex is there when its page is");
-        must(v.steps >= 0 && v.steps <= max_lattice_steps, "a height lies on the lattice");
+        must(v.steps >= 0 && v.steps <= max_height_steps, "a height lies on the lattice");
         must(std::isfinite(v.height_m) && v.error_m >= 0 && v.radius_m >= 0, "a vertex' numbers are finite");
         must(std::isfinite(t.ground_m(i * t.header.spacing_m[0] - 0.3, i * 1.7 * t.header.spacing_m[1])),
              "the ground is somewhere");
@@ -229,14 +229,14 @@ void move_page(const Pack& pack, Terrain& terrain, std::uint32_t bits, bool unlo
     const std::uint32_t page = bits % terrain.page_count(), tile = page / terrain.pages_per_tile,
                         item = page % terrain.pages_per_tile;
     if (unload) return unload_page(terrain, tile, item);
-    const bool there = terrain.page_table[page].slot != no_page_slot;
+    const bool there = terrain.page_table[page].slot != no_index;
     const std::uint64_t changes = terrain.changes;
     const Status s = load_page(pack, terrain, tile, item);
     switch (s.code) {
-    case Code::ok: must(terrain.page_table[page].slot != no_page_slot, "a page that was loaded is there"); break;
+    case Code::ok: must(terrain.page_table[page].slot != no_index, "a page that was loaded is there"); break;
     case Code::out_of_slots: {
         const std::uint32_t leaves = terrain.slot_page[bits / 7 % terrain.slot_count];
-        must(!there && leaves != no_page, "no slot is free");
+        must(!there && leaves != no_index, "no slot is free");
         return unload_page(terrain, leaves / terrain.pages_per_tile, leaves % terrain.pages_per_tile);
     }
     case Code::coarser_page_first:

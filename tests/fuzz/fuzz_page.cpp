@@ -24,7 +24,7 @@ constexpr std::uint32_t first_side_x = n * n, first_side_y = first_side_x + n * 
 std::size_t raw_bytes(const PageLayout& pages, std::uint32_t page, unsigned flags) {
     const std::size_t count = pages.page_vertices(page);
     return sizeof(PageHead) + count * (1u + (flags & page_wide ? 1 : 0) + (flags & page_errors ? 1 : 0)) +
-           (is_block(pages, page) ? page_radii : count) + (flags & page_voids ? (count + 7) / 8 : 0);
+           (is_step_page(pages, page) ? page_radii : count) + (flags & page_voids ? (count + 7) / 8 : 0);
 }
 
 // Exactly as long as it is: one byte further is the sanitizer's.
@@ -80,7 +80,7 @@ void check_derived(const PageScript& script, PageArrays& a, PageArrays& b) {
     CornerSteps corners;
     for (std::uint32_t i = 0; i < std::size(corners); ++i)
         corners[i] = static_cast<std::int32_t>((script.corner_first + i * script.corner_stride) %
-                                               (static_cast<std::uint32_t>(max_lattice_steps) + 1));
+                                               (static_cast<std::uint32_t>(max_height_steps) + 1));
     const Scale& scale = scale_of(script.scale);
     derive_errors(corners, scale.errors, scale.leaf, a);
     derive_errors(corners, scale.errors, scale.leaf, b);
@@ -117,7 +117,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     must(raw.size == raw_bytes(pages, page, flags), "a page is as long as its flags say");
     must(!unpacks(pages, page, input, raw.size - 1) && !unpacks(pages, page, input, raw.size + 1),
          "no page is a byte shorter or longer");
-    must(a.base >= 0 && a.base <= max_lattice_steps - 65535, "a page's heights lie on the lattice");
+    must(a.base >= 0 && a.base <= max_height_steps - 65535, "a page's heights lie on the lattice");
     must(!a.errors_derived || pages.page_step_log2(page) == 0, "only errors of the finest step are derived");
     must((flags & page_voids) || std::none_of(a.radii, a.radii + count, [](auto r) { return r & void_bit; }),
          "a page without holes has none");

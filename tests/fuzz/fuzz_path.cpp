@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "fly/path.h"
-#include "host/failure.h"
+#include "flight/path.h"
+#include "io/failure.h"
 #include "input.h"
 
 using namespace fjell;
@@ -19,15 +19,15 @@ bool near(double a, double b) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     try {
         const std::string_view text{reinterpret_cast<const char*>(data), size};
-        const fly::CameraPath path = fly::parse_path(text, "fuzz");
-        fly::Ground ground;
+        const flight::CameraPath path = flight::parse_path(text, "fuzz");
+        flight::Ground ground;
         ground.extent_x_m = 3000;
         ground.extent_z_m = 2000;
         ground.cell_m = 10;
         for (const std::size_t frames : {std::size_t{1}, std::size_t{17}}) {
             const auto poses = resample(path, ground, frames);
             must(poses.size() == frames, "as many frames as asked for");
-            for (const fly::Pose& p : poses) {
+            for (const flight::Pose& p : poses) {
                 must(std::abs(p.position_m.x) <= 1e8 && std::abs(p.position_m.y) <= 1e8 &&
                          std::abs(p.position_m.z) <= 1e8,
                      "a camera is somewhere");
@@ -35,7 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                      "a camera is upright");
             }
         }
-    } catch (const host::Failure& refused) {
+    } catch (const io::Failure& refused) {
         must(refused.exit_code == 1 && *refused.what(), "a refusal says why");
     }
     return 0;

@@ -3,12 +3,12 @@
 #include <cstring>
 #include <string_view>
 
-#include "fly/profile_keys.h"
-#include "host/failure.h"
+#include "flight/profile_keys.h"
+#include "io/failure.h"
 #include "input.h"
 
 using namespace fjell;
-using namespace fjell::fly;
+using namespace fjell::flight;
 using fuzz::must;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -28,7 +28,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const Profile back = parse_profile(profile_text(p, profile_heading(text)), "fuzz: written");
         must(differing_keys(p, back).empty(), "what is written reads back");
         must(cut_settings(p, 1).error_px == p.refine.error_px, "both methods have the same error");
-    } catch (const host::Failure& refused) {
+    } catch (const io::Failure& refused) {
         must(refused.exit_code == 1 && std::strncmp(refused.what(), "fuzz", 4) == 0, "a refusal names the file");
     }
     return 0;

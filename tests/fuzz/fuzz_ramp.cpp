@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "baker/colour.h"
-#include "host/failure.h"
+#include "baker/maps/colour.h"
+#include "io/failure.h"
 #include "input.h"
 
 namespace {
@@ -56,7 +56,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const std::string text = text_of(ramp);
         must(text_of(baker::parse_ramp(text, "written")) == text, "a ramp comes back as it was");
         paint(ramp);
-    } catch (const host::Failure& refused) {
+    } catch (const io::Failure& refused) {
         must(refused.exit_code == 1 && *refused.what(), "a refusal says why");
         must(std::string(refused.what()).rfind("written", 0) != 0, "what is written is not refused");
     }

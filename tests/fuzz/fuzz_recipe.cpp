@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "baker/recipe.h"
+#include "baker/cli/recipe.h"
 #include "input.h"
 
 using namespace fjell;
@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     try {
         const baker::Recipe recipe = baker::parse_recipe({reinterpret_cast<const char*>(data), size}, "fuzz");
         must(baker::parse_recipe(baker::recipe_text(recipe), "fuzz") == recipe, "a recipe comes back as it was");
-    } catch (const host::Failure& refused) {
+    } catch (const io::Failure& refused) {
         must(std::string_view(refused.what()).find('\n') == std::string_view::npos, "a refusal is one line");
     }
     return 0;

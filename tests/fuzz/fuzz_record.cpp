@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "fly/record.h"
-#include "host/failure.h"
+#include "flight/record.h"
+#include "io/failure.h"
 #include "input.h"
 #include "support/cut_scene.h"
 
@@ -16,30 +16,30 @@ using namespace fjell::test;
 using fuzz::must;
 
 // One that is loaded whole, one whose pages come and go: 2 x 1 tiles of 6 pages.
-const host::LoadedPack& whole_pack() {
-    static const host::LoadedPack pack = [] {
+const io::LoadedPack& whole_pack() {
+    static const io::LoadedPack pack = [] {
         Random random(1);
         return rich_terrain(random, 40, 4);
     }();
     return pack;
 }
-const host::LoadedPack& paged_pack() {
-    static const host::LoadedPack pack = [] {
+const io::LoadedPack& paged_pack() {
+    static const io::LoadedPack pack = [] {
         Random random(2);
         return bake_and_load(random_dem(random, 257, 129, Shape::fractal), small_bake(7));
     }();
     return pack;
 }
 
-void repeat(const fly::Recording& recording) {
+void repeat(const flight::Recording& recording) {
     const bool paged = recording.page_slots != 0;
-    const host::LoadedPack& pack = paged ? paged_pack() : whole_pack();
+    const io::LoadedPack& pack = paged ? paged_pack() : whole_pack();
     PagedTerrain some(paged_pack().pack, {std::min(recording.page_slots, 64u)});
     Cut cut(paged ? some.terrain : pack.terrain, ample_cut(pack.terrain, 3));
     std::size_t left = 12; // frames; more only take longer
-    for (const fly::RecordedFrame& f : recording.frames) {
+    for (const flight::RecordedFrame& f : recording.frames) {
         if (left-- == 0) break;
-        if (paged) (void)fly::replay_pages(pack.pack, some.terrain, cut.cut, f);
+        if (paged) (void)flight::replay_pages(pack.pack, some.terrain, cut.cut, f);
         CutReport report;
         const Status done = (f.rebuild ? rebuild_cut : update_cut)(cut.cut, f.views, f.settings, report);
         if (!done.ok()) continue;
@@ -52,8 +52,8 @@ void repeat(const fly::Recording& recording) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     try {
-        repeat(fly::parse_recording({reinterpret_cast<const char*>(data), size}, "fuzz"));
-    } catch (const host::Failure&) { // said what is wrong
+        repeat(flight::parse_recording({reinterpret_cast<const char*>(data), size}, "fuzz"));
+    } catch (const io::Failure&) { // said what is wrong
     }
     return 0;
 }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "baker/synth.h"
+#include "baker/synth/synth.h"
 #include "input.h"
 
 using namespace fjell;
@@ -28,7 +28,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             must(std::isfinite(alone) && std::abs(alone) < 1e5f, "a height is one");
             must(alone == heights[i], "a height depends on its place alone");
         }
-    } catch (const host::Failure& refused) {
+    } catch (const io::Failure& refused) {
         must(refused.exit_code == 1 && *refused.what(), "a refusal says why");
     }
     return 0;

@@ -28,7 +28,7 @@ struct PageScript {
     std::uint8_t page;                         // modulo pages a tile
     std::uint8_t scale;                        // of errors
     std::uint8_t fit;                          // odd: give the bytes the length that their flags ask for
-    std::uint32_t corner_first, corner_stride; // lattice steps of the 33 x 33 corners
+    std::uint32_t corner_first, corner_stride; // height scale steps of the 33 x 33 corners
 };
 static_assert(sizeof(PageScript) == 12, "seeds begin with it");
 

@@ -19,8 +19,8 @@
 #include <utility>
 #include <vector>
 
-#include "baker/ledger.h"
-#include "fly/record.h"
+#include "baker/bake/ledger.h"
+#include "flight/record.h"
 #include "input.h"
 #include "support/terrain_fixture.h"
 
@@ -95,7 +95,7 @@ public:
         }
     }
 
-    void packs(const std::string& name, const host::LoadedPack& pack) {
+    void packs(const std::string& name, const io::LoadedPack& pack) {
         PackScript script{};
         for (std::uint8_t& b : script.pages) b = static_cast<std::uint8_t>(pick(random_, 0, 255));
         script.slots = static_cast<std::uint8_t>(pick(random_, 0, 255));
@@ -117,7 +117,7 @@ public:
     }
 
     // The first page, and the first and the last one of the finest step.
-    void pages(const std::string& name, const host::LoadedPack& pack) {
+    void pages(const std::string& name, const io::LoadedPack& pack) {
         const PageLayout layout = pack.pack.pages();
         const std::uint32_t last = layout.pages_per_tile() - 1;
         for (const std::uint32_t page : {0u, layout.tile_log2 > page_squares_log2 ? last / 4 * 3 : 0, last}) {
@@ -171,7 +171,7 @@ constexpr std::array seed_packs{
     SeedPack{7, {129, 129}, false, true}, SeedPack{8, {200, 257}, true, true},
 };
 
-host::LoadedPack make_pack(Random& random, Order order, const SeedPack& seed) {
+io::LoadedPack make_pack(Random& random, Order order, const SeedPack& seed) {
     const Shape shape = seed.lossless ? Shape::fractal : static_cast<Shape>(pick(random, 0, 4));
     baker::Dem dem = random_dem(random, seed.samples.x, seed.samples.y, shape);
     if (seed.lossless) make_lossless(dem);
@@ -184,7 +184,7 @@ host::LoadedPack make_pack(Random& random, Order order, const SeedPack& seed) {
 }
 
 // Coarse pages mostly, so that finer ones find theirs: fuzz_record's terrain has 2 tiles of 6 pages.
-void script_pages(Random& random, fly::RecordedFrame& frame) {
+void script_pages(Random& random, flight::RecordedFrame& frame) {
     for (int n = 0; n < 12; ++n)
         frame.pages.push_back({static_cast<std::uint32_t>(pick(random, 0, 1)),
                                static_cast<std::uint32_t>(std::min(pick(random, 0, 5), pick(random, 0, 5))),
@@ -197,11 +197,11 @@ void make_recordings(const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder);
     Random random(32);
     for (int seed = 0; seed < 6; ++seed) {
-        fly::Recording recording;
+        flight::Recording recording;
         recording.budget.vertices = 4000;
         recording.page_slots = seed < 3 ? 0 : seed == 3 ? 5 : 12;
         for (int frame = 0; frame < 6; ++frame) {
-            fly::RecordedFrame f;
+            flight::RecordedFrame f;
             f.rebuild = frame == 0 && seed % 2 == 0;
             for (int n = 0; n <= seed % 3; ++n) {
                 const Vec3 eye{uniform(random, -100, 2000), uniform(random, 0, 900), uniform(random, -100, 2000)};

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "baker/dem_source.h"
-#include "baker/verify.h"
+#include "baker/read/dem_source.h"
+#include "baker/check/verify.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;
@@ -13,7 +13,7 @@ using namespace fjell::test;
 
 namespace {
 
-VertexRecord& record_of(host::LoadedPack& pack, Coord c) {
+VertexRecord& record_of(io::LoadedPack& pack, Coord c) {
     const Terrain& t = pack.terrain;
     const std::int32_t side = t.tree.side(), tx = std::min(c.x / side, t.tree.tiles_x - 1),
                        ty = std::min(c.y / side, t.tree.tiles_y - 1);
@@ -24,13 +24,13 @@ VertexRecord& record_of(host::LoadedPack& pack, Coord c) {
     return const_cast<VertexRecord&>(t.records[page.slot * t.page_capacity + at.index]);
 }
 
-PageBound bound_of(const host::LoadedPack& pack, std::uint32_t tile, std::uint32_t page) {
+PageBound bound_of(const io::LoadedPack& pack, std::uint32_t tile, std::uint32_t page) {
     return pack.pack.entry(chunk_index(pack.pack.header, {ChunkKind::geometry, tile, page})).bound;
 }
 
 // A page's bound in the directory, changed in place.
 template <typename Change>
-void change_bound(host::LoadedPack& pack, std::uint32_t tile, std::uint32_t page, const Change& change) {
+void change_bound(io::LoadedPack& pack, std::uint32_t tile, std::uint32_t page, const Change& change) {
     const std::uint64_t chunk = chunk_index(pack.pack.header, {ChunkKind::geometry, tile, page});
     ChunkEntry entry = pack.pack.entry(chunk);
     change(entry.bound);
@@ -62,7 +62,7 @@ TEST_CASE(
         REQUIRE(report.true_error_checked == (options.estimate == Estimate::max));
         REQUIRE(report.vertices >= dem.heights_m.size());
     }
-    CHECK(coarse_heights > 20); // bounds of heights that count on more than one lattice step
+    CHECK(coarse_heights > 20); // bounds of heights that count on more than one height scale step
     CHECK(holed > 50);
     CHECK(cut_off > 200);
 }
@@ -103,8 +103,8 @@ TEST_CASE("a pack verified tile by tile from its file is found to be what it is 
         options.estimate = round % 4 ? Estimate::max : Estimate::midpoint;
         const TemporaryFolder folder;
         (void)baker::bake(dem, options, folder / "pack.fjell");
-        const host::MappedPack mapped(folder / "pack.fjell");
-        const auto loaded = host::load_pack(folder / "pack.fjell", host::LoadTerrain::yes);
+        const io::MappedPack mapped(folder / "pack.fjell");
+        const auto loaded = io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes);
         baker::Dem other = dem; // a fault that only the original heights tell
         const auto at = static_cast<std::size_t>(pick(random, 0, dem.columns * dem.rows - 1));
         const bool told = dem.voids.empty() || !dem.voids[at];
@@ -143,7 +143,7 @@ TEST_CASE("heights that no lattice can hold exactly are off by at most half a qu
     Random random(14);
     const baker::Dem dem = random_dem(random, 65, 65, Shape::noise);
     const auto pack = bake_and_load(dem, small_bake(4));
-    const double half = pack.terrain.lattice.quantum_m * 0.5;
+    const double half = pack.terrain.height_scale.quantum_m * 0.5;
     const auto [least, most] = std::minmax_element(dem.heights_m.begin(), dem.heights_m.end());
     // Half a quantum, and the rounding of a float of this size.
     const double ulp = std::max(std::abs(*least), std::abs(*most)) * 0x1p-23;

@@ -37,7 +37,7 @@ TEST_CASE("a host that copies only what was written has the mesh, from the first
         CutBudget budget = ample_cut(terrain);
         if (round % 3 == 0) { // a capacity is spent now and then
             budget.vertices = std::max(budget.vertices / 8, terrain.tile_count() * 4 + 20);
-            budget.triangles = std::max(budget.triangles / 4, budget.chunk_triangles * (terrain.tile_count() + 6));
+            budget.triangles = std::max(budget.triangles / 4, budget.segment_triangles * (terrain.tile_count() + 6));
         }
         Cut cut(terrain, budget);
         std::vector<MeshVertex> vertices(budget.vertices, MeshVertex{-1, -1, -1});

@@ -12,16 +12,16 @@ std::uint32_t corners_of(const Terrain& terrain) {
     return (terrain.header.tiles_x + 1) * (terrain.header.tiles_y + 1);
 }
 // The smallest that create_cut() takes.
-CutBudget least_cut(const Terrain& terrain, std::uint32_t chunk_triangles = 8) {
+CutBudget least_cut(const Terrain& terrain, std::uint32_t segment_triangles = 8) {
     CutBudget budget;
     budget.vertices = corners_of(terrain);
-    budget.chunk_triangles = chunk_triangles;
-    budget.triangles = chunk_triangles * (terrain.tile_count() + 3);
+    budget.segment_triangles = segment_triangles;
+    budget.triangles = segment_triangles * (terrain.tile_count() + 3);
     return budget;
 }
 
 Status create(const Terrain& terrain, const CutBudget& budget, std::size_t bytes) {
-    const auto block = host::make_block(std::max<std::size_t>(bytes, 64));
+    const auto block = io::make_block(std::max<std::size_t>(bytes, 64));
     LiveCut cut;
     return create_cut(terrain, budget, {block.get(), bytes}, cut);
 }
@@ -69,7 +69,7 @@ TEST_CASE("each budget that is too small alone lowers quality, names itself, bre
             budget.vertices = corners_of(terrain) + static_cast<std::uint32_t>(pick(random, 0, 200));
             break;
         case cut_budget_triangles:
-            budget.chunk_triangles = 8;
+            budget.segment_triangles = 8;
             budget.triangles = 8 * (terrain.tile_count() + 3 + static_cast<std::uint32_t>(pick(random, 0, 60)));
             break;
         case cut_budget_items: settings.items = static_cast<std::uint32_t>(pick(random, 2, 60)); break;
@@ -123,7 +123,7 @@ TEST_CASE("when the camera leaves, the threshold comes back to what is asked, an
         if (round % 4 < 2)
             budget.vertices = corners_of(terrain) + 600;
         else
-            budget.triangles = budget.chunk_triangles * (terrain.tile_count() * 2 + 40);
+            budget.triangles = budget.segment_triangles * (terrain.tile_count() * 2 + 40);
         Cut cut(terrain, budget);
         CutSettings settings;
         // Half of what the budget holds: found from afar, where it suffices.
@@ -165,7 +165,7 @@ TEST_CASE("after a step of the threshold or the camera the governor turns round 
             budget.vertices = corners_of(terrain) + static_cast<std::uint32_t>(pick(random, 10, 2000));
         else
             budget.triangles =
-                budget.chunk_triangles * (terrain.tile_count() + 3 + static_cast<std::uint32_t>(pick(random, 1, 200)));
+                budget.segment_triangles * (terrain.tile_count() + 3 + static_cast<std::uint32_t>(pick(random, 1, 200)));
         Cut cut(terrain, budget);
         View view = random_view(random, terrain);
         CutSettings settings;
@@ -201,7 +201,7 @@ TEST_CASE("the smallest budgets that are taken give the coarsest meshes, with ho
         const Terrain& terrain = pack.terrain;
         CutBudget budget = least_cut(terrain, round % 2 ? 8 : 16);
         if (round % 3 == 1) budget.vertices += 300;                           // triangles alone are short
-        if (round % 3 == 2) budget.triangles += 200 * budget.chunk_triangles; // vertices alone are
+        if (round % 3 == 2) budget.triangles += 200 * budget.segment_triangles; // vertices alone are
         Cut cut(terrain, budget);
         CutSettings settings;
         for (int frame = 0; frame < 40; ++frame) {
@@ -281,8 +281,8 @@ TEST_CASE("cut_bytes() is what create_cut() takes, and one byte less is refused"
         REQUIRE(bytes > 0);
         REQUIRE(create(pack.terrain, budget, bytes).ok());
         const Status less = create(pack.terrain, budget, bytes - 1);
-        REQUIRE(less.code == Code::block_too_small);
-        REQUIRE(std::string(less.field) == "block");
+        REQUIRE(less.code == Code::memory_too_small);
+        REQUIRE(std::string(less.field) == "memory");
     }
 }
 
@@ -314,7 +314,7 @@ TEST_CASE("an absurd budget is refused by the field's name before anything is as
     refused(b, Code::out_of_range, "CutBudget::triangles");
     for (const std::uint32_t chunk : {0u, 1u, 4u, 7u, 9u, 1u << 17, 0xffffffffu}) {
         b = good;
-        b.chunk_triangles = chunk;
+        b.segment_triangles = chunk;
         refused(b, Code::out_of_range, "CutBudget::chunk_triangles");
     }
     for (const std::uint32_t views : {0u, max_cut_views + 1, 0xffffffffu}) {
@@ -333,11 +333,11 @@ TEST_CASE("a block that is not aligned is refused") {
     Random random(147);
     const auto pack = rich_terrain(random, 33, 4);
     const std::size_t bytes = cut_bytes(pack.terrain, {});
-    const auto block = host::make_block(bytes + 64);
+    const auto block = io::make_block(bytes + 64);
     LiveCut cut;
     const Status s = create_cut(pack.terrain, {}, {block.get() + 32, bytes}, cut);
     REQUIRE(s.code == Code::out_of_range);
-    REQUIRE(std::string(s.field) == "block alignment");
+    REQUIRE(std::string(s.field) == "memory alignment");
 }
 
 TEST_CASE("a bad view or setting is refused by name and changes nothing") {

@@ -16,13 +16,13 @@ std::uint32_t bits_of(float value) {
     return bits;
 }
 
-std::string compare(const Decision& decision, const LaneBlock& block) {
+std::string compare(const Decision& decision, const LaneGroup& group) {
     LaneMargins vector{}, scalar{};
-    evaluate(decision, block, vector);
-    evaluate_scalar(decision, block, scalar);
+    evaluate(decision, group, vector);
+    evaluate_scalar(decision, group, scalar);
     if (vector.wanted != scalar.wanted) return "wanted";
     if (vector.kept != scalar.kept) return "kept";
-    for (std::uint32_t lane = 0; lane < block_lanes; ++lane) {
+    for (std::uint32_t lane = 0; lane < group_lanes; ++lane) {
         if (bits_of(vector.reach_m[lane]) != bits_of(scalar.reach_m[lane])) return "reach_m";
         if (bits_of(vector.keep_m[lane]) != bits_of(scalar.keep_m[lane])) return "keep_m";
         if (bits_of(vector.span_m[lane]) != bits_of(scalar.span_m[lane])) return "span_m";
@@ -67,14 +67,14 @@ bool same_buffers(Cut& a, Cut& b) {
 
 } // namespace
 
-TEST_CASE("evaluate() is evaluate_scalar() bit for bit, whatever the block, the views and the hysteresis") {
+TEST_CASE("evaluate() is evaluate_scalar() bit for bit, whatever the group, the views and the hysteresis") {
     Random random(131);
     const RadiusScale radii = RadiusScale::make();
     std::uint64_t wanted = 0, unwanted = 0, undecided = 0;
     for (int round = 0; round < 60'000; ++round) {
         const double spacing = std::pow(10.0, uniform(random, -1, 3));
         const ErrorScale errors = ErrorScale::make(static_cast<float>(spacing * 1e-3), 1.05f, 1);
-        VertexRecord records[block_lanes];
+        VertexRecord records[group_lanes];
         for (VertexRecord& r : records)
             r = {static_cast<std::uint16_t>(pick(random, 0, 65535)), static_cast<std::uint8_t>(pick(random, 0, 255)),
                  static_cast<std::uint8_t>(pick(random, 0, 255))};
@@ -89,29 +89,29 @@ TEST_CASE("evaluate() is evaluate_scalar() bit for bit, whatever the block, the 
         d.last_y = pick(random, 1, 100'000);
         d.views = static_cast<std::uint32_t>(pick(random, 1, 8));
         d.hysteresis = pick(random, 0, 1) == 1;
-        LaneBlock block{records,
+        LaneGroup group{records,
                         pick(random, 0, d.last_x),
                         pick(random, 0, d.last_y),
                         0,
                         0,
                         pick(random, 0, 1 << 20),
                         static_cast<float>(spacing * uniform(random, 0.5, 100))};
-        (pick(random, 0, 1) ? block.dx : block.dy) = 2 << pick(random, 0, 12);
+        (pick(random, 0, 1) ? group.dx : group.dy) = 2 << pick(random, 0, 12);
         const double threshold_px = random_threshold(random);
         for (std::uint32_t v = 0; v < d.views; ++v) {
             View view;
             const double away = spacing * std::pow(10.0, uniform(random, -1, 5));
-            view.eye_m = {block.x0 * spacing + uniform(random, -1, 1) * away,
+            view.eye_m = {group.x0 * spacing + uniform(random, -1, 1) * away,
                           static_cast<double>(d.base_m) + uniform(random, -1, 1) * away,
-                          block.y0 * static_cast<double>(d.spacing_z_m) + uniform(random, -1, 1) * away};
+                          group.y0 * static_cast<double>(d.spacing_z_m) + uniform(random, -1, 1) * away};
             d.reach[v] = make_reach(view, threshold_px);
             d.keep[v] = make_reach(view, threshold_px / (1 + uniform(random, 0, 2)));
         }
         CAPTURE(round, d.views, d.hysteresis);
-        const std::string wrong = compare(d, block);
+        const std::string wrong = compare(d, group);
         if (!wrong.empty()) REQUIRE(wrong == "");
         LaneMargins margins{};
-        evaluate(d, block, margins);
+        evaluate(d, group, margins);
         wanted += margins.wanted == 0xffff;
         unwanted += margins.wanted == 0;
         undecided += margins.wanted != 0 && margins.wanted != 0xffff;
@@ -148,7 +148,7 @@ TEST_CASE("two runs alike give the same buffers and reports, and the scalar eval
         if (round % 3 == 0) { // the governor takes part
             const std::uint32_t tiles = pack.terrain.tile_count();
             budget.vertices = (pack.terrain.header.tiles_x + 1) * (pack.terrain.header.tiles_y + 1) + 60;
-            budget.triangles = budget.chunk_triangles * (tiles + 12);
+            budget.triangles = budget.segment_triangles * (tiles + 12);
         }
         std::vector<std::unique_ptr<PagedTerrain>> terrains;
         std::vector<std::unique_ptr<Cut>> cuts;

@@ -73,7 +73,7 @@ inline void add_triangles(Fnv& hash, const CutState& s) {
     std::vector<Key> keys;
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
         std::uint32_t count = s.tiles[tile].in_last;
-        for (std::uint32_t chunk = s.tiles[tile].last_chunk; chunk != nil; chunk = s.chunk_below[chunk]) {
+        for (std::uint32_t chunk = s.tiles[tile].last_chunk; chunk != no_index; chunk = s.chunk_below[chunk]) {
             for (std::uint32_t i = 0; i < count; ++i) {
                 Key key{};
                 for (std::uint32_t n = 0; n < 3; ++n) {
@@ -100,7 +100,7 @@ struct Golden {
 [[nodiscard]] inline CutBudget golden_budget(const Terrain& terrain) {
     CutBudget budget;
     budget.vertices = 6000;
-    budget.chunk_triangles = 16;
+    budget.segment_triangles = 16;
     budget.triangles = 16 * (terrain.tile_count() + 900);
     budget.views = 2;
     return budget;

@@ -32,11 +32,11 @@ TEST_CASE("the golden flight comes to the same triangles and the same work as ev
     const char* const kept = std::getenv("FJELL_GOLDEN_PACK");
     const std::string path = kept != nullptr ? kept : folder / "golden.fjell";
     (void)baker::bake(std::move(dem), small_bake(golden_tile_log2), path);
-    const host::LoadedPack pack = host::load_pack(path, host::LoadTerrain::yes);
+    const io::LoadedPack pack = io::load_pack(path, io::LoadTerrain::yes);
     CHECK(golden_terrain_hash(pack.terrain) == terrain_hash);
     const std::size_t bytes = cut_bytes(pack.terrain, golden_budget(pack.terrain));
     for (const bool scalar : {false, true}) {
-        const auto block = host::make_block(bytes);
+        const auto block = io::make_block(bytes);
         const Golden golden = fly_golden(pack.terrain, {block.get(), bytes}, scalar);
         REQUIRE(golden.ok);
         CAPTURE(scalar);

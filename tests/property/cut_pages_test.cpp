@@ -28,7 +28,7 @@ struct Host {
                 static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.pages_per_tile) - 1))};
     }
     [[nodiscard]] bool is_loaded(Page p) const {
-        return terrain.page_table[p.tile * terrain.pages_per_tile + p.page].slot != no_page_slot;
+        return terrain.page_table[p.tile * terrain.pages_per_tile + p.page].slot != no_index;
     }
     void load(Page p) {
         for (const auto& pages : {leaving, just_torn})
@@ -72,7 +72,7 @@ struct Host {
     }
 };
 
-host::LoadedPack paged_terrain(Random& random, bool large) {
+io::LoadedPack paged_terrain(Random& random, bool large) {
     const int log2 = large ? pick(random, 7, 9) : pick(random, 1, 5);
     const int most = large ? 400 : std::min(90, 20 << log2);
     baker::Dem dem = random_dem(random, pick(random, 2, most), pick(random, 2, most),
@@ -166,7 +166,7 @@ TEST_CASE("a page is released step by step, each a whole mesh, and nothing of it
         }
         REQUIRE(released);
         REQUIRE(cut.state()
-                    .slot_info[cut.state().page_blocks[p.tile * pack.terrain.pages_per_tile + p.page] / max_page_blocks]
+                    .page_slot[cut.state().page_blocks[p.tile * pack.terrain.pages_per_tile + p.page] / max_page_blocks]
                     .active == 0);
         unload_page(paged.terrain, p.tile, p.page);
         settings.items = unlimited_items;
@@ -220,7 +220,7 @@ TEST_CASE("a bulk pass does not forget which pages are asked back") {
     (void)cut.rebuild({&view, 1}, settings);
     // The host was told that it may unload: nothing of the page may be active.
     const std::uint32_t first = cut.state().page_blocks[0];
-    REQUIRE((first == nil || cut.state().slot_info[first / max_page_blocks].active == 0));
+    REQUIRE((first == no_index || cut.state().page_slot[first / max_page_blocks].active == 0));
 }
 
 TEST_CASE("a page that is not loaded is released at once, one that does not exist is refused") {

@@ -4,8 +4,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "host/failure.h"
-#include "host/heights.h"
+#include "io/failure.h"
+#include "io/heights.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
@@ -14,7 +14,7 @@ using namespace fjell::test;
 
 namespace {
 
-std::size_t differences(const Terrain& whole, const host::FullHeights& grid) {
+std::size_t differences(const Terrain& whole, const io::FullHeights& grid) {
     std::size_t wrong = 0;
     for (std::int32_t y = 0; y < grid.rows; ++y)
         for (std::int32_t x = 0; x < grid.columns; ++x) {
@@ -43,13 +43,13 @@ TEST_CASE("the heights read from a pack are those of its terrain, whatever its o
         options.order = static_cast<Order>(round % 3);
         const TemporaryFolder folder;
         (void)baker::bake(dem, options, folder / "pack.fjell");
-        const auto whole = host::load_pack(folder / "pack.fjell", host::LoadTerrain::yes);
-        const host::PackFile file(folder / "pack.fjell");
+        const auto whole = io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes);
+        const io::PackFile file(folder / "pack.fjell");
         with_holes += whole.terrain.has_voids();
         const auto samples = static_cast<std::uint64_t>(dem.columns) * static_cast<std::uint64_t>(dem.rows);
         CAPTURE(round, log2, dem.columns, dem.rows);
 
-        const auto all = host::read_heights(file, samples);
+        const auto all = io::read_heights(file, samples);
         REQUIRE(all);
         CHECK(all->step_log2 == 0);
         CHECK(all->columns == dem.columns);
@@ -60,7 +60,7 @@ TEST_CASE("the heights read from a pack are those of its terrain, whatever its o
         const auto most = static_cast<std::uint64_t>(
             std::max(static_cast<double>(samples) * uniform(random, 0.01, 0.9),
                      static_cast<double>((whole.terrain.tree.tiles_x + 1) * (whole.terrain.tree.tiles_y + 1))));
-        const auto some = host::read_heights(whole.pack, whole.path, most);
+        const auto some = io::read_heights(whole.pack, whole.path, most);
         REQUIRE(some);
         REQUIRE(some->heights_m.size() ==
                 static_cast<std::size_t>(some->columns) * static_cast<std::size_t>(some->rows));
@@ -83,10 +83,10 @@ TEST_CASE("reading heights stops when it is told to, and says what is wrong with
     Random random(72);
     const TemporaryFolder folder;
     (void)baker::bake(random_dem(random, 300, 200, Shape::fractal), small_bake(7), folder / "pack.fjell");
-    const host::PackFile file(folder / "pack.fjell");
+    const io::PackFile file(folder / "pack.fjell");
     double last = 0;
     int calls = 0;
-    CHECK(host::read_heights(file, 60'000, [&](double share) {
+    CHECK(io::read_heights(file, 60'000, [&](double share) {
         CHECK(share > last);
         last = share;
         ++calls;
@@ -94,18 +94,18 @@ TEST_CASE("reading heights stops when it is told to, and says what is wrong with
     }));
     CHECK(last == 1);
     CHECK(calls == 6); // tiles
-    CHECK_FALSE(host::read_heights(file, 60'000, [&](double) { return ++calls < 9; }));
+    CHECK_FALSE(io::read_heights(file, 60'000, [&](double) { return ++calls < 9; }));
     CHECK(calls == 9);
-    CHECK_THROWS_WITH(host::read_heights(file, 3), Catch::Contains("give room for more"));
+    CHECK_THROWS_WITH(io::read_heights(file, 3), Catch::Contains("give room for more"));
 
-    const auto whole = host::load_pack(folder / "pack.fjell", host::LoadTerrain::no);
+    const auto whole = io::load_pack(folder / "pack.fjell", io::LoadTerrain::no);
     std::string bytes = slurp(folder / "pack.fjell");
     const ChunkEntry e = whole.pack.entry(chunk_index(whole.pack.header, {ChunkKind::geometry, 4, 2}));
     bytes[e.offset + e.stored_bytes / 2] ^= 1;
     spit(folder / "bad.fjell", bytes);
-    const host::PackFile bad(folder / "bad.fjell");
-    CHECK_THROWS_WITH(host::read_heights(bad, 60'000), Catch::Contains("page 2 of tile 4 is damaged"));
-    CHECK(host::read_heights(bad, 30));                    // coarse pages are not
+    const io::PackFile bad(folder / "bad.fjell");
+    CHECK_THROWS_WITH(io::read_heights(bad, 60'000), Catch::Contains("page 2 of tile 4 is damaged"));
+    CHECK(io::read_heights(bad, 30));                    // coarse pages are not
     spit(folder / "bad.fjell", bytes.substr(0, e.offset)); // the file shrinks while it is open
-    CHECK_THROWS_AS(host::read_heights(bad, 60'000), host::Failure);
+    CHECK_THROWS_AS(io::read_heights(bad, 60'000), io::Failure);
 }

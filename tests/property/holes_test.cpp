@@ -12,7 +12,7 @@ using namespace fjell::test;
 
 namespace {
 
-host::LoadedPack random_holed_terrain(Random& random, bool large) {
+io::LoadedPack random_holed_terrain(Random& random, bool large) {
     const int log2 = large ? pick(random, 6, 9) : pick(random, 1, 7);
     const std::int32_t columns = pick(random, 2, large ? 1000 : 120), rows = pick(random, 2, large ? 700 : 90);
     baker::Dem dem =

@@ -6,7 +6,7 @@
 #include "fjell/measure.h"
 #include "support/mesh_check.h"
 #include "support/terrain_fixture.h"
-#include "tree/wanted.h"
+#include "view/wanted.h"
 
 using namespace fjell;
 using namespace fjell::test;
@@ -20,7 +20,7 @@ struct Tiling {
 constexpr Tiling tilings[] = {{1, 1, 1}, {1, 5, 3}, {2, 4, 4}, {3, 1, 1},   {3, 3, 2},  {4, 2, 5},
                               {5, 3, 2}, {6, 1, 1}, {6, 2, 1}, {3, 32, 16}, {2, 32, 16}};
 
-host::LoadedPack random_terrain(Random& random, const Tiling& t, double nesting) {
+io::LoadedPack random_terrain(Random& random, const Tiling& t, double nesting) {
     const auto shape = static_cast<Shape>(pick(random, 0, static_cast<int>(Shape::count) - 1));
     return bake_and_load(random_dem(random, (t.tiles_x << t.tile_log2) + 1, (t.tiles_y << t.tile_log2) + 1, shape),
                          small_bake(t.tile_log2, nesting));

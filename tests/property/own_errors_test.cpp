@@ -1,8 +1,8 @@
 // The error stage's fast loops against the slow ways to say the same.
 #include <catch2/catch.hpp>
 
-#include "baker/own.h"
-#include "baker/walk.h"
+#include "baker/errors/own.h"
+#include "baker/errors/walk.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;
@@ -12,9 +12,9 @@ namespace {
 
 // Noise of any range that one tile may have, with flat stretches in it.
 baker::Ground random_ground(Random& random, const Tree& tree) {
-    const std::int32_t columns = tree.lattice_columns(), rows = tree.lattice_rows();
+    const std::int32_t columns = tree.grid_columns(), rows = tree.grid_rows();
     baker::Ground ground{tree, {-2, -2, columns + 8, rows + 8}, {}};
-    const int most = 1 << pick(random, 0, 16), base = pick(random, 0, max_lattice_steps - 65536);
+    const int most = 1 << pick(random, 0, 16), base = pick(random, 0, max_height_steps - 65536);
     for (std::int32_t& h : ground.steps.values) h = base + (pick(random, 0, 3) ? pick(random, 0, most - 1) : most / 2);
     return ground;
 }
@@ -61,7 +61,7 @@ TEST_CASE("rows of vertices are measured alike with and without vectors") {
         const int z = pick(random, 1, 6);
         const std::int32_t s = 1 << z, count = pick(random, 1, (290 - 2 * s) / (2 * s));
         baker::VertexRow row{heights.data() + 300 * pick(random, s, 299 - s) + s, 300, s, count,
-                             static_cast<PlaneKind>(pick(random, 0, 2))};
+                             static_cast<VertexKind>(pick(random, 0, 2))};
         row.before = pick(random, 0, 1) != 0;
         row.after = pick(random, 0, 1) != 0;
         row.falling = pick(random, 0, 1) != 0;

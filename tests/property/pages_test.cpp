@@ -9,7 +9,7 @@
 #include "fjell/measure.h"
 #include "support/mesh_check.h"
 #include "support/terrain_fixture.h"
-#include "tree/wanted.h"
+#include "view/wanted.h"
 
 using namespace fjell;
 using namespace fjell::test;
@@ -39,15 +39,15 @@ void load_some(Random& random, const Pack& pack, Terrain& terrain) {
 class Target {
 public:
     Target(const Terrain& full, const Terrain& paged, const View& view, double error_px)
-        : full_(full), columns_(full.tree.lattice_columns()),
-          in_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(full.tree.lattice_rows()), true) {
+        : full_(full), columns_(full.tree.grid_columns()),
+          in_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(full.tree.grid_rows()), true) {
         for (std::uint32_t tile = 0; tile < paged.tile_count(); ++tile)
             for (std::uint32_t page = 0; page < paged.pages_per_tile; ++page)
-                if (paged.page_table[tile * paged.pages_per_tile + page].slot == no_page_slot) absent(tile, page);
+                if (paged.page_table[tile * paged.pages_per_tile + page].slot == no_index) absent(tile, page);
         const Reach reach = make_reach(view, error_px);
         for (int level = 0; level < 2 * full.tree.tile_log2; ++level) {
             const std::int32_t step = 1 << (full.tree.tile_log2 - 1 - level / 2);
-            for (std::int32_t y = 0; y < full.tree.lattice_rows(); y += step)
+            for (std::int32_t y = 0; y < full.tree.grid_rows(); y += step)
                 for (std::int32_t x = 0; x < columns_; x += step) decide({x, y}, level, reach);
         }
     }
@@ -87,7 +87,7 @@ TEST_CASE("the same height field gives the same mesh in every order") {
         const int log2 = pick(random, 1, 8);
         baker::Dem dem = random_dem(random, pick(random, 2, 300), pick(random, 2, 200), Shape::fractal);
         if (pick(random, 0, 2) == 0) add_random_holes(random, dem, log2);
-        std::vector<host::LoadedPack> packs;
+        std::vector<io::LoadedPack> packs;
         for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
             baker::BakeOptions options = small_bake(log2);
             options.order = order;
@@ -100,7 +100,7 @@ TEST_CASE("the same height field gives the same mesh in every order") {
             settings.cull = pick(random, 0, 1) == 1;
             settings.topology = pick(random, 0, 1) ? Topology::strip : Topology::triangles;
             std::vector<std::vector<Triangle>> meshes;
-            for (const host::LoadedPack& pack : packs) {
+            for (const io::LoadedPack& pack : packs) {
                 Recursive method(pack.terrain, ample_budget(pack.terrain));
                 (void)method.update(view, settings);
                 meshes.push_back(triangles_of(method.mesh()));

@@ -131,7 +131,7 @@ TEST_CASE("with all pages a ray meets the triangle that it meets first of all") 
             const GroundHit hit = cast_ray(t, ray.origin, ray.direction, ray.most);
             // Places lose some 2^-48 of the way, heights that times the slope of the ground and of the ray.
             const double cells = reach_cells(t, ray), slack = 0x1p-46 * cells;
-            const double range = t.header.lattice_steps * static_cast<double>(t.lattice.quantum_m);
+            const double range = t.header.height_steps * static_cast<double>(t.height_scale.quantum_m);
             const double loss = rounding_m(t, cells) + slack * (range + std::abs(ray.origin.y)) * 4;
             const Hits hits = brute_force(t, ray, slack, loss);
             CAPTURE(round, k, hits.sure, hits.possible, hit.distance_m, t.tree.columns(), t.tree.rows(),
@@ -151,7 +151,7 @@ TEST_CASE("with all pages a ray meets the triangle that it meets first of all") 
             const Vec3 along = ray.origin + normalised(ray.direction * (1 / length(ray.direction))) * hit.distance_m;
             REQUIRE(length(along - hit.position_m) <= off);
             REQUIRE(static_cast<double>(hit.error_m) ==
-                    Approx(0.5 * static_cast<double>(t.lattice.quantum_m)).epsilon(0x1p-22));
+                    Approx(0.5 * static_cast<double>(t.height_scale.quantum_m)).epsilon(0x1p-22));
         }
     }
     REQUIRE(met > 500);
@@ -171,7 +171,7 @@ TEST_CASE("whatever pages are missing, a ray's hit is within its error of the gr
             const float accurate_m = k % 4 ? 0.0f : t.header.max_error_m * 0.1f;
             const GroundHit hit = cast_ray(t, ray.origin, ray.direction, ray.most, accurate_m);
             const double cells = reach_cells(t, ray);
-            const double range = t.header.lattice_steps * static_cast<double>(t.lattice.quantum_m);
+            const double range = t.header.height_steps * static_cast<double>(t.height_scale.quantum_m);
             const double loss = rounding_m(t, cells) + 0x1p-44 * cells * (range + std::abs(ray.origin.y));
             CAPTURE(round, k, hit.distance_m, t.tree.columns(), t.tree.rows(), t.tree.tile_log2, accurate_m);
             if (hit.hit) {

@@ -33,7 +33,7 @@ Place random_place(Random& random, const Terrain& t) {
 }
 
 double half_quantum(const Terrain& t) {
-    return 0.5 * static_cast<double>(t.lattice.quantum_m);
+    return 0.5 * static_cast<double>(t.height_scale.quantum_m);
 }
 
 } // namespace

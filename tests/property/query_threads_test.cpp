@@ -46,7 +46,7 @@ void ask(Random& random, const Terrain& full, const Terrain& paged, Count& count
         const double u = hit.position_m.x / h.spacing_m[0], v = hit.position_m.z / h.spacing_m[1];
         const TruePlane under = true_plane(full, u, v);
         // The place is rounded, and with it the height, by the steepest slope there may be.
-        const double loss = slack + 0x1p-40 * h.lattice_steps * static_cast<double>(full.lattice.quantum_m) *
+        const double loss = slack + 0x1p-40 * h.height_steps * static_cast<double>(full.height_scale.quantum_m) *
                                         (full.tree.columns() + full.tree.rows());
         if (!under.hole)
             count.wrong += !(std::abs(hit.position_m.y - at(under, u, v)) <= static_cast<double>(hit.error_m) + loss);
@@ -83,7 +83,7 @@ std::uint64_t stir(Random& random, const Pack& pack, Terrain& terrain, const std
         // The slot that was given back last is the next to be filled: a reader's page is replaced at once.
         if (s.code != Code::out_of_slots && pick(random, 0, 2) != 0) continue;
         const std::uint32_t held = terrain.slot_page[pick(random, 0, static_cast<int>(terrain.slot_count) - 1)];
-        if (held != no_page) unload_page(terrain, tile_of(held), page_of(held));
+        if (held != no_index) unload_page(terrain, tile_of(held), page_of(held));
     }
     return refused;
 }

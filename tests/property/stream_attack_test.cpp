@@ -16,7 +16,7 @@ using namespace fjell::test;
 namespace {
 
 // Pages of several levels in many tiles.
-host::LoadedPack wide_terrain(Random& random, int samples = 700, int tile_log2 = 7) {
+io::LoadedPack wide_terrain(Random& random, int samples = 700, int tile_log2 = 7) {
     return bake_and_load(random_dem(random, samples, samples, Shape::fractal), small_bake(tile_log2));
 }
 
@@ -147,7 +147,7 @@ TEST_CASE("with one request of each kind, one slot a tile and maps' tails alone,
         budget.tail_log2 = 2;
         budget.map_bytes = 0;
         for (const MapKind kind : {MapKind::colour, MapKind::normal})
-            budget.map_bytes += map_slot_bytes(map_slots(pack.pack.header, budget, kind), kind);
+            budget.map_bytes += map_layer_bytes(map_layers(pack.pack.header, budget, kind), kind);
         REQUIRE(budget.map_bytes > 0);
         StreamBudget less = budget;
         --less.map_bytes;
@@ -290,7 +290,7 @@ struct Forged {
     std::vector<std::byte> file;
     Pack pack;
     template <typename Change>
-    Forged(const host::LoadedPack& from, const Change& change) : file(from.file) {
+    Forged(const io::LoadedPack& from, const Change& change) : file(from.file) {
         PackHeader h = from.pack.header;
         for (std::uint64_t chunk = 0; chunk < h.directory_count; ++chunk) {
             ChunkEntry e = from.pack.entry(chunk);

@@ -20,14 +20,14 @@ struct Arrays {
         friend bool operator==(const Mip&, const Mip&) = default;
     };
     const Pack& pack;
-    std::array<MapSlots, map_kinds> slots;
+    std::array<MapLayers, map_kinds> slots;
     std::map<std::array<std::uint32_t, 4>, Mip> there;
     std::uint64_t uploads = 0, downgrades = 0, tails = 0;
 
     // Empty, or what is wrong with the command.
     std::string carry_out(const MapCommand& c) {
         const auto kind = static_cast<std::uint32_t>(c.map);
-        const MapSlots& s = slots[kind];
+        const MapLayers& s = slots[kind];
         if (c.layer >= s.layers[c.side_log2]) return "a layer that does not exist";
         const std::uint32_t first = s.top_log2 - c.side_log2; // the pack's mip that is this array's mip 0
         for (std::uint32_t mip = 0; mip < mip_count(c.side_log2); ++mip) there.erase({kind, c.side_log2, c.layer, mip});
@@ -57,7 +57,7 @@ struct Arrays {
 
     [[nodiscard]] std::string check(Stream stream) const {
         for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
-            const MapSlots& s = slots[kind];
+            const MapLayers& s = slots[kind];
             const auto tiles = tile_maps(stream, static_cast<MapKind>(kind));
             for (std::uint32_t tile = 0; tile < tiles.size(); ++tile) {
                 const TileMap& map = tiles[tile];
@@ -76,7 +76,7 @@ struct Arrays {
     }
 };
 
-host::LoadedPack mapped_terrain(Random& random) {
+io::LoadedPack mapped_terrain(Random& random) {
     const int samples = pick(random, 80, 300);
     baker::BakeOptions options = small_bake(pick(random, 5, 6));
     options.max_texture_log2 = static_cast<std::uint32_t>(pick(random, 4, 8));
@@ -84,7 +84,7 @@ host::LoadedPack mapped_terrain(Random& random) {
 }
 
 // The size that the nearest point of any tile's box asks for, straight from the definition.
-std::uint32_t wanted_log2(const Streamed& on, const MapSlots& slots, std::uint32_t tile, const View& view,
+std::uint32_t wanted_log2(const Streamed& on, const MapLayers& slots, std::uint32_t tile, const View& view,
                           double texel_px) {
     const Terrain& t = on.paged.terrain;
     const Watch& box = on.stream.state->tile_box[tile];
@@ -112,10 +112,10 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
         budget.map_bytes = std::uint64_t{1} << 40;
         std::uint64_t tails = 0, all = 0;
         for (const MapKind kind : {MapKind::colour, MapKind::normal}) {
-            MapSlots slots = map_slots(pack.pack.header, budget, kind);
-            all += map_slot_bytes(slots, kind);
+            MapLayers slots = map_layers(pack.pack.header, budget, kind);
+            all += map_layer_bytes(slots, kind);
             for (std::uint32_t log2 = slots.tail_log2 + 1; log2 <= max_texture_log2; ++log2) slots.layers[log2] = 0;
-            tails += map_slot_bytes(slots, kind);
+            tails += map_layer_bytes(slots, kind);
         }
         // Between hardly more than the tails and all; a tenth more because shares are rounded down.
         const bool plenty = pick(random, 0, 2) == 0;
@@ -126,7 +126,7 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
         const bool fails = round % 4 == 3;
         ScriptedClient client(random, on, {.fails = fails ? 0.05 : 0, .garbage = fails ? 0.05 : 0, .most_delay = 8});
         Arrays arrays{pack.pack,
-                      {stream_map_slots(on.stream, MapKind::colour), stream_map_slots(on.stream, MapKind::normal)},
+                      {stream_map_layers(on.stream, MapKind::colour), stream_map_layers(on.stream, MapKind::normal)},
                       {}};
         StreamSettings settings;
         settings.fade_s = pick(random, 0, 2) ? 0.1 : 0;
@@ -171,7 +171,7 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
                 for (std::uint32_t kind = 0; kind < map_kinds; ++kind)
                     for (std::uint32_t tile = 0; tile < pack.terrain.tile_count(); ++tile) {
                         const TileMap& map = tile_maps(on.stream, static_cast<MapKind>(kind))[tile];
-                        const MapSlots& slots = arrays.slots[kind];
+                        const MapLayers& slots = arrays.slots[kind];
                         REQUIRE(map.side_log2 >= wanted_log2(on, slots, tile, view, settings.texel_px));
                         REQUIRE(map.finest == static_cast<float>(slots.top_log2 - map.side_log2));
                         ++satisfied;
@@ -228,10 +228,10 @@ TEST_CASE("layers cost no more than the budget, and one that cannot hold the sma
         budget.map_bytes = static_cast<std::uint64_t>(std::pow(10.0, uniform(random, 5, 11)));
         std::uint64_t bytes = 0, tails = 0;
         for (const MapKind kind : {MapKind::colour, MapKind::normal}) {
-            MapSlots slots = map_slots(h, budget, kind);
-            bytes += map_slot_bytes(slots, kind);
+            MapLayers slots = map_layers(h, budget, kind);
+            bytes += map_layer_bytes(slots, kind);
             if (slots.top_log2 == 0) {
-                REQUIRE(map_slot_bytes(slots, kind) == 0);
+                REQUIRE(map_layer_bytes(slots, kind) == 0);
                 continue;
             }
             REQUIRE(slots.layers[slots.tail_log2] == h.tiles_x * h.tiles_y);
@@ -240,7 +240,7 @@ TEST_CASE("layers cost no more than the budget, and one that cannot hold the sma
                 if (log2 > slots.top_log2) REQUIRE(slots.layers[log2] == 0);
                 slots.layers[log2] = 0;
             }
-            tails += map_slot_bytes(slots, kind);
+            tails += map_layer_bytes(slots, kind);
         }
         CAPTURE(h.tiles_x, h.tiles_y, h.colour_log2, h.normal_log2, budget.map_bytes, tails);
         REQUIRE(bytes <= std::max(budget.map_bytes, tails)); // the tails alone are too much: create_stream refuses

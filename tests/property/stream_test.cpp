@@ -9,7 +9,7 @@ using namespace fjell::test;
 namespace {
 
 // Terrains of several pages a tile and several tiles.
-host::LoadedPack paged_terrain(Random& random, bool with_holes = true) {
+io::LoadedPack paged_terrain(Random& random, bool with_holes = true) {
     const int log2 = pick(random, 6, 8), most = (512 >> pick(random, 0, 2)) + pick(random, 0, 70);
     baker::Dem dem = random_dem(random, pick(random, 70, most), pick(random, 70, most),
                                 pick(random, 0, 3) ? Shape::fractal : Shape::noise);

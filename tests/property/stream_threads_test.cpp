@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "fjell/query.h"
-#include "host/stream_reader.h"
+#include "io/stream_reader.h"
 #include "stream/requests.h"
 #include "support/ground_truth.h"
 #include "support/stream_scene.h"
@@ -28,22 +28,22 @@ constexpr int rounds = 10, checked_every = 25;
 
 struct Ground {
     TemporaryFolder folder;
-    host::LoadedPack pack;
-    host::PackFile file;
+    io::LoadedPack pack;
+    io::PackFile file;
     Ground(Random& random, Order order) : pack(make(random, order)), file(pack.path) {}
-    host::LoadedPack make(Random& random, Order order) const {
+    io::LoadedPack make(Random& random, Order order) const {
         baker::Dem dem = random_dem(random, pick(random, 260, 400), pick(random, 260, 400), Shape::noise);
         baker::BakeOptions options = small_bake(pick(random, 6, 8));
         options.order = order;
         options.max_texture_log2 = 5;
         (void)baker::bake(std::move(dem), options, folder / "pack.fjell");
-        return host::load_pack(folder / "pack.fjell", host::LoadTerrain::yes);
+        return io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes);
     }
 };
 
 // What a disk does, in the reader's thread: late, failing, or bringing what is not the pack's.
 struct Disk {
-    const host::PackFile& file;
+    const io::PackFile& file;
     std::atomic<bool> sound{false};
     Random random{7};
     std::atomic<std::uint64_t> reads{0}, failed{0}, damaged{0};
@@ -97,7 +97,7 @@ struct Askers {
         const GroundHit hit = cast_ray(paged, origin, target - origin, 1e9);
         if (hit.hit) {
             const double u = hit.position_m.x / h.spacing_m[0], v = hit.position_m.z / h.spacing_m[1];
-            const double loss = slack + 0x1p-40 * h.lattice_steps * static_cast<double>(full.lattice.quantum_m) *
+            const double loss = slack + 0x1p-40 * h.height_steps * static_cast<double>(full.height_scale.quantum_m) *
                                             (full.tree.columns() + full.tree.rows());
             wrong += !(std::abs(hit.position_m.y - at(true_plane(full, u, v), u, v)) <=
                        static_cast<double>(hit.error_m) + loss);
@@ -111,7 +111,7 @@ std::uint64_t wrong_pages(const Terrain& is, const Terrain& should_be) {
     std::uint64_t wrong = 0;
     for (std::uint32_t page = 0; page < is.page_count(); ++page) {
         const PageEntry p = is.page_table[page], q = should_be.page_table[page];
-        if (p.slot == no_page_slot) continue;
+        if (p.slot == no_index) continue;
         const std::size_t bytes = is.pages.page_vertices(page % is.pages_per_tile) * sizeof(VertexRecord);
         wrong += p.base != q.base || std::memcmp(is.records + std::size_t{p.slot} * is.page_capacity,
                                                  should_be.records + std::size_t{q.slot} * should_be.page_capacity, bytes) != 0;
@@ -139,9 +139,9 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     Disk disk{ground.file};
     std::optional<Askers> askers;
     askers.emplace(full, on.paged.terrain, pick(random, 1, 2), random());
-    std::optional<host::StreamReader> reader;
+    std::optional<io::StreamReader> reader;
     const auto start_reader = [&](bool any) {
-        host::StreamReaderOptions options;
+        io::StreamReaderOptions options;
         if (any && pick(random, 0, 4) == 0) options.latency_s = pick(random, 0, 1) ? 1e6 : 0.002; // never, or a little
         reader.emplace(on.stream, [&](std::uint64_t offset, std::span<std::byte> to) { return disk.read(offset, to); },
                        options);

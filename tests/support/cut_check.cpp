@@ -9,14 +9,14 @@
 #include "cut/mesh.h"
 #include "cut/pages.h"
 #include "cut/sink.h"
-#include "tree/wanted.h"
+#include "view/wanted.h"
 
 namespace fjell::test {
 
 Cut::Cut(const Terrain& terrain, const CutBudget& budget) {
     const std::size_t bytes = cut_bytes(terrain, budget);
-    block = host::make_block(bytes);
-    const Status made = create_cut(terrain, budget, {block.get(), bytes}, cut);
+    group = io::make_block(bytes);
+    const Status made = create_cut(terrain, budget, {group.get(), bytes}, cut);
     if (!made.ok()) throw std::runtime_error(std::string(made.field) + ": " + message(made.code));
 }
 
@@ -39,9 +39,9 @@ MeshView Cut::mesh() {
     ranges.clear();
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
         std::uint32_t count = s.tiles[tile].in_last;
-        for (std::uint32_t chunk = s.tiles[tile].last_chunk; chunk != nil; chunk = s.chunk_below[chunk]) {
-            ranges.push_back({tile, (chunk << s.chunk_log2) * 3, count * 3, count});
-            count = 1u << s.chunk_log2;
+        for (std::uint32_t segment = s.tiles[tile].last_segment; segment != no_index; segment = s.segment_below[segment]) {
+            ranges.push_back({tile, (segment << s.segment_log2) * 3, count * 3, count});
+            count = 1u << s.segment_log2;
         }
     }
     MeshView view = cut_mesh(cut).mesh;
@@ -50,11 +50,11 @@ MeshView Cut::mesh() {
 }
 
 CutBudget ample_cut(const Terrain& terrain, std::uint32_t views) {
-    const std::uint32_t samples = static_cast<std::uint32_t>(terrain.tree.lattice_columns()) *
-                                  static_cast<std::uint32_t>(terrain.tree.lattice_rows());
+    const std::uint32_t samples = static_cast<std::uint32_t>(terrain.tree.grid_columns()) *
+                                  static_cast<std::uint32_t>(terrain.tree.grid_rows());
     CutBudget budget;
     budget.vertices = samples + 16;
-    budget.chunk_triangles = 16;
+    budget.segment_triangles = 16;
     budget.triangles = 2 * samples + 16 * (2 * terrain.tile_count() + 8);
     budget.views = views;
     return budget;
@@ -70,13 +70,13 @@ std::string say(const char* what, const CutState& s, std::uint32_t vertex) {
 }
 
 bool active(const CutState& s, std::uint32_t vertex) {
-    return s.blocks[vertex / block_lanes].active >> vertex % block_lanes & 1;
+    return s.groups[vertex / group_lanes].active >> vertex % group_lanes & 1;
 }
 
 std::string check_vertex(const CutState& s, std::uint32_t vertex, std::vector<bool>& slot_used) {
     const Site site = site_of(s, vertex);
-    const BlockState& b = s.blocks[vertex / block_lanes];
-    const std::uint32_t lane = vertex % block_lanes;
+    const GroupState& b = s.groups[vertex / group_lanes];
+    const std::uint32_t lane = vertex % group_lanes;
     const auto bit = [&](std::uint16_t mask) { return (mask >> lane & 1) != 0; };
     if (!exists(s, site) || find_vertex(s, site) != vertex) {
         if (b.active >> lane & 1) return say("a vertex is active where it is not owned:", s, vertex);
@@ -84,18 +84,18 @@ std::string check_vertex(const CutState& s, std::uint32_t vertex, std::vector<bo
         return {};
     }
     if (bit(b.active) && !bit(b.ready())) return say("an active vertex' parent is not active:", s, vertex);
-    const bool leaf = site.kind != PlaneKind::centre && site.z == 0;
+    const bool leaf = site.kind != VertexKind::centre && site.z == 0;
     for (int d = 0; d < 4; ++d) {
         bool child = false;
         if (!leaf && exists(s, child_site(site, d))) {
             const std::uint32_t found = find_vertex(s, child_site(site, d));
-            child = found != no_vertex && active(s, found);
+            child = found != no_index && active(s, found);
         }
         if (bit(b.child[d]) != child) return say("a child mask is wrong at", s, vertex);
         if (!bit(b.active)) continue;
         const std::uint32_t slot = s.slots[vertex];
         if (slot >= s.budget.vertices) return say("no vertex slot for", s, vertex);
-        const bool drawn = s.made[slot * 4 + static_cast<std::uint32_t>(d)] != nil;
+        const bool drawn = s.made[slot * 4 + static_cast<std::uint32_t>(d)] != no_index;
         // At the rim no triangle lies beyond; a leaf has no children to say so.
         bool expected = !child;
         if (!leaf) expected = expected && exists(s, child_site(site, d));
@@ -113,33 +113,33 @@ std::string check_vertex(const CutState& s, std::uint32_t vertex, std::vector<bo
 }
 
 std::string check_block(const CutState& s, std::uint32_t number) {
-    const BlockState& b = s.blocks[number];
-    const SlotInfo& info = s.slot_info[number / max_page_blocks];
+    const GroupState& b = s.groups[number];
+    const PageSlot& info = s.page_slot[number / max_page_groups];
     const ParentMasks parents = parents_of(s, number, (1u << shape_of(s, number).lanes) - 1);
     if (b.parent[0] != parents.parent[0] || b.parent[1] != parents.parent[1])
-        return say("a parent mask is wrong in the block of", s, number * block_lanes);
-    const bool draining = info.status == SlotStatus::draining;
+        return say("a parent mask is wrong in the group of", s, number * group_lanes);
+    const bool draining = info.status == PageSlotStatus::draining;
     const std::uint32_t inactive = draining ? 0u : static_cast<std::uint32_t>(b.ready() & ~b.active);
     auto childless = static_cast<std::uint32_t>(b.active & ~b.parental());
-    for (std::uint32_t lane = 0; lane < block_lanes; ++lane) // those that sink go by themselves
-        if ((b.active >> lane & 1) && sinks(s, s.slots[number * block_lanes + lane])) childless &= ~(1u << lane);
+    for (std::uint32_t lane = 0; lane < group_lanes; ++lane) // those that sink go by themselves
+        if ((b.active >> lane & 1) && sinks(s, s.slots[number * group_lanes + lane])) childless &= ~(1u << lane);
     const ListId list = list_of(s.lists, number);
-    if ((inactive | childless) != 0 && list == no_list && !draining)
-        return say("nobody will look at the block of", s, number * block_lanes);
+    if ((inactive | childless) != 0 && list == unlisted && !draining)
+        return say("nobody will look at the group of", s, number * group_lanes);
     if (list >= due_lists || draining) return {}; // what drains goes without being looked at
     // Until a page has let go, what stood on it goes step by step, and is not asked whether it should.
     bool letting_go = false;
     for (std::uint32_t i = 0; i < s.draining_count; ++i)
-        letting_go = letting_go || s.slot_info[s.draining[i]].active != 0;
+        letting_go = letting_go || s.page_slot[s.draining[i]].active != 0;
     // In the calendar: how far may it go, and how far will it?
     const std::uint32_t grade = b.grade;
     const double left_m = list >= soon_lists
                               ? 0
                               : (static_cast<double>(std::uint64_t{b.due_high} << 32 | b.due) + 1) * s.lists.tick_m -
                                     s.lists.odometer_m[grade];
-    for (std::uint32_t lane = 0; lane < block_lanes; ++lane) {
+    for (std::uint32_t lane = 0; lane < group_lanes; ++lane) {
         if (!((inactive | childless) >> lane & 1)) continue;
-        const std::uint32_t vertex = number * block_lanes + lane;
+        const std::uint32_t vertex = number * group_lanes + lane;
         const Coord c = site_coord(site_of(s, vertex)), at = s.terrain->tree.sample(c);
         const Terrain::Vertex v = s.terrain->vertex(c);
         const bool on = childless >> lane & 1;
@@ -157,29 +157,29 @@ std::string check_block(const CutState& s, std::uint32_t number) {
         if (in != on) return say("a vertex disagrees with the decision, and nobody knows:", s, vertex);
         if (left_m > std::abs(margin) * (1 + 1e-4) + s.lists.tick_m * 1.01)
             return say("a vertex could change before it is looked at:", s, vertex);
-        if (v.error_code >> grade_codes_log2 > grade) return say("a block's grade is too low:", s, vertex);
+        if (v.error_code >> grade_codes_log2 > grade) return say("a group's grade is too low:", s, vertex);
     }
     return {};
 }
 
 std::string check_triangles(const CutState& s) {
-    std::vector<bool> chunk_used(s.chunk_count);
-    for (std::uint32_t i = 0; i < s.free_chunk_count; ++i) {
-        if (chunk_used[s.free_chunks[i]]) return "a chunk is free twice";
-        chunk_used[s.free_chunks[i]] = true;
+    std::vector<bool> segment_used(s.segment_count);
+    for (std::uint32_t i = 0; i < s.free_segment_count; ++i) {
+        if (segment_used[s.free_segments[i]]) return "a segment is free twice";
+        segment_used[s.free_segments[i]] = true;
     }
     std::uint32_t named = 0;
     for (std::uint32_t tile = 0; tile <= s.terrain->tile_count(); ++tile) {
         const TileList& list = s.tiles[tile];
         std::uint32_t count = list.in_last, total = 0;
-        for (std::uint32_t chunk = list.last_chunk; chunk != nil; chunk = s.chunk_below[chunk]) {
-            if (chunk_used[chunk]) return "a chunk is used twice";
-            chunk_used[chunk] = true;
-            if (s.chunk_tile[chunk] != tile) return "a chunk does not know its tile";
-            if (count == 0) return "an empty chunk is kept";
+        for (std::uint32_t segment = list.last_segment; segment != no_index; segment = s.segment_below[segment]) {
+            if (segment_used[segment]) return "a segment is used twice";
+            segment_used[segment] = true;
+            if (s.segment_tile[segment] != tile) return "a segment does not know its tile";
+            if (count == 0) return "an empty segment is kept";
             total += count;
             for (std::uint32_t i = 0; i < count; ++i) {
-                const std::uint32_t slot = (chunk << s.chunk_log2) + i;
+                const std::uint32_t slot = (segment << s.segment_log2) + i;
                 if (s.made[s.names[slot]] != slot) return "a triangle's name leads elsewhere";
                 if (s.names[slot] / 4 != s.indices[std::size_t{slot} * 3])
                     return "a triangle's right angle is not its maker's";
@@ -188,14 +188,14 @@ std::string check_triangles(const CutState& s) {
                 if (s.some_hidden && is_hidden(s, t) != (tile == hidden_tile(s))) return "a triangle is hidden wrongly";
                 ++named;
             }
-            count = 1u << s.chunk_log2;
+            count = 1u << s.segment_log2;
         }
         if (total != list.total) return "a tile counts its triangles wrongly";
     }
-    for (const bool used : chunk_used)
-        if (!used) return "a chunk is lost";
+    for (const bool used : segment_used)
+        if (!used) return "a segment is lost";
     std::uint32_t made = 0;
-    for (std::size_t i = 0; i < std::size_t{s.budget.vertices} * 4; ++i) made += s.made[i] != nil;
+    for (std::size_t i = 0; i < std::size_t{s.budget.vertices} * 4; ++i) made += s.made[i] != no_index;
     return made == named ? "" : "a triangle is made that no tile has";
 }
 
@@ -207,15 +207,15 @@ std::string check_cut(Cut& cut) {
     const auto corners = static_cast<std::uint32_t>((s.tiles_x + 1) * (s.tiles_y + 1));
     for (std::uint32_t i = 0; i < corners; ++i) slot_used[i] = true;
     for (std::uint32_t slot = 0; slot < s.terrain->slot_count; ++slot) {
-        const SlotInfo& info = s.slot_info[slot];
-        if (info.page == no_page) continue;
+        const PageSlot& info = s.page_slot[slot];
+        if (info.page == no_index) continue;
         std::uint32_t count = 0;
         for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
-            const std::uint32_t number = slot * max_page_blocks + n;
-            for (std::uint32_t lane = 0; lane < s.shapes[info.shape].blocks[n].lanes; ++lane) {
-                if (std::string wrong = check_vertex(s, number * block_lanes + lane, slot_used); !wrong.empty())
+            const std::uint32_t number = slot * max_page_groups + n;
+            for (std::uint32_t lane = 0; lane < s.shapes[info.shape].groups[n].lanes; ++lane) {
+                if (std::string wrong = check_vertex(s, number * group_lanes + lane, slot_used); !wrong.empty())
                     return wrong;
-                count += active(s, number * block_lanes + lane);
+                count += active(s, number * group_lanes + lane);
             }
             if (std::string wrong = check_block(s, number); !wrong.empty()) return wrong;
         }
@@ -252,9 +252,9 @@ std::string check_surface(Cut& cut, const Terrain& full) {
     std::vector<TileRange> ranges = cut.ranges;
     const TileList& hidden = s.tiles[hidden_tile(s)];
     std::uint32_t count = hidden.in_last;
-    for (std::uint32_t chunk = hidden.last_chunk; chunk != nil; chunk = s.chunk_below[chunk]) {
+    for (std::uint32_t segment = hidden.last_segment; segment != no_index; segment = s.segment_below[segment]) {
         for (std::uint32_t i = 0; i < count; ++i) {
-            const std::uint32_t first = ((chunk << s.chunk_log2) + i) * 3;
+            const std::uint32_t first = ((segment << s.segment_log2) + i) * 3;
             MeshView one = drawn;
             const TileRange range{0, first, 3, 1};
             one.tiles = {&range, 1};
@@ -266,7 +266,7 @@ std::string check_surface(Cut& cut, const Terrain& full) {
             const std::int32_t x = (t[0].x + t[1].x + t[2].x) / side, y = (t[0].y + t[1].y + t[2].y) / side;
             ranges.push_back({static_cast<std::uint32_t>(y * full.tree.tiles_x + x), first, 3, 1});
         }
-        count = 1u << s.chunk_log2;
+        count = 1u << s.segment_log2;
     }
     MeshView whole = drawn;
     whole.tiles = ranges;
@@ -276,13 +276,13 @@ std::string check_surface(Cut& cut, const Terrain& full) {
 namespace {
 
 std::size_t place(const Terrain& t, Coord c) {
-    return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(t.tree.lattice_columns()) +
+    return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(t.tree.grid_columns()) +
            static_cast<std::size_t>(c.x);
 }
 VertexSet only_corners(const Terrain& t, bool others) {
-    VertexSet set(place(t, {0, t.tree.lattice_rows()}), others);
-    for (std::int32_t y = 0; y < t.tree.lattice_rows(); y += t.tree.side())
-        for (std::int32_t x = 0; x < t.tree.lattice_columns(); x += t.tree.side()) set[place(t, {x, y})] = true;
+    VertexSet set(place(t, {0, t.tree.grid_rows()}), others);
+    for (std::int32_t y = 0; y < t.tree.grid_rows(); y += t.tree.side())
+        for (std::int32_t x = 0; x < t.tree.grid_columns(); x += t.tree.side()) set[place(t, {x, y})] = true;
     return set;
 }
 
@@ -292,9 +292,9 @@ VertexSet active_set(Cut& cut) {
     const CutState& s = cut.state();
     VertexSet set = only_corners(*s.terrain, false);
     for (std::uint32_t slot = 0; slot < s.terrain->slot_count; ++slot) {
-        if (s.slot_info[slot].page == no_page) continue;
-        for (std::uint32_t n = 0; n < s.shapes[s.slot_info[slot].shape].count * block_lanes; ++n) {
-            const std::uint32_t vertex = slot * max_page_blocks * block_lanes + n;
+        if (s.page_slot[slot].page == no_index) continue;
+        for (std::uint32_t n = 0; n < s.shapes[s.page_slot[slot].shape].count * group_lanes; ++n) {
+            const std::uint32_t vertex = slot * max_page_groups * group_lanes + n;
             if (active(s, vertex)) set[place(*s.terrain, site_coord(site_of(s, vertex)))] = true;
         }
     }
@@ -306,7 +306,7 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
     VertexSet set = only_corners(full, true);
     for (std::uint32_t tile = 0; tile < paged.tile_count(); ++tile)
         for (std::uint32_t page = 0; page < paged.pages_per_tile; ++page) {
-            if (paged.page_table[tile * paged.pages_per_tile + page].slot != no_page_slot) continue;
+            if (paged.page_table[tile * paged.pages_per_tile + page].slot != no_index) continue;
             const Coord corner{static_cast<std::int32_t>(tile % full.header.tiles_x) * full.tree.side(),
                                static_cast<std::int32_t>(tile / full.header.tiles_x) * full.tree.side()};
             for (std::uint32_t i = 0; i < full.pages.page_vertices(page); ++i) {
@@ -319,8 +319,8 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
         reaches.push_back(make_reach(view, corner_safe ? error_px / corner_factor(view) : error_px));
     for (int level = 0; level < 2 * full.tree.tile_log2; ++level) {
         const std::int32_t step = 1 << (full.tree.tile_log2 - 1 - level / 2);
-        for (std::int32_t y = 0; y < full.tree.lattice_rows(); y += step)
-            for (std::int32_t x = 0; x < full.tree.lattice_columns(); x += step) {
+        for (std::int32_t y = 0; y < full.tree.grid_rows(); y += step)
+            for (std::int32_t x = 0; x < full.tree.grid_columns(); x += step) {
                 const Coord c{x, y};
                 if (full.tree.is_corner(c) || full.tree.level(c) != level || !set[place(full, c)]) continue;
                 const Terrain::Vertex v = full.vertex(c);

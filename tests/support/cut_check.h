@@ -7,13 +7,13 @@
 
 #include "cut/state.h"
 #include "fjell/cut.h"
-#include "host/load.h"
+#include "io/load.h"
 #include "support/mesh_check.h"
 #include "support/terrain_fixture.h"
 
 namespace fjell::test {
 
-// A live cut with its block.
+// A live cut with its group.
 struct Cut {
     Cut(const Terrain& terrain, const CutBudget& budget);
     CutReport update(std::span<const View> views, const CutSettings& settings);
@@ -21,7 +21,7 @@ struct Cut {
     // All tiles, seen or not. Points into this.
     [[nodiscard]] MeshView mesh();
     [[nodiscard]] CutState& state() { return *cut.state; }
-    host::AlignedBlock block;
+    io::AlignedMemory group;
     LiveCut cut;
     std::vector<TileRange> ranges;
 };
@@ -29,7 +29,7 @@ struct Cut {
 
 // Empty when all of this holds, otherwise the first thing that does not: every active vertex' parents are active
 // (invariant 1); every mask agrees with the vertices it speaks of; vertex slots, triangle names and slots, chunks and
-// free lists agree; every vertex that could change is in a block that some list holds, and, in the calendar, agrees
+// free lists agree; every vertex that could change is in a group that some list holds, and, in the calendar, agrees
 // with the decision and is due before it could cease to.
 [[nodiscard]] std::string check_cut(Cut& cut);
 
@@ -37,7 +37,7 @@ struct Cut {
 // nothing that has a corner in a hole is drawn, nor anything hidden that has none. full: the same terrain, all loaded.
 [[nodiscard]] std::string check_surface(Cut& cut, const Terrain& full);
 
-// A set of vertices, row by row of the lattice (Tree::lattice_columns()). Corners of tiles count as in.
+// A set of vertices, row by row of the height scale (Tree::grid_columns()). Corners of tiles count as in.
 using VertexSet = std::vector<bool>;
 [[nodiscard]] VertexSet active_set(Cut& cut);
 

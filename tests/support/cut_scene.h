@@ -17,7 +17,7 @@ inline constexpr int patience_frames = 200'000;
 }
 
 // Any shape, extent, tiling, order and nesting; holes in a quarter of them.
-[[nodiscard]] inline host::LoadedPack random_terrain(Random& random, int most_samples, int most_log2) {
+[[nodiscard]] inline io::LoadedPack random_terrain(Random& random, int most_samples, int most_log2) {
     const auto shape = static_cast<Shape>(pick(random, 0, static_cast<int>(Shape::count) - 1));
     const int log2 = pick(random, 1, most_log2);
     const int most = std::min(most_samples, 24 << log2);
@@ -29,7 +29,7 @@ inline constexpr int patience_frames = 200'000;
 }
 
 // A fractal without holes on which a frame has much to do.
-[[nodiscard]] inline host::LoadedPack rich_terrain(Random& random, int samples, int tile_log2) {
+[[nodiscard]] inline io::LoadedPack rich_terrain(Random& random, int samples, int tile_log2) {
     return bake_and_load(random_dem(random, samples, samples, Shape::fractal), small_bake(tile_log2));
 }
 

@@ -26,7 +26,7 @@ inline TruePlane plane_of(const Terrain& full, const std::array<Coord, 3>& c) {
     double h[3];
     for (std::size_t k = 0; k < 3; ++k) {
         const Terrain::Vertex v = full.vertex(c[k]);
-        h[k] = static_cast<double>(full.lattice.base_m) + v.steps * static_cast<double>(full.lattice.quantum_m);
+        h[k] = static_cast<double>(full.height_scale.base_m) + v.steps * static_cast<double>(full.height_scale.quantum_m);
         out.hole = out.hole || (full.has_voids() && v.hole);
     }
     const double bx = c[1].x - c[0].x, by = c[1].y - c[0].y, cx = c[2].x - c[0].x, cy = c[2].y - c[0].y;
@@ -51,9 +51,9 @@ inline double at(const TruePlane& plane, double column, double row) {
 
 // What doubles may lose: some hundred roundings of numbers as large as heights, and of places times the steepest slope.
 inline double rounding_m(const Terrain& t, double largest_place_cells = 0) {
-    const double range = t.header.lattice_steps * static_cast<double>(t.lattice.quantum_m);
+    const double range = t.header.height_steps * static_cast<double>(t.height_scale.quantum_m);
     const double cells = std::max({largest_place_cells, double(t.tree.columns()), double(t.tree.rows())});
-    return 0x1p-45 * (std::abs(static_cast<double>(t.lattice.base_m)) + range * (1 + cells));
+    return 0x1p-45 * (std::abs(static_cast<double>(t.height_scale.base_m)) + range * (1 + cells));
 }
 
 // Loads a random subset, from coarse to fine as pages ask for, then takes some away again, coarse ones too.
@@ -68,7 +68,7 @@ inline void load_some_pages(Random& random, const Pack& pack, Terrain& terrain) 
 }
 
 // Any size, tiling, order, estimate; holes in one of three when they may be.
-inline host::LoadedPack random_ground(Random& random, bool holes, Estimate* estimate = nullptr) {
+inline io::LoadedPack random_ground(Random& random, bool holes, Estimate* estimate = nullptr) {
     const bool large = pick(random, 0, 7) == 0; // pages other than 0 need tiles of more than 32 cells
     const int log2 = large ? pick(random, 6, 8) : pick(random, 1, 7);
     baker::Dem dem = random_dem(random, pick(random, 2, large ? 400 : 120), pick(random, 2, large ? 300 : 90),

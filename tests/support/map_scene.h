@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "baker/image.h"
-#include "baker/maps.h"
+#include "baker/maps/image.h"
+#include "baker/maps/maps.h"
 #include "fjell/pack.h"
 #include "fjell/texture.h"
 

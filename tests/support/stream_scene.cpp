@@ -18,7 +18,7 @@ Streamed::Streamed(const Pack& source, const CutBudget& cut_budget, std::uint32_
                    const StreamBudget& budget)
     : pack(source), paged(source, {.page_slots = page_slots}), cut(paged.terrain, cut_budget) {
     const std::size_t bytes = stream_bytes(pack, paged.terrain, budget);
-    block = host::make_block(bytes);
+    block = io::make_block(bytes);
     require(create_stream(pack, paged.terrain, cut.cut, budget, {block.get(), bytes}, stream));
 }
 
@@ -110,21 +110,21 @@ std::string check_stream(Streamed& streamed) {
     if (t.memory->free_count < reserved) return "a request without a slot";
     for (std::uint32_t slot = 0; slot < s.slots; ++slot) {
         const std::uint32_t page = t.slot_page[slot], watch = s.slot_watch[slot];
-        if ((page == no_page) != (watch == none)) return "a slot is taken in one place and free in another";
-        if (page == no_page) continue;
+        if ((page == no_index) != (watch == none)) return "a slot is taken in one place and free in another";
+        if (page == no_index) continue;
         if (s.watch_page[watch] != page) return "a slot's watch speaks of another page";
         if (s.states[watch] != WatchState::loaded && s.states[watch] != WatchState::draining)
             return "loaded, but not so";
         if (watch < s.slots * watches_per_slot) {
             ++below[watch / watches_per_slot];
-            if (t.slot_page[watch / watches_per_slot] == no_page) return "a page without the one above it";
+            if (t.slot_page[watch / watches_per_slot] == no_index) return "a page without the one above it";
         }
     }
     for (std::uint32_t slot = 0; slot < s.slots; ++slot)
-        if (t.slot_page[slot] != no_page && below[slot] != s.below[slot]) return "pages below do not add up";
+        if (t.slot_page[slot] != no_index && below[slot] != s.below[slot]) return "pages below do not add up";
     for (std::uint32_t tile = 0; tile < s.tiles; ++tile)
         if (const std::uint32_t slot = t.page_table[tile * t.pages_per_tile].slot;
-            slot != no_page_slot && s.states[s.slots * watches_per_slot + tile] != WatchState::loaded)
+            slot != no_index && s.states[s.slots * watches_per_slot + tile] != WatchState::loaded)
             return "a coarsest page is not pinned";
     return {};
 }

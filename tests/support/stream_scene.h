@@ -27,7 +27,7 @@ struct Streamed {
     const Pack& pack;
     PagedTerrain paged;
     Cut cut;
-    host::AlignedBlock block;
+    io::AlignedMemory block;
     Stream stream;
 };
 

@@ -18,15 +18,15 @@ int pick(Random& random, int least, int most) {
 namespace {
 
 // Sum of random value-noise octaves, coarse to fine.
-float fractal(Random& random, std::vector<float>& lattice, double x, double y) {
+float fractal(Random& random, std::vector<float>& height_scale, double x, double y) {
     constexpr int side = 32;
-    if (lattice.empty())
-        for (int i = 0; i < side * side; ++i) lattice.push_back(static_cast<float>(uniform(random, -1, 1)));
+    if (height_scale.empty())
+        for (int i = 0; i < side * side; ++i) height_scale.push_back(static_cast<float>(uniform(random, -1, 1)));
     double sum = 0, size = 1, frequency = 1.0 / 64;
     for (int octave = 0; octave < 6; ++octave, size *= 0.5, frequency *= 2) {
         const double u = x * frequency + octave * 7.3, v = y * frequency + octave * 3.1;
         const int i = static_cast<int>(std::floor(u)), j = static_cast<int>(std::floor(v));
-        const auto at = [&](int a, int b) { return lattice[static_cast<std::size_t>((b & 31) * side + (a & 31))]; };
+        const auto at = [&](int a, int b) { return height_scale[static_cast<std::size_t>((b & 31) * side + (a & 31))]; };
         const double s = u - i, t = v - j;
         sum += size * ((at(i, j) * (1 - s) + at(i + 1, j) * s) * (1 - t) +
                        (at(i, j + 1) * (1 - s) + at(i + 1, j + 1) * s) * t);
@@ -44,12 +44,12 @@ baker::Dem random_dem(Random& random, std::int32_t columns, std::int32_t rows, S
     dem.spacing_m[0] = spacing;
     dem.spacing_m[1] = pick(random, 0, 1) ? spacing : spacing * uniform(random, 0.5, 2);
     const double relief = spacing * std::pow(10.0, uniform(random, -1, 1.5)), base = uniform(random, -4000, 4000);
-    std::vector<float> lattice;
+    std::vector<float> height_scale;
     for (std::int32_t y = 0; y < rows; ++y)
         for (std::int32_t x = 0; x < columns; ++x) {
             double h = 0;
             switch (shape) {
-            case Shape::fractal: h = fractal(random, lattice, x, y) * 4; break;
+            case Shape::fractal: h = fractal(random, height_scale, x, y) * 4; break;
             case Shape::noise: h = uniform(random, -1, 1); break;
             case Shape::spikes: h = pick(random, 0, 60) == 0 ? uniform(random, -3, 3) : 0; break;
             case Shape::steps: h = ((x / 5) + (y / 7)) % 3; break;
@@ -105,10 +105,10 @@ void add_random_holes(Random& random, baker::Dem& dem, int tile_log2) {
             0; // the last one
 }
 
-host::LoadedPack bake_and_load(baker::Dem dem, baker::BakeOptions options) {
+io::LoadedPack bake_and_load(baker::Dem dem, baker::BakeOptions options) {
     const TemporaryFolder folder;
     (void)baker::bake(std::move(dem), options, folder / "pack.fjell");
-    return host::load_pack(folder / "pack.fjell", host::LoadTerrain::yes);
+    return io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes);
 }
 
 baker::BakeOptions small_bake(int tile_log2, double nesting) {
@@ -140,13 +140,13 @@ RecursiveBudget ample_budget(const Terrain& terrain) {
 }
 
 PagedTerrain::PagedTerrain(const Pack& pack, const TerrainBudget& budget)
-    : block(host::make_block(terrain_bytes(pack.header, budget))) {
+    : block(io::make_block(terrain_bytes(pack.header, budget))) {
     const Status s = create_terrain(pack, budget, {block.get(), terrain_bytes(pack.header, budget)}, terrain);
     if (!s.ok()) throw std::runtime_error(std::string(s.field) + ": " + message(s.code));
 }
 
 Recursive::Recursive(const Terrain& terrain, const RecursiveBudget& budget)
-    : block(host::make_block(recursive_bytes(terrain, budget))) {
+    : block(io::make_block(recursive_bytes(terrain, budget))) {
     const Status s = create_recursive(terrain, budget, {block.get(), recursive_bytes(terrain, budget)}, method);
     if (!s.ok()) throw std::runtime_error(std::string(s.field) + ": " + message(s.code));
 }

@@ -6,9 +6,9 @@
 #include <random>
 #include <string>
 
-#include "baker/bake.h"
+#include "baker/bake/bake.h"
 #include "fjell/recursive.h"
-#include "host/load.h"
+#include "io/load.h"
 #include "support/temporary_folder.h"
 
 namespace fjell::test {
@@ -24,7 +24,7 @@ enum class Shape { fractal, noise, spikes, steps, ramp, flat, count };
 void add_random_holes(Random& random, baker::Dem& dem, int tile_log2);
 
 // Baked to a file and loaded back.
-[[nodiscard]] host::LoadedPack bake_and_load(baker::Dem dem, baker::BakeOptions options = {});
+[[nodiscard]] io::LoadedPack bake_and_load(baker::Dem dem, baker::BakeOptions options = {});
 // A random tiling of at most about `most_samples` samples.
 [[nodiscard]] baker::BakeOptions small_bake(int tile_log2, double nesting = 0.05);
 
@@ -40,7 +40,7 @@ void add_random_holes(Random& random, baker::Dem& dem, int tile_log2);
 // A terrain that loads its pages one by one.
 struct PagedTerrain {
     PagedTerrain(const Pack& pack, const TerrainBudget& budget);
-    host::AlignedBlock block;
+    io::AlignedMemory block;
     Terrain terrain;
 };
 
@@ -49,7 +49,7 @@ struct Recursive {
     Recursive(const Terrain& terrain, const RecursiveBudget& budget);
     FrameReport update(const View& view, const RefineSettings& settings);
     [[nodiscard]] MeshView mesh() const { return recursive_mesh(method); }
-    host::AlignedBlock block;
+    io::AlignedMemory block;
     RecursiveMethod method;
 };
 [[nodiscard]] RecursiveBudget ample_budget(const Terrain& terrain);

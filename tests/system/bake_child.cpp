@@ -12,10 +12,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "baker/bake.h"
-#include "baker/windows.h"
-#include "host/failure.h"
-#include "host/file.h"
+#include "baker/bake/bake.h"
+#include "baker/read/windows.h"
+#include "io/failure.h"
+#include "io/file.h"
 
 namespace {
 
@@ -32,7 +32,7 @@ public:
     void read(const Window& window, float* to, Census& census) override {
         const std::span<float> heights(to, window.area());
         try {
-            host::read_all(fd_,
+            io::read_all(fd_,
                            static_cast<std::uint64_t>(window.y) * static_cast<std::uint64_t>(columns_) * sizeof(float),
                            std::as_writable_bytes(heights), path_);
         } catch (const Failure&) {
@@ -81,7 +81,7 @@ private:
 
 int bake_once(int argc, char** argv) {
     if (argc != 6) throw Failure(2, "OUT HEIGHTS COLUMNS ROWS THREADS");
-    host::catch_interrupts();
+    io::catch_interrupts();
     BakeOptions options;
     options.tile_log2 = 6;
     options.region_cells = 64;
@@ -89,7 +89,7 @@ int bake_once(int argc, char** argv) {
     options.compression = 1;
     options.max_texture_log2 = 6;
     options.checkpoint_s = 0;
-    options.progress = [](const char*, std::uint64_t, std::uint64_t) { host::check_interrupt(); };
+    options.progress = [](const char*, std::uint64_t, std::uint64_t) { io::check_interrupt(); };
     const BakeSummary s = bake(FileSource(argv[2], std::atoi(argv[3]), std::atoi(argv[4])), options, argv[1]);
     std::puts(s.resumed ? "resumed" : "new");
     return 0;
@@ -98,5 +98,5 @@ int bake_once(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return fjell::host::run_tool("bake_child", [&] { return bake_once(argc, argv); });
+    return fjell::io::run_tool("bake_child", [&] { return bake_once(argc, argv); });
 }

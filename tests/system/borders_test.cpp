@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "baker/read.h"
+#include "baker/read/read.h"
 #include "gl/palette.h"
 #include "picture_scene.h"
 

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "baker/read.h"
+#include "baker/read/read.h"
 #include "fjell/measure.h"
 #include "gl/palette.h"
-#include "host/heights.h"
+#include "io/heights.h"
 #include "picture_scene.h"
 #include "support/terrain_fixture.h"
 
@@ -22,22 +22,22 @@ baker::Dem mountains(int columns, int rows) {
                                   R"(, "spacing_m": 30, "seed": 7, "base_m": 0, "relief_m": 2500, "feature_m": 9000})");
 }
 
-host::FullHeights heights_of(const Scene& scene, std::uint64_t most = ~std::uint64_t{0}) {
-    auto heights = host::read_heights(scene.loaded.pack, scene.loaded.path, most);
+io::FullHeights heights_of(const Scene& scene, std::uint64_t most = ~std::uint64_t{0}) {
+    auto heights = io::read_heights(scene.loaded.pack, scene.loaded.path, most);
     REQUIRE(heights);
     return std::move(*heights);
 }
-gl::HeightGrid grid_of(const host::FullHeights& heights) {
+gl::HeightGrid grid_of(const io::FullHeights& heights) {
     return {heights.columns, heights.rows, heights.step_log2, heights.heights_m};
 }
-void give(Scene& scene, const host::FullHeights& heights) {
+void give(Scene& scene, const io::FullHeights& heights) {
     const std::string error = scene.renderer->set_heights(grid_of(heights));
     INFO(error);
     REQUIRE(error.empty());
 }
 
 // The grid's surface at a place, in samples; NaN over holes. Which way a square is cut is the tree's to say.
-double surface_m(const Tree& tree, const host::FullHeights& g, double column, double row) {
+double surface_m(const Tree& tree, const io::FullHeights& g, double column, double row) {
     const std::int32_t step = 1 << g.step_log2;
     const std::int32_t x = std::clamp(static_cast<std::int32_t>(std::floor(column)) >> g.step_log2, 0, g.columns - 2),
                        y = std::clamp(static_cast<std::int32_t>(std::floor(row)) >> g.step_log2, 0, g.rows - 2);
@@ -66,7 +66,7 @@ struct Compared {
 
 // What the picture's depths say was drawn, against the grid.
 Compared compare(const Scene& scene, const Picture& picture, const View& view, const gl::DrawOptions& drawing,
-                 const host::FullHeights& heights) {
+                 const io::FullHeights& heights) {
     const Terrain& terrain = scene.loaded.terrain;
     const double lambda_px = drawing.error_lambda_px > 0 ? drawing.error_lambda_px : view.lambda_px;
     const Vec3 eye = drawing.error_eye_m.value_or(view.eye_m), right = cross(view.forward, view.up);
@@ -144,7 +144,7 @@ TEST_CASE("the error mode colours every pixel by the error that is drawn there",
         // Every third with heights for some of its samples.
         const bool coarse = round % 3 == 1;
         const std::size_t samples = std::size_t{scene.loaded.terrain.header.columns} * scene.loaded.terrain.header.rows;
-        const host::FullHeights heights = heights_of(scene, coarse ? samples / 5 : samples);
+        const io::FullHeights heights = heights_of(scene, coarse ? samples / 5 : samples);
         REQUIRE((heights.step_log2 > 0) == coarse);
         give(scene, heights);
         const double extent_m = std::hypot(scene.loaded.terrain.x_m(scene.loaded.terrain.tree.columns() - 1),
@@ -198,7 +198,7 @@ TEST_CASE("the largest error in a picture is the one that is measured", "[pictur
 TEST_CASE("a mesh of the full resolution has no error anywhere, multisampled or not, and a wrong height shows",
           "[picture]") {
     Scene scene(mountains(321, 257), 6); // whole tiles: nothing is drawn beyond the rim
-    host::FullHeights heights = heights_of(scene);
+    io::FullHeights heights = heights_of(scene);
     const OwnMesh mesh = full_resolution(scene.loaded.terrain);
     const View views[] = {scene.camera(0.5, 0.9, 40, 0, -5), scene.camera(0.4, 0.5, 3000, 30, -50)};
     std::string error;
@@ -246,7 +246,7 @@ TEST_CASE("a mesh of the full resolution has no error anywhere, multisampled or 
 TEST_CASE("the error mode measures morphing vertices where they are drawn", "[picture]") {
     Scene scene(mountains(513, 513), 6);
     scene.make_cut();
-    const host::FullHeights heights = heights_of(scene);
+    const io::FullHeights heights = heights_of(scene);
     give(scene, heights);
     const View from = scene.camera(0.5, 0.9, 200, 0, -10), view = scene.camera(0.5, 0.88, 210, 5, -10);
     CutSettings settings;
@@ -269,7 +269,7 @@ TEST_CASE("the error mode measures morphing vertices where they are drawn", "[pi
 
 TEST_CASE("heights wider than a texture give the same picture", "[picture]") {
     Scene scene(mountains(300, 257), 6);
-    const host::FullHeights heights = heights_of(scene);
+    const io::FullHeights heights = heights_of(scene);
     give(scene, heights);
     const View view = scene.camera(0.5, 0.9, 400, 0, -15);
     const OwnMesh mesh = copy_of(scene.refined(view, 5));
@@ -290,7 +290,7 @@ TEST_CASE("the error mode says what it lacks", "[picture]") {
     const MeshView mesh = scene.refined(view, 2);
     const auto draw = [&](double full_px) { return scene.renderer->draw(mesh, view, bare(full_px), *scene.target); };
     CHECK_THAT(draw(1), Catch::Contains("set_heights()"));
-    const host::FullHeights heights = heights_of(scene);
+    const io::FullHeights heights = heights_of(scene);
     gl::HeightGrid grid = grid_of(heights);
     grid.columns = 128;
     CHECK_THAT(scene.renderer->set_heights(grid), Catch::Contains("129 columns"));

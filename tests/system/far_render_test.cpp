@@ -2,7 +2,7 @@
 #include <cmath>
 #include <vector>
 
-#include "baker/read.h"
+#include "baker/read/read.h"
 #include "picture_scene.h"
 
 using namespace pictures;

@@ -176,25 +176,25 @@ struct Seen {
 };
 
 // Walking and turning, teleports, thresholds, lenses, a second view, item and time limits, pages that come and go.
-Seen fly(const host::LoadedPack& pack, std::uint32_t seed, int frames) {
+Seen fly(const io::LoadedPack& pack, std::uint32_t seed, int frames) {
     Random random(seed);
-    PlainBlock terrain_block(terrain_bytes(pack.pack.header, {}));
+    PlainBlock terrain_memory(terrain_bytes(pack.pack.header, {}));
     Terrain terrain;
-    if (!create_terrain(pack.pack, {}, terrain_block.span(), terrain).ok()) throw std::runtime_error("terrain");
+    if (!create_terrain(pack.pack, {}, terrain_memory.span(), terrain).ok()) throw std::runtime_error("terrain");
     for (std::uint32_t p = 0; p < terrain.page_count(); ++p)
         (void)load_page(pack.pack, terrain, p / terrain.pages_per_tile, p % terrain.pages_per_tile);
     CutBudget budget;
     budget.vertices = 20'000;
-    budget.chunk_triangles = 64;
+    budget.segment_triangles = 64;
     budget.triangles = 64 * 1000;
     budget.views = 2;
-    PlainBlock cut_block(cut_bytes(terrain, budget));
+    PlainBlock cut_memory(cut_bytes(terrain, budget));
     LiveCut cut;
-    if (!create_cut(terrain, budget, cut_block.span(), cut).ok()) throw std::runtime_error("cut");
+    if (!create_cut(terrain, budget, cut_memory.span(), cut).ok()) throw std::runtime_error("cut");
     Seen seen;
     View views[2] = {random_view(random, terrain), random_view(random, terrain)};
     CutSettings settings;
-    std::uint32_t leaving = no_page;
+    std::uint32_t leaving = no_index;
     for (int frame = 0; frame < frames; ++frame) {
         views[0] = moved(random, views[0], terrain.spacing_x_m * (frame % 500 < 400 ? 0.3 : 8));
         if (frame % 1000 == 999) views[0] = random_view(random, terrain);
@@ -206,13 +206,13 @@ Seen fly(const host::LoadedPack& pack, std::uint32_t seed, int frames) {
         settings.budget_us = frame % 600 < 100 ? 50 : 0;
         settings.corner_safe = frame % 2000 >= 1500;
         const std::size_t view_count = frame % 300 < 250 ? 1 : 2;
-        if (leaving == no_page && frame % 20 == 0)
+        if (leaving == no_index && frame % 20 == 0)
             leaving = static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.page_count()) - 1));
         bool released = false;
         CutReport report;
         Status done, asked;
         watched([&] {
-            if (leaving != no_page)
+            if (leaving != no_index)
                 asked = release_page(cut, leaving / terrain.pages_per_tile, leaving % terrain.pages_per_tile, released);
             done = update_cut(cut, {views, view_count}, settings, report);
             seen.triangles += cut_mesh(cut).mesh.tiles.size();
@@ -220,7 +220,7 @@ Seen fly(const host::LoadedPack& pack, std::uint32_t seed, int frames) {
         if (!done.ok() || !asked.ok()) throw std::runtime_error(done.field);
         if (released) {
             unload_page(terrain, leaving / terrain.pages_per_tile, leaving % terrain.pages_per_tile);
-            leaving = no_page;
+            leaving = no_index;
             ++seen.pages_released;
         }
         for (int n = 0; n < 4; ++n) {
@@ -238,7 +238,7 @@ Seen fly(const host::LoadedPack& pack, std::uint32_t seed, int frames) {
     return seen;
 }
 
-host::LoadedPack purity_scene() {
+io::LoadedPack purity_scene() {
     Random random(151);
     baker::BakeOptions options = small_bake(7);
     options.max_texture_log2 = 7;
@@ -253,20 +253,20 @@ struct SeenStream {
 };
 
 // The same with everything streamed, through a third of the slots, by a client that is late and now and then wrong.
-SeenStream fly_streamed(const host::LoadedPack& pack, std::uint32_t seed, int frames) {
+SeenStream fly_streamed(const io::LoadedPack& pack, std::uint32_t seed, int frames) {
     Random random(seed);
     const TerrainBudget slots{pack.terrain.page_count() / 3};
-    PlainBlock terrain_block(terrain_bytes(pack.pack.header, slots));
+    PlainBlock terrain_memory(terrain_bytes(pack.pack.header, slots));
     Terrain terrain;
-    if (!create_terrain(pack.pack, slots, terrain_block.span(), terrain).ok()) throw std::runtime_error("terrain");
+    if (!create_terrain(pack.pack, slots, terrain_memory.span(), terrain).ok()) throw std::runtime_error("terrain");
     const CutBudget budget{200'000, 400'000, 64, 2};
-    PlainBlock cut_block(cut_bytes(terrain, budget));
+    PlainBlock cut_memory(cut_bytes(terrain, budget));
     LiveCut cut;
-    if (!create_cut(terrain, budget, cut_block.span(), cut).ok()) throw std::runtime_error("cut");
+    if (!create_cut(terrain, budget, cut_memory.span(), cut).ok()) throw std::runtime_error("cut");
     const StreamBudget stream_budget{.page_requests = 20, .map_requests = 4, .map_bytes = 250'000, .tail_log2 = 4};
-    PlainBlock stream_block(stream_bytes(pack.pack, terrain, stream_budget));
+    PlainBlock stream_memory(stream_bytes(pack.pack, terrain, stream_budget));
     Stream stream;
-    if (!create_stream(pack.pack, terrain, cut, stream_budget, stream_block.span(), stream).ok())
+    if (!create_stream(pack.pack, terrain, cut, stream_budget, stream_memory.span(), stream).ok())
         throw std::runtime_error("stream");
     SeenStream seen;
     View views[2] = {random_view(random, terrain), random_view(random, terrain)};

@@ -9,7 +9,7 @@
 
 #include <tiny_gltf.h>
 
-#include "baker/read.h"
+#include "baker/read/read.h"
 #include "fjell/texture.h"
 #include "gltf/baked.h"
 #include "gltf/snapshot.h"

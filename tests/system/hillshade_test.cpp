@@ -38,7 +38,7 @@ std::vector<T> raster(const TemporaryFolder& folder, const std::string& tif, con
 struct Case {
     std::string file;
     std::string read;      // fjell-bake's options
-    std::string translate; // gdal_translate's, for a GeoTIFF of the same metres on the same lattice
+    std::string translate; // gdal_translate's, for a GeoTIFF of the same metres on the same height scale
     double spacing_m;
     bool exact;                    // whole metres: the same bits
     double nothing = std::nan(""); // that the translation has where there are holes

@@ -3,7 +3,7 @@
 #include <random>
 #include <vector>
 
-#include "baker/read.h"
+#include "baker/read/read.h"
 #include "gl/lines.h"
 #include "picture_scene.h"
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "baker/read.h"
+#include "baker/read/read.h"
 #include "gl/palette.h"
 #include "picture_scene.h"
 
@@ -23,7 +23,7 @@ constexpr std::uint32_t tail_log2 = 3;
 struct Streamed {
     Scene scene;
     std::unique_ptr<gl::Renderer> whole;
-    MapSlots slots[map_kinds];
+    MapLayers slots[map_kinds];
     std::vector<TileMap> shown[map_kinds];
 
     Streamed(baker::Dem dem, int tile_log2, std::uint32_t ring_bytes = 0) : scene(std::move(dem), tile_log2) {
@@ -335,7 +335,7 @@ TEST_CASE("the modes of tiles, mips and residency show what their legends say", 
     drawing.mode = gl::Mode::residency;
     CHECK(close(colour_at(scene.draw(mesh.view(), view, drawing), 100, 100), gl::step_rgb(0, 7)));
     // Of tile 0 the page of step 1 over its north-west goes, and all of tile 3.
-    unload_page(terrain, 0, terrain.pages.page_of_block(0, 0, 0));
+    unload_page(terrain, 0, terrain.pages.page_at(0, 0, 0));
     for (std::uint32_t page = terrain.pages_per_tile; page-- > 0;) unload_page(terrain, 3, page);
     const Picture some = scene.draw(mesh.view(), view, drawing);
     CHECK(close(colour_at(some, 60, 60), gl::step_rgb(1, 7)));
@@ -348,14 +348,14 @@ TEST_CASE("streamed maps that do not fit are refused with the number to change",
     Streamed streamed(ground(129, mountains), 6);
     Scene& scene = streamed.scene;
     std::string error;
-    const auto refused = [&](const MapSlots& colour) {
+    const auto refused = [&](const MapLayers& colour) {
         gl::RendererOptions options;
         options.colour = colour;
         CHECK_FALSE(gl::Renderer::create(scene.loaded.terrain, scene.loaded.pack, options, error));
         CHECK_THAT(error, !Catch::Contains("\n"));
         return error;
     };
-    MapSlots slots = streamed.slots[0];
+    MapLayers slots = streamed.slots[0];
     ++slots.top_log2;
     CHECK_THAT(refused(slots), Catch::Contains("RendererOptions::colour"));
     slots = streamed.slots[0];
@@ -365,7 +365,7 @@ TEST_CASE("streamed maps that do not fit are refused with the number to change",
     slots.layers[slots.tail_log2] = 1;
     CHECK_THAT(refused(slots), Catch::Contains("stream_map_slots()"));
     // More sizes than samplers: a pack that says its map is 2^12 a side. It is refused before anything is made.
-    host::LoadedPack& loaded = scene.loaded;
+    io::LoadedPack& loaded = scene.loaded;
     loaded.pack.header.colour_log2 = 12;
     slots = {2, 12, {}};
     for (std::uint32_t log2 = 2; log2 <= 12; ++log2) slots.layers[log2] = 4;

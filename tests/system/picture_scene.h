@@ -9,12 +9,12 @@
 #include <catch2/catch.hpp>
 #include <unistd.h>
 
-#include "baker/bake.h"
+#include "baker/bake/bake.h"
 #include "fjell/cut.h"
 #include "fjell/recursive.h"
 #include "gl/context.h"
 #include "gl/renderer.h"
-#include "host/load.h"
+#include "io/load.h"
 
 namespace pictures {
 
@@ -89,10 +89,10 @@ inline gl::Headless& context() {
 
 // A terrain baked in this process, with a renderer large enough for its full resolution.
 struct Scene {
-    host::LoadedPack loaded;
-    host::AlignedBlock block;
+    io::LoadedPack loaded;
+    io::AlignedMemory block;
     RecursiveMethod method;
-    host::AlignedBlock cut_block;
+    io::AlignedMemory cut_memory;
     LiveCut cut; // after make_cut()
     std::unique_ptr<gl::Target> target;
     std::unique_ptr<gl::Renderer> renderer;
@@ -108,14 +108,14 @@ struct Scene {
         options.compression = 1;
         options.order = order;
         baker::bake(std::move(dem), options, path);
-        loaded = host::load_pack(path, host::LoadTerrain::yes);
+        loaded = io::load_pack(path, io::LoadTerrain::yes);
         unlink(path);
 
         const Terrain& terrain = loaded.terrain;
         const RecursiveBudget budget{terrain.tile_count() * terrain.pages.tile_vertices() + 1024,
                                      terrain.tile_count() * terrain.pages.tile_vertices() * 6 + 1024};
         const std::size_t bytes = recursive_bytes(terrain, budget);
-        block = host::make_block(bytes);
+        block = io::make_block(bytes);
         REQUIRE(create_recursive(terrain, budget, {block.get(), bytes}, method).ok());
         std::string error;
         target = gl::Target::create({width_px, height_px, 1}, error);
@@ -123,7 +123,7 @@ struct Scene {
         REQUIRE(target);
         renderer = gl::Renderer::create(terrain, loaded.pack,
                                         {.vertices = budget.vertices,
-                                         .indices = std::max(budget.indices, 3 * chunks(terrain) * chunk_triangles),
+                                         .indices = std::max(budget.indices, 3 * chunks(terrain) * segment_triangles),
                                          .ranges = chunks(terrain),
                                          .morph = true},
                                         error);
@@ -132,20 +132,20 @@ struct Scene {
     }
 
     // Of a live cut that may be refined to the last sample: two triangles a cell, and a half-full chunk a tile.
-    static constexpr std::uint32_t chunk_triangles = 64;
+    static constexpr std::uint32_t segment_triangles = 64;
     static std::uint32_t chunks(const Terrain& terrain) {
-        return terrain.tile_count() * (terrain.pages.tile_vertices() * 2 / chunk_triangles + 2) + 8;
+        return terrain.tile_count() * (terrain.pages.tile_vertices() * 2 / segment_triangles + 2) + 8;
     }
 
     void make_cut() {
         const Terrain& terrain = loaded.terrain;
         CutBudget budget;
         budget.vertices = terrain.tile_count() * terrain.pages.tile_vertices() + 1024;
-        budget.triangles = chunks(terrain) * chunk_triangles;
-        budget.chunk_triangles = chunk_triangles;
+        budget.triangles = chunks(terrain) * segment_triangles;
+        budget.segment_triangles = segment_triangles;
         const std::size_t bytes = cut_bytes(terrain, budget);
-        cut_block = host::make_block(bytes);
-        REQUIRE(create_cut(terrain, budget, {cut_block.get(), bytes}, cut).ok());
+        cut_memory = io::make_block(bytes);
+        REQUIRE(create_cut(terrain, budget, {cut_memory.get(), bytes}, cut).ok());
     }
 
     // The live cut brought to a view, from nothing or from where it was.

@@ -11,7 +11,7 @@
 
 #include <csignal>
 
-#include "baker/read.h"
+#include "baker/read/read.h"
 #include "gl/image.h"
 #include "gl/palette.h"
 #include "picture_scene.h"

@@ -13,7 +13,7 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include "host/stream_reader.h"
+#include "io/stream_reader.h"
 #include "support/cut_scene.h"
 
 using namespace fjell;
@@ -32,7 +32,7 @@ std::uint64_t resident_pages() {
 struct Scene {
     TemporaryFolder folder;
     std::string path = folder / "pack.fjell";
-    host::LoadedPack full; // what the checks measure against
+    io::LoadedPack full; // what the checks measure against
 
     explicit Scene(std::uint32_t seed, int samples, std::uint32_t texture_log2) {
         Random random(seed);
@@ -42,7 +42,7 @@ struct Scene {
         baker::Dem dem = random_dem(random, samples, samples, Shape::fractal);
         dem.spacing_m[0] = dem.spacing_m[1] = 30;
         (void)baker::bake(std::move(dem), options, path);
-        full = host::load_pack(path, host::LoadTerrain::yes);
+        full = io::load_pack(path, io::LoadTerrain::yes);
     }
     [[nodiscard]] View near_ground(double column, double row, double above_m) const {
         const Terrain& t = full.terrain;
@@ -51,9 +51,9 @@ struct Scene {
     }
 };
 
-Terrain terrain_of(const host::PackFile& file, std::uint32_t slots, host::AlignedBlock& block) {
+Terrain terrain_of(const io::PackFile& file, std::uint32_t slots, io::AlignedMemory& block) {
     const std::size_t bytes = terrain_bytes(file.pack().header, {slots});
-    block = host::make_block(bytes);
+    block = io::make_block(bytes);
     Terrain terrain;
     REQUIRE(create_terrain(file.pack(), file.corners(), {slots}, {block.get(), bytes}, terrain).ok());
     return terrain;
@@ -62,10 +62,10 @@ Terrain terrain_of(const host::PackFile& file, std::uint32_t slots, host::Aligne
 // All that an engine holds, over a pack that stays in its file.
 struct Flown {
     Flown(const Scene& of, const std::string& path, std::uint32_t slots, const StreamBudget& budget)
-        : scene(of), file(path), terrain(terrain_of(file, slots, terrain_block)), cut(terrain, {700'000, 1'500'000, 512, 1}) {
+        : scene(of), file(path), terrain(terrain_of(file, slots, terrain_memory)), cut(terrain, {700'000, 1'500'000, 512, 1}) {
         const std::size_t bytes = stream_bytes(file.pack(), terrain, budget);
-        stream_block = host::make_block(bytes);
-        REQUIRE(create_stream(file.pack(), terrain, cut.cut, budget, {stream_block.get(), bytes}, stream).ok());
+        stream_memory = io::make_block(bytes);
+        REQUIRE(create_stream(file.pack(), terrain, cut.cut, budget, {stream_memory.get(), bytes}, stream).ok());
     }
     void frame() {
         settings.now_s += 1.0 / 60;
@@ -94,12 +94,12 @@ struct Flown {
         return difference(active_set(cut), target_set(scene.full.terrain, terrain, {&view, 1}, refine.error_px));
     }
     [[nodiscard]] bool loaded(std::uint32_t tile, std::uint32_t page) const {
-        return terrain.page_table[std::size_t{tile} * terrain.pages_per_tile + page].slot != no_page_slot;
+        return terrain.page_table[std::size_t{tile} * terrain.pages_per_tile + page].slot != no_index;
     }
 
     const Scene& scene;
-    host::PackFile file;
-    host::AlignedBlock terrain_block, stream_block;
+    io::PackFile file;
+    io::AlignedMemory terrain_memory, stream_memory;
     Terrain terrain;
     Cut cut;
     Stream stream;
@@ -140,7 +140,7 @@ TEST_CASE("ten thousand frames over a pack ten times larger than its pools: memo
     budget.map_bytes = map_bytes_of(h) / 10;
     budget.tail_log2 = 3;
     Flown on(scene, scene.path, slots, budget);
-    const host::StreamReader reader(on.stream, on.file);
+    const io::StreamReader reader(on.stream, on.file);
     on.refine.error_px = 8;
     Random random(902);
     double column = 300, row = 1200;
@@ -200,7 +200,7 @@ TEST_CASE("a file cut short, overwritten or deleted in flight: what is loaded st
         std::filesystem::remove(path);
         std::filesystem::copy_file(scene.path, path);
         Flown on(scene, path, 0, {});
-        const host::StreamReader reader(on.stream, on.file);
+        const io::StreamReader reader(on.stream, on.file);
         on.refine.error_px = 2;
         on.view = scene.near_ground(100, 100, 300);
         on.rest();
@@ -260,7 +260,7 @@ TEST_CASE("a bit flipped in one page: that page fails, once, and the rest is wha
         const std::byte flipped = scene.full.file[at] ^ (std::byte{1} << pick(random, 0, 7));
         overwrite(path, at, {&flipped, 1});
         Flown on(scene, path, 0, {});
-        const host::StreamReader reader(on.stream, on.file);
+        const io::StreamReader reader(on.stream, on.file);
         on.refine.error_px = 0.01; // everything
         on.view = scene.near_ground(350, 350, 3000);
         on.rest();

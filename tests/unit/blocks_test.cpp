@@ -9,7 +9,7 @@
 
 #include <stb_dxt.h>
 
-#include "baker/blocks.h"
+#include "baker/maps/blocks.h"
 #include "fjell/texture.h"
 
 using namespace fjell;

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "baker/colour.h"
-#include "baker/dem_source.h"
-#include "baker/image.h"
-#include "baker/read.h"
+#include "baker/maps/colour.h"
+#include "baker/read/dem_source.h"
+#include "baker/maps/image.h"
+#include "baker/read/read.h"
 #include "raster.h"
 
 using namespace fjell;

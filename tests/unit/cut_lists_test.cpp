@@ -14,32 +14,32 @@ namespace {
 
 struct Owner {
     explicit Owner(std::uint32_t count)
-        : blocks(count), queues(queue_count), chunks(block_chunks(count)), buckets(due_lists) {
-        lists.blocks = blocks.data();
-        lists.block_count = count;
+        : groups(count), queues(queue_count), nodes(list_node_count(count)), buckets(due_lists) {
+        lists.groups = groups.data();
+        lists.group_count = count;
         lists.queues = queues.data();
-        lists.chunks = chunks.data();
+        lists.nodes = nodes.data();
         lists.buckets = buckets.data();
         set_tick(lists, 0.7); // 0.5
-        for (BlockState& b : blocks) b.list = no_list;
-        clear_lists(lists, block_chunks(count));
+        for (GroupState& b : groups) b.list = unlisted;
+        clear_lists(lists, list_node_count(count));
     }
-    std::vector<BlockState> blocks;
+    std::vector<GroupState> groups;
     std::vector<Link> queues;
-    std::vector<BlockChunk> chunks;
+    std::vector<ListNode> nodes;
     std::vector<Bucket> buckets;
     Lists lists{};
 
     [[nodiscard]] std::uint32_t free_chunks() const {
         std::uint32_t n = 0;
-        for (std::uint32_t at = lists.free_chunk; at != nil; at = chunks[at].next) ++n;
+        for (std::uint32_t at = lists.free_node; at != no_index; at = nodes[at].next) ++n;
         return n;
     }
 };
 
 } // namespace
 
-TEST_CASE("no block is looked at later than its slack allows, nor much too early, and none is lost") {
+TEST_CASE("no group is looked at later than its slack allows, nor much too early, and none is lost") {
     std::mt19937 random(5);
     const auto pick = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
     constexpr std::uint32_t count = 300;
@@ -55,21 +55,21 @@ TEST_CASE("no block is looked at later than its slack allows, nor much too early
     std::set<std::uint32_t> due, queued;
     std::size_t came = 0;
     for (int step = 0; step < 60'000; ++step) {
-        const std::uint32_t block = pick(count), grade = pick(grade_count);
+        const std::uint32_t group = pick(count), grade = pick(grade_count);
         const auto slack = static_cast<float>(std::pow(10.0, pick(800) / 100.0 - 3));
         switch (pick(6)) {
         case 0:
         case 1:
-            if (lists.blocks[block].list != no_list) break;
-            schedule(lists, block, slack, grade);
-            booked[block] = {grade, odometer[grade], slack, 0};
+            if (lists.groups[group].list != unlisted) break;
+            schedule(lists, group, slack, grade);
+            booked[group] = {grade, odometer[grade], slack, 0};
             break;
         case 2: { // the earlier time and the higher grade win
-            if (due.contains(block) || queued.contains(block)) break;
-            tighten(lists, block, slack, grade);
-            const auto found = booked.find(block);
+            if (due.contains(group) || queued.contains(group)) break;
+            tighten(lists, group, slack, grade);
+            const auto found = booked.find(group);
             if (found == booked.end()) {
-                booked[block] = {grade, odometer[grade], slack, 0};
+                booked[group] = {grade, odometer[grade], slack, 0};
                 break;
             }
             Appointment& a = found->second;
@@ -104,7 +104,7 @@ TEST_CASE("no block is looked at later than its slack allows, nor much too early
                 while (size(lists, due_lists + g) != 0 && pick(4) != 0) {
                     const std::uint32_t popped = pop_due(lists, g, [](std::uint32_t) {});
                     REQUIRE(due.erase(popped) == 1);
-                    lists.blocks[popped].list = no_list;
+                    lists.groups[popped].list = unlisted;
                     if (pick(2) == 0) {
                         pick(2) ? push_back(lists, work_lists + pick(rank_count), popped)
                                 : push_front(lists, retire_list, popped);
@@ -113,10 +113,10 @@ TEST_CASE("no block is looked at later than its slack allows, nor much too early
                 }
             break;
         case 5:
-            if (due.contains(block)) break;
-            unlink(lists, block);
-            booked.erase(block);
-            queued.erase(block);
+            if (due.contains(group)) break;
+            unlink(lists, group);
+            booked.erase(group);
+            queued.erase(group);
             break;
         }
         std::size_t in_due = 0, in_queues = 0;
@@ -125,17 +125,17 @@ TEST_CASE("no block is looked at later than its slack allows, nor much too early
         REQUIRE(in_queues == queued.size());
     }
     CHECK(came > 1000);
-    // Everything taken out again, every chunk is free.
+    // Everything taken out again, every node is free.
     for (std::uint32_t g = 0; g < grade_count; ++g)
-        while (size(lists, due_lists + g) != 0) lists.blocks[pop_due(lists, g, [](std::uint32_t) {})].list = no_list;
-    for (std::uint32_t block = 0; block < count; ++block) unlink(lists, block);
-    CHECK(owner.free_chunks() == block_chunks(count));
+        while (size(lists, due_lists + g) != 0) lists.groups[pop_due(lists, g, [](std::uint32_t) {})].list = unlisted;
+    for (std::uint32_t group = 0; group < count; ++group) unlink(lists, group);
+    CHECK(owner.free_chunks() == list_node_count(count));
 }
 
 TEST_CASE("queues are first in, first out, and take back at the front") {
     Owner owner(8);
     Lists& lists = owner.lists;
-    for (const std::uint32_t block : {3u, 1u, 5u}) push_back(lists, work_lists + 4, block);
+    for (const std::uint32_t group : {3u, 1u, 5u}) push_back(lists, work_lists + 4, group);
     push_front(lists, work_lists + 4, 7);
     unlink(lists, 1);
     CHECK(size(lists, work_lists + 4) == 3);
@@ -145,15 +145,15 @@ TEST_CASE("queues are first in, first out, and take back at the front") {
     CHECK(size(lists, work_lists + 4) == 0);
 }
 
-TEST_CASE("due blocks of a page that leaves are forgotten, others stay due") {
+TEST_CASE("due groups of a page that leaves are forgotten, others stay due") {
     Owner owner(200);
     Lists& lists = owner.lists;
-    for (std::uint32_t block = 0; block < 200; ++block) push_due(lists, block % 3, block);
+    for (std::uint32_t group = 0; group < 200; ++group) push_due(lists, group % 3, group);
     forget_due(lists, 50, 100);
     std::set<std::uint32_t> left;
     for (std::uint32_t g = 0; g < 3; ++g)
         while (size(lists, due_lists + g) != 0) left.insert(pop_due(lists, g, [](std::uint32_t) {}));
     CHECK(left.size() == 100);
-    for (const std::uint32_t block : left) CHECK((block < 50 || block >= 150));
-    CHECK(owner.free_chunks() == block_chunks(200));
+    for (const std::uint32_t group : left) CHECK((group < 50 || group >= 150));
+    CHECK(owner.free_chunks() == list_node_count(200));
 }

@@ -5,8 +5,8 @@
 #include <memory>
 #include <set>
 
-#include "editor/apply.h"
-#include "editor/overview.h"
+#include "editor/handlers/apply.h"
+#include "editor/scene/overview.h"
 #include "fjell/query.h"
 #include "gl/context.h"
 #include "support/program.h"
@@ -91,7 +91,7 @@ TEST_CASE("an orbit begins without moving the camera, around the ground in the p
         Place place(seed);
         place.fly_somewhere();
         Eye& eye = place.state.eye;
-        const fly::Pose pose = eye.free.pose();
+        const flight::Pose pose = eye.free.pose();
         const GroundHit hit = cast_ray(place.terrain(), pose.position_m, pose.direction, 1e9);
         place.act(Navigate{Navigation::orbit});
         INFO("seed " << seed << (hit.hit ? "" : ", sky"));
@@ -131,12 +131,12 @@ TEST_CASE("a jump keeps the view and the height above the ground") {
         Place place(seed);
         place.fly_somewhere();
         for (int i = 0; i < 50; ++i) {
-            const fly::FreeCamera before = place.state.eye.free;
+            const flight::FreeCamera before = place.state.eye.free;
             const double above = place.above();
             const JumpTo to{uniform(place.random, 0, place.state.scene.width_m()),
                             uniform(place.random, 0, place.state.scene.depth_m())};
             place.act(to);
-            const fly::FreeCamera& now = place.state.eye.free;
+            const flight::FreeCamera& now = place.state.eye.free;
             CHECK(now.position_m.x == to.x_m);
             CHECK(now.position_m.z == to.z_m);
             CHECK(place.above() == Approx(above).margin(1e-6));

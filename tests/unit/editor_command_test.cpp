@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "editor/command.h"
-#include "host/failure.h"
+#include "io/failure.h"
 
 using namespace fjell;
 using namespace fjell::editor;
@@ -114,7 +114,7 @@ TEST_CASE("every verb that the help lists takes its words, and others only with 
             try {
                 (void)parse_command(verb + " " + words);
                 FAIL_CHECK("was taken");
-            } catch (const host::Failure& failure) {
+            } catch (const io::Failure& failure) {
                 const std::string line = failure.what();
                 CHECK(failure.exit_code == 2);
                 CHECK(line.find('\n') == std::string::npos);

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "editor/document.h"
-#include "editor/slider.h"
-#include "host/failure.h"
+#include "editor/panels/slider.h"
+#include "io/failure.h"
 #include "support/program.h"
 #include "support/temporary_folder.h"
 
@@ -24,22 +24,22 @@ using test::TemporaryFolder;
 
 namespace {
 
-const fly::ProfileKey& key_of(const char* name) {
-    const fly::ProfileKey* const key = fly::find_profile_key(name);
+const flight::ProfileKey& key_of(const char* name) {
+    const flight::ProfileKey* const key = flight::find_profile_key(name);
     REQUIRE(key != nullptr);
     return *key;
 }
 
-bool same(const fly::Profile& a, const fly::Profile& b) {
-    return fly::differing_keys(a, b).empty();
+bool same(const flight::Profile& a, const flight::Profile& b) {
+    return flight::differing_keys(a, b).empty();
 }
 
 // What a document promises, without its economies: every profile there was, in full.
 struct Model {
-    std::vector<fly::Profile> past, future;
-    fly::Profile now, saved;
+    std::vector<flight::Profile> past, future;
+    flight::Profile now, saved;
 
-    void change_to(const fly::Profile& to) {
+    void change_to(const flight::Profile& to) {
         if (same(to, now)) return;
         past.push_back(now);
         now = to;
@@ -89,28 +89,28 @@ public:
     Model model;
 
 private:
-    const fly::ProfileKey& any_key() {
+    const flight::ProfileKey& any_key() {
         for (;;) {
-            const fly::ProfileKey& key = fly::profile_keys()[random_() % fly::profile_keys().size()];
+            const flight::ProfileKey& key = flight::profile_keys()[random_() % flight::profile_keys().size()];
             const std::string name = key.name;
             if (name != "metric" && name != "cull") return key; // which may refuse one another
         }
     }
     // Few different ones, so that they come back often.
-    double any_value(const fly::ProfileKey& key) { return slider_value(key, static_cast<double>(random_() % 4) / 3); }
-    fly::Profile with(fly::Profile profile, const fly::ProfileKey& key, double value) {
+    double any_value(const flight::ProfileKey& key) { return slider_value(key, static_cast<double>(random_() % 4) / 3); }
+    flight::Profile with(flight::Profile profile, const flight::ProfileKey& key, double value) {
         if (key.get(profile) != value) key.set(profile, value);
         return profile;
     }
     void type() {
-        const fly::ProfileKey& key = any_key();
+        const flight::ProfileKey& key = any_key();
         const double value = any_value(key);
         document.set(key, value, false);
         model.change_to(with(model.now, key, value));
     }
     void drag() {
-        const fly::ProfileKey& key = any_key();
-        fly::Profile to = model.now;
+        const flight::ProfileKey& key = any_key();
+        flight::Profile to = model.now;
         for (auto moves = 1 + random_() % 4; moves != 0; --moves) {
             const double value = any_value(key);
             document.set(key, value, true);
@@ -145,19 +145,19 @@ private:
         auto file = files_.begin();
         std::advance(file, static_cast<std::ptrdiff_t>(random_() % files_.size()));
         document.open(file->first);
-        const fly::Profile read = fly::read_profile(file->first);
+        const flight::Profile read = flight::read_profile(file->first);
         REQUIRE(same(read, file->second));
         model.change_to(read);
         model.saved = read;
     }
     void replace() {
-        const fly::Profile other = random_() % 2 == 0 ? fly::Profile{} : with({}, key_of("refine.error_px"), 3);
+        const flight::Profile other = random_() % 2 == 0 ? flight::Profile{} : with({}, key_of("refine.error_px"), 3);
         document.replace(other);
         model.change_to(other);
     }
 
     TemporaryFolder folder_;
-    std::map<std::string, fly::Profile> files_;
+    std::map<std::string, flight::Profile> files_;
     std::mt19937_64 random_;
 };
 
@@ -188,12 +188,12 @@ TEST_CASE("what an engine refuses is taken back with all its steps, and what was
             const std::string path = hands.document.path();
             for (int k = 0; k < 3; ++k) hands.do_something();
             hands.document.revert();
-            const fly::Profile saved = hands.document.saved();
+            const flight::Profile saved = hands.document.saved();
             hands.model = accepted;
             hands.model.saved = saved;
             require_like(hands.document, hands.model);
             if (hands.document.path() == path) continue;
-            REQUIRE(same(fly::read_profile(hands.document.path()), saved)); // it was saved there
+            REQUIRE(same(flight::read_profile(hands.document.path()), saved)); // it was saved there
         }
         REQUIRE(!hands.document.revert()); // nothing since
     }
@@ -230,7 +230,7 @@ TEST_CASE("what was saved before an engine refused it is saved still") {
 
 TEST_CASE("a drag is one step, and none when it ends where it began") {
     Document document;
-    const fly::ProfileKey& key = key_of("refine.error_px");
+    const flight::ProfileKey& key = key_of("refine.error_px");
     for (const double value : {1.5, 2.0, 4.0}) document.set(key, value, true);
     CHECK(document.dragging());
     CHECK(document.undo_steps() == 1);
@@ -247,7 +247,7 @@ TEST_CASE("a drag is one step, and none when it ends where it began") {
 
 TEST_CASE("an undo while a control is held is not undone by the hand that still holds it") {
     Document document;
-    const fly::ProfileKey& key = key_of("refine.error_px");
+    const flight::ProfileKey& key = key_of("refine.error_px");
     document.set(key, 5, true);
     document.undo();
     CHECK_FALSE(document.dragging()); // the engine may follow
@@ -276,10 +276,10 @@ TEST_CASE("a profile keeps the heading of the file it came from, saved there or 
     document.set(key_of("refine.error_px"), 7, false);
     document.save(folder / "mine.toml");
     const std::string text = slurp(folder / "mine.toml");
-    const std::string heading = fly::profile_heading(slurp(from));
+    const std::string heading = flight::profile_heading(slurp(from));
     REQUIRE(!heading.empty());
-    CHECK(fly::profile_heading(text) == heading);
-    CHECK(fly::parse_profile(text, "mine").refine.error_px == 7);
+    CHECK(flight::profile_heading(text) == heading);
+    CHECK(flight::parse_profile(text, "mine").refine.error_px == 7);
     CHECK(document.path() == folder / "mine.toml");
     CHECK_FALSE(document.unsaved());
 }
@@ -297,7 +297,7 @@ TEST_CASE("a profile that cannot be saved stays unsaved, and what was there stay
     for (const std::string& path :
          {folder / "file/mine.toml", folder / "folder.toml", std::string("/dev/full"), folder / "missing/mine.toml"}) {
         INFO(path);
-        CHECK_THROWS_AS(document.save(path), host::Failure);
+        CHECK_THROWS_AS(document.save(path), io::Failure);
         CHECK(document.unsaved());
         CHECK(document.path() == folder / "mine.toml");
         CHECK(slurp(folder / "mine.toml") == before);
@@ -315,8 +315,8 @@ TEST_CASE("a bad profile is refused in one line and nothing has changed") {
     spit(folder / "worse.toml", "{");
     for (const char* name : {"bad.toml", "worse.toml", "missing.toml"}) {
         INFO(name);
-        CHECK_THROWS_AS(document.open(folder / name), host::Failure);
-        CHECK_THROWS_AS(document.compare(folder / name), host::Failure);
+        CHECK_THROWS_AS(document.open(folder / name), io::Failure);
+        CHECK_THROWS_AS(document.compare(folder / name), io::Failure);
         CHECK(document.version() == version);
         CHECK(document.compared() == nullptr);
     }
@@ -324,7 +324,7 @@ TEST_CASE("a bad profile is refused in one line and nothing has changed") {
 
 TEST_CASE("restored changes are one step away from the file they were made to, or unsaved where that is gone") {
     const TemporaryFolder folder;
-    fly::Profile changed;
+    flight::Profile changed;
     changed.refine.error_px = 9;
     spit(folder / "file.toml", "# Mine.\n\n[refine]\nerror_px = 3.0\n");
     Document document;
@@ -337,11 +337,11 @@ TEST_CASE("restored changes are one step away from the file they were made to, o
     gone.restore(changed, folder / "gone.toml");
     CHECK(gone.unsaved());
     gone.save("");
-    CHECK(fly::read_profile(folder / "gone.toml").refine.error_px == 9);
+    CHECK(flight::read_profile(folder / "gone.toml").refine.error_px == 9);
 }
 
 TEST_CASE("a slider reaches both ends of every key exactly, never falls, and says where a value lies") {
-    for (const fly::ProfileKey& key : fly::profile_keys()) {
+    for (const flight::ProfileKey& key : flight::profile_keys()) {
         INFO(key.table << '.' << key.name);
         CHECK(slider_value(key, 0) == key.least);
         CHECK(slider_value(key, 1) == key.most);
@@ -352,7 +352,7 @@ TEST_CASE("a slider reaches both ends of every key exactly, never falls, and say
             const double value = slider_value(key, i / 1000.0);
             REQUIRE(value >= last);
             REQUIRE(value <= key.most);
-            if (key.kind != fly::KeyKind::number) REQUIRE(value == std::round(value));
+            if (key.kind != flight::KeyKind::number) REQUIRE(value == std::round(value));
             // The slider of that value gives that value: holding it still changes nothing.
             REQUIRE(slider_value(key, slider_share(key, value)) == Approx(value).epsilon(0.006));
             last = value;

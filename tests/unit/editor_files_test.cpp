@@ -12,10 +12,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "editor/carry_out.h"
+#include "editor/handlers/handlers.h"
 #include "editor/sample.h"
 #include "fjell/pack.h"
-#include "host/failure.h"
+#include "io/failure.h"
 #include "support/program.h"
 #include "support/temporary_folder.h"
 
@@ -69,7 +69,7 @@ struct Editor {
 };
 
 void change(Document& document, double error_px) {
-    document.set(*fly::find_profile_key("refine.error_px"), error_px, false);
+    document.set(*flight::find_profile_key("refine.error_px"), error_px, false);
 }
 
 std::vector<std::string> names_in(const fs::path& folder) {
@@ -120,7 +120,7 @@ TEST_CASE("settings are read as they were written, and damaged ones are the defa
     spit(file, "{\"recent\": [], \"scale\": 1e9}");
     CHECK(read_settings(folder / "config", problem).scale == 0);
     spit(folder / "file", "");
-    CHECK_THROWS_AS(write_settings(folder / "file/fjell", settings), host::Failure);
+    CHECK_THROWS_AS(write_settings(folder / "file/fjell", settings), io::Failure);
 }
 
 TEST_CASE("recent files are absolute, the latest first, each once, ten at most") {
@@ -163,7 +163,7 @@ TEST_CASE("what a file is, its content says") {
         try {
             (void)kind_of(folder / name);
             FAIL_CHECK("was taken");
-        } catch (const host::Failure& failure) {
+        } catch (const io::Failure& failure) {
             CHECK(std::string(failure.what()).find('\n') == std::string::npos);
             CHECK(std::string(failure.what()).find(folder / name) != std::string::npos);
         }
@@ -179,8 +179,8 @@ TEST_CASE("the sample is the landscape of content/, written where it is baked") 
     CHECK(bake.inputs[0].ends_with(".json")); // what tells a landscape from heights
     CHECK(bake.output == sample_pack(folder / "cache/fjell"));
     spit(folder / "file", "");
-    CHECK_THROWS_AS(bake_sample(folder / "file/fjell"), host::Failure);
-    CHECK_THROWS_AS(bake_sample(""), host::Failure);
+    CHECK_THROWS_AS(bake_sample(folder / "file/fjell"), io::Failure);
+    CHECK_THROWS_AS(bake_sample(""), io::Failure);
 }
 
 TEST_CASE("a folder is listed with folders first, files of the dialogue's kinds, and the rest on demand") {
@@ -281,7 +281,7 @@ TEST_CASE("a path that was not saved is found with the time that it takes, also 
     const std::string where = folder / "state/fjell";
     const Document document;
     Route route;
-    fly::Ground ground;
+    flight::Ground ground;
     ground.extent_x_m = ground.extent_z_m = 9000;
     ground.cell_m = 30;
     for (int i = 0; i < 4; ++i) route.add({{1000.0 * i, 500, 3000}, {0, 0, -1}, {0, 1, 0}}, ground);
@@ -413,7 +413,7 @@ TEST_CASE("quitting with changes asks first: cancelled, saved or discarded") {
     CHECK(editor.state.document.unsaved());
     editor.run("save-profile " + folder / "p.toml");
     CHECK(editor.state.quit);
-    CHECK(fly::read_profile(folder / "p.toml").refine.error_px == 3);
+    CHECK(flight::read_profile(folder / "p.toml").refine.error_px == 3);
 
     Editor other;
     other.set(3);
@@ -425,7 +425,7 @@ TEST_CASE("quitting with changes asks first: cancelled, saved or discarded") {
     other.run("quit");
     other.run("go-on discard");
     CHECK(other.state.quit);
-    CHECK(fly::read_profile(folder / "q.toml").refine.error_px == 3);
+    CHECK(flight::read_profile(folder / "q.toml").refine.error_px == 3);
 
     Editor hasty;
     hasty.set(3);
@@ -445,7 +445,7 @@ TEST_CASE("opening another profile with changes asks first, and remembers which 
         CHECK(editor.error_px() == 3);
         CHECK(editor.state.interface.dialog == Dialog::unsaved);
         editor.run("go-on save");
-        CHECK(fly::read_profile(folder / "mine.toml").refine.error_px == 3);
+        CHECK(flight::read_profile(folder / "mine.toml").refine.error_px == 3);
         CHECK(editor.error_px() == 5);
         CHECK(editor.state.document.path() == folder / "theirs.toml");
         editor.set(4);

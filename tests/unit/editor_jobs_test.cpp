@@ -12,10 +12,10 @@
 #include <thread>
 #include <vector>
 
-#include "editor/job_bodies.h"
-#include "editor/jobs.h"
-#include "fly/session.h"
-#include "host/failure.h"
+#include "editor/jobs/bodies.h"
+#include "editor/jobs/jobs.h"
+#include "flight/session.h"
+#include "io/failure.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
@@ -55,27 +55,27 @@ struct Place {
     [[nodiscard]] FlightPlan streamed(std::size_t frames) const {
         FlightPlan p = plan(frames);
         p.profile.page_slots = slots();
-        fly::Options options;
+        flight::FlightOptions options;
         options.pack = p.pack;
         options.profile = p.profile;
-        fly::Session session;
-        fly::open_session(options, session);
+        flight::Session session;
+        flight::open_session(options, session);
         REQUIRE(session.streamed != nullptr); // more pages than slots
         return p;
     }
     // One page has no place.
     [[nodiscard]] std::uint32_t slots() const {
-        return host::load_pack(folder / "t.fjell", host::LoadTerrain::yes).terrain.page_count() - 1;
+        return io::load_pack(folder / "t.fjell", io::LoadTerrain::yes).terrain.page_count() - 1;
     }
     [[nodiscard]] ExportPlan snapshot(const std::string& path, bool streamed = false) const {
-        fly::Options options;
+        flight::FlightOptions options;
         options.pack = folder / "t.fjell";
-        options.streaming = fly::Streaming::off;
-        fly::Session session;
-        fly::open_session(options, session);
+        options.streaming = flight::Streaming::off;
+        flight::Session session;
+        flight::open_session(options, session);
         ExportPlan p{options.pack, path, streamed, options.profile, {}, 2};
         if (streamed) p.profile.page_slots = slots();
-        p.view = fly::view_of(fly::resample(fly::path_of(options), session.ground(), 5)[2], session.terrain(), p.profile);
+        p.view = flight::view_of(flight::resample(flight::path_of(options), session.ground(), 5)[2], session.terrain(), p.profile);
         return p;
     }
     TemporaryFolder folder;
@@ -112,7 +112,7 @@ TEST_CASE("what a job throws, whatever it is, is its problem, and the next one b
         jobs.start(JobKind::bake, std::move(body));
         return finish(jobs);
     };
-    CHECK(problem([](JobControl&) { throw host::Failure(1, "the disk is square"); }).problem == "the disk is square");
+    CHECK(problem([](JobControl&) { throw io::Failure(1, "the disk is square"); }).problem == "the disk is square");
     CHECK_THAT(problem([](JobControl&) { throw std::bad_alloc(); }).problem, Catch::Contains("memory is short"));
     CHECK_FALSE(problem([](JobControl&) { throw 7; }).problem.empty());
     const JobView well = problem([](JobControl&) {});
@@ -136,7 +136,7 @@ TEST_CASE("a job that is cancelled ends at its next word of progress, without a 
         Jobs jobs;
         jobs.start(JobKind::bake, [&](JobControl& control) {
             for (;;) {
-                if (as_failure && control.cancelled()) throw host::Failure(130, "interrupted");
+                if (as_failure && control.cancelled()) throw io::Failure(130, "interrupted");
                 if (!as_failure) control.progress("wait", 1, 2);
             }
         });
@@ -184,9 +184,9 @@ TEST_CASE("a benchmark that is cancelled, or cannot write, leaves nothing") {
         if (view.stage == "fly") jobs.cancel();
     });
     CHECK(place.folder.names() == std::vector<std::string>{"t.fjell"});
-    CHECK_THROWS_AS(benchmark_job(place.plan(10), place.folder / "no/b.csv"), host::Failure);
-    CHECK_THROWS_AS(benchmark_job(place.plan(10), place.folder / "t.fjell"), host::Failure);
-    CHECK_THROWS_AS(benchmark_job(place.plan(10), ""), host::Failure);
+    CHECK_THROWS_AS(benchmark_job(place.plan(10), place.folder / "no/b.csv"), io::Failure);
+    CHECK_THROWS_AS(benchmark_job(place.plan(10), place.folder / "t.fjell"), io::Failure);
+    CHECK_THROWS_AS(benchmark_job(place.plan(10), ""), io::Failure);
 }
 
 TEST_CASE("a tuning flies its path again and again, tells its curve and keeps to what it measured") {
@@ -251,7 +251,7 @@ TEST_CASE("an export that is cancelled, or has no place, leaves what was there")
     const JobView nowhere = run(JobKind::snapshot, export_job(place.snapshot(place.folder / "no/m.glb")));
     CHECK_FALSE(nowhere.problem.empty());
     CHECK(place.folder.names() == std::vector<std::string>{"m.glb", "t.fjell"});
-    CHECK_THROWS_AS(export_job(place.snapshot(place.folder / "t.fjell")), host::Failure);
+    CHECK_THROWS_AS(export_job(place.snapshot(place.folder / "t.fjell")), io::Failure);
 }
 
 namespace {
@@ -270,7 +270,7 @@ TEST_CASE("a bake beside the frame writes the pack that opens, with the options 
     INFO(view.problem);
     REQUIRE(view.problem.empty());
     CHECK(view.output == folder / "hills.fjell");
-    const host::LoadedPack loaded = host::load_pack(view.output, host::LoadTerrain::yes);
+    const io::LoadedPack loaded = io::load_pack(view.output, io::LoadTerrain::yes);
     CHECK(loaded.pack.header.columns == 1025);
     CHECK(loaded.pack.header.tile_log2 == 7);
 }
@@ -324,17 +324,17 @@ TEST_CASE("a bake that is cancelled midway and keeps its folder is gone on with 
 }
 
 TEST_CASE("a route in other frames begins and ends where it did and holds the camera upright") {
-    std::vector<fly::Pose> route;
+    std::vector<flight::Pose> route;
     for (int i = 0; i <= 10; ++i) {
         const double a = 0.2 * i;
         route.push_back({{10.0 * i, 5, 0}, {std::cos(a), 0, std::sin(a)}, {0, 1, 0}});
     }
-    const std::vector<fly::Pose> more = in_frames(route, 41);
+    const std::vector<flight::Pose> more = in_frames(route, 41);
     REQUIRE(more.size() == 41);
     CHECK(more.front().position_m.x == 0);
     CHECK(more.back().position_m.x == 100);
     CHECK(more[2].position_m.x == Approx(5));
-    for (const fly::Pose& p : more) {
+    for (const flight::Pose& p : more) {
         CHECK(length(p.direction) == Approx(1));
         CHECK(length(p.up) == Approx(1));
         CHECK(std::abs(dot(p.direction, p.up)) < 1e-12);

@@ -99,7 +99,7 @@ TEST_CASE("quantiles are the nearest ranks of what was sorted") {
 
 TEST_CASE("a frame is recorded once, and one that was built from nothing counts as none of the others") {
     Measures measures;
-    fly::FrameEntry entry;
+    flight::FrameEntry entry;
     entry.update_us = 9000;
     entry.items = 70;
     entry.rebuilt = true;
@@ -149,7 +149,7 @@ TEST_CASE("the histogram of levels is the plain count, of lists and of strips") 
     for (unsigned seed = 0; seed < 12; ++seed) {
         Random random(seed);
         const int tile_log2 = pick(random, 3, 6);
-        const host::LoadedPack loaded = bake_and_load(
+        const io::LoadedPack loaded = bake_and_load(
             random_dem(random, pick(random, 40, 260), pick(random, 40, 260), Shape::fractal), small_bake(tile_log2));
         Recursive method(loaded.terrain, ample_budget(loaded.terrain));
         RefineSettings settings;
@@ -168,13 +168,13 @@ TEST_CASE("the histogram of the live cut is the plain count, whatever lies idle 
     for (unsigned seed = 0; seed < 6; ++seed) {
         Random random(seed);
         const int tile_log2 = pick(random, 4, 6);
-        const host::LoadedPack loaded =
+        const io::LoadedPack loaded =
             bake_and_load(random_dem(random, 200, 170, Shape::fractal), small_bake(tile_log2));
         CutBudget budget;
         budget.vertices = 1u << 16;
         budget.triangles = 1u << 18;
         const std::size_t bytes = cut_bytes(loaded.terrain, budget);
-        const host::AlignedBlock block = host::make_block(bytes);
+        const io::AlignedMemory block = io::make_block(bytes);
         LiveCut cut;
         REQUIRE(create_cut(loaded.terrain, budget, {block.get(), bytes}, cut).ok());
         for (int frame = 0; frame < 4; ++frame) {

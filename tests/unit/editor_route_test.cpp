@@ -6,8 +6,8 @@
 #include <variant>
 
 #include "editor/route.h"
-#include "editor/route_lines.h"
-#include "host/failure.h"
+#include "editor/scene/route_lines.h"
+#include "io/failure.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 #include "fjell/glm.h"
@@ -15,13 +15,13 @@
 using namespace fjell;
 using namespace fjell::editor;
 using namespace fjell::test;
-using fly::ControlPoint;
-using fly::Pose;
+using flight::ControlPoint;
+using flight::Pose;
 
 namespace {
 
-fly::Ground plain() {
-    fly::Ground ground;
+flight::Ground plain() {
+    flight::Ground ground;
     ground.extent_x_m = 9000;
     ground.extent_z_m = 7000;
     ground.cell_m = 30;
@@ -46,7 +46,7 @@ Pose gentle_pose(Random& random, int i) {
 }
 
 ControlPoint point_of(const Pose& p) {
-    return fly::unit_point({p.position_m.x, p.position_m.y, p.position_m.z, p.direction.x, p.direction.y,
+    return flight::unit_point({p.position_m.x, p.position_m.y, p.position_m.z, p.direction.x, p.direction.y,
                             p.direction.z, p.up.x, p.up.y, p.up.z});
 }
 
@@ -60,9 +60,9 @@ std::vector<ControlPoint> lay(Random& random, Route& route, int count) {
     return points;
 }
 
-std::vector<ControlPoint> points_in(const fly::CameraPath& path) {
+std::vector<ControlPoint> points_in(const flight::CameraPath& path) {
     std::vector<ControlPoint> points;
-    const auto& spline = std::get<fly::SplinePath>(path.kind).spline;
+    const auto& spline = std::get<flight::SplinePath>(path.kind).spline;
     for (const double knot : spline.knots()) points.push_back(spline.at(knot));
     return points;
 }
@@ -75,17 +75,17 @@ TEST_CASE("a path's text reads back to the last bit") {
         INFO("seed " << seed);
         std::vector<ControlPoint> points;
         for (int i = pick(random, 2, 30); i > 0; --i) points.push_back(point_of(random_pose(random)));
-        fly::CameraPath path;
+        flight::CameraPath path;
         path.name = "laid";
         path.seconds = pick(random, 0, 1) == 1 ? uniform(random, 0.001, 3600) : 0;
-        std::vector<double> knots = fly::chord_knots(points, path.name);
-        path.kind = fly::SplinePath{fly::NaturalSpline<9>(knots, points)};
-        const std::string text = fly::path_text(path);
-        const fly::CameraPath back = fly::parse_path(text, "back");
+        std::vector<double> knots = flight::chord_knots(points, path.name);
+        path.kind = flight::SplinePath{flight::NaturalSpline<9>(knots, points)};
+        const std::string text = flight::path_text(path);
+        const flight::CameraPath back = flight::parse_path(text, "back");
         CHECK(points_in(back) == points);
         CHECK(back.seconds == path.seconds);
-        CHECK(back.units == fly::Units::metres);
-        CHECK(fly::path_text(back) == text);
+        CHECK(back.units == flight::Units::metres);
+        CHECK(flight::path_text(back) == text);
     }
 }
 
@@ -95,18 +95,18 @@ TEST_CASE("orbits and lines keep their text too, and recorded frames have none")
           R"({"orbit": {"centre": [100, 200], "radius": 1000, "height": 400}})",
           R"({"units": "terrain", "seconds": 12, "straight": {"from": [0, 0.1, 0.5], "to": [1, 0.1, 0.5],
               "cells_per_frame": 1.5, "pitch_deg": -10}})"}) {
-        const fly::CameraPath path = fly::parse_path(text, "p");
-        const std::string written = fly::path_text(path);
-        const fly::CameraPath back = fly::parse_path(written, "back");
-        CHECK(fly::path_text(back) == written);
+        const flight::CameraPath path = flight::parse_path(text, "p");
+        const std::string written = flight::path_text(path);
+        const flight::CameraPath back = flight::parse_path(written, "back");
+        CHECK(flight::path_text(back) == written);
         CHECK(back.units == path.units);
         CHECK(back.seconds == path.seconds);
-        const auto a = fly::resample(path, plain(), 50), b = fly::resample(back, plain(), 50);
+        const auto a = flight::resample(path, plain(), 50), b = flight::resample(back, plain(), 50);
         for (std::size_t i = 0; i < a.size(); ++i) CHECK(length(a[i].position_m - b[i].position_m) == 0);
     }
-    const fly::CameraPath recorded =
-        fly::parse_path("F 0 1 0 0 0 1 0 0 0 1 0.1 0.2 0.3 1\nF 0 1 0 0 0 1 0 0 0 1 0.2 0.2 0.3 1\n", "r");
-    CHECK_THROWS_AS(fly::path_text(recorded), host::Failure);
+    const flight::CameraPath recorded =
+        flight::parse_path("F 0 1 0 0 0 1 0 0 0 1 0.1 0.2 0.3 1\nF 0 1 0 0 0 1 0 0 0 1 0.2 0.2 0.3 1\n", "r");
+    CHECK_THROWS_AS(flight::path_text(recorded), io::Failure);
 }
 
 TEST_CASE("a path that is laid, saved and opened is the same path") {
@@ -205,7 +205,7 @@ TEST_CASE("a recording of a camera that stood still is refused, and the path bef
     const Pose still = gentle_pose(random, 1);
     route.record(true, still, plain());
     for (int i = 0; i < 100; ++i) (void)route.follow(still, 1.0 / 60);
-    CHECK_THROWS_AS(route.record(false, still, plain()), host::Failure);
+    CHECK_THROWS_AS(route.record(false, still, plain()), io::Failure);
     CHECK_FALSE(route.recording());
     CHECK(route.points() == points);
 }
@@ -276,14 +276,14 @@ TEST_CASE("what cannot be leaves the path as it was") {
     Random random(5);
     Route route;
     const std::vector<ControlPoint> points = lay(random, route, 4);
-    CHECK_THROWS_AS(route.remove(4, plain()), host::Failure);
-    CHECK_THROWS_AS(route.select(99), host::Failure);
-    CHECK_THROWS_AS(route.set_seconds(0.5, plain()), host::Failure);
-    CHECK_THROWS_AS(route.open("/nowhere/at all.json", plain()), host::Failure);
-    CHECK_THROWS_AS(route.save(""), host::Failure);
-    CHECK_THROWS_AS(route.save("/nowhere/at all.json"), host::Failure);
+    CHECK_THROWS_AS(route.remove(4, plain()), io::Failure);
+    CHECK_THROWS_AS(route.select(99), io::Failure);
+    CHECK_THROWS_AS(route.set_seconds(0.5, plain()), io::Failure);
+    CHECK_THROWS_AS(route.open("/nowhere/at all.json", plain()), io::Failure);
+    CHECK_THROWS_AS(route.save(""), io::Failure);
+    CHECK_THROWS_AS(route.save("/nowhere/at all.json"), io::Failure);
     const Pose last = route.select(3);
-    CHECK_THROWS_AS(route.add(last, plain()), host::Failure); // the same place twice
+    CHECK_THROWS_AS(route.add(last, plain()), io::Failure); // the same place twice
     Pose rounded = last; // as a camera has it that was put there
     rounded.position_m.x += 1e-9;
     rounded.direction = normalised(rounded.direction + rounded.up * 1e-15);
@@ -299,9 +299,9 @@ TEST_CASE("an orbit is played and saved as it is until it is edited") {
     route.open(folder / "o.json", plain());
     CHECK(route.as_read());
     CHECK(route.points().size() > 10);
-    CHECK(route.poses().size() == fly::default_frames);
+    CHECK(route.poses().size() == flight::default_frames);
     route.save(folder / "same.json");
-    CHECK(std::holds_alternative<fly::Orbit>(fly::read_path(folder / "same.json").kind));
+    CHECK(std::holds_alternative<flight::Orbit>(flight::read_path(folder / "same.json").kind));
     const Pose on_it = route.poses()[100];
     route.replace(3, route.poses()[45], plain());
     CHECK_FALSE(route.as_read());
@@ -310,7 +310,7 @@ TEST_CASE("an orbit is played and saved as it is until it is edited") {
     for (const Pose& pose : route.poses()) nearest = std::min(nearest, length(pose.position_m - on_it.position_m));
     CHECK(nearest < 0.01 * plain().longer_m()); // still round there
     route.save("");
-    CHECK(std::holds_alternative<fly::SplinePath>(fly::read_path(folder / "same.json").kind));
+    CHECK(std::holds_alternative<flight::SplinePath>(flight::read_path(folder / "same.json").kind));
 }
 
 namespace {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "editor/job_tune.h"
-#include "host/failure.h"
+#include "editor/jobs/tune.h"
+#include "io/failure.h"
 
 using namespace fjell::editor;
 

@@ -1,7 +1,7 @@
 // Heights for camera paths from a pack that stays in its file.
 #include <catch2/catch.hpp>
 
-#include "fly/file_ground.h"
+#include "flight/file_ground.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
@@ -18,9 +18,9 @@ TEST_CASE("the ground of a pack in its file is that of the pack loaded whole, to
         options.order = static_cast<Order>(round % 3);
         const TemporaryFolder folder;
         (void)baker::bake(dem, options, folder / "pack.fjell");
-        const auto whole = host::load_pack(folder / "pack.fjell", host::LoadTerrain::yes);
-        const host::PackFile file(folder / "pack.fjell");
-        fly::FileGround ground(file);
+        const auto whole = io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes);
+        const io::PackFile file(folder / "pack.fjell");
+        flight::FileGround ground(file);
         const double width = whole.terrain.x_m(dem.columns - 1), depth = whole.terrain.z_m(dem.rows - 1);
         std::size_t wrong = 0;
         for (int n = 0; n < 2000; ++n) {
@@ -40,7 +40,7 @@ TEST_CASE("where pages are damaged, the ground is a coarser sample's") {
     Random random(62);
     const TemporaryFolder folder;
     (void)baker::bake(random_dem(random, 300, 200, Shape::fractal), small_bake(7), folder / "pack.fjell");
-    const auto whole = host::load_pack(folder / "pack.fjell", host::LoadTerrain::yes);
+    const auto whole = io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes);
     std::string bytes = slurp(folder / "pack.fjell");
     const Terrain& t = whole.terrain;
     for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile)
@@ -49,8 +49,8 @@ TEST_CASE("where pages are damaged, the ground is a coarser sample's") {
             bytes[e.offset + e.stored_bytes / 2] ^= 1;
         }
     spit(folder / "bad.fjell", bytes);
-    const host::PackFile file(folder / "bad.fjell");
-    fly::FileGround ground(file);
+    const io::PackFile file(folder / "bad.fjell");
+    flight::FileGround ground(file);
     for (int n = 0; n < 3000; ++n) {
         const double x = uniform(random, 0, 1) * t.x_m(299), z = uniform(random, 0, 1) * t.z_m(199);
         const double height = ground.ground_m(x, z);

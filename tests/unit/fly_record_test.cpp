@@ -3,11 +3,11 @@
 
 #include <random>
 
-#include "fly/record.h"
-#include "host/failure.h"
+#include "flight/record.h"
+#include "io/failure.h"
 
 using namespace fjell;
-using namespace fjell::fly;
+using namespace fjell::flight;
 
 namespace {
 
@@ -44,7 +44,7 @@ Recording random_recording(std::mt19937_64& random) {
 std::string refusal(const std::string& text) {
     try {
         (void)parse_recording(text, "r.json");
-    } catch (const host::Failure& f) {
+    } catch (const io::Failure& f) {
         return f.what();
     }
     return {};

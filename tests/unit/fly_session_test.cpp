@@ -5,14 +5,14 @@
 #include <cmath>
 #include <vector>
 
-#include "fly/profile_keys.h"
-#include "fly/session.h"
-#include "host/failure.h"
+#include "flight/profile_keys.h"
+#include "flight/session.h"
+#include "io/failure.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;
-using namespace fjell::fly;
+using namespace fjell::flight;
 using namespace fjell::test;
 
 namespace {
@@ -50,7 +50,7 @@ void refuses_to_remake(const Options& options, Session& session, const std::stri
     try {
         remake_method(options, session);
         FAIL("remade, and it should speak of " << part);
-    } catch (const host::Failure& failure) {
+    } catch (const io::Failure& failure) {
         CHECK(failure.exit_code == 1);
         INFO(failure.what());
         CHECK(std::string(failure.what()).find(part) != std::string::npos);
@@ -152,7 +152,7 @@ TEST_CASE("every page that is damaged is one line to who listens, and counted wh
     Place place(305);
     place.options.streaming = Streaming::on;
     place.options.profile.refine.error_px = 0.05;
-    const auto whole = host::load_pack(place.options.pack, host::LoadTerrain::yes);
+    const auto whole = io::load_pack(place.options.pack, io::LoadTerrain::yes);
     std::string bytes = slurp(place.options.pack);
     for (std::uint32_t tile = 0; tile < whole.terrain.tile_count(); tile += 2) {
         const ChunkEntry e = whole.pack.entry(chunk_index(whole.terrain.header, {ChunkKind::geometry, tile, 0}));

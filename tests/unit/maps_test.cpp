@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "baker/verify_maps.h"
+#include "baker/check/verify_maps.h"
 #include "support/map_scene.h"
 #include "support/terrain_fixture.h"
 

@@ -92,7 +92,7 @@ struct Square {
 };
 Square square_of(const PageLayout& layout, std::uint32_t page) {
     const std::int32_t cells = std::int32_t{32} << (layout.page_step_log2(page) + 1);
-    const Coord block = layout.page_block(page);
+    const Coord block = layout.page_position(page);
     return {block.x * cells, block.y * cells, (block.x + 1) * cells, (block.y + 1) * cells};
 }
 
@@ -106,15 +106,15 @@ std::uint32_t count_wrong_locations(int log2, std::uint32_t stride) {
     for (int level = 0; level < 2 * log2; ++level) terrain.header.level_radius_m[level] = static_cast<float>(level + 1);
     std::array<std::array<LevelPlane, 3>, max_tile_log2> planes;
     for (int z = 0; z < log2; ++z)
-        planes[static_cast<std::size_t>(z)] = {make_level_plane(terrain, z, PlaneKind::centre),
-                                               make_level_plane(terrain, z, PlaneKind::side_x),
-                                               make_level_plane(terrain, z, PlaneKind::side_y)};
+        planes[static_cast<std::size_t>(z)] = {make_level_plane(terrain, z, VertexKind::centre),
+                                               make_level_plane(terrain, z, VertexKind::side_x),
+                                               make_level_plane(terrain, z, VertexKind::side_y)};
     // Every page in the slot of its own number, but the second one, which is not loaded.
     const std::uint32_t capacity = terrain.pages.page_capacity();
     const auto base_of = [](std::uint32_t page) { return static_cast<std::int32_t>(7 * page); };
-    std::vector<BlockEntry> entries(entries_per_tile(terrain.pages), BlockEntry{no_page_slot, -1});
+    std::vector<StepPageEntry> entries(entries_per_tile(terrain.pages), StepPageEntry{no_index, -1});
     for (std::uint32_t page = 0; page < terrain.pages.pages_per_tile(); ++page)
-        set_block(terrain, page, {page == 1 ? no_page_slot : page * capacity, base_of(page)}, entries.data());
+        set_block(terrain, page, {page == 1 ? no_index : page * capacity, base_of(page)}, entries.data());
     std::uint32_t wrong = 0;
     for_each_vertex(terrain.pages, stride, [&](std::uint32_t x, std::uint32_t y) {
         const Coord c = to_coord(x, y);
@@ -177,7 +177,7 @@ TEST_CASE("what a page holds of others lies on its south or east border, and the
             const Square square = square_of(layout, at.page);
             const bool east = c.x == square.east, south = c.y == square.south;
             wrong += east == south;
-            wrong += layout.page_block(owner.page) != layout.page_block(at.page) + Coord{east, south};
+            wrong += layout.page_position(owner.page) != layout.page_position(at.page) + Coord{east, south};
         });
         REQUIRE(wrong == 0);
         REQUIRE(records == layout.tile_vertices() + copies);
@@ -263,17 +263,17 @@ TEST_CASE("pages of coarser steps come first, and a page's number, its step and 
             const std::uint32_t first = pages, n = 1u << (layout.tile_log2 - 6 - z);
             for (std::uint32_t by = 0; by < n; ++by)
                 for (std::uint32_t bx = 0; bx < n; ++bx, ++pages) {
-                    const std::uint32_t page = layout.page_of_block(z, bx, by);
+                    const std::uint32_t page = layout.page_at(z, bx, by);
                     wrong += page < first || page >= first + n * n;
-                    wrong += layout.page_step_log2(page) != z || layout.page_block(page) != to_coord(bx, by);
+                    wrong += layout.page_step_log2(page) != z || layout.page_position(page) != to_coord(bx, by);
                     wrong += page != first + (layout.order == Order::planar ? by * n + bx : z_index(bx, by));
                 }
         }
         REQUIRE(wrong == 0);
         REQUIRE(pages == layout.pages_per_tile());
         for (std::uint32_t page = 1; page < pages; ++page) {
-            const Coord block = layout.page_block(page);
-            wrong += layout.page_of_block(layout.page_step_log2(page), static_cast<std::uint32_t>(block.x),
+            const Coord block = layout.page_position(page);
+            wrong += layout.page_at(layout.page_step_log2(page), static_cast<std::uint32_t>(block.x),
                                           static_cast<std::uint32_t>(block.y)) != page;
         }
         REQUIRE(wrong == 0);

@@ -8,9 +8,9 @@
 #include <sys/stat.h>
 
 #include "fjell/terrain.h"
-#include "host/failure.h"
-#include "host/file.h"
-#include "host/pack_file.h"
+#include "io/failure.h"
+#include "io/file.h"
+#include "io/pack_file.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
@@ -35,8 +35,8 @@ struct Place {
 // Empty when it opens.
 std::string refusal(const std::string& path, int exit_code = 1) {
     try {
-        const host::PackFile file(path);
-    } catch (const host::Failure& f) {
+        const io::PackFile file(path);
+    } catch (const io::Failure& f) {
         CHECK(f.exit_code == exit_code);
         CHECK(std::string(f.what()).find('\n') == std::string::npos);
         return f.what();
@@ -48,8 +48,8 @@ std::string refusal(const std::string& path, int exit_code = 1) {
 
 TEST_CASE("a pack in its file has the index, the corners, the CRS and every chunk of the whole one") {
     const Place place;
-    const host::PackFile file(place.pack);
-    const auto whole = host::load_pack(place.pack, host::LoadTerrain::yes);
+    const io::PackFile file(place.pack);
+    const auto whole = io::load_pack(place.pack, io::LoadTerrain::yes);
     CHECK(file.crs() == "LOCAL_CS[\"test\"]");
     CHECK(file.pack().bytes.empty());
     REQUIRE(std::memcmp(&file.pack().header, &whole.pack.header, sizeof(PackHeader)) == 0);
@@ -66,7 +66,7 @@ TEST_CASE("a pack in its file has the index, the corners, the CRS and every chun
     }
     const TerrainBudget some{3};
     const std::size_t bytes = terrain_bytes(file.pack().header, some);
-    const host::AlignedBlock block = host::make_block(bytes);
+    const io::AlignedMemory block = io::make_block(bytes);
     Terrain terrain;
     REQUIRE(create_terrain(file.pack(), file.corners(), some, {block.get(), bytes}, terrain).ok());
     const std::size_t corners = std::size_t{terrain.header.tiles_x + 1} * (terrain.header.tiles_y + 1);
@@ -89,7 +89,7 @@ TEST_CASE("every truncation of a pack is refused before anything is streamed fro
 
 TEST_CASE("a damaged header, directory or CRS is refused when the pack is opened, a damaged page when it is read") {
     const Place place;
-    const host::PackFile whole(place.pack);
+    const io::PackFile whole(place.pack);
     const PackHeader& h = whole.pack().header;
     const std::string changed = place.folder / "changed.fjell";
     const auto with_flip = [&](std::size_t at) {
@@ -104,7 +104,7 @@ TEST_CASE("a damaged header, directory or CRS is refused when the pack is opened
           std::string::npos);
     const ChunkEntry page = whole.pack().entry(chunk_index(h, {ChunkKind::geometry, 0, 1}));
     REQUIRE(with_flip(page.offset + 9).empty());
-    const host::PackFile file(changed);
+    const io::PackFile file(changed);
     std::vector<std::byte> stored(page.stored_bytes), raw(page.raw_bytes);
     REQUIRE(file.read(page.offset, stored) == 0);
     CHECK(decode_chunk(page, stored, raw).code == Code::corrupt);
@@ -112,7 +112,7 @@ TEST_CASE("a damaged header, directory or CRS is refused when the pack is opened
 
 TEST_CASE("a file that is gone is read on, one that has shrunk answers with an error") {
     const Place place;
-    const host::PackFile file(place.pack);
+    const io::PackFile file(place.pack);
     std::vector<std::byte> bytes(place.bytes.size());
     std::filesystem::resize_file(place.pack, 1000);
     CHECK(file.read(0, std::span(bytes).first(1000)) == 0);

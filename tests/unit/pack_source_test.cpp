@@ -1,9 +1,9 @@
 // A pack's heights, read back as a source.
-#include "baker/bake.h"
-#include "baker/dem_source.h"
-#include "baker/pack_source.h"
-#include "baker/write_dem.h"
-#include "host/file.h"
+#include "baker/bake/bake.h"
+#include "baker/read/dem_source.h"
+#include "baker/read/pack_source.h"
+#include "baker/synth/write_dem.h"
+#include "io/file.h"
 #include "source_check.h"
 #include "support/terrain_fixture.h"
 
@@ -22,7 +22,7 @@ TEST_CASE("a pack read back in any windows has the heights and holes that the ru
         options.order = static_cast<Order>(round % 3);
         const TemporaryFolder folder;
         (void)bake(dem, options, folder / "pack.fjell");
-        const auto pack = host::load_pack(folder / "pack.fjell", host::LoadTerrain::yes);
+        const auto pack = io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes);
         const PackSource source(folder / "pack.fjell");
         CAPTURE(round, log2, dem.columns, dem.rows);
         check_windows(source);
@@ -74,10 +74,10 @@ TEST_CASE("a pack that is damaged is refused when it is read back, one that is m
     Random random(22);
     const std::string pack = dir / "a.fjell";
     (void)bake(random_dem(random, 200, 100, Shape::fractal), small_bake(6), pack);
-    std::vector<std::byte> bytes = host::read_file(pack);
+    std::vector<std::byte> bytes = io::read_file(pack);
     for (std::size_t at = 1000; at < 1400; ++at) bytes[at] ^= std::byte{0xff};
     {
-        host::AtomicFile damaged(pack);
+        io::AtomicFile damaged(pack);
         damaged.write(bytes);
         damaged.commit();
     }

@@ -6,10 +6,10 @@
 
 #include <xxhash.h>
 
-#include "baker/survey.h"
+#include "baker/heights/survey.h"
 #include "fjell/terrain.h"
-#include "host/failure.h"
-#include "host/file.h"
+#include "io/failure.h"
+#include "io/file.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;
@@ -35,7 +35,7 @@ Status read_all(std::span<const std::byte> bytes) {
         if (Status s = read_chunk(pack, chunk_id(pack.header, i), raw); !s.ok()) return s;
     }
     const std::size_t size = terrain_bytes(pack.header);
-    const host::AlignedBlock block = host::make_block(size);
+    const io::AlignedMemory block = io::make_block(size);
     Terrain terrain;
     return load_terrain(pack, {block.get(), size}, terrain);
 }
@@ -51,9 +51,9 @@ Status with_header(std::vector<std::byte> bytes, const Change& change) {
     return read_all(bytes);
 }
 
-std::vector<std::int32_t> steps_of(const baker::Dem& dem, const host::LoadedPack& pack) {
+std::vector<std::int32_t> steps_of(const baker::Dem& dem, const io::LoadedPack& pack) {
     std::vector<std::int32_t> steps(dem.heights_m.size());
-    baker::quantise(dem.heights_m.data(), steps.size(), pack.terrain.lattice, steps.data());
+    baker::quantise(dem.heights_m.data(), steps.size(), pack.terrain.height_scale, steps.data());
     return steps;
 }
 
@@ -72,7 +72,7 @@ TEST_CASE("a pack that was read back holds every sample, map and the CRS") {
         for (std::int32_t x = 0; x < 33; ++x)
             REQUIRE(pack.terrain.vertex({x, y}).steps == steps[static_cast<std::size_t>(y * 33 + x)]);
     REQUIRE(read_all(pack.file).ok());
-    REQUIRE(host::check_all_chunks(pack.pack, pack.path) == pack.pack.header.directory_count);
+    REQUIRE(io::check_all_chunks(pack.pack, pack.path) == pack.pack.header.directory_count);
 }
 
 TEST_CASE("a height field of any extents is kept whole, in the fewest tiles that cover it") {
@@ -112,7 +112,7 @@ TEST_CASE("errors of the finest step are left out of the pack, but at the rim an
             PageHead head;
             std::memcpy(&head, raw.data(), sizeof head);
             const bool finest = pages.page_step_log2(page) == 0,
-                       holed = finest && pages.page_block(page) == Coord{0, 3};
+                       holed = finest && pages.page_position(page) == Coord{0, 3};
             CHECK(((head.flags & page_errors) == 0) == (finest && !holed));
             CHECK(((head.flags & page_voids) != 0) == holed);
             derived += (head.flags & page_errors) == 0;
@@ -146,14 +146,14 @@ TEST_CASE("whatever bake accepts, open_pack opens, and what it does not accept l
         const TemporaryFolder folder;
         try {
             (void)baker::bake(dem, small_bake(pick(random, 1, 4)), folder / "pack.fjell");
-        } catch (const host::Failure& f) {
+        } catch (const io::Failure& f) {
             ++refused;
             REQUIRE(f.exit_code == 1);
             REQUIRE(std::filesystem::is_empty(folder.path));
             continue;
         }
         ++accepted;
-        REQUIRE_NOTHROW(host::load_pack(folder / "pack.fjell", host::LoadTerrain::yes));
+        REQUIRE_NOTHROW(io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes));
     }
     REQUIRE(accepted > 20);
     REQUIRE(refused > 20);
@@ -212,13 +212,13 @@ TEST_CASE("a header whose hash is right is still not believed") {
     CHECK(code([](PackHeader& h) { h.error_ratio = 1; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.error_nesting_steps = 0; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.level_radius_m[5] = 0; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.lattice_steps = 1u << 25; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.height_steps = 1u << 25; }) == Code::out_of_range);
 }
 
 TEST_CASE("every error has a message with a remedy and names its field") {
     for (const Code c :
          {Code::truncated, Code::not_a_pack, Code::wrong_version, Code::wrong_layout, Code::corrupt, Code::out_of_range,
-          Code::block_too_small, Code::budget_too_small, Code::out_of_slots, Code::coarser_page_first}) {
+          Code::memory_too_small, Code::budget_too_small, Code::out_of_slots, Code::coarser_page_first}) {
         const std::string text = message(c);
         CHECK(text.find(';') != std::string::npos);
         CHECK(text.find('\n') == std::string::npos);
@@ -232,17 +232,17 @@ TEST_CASE("a block that is too small or a budget below the coarsest mesh is refu
     const auto pack = bake_and_load(random_dem(random, 33, 33, Shape::noise), small_bake(3));
     Terrain terrain;
     const std::size_t size = terrain_bytes(pack.pack.header);
-    const host::AlignedBlock block = host::make_block(size);
-    CHECK(load_terrain(pack.pack, {block.get(), size - 1}, terrain).code == Code::block_too_small);
+    const io::AlignedMemory block = io::make_block(size);
+    CHECK(load_terrain(pack.pack, {block.get(), size - 1}, terrain).code == Code::memory_too_small);
     RecursiveMethod method;
     const RecursiveBudget least{16 * 4, 16 * 9};
     const std::size_t bytes = recursive_bytes(pack.terrain, least);
-    const host::AlignedBlock room = host::make_block(bytes);
+    const io::AlignedMemory room = io::make_block(bytes);
     CHECK(create_recursive(pack.terrain, {16 * 4 - 1, 1000}, {room.get(), bytes}, method).code ==
           Code::budget_too_small);
     CHECK(create_recursive(pack.terrain, {1000, 16 * 9 - 1}, {room.get(), bytes}, method).code ==
           Code::budget_too_small);
-    CHECK(create_recursive(pack.terrain, least, {room.get(), bytes - 1}, method).code == Code::block_too_small);
+    CHECK(create_recursive(pack.terrain, least, {room.get(), bytes - 1}, method).code == Code::memory_too_small);
     CHECK(create_recursive(pack.terrain, least, {room.get(), bytes}, method).ok());
 }
 
@@ -257,39 +257,39 @@ TEST_CASE("a bake that fails leaves nothing, one that is interrupted its work, a
         baker::BakeOptions options = small_bake(3);
         options.checkpoint_s = 5; // on the disk, though it would fit the memory
         options.progress = [&](const char*, std::uint64_t, std::uint64_t) {
-            if (++calls == last) throw host::Failure(code, "no more");
+            if (++calls == last) throw io::Failure(code, "no more");
         };
         return baker::bake(dem, options, out);
     };
-    REQUIRE_THROWS_AS(bake_until(2, 3), host::Failure);
+    REQUIRE_THROWS_AS(bake_until(2, 3), io::Failure);
     REQUIRE(folder.names().empty());
     (void)bake_until(0, 0);
     const int steps = calls;
     REQUIRE(steps > 5);
-    const auto before = host::read_file(out);
+    const auto before = io::read_file(out);
     for (int call = 1; call <= steps; ++call) {
-        REQUIRE_THROWS_AS(bake_until(call, 3), host::Failure);
+        REQUIRE_THROWS_AS(bake_until(call, 3), io::Failure);
         REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell"});
         REQUIRE_THROWS_WITH(bake_until(call, 130), Catch::Contains("the same command goes on"));
         REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell", "pack.fjell.work"});
-        REQUIRE(host::read_file(out) == before);
+        REQUIRE(io::read_file(out) == before);
         REQUIRE(bake_until(0, 0).resumed);
         REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell"});
-        REQUIRE(host::read_file(out) == before);
+        REQUIRE(io::read_file(out) == before);
     }
     // Another bake's work is of no use.
-    REQUIRE_THROWS_AS(bake_until(4, 130), host::Failure);
+    REQUIRE_THROWS_AS(bake_until(4, 130), io::Failure);
     REQUIRE(!baker::bake(dem, small_bake(4), out).resumed);
     // Nor is one that is cut otherwise, though it comes to the same.
-    REQUIRE_THROWS_AS(bake_until(steps / 2, 130), host::Failure);
+    REQUIRE_THROWS_AS(bake_until(steps / 2, 130), io::Failure);
     baker::BakeOptions other_regions = small_bake(3);
     other_regions.region_cells = 8;
     REQUIRE(!baker::bake(dem, other_regions, out).resumed);
-    REQUIRE(host::read_file(out) == before);
+    REQUIRE(io::read_file(out) == before);
     REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell"});
     // In memory there is nothing to go on from.
     baker::BakeOptions in_memory = small_bake(3);
-    in_memory.progress = [](const char*, std::uint64_t, std::uint64_t) { throw host::Failure(130, "no more"); };
+    in_memory.progress = [](const char*, std::uint64_t, std::uint64_t) { throw io::Failure(130, "no more"); };
     REQUIRE_THROWS_WITH(baker::bake(dem, in_memory, out), Catch::Contains("nothing is left"));
     REQUIRE(folder.names() == std::vector<std::string>{"pack.fjell"});
 }
@@ -300,7 +300,7 @@ TEST_CASE("an output that cannot be written is refused with the right exit code 
     const auto exit_code = [&](const std::string& out, const std::string& says) {
         try {
             (void)baker::bake(random_dem(random, 33, 33, Shape::noise), small_bake(3), out);
-        } catch (const host::Failure& f) {
+        } catch (const io::Failure& f) {
             CHECK(std::string(f.what()).find(says) != std::string::npos);
             CHECK(std::string(f.what()).find('\n') == std::string::npos);
             return f.exit_code;

@@ -6,11 +6,11 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "fly/path.h"
-#include "host/failure.h"
+#include "flight/path.h"
+#include "io/failure.h"
 
 using namespace fjell;
-using namespace fjell::fly;
+using namespace fjell::flight;
 
 namespace {
 
@@ -41,7 +41,7 @@ constexpr const char* four = R"({"position": [0, 500, 0], "direction": [1, 0, 0]
 std::string refusal(const std::string& text) {
     try {
         (void)parse_path(text, "p.json");
-    } catch (const host::Failure& failure) {
+    } catch (const io::Failure& failure) {
         CHECK(failure.exit_code == 1);
         CHECK(std::string(failure.what()).find('\n') == std::string::npos);
         return failure.what();

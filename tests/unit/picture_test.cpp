@@ -6,7 +6,7 @@
 
 #include <stb_image.h>
 
-#include "baker/picture.h"
+#include "baker/check/picture.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;
@@ -30,7 +30,7 @@ void dig(Dem& dem, std::int32_t x, std::int32_t y, std::int32_t columns = 1, std
         for (std::int32_t i = x; i < std::min(x + columns, dem.columns); ++i) dem.voids[dem.index(i, j)] = 1;
 }
 
-Picture picture_of(const host::LoadedPack& pack, std::uint32_t longest_px, int threads = 1) {
+Picture picture_of(const io::LoadedPack& pack, std::uint32_t longest_px, int threads = 1) {
     return make_picture(pack.terrain, {longest_px, threads});
 }
 
@@ -386,9 +386,9 @@ TEST_CASE("a picture's file holds its pixels, and appears only when it is comple
     Random random(10);
     const Picture picture = picture_of(bake_and_load(random_dem(random, 90, 60, Shape::fractal), small_bake(4)), 300);
     const TemporaryFolder folder;
-    { const host::AtomicFile abandoned(folder / "picture.png"); }
+    { const io::AtomicFile abandoned(folder / "picture.png"); }
     CHECK(folder.names().empty());
-    host::AtomicFile file(folder / "picture.png");
+    io::AtomicFile file(folder / "picture.png");
     write_png(picture, file);
     CHECK(folder.names() == std::vector<std::string>{"picture.png"});
     int width = 0, height = 0, channels = 0;

@@ -12,12 +12,12 @@
 
 #include <fmt/format.h>
 
-#include "fly/profile_keys.h"
-#include "host/failure.h"
+#include "flight/profile_keys.h"
+#include "io/failure.h"
 #include "support/program.h"
 
 using namespace fjell;
-using namespace fjell::fly;
+using namespace fjell::flight;
 
 namespace {
 
@@ -51,7 +51,7 @@ bool reads(const ProfileKey& key, const std::string& value, double& read, std::s
         const Profile p = parse_profile(fmt::format("[{}]\n{} = {}\n", key.table, key.name, value), "p.toml");
         read = key.get(p);
         return true;
-    } catch (const host::Failure& failure) {
+    } catch (const io::Failure& failure) {
         line = failure.what();
         return false;
     }

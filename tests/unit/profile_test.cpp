@@ -4,20 +4,20 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "fly/log.h"
-#include "fly/profile.h"
-#include "host/failure.h"
-#include "host/file.h"
+#include "flight/log.h"
+#include "flight/profile.h"
+#include "io/failure.h"
+#include "io/file.h"
 
 using namespace fjell;
-using namespace fjell::fly;
+using namespace fjell::flight;
 
 namespace {
 
 std::string refusal(const std::string& text) {
     try {
         (void)parse_profile(text, "p.toml");
-    } catch (const host::Failure& failure) {
+    } catch (const io::Failure& failure) {
         CHECK(failure.exit_code == 1);
         CHECK(std::string(failure.what()).find('\n') == std::string::npos);
         return failure.what();
@@ -43,7 +43,7 @@ TEST_CASE("every shipped profile loads and names every key") {
         CHECK(p.method == Method::incremental);
         CHECK(p.cut_budget.triangles >= 2 * p.cut_budget.vertices);
         CHECK(p.cut_budget.vertices == p.budget.vertices);
-        const std::vector<std::byte> bytes = host::read_file(file.path().string());
+        const std::vector<std::byte> bytes = io::read_file(file.path().string());
         const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
         for (const char* key : {"method",      "error_px",      "corner_safe",  "hysteresis", "morph",     "morph_s",
                                 "metric",      "cull",          "topology",     "vertices",   "triangles", "views",
@@ -166,8 +166,8 @@ TEST_CASE("a bad profile is refused in one line with file, line and key") {
     refuses("[refine]\nerror_px = \n", "p.toml:2: not TOML");
     refuses("[refine]\nerror_px = 1\nerror_px = 2\n", "p.toml:3: not TOML");
     refuses("[refine]\nmetric = \"depth\"\ncull = false\n", "p.toml: refine.metric \"depth\" needs refine.cull = true");
-    CHECK_THROWS_AS(read_profile("/nowhere/p.toml"), host::Failure);
-    CHECK_THROWS_AS(read_profile("/"), host::Failure);
+    CHECK_THROWS_AS(read_profile("/nowhere/p.toml"), io::Failure);
+    CHECK_THROWS_AS(read_profile("/"), io::Failure);
 }
 
 TEST_CASE("percentiles are values that occurred, at the nearest rank") {

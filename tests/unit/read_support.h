@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "baker/read.h"
+#include "baker/read/read.h"
 #include "raster.h"
 
 namespace fjell::test {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "baker/write_dem.h"
+#include "baker/synth/write_dem.h"
 #include "read_support.h"
 
 using namespace fjell::baker;

@@ -1,7 +1,7 @@
 // Recipe files: what they may say, and where their paths lead.
 #include <catch2/catch.hpp>
 
-#include "baker/recipe.h"
+#include "baker/cli/recipe.h"
 #include "raster.h"
 
 using namespace fjell::baker;

@@ -129,29 +129,29 @@ TEST_CASE("a radius' code is the smallest that is not below it, in whatever unit
 }
 
 TEST_CASE("a step of the lattice is one height, bit for bit, from whichever page's base it is counted") {
-    for (const Lattice lattice : {Lattice{0, 1}, {-431.7f, 0.1f}, {8848.86f, 0.0005f}, {-0.3f, 1e-6f}, {1e5f, 3.7f}})
-        for (const std::int32_t steps : {0, 1, 3, 1000, 65535, 65536, 1234567, max_lattice_steps - 65535,
-                                         max_lattice_steps - 1, max_lattice_steps}) {
+    for (const HeightScale height_scale : {HeightScale{0, 1}, {-431.7f, 0.1f}, {8848.86f, 0.0005f}, {-0.3f, 1e-6f}, {1e5f, 3.7f}})
+        for (const std::int32_t steps : {0, 1, 3, 1000, 65535, 65536, 1234567, max_height_steps - 65535,
+                                         max_height_steps - 1, max_height_steps}) {
             // Each operation rounded by itself to float: no fused multiply-add, no wider type in between.
             const volatile float count = static_cast<float>(steps);
-            const volatile float above_base_m = count * lattice.quantum_m;
-            const volatile float expected_m = lattice.base_m + above_base_m;
+            const volatile float above_base_m = count * height_scale.quantum_m;
+            const volatile float expected_m = height_scale.base_m + above_base_m;
             REQUIRE(static_cast<std::int32_t>(count) == steps);
             int wrong = 0;
             for (std::int32_t offset = 0; offset <= std::min(steps, 65535); ++offset) {
                 const std::int32_t base = steps - offset;
                 const VertexRecord record{static_cast<std::uint16_t>(offset), 0, 0};
-                wrong += lattice.height_m(base + record.height) != expected_m;
+                wrong += height_scale.height_m(base + record.height) != expected_m;
             }
             REQUIRE(wrong == 0);
         }
 }
 
 TEST_CASE("more steps of the lattice are never less height") {
-    for (const Lattice lattice : {Lattice{0, 1}, {-431.7f, 0.1f}, {8848.86f, 0.0005f}}) {
+    for (const HeightScale height_scale : {HeightScale{0, 1}, {-431.7f, 0.1f}, {8848.86f, 0.0005f}}) {
         int falls = 0;
-        for (std::int32_t steps = 1; steps <= max_lattice_steps; steps += steps < 65536 ? 1 : 4099)
-            falls += lattice.height_m(steps) < lattice.height_m(steps - 1);
+        for (std::int32_t steps = 1; steps <= max_height_steps; steps += steps < 65536 ? 1 : 4099)
+            falls += height_scale.height_m(steps) < height_scale.height_m(steps - 1);
         REQUIRE(falls == 0);
     }
 }

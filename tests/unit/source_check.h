@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "baker/read.h"
+#include "baker/read/read.h"
 #include "read_support.h"
 
 namespace fjell::test {

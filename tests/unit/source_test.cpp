@@ -2,9 +2,9 @@
 #include <cmath>
 #include <map>
 
-#include "baker/windows.h"
-#include "baker/decode.h"
-#include "baker/dem_source.h"
+#include "baker/read/windows.h"
+#include "baker/read/decode.h"
+#include "baker/read/dem_source.h"
 #include "source_check.h"
 
 using namespace fjell::baker;

@@ -7,7 +7,7 @@
 #include <optional>
 #include <thread>
 
-#include "host/stream_reader.h"
+#include "io/stream_reader.h"
 #include "support/stream_scene.h"
 
 using namespace fjell;
@@ -18,11 +18,11 @@ namespace {
 struct Scene {
     explicit Scene(std::uint32_t seed, std::uint32_t page_slots = 1u << 20, const StreamBudget& budget = {})
         : pack(make(seed)), file(pack.path), on(pack.pack, page_slots, budget) {}
-    host::LoadedPack make(std::uint32_t seed) {
+    io::LoadedPack make(std::uint32_t seed) {
         Random random(seed);
         baker::BakeOptions options = small_bake(7);
         (void)baker::bake(random_dem(random, 513, 385, Shape::fractal), options, folder / "pack.fjell");
-        return host::load_pack(folder / "pack.fjell", host::LoadTerrain::yes);
+        return io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes);
     }
     // One frame: a view from above at a threshold that wants every page; none lies beyond the rim.
     StreamReport update() {
@@ -51,7 +51,7 @@ struct Scene {
         const Terrain &a = on.paged.terrain, &b = pack.terrain;
         for (std::uint32_t page = 0; page < a.page_count(); ++page) {
             const PageEntry p = a.page_table[page], q = b.page_table[page];
-            if (p.slot == no_page_slot) continue;
+            if (p.slot == no_index) continue;
             const std::size_t bytes = a.pages.page_vertices(page % a.pages_per_tile) * sizeof(VertexRecord);
             wrong += p.base != q.base || std::memcmp(a.records + std::size_t{p.slot} * a.page_capacity,
                                                      b.records + std::size_t{q.slot} * b.page_capacity, bytes) != 0;
@@ -60,8 +60,8 @@ struct Scene {
     }
 
     TemporaryFolder folder;
-    host::LoadedPack pack;
-    host::PackFile file;
+    io::LoadedPack pack;
+    io::PackFile file;
     Streamed on;
     std::vector<StreamFailure> failures;
     int frame = 0, quiet = 0;
@@ -71,13 +71,13 @@ struct Scene {
 
 TEST_CASE("what is wanted comes, as it is in the pack, and is counted") {
     Scene scene(1);
-    const host::StreamReader reader(scene.on.stream, scene.file);
+    const io::StreamReader reader(scene.on.stream, scene.file);
     const StreamReport r = scene.settle();
     CHECK(r.converged);
     CHECK(r.failed == 0);
     CHECK(scene.on.paged.terrain.pages_missing == 0);
     CHECK(scene.wrong_pages() == 0);
-    const host::StreamReaderCounters c = reader.counters();
+    const io::StreamReaderCounters c = reader.counters();
     CHECK(c.pages == scene.pack.terrain.page_count());
     CHECK(c.pages == r.pages_read);
     CHECK(c.mips == r.mips_read);
@@ -92,11 +92,11 @@ TEST_CASE("a read that fails is told once, the rest comes, and asked again, all 
     Scene scene(2);
     std::atomic<bool> failing{true};
     std::atomic<std::uint64_t> calls{0};
-    const host::StreamReader reader(scene.on.stream, [&](std::uint64_t offset, std::span<std::byte> to) {
+    const io::StreamReader reader(scene.on.stream, [&](std::uint64_t offset, std::span<std::byte> to) {
         return failing && ++calls % 5 == 0 ? ENXIO : scene.file.read(offset, to);
     });
     StreamReport r = scene.settle();
-    const host::StreamReaderCounters c = reader.counters();
+    const io::StreamReaderCounters c = reader.counters();
     CHECK_FALSE(r.converged);
     CHECK(c.errors > 3);
     CHECK(c.last_error == ENXIO);
@@ -116,13 +116,13 @@ TEST_CASE("a read that fails is told once, the rest comes, and asked again, all 
 TEST_CASE("bytes that are not the pack's are found out and do no harm") {
     Scene scene(3);
     std::uint64_t calls = 0; // the reader's thread alone
-    const host::StreamReader reader(scene.on.stream, [&](std::uint64_t offset, std::span<std::byte> to) {
+    const io::StreamReader reader(scene.on.stream, [&](std::uint64_t offset, std::span<std::byte> to) {
         const int error = scene.file.read(offset, to);
         if (++calls % 4 == 0) to[to.size() / 2] ^= std::byte{16};
         return error;
     });
     (void)scene.settle();
-    const host::StreamReaderCounters c = reader.counters();
+    const io::StreamReaderCounters c = reader.counters();
     CHECK(c.damaged > 3);
     CHECK(scene.failures.size() == c.damaged);
     for (const StreamFailure& f : scene.failures) CHECK(f.code == Code::corrupt);
@@ -133,17 +133,17 @@ TEST_CASE("a reader stops at any moment, and the next one finds nothing lost") {
     Scene scene(4);
     Random random(44);
     for (int round = 0; round < 60; ++round) {
-        host::StreamReaderOptions options;
+        io::StreamReaderOptions options;
         if (round % 3 == 1) options.latency_s = 1e6; // would not come within any test's time
         if (round % 3 == 2) options.bytes_per_s = 1e-3;
-        std::optional<host::StreamReader> reader;
+        std::optional<io::StreamReader> reader;
         reader.emplace(scene.on.stream, scene.file, options);
         for (int frame = pick(random, 0, 3); frame > 0; --frame) (void)scene.update();
         std::this_thread::sleep_for(std::chrono::microseconds(pick(random, 0, 300)));
         reader.reset();
         REQUIRE(check_stream(scene.on) == "");
     }
-    const host::StreamReader reader(scene.on.stream, scene.file);
+    const io::StreamReader reader(scene.on.stream, scene.file);
     const StreamReport r = scene.settle();
     CHECK(r.converged);
     CHECK(r.failed == 0);
@@ -153,14 +153,14 @@ TEST_CASE("a reader stops at any moment, and the next one finds nothing lost") {
 
 TEST_CASE("a slower disk is waited for: nothing comes before its time") {
     Scene scene(5);
-    host::StreamReaderOptions options;
+    io::StreamReaderOptions options;
     options.latency_s = 0.002;
     options.bytes_per_s = 2e6;
     const auto start = std::chrono::steady_clock::now();
-    const host::StreamReader reader(scene.on.stream, scene.file, options);
+    const io::StreamReader reader(scene.on.stream, scene.file, options);
     CHECK(scene.settle().converged);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const host::StreamReaderCounters c = reader.counters();
+    const io::StreamReaderCounters c = reader.counters();
     // A lower bound only: how much longer it takes is the machine's affair.
     CHECK(seconds >= static_cast<double>(c.bytes) / options.bytes_per_s);
     CHECK(seconds >= static_cast<double>(c.reads) * options.latency_s);

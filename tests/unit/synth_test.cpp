@@ -9,12 +9,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "baker/bake.h"
-#include "baker/dem_source.h"
+#include "baker/bake/bake.h"
+#include "baker/read/dem_source.h"
 
-#include "baker/read.h"
-#include "baker/synth.h"
-#include "baker/write_dem.h"
+#include "baker/read/read.h"
+#include "baker/synth/synth.h"
+#include "baker/synth/write_dem.h"
 #include "raster.h"
 #include "support/temporary_folder.h"
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "baker/projection.h"
+#include "baker/place/projection.h"
 #include "source_check.h"
 
 using namespace fjell::baker;

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <thread>
 
-#include "baker/projection.h"
-#include "baker/warp.h"
+#include "baker/place/projection.h"
+#include "baker/place/warp.h"
 #include "source_check.h"
 
 using namespace fjell::baker;

@@ -1,18 +1,18 @@
 // The incremental method: a cut that lives from frame to frame and pays only for what changes (DESIGN section 6).
 //
 // Where the recursive method (fjell/recursive.h) finds the mesh anew from the roots, this one keeps the set of active
-// vertices and, for every small block of vertices, how far the eye may still move before any of them could change. A
-// frame looks only at blocks whose slack is spent, and activates or deactivates one vertex at a time: after every
+// vertices and, for every small group of vertices, how far the eye may still move before any of them could change. A
+// frame looks only at groups whose slack is spent, and activates or deactivates one vertex at a time: after every
 // single step the mesh is whole. It refines all around; the frustum decides what is drawn, and what is done first.
 //
-// Work is counted in items: one block evaluated, or one vertex activated or deactivated (with another look at its block),
-// each bounded by a constant. A limit in microseconds is read off the clock before every block.
+// Work is counted in items: one group evaluated, or one vertex activated or deactivated (with another look at its group),
+// each bounded by a constant. A limit in microseconds is read off the clock before every group.
 // When a frame's items do not suffice, the mesh lags behind the view and the report says by how much. When a capacity
 // does not, the effective threshold rises until it does, and comes back.
 //
-// Memory: one block from the host, cut_bytes() of it, touched at creation; afterwards no allocation, lock, system call
+// Memory: one piece from the host, cut_bytes() of it, touched at creation; afterwards no allocation, lock, system call
 // or exception. Thread: one at a time; loading and unloading pages counts as use.
-// Complexity: O(vertices that change + blocks whose slack is spent). Failure: update_cut() refuses an invalid view or
+// Complexity: O(vertices that change + groups whose slack is spent). Failure: update_cut() refuses an invalid view or
 // setting and changes nothing.
 #pragma once
 
@@ -33,8 +33,8 @@ inline constexpr std::uint32_t max_cut_views = 8;
 struct CutBudget {
     std::uint32_t vertices = 1u << 19;  // slots of the vertex buffer, 57 bytes each; 4 a tile at least
     std::uint32_t triangles = 1u << 20; // slots of the index buffer, 16 bytes each
-    // Triangles lie tile by tile, in chunks of this many slots: a chunk is one draw range. 8 to 65,536, a power of two.
-    std::uint32_t chunk_triangles = 512;
+    // Triangles lie tile by tile, in segments of this many slots: a segment is one draw range. 8 to 65,536, a power of two.
+    std::uint32_t segment_triangles = 512;
     std::uint32_t views = 1; // 1 to max_cut_views
 };
 
@@ -54,7 +54,7 @@ struct CutSettings {
     double hysteresis = 0;    // a vertex goes only when its error is below error_px / (1 + hysteresis); 0 to 10
     bool corner_safe = false; // bound pixels in the image's corners too
     std::uint32_t items = unlimited_items;  // work that this frame may do
-    std::uint32_t visits = unlimited_items; // blocks that it may visit: repeats a frame that its time has ended
+    std::uint32_t visits = unlimited_items; // groups that it may visit: repeats a frame that its time has ended
     double budget_us = 0;                   // time that it may take, read every few items; 0: no limit
     Morph morph = Morph::none;
     double morph_s = 0.25; // time that a late vertex takes to rise; 0.01 to 10
@@ -82,7 +82,7 @@ struct CutReport {
     std::uint32_t vertices = 0;                         // active, and the corners of all tiles
     std::uint32_t triangles = 0;                        // of the whole terrain
     std::uint32_t tiles_drawn = 0, triangles_drawn = 0; // of tiles that some view may see
-    std::uint32_t waiting = 0;                          // lag: blocks that still have work
+    std::uint32_t waiting = 0;                          // lag: groups that still have work
     std::uint32_t blocked = 0;                          // of those, for want of a capacity
     // Vertices activated late that have not reached their height, and those of pages asked back that sink.
     std::uint32_t rising = 0;
@@ -91,12 +91,12 @@ struct CutReport {
     double error_px_asked = 0, error_px_effective = 0;
     bool converged = false;                 // nothing waits, nothing rises, effective == asked: the screen bound holds
     bool rebuilt = false;                   // by the bulk pass
-    BudgetUse vertex_slots, triangle_slots; // triangle slots in whole chunks
+    BudgetUse vertex_slots, triangle_slots; // triangle slots in whole segments
     std::uint32_t vertices_changed = 0, triangles_changed = 0; // slots to upload
     double prepare_us = 0, refine_us = 0, output_us = 0;
 };
 
-struct CutState; // opaque, lives in the block
+struct CutState; // opaque, lives in the host's memory
 
 struct LiveCut {
     CutState* state = nullptr;
@@ -104,10 +104,10 @@ struct LiveCut {
 
 [[nodiscard]] std::size_t cut_bytes(const Terrain& terrain, const CutBudget& budget);
 
-// block: at least cut_bytes(), aligned to 64. terrain must outlive the cut; planar and hierarchical Z-order.
+// memory: at least cut_bytes(), aligned to 64. terrain must outlive the cut; planar and hierarchical Z-order.
 // Fails with out_of_range when a field of the budget does, with budget_too_small when not even the coarsest mesh fits,
 // with not_supported for a pack in linear order.
-Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std::byte> block, LiveCut& cut);
+Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std::byte> memory, LiveCut& cut);
 
 // Brings the cut towards what the views want, as far as the items go. views: 1 to CutBudget::views of them.
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);

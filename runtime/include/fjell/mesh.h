@@ -2,7 +2,7 @@
 //
 // Indices are either an indexed triangle list (three a triangle, counter-clockwise seen from above) or one triangle
 // strip a tile (with degenerate triangles where the strip turns; same winding rule as OpenGL strips).
-// Ownership: spans point into the method's block and are valid until its next update.
+// Ownership: spans point into the method's memory and are valid until its next update.
 #pragma once
 
 #include <cstddef>

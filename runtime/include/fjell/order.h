@@ -2,7 +2,7 @@
 //
 // Planar and hierarchical Z-order divide a tile by levels. Page 0 holds all steps with at most 16 x 16 squares, and the
 // corners: the coarsest 33 x 33 samples. A finer step of n x n squares (side 2s, its centre, the middle of its north
-// and of its west side) is cut into blocks of 32 x 32 squares, 64 x 64 cells of its step: one page each. A page is
+// and of its west side) is cut into pages of 32 x 32 squares, 64 x 64 cells of its step. A page is
 // closed: it also holds the sides on its south and east border, 32 x 32 + 32 x 33 + 33 x 32 = 3,136 vertices. Of two
 // pages of a tile that hold a border vertex, the one to its south or east owns it; a border vertex of two tiles is
 // owned in each.
@@ -56,29 +56,30 @@ struct PagePlace {
 // One step of a tile in pages: what a vertex' place is computed from.
 struct StepLayout {
     std::uint32_t squares = 0;    // a side of the whole step: n
-    std::uint32_t block = 0;      // squares a side of a page: min(n, 32)
+    std::uint32_t page_side = 0;  // squares a side of a page: min(n, 32)
     std::uint32_t first_page = 0; // of the step
     std::uint32_t offset = 0;     // of the step's first vertex in its page; not 0 in page 0 only
-    int blocks_log2 = 0;          // pages a side
+    int pages_log2 = 0;          // pages a side
 };
 
-// Number of a vertex among those of its block; i, j: its square, counted from the block's, up to `block` on the border.
+// Number of a vertex among those of its page, `side` squares wide; i, j: its square, counted from the page's first, up to
+// `side` on the border.
 template <Order O>
-[[nodiscard]] constexpr std::uint32_t block_index(std::uint32_t block, PlaneKind kind, std::uint32_t i,
+[[nodiscard]] constexpr std::uint32_t page_index(std::uint32_t side, VertexKind kind, std::uint32_t i,
                                                   std::uint32_t j) {
     static_assert(O != Order::linear);
     if constexpr (O == Order::planar) {
         switch (kind) {
-        case PlaneKind::centre: return j * block + i;
-        case PlaneKind::side_x: return block * block + j * block + i;
-        case PlaneKind::side_y: break;
+        case VertexKind::centre: return j * side + i;
+        case VertexKind::side_x: return side * side + j * side + i;
+        case VertexKind::side_y: break;
         }
-        return block * block + block * (block + 1) + j * (block + 1) + i;
+        return side * side + side * (side + 1) + j * (side + 1) + i;
     } else {
-        if (j == block) return 3 * block * block + i;
-        if (i == block) return 3 * block * block + block + j;
+        if (j == side) return 3 * side * side + i;
+        if (i == side) return 3 * side * side + side + j;
         // Thesis 4.2.1: i - (i >> 2) - 1 of the Z-index i, whose last digit is 1 for odd x, 2 for odd y, 3 for both.
-        const std::uint32_t digit = kind == PlaneKind::centre ? 2 : kind == PlaneKind::side_x ? 0 : 1;
+        const std::uint32_t digit = kind == VertexKind::centre ? 2 : kind == VertexKind::side_x ? 0 : 1;
         return 3 * interleave(i, j) + digit;
     }
 }
@@ -101,27 +102,26 @@ struct PageLayout {
         const std::uint32_t n = (1u << std::min(tile_log2, page_squares_log2)) + 1;
         return n * n;
     }
-    // log2 of the step whose block this page is; -1 for page 0 and in linear order.
+    // log2 of the step that this page is a part of; -1 for page 0 and in linear order.
     [[nodiscard]] constexpr int page_step_log2(std::uint32_t page) const {
         if (order == Order::linear || page == 0) return -1;
         int z = tile_log2 - 1 - page_squares_log2;
         while (z > 0 && page >= first_page(tile_log2 - z)) --z;
         return z;
     }
-    // The block that such a page is, in blocks of its step; and the page of a block of a step of at least 32 x 32
-    // squares. Neither for linear order.
-    [[nodiscard]] constexpr Coord page_block(std::uint32_t page) const {
+    // Where such a page lies among the pages of its step; and the page that lies there. Neither for linear order.
+    [[nodiscard]] constexpr Coord page_position(std::uint32_t page) const {
         const int z = page_step_log2(page);
         const StepLayout step = step_layout(z);
         const std::uint32_t local = page - step.first_page;
         if (order == Order::hierarchical_z)
             return {static_cast<std::int32_t>(even_bits(local)), static_cast<std::int32_t>(even_bits(local >> 1))};
-        return {static_cast<std::int32_t>(local & ((1u << step.blocks_log2) - 1)),
-                static_cast<std::int32_t>(local >> step.blocks_log2)};
+        return {static_cast<std::int32_t>(local & ((1u << step.pages_log2) - 1)),
+                static_cast<std::int32_t>(local >> step.pages_log2)};
     }
-    [[nodiscard]] constexpr std::uint32_t page_of_block(int z, std::uint32_t bx, std::uint32_t by) const {
+    [[nodiscard]] constexpr std::uint32_t page_at(int z, std::uint32_t px, std::uint32_t by) const {
         const StepLayout step = step_layout(z);
-        return step.first_page + (order == Order::hierarchical_z ? interleave(bx, by) : (by << step.blocks_log2) + bx);
+        return step.first_page + (order == Order::hierarchical_z ? interleave(px, by) : (by << step.pages_log2) + px);
     }
 
     // Not for linear order.
@@ -130,11 +130,11 @@ struct PageLayout {
         StepLayout step;
         step.squares = 1u << log2;
         if (log2 >= page_squares_log2) {
-            step.block = page_squares;
+            step.page_side = page_squares;
             step.first_page = first_page(log2);
-            step.blocks_log2 = log2 - page_squares_log2;
+            step.pages_log2 = log2 - page_squares_log2;
         } else {
-            step.block = step.squares;
+            step.page_side = step.squares;
             step.offset = (step.squares + 1) * (step.squares + 1); // all coarser steps and the corners
         }
         return step;
@@ -151,11 +151,11 @@ struct PageLayout {
             const Coord c{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
             const int z = Tree::step_log2(c);
             const StepLayout step = step_layout(z);
-            const std::uint32_t i = x >> (z + 1), j = y >> (z + 1), last = (1u << step.blocks_log2) - 1;
-            const std::uint32_t bx = std::min(i / step.block, last), by = std::min(j / step.block, last);
-            const std::uint32_t page = O == Order::hierarchical_z ? interleave(bx, by) : (by << step.blocks_log2) + bx;
+            const std::uint32_t i = x >> (z + 1), j = y >> (z + 1), last = (1u << step.pages_log2) - 1;
+            const std::uint32_t px = std::min(i / step.page_side, last), by = std::min(j / step.page_side, last);
+            const std::uint32_t page = O == Order::hierarchical_z ? interleave(px, by) : (by << step.pages_log2) + px;
             return {step.first_page + page,
-                    step.offset + block_index<O>(step.block, Tree::kind(c), i - bx * step.block, j - by * step.block)};
+                    step.offset + page_index<O>(step.page_side, Tree::kind(c), i - px * step.page_side, j - by * step.page_side)};
         }
     }
     [[nodiscard]] constexpr PagePlace place(std::uint32_t x, std::uint32_t y) const {
@@ -173,53 +173,53 @@ struct PageLayout {
             return {static_cast<std::int32_t>(index % (side() + 1)), static_cast<std::int32_t>(index / (side() + 1))};
         }
         if (at.page != 0) {
-            const Coord block = page_block(at.page);
-            return block_coord(page_step_log2(at.page), block.x, block.y, at.index);
+            const Coord position = page_position(at.page);
+            return page_coord(page_step_log2(at.page), position.x, position.y, at.index);
         }
         const auto n = static_cast<std::int32_t>(side());
         if (at.index < 4)
             return {static_cast<std::int32_t>(at.index & 1) * n, static_cast<std::int32_t>(at.index >> 1) * n};
         int z = tile_log2 - 1;
         while (z > 0 && tile_log2 - z < page_squares_log2 && at.index >= step_layout(z - 1).offset) --z;
-        return block_coord(z, 0, 0, at.index - step_layout(z).offset);
+        return page_coord(z, 0, 0, at.index - step_layout(z).offset);
     }
 
 private:
-    // First page of the step with 2^log2 squares a side, log2 >= 5: after page 0 and all coarser blocks.
+    // First page of the step with 2^log2 squares a side, log2 >= 5: after page 0 and all coarser steps.
     [[nodiscard]] static constexpr std::uint32_t first_page(int log2) {
         return 1 + ((1u << (2 * (log2 - page_squares_log2))) - 1) / 3;
     }
-    [[nodiscard]] constexpr Coord block_coord(int z, std::int32_t bx, std::int32_t by, std::uint32_t index) const {
-        const std::uint32_t n = step_layout(z).block;
-        PlaneKind kind = PlaneKind::centre;
+    [[nodiscard]] constexpr Coord page_coord(int z, std::int32_t px, std::int32_t by, std::uint32_t index) const {
+        const std::uint32_t n = step_layout(z).page_side;
+        VertexKind kind = VertexKind::centre;
         std::uint32_t i = 0, j = 0;
         if (order == Order::planar) {
             if (index < n * n) {
                 i = index % n, j = index / n;
             } else if (index < n * n + n * (n + 1)) {
-                kind = PlaneKind::side_x;
+                kind = VertexKind::side_x;
                 i = (index - n * n) % n, j = (index - n * n) / n;
             } else {
-                kind = PlaneKind::side_y;
+                kind = VertexKind::side_y;
                 const std::uint32_t in_plane = index - n * n - n * (n + 1);
                 i = in_plane % (n + 1), j = in_plane / (n + 1);
             }
         } else if (index < 3 * n * n) {
-            constexpr PlaneKind kinds[3] = {PlaneKind::side_x, PlaneKind::side_y, PlaneKind::centre};
+            constexpr VertexKind kinds[3] = {VertexKind::side_x, VertexKind::side_y, VertexKind::centre};
             kind = kinds[index % 3];
             i = even_bits(index / 3), j = even_bits(index / 3 >> 1);
         } else if (index < 3 * n * n + n) {
-            kind = PlaneKind::side_x;
+            kind = VertexKind::side_x;
             i = index - 3 * n * n, j = n;
         } else {
-            kind = PlaneKind::side_y;
+            kind = VertexKind::side_y;
             i = n, j = index - 3 * n * n - n;
         }
         const std::int32_t s = std::int32_t{1} << z;
-        const std::int32_t square_x = bx * static_cast<std::int32_t>(n) + static_cast<std::int32_t>(i),
+        const std::int32_t square_x = px * static_cast<std::int32_t>(n) + static_cast<std::int32_t>(i),
                            square_y = by * static_cast<std::int32_t>(n) + static_cast<std::int32_t>(j);
-        return {2 * square_x * s + (kind == PlaneKind::side_y ? 0 : s),
-                2 * square_y * s + (kind == PlaneKind::side_x ? 0 : s)};
+        return {2 * square_x * s + (kind == VertexKind::side_y ? 0 : s),
+                2 * square_y * s + (kind == VertexKind::side_x ? 0 : s)};
     }
 };
 

@@ -53,7 +53,7 @@ struct PackHeader {
     float nesting;             // mu
     double spacing_m[2];       // along columns (x) and rows (y)
     double origin_m[2];        // of sample (0, 0), in CRS axes
-    float base_m, quantum_m;   // the vertical lattice
+    float base_m, quantum_m;   // the vertical height scale
     float min_m, max_m;        // heights that occur
     float max_error_m;         // the largest world-space error of any vertex
     std::uint32_t colour_log2; // texels a side of mip 0; 0: no colour
@@ -62,7 +62,7 @@ struct PackHeader {
     float error_floor_m;       // ErrorScale: the error of code 1
     float error_ratio;         // and of each code to the one before
     std::uint32_t error_nesting_steps;
-    std::uint32_t lattice_steps;             // the highest that occurs
+    std::uint32_t height_steps;             // the highest that occurs
     std::uint64_t voids;                     // samples that are holes
     float level_radius_m[2 * max_tile_log2]; // RadiusScale's unit for each level, root first; 0 beyond the last
     double crs_step[2];                      // from sample to sample in CRS units, east and south; 0: not known
@@ -75,7 +75,7 @@ static_assert(sizeof(PackHeader) == 512 && offsetof(PackHeader, header_hash) == 
 // What can be said of a page's vertices, its borders included, without reading it: how far away one of them may be
 // wanted. Streaming decides by it which pages to read. Rounded outwards. Other chunks: zero.
 struct PageBound {
-    std::uint16_t low, high; // heights: low << bound_shift() to ((high + 1) << bound_shift()) - 1 lattice steps
+    std::uint16_t low, high; // heights: low << bound_shift() to ((high + 1) << bound_shift()) - 1 height scale steps
     std::uint8_t error;      // the largest code
     std::uint8_t radius;     // code, on the unit of bound_level(), of a radius that none exceeds
     std::uint16_t reserved;  // zero
@@ -89,9 +89,9 @@ struct ChunkEntry {
 };
 static_assert(sizeof(ChunkEntry) == 32 && offsetof(ChunkEntry, bound) == 24,
               "ChunkEntry is stored: change pack_version and pack_layout_hash with it");
-// Lattice steps that one step of PageBound's heights covers, as a shift.
+// HeightScale steps that one step of PageBound's heights covers, as a shift.
 [[nodiscard]] inline std::uint32_t bound_shift(const PackHeader& h) {
-    const auto bits = static_cast<std::uint32_t>(std::bit_width(h.lattice_steps));
+    const auto bits = static_cast<std::uint32_t>(std::bit_width(h.height_steps));
     return bits > 16 ? bits - 16 : 0;
 }
 // The tree level on whose radius unit (PackHeader::level_radius_m) PageBound::radius counts: the page's coarsest.
@@ -102,7 +102,7 @@ static_assert(sizeof(ChunkEntry) == 32 && offsetof(ChunkEntry, bound) == 24,
 
 // A page's bytes after decompression: this, then the arrays that it announces (docs/pack-format.md).
 struct PageHead {
-    std::int32_t base;        // lattice steps that heights are counted from
+    std::int32_t base;        // height scale steps that heights are counted from
     std::uint8_t flags;       // PageFlags
     std::uint8_t reserved[3]; // zero
 };
@@ -119,7 +119,7 @@ inline constexpr std::uint32_t page_radii = 64 + 72 + 72;
 [[nodiscard]] constexpr std::uint32_t max_page_raw_bytes(std::uint32_t vertices) {
     return static_cast<std::uint32_t>(sizeof(PageHead)) + 4 * vertices + page_radii + (vertices + 7) / 8;
 }
-// A tile corner's stored height: lattice steps, the highest bit set for a hole.
+// A tile corner's stored height: height scale steps, the highest bit set for a hole.
 inline constexpr std::uint32_t corner_void_bit = 0x80000000;
 
 // Textures. Mip m of a map with 2^k texels a side has 2^(k-m); the smallest has 4. The first and last texel centre of

@@ -1,6 +1,6 @@
 // One vertex as it is held in memory, and the scales that its numbers count on.
 //
-// Heights count steps of one vertical lattice over the whole terrain from their page's base, so that samples shared by
+// Heights count steps of one vertical height scale over the whole terrain from their page's base, so that samples shared by
 // two pages are equal bit for bit. Errors and radii are codes on geometric scales that the pack fixes: rounded up,
 // never to nearest, so that what they bound stays bounded (DESIGN invariant 2). Why these: docs/notes/records.md.
 #pragma once
@@ -13,7 +13,7 @@
 namespace fjell {
 
 struct VertexRecord {
-    std::uint16_t height; // lattice steps above the page's base
+    std::uint16_t height; // height scale steps above the page's base
     std::uint8_t error;   // code on the pack's ErrorScale
     std::uint8_t radius;  // code on RadiusScale in the lower 7 bits; the highest one: a hole's vertex
 };
@@ -26,10 +26,10 @@ inline constexpr std::uint32_t radius_codes = 128;
     return (r.radius & void_bit) != 0;
 }
 
-// The vertical lattice: height = base + steps * quantum, one fixed float expression. steps: 0..max_lattice_steps, which
+// The vertical height scale: height = base + steps * quantum, one fixed float expression. steps: 0..max_height_steps, which
 // floats hold exactly.
-inline constexpr std::int32_t max_lattice_steps = 1 << 24;
-struct Lattice {
+inline constexpr std::int32_t max_height_steps = 1 << 24;
+struct HeightScale {
     float base_m = 0;
     float quantum_m = 1;
     [[nodiscard]] constexpr float height_m(std::int32_t steps) const {

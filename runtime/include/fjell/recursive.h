@@ -6,7 +6,7 @@
 // plane; culling is done in double precision, because far spheres that just touch a plane do not nest in float; when a
 // capacity does not suffice the frame is done again with a higher threshold (the thesis does not say what happens).
 //
-// Memory: one block from the host, 8 bytes a vertex of every page slot plus the budget. Thread: one at a time.
+// Memory: one piece from the host, 8 bytes a vertex of every page slot plus the budget. Thread: one at a time.
 // Complexity of update: O(selected vertices): 40 to 140 ns each, by size (docs/notes/recursive-method.md).
 // Failure: update() refuses an invalid view or setting and leaves the last mesh as it was; exhaustion sets a bit in the
 // report, raises the effective threshold and keeps the mesh valid.
@@ -56,7 +56,7 @@ struct FrameReport {
     bool converged = false; // effective == asked
 };
 
-struct RecursiveState; // opaque, lives in the block
+struct RecursiveState; // opaque, lives in the host's memory
 
 struct RecursiveMethod {
     RecursiveState* state = nullptr;
@@ -64,9 +64,9 @@ struct RecursiveMethod {
 
 [[nodiscard]] std::size_t recursive_bytes(const Terrain& terrain, const RecursiveBudget& budget);
 
-// block: at least recursive_bytes(), aligned to 64. terrain must outlive the method.
+// memory: at least recursive_bytes(), aligned to 64. terrain must outlive the method.
 // Fails with budget_too_small when 4 vertices and 9 indices a tile do not fit.
-Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, std::span<std::byte> block,
+Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, std::span<std::byte> memory,
                         RecursiveMethod& method);
 
 Status update_recursive(RecursiveMethod method, const View& view, const RefineSettings& settings, FrameReport& report);

@@ -1,12 +1,12 @@
 // Streaming: pages of geometry and mips of maps that come and go as the views want them (DESIGN section 6).
 //
 // The runtime owns no file. update_stream() decides on the frame's thread what is wanted most; a client on another
-// thread - host::StreamReader, an engine's loader, a test - asks with next_request(), reads the bytes and hands them in
+// thread - io::StreamReader, an engine's loader, a test - asks with next_request(), reads the bytes and hands them in
 // with provide(), which checks and decompresses them there. The next update_stream() takes them over. Geometry comes
 // page by page, coarse steps first; maps mip by mip. The coarsest page and the smallest mips of every tile stay.
 // docs/notes/streaming.md draws the states and who owns them.
 //
-// Memory: one block from the host, stream_bytes() of it; all slots are fixed at creation. Threads: the frame's for
+// Memory: one piece from the host, stream_bytes() of it; all slots are fixed at creation. Threads: the frame's for
 // update_stream(), retry_failed() and what they return; one client thread at a time for next_request(),
 // still_wanted(), provide() and fail(). Neither waits for the other: there are no locks.
 // Complexity of an update: O(pages that the eye's way may concern), at most StreamSettings' limits; a fixed order of
@@ -32,7 +32,7 @@ inline constexpr std::uint32_t map_kinds = 2;
 // How many tiles may have a map of which size, by log2 of its texels a side; 0: that size is not kept. A renderer makes
 // an array texture a size, with that many layers and all mips down to 4 x 4. Of the smallest size, tail_log2, there is
 // one layer a tile, for good: layer = tile.
-struct MapSlots {
+struct MapLayers {
     std::uint32_t tail_log2 = 0; // 0: the pack has no such map
     std::uint32_t top_log2 = 0;  // the pack's own size
     std::uint32_t layers[max_texture_log2 + 1] = {};
@@ -47,9 +47,9 @@ struct StreamBudget {
 };
 // The sizes that map_bytes buys: the same share for each size, but no more than one layer a tile, and the rest to the
 // finest. O(1). Zeroes for a map that the pack does not have.
-[[nodiscard]] MapSlots map_slots(const PackHeader& header, const StreamBudget& budget, MapKind kind);
+[[nodiscard]] MapLayers map_layers(const PackHeader& header, const StreamBudget& budget, MapKind kind);
 // What they take on a GPU.
-[[nodiscard]] std::uint64_t map_slot_bytes(const MapSlots& slots, MapKind kind);
+[[nodiscard]] std::uint64_t map_layer_bytes(const MapLayers& slots, MapKind kind);
 
 struct StreamSettings {
     double texel_px = 1;                // pixels that a texel may cover; 0.1 to 100
@@ -114,17 +114,17 @@ struct StreamReport {
     double update_us = 0;
 };
 
-struct StreamState; // opaque, lives in the block
+struct StreamState; // opaque, lives in the host's memory
 struct Stream {
     StreamState* state = nullptr;
 };
 
 [[nodiscard]] std::size_t stream_bytes(const Pack& pack, const Terrain& terrain, const StreamBudget& budget);
 // pack: of open_index() or open_pack(); its directory is read here and in updates, so it must be in memory and outlive
-// the stream, as must terrain and cut. cut: may be empty when the recursive method draws. block: aligned to 64.
-// Fails with out_of_range, budget_too_small (page slots, map_bytes), block_too_small, not_supported (linear order).
+// the stream, as must terrain and cut. cut: may be empty when the recursive method draws. memory: aligned to 64.
+// Fails with out_of_range, budget_too_small (page slots, map_bytes), memory_too_small, not_supported (linear order).
 Status create_stream(const Pack& pack, Terrain& terrain, LiveCut cut, const StreamBudget& budget,
-                     std::span<std::byte> block, Stream& stream);
+                     std::span<std::byte> memory, Stream& stream);
 
 // Takes over what has come, asks for what the views want, lets go of what they do not. Call it before update_cut(),
 // with the same views and settings. No allocation, lock, system call, page fault or exception.
@@ -155,18 +155,18 @@ struct MapCommand {
 [[nodiscard]] std::span<const MapCommand> map_commands(Stream stream);
 
 // How a tile's map is drawn: from a layer, with no mip finer than `finest`, which counts from the pack's mip 0, moves
-// with time and may lie between two mips. Neighbours blend theirs along the border: nine_mips().
+// with time and may lie between two mips. Neighbours blend theirs along the border: min_lod_grid().
 struct TileMap {
     std::uint32_t layer = 0;
     std::uint8_t side_log2 = 0; // 0: nothing is there yet
     float finest = 0;
 };
 [[nodiscard]] std::span<const TileMap> tile_maps(Stream stream, MapKind kind); // one a tile; empty when there is no map
-[[nodiscard]] MapSlots stream_map_slots(Stream stream, MapKind kind);
+[[nodiscard]] MapLayers stream_map_layers(Stream stream, MapKind kind);
 
 // The least mip at a tile's corners, the middles of its sides and its centre, row by row from the north-west: the
 // largest of all tiles that share the place. Bilinear between them it is continuous over the whole terrain.
-void nine_mips(std::span<const TileMap> maps, std::uint32_t tiles_x, std::uint32_t tile, float (&out)[9]);
+void min_lod_grid(std::span<const TileMap> maps, std::uint32_t tiles_x, std::uint32_t tile, float (&out)[9]);
 
 // --- the client
 // -------------------------------------------------------------------------------------------------------

@@ -4,7 +4,7 @@
 // +z. Decoded pages lie in slots of page_capacity() records, 4 bytes a vertex; the page table says which slot holds a
 // page. A page may be missing: methods then draw coarser terrain there, never a crack, because a vertex is drawn only
 // when its parents are. The corners of tiles are always there.
-// Ownership: Terrain points into the block that create_terrain was given. Thread: one that loads and unloads; between
+// Ownership: Terrain points into the memory that create_terrain was given. Thread: one that loads and unloads; between
 // those, immutable and shareable. Queries (fjell/query.h) may run on any thread at any time.
 #pragma once
 
@@ -18,23 +18,21 @@
 
 namespace fjell {
 
-inline constexpr std::uint32_t no_page = 0xffffffff; // of a slot that is free
-inline constexpr std::uint32_t no_page_slot = 0xffffffff;
 
 inline constexpr std::uint32_t change_log = 256; // changes that Terrain::changed_slots remembers
 
 struct alignas(8) PageEntry { // read at once by queries of other threads
-    std::uint32_t slot; // no_page_slot: not loaded
-    std::int32_t base;  // lattice steps its heights are counted from
+    std::uint32_t slot; // no_index: not loaded
+    std::int32_t base;  // height scale steps its heights are counted from
 };
 
-struct TerrainMemory; // what loading needs, in the block
+struct TerrainMemory; // what loading needs, in the host's memory
 
 struct Terrain {
     PackHeader header{};
     Tree tree;
     PageLayout pages;
-    Lattice lattice;
+    HeightScale height_scale;
     float spacing_x_m = 1, spacing_z_m = 1;
     ErrorScale errors;
     RadiusScale radii;
@@ -42,7 +40,7 @@ struct Terrain {
     std::uint32_t slot_count = 0;
     const PageEntry* page_table = nullptr;     // tile_count * pages_per_tile
     const VertexRecord* records = nullptr;     // slot_count * page_capacity
-    const std::uint32_t* slot_page = nullptr;  // what each slot holds (tile * pages_per_tile + page), or no_page
+    const std::uint32_t* slot_page = nullptr;  // what each slot holds (tile * pages_per_tile + page), or no_index
     const std::uint32_t* slot_loads = nullptr; // how often a page was loaded into each slot
     const std::uint32_t* corners = nullptr;    // (tiles_x + 1) * (tiles_y + 1), as stored (corner_void_bit)
     std::uint32_t pages_missing = 0;
@@ -61,11 +59,11 @@ struct Terrain {
     [[nodiscard]] float x_m(std::int32_t column) const { return static_cast<float>(column) * spacing_x_m; }
     [[nodiscard]] float z_m(std::int32_t row) const { return static_cast<float>(row) * spacing_z_m; }
 
-    // One vertex with its numbers decoded; slow and convenient. Any vertex of the lattice, also beyond the terrain's
+    // One vertex with its numbers decoded; slow and convenient. Any vertex of the height scale, also beyond the terrain's
     // rim. Tile corners have neither error nor radius. `loaded` false: its page is missing, and nothing else is set.
     struct Vertex {
         bool loaded = false, hole = false;
-        std::int32_t steps = 0; // on the lattice
+        std::int32_t steps = 0; // on the height scale
         std::uint8_t error_code = 0;
         float height_m = 0, error_m = 0, radius_m = 0;
     };
@@ -83,11 +81,11 @@ struct TerrainBudget {
 };
 [[nodiscard]] std::size_t terrain_bytes(const PackHeader& header, const TerrainBudget& budget = {});
 
-// Reads the corners and no page. block: at least terrain_bytes(), aligned to 64.
-Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<std::byte> block, Terrain& terrain);
+// Reads the corners and no page. memory: at least terrain_bytes(), aligned to 64.
+Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<std::byte> memory, Terrain& terrain);
 // The same for a pack of open_index(). corners: the stored bytes of its chunk of corners.
 Status create_terrain(const Pack& pack, std::span<const std::byte> corners, const TerrainBudget& budget,
-                      std::span<std::byte> block, Terrain& terrain);
+                      std::span<std::byte> memory, Terrain& terrain);
 
 // Decodes a page into a free slot. Fails with out_of_slots when there is none, with coarser_page_first when a page of a
 // coarser step over it is missing (its errors follow from their heights), with corrupt when its bytes are. Loading a
@@ -99,6 +97,6 @@ Status insert_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page, std
 void unload_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page);
 
 // create_terrain with room for all pages, and all of them loaded. O(samples).
-Status load_terrain(const Pack& pack, std::span<std::byte> block, Terrain& terrain);
+Status load_terrain(const Pack& pack, std::span<std::byte> memory, Terrain& terrain);
 
 } // namespace fjell

@@ -19,6 +19,8 @@
 
 namespace fjell {
 
+inline constexpr std::uint32_t no_index = 0xffff'ffff; // the one index, slot or name that stands for nothing
+
 inline constexpr int min_tile_log2 = 1;
 inline constexpr int max_tile_log2 = 12; // tile-local coordinates must fit 16 bits twice over
 
@@ -29,7 +31,7 @@ struct Coord {
     friend constexpr Coord operator-(Coord a, Coord b) { return {a.x - b.x, a.y - b.y}; }
 };
 
-enum class PlaneKind : std::uint8_t { centre, side_x, side_y };
+enum class VertexKind : std::uint8_t { centre, side_x, side_y };
 
 // A terrain covered by tiles_x by tiles_y tiles of side 2^tile_log2 cells.
 struct Tree {
@@ -45,13 +47,13 @@ struct Tree {
     }
     [[nodiscard]] constexpr std::int32_t side() const { return std::int32_t{1} << tile_log2; }
     // Samples of the terrain.
-    [[nodiscard]] constexpr std::int32_t columns() const { return lattice_columns() - cut_x; }
-    [[nodiscard]] constexpr std::int32_t rows() const { return lattice_rows() - cut_y; }
+    [[nodiscard]] constexpr std::int32_t columns() const { return grid_columns() - cut_x; }
+    [[nodiscard]] constexpr std::int32_t rows() const { return grid_rows() - cut_y; }
     // Places of vertices: of the terrain and beyond, to the end of the last tiles.
-    [[nodiscard]] constexpr std::int32_t lattice_columns() const { return tiles_x * side() + 1; }
-    [[nodiscard]] constexpr std::int32_t lattice_rows() const { return tiles_y * side() + 1; }
+    [[nodiscard]] constexpr std::int32_t grid_columns() const { return tiles_x * side() + 1; }
+    [[nodiscard]] constexpr std::int32_t grid_rows() const { return tiles_y * side() + 1; }
     [[nodiscard]] constexpr bool contains(Coord c) const {
-        return c.x >= 0 && c.y >= 0 && c.x < lattice_columns() && c.y < lattice_rows();
+        return c.x >= 0 && c.y >= 0 && c.x < grid_columns() && c.y < grid_rows();
     }
     // Where a vertex stands, and whose height it has.
     [[nodiscard]] constexpr Coord sample(Coord c) const {
@@ -63,13 +65,13 @@ struct Tree {
     [[nodiscard]] static constexpr int step_log2(Coord c) {
         return std::countr_zero(static_cast<std::uint32_t>(c.x | c.y));
     }
-    [[nodiscard]] static constexpr PlaneKind kind(Coord c) {
+    [[nodiscard]] static constexpr VertexKind kind(Coord c) {
         const int z = step_log2(c);
         const bool odd_x = (c.x >> z) & 1, odd_y = (c.y >> z) & 1;
-        return odd_x && odd_y ? PlaneKind::centre : odd_x ? PlaneKind::side_x : PlaneKind::side_y;
+        return odd_x && odd_y ? VertexKind::centre : odd_x ? VertexKind::side_x : VertexKind::side_y;
     }
     [[nodiscard]] constexpr int level(Coord c) const {
-        return 2 * (tile_log2 - 1 - step_log2(c)) + (kind(c) == PlaneKind::centre ? 0 : 1);
+        return 2 * (tile_log2 - 1 - step_log2(c)) + (kind(c) == VertexKind::centre ? 0 : 1);
     }
 };
 
@@ -84,9 +86,9 @@ struct Diamond {
     const int z = Tree::step_log2(v);
     const std::int32_t s = std::int32_t{1} << z;
     switch (Tree::kind(v)) {
-    case PlaneKind::side_x: return {{{v.x - s, v.y}, {v.x + s, v.y}}, {{v.x, v.y - s}, {v.x, v.y + s}}};
-    case PlaneKind::side_y: return {{{v.x, v.y - s}, {v.x, v.y + s}}, {{v.x - s, v.y}, {v.x + s, v.y}}};
-    case PlaneKind::centre: break;
+    case VertexKind::side_x: return {{{v.x - s, v.y}, {v.x + s, v.y}}, {{v.x, v.y - s}, {v.x, v.y + s}}};
+    case VertexKind::side_y: return {{{v.x, v.y - s}, {v.x, v.y + s}}, {{v.x - s, v.y}, {v.x + s, v.y}}};
+    case VertexKind::centre: break;
     }
     // The square's corner (x-s, y-s), in units of 2s: an even sum ends the hypotenuse, an odd sum is a parent. A
     // tile's root square counts from its own tile, so its sum is 0.
@@ -105,7 +107,7 @@ struct Children {
 [[nodiscard]] constexpr Children children(Coord v) {
     const int z = Tree::step_log2(v);
     const std::int32_t s = std::int32_t{1} << z;
-    if (Tree::kind(v) == PlaneKind::centre)
+    if (Tree::kind(v) == VertexKind::centre)
         return {{{v.x - s, v.y}, {v.x + s, v.y}, {v.x, v.y - s}, {v.x, v.y + s}}, 4};
     if (s == 1) return {};
     const std::int32_t h = s / 2;

@@ -19,35 +19,35 @@ std::uint32_t doubled(std::uint32_t v) {
 }
 
 // What two words of a row of 32 say.
-std::uint32_t row_of(const BlockState* blocks, std::uint16_t BlockState::*mask) {
-    return static_cast<std::uint32_t>(blocks[0].*mask) | static_cast<std::uint32_t>(blocks[1].*mask) << 16;
+std::uint32_t row_of(const GroupState* groups, std::uint16_t GroupState::*mask) {
+    return static_cast<std::uint32_t>(groups[0].*mask) | static_cast<std::uint32_t>(groups[1].*mask) << 16;
 }
 
-BlockState* block_at(CutState& s, const Site& site) {
+GroupState* block_at(CutState& s, const Site& site) {
     if (!exists(s, site)) return nullptr;
     const std::uint32_t vertex = find_vertex(s, site);
-    return vertex == no_vertex ? nullptr : &s.blocks[vertex / block_lanes];
+    return vertex == no_index ? nullptr : &s.groups[vertex / group_lanes];
 }
 
 void set_bits(std::uint16_t& mask, std::uint32_t bits) {
     mask |= static_cast<std::uint16_t>(bits);
 }
 
-// A row of one page (or, of coarse steps, of one tile): up to 32 vertices in one or two blocks.
+// A row of one page (or, of coarse steps, of one tile): up to 32 vertices in one or two groups.
 struct Row {
-    std::uint32_t block; // number of the first
+    std::uint32_t group; // number of the first
     std::uint32_t words;
 };
 
 // Ready lanes of a row are decided; active ones take slots. Returns them.
 std::uint32_t decide(CutState& s, const Row& row, std::uint32_t parents0, std::uint32_t parents1) {
     std::uint32_t active = 0;
-    s.slot_info[row.block / max_page_blocks].touched = true;
+    s.page_slot[row.group / max_page_groups].touched = true;
     for (std::uint32_t word = 0; word < row.words; ++word, parents0 >>= 16, parents1 >>= 16) {
-        BlockState& b = s.blocks[row.block + word];
+        GroupState& b = s.groups[row.group + word];
         set_bits(b.parent[0], parents0);
         set_bits(b.parent[1], parents1);
-        if (b.ready() != 0) active |= build_block(s, row.block + word) << (16 * word);
+        if (b.ready() != 0) active |= build_block(s, row.group + word) << (16 * word);
     }
     return active;
 }
@@ -63,16 +63,16 @@ public:
     void centres() {
         const bool root = z_ == s.terrain->tree.tile_log2 - 1;
         for (std::int32_t j = 0; j < n_; ++j) {
-            const Row row = row_at(PlaneKind::centre, j);
+            const Row row = row_at(VertexKind::centre, j);
             if (root) {
                 (void)decide(s, row, 1, 1);
                 continue;
             }
             const std::int32_t jj = j0_ + j;
-            BlockState* const sides_x = block_at(s, {z_ + 1, PlaneKind::side_x, i0_ >> 1, (jj + 1) >> 1});
-            BlockState* const sides_y = block_at(s, {z_ + 1, PlaneKind::side_y, i0_ >> 1, jj >> 1});
+            GroupState* const sides_x = block_at(s, {z_ + 1, VertexKind::side_x, i0_ >> 1, (jj + 1) >> 1});
+            GroupState* const sides_y = block_at(s, {z_ + 1, VertexKind::side_y, i0_ >> 1, jj >> 1});
             // One more side_y, east of the last square; often another page's.
-            BlockState* const last_y = block_at(s, {z_ + 1, PlaneKind::side_y, (i0_ + n_) >> 1, jj >> 1});
+            GroupState* const last_y = block_at(s, {z_ + 1, VertexKind::side_y, (i0_ + n_) >> 1, jj >> 1});
             const auto half = static_cast<std::uint32_t>(n_ / 2);
             const std::uint32_t lanes = (1u << half) - 1;
             const std::uint32_t shift_x = lane_of(z_ + 1, i0_ >> 1), shift_last = last_lane(jj >> 1);
@@ -95,24 +95,24 @@ public:
     // Sides: all centres of the step must have been decided.
     void sides() {
         for (std::int32_t j = 0; j < n_; ++j) {
-            BlockState* const here = &s.blocks[row_at(PlaneKind::centre, j).block];
-            BlockState* const north = j > 0 ? &s.blocks[row_at(PlaneKind::centre, j - 1).block]
-                                            : block_at(s, {z_, PlaneKind::centre, i0_, j0_ - 1});
+            GroupState* const here = &s.groups[row_at(VertexKind::centre, j).group];
+            GroupState* const north = j > 0 ? &s.groups[row_at(VertexKind::centre, j - 1).group]
+                                            : block_at(s, {z_, VertexKind::centre, i0_, j0_ - 1});
             const std::uint32_t centres = active_row(here);
             const bool rim_north = j0_ + j == 0, rim_west = i0_ == 0;
             const std::uint32_t above = rim_north ? all() : north ? active_row(north) : 0;
             if ((above | centres) != 0 && (centres != 0 || !rim_north)) {
-                const std::uint32_t x = decide(s, row_at(PlaneKind::side_x, j), above, centres);
+                const std::uint32_t x = decide(s, row_at(VertexKind::side_x, j), above, centres);
                 if (x != 0) {
                     add_children(here, 2, x);
                     if (!rim_north) add_children(north, 3, x);
                 }
             }
-            BlockState* const west = rim_west ? nullptr : block_at(s, {z_, PlaneKind::centre, i0_ - 1, j0_ + j});
+            GroupState* const west = rim_west ? nullptr : block_at(s, {z_, VertexKind::centre, i0_ - 1, j0_ + j});
             const std::uint32_t lane = lane_of(z_, i0_ - 1);
             const std::uint32_t left = rim_west ? 1u : west ? west->active >> lane & 1u : 0;
             if (centres != 0 || (left != 0 && !rim_west)) {
-                const std::uint32_t y = decide(s, row_at(PlaneKind::side_y, j), (centres << 1 | left) & all(), centres);
+                const std::uint32_t y = decide(s, row_at(VertexKind::side_y, j), (centres << 1 | left) & all(), centres);
                 if (y != 0) {
                     add_children(here, 0, y);
                     add_children(here, 1, y >> 1);
@@ -125,26 +125,26 @@ public:
 
 private:
     [[nodiscard]] std::uint32_t all() const { return n_ == 32 ? ~0u : (1u << n_) - 1; }
-    [[nodiscard]] Row row_at(PlaneKind kind, std::int32_t j) const { return {part_.row(kind, j), words_}; }
-    // The lane of a column of squares in its block.
+    [[nodiscard]] Row row_at(VertexKind kind, std::int32_t j) const { return {part_.row(kind, j), words_}; }
+    // The lane of a column of squares in its group.
     [[nodiscard]] std::uint32_t lane_of(int z, std::int32_t i) const {
-        return static_cast<std::uint32_t>(i & ((1 << s.steps[z].log2) - 1)) % block_lanes;
+        return static_cast<std::uint32_t>(i & ((1 << s.steps[z].log2) - 1)) % group_lanes;
     }
     // Of the side_y east of the last square, in the coarser step.
     [[nodiscard]] std::uint32_t last_lane(std::int32_t j) const {
-        return find_vertex(s, {z_ + 1, PlaneKind::side_y, (i0_ + n_) >> 1, j}) % block_lanes;
+        return find_vertex(s, {z_ + 1, VertexKind::side_y, (i0_ + n_) >> 1, j}) % group_lanes;
     }
-    [[nodiscard]] std::uint32_t active_row(const BlockState* first) const {
-        return words_ == 2 ? row_of(first, &BlockState::active) : first->active;
+    [[nodiscard]] std::uint32_t active_row(const GroupState* first) const {
+        return words_ == 2 ? row_of(first, &GroupState::active) : first->active;
     }
-    void add_children(BlockState* first, std::size_t direction, std::uint32_t bits) const {
+    void add_children(GroupState* first, std::size_t direction, std::uint32_t bits) const {
         set_bits(first[0].child[direction], bits & (words_ == 2 ? 0xffffu : all()));
         if (words_ == 2) set_bits(first[1].child[direction], bits >> 16);
     }
 
     // Which child of which parent each active centre is follows from its square's parity (parent_bearing).
-    void tell_sides(std::uint32_t active, std::int32_t jj, std::uint32_t half, BlockState* sides_x, BlockState* sides_y,
-                    BlockState* last_y, std::uint32_t shift_x, std::uint32_t shift_last) const {
+    void tell_sides(std::uint32_t active, std::int32_t jj, std::uint32_t half, GroupState* sides_x, GroupState* sides_y,
+                    GroupState* last_y, std::uint32_t shift_x, std::uint32_t shift_last) const {
         const bool odd = (jj & 1) != 0;
         const std::uint32_t even_columns = even_bits(active), odd_columns = even_bits(active >> 1);
         if (sides_x) {
@@ -164,24 +164,24 @@ private:
     void rims() {
         const std::int32_t rows = s.tiles_y << s.steps[z_].log2, columns = s.tiles_x << s.steps[z_].log2;
         if (j0_ + n_ == rows) {
-            BlockState* const north = &s.blocks[row_at(PlaneKind::centre, n_ - 1).block];
+            GroupState* const north = &s.groups[row_at(VertexKind::centre, n_ - 1).group];
             if (const std::uint32_t centres = active_row(north); centres != 0) {
-                const std::uint32_t x = decide(s, row_at(PlaneKind::side_x, n_), centres, all());
+                const std::uint32_t x = decide(s, row_at(VertexKind::side_x, n_), centres, all());
                 add_children(north, 3, x);
             }
         }
         if (i0_ + n_ != columns) return;
-        for (std::int32_t j = 0; j < n_; j += block_lanes) {
-            const std::uint32_t first = find_vertex(s, {z_, PlaneKind::side_y, columns, j0_ + j});
+        for (std::int32_t j = 0; j < n_; j += group_lanes) {
+            const std::uint32_t first = find_vertex(s, {z_, VertexKind::side_y, columns, j0_ + j});
             std::uint32_t centres = 0;
-            const std::int32_t lanes = n_ < static_cast<std::int32_t>(block_lanes) ? n_ : block_lanes;
+            const std::int32_t lanes = n_ < static_cast<std::int32_t>(group_lanes) ? n_ : group_lanes;
             for (std::int32_t lane = 0; lane < lanes; ++lane)
-                centres |= (active_row(&s.blocks[row_at(PlaneKind::centre, j + lane).block]) >> (n_ - 1) & 1u) << lane;
+                centres |= (active_row(&s.groups[row_at(VertexKind::centre, j + lane).group]) >> (n_ - 1) & 1u) << lane;
             if (centres == 0) continue;
-            const std::uint32_t y = decide(s, {first / block_lanes, 1}, centres, (1u << lanes) - 1);
+            const std::uint32_t y = decide(s, {first / group_lanes, 1}, centres, (1u << lanes) - 1);
             for (std::int32_t lane = 0; lane < lanes; ++lane)
                 if ((y >> lane & 1) != 0)
-                    add_children(&s.blocks[row_at(PlaneKind::centre, j + lane).block], 1, 1u << (n_ - 1));
+                    add_children(&s.groups[row_at(VertexKind::centre, j + lane).group], 1, 1u << (n_ - 1));
         }
     }
 
@@ -196,15 +196,15 @@ private:
 // Every page of a step, or every tile of a coarse one, that is loaded.
 template <typename Do>
 void for_each_part(CutState& s, int z, const Do& act) {
-    const StepBlocks& step = s.steps[z];
+    const StepGroups& step = s.steps[z];
     const std::int32_t parts = 1 << (step.log2 - step.page_log2), n = 1 << step.page_log2;
     for (std::int32_t tile_y = 0; tile_y < s.tiles_y; ++tile_y)
         for (std::int32_t tile_x = 0; tile_x < s.tiles_x; ++tile_x)
             for (std::int32_t by = 0; by < parts; ++by)
                 for (std::int32_t bx = 0; bx < parts; ++bx) {
-                    const Site first{z, PlaneKind::centre, (tile_x << step.log2) + bx * n,
+                    const Site first{z, VertexKind::centre, (tile_x << step.log2) + bx * n,
                                      (tile_y << step.log2) + by * n};
-                    if (find_vertex(s, first) != no_vertex) act(first);
+                    if (find_vertex(s, first) != no_index) act(first);
                 }
 }
 
@@ -212,15 +212,15 @@ void for_each_part(CutState& s, int z, const Do& act) {
 void build_centres(CutState& s, int z) {
     const bool root = z == s.terrain->tree.tile_log2 - 1;
     for_each_part(s, z, [&](const Site& first) {
-        if (root || active_at(s, {z + 1, PlaneKind::centre, first.i >> 1, first.j >> 1}) != 0)
+        if (root || active_at(s, {z + 1, VertexKind::centre, first.i >> 1, first.j >> 1}) != 0)
             Step(s, z, first.i, first.j).centres();
     });
 }
 // And its sides, some of which have a parent in the page to their north or west.
 void build_sides(CutState& s, int z) {
     for_each_part(s, z, [&](const Site& first) {
-        if (active_at(s, first) != 0 || active_at(s, {z, PlaneKind::centre, first.i - 1, first.j}) != 0 ||
-            active_at(s, {z, PlaneKind::centre, first.i, first.j - 1}) != 0)
+        if (active_at(s, first) != 0 || active_at(s, {z, VertexKind::centre, first.i - 1, first.j}) != 0 ||
+            active_at(s, {z, VertexKind::centre, first.i, first.j - 1}) != 0)
             Step(s, z, first.i, first.j).sides();
     });
 }
@@ -236,8 +236,8 @@ bool build_all(CutState& s) {
     // Every active vertex has split a triangle into two, twice unless it lies on the rim.
     const std::uint32_t most =
         2 * s.terrain->tile_count() + 2 * (s.budget.vertices - free_vertices(s) - corner_slots(s));
-    const std::uint32_t chunks = (most >> s.chunk_log2) + s.terrain->tile_count() + 4;
-    if (chunks > s.chunk_count) {
+    const std::uint32_t segments = (most >> s.segment_log2) + s.terrain->tile_count() + 4;
+    if (segments > s.segment_count) {
         s.short_of |= cut_budget_triangles;
         return false;
     }

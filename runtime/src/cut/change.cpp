@@ -11,44 +11,44 @@ namespace fjell {
 
 namespace {
 
-// A lane calls for work of this rank: its block goes to that queue, unless it is in one that comes first.
+// A lane calls for work of this rank: its group goes to that queue, unless it is in one that comes first.
 void offer(CutState& s, std::uint32_t vertex, std::uint32_t rank) {
-    const std::uint32_t block = vertex / block_lanes;
-    BlockState& b = s.blocks[block];
-    const ListId list = list_of(s.lists, block), queue = static_cast<ListId>(work_lists + rank);
+    const std::uint32_t group = vertex / group_lanes;
+    GroupState& b = s.groups[group];
+    const ListId list = list_of(s.lists, group), queue = static_cast<ListId>(work_lists + rank);
     if (list == held || (list >= due_lists && list < work_lists)) return; // will be evaluated
     const std::uint32_t calls = (list >= work_lists && list < list_count ? b.due : 0) | bit_of(vertex);
     if (list < queue || list >= retire_list) {
-        unlink(s.lists, block);
-        push_back(s.lists, queue, block);
+        unlink(s.lists, group);
+        push_back(s.lists, queue, group);
         s.work_ranks |= 1u << rank;
     }
     b.due = calls;
 }
 
 bool drains(const CutState& s, std::uint32_t vertex) {
-    return s.slot_info[vertex / block_lanes / max_page_blocks].status == SlotStatus::draining;
+    return s.page_slot[vertex / group_lanes / max_page_groups].status == PageSlotStatus::draining;
 }
 
 // A vertex has just become ready, or an active one childless: when must it be looked at?
 void consider(CutState& s, std::uint32_t vertex, const Site& site, bool active) {
     if (drains(s, vertex)) return;
     const Verdict v = judge(s, vertex, site, active);
-    const std::uint32_t block = vertex / block_lanes;
+    const std::uint32_t group = vertex / group_lanes;
     if (v.wanted == active) {
-        tighten(s.lists, block, v.slack_m, grade_of(v.code));
+        tighten(s.lists, group, v.slack_m, grade_of(v.code));
     } else if (!active) {
         offer(s, vertex, rank_of(s, v));
-    } else if (list_of(s.lists, block) == no_list || list_of(s.lists, block) < due_lists) {
-        unlink(s.lists, block);
-        push_back(s.lists, retire_list, block);
-        s.blocks[block].due = static_cast<std::uint32_t>(bit_of(vertex)) << 16;
+    } else if (list_of(s.lists, group) == unlisted || list_of(s.lists, group) < due_lists) {
+        unlink(s.lists, group);
+        push_back(s.lists, retire_list, group);
+        s.groups[group].due = static_cast<std::uint32_t>(bit_of(vertex)) << 16;
     }
 }
 
 // The triangle of a parent that a vertex splits.
 struct Split {
-    std::uint32_t parent; // no_vertex: a tile's corner
+    std::uint32_t parent; // no_index: a tile's corner
     std::uint32_t name;   // of the triangle: the parent's vertex slot * 4 + direction
     std::uint32_t tile;
     Halves halves;
@@ -56,7 +56,7 @@ struct Split {
 
 // One or two of them: at the terrain's rim a side has one parent.
 int splits_of(const CutState& s, const Site& site, std::uint32_t vertex, Split (&out)[2]) {
-    const bool root = site.z == s.terrain->tree.tile_log2 - 1 && site.kind == PlaneKind::centre;
+    const bool root = site.z == s.terrain->tree.tile_log2 - 1 && site.kind == VertexKind::centre;
     int count = 0;
     for (int n = 0; n < 2; ++n) {
         Split split{};
@@ -64,7 +64,7 @@ int splits_of(const CutState& s, const Site& site, std::uint32_t vertex, Split (
             // A tile's root splits its two base triangles, whose right angles are its north-east and south-west corner.
             const Bearing bearing = n == 0 ? Bearing::north_east : Bearing::south_west;
             const auto corner = static_cast<std::uint32_t>((site.j + n) * (s.tiles_x + 1) + site.i + 1 - n);
-            split = {no_vertex, corner * 4 + static_cast<std::uint32_t>(child_number(bearing)), 0, halves(bearing)};
+            split = {no_index, corner * 4 + static_cast<std::uint32_t>(child_number(bearing)), 0, halves(bearing)};
         } else {
             const Site parent = parent_site(site, n);
             if (!exists(s, parent)) continue;
@@ -74,18 +74,18 @@ int splits_of(const CutState& s, const Site& site, std::uint32_t vertex, Split (
             split.halves = halves(bearing);
         }
         // The centre of the two lies inside its tile.
-        const std::uint32_t inside = site.kind == PlaneKind::centre ? vertex : split.parent;
-        split.tile = s.slot_info[inside / block_lanes / max_page_blocks].tile;
+        const std::uint32_t inside = site.kind == VertexKind::centre ? vertex : split.parent;
+        split.tile = s.page_slot[inside / group_lanes / max_page_groups].tile;
         out[count++] = split;
     }
     return count;
 }
 
 bool room_for(const CutState& s, const Split* splits, int count) {
-    // Two tiles at most, and what is not drawn; one chunk each will do. Two more stay back for deactivations.
-    std::uint32_t chunks = s.some_hidden && room_in(s, hidden_tile(s)) < 4 ? 1 : 0;
-    for (int i = 0; i < count; ++i) chunks += room_in(s, splits[i].tile) < 4 ? 1 : 0;
-    return chunks == 0 || s.free_chunk_count >= chunks + 2;
+    // Two tiles at most, and what is not drawn; one segment each will do. Two more stay back for deactivations.
+    std::uint32_t segments = s.some_hidden && room_in(s, hidden_tile(s)) < 4 ? 1 : 0;
+    for (int i = 0; i < count; ++i) segments += room_in(s, splits[i].tile) < 4 ? 1 : 0;
+    return segments == 0 || s.free_segment_count >= segments + 2;
 }
 
 } // namespace
@@ -102,7 +102,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     if (morphing && (is_rising(s, ends[0]) || is_rising(s, ends[1]))) return Outcome::gated;
     // What is about to sink must not get children again, or its page would never leave.
     for (int n = 0; morphing && n < count; ++n)
-        if (splits[n].parent != no_vertex && (drains(s, splits[n].parent) || sinks(s, s.slots[splits[n].parent])))
+        if (splits[n].parent != no_index && (drains(s, splits[n].parent) || sinks(s, s.slots[splits[n].parent])))
             return Outcome::gated;
     const Verdict v = judge(s, vertex, site, true);
 
@@ -113,14 +113,14 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     s.morph[slot] = {v.y, v.error_m, v.radius_m, never_born_s};
     if (morphing) {
         s.morph[slot].flat_m =
-            flat_height(s, slot, site_coord(site), site.z, site.kind == PlaneKind::centre, ends[0], ends[1]);
+            flat_height(s, slot, site_coord(site), site.z, site.kind == VertexKind::centre, ends[0], ends[1]);
         s.morph[slot].born_s = birth_of(s, v.x, v.y, v.z, v.error_m, v.radius_m);
     }
     s.dirty_vertices.mark(slot);
     s.slots[vertex] = slot;
-    BlockState& block = s.blocks[vertex / block_lanes];
-    block.active |= bit_of(vertex);
-    SlotInfo& info = s.slot_info[vertex / block_lanes / max_page_blocks];
+    GroupState& group = s.groups[vertex / group_lanes];
+    group.active |= bit_of(vertex);
+    PageSlot& info = s.page_slot[vertex / group_lanes / max_page_groups];
     ++info.active;
     info.touched = true;
 
@@ -132,18 +132,18 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
         replace_triangle(s, old, split.tile, {slot, p, a}, slot * 4 + split.halves.first);
         const MeshTriangle second{slot, b, p};
         append_triangle(s, list_for(s, split.tile, second), second, slot * 4 + split.halves.second);
-        if (split.parent == no_vertex) continue;
-        s.blocks[split.parent / block_lanes].child[split.name % 4] |= bit_of(split.parent);
+        if (split.parent == no_index) continue;
+        s.groups[split.parent / group_lanes].child[split.name % 4] |= bit_of(split.parent);
     }
-    if (site.kind != PlaneKind::centre && site.z == 0) return Outcome::done;
+    if (site.kind != VertexKind::centre && site.z == 0) return Outcome::done;
     for (int d = 0; d < 4; ++d) {
         const Site child = child_site(site, d);
         if (!exists(s, child)) continue;
         const std::uint32_t found = find_vertex(s, child);
-        if (found == no_vertex) continue;
-        BlockState& of_child = s.blocks[found / block_lanes];
+        if (found == no_index) continue;
+        GroupState& of_child = s.groups[found / group_lanes];
         of_child.parent[parent_number(site.kind, d)] |= bit_of(found);
-        s.slot_info[found / block_lanes / max_page_blocks].touched = true;
+        s.page_slot[found / group_lanes / max_page_groups].touched = true;
         if (of_child.ready() & bit_of(found)) consider(s, found, child, false);
     }
     return Outcome::done;
@@ -154,7 +154,7 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
     Split splits[2];
     const int count = splits_of(s, site, vertex, splits);
     const std::uint32_t slot = s.slots[vertex];
-    if (s.some_hidden && s.free_chunk_count < 2) {
+    if (s.some_hidden && s.free_segment_count < 2) {
         for (int n = 0; n < count; ++n)
             if (room_in(s, splits[n].tile) < 2 || room_in(s, hidden_tile(s)) < 2) return Outcome::no_triangles;
     }
@@ -168,23 +168,23 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
         remove_triangle(s, s.made[slot * 4 + split.halves.second]);
     }
     s.free_vertices[s.free_vertex_count++] = slot;
-    BlockState& block = s.blocks[vertex / block_lanes];
-    block.active &= static_cast<std::uint16_t>(~bit_of(vertex));
-    --s.slot_info[vertex / block_lanes / max_page_blocks].active;
-    if (site.kind == PlaneKind::centre || site.z != 0) {
+    GroupState& group = s.groups[vertex / group_lanes];
+    group.active &= static_cast<std::uint16_t>(~bit_of(vertex));
+    --s.page_slot[vertex / group_lanes / max_page_groups].active;
+    if (site.kind == VertexKind::centre || site.z != 0) {
         for (int d = 0; d < 4; ++d) {
             const Site child = child_site(site, d);
             if (!exists(s, child)) continue;
             const std::uint32_t found = find_vertex(s, child);
-            if (found == no_vertex) continue;
-            s.blocks[found / block_lanes].parent[parent_number(site.kind, d)] &=
+            if (found == no_index) continue;
+            s.groups[found / group_lanes].parent[parent_number(site.kind, d)] &=
                 static_cast<std::uint16_t>(~bit_of(found));
         }
     }
     for (int n = 0; n < count; ++n) {
         const Split& split = splits[n];
-        if (split.parent == no_vertex) continue;
-        BlockState& of_parent = s.blocks[split.parent / block_lanes];
+        if (split.parent == no_index) continue;
+        GroupState& of_parent = s.groups[split.parent / group_lanes];
         of_parent.child[split.name % 4] &= static_cast<std::uint16_t>(~bit_of(split.parent));
         if (!(of_parent.parental() & bit_of(split.parent))) consider(s, split.parent, site_of(s, split.parent), true);
     }
@@ -202,14 +202,14 @@ std::uint32_t slot_at(const CutState& s, Coord c) {
 } // namespace
 
 void flatten_all(CutState& s) {
-    for (std::uint32_t number = 0; number < s.block_count; ++number)
-        for (std::uint32_t lanes = s.blocks[number].active; lanes != 0; lanes &= lanes - 1) {
-            const std::uint32_t vertex = number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
+    for (std::uint32_t number = 0; number < s.group_count; ++number)
+        for (std::uint32_t lanes = s.groups[number].active; lanes != 0; lanes &= lanes - 1) {
+            const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
             const Site site = site_of(s, vertex);
             const Coord at = site_coord(site);
             const Diamond split = diamond(s.terrain->tree, at);
             const std::uint32_t slot = s.slots[vertex];
-            s.morph[slot].flat_m = flat_height(s, slot, at, site.z, site.kind == PlaneKind::centre,
+            s.morph[slot].flat_m = flat_height(s, slot, at, site.z, site.kind == VertexKind::centre,
                                                slot_at(s, split.ends[0]), slot_at(s, split.ends[1]));
             s.dirty_vertices.mark(slot);
         }

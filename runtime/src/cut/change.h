@@ -10,7 +10,7 @@ enum class Outcome : std::uint8_t { done, no_vertices, no_triangles, gated };
 // The vertex must be ready and not active. Evaluates the children that become ready.
 Outcome activate(CutState& s, std::uint32_t vertex);
 // The vertex must be active and without active children. Evaluates the parents that become childless. Fails, changing
-// nothing, only when triangles that were hidden need a chunk and none is left.
+// nothing, only when triangles that were hidden need a segment and none is left.
 Outcome deactivate(CutState& s, std::uint32_t vertex);
 
 // Works out where every active vertex starts to rise, which is not kept while nothing morphs. O(active vertices).

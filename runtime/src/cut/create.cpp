@@ -1,4 +1,4 @@
-// The live cut's block: how large, how laid out, how it begins, and what a renderer sees of it.
+// The live cut's memory: how large, how laid out, how it begins, and what a renderer sees of it.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -21,21 +21,21 @@ constexpr std::size_t aligned(std::size_t bytes) {
 std::uint32_t corner_count(const Terrain& t) {
     return (t.header.tiles_x + 1) * (t.header.tiles_y + 1);
 }
-std::uint32_t chunks_of(const CutBudget& b) {
-    return b.triangles / b.chunk_triangles;
+std::uint32_t segments_of(const CutBudget& b) {
+    return b.triangles / b.segment_triangles;
 }
 bool hides_some(const Terrain& t) {
     return t.has_voids() || t.tree.cut_x != 0 || t.tree.cut_y != 0;
 }
 // Every tile its base triangles; what is not drawn; and what deactivations keep back.
-std::uint32_t least_chunks(const Terrain& t) {
+std::uint32_t least_segments(const Terrain& t) {
     return t.tile_count() + 3;
 }
 
-// Where the block's parts lie; one function for the size and for the placement, so they cannot disagree.
+// Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t page_blocks, blocks, slots, slot_info, draining, queues, buckets, chunks, vertices, morph, made, hole,
-        free_vertices, indices, names, tiles, chunk_tile, chunk_below, free_chunks, vertex_bits, vertex_words,
+    std::size_t page_groups, groups, slots, page_slot, draining, queues, buckets, nodes, vertices, morph, made, hole,
+        free_vertices, indices, names, tiles, segment_tile, segment_below, free_segments, vertex_bits, vertex_words,
         triangle_bits, triangle_words, ranges, hz_places, grids, births, sinking, end;
 };
 
@@ -45,16 +45,16 @@ Layout layout_of(const Terrain& t, const CutBudget& b) {
     const auto place = [&](std::size_t count, std::size_t bytes) {
         return std::exchange(at, at + aligned(count * bytes));
     };
-    const std::size_t blocks = std::size_t{t.slot_count} * max_page_blocks;
-    const std::size_t chunks = chunks_of(b), triangles = chunks * b.chunk_triangles;
-    l.page_blocks = place(t.page_count(), 4);
-    l.blocks = place(blocks, sizeof(BlockState));
-    l.slots = place(blocks * block_lanes, 4);
-    l.slot_info = place(t.slot_count, sizeof(SlotInfo));
+    const std::size_t groups = std::size_t{t.slot_count} * max_page_groups;
+    const std::size_t segments = segments_of(b), triangles = segments * b.segment_triangles;
+    l.page_groups = place(t.page_count(), 4);
+    l.groups = place(groups, sizeof(GroupState));
+    l.slots = place(groups * group_lanes, 4);
+    l.page_slot = place(t.slot_count, sizeof(PageSlot));
     l.draining = place(t.slot_count, 4);
     l.queues = place(queue_count, sizeof(Link));
     l.buckets = place(due_lists, sizeof(Bucket));
-    l.chunks = place(block_chunks(static_cast<std::uint32_t>(blocks)), sizeof(BlockChunk));
+    l.nodes = place(list_node_count(static_cast<std::uint32_t>(groups)), sizeof(ListNode));
     l.vertices = place(b.vertices, sizeof(MeshVertex));
     l.morph = place(b.vertices, sizeof(MorphVertex));
     l.made = place(b.vertices, 16);
@@ -63,14 +63,14 @@ Layout layout_of(const Terrain& t, const CutBudget& b) {
     l.indices = place(triangles, 12);
     l.names = place(triangles, 4);
     l.tiles = place(t.tile_count() + 1, sizeof(TileList));
-    l.chunk_tile = place(chunks, 4);
-    l.chunk_below = place(chunks, 4);
-    l.free_chunks = place(chunks, 4);
+    l.segment_tile = place(segments, 4);
+    l.segment_below = place(segments, 4);
+    l.free_segments = place(segments, 4);
     l.vertex_bits = place(b.vertices / 64 + 1, 8);
     l.vertex_words = place(b.vertices / 64 + 1, 4);
     l.triangle_bits = place(triangles / 64 + 1, 8);
     l.triangle_words = place(triangles / 64 + 1, 4);
-    l.ranges = place(chunks, sizeof(TileRange));
+    l.ranges = place(segments, sizeof(TileRange));
     l.hz_places = place(t.pages.order == Order::hierarchical_z ? 2 * max_page_vertices : 0, 2);
     l.grids = place(static_cast<std::size_t>(t.tree.tile_log2), bulk_grid_bytes);
     l.births = place(b.vertices, 4);
@@ -86,33 +86,33 @@ Status check_budget(const Terrain& t, const CutBudget& b) {
         return {Code::out_of_range, "TerrainBudget::page_slots (1,369,568 at most)"};
     if (b.vertices > 1u << 28) return {Code::out_of_range, "CutBudget::vertices (at most 2^28)"};
     if (b.triangles > 1u << 29) return {Code::out_of_range, "CutBudget::triangles (at most 2^29)"};
-    if (b.chunk_triangles < 8 || b.chunk_triangles > 65536 || !std::has_single_bit(b.chunk_triangles))
+    if (b.segment_triangles < 8 || b.segment_triangles > 65536 || !std::has_single_bit(b.segment_triangles))
         return {Code::out_of_range, "CutBudget::chunk_triangles (8 to 65,536, a power of two)"};
     if (b.views < 1 || b.views > max_cut_views) return {Code::out_of_range, "CutBudget::views (1 to 8)"};
     if (b.vertices < corner_count(t)) return {Code::budget_too_small, "CutBudget::vertices (4 a tile)"};
-    if (chunks_of(b) < least_chunks(t)) return {Code::budget_too_small, "CutBudget::triangles (a chunk a tile, and 3)"};
+    if (segments_of(b) < least_segments(t)) return {Code::budget_too_small, "CutBudget::triangles (a segment a tile, and 3)"};
     return {};
 }
 
-// Place of each block's lanes in hierarchical Z-order, for a page of each shape.
+// Place of each group's lanes in hierarchical Z-order, for a page of each shape.
 void make_hz_places(CutState& s) {
     const PageLayout& hz = s.terrain->pages;
     const PageLayout planar{hz.tile_log2, Order::planar};
     for (std::uint32_t shape = 0; shape < (hz.pages_per_tile() > 1 ? 2u : 1u); ++shape)
         for (std::uint32_t n = 0; n < s.shapes[shape].count; ++n) {
-            const BlockShape& block = s.shapes[shape].blocks[n];
-            for (std::uint32_t lane = 0; lane < block.lanes; ++lane) {
+            const GroupShape& group = s.shapes[shape].groups[n];
+            for (std::uint32_t lane = 0; lane < group.lanes; ++lane) {
                 // The first page of either kind has the same place in its tile in both orders.
-                const Coord c = planar.coord({shape, block.first + block.stride * lane});
+                const Coord c = planar.coord({shape, group.first + group.stride * lane});
                 std::uint32_t place = 0;
                 if (shape == 0) {
                     place = hz.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y)).index;
                 } else {
                     const Site at = site_at(c);
-                    place = block_index<Order::hierarchical_z>(page_squares, at.kind, static_cast<std::uint32_t>(at.i),
+                    place = page_index<Order::hierarchical_z>(page_squares, at.kind, static_cast<std::uint32_t>(at.i),
                                                                static_cast<std::uint32_t>(at.j));
                 }
-                s.hz_places[(shape * max_page_blocks + n) * block_lanes + lane] = static_cast<std::uint16_t>(place);
+                s.hz_places[(shape * max_page_groups + n) * group_lanes + lane] = static_cast<std::uint16_t>(place);
             }
         }
 }
@@ -125,7 +125,7 @@ void make_corners(CutState& s) {
         const Coord at =
             t.tree.sample({static_cast<std::int32_t>(slot % nx) * side, static_cast<std::int32_t>(slot / nx) * side});
         const std::uint32_t stored = t.corners[slot];
-        const float height_m = t.lattice.height_m(static_cast<std::int32_t>(stored & ~corner_void_bit));
+        const float height_m = t.height_scale.height_m(static_cast<std::int32_t>(stored & ~corner_void_bit));
         s.vertices[slot] = {at.x, at.y, height_m};
         s.morph[slot] = {height_m, 0, 0, never_born_s};
         s.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
@@ -142,24 +142,24 @@ void reset(CutState& s) {
     s.dirty_vertices.clear();
     s.dirty_triangles.clear();
     // What the last cut has made; slots beyond were never taken.
-    for (std::size_t i = 0; i < std::size_t{s.fresh_vertex} * 4; ++i) s.made[i] = nil;
+    for (std::size_t i = 0; i < std::size_t{s.fresh_vertex} * 4; ++i) s.made[i] = no_index;
     s.free_vertex_count = 0;
     s.fresh_vertex = corner_count(t);
     for (std::uint32_t i = 0; i <= t.tile_count(); ++i) {
         TileList& tile = s.tiles[i];
-        tile.last_chunk = nil;
-        tile.in_last = tile.total = tile.chunks = 0;
+        tile.last_segment = no_index;
+        tile.in_last = tile.total = tile.segments = 0;
     }
-    s.free_chunk_count = s.chunk_count;
-    for (std::uint32_t i = 0; i < s.chunk_count; ++i) s.free_chunks[i] = s.chunk_count - 1 - i;
+    s.free_segment_count = s.segment_count;
+    for (std::uint32_t i = 0; i < s.segment_count; ++i) s.free_segments[i] = s.segment_count - 1 - i;
     make_corners(s);
     for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
-        if (s.slot_info[slot].touched) forget_vertices(s, slot);
+        if (s.page_slot[slot].touched) forget_vertices(s, slot);
     follow_pages(s);
-    clear_lists(s.lists, block_chunks(s.block_count)); // of the roots of pages that have just come
+    clear_lists(s.lists, list_node_count(s.group_count)); // of the roots of pages that have just come
     for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile)
-        if (const std::uint32_t first = s.page_blocks[tile * s.pages_per_tile]; first != nil)
-            s.blocks[first].list = no_list;
+        if (const std::uint32_t first = s.page_groups[tile * s.pages_per_tile]; first != no_index)
+            s.groups[first].list = unlisted;
 }
 
 void begin_at_roots(CutState& s) {
@@ -171,8 +171,8 @@ void begin_at_roots(CutState& s) {
             append_triangle(s, list_for(s, tile, base), base,
                             base.right * 4 + static_cast<std::uint32_t>(child_number(corner)));
         }
-        // The root's block is the first of page 0.
-        if (const std::uint32_t root = s.page_blocks[tile * s.pages_per_tile]; root != nil)
+        // The root's group is the first of page 0.
+        if (const std::uint32_t root = s.page_groups[tile * s.pages_per_tile]; root != no_index)
             push_due(s.lists, grade_count - 1, root);
     }
 }
@@ -181,12 +181,12 @@ std::size_t cut_bytes(const Terrain& terrain, const CutBudget& budget) {
     return check_budget(terrain, budget).ok() ? layout_of(terrain, budget).end : 0;
 }
 
-Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std::byte> block, LiveCut& cut) {
+Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std::byte> memory, LiveCut& cut) {
     if (Status fits = check_budget(terrain, budget); !fits.ok()) return fits;
     const Layout l = layout_of(terrain, budget);
-    if (block.size() < l.end) return {Code::block_too_small, "block"};
-    std::byte* const at = block.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "block alignment"};
+    if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
+    std::byte* const at = memory.data();
+    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "memory alignment"};
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
 
     auto& s = *reinterpret_cast<CutState*>(at);
@@ -194,28 +194,28 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     s.terrain = &terrain;
     s.budget = budget;
     s.pages_per_tile = terrain.pages_per_tile;
-    s.block_count = terrain.slot_count * max_page_blocks;
+    s.group_count = terrain.slot_count * max_page_groups;
     s.tiles_x = terrain.tree.tiles_x;
     s.tiles_y = terrain.tree.tiles_y;
     s.shapes[0] = make_page_shape(terrain.pages, true);
     s.shapes[1] = make_page_shape(terrain.pages, false);
     for (int z = 0; z < terrain.tree.tile_log2; ++z) {
-        s.steps[z] = make_step_blocks(terrain.pages, z);
+        s.steps[z] = make_step_groups(terrain.pages, z);
         const int level = 2 * (terrain.tree.tile_log2 - 1 - z);
         s.level_unit_m[2 * z] = terrain.header.level_radius_m[level];
         s.level_unit_m[2 * z + 1] = terrain.header.level_radius_m[level + 1];
     }
     s.evaluate = evaluate;
-    part(s.page_blocks, l.page_blocks);
-    part(s.blocks, l.blocks);
+    part(s.page_groups, l.page_groups);
+    part(s.groups, l.groups);
     part(s.slots, l.slots);
-    part(s.slot_info, l.slot_info);
+    part(s.page_slot, l.page_slot);
     part(s.draining, l.draining);
-    s.lists.blocks = s.blocks;
-    s.lists.block_count = s.block_count;
+    s.lists.groups = s.groups;
+    s.lists.group_count = s.group_count;
     part(s.lists.queues, l.queues);
     part(s.lists.buckets, l.buckets);
-    part(s.lists.chunks, l.chunks);
+    part(s.lists.nodes, l.nodes);
     set_tick(s.lists, static_cast<double>(std::min(terrain.spacing_x_m, terrain.spacing_z_m)) / 32);
     part(s.vertices, l.vertices);
     part(s.morph, l.morph);
@@ -225,11 +225,11 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     part(s.indices, l.indices);
     part(s.names, l.names);
     part(s.tiles, l.tiles);
-    part(s.chunk_tile, l.chunk_tile);
-    part(s.chunk_below, l.chunk_below);
-    part(s.free_chunks, l.free_chunks);
-    s.chunk_count = chunks_of(budget);
-    s.chunk_log2 = static_cast<std::uint32_t>(std::countr_zero(budget.chunk_triangles));
+    part(s.segment_tile, l.segment_tile);
+    part(s.segment_below, l.segment_below);
+    part(s.free_segments, l.free_segments);
+    s.segment_count = segments_of(budget);
+    s.segment_log2 = static_cast<std::uint32_t>(std::countr_zero(budget.segment_triangles));
     s.some_hidden = hides_some(terrain);
     part(s.dirty_vertices.bits, l.vertex_bits);
     part(s.dirty_vertices.words, l.vertex_words);
@@ -245,15 +245,15 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     }
     s.decision.error_m = terrain.errors.metres;
     s.decision.radius_factor = terrain.radii.factor;
-    s.decision.base_m = terrain.lattice.base_m;
-    s.decision.quantum_m = terrain.lattice.quantum_m;
+    s.decision.base_m = terrain.height_scale.base_m;
+    s.decision.quantum_m = terrain.height_scale.quantum_m;
     s.decision.spacing_x_m = terrain.spacing_x_m;
     s.decision.spacing_z_m = terrain.spacing_z_m;
     s.decision.last_x = terrain.tree.columns() - 1;
     s.decision.last_y = terrain.tree.rows() - 1;
-    for (std::uint32_t i = 0; i < s.block_count; ++i) s.blocks[i].list = no_list;
-    for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.page_blocks[i] = nil;
-    for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.slot_info[i].page = no_page;
+    for (std::uint32_t i = 0; i < s.group_count; ++i) s.groups[i].list = unlisted;
+    for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.page_groups[i] = no_index;
+    for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.page_slot[i].page = no_index;
     s.fresh_vertex = budget.vertices; // so that all of made is cleared
     forget_changes(s);
     reset(s);
@@ -265,7 +265,7 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
 CutMesh cut_mesh(LiveCut cut) {
     const CutState& s = *cut.state;
     CutMesh out;
-    const std::size_t triangles = std::size_t{s.chunk_count} << s.chunk_log2;
+    const std::size_t triangles = std::size_t{s.segment_count} << s.segment_log2;
     out.mesh = {
         Topology::triangles, {s.vertices, s.budget.vertices}, {s.indices, triangles * 3}, {s.ranges, s.range_count}, 0,
         s.budget.vertices};

@@ -8,7 +8,7 @@
 
 namespace fjell {
 
-// Slots of the vertices in and around one page, by their place on the lattice of its step: x, y from -1 to 2n. Only
+// Slots of the vertices in and around one page, by their place on the height scale of its step: x, y from -1 to 2n. Only
 // those of active vertices mean anything.
 struct SlotGrid {
     static constexpr std::int32_t pitch = 2 * page_squares + 2;
@@ -32,25 +32,25 @@ public:
         for (std::int32_t y = 0; y < 2; ++y)
             for (std::int32_t x = 0; x < 2; ++x)
                 grid(2 * x, 2 * y) = static_cast<std::uint32_t>((ty + y) * (s.tiles_x + 1) + tx + x);
-        if (find_vertex(s, {z, PlaneKind::centre, tx, ty}) == no_vertex || !page(z, tx, ty)) base(grid);
+        if (find_vertex(s, {z, VertexKind::centre, tx, ty}) == no_index || !page(z, tx, ty)) base(grid);
         close();
     }
 
 private:
     SlotGrid& grid_of(int z) { return reinterpret_cast<SlotGrid*>(s.bulk_grids)[z]; }
 
-    // The tile's last chunk, written without a look at its list.
+    // The tile's last segment, written without a look at its list.
     void open() {
         const TileList& list = s.tiles[tile_];
         next_ = end_ = 0;
-        if (list.last_chunk == nil) return;
-        next_ = (list.last_chunk << s.chunk_log2) + list.in_last;
-        end_ = (list.last_chunk + 1) << s.chunk_log2;
+        if (list.last_segment == no_index) return;
+        next_ = (list.last_segment << s.segment_log2) + list.in_last;
+        end_ = (list.last_segment + 1) << s.segment_log2;
     }
     void close() {
         TileList& list = s.tiles[tile_];
-        if (list.last_chunk == nil) return;
-        const std::uint32_t in_last = next_ - (list.last_chunk << s.chunk_log2);
+        if (list.last_segment == no_index) return;
+        const std::uint32_t in_last = next_ - (list.last_segment << s.segment_log2);
         list.total += in_last - list.in_last;
         list.in_last = in_last;
     }
@@ -80,30 +80,30 @@ private:
             std::uint32_t* const t = s.indices + std::size_t{next_} * 3;
             t[0] = v, t[1] = corners[d][0], t[2] = corners[d][1];
             s.names[next_] = v * 4 + d;
-            s.made[v * 4 + d] = next_ | (is_drawn - 1); // nil when not
+            s.made[v * 4 + d] = next_ | (is_drawn - 1); // no_index when not
             next_ += is_drawn;
         }
     }
 
     // Slots of a row's active vertices, to every other place of the grid. Answers whether there are any.
-    bool spread(SlotGrid& grid, std::uint32_t block, std::int32_t count, std::int32_t x, std::int32_t y) {
+    bool spread(SlotGrid& grid, std::uint32_t group, std::int32_t count, std::int32_t x, std::int32_t y) {
         std::uint32_t any = 0;
         std::uint32_t* to = &grid(x, y);
-        for (std::int32_t done = 0; done < count; done += block_lanes, ++block, to += 2 * block_lanes) {
-            if (s.blocks[block].active == 0) continue;
-            any |= s.blocks[block].active;
-            const std::uint32_t* const from = s.slots + std::size_t{block} * block_lanes;
-            if (count < static_cast<std::int32_t>(block_lanes))
+        for (std::int32_t done = 0; done < count; done += group_lanes, ++group, to += 2 * group_lanes) {
+            if (s.groups[group].active == 0) continue;
+            any |= s.groups[group].active;
+            const std::uint32_t* const from = s.slots + std::size_t{group} * group_lanes;
+            if (count < static_cast<std::int32_t>(group_lanes))
                 for (std::int32_t lane = 0; lane < count; ++lane) to[2 * lane] = from[lane];
             else
-                for (std::uint32_t lane = 0; lane < block_lanes; ++lane) to[2 * lane] = from[lane];
+                for (std::uint32_t lane = 0; lane < group_lanes; ++lane) to[2 * lane] = from[lane];
         }
         return any != 0;
     }
     void one(SlotGrid& grid, const Site& site, std::int32_t x, std::int32_t y) {
         if (!exists(s, site)) return;
         const std::uint32_t vertex = find_vertex(s, site);
-        if (vertex != no_vertex) grid(x, y) = s.slots[vertex];
+        if (vertex != no_index) grid(x, y) = s.slots[vertex];
     }
 
     // The grid has the corners of the page's squares. False when no centre is active, and so nothing below.
@@ -112,11 +112,11 @@ private:
         const Part part = part_at(s, z, i0, j0);
         const std::int32_t n = part.n;
         bool any = false, below = false;
-        for (std::int32_t j = 0; j < n; ++j) any = spread(grid, part.row(PlaneKind::centre, j), n, 1, 2 * j + 1) || any;
+        for (std::int32_t j = 0; j < n; ++j) any = spread(grid, part.row(VertexKind::centre, j), n, 1, 2 * j + 1) || any;
         if (!any) return false;
         for (std::int32_t j = 0; j < n; ++j) {
-            below = spread(grid, part.row(PlaneKind::side_x, j), n, 1, 2 * j) || below;
-            below = spread(grid, part.row(PlaneKind::side_y, j), n, 0, 2 * j + 1) || below;
+            below = spread(grid, part.row(VertexKind::side_x, j), n, 1, 2 * j) || below;
+            below = spread(grid, part.row(VertexKind::side_y, j), n, 0, 2 * j + 1) || below;
         }
         below = borders(grid, z, i0, j0, n) || below;
         rows(grid, z, i0, j0, part);
@@ -127,17 +127,17 @@ private:
     // What lies around the page and belongs to its neighbours: apexes to the north and west, sides to the south and
     // east.
     bool borders(SlotGrid& grid, int z, std::int32_t i0, std::int32_t j0, std::int32_t n) {
-        const Site north{z, PlaneKind::centre, i0, j0 - 1}, south{z, PlaneKind::side_x, i0, j0 + n};
+        const Site north{z, VertexKind::centre, i0, j0 - 1}, south{z, VertexKind::side_x, i0, j0 + n};
         if (exists(s, north))
-            if (const std::uint32_t v = find_vertex(s, north); v != no_vertex)
-                (void)spread(grid, v / block_lanes, n, 1, -1);
+            if (const std::uint32_t v = find_vertex(s, north); v != no_index)
+                (void)spread(grid, v / group_lanes, n, 1, -1);
         bool below = false;
-        if (const std::uint32_t v = find_vertex(s, south); v != no_vertex)
-            below = spread(grid, v / block_lanes, n, 1, 2 * n);
+        if (const std::uint32_t v = find_vertex(s, south); v != no_index)
+            below = spread(grid, v / group_lanes, n, 1, 2 * n);
         for (std::int32_t j = 0; j < n; ++j) {
-            one(grid, {z, PlaneKind::centre, i0 - 1, j0 + j}, -1, 2 * j + 1);
-            const std::uint32_t v = find_vertex(s, {z, PlaneKind::side_y, i0 + n, j0 + j});
-            if (v == no_vertex || !(s.blocks[v / block_lanes].active & bit_of(v))) continue;
+            one(grid, {z, VertexKind::centre, i0 - 1, j0 + j}, -1, 2 * j + 1);
+            const std::uint32_t v = find_vertex(s, {z, VertexKind::side_y, i0 + n, j0 + j});
+            if (v == no_index || !(s.groups[v / group_lanes].active & bit_of(v))) continue;
             grid(2 * n, 2 * j + 1) = s.slots[v];
             below = true;
         }
@@ -149,24 +149,24 @@ private:
         corner_ = {2 * i0, 2 * j0};
         const std::int32_t n = part.n, tile_side = (1 << part.step->log2) - 1;
         for (std::int32_t j = 0; j < n; ++j) {
-            centre_row(grid, part.row(PlaneKind::centre, j), n, 2 * j + 1);
+            centre_row(grid, part.row(VertexKind::centre, j), n, 2 * j + 1);
             const bool north_border = ((j0 + j) & tile_side) == 0;
-            side_row(grid, {z, PlaneKind::side_x, i0, j0 + j}, part.row(PlaneKind::side_x, j), n, 2 * j, north_border);
-            side_row(grid, {z, PlaneKind::side_y, i0, j0 + j}, part.row(PlaneKind::side_y, j), n, 2 * j + 1,
+            side_row(grid, {z, VertexKind::side_x, i0, j0 + j}, part.row(VertexKind::side_x, j), n, 2 * j, north_border);
+            side_row(grid, {z, VertexKind::side_y, i0, j0 + j}, part.row(VertexKind::side_y, j), n, 2 * j + 1,
                      (i0 & tile_side) == 0);
         }
         if (j0 + n == s.tiles_y << part.step->log2)
-            side_row(grid, {z, PlaneKind::side_x, i0, j0 + n}, part.row(PlaneKind::side_x, n), n, 2 * n, true);
+            side_row(grid, {z, VertexKind::side_x, i0, j0 + n}, part.row(VertexKind::side_x, n), n, 2 * n, true);
         if (i0 + n == s.tiles_x << part.step->log2)
             for (std::int32_t j = 0; j < n; ++j) {
-                const Site site{z, PlaneKind::side_y, i0 + n, j0 + j};
+                const Site site{z, VertexKind::side_y, i0 + n, j0 + j};
                 const std::uint32_t v = find_vertex(s, site);
-                const BlockState& b = s.blocks[v / block_lanes];
-                if (b.active & bit_of(v)) border_side(grid, site, 2 * n, 2 * j + 1, drawn_by(b, v % block_lanes));
+                const GroupState& b = s.groups[v / group_lanes];
+                if (b.active & bit_of(v)) border_side(grid, site, 2 * n, 2 * j + 1, drawn_by(b, v % group_lanes));
             }
     }
 
-    [[nodiscard]] static std::uint32_t drawn_by(const BlockState& b, std::uint32_t lane) {
+    [[nodiscard]] static std::uint32_t drawn_by(const GroupState& b, std::uint32_t lane) {
         std::uint32_t drawn = 0;
         for (std::uint32_t d = 0; d < 4; ++d) drawn |= (~static_cast<std::uint32_t>(b.child[d]) >> lane & 1u) << d;
         return drawn;
@@ -176,7 +176,7 @@ private:
         const std::int32_t finer = 1 << s.steps[z - 1].page_log2; // squares of a page there: 2n, or n in four pages
         for (std::int32_t qy = 0; qy < 2 * n; qy += finer)
             for (std::int32_t qx = 0; qx < 2 * n; qx += finer) {
-                if (active_at(s, {z - 1, PlaneKind::centre, 2 * i0 + qx, 2 * j0 + qy}) == 0) continue;
+                if (active_at(s, {z - 1, VertexKind::centre, 2 * i0 + qx, 2 * j0 + qy}) == 0) continue;
                 SlotGrid& to = grid_of(z - 1);
                 for (std::int32_t y = 0; y <= finer; ++y) {
                     const std::uint32_t* const from = &grid(qx, qy + y);
@@ -187,9 +187,9 @@ private:
             }
     }
 
-    void centre_row(SlotGrid& grid, std::uint32_t block, std::int32_t count, std::int32_t y) {
-        for (std::int32_t x0 = 1; x0 < 2 * count; x0 += 2 * static_cast<std::int32_t>(block_lanes), ++block) {
-            const BlockState& b = s.blocks[block];
+    void centre_row(SlotGrid& grid, std::uint32_t group, std::int32_t count, std::int32_t y) {
+        for (std::int32_t x0 = 1; x0 < 2 * count; x0 += 2 * static_cast<std::int32_t>(group_lanes), ++group) {
+            const GroupState& b = s.groups[group];
             for (std::uint32_t active = b.active; active != 0; active &= active - 1) {
                 const auto lane = static_cast<std::uint32_t>(std::countr_zero(active));
                 const std::int32_t x = x0 + 2 * static_cast<std::int32_t>(lane);
@@ -203,11 +203,11 @@ private:
         }
     }
 
-    void side_row(SlotGrid& grid, const Site& first, std::uint32_t block, std::int32_t count, std::int32_t y,
+    void side_row(SlotGrid& grid, const Site& first, std::uint32_t group, std::int32_t count, std::int32_t y,
                   bool border) {
-        const bool side_x = first.kind == PlaneKind::side_x;
-        for (std::int32_t along = 0; along < count; along += static_cast<std::int32_t>(block_lanes), ++block) {
-            const BlockState& b = s.blocks[block];
+        const bool side_x = first.kind == VertexKind::side_x;
+        for (std::int32_t along = 0; along < count; along += static_cast<std::int32_t>(group_lanes), ++group) {
+            const GroupState& b = s.groups[group];
             for (std::uint32_t active = b.active; active != 0; active &= active - 1) {
                 const auto lane = static_cast<std::uint32_t>(std::countr_zero(active));
                 const std::int32_t i = along + static_cast<std::int32_t>(lane), x = 2 * i + (side_x ? 1 : 0);
@@ -225,7 +225,7 @@ private:
 
     // A side between two tiles, or on the terrain's rim: each triangle belongs to the tile of its apex.
     void border_side(SlotGrid& grid, const Site& site, std::int32_t x, std::int32_t y, std::uint32_t drawn) {
-        const bool side_x = site.kind == PlaneKind::side_x;
+        const bool side_x = site.kind == VertexKind::side_x;
         const std::uint32_t v = grid(x, y), west = grid(x - 1, y), east = grid(x + 1, y), north = grid(x, y - 1),
                             south = grid(x, y + 1);
         const MeshTriangle quadrants[4] = {{v, north, west}, {v, east, north}, {v, west, south}, {v, south, east}};
@@ -250,7 +250,7 @@ private:
 
     CutState& s;
     std::uint32_t tile_ = 0;
-    std::uint32_t next_ = 0, end_ = 0; // slots of the tile's last chunk
+    std::uint32_t next_ = 0, end_ = 0; // slots of the tile's last segment
     int z_ = 0;
     Coord corner_; // of the page in work, in its steps
 };

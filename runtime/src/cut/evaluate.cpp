@@ -13,7 +13,7 @@ namespace fjell::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using F = hn::CappedTag<float, block_lanes>;
+using F = hn::CappedTag<float, group_lanes>;
 using I = hn::RebindToSigned<F>;
 
 template <typename M>
@@ -23,11 +23,11 @@ HWY_INLINE std::uint32_t bits_of(F d, M mask) {
     return static_cast<std::uint32_t>(bytes[0]) | static_cast<std::uint32_t>(bytes[1]) << 8;
 }
 
-void evaluate_lanes(const Decision& c, const LaneBlock& b, LaneMargins& out) {
+void evaluate_lanes(const Decision& c, const LaneGroup& b, LaneMargins& out) {
     const F d;
     const I di;
     out.wanted = out.kept = 0;
-    for (std::uint32_t lane = 0; lane < block_lanes; lane += static_cast<std::uint32_t>(hn::Lanes(d))) {
+    for (std::uint32_t lane = 0; lane < group_lanes; lane += static_cast<std::uint32_t>(hn::Lanes(d))) {
         const auto number = hn::Iota(di, static_cast<std::int32_t>(lane));
         const auto x = hn::Min(hn::Add(hn::Set(di, b.x0), hn::Mul(number, hn::Set(di, b.dx))), hn::Set(di, c.last_x));
         const auto y = hn::Min(hn::Add(hn::Set(di, b.y0), hn::Mul(number, hn::Set(di, b.dy))), hn::Set(di, c.last_y));
@@ -80,13 +80,13 @@ namespace fjell {
 
 HWY_EXPORT(evaluate_lanes);
 
-void evaluate(const Decision& decision, const LaneBlock& block, LaneMargins& margins) {
-    HWY_DYNAMIC_DISPATCH(evaluate_lanes)(decision, block, margins);
+void evaluate(const Decision& decision, const LaneGroup& group, LaneMargins& margins) {
+    HWY_DYNAMIC_DISPATCH(evaluate_lanes)(decision, group, margins);
 }
 
-void evaluate_scalar(const Decision& c, const LaneBlock& b, LaneMargins& out) {
+void evaluate_scalar(const Decision& c, const LaneGroup& b, LaneMargins& out) {
     out.wanted = out.kept = 0;
-    for (std::int32_t lane = 0; lane < static_cast<std::int32_t>(block_lanes); ++lane) {
+    for (std::int32_t lane = 0; lane < static_cast<std::int32_t>(group_lanes); ++lane) {
         const VertexRecord record = b.records[lane];
         const float px = static_cast<float>(std::min(b.x0 + lane * b.dx, c.last_x)) * c.spacing_x_m;
         const float pz = static_cast<float>(std::min(b.y0 + lane * b.dy, c.last_y)) * c.spacing_z_m;

@@ -1,4 +1,4 @@
-// The decision (tree/wanted.h) for the sixteen lanes of a block at once, with how far each is from changing.
+// The decision (tree/wanted.h) for the sixteen lanes of a group at once, with how far each is from changing.
 //
 // For a view, margin = reach - distance in metres: how far the eye may go before the answer can change. Of several
 // views the largest counts: a vertex is wanted when any of them wants it. Margins carry rounding of some 2^-21 of
@@ -7,18 +7,18 @@
 
 #include <cstdint>
 
-#include "cut/blocks.h"
+#include "cut/groups.h"
 #include "fjell/cut.h"
 #include "fjell/terrain.h"
-#include "tree/wanted.h"
+#include "view/wanted.h"
 
 namespace fjell {
 
-// What all blocks of a frame share.
+// What all groups of a frame share.
 struct Decision {
     const float* error_m;       // 256
     const float* radius_factor; // 128
-    float base_m, quantum_m;    // Lattice
+    float base_m, quantum_m;    // HeightScale
     float spacing_x_m, spacing_z_m;
     std::int32_t last_x, last_y; // of the terrain's samples
     std::uint32_t views;
@@ -28,23 +28,23 @@ struct Decision {
 };
 
 // Lane n stands at sample (x0 + n dx, y0 + n dy), clamped to the terrain.
-struct LaneBlock {
-    const VertexRecord* records; // block_lanes, contiguous, all readable
+struct LaneGroup {
+    const VertexRecord* records; // group_lanes, contiguous, all readable
     std::int32_t x0, y0, dx, dy;
-    std::int32_t base; // lattice steps
+    std::int32_t base; // height scale steps
     float unit_m;      // of the level's radii
 };
 
 struct LaneMargins {
-    alignas(64) float reach_m[block_lanes]; // largest of all views
-    alignas(64) float keep_m[block_lanes];
-    alignas(64) float span_m[block_lanes]; // distance + reach, for the rounding
+    alignas(64) float reach_m[group_lanes]; // largest of all views
+    alignas(64) float keep_m[group_lanes];
+    alignas(64) float span_m[group_lanes]; // distance + reach, for the rounding
     std::uint32_t wanted, kept;            // a bit a lane
 };
 
-void evaluate(const Decision& decision, const LaneBlock& block, LaneMargins& margins);
+void evaluate(const Decision& decision, const LaneGroup& group, LaneMargins& margins);
 // The same, bit for bit, without vector instructions.
-void evaluate_scalar(const Decision& decision, const LaneBlock& block, LaneMargins& margins);
+void evaluate_scalar(const Decision& decision, const LaneGroup& group, LaneMargins& margins);
 
 inline constexpr float slack_rounding = 0x1p-19f;
 

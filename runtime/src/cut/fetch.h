@@ -12,7 +12,7 @@ namespace fjell {
 struct Plan {
     std::uint32_t vertex;
     std::uint32_t triangles[4]; // names, then slots
-    std::uint32_t parents[2];   // or no_vertex
+    std::uint32_t parents[2];   // or no_index
     std::uint8_t directions[2]; // of the parents' triangles that an activation replaces
     bool activation;
 };
@@ -25,44 +25,44 @@ struct Plan {
         __builtin_prefetch(fetched_at, 1);                                                                             \
     } while (false)
 
-// What looking at a block reads.
-inline void fetch_block(const CutState& s, std::uint32_t block) {
-    FJELL_FETCH(&s.blocks[block]);
+// What looking at a group reads.
+inline void fetch_group(const CutState& s, std::uint32_t group) {
+    FJELL_FETCH(&s.groups[group]);
     const VertexRecord* const records =
-        s.terrain->records + std::size_t{block / max_page_blocks} * s.terrain->page_capacity + shape_of(s, block).first;
+        s.terrain->records + std::size_t{group / max_page_groups} * s.terrain->page_capacity + shape_of(s, group).first;
     FJELL_FETCH(records);
-    FJELL_FETCH(records + block_lanes - 1);
+    FJELL_FETCH(records + group_lanes - 1);
 }
 
 inline void fetch_record(const CutState& s, std::uint32_t vertex) {
-    const std::uint32_t block = vertex / block_lanes, slot = block / max_page_blocks;
-    const BlockShape& shape = shape_of(s, block);
+    const std::uint32_t group = vertex / group_lanes, slot = group / max_page_groups;
+    const GroupShape& shape = shape_of(s, group);
     FJELL_FETCH(s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first +
-                shape.stride * (vertex % block_lanes));
+                shape.stride * (vertex % group_lanes));
 }
 
 // The first link: vertices around it.
 inline Plan make_plan(const CutState& s, std::uint32_t vertex, bool activation) {
-    Plan plan{vertex, {nil, nil, nil, nil}, {no_vertex, no_vertex}, {}, activation};
+    Plan plan{vertex, {no_index, no_index, no_index, no_index}, {no_index, no_index}, {}, activation};
     const Site site = site_of(s, vertex);
     FJELL_FETCH(&s.slots[vertex]);
-    if (site.kind == PlaneKind::centre || site.z != 0)
+    if (site.kind == VertexKind::centre || site.z != 0)
         for (int d = 0; d < 4; ++d) {
             const Site child = child_site(site, d);
             if (!exists(s, child)) continue;
             const std::uint32_t found = find_vertex(s, child);
-            if (found == no_vertex) continue;
-            FJELL_FETCH(&s.blocks[found / block_lanes]);
+            if (found == no_index) continue;
+            FJELL_FETCH(&s.groups[found / group_lanes]);
             if (activation) fetch_record(s, found);
         }
-    if (site.kind == PlaneKind::centre && site.z == s.terrain->tree.tile_log2 - 1) return plan;
+    if (site.kind == VertexKind::centre && site.z == s.terrain->tree.tile_log2 - 1) return plan;
     for (int n = 0; n < 2; ++n) {
         const Site parent = parent_site(site, n);
         if (!exists(s, parent)) continue;
         const std::uint32_t found = plan.parents[n] = find_vertex(s, parent);
-        if (found == no_vertex) continue;
+        if (found == no_index) continue;
         plan.directions[n] = static_cast<std::uint8_t>(child_number(parent_bearing(site, n)));
-        FJELL_FETCH(&s.blocks[found / block_lanes]);
+        FJELL_FETCH(&s.groups[found / group_lanes]);
         FJELL_FETCH(&s.slots[found]);
         if (!activation) fetch_record(s, found);
     }
@@ -74,11 +74,11 @@ inline void fetch_made(const CutState& s, Plan& plan) {
     if (plan.activation) {
         for (int n = 0; n < 2; ++n) {
             const std::uint32_t parent = plan.parents[n];
-            if (parent == no_vertex || !(s.blocks[parent / block_lanes].active & bit_of(parent))) continue;
+            if (parent == no_index || !(s.groups[parent / group_lanes].active & bit_of(parent))) continue;
             plan.triangles[n] = s.slots[parent] * 4 + plan.directions[n];
             FJELL_FETCH(&s.made[plan.triangles[n]]);
         }
-    } else if (s.blocks[plan.vertex / block_lanes].active & bit_of(plan.vertex)) {
+    } else if (s.groups[plan.vertex / group_lanes].active & bit_of(plan.vertex)) {
         for (std::uint32_t d = 0; d < 4; ++d) plan.triangles[d] = s.slots[plan.vertex] * 4 + d;
         FJELL_FETCH(&s.made[plan.triangles[0]]);
     }
@@ -87,9 +87,9 @@ inline void fetch_made(const CutState& s, Plan& plan) {
 // The third: those triangles.
 inline void fetch_triangles(const CutState& s, Plan& plan) {
     for (std::uint32_t& triangle : plan.triangles) {
-        if (triangle == nil) continue;
+        if (triangle == no_index) continue;
         triangle = s.made[triangle];
-        if (triangle == nil) continue;
+        if (triangle == no_index) continue;
         FJELL_FETCH(&s.indices[std::size_t{triangle} * 3]);
         FJELL_FETCH(&s.names[triangle]);
     }
@@ -97,7 +97,7 @@ inline void fetch_triangles(const CutState& s, Plan& plan) {
 
 // The fourth: the ends of the edge that an activation splits.
 inline void fetch_corners(const CutState& s, const Plan& plan) {
-    if (!plan.activation || plan.triangles[0] == nil || s.morph_now.morph == Morph::none) return;
+    if (!plan.activation || plan.triangles[0] == no_index || s.morph_now.morph == Morph::none) return;
     const std::uint32_t* const t = s.indices + std::size_t{plan.triangles[0]} * 3;
     FJELL_FETCH(&s.vertices[t[1]]);
     FJELL_FETCH(&s.vertices[t[2]]);

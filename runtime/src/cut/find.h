@@ -11,12 +11,12 @@ namespace fjell {
 [[nodiscard]] inline bool exists(const CutState& s, const Site& v) {
     if (v.z < 0 || v.i < 0 || v.j < 0) return false;
     const std::int32_t nx = s.tiles_x << s.steps[v.z].log2, ny = s.tiles_y << s.steps[v.z].log2;
-    return v.i < nx + (v.kind == PlaneKind::side_y) && v.j < ny + (v.kind == PlaneKind::side_x);
+    return v.i < nx + (v.kind == VertexKind::side_y) && v.j < ny + (v.kind == VertexKind::side_x);
 }
 
-// The vertex at a site of the tree, or no_vertex when its page is not loaded. The site must exist.
+// The vertex at a site of the tree, or no_index when its page is not loaded. The site must exist.
 [[nodiscard]] inline std::uint32_t find_vertex(const CutState& s, const Site& v) {
-    const StepBlocks& step = s.steps[v.z];
+    const StepGroups& step = s.steps[v.z];
     // A border belongs to the tile and the page to its south or east; the terrain's rim to those it ends.
     std::int32_t tile_x = v.i >> step.log2, tile_y = v.j >> step.log2;
     tile_x -= tile_x == s.tiles_x;
@@ -31,42 +31,42 @@ namespace fjell {
         i -= bx << page_squares_log2;
         j -= by << page_squares_log2;
     }
-    const std::uint32_t first = s.page_blocks[page];
-    if (first == nil) return no_vertex;
+    const std::uint32_t first = s.page_groups[page];
+    if (first == no_index) return no_index;
     const std::uint32_t n = 1u << step.page_log2;
     const std::uint32_t row = (j << step.words_log2) + (i >> lanes_log2);
     switch (v.kind) {
-    case PlaneKind::centre: return (first + step.centres + row) * block_lanes + i % block_lanes;
-    case PlaneKind::side_x: return (first + step.sides_x + row) * block_lanes + i % block_lanes;
-    case PlaneKind::side_y: break;
+    case VertexKind::centre: return (first + step.centres + row) * group_lanes + i % group_lanes;
+    case VertexKind::side_x: return (first + step.sides_x + row) * group_lanes + i % group_lanes;
+    case VertexKind::side_y: break;
     }
-    if (i == n) return (first + step.column + (j >> lanes_log2)) * block_lanes + j % block_lanes;
-    return (first + step.sides_y + row) * block_lanes + i % block_lanes;
+    if (i == n) return (first + step.column + (j >> lanes_log2)) * group_lanes + j % group_lanes;
+    return (first + step.sides_y + row) * group_lanes + i % group_lanes;
 }
 
-[[nodiscard]] inline const BlockShape& shape_of(const CutState& s, std::uint32_t block) {
-    const std::uint32_t slot = block / max_page_blocks;
-    return s.shapes[s.slot_info[slot].shape].blocks[block - slot * max_page_blocks];
+[[nodiscard]] inline const GroupShape& shape_of(const CutState& s, std::uint32_t group) {
+    const std::uint32_t slot = group / max_page_groups;
+    return s.shapes[s.page_slot[slot].shape].groups[group - slot * max_page_groups];
 }
 
 [[nodiscard]] inline Site site_of(const CutState& s, std::uint32_t vertex) {
-    const std::uint32_t block = vertex / block_lanes;
-    const auto lane = static_cast<std::int32_t>(vertex % block_lanes);
-    const SlotInfo& info = s.slot_info[block / max_page_blocks];
-    const BlockShape& shape = shape_of(s, block);
+    const std::uint32_t group = vertex / group_lanes;
+    const auto lane = static_cast<std::int32_t>(vertex % group_lanes);
+    const PageSlot& info = s.page_slot[group / max_page_groups];
+    const GroupShape& shape = shape_of(s, group);
     const int z = info.z + shape.z;
     return {z, shape.kind, (info.tile_x << s.steps[z].log2) + info.i0 + shape.i0 + (shape.along_y ? 0 : lane),
             (info.tile_y << s.steps[z].log2) + info.j0 + shape.j0 + (shape.along_y ? lane : 0)};
 }
 
 [[nodiscard]] inline VertexRecord record_of(const CutState& s, std::uint32_t vertex) {
-    const std::uint32_t block = vertex / block_lanes, lane = vertex % block_lanes, slot = block / max_page_blocks;
+    const std::uint32_t group = vertex / group_lanes, lane = vertex % group_lanes, slot = group / max_page_groups;
     const VertexRecord* const records = s.terrain->records + std::size_t{slot} * s.terrain->page_capacity;
     if (s.hz_places) {
-        const std::size_t page_shape = s.slot_info[slot].shape;
-        return records[s.hz_places[((page_shape - slot) * max_page_blocks + block) * block_lanes + lane]];
+        const std::size_t page_shape = s.page_slot[slot].shape;
+        return records[s.hz_places[((page_shape - slot) * max_page_groups + group) * group_lanes + lane]];
     }
-    const BlockShape& shape = shape_of(s, block);
+    const GroupShape& shape = shape_of(s, group);
     return records[shape.first + shape.stride * lane];
 }
 

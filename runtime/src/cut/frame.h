@@ -10,7 +10,7 @@ void reset(CutState& s);
 // After reset(): two triangles a tile, and every tile's root to be looked at.
 void begin_at_roots(CutState& s);
 
-// Visits blocks, worst first, until nothing is left or the items or the time are spent.
+// Visits groups, worst first, until nothing is left or the items or the time are spent.
 void refine(CutState& s);
 
 } // namespace fjell

@@ -21,14 +21,14 @@ struct Verdict {
     const Decision& c = s.decision;
     const VertexRecord record = record_of(s, vertex);
     const Coord at = site_coord(site);
-    const std::int32_t base = s.slot_info[vertex / block_lanes / max_page_blocks].base;
+    const std::int32_t base = s.page_slot[vertex / group_lanes / max_page_groups].base;
     Verdict v{};
     v.x = static_cast<float>(std::min(at.x, c.last_x)) * c.spacing_x_m;
     v.z = static_cast<float>(std::min(at.y, c.last_y)) * c.spacing_z_m;
     v.y = c.base_m + static_cast<float>(record.height + base) * c.quantum_m;
     v.error_m = c.error_m[record.error];
     v.code = record.error;
-    v.radius_m = s.level_unit_m[2 * site.z + (site.kind == PlaneKind::centre ? 0 : 1)] *
+    v.radius_m = s.level_unit_m[2 * site.z + (site.kind == VertexKind::centre ? 0 : 1)] *
                  c.radius_factor[record.radius & (radius_codes - 1)];
     float margin = -3.4e38f, span = 0;
     for (std::uint32_t i = 0; i < c.views; ++i) {
@@ -70,7 +70,7 @@ struct Verdict {
 }
 
 [[nodiscard]] inline std::uint16_t bit_of(std::uint32_t vertex) {
-    return static_cast<std::uint16_t>(1u << vertex % block_lanes);
+    return static_cast<std::uint16_t>(1u << vertex % group_lanes);
 }
 
 [[nodiscard]] inline std::uint32_t grade_of(std::uint32_t code) {

@@ -17,90 +17,90 @@ std::uint32_t bucket_of(std::uint32_t grade, std::uint32_t wheel, std::uint64_t 
     return (grade * wheel_count + wheel) * wheel_buckets + static_cast<std::uint32_t>(bucket % wheel_buckets);
 }
 
-// A queue's head has the number after the last block, and so on.
+// A queue's head has the number after the last group, and so on.
 Link& link(Lists& lists, std::uint32_t node) {
-    return node < lists.block_count ? lists.blocks[node].link : lists.queues[node - lists.block_count];
+    return node < lists.group_count ? lists.groups[node].link : lists.queues[node - lists.group_count];
 }
 
-std::uint64_t due_tick(const BlockState& b) {
+std::uint64_t due_tick(const GroupState& b) {
     return std::uint64_t{b.due_high} << 32 | b.due;
 }
 
-std::uint32_t take_chunk(Lists& lists, std::uint32_t next) {
-    const std::uint32_t chunk = lists.free_chunk;
-    lists.free_chunk = lists.chunks[chunk].next;
-    lists.chunks[chunk].next = next;
-    lists.chunks[chunk].count = 0;
-    return chunk;
+std::uint32_t take_node(Lists& lists, std::uint32_t next) {
+    const std::uint32_t node = lists.free_node;
+    lists.free_node = lists.nodes[node].next;
+    lists.nodes[node].next = next;
+    lists.nodes[node].count = 0;
+    return node;
 }
-void give_chunk(Lists& lists, std::uint32_t chunk) {
-    lists.chunks[chunk].next = lists.free_chunk;
-    lists.free_chunk = chunk;
+void give_node(Lists& lists, std::uint32_t node) {
+    lists.nodes[node].next = lists.free_node;
+    lists.free_node = node;
 }
 
-void push_bucket(Lists& lists, std::uint32_t number, std::uint32_t block) {
+void push_bucket(Lists& lists, std::uint32_t number, std::uint32_t group) {
     Bucket& bucket = lists.buckets[number];
-    if (bucket.top == nil) {
-        bucket.top = bucket.bottom = take_chunk(lists, nil);
-    } else if (bucket.in_top == chunk_blocks) {
-        lists.chunks[bucket.top].count = chunk_blocks;
-        bucket.top = take_chunk(lists, bucket.top);
+    if (bucket.top == no_index) {
+        bucket.top = bucket.bottom = take_node(lists, no_index);
+    } else if (bucket.in_top == node_groups) {
+        lists.nodes[bucket.top].count = node_groups;
+        bucket.top = take_node(lists, bucket.top);
         bucket.in_top = 0;
         ++bucket.full;
     }
-    BlockState& b = lists.blocks[block];
+    GroupState& b = lists.groups[group];
     b.link = {bucket.top, bucket.in_top};
     b.list = static_cast<ListId>(number);
-    lists.chunks[bucket.top].blocks[bucket.in_top++] = block;
+    lists.nodes[bucket.top].groups[bucket.in_top++] = group;
 }
 
-// The bucket's newest block takes its place.
-void leave_bucket(Lists& lists, std::uint32_t block) {
-    const BlockState& b = lists.blocks[block];
+// The bucket's newest group takes its place.
+void leave_bucket(Lists& lists, std::uint32_t group) {
+    const GroupState& b = lists.groups[group];
     Bucket& bucket = lists.buckets[b.list];
-    const std::uint32_t moved = lists.chunks[bucket.top].blocks[--bucket.in_top];
-    if (moved != block) {
-        lists.chunks[b.link.next].blocks[b.link.prev] = moved;
-        lists.blocks[moved].link = b.link;
+    const std::uint32_t moved = lists.nodes[bucket.top].groups[--bucket.in_top];
+    if (moved != group) {
+        lists.nodes[b.link.next].groups[b.link.prev] = moved;
+        lists.groups[moved].link = b.link;
     }
     if (bucket.in_top != 0) return;
-    const std::uint32_t below = lists.chunks[bucket.top].next;
-    give_chunk(lists, bucket.top);
+    const std::uint32_t below = lists.nodes[bucket.top].next;
+    give_node(lists, bucket.top);
     bucket.top = below;
-    if (below == nil) return;
-    bucket.in_top = chunk_blocks;
+    if (below == no_index) return;
+    bucket.in_top = node_groups;
     --bucket.full;
 }
 
-// Full chunks, from the first to the last of a chain.
+// Full nodes, from the first to the last of a chain.
 void append_full(Lists& lists, std::uint32_t grade, std::uint32_t first, std::uint32_t last) {
-    DueBlocks& due = lists.due[grade];
-    lists.chunks[last].next = nil;
-    if (due.first == nil)
+    DueGroups& due = lists.due[grade];
+    lists.nodes[last].next = no_index;
+    if (due.first == no_index)
         due.first = first;
     else
-        lists.chunks[due.last].next = first;
+        lists.nodes[due.last].next = first;
     due.last = last;
 }
 
-void add_due(Lists& lists, std::uint32_t grade, std::uint32_t block) {
-    DueBlocks& due = lists.due[grade];
-    if (due.filling == nil) due.filling = take_chunk(lists, nil);
-    BlockChunk& chunk = lists.chunks[due.filling];
-    chunk.blocks[chunk.count++] = block;
-    if (chunk.count < chunk_blocks) return;
+void add_due(Lists& lists, std::uint32_t grade, std::uint32_t group) {
+    DueGroups& due = lists.due[grade];
+    if (due.filling == no_index) due.filling = take_node(lists, no_index);
+    ListNode& node = lists.nodes[due.filling];
+    node.groups[node.count++] = group;
+    if (node.count < node_groups) return;
     append_full(lists, grade, due.filling, due.filling);
-    due.filling = nil;
+    due.filling = no_index;
 }
 
-// Everything in a bucket becomes due, in O(1): full chunks as they are, the rest one by one.
+// Everything in a bucket becomes due, in O(1): full nodes as they are, the rest one by one.
 void drain(Lists& lists, std::uint32_t grade, std::uint32_t number) {
-    const Bucket bucket = std::exchange(lists.buckets[number], {nil, nil, 0, 0});
-    if (bucket.top == nil) return;
-    const BlockChunk top = lists.chunks[bucket.top];
-    lists.sizes[due_lists + grade - soon_lists] += bucket.full * chunk_blocks + bucket.in_top;
-    for (std::uint32_t i = 0; i < bucket.in_top; ++i) add_due(lists, grade, top.blocks[i]);
-    give_chunk(lists, bucket.top);
+    const Bucket bucket = std::exchange(lists.buckets[number], {no_index, no_index, 0, 0});
+    if (bucket.top == no_index) return;
+    const ListNode top = lists.nodes[bucket.top];
+    lists.sizes[due_lists + grade - soon_lists] += bucket.full * node_groups + bucket.in_top;
+    for (std::uint32_t i = 0; i < bucket.in_top; ++i) add_due(lists, grade, top.groups[i]);
+    give_node(lists, bucket.top);
     if (bucket.full != 0) append_full(lists, grade, top.next, bucket.bottom);
 }
 
@@ -113,19 +113,19 @@ void set_tick(Lists& lists, double about_m) {
     lists.ticks_per_m = std::ldexp(1.0, 1 - exponent);
 }
 
-void clear_lists(Lists& lists, std::uint32_t chunk_count) {
-    for (std::uint32_t i = 0; i < queue_count; ++i) lists.queues[i] = {lists.block_count + i, lists.block_count + i};
-    for (std::uint32_t i = 0; i < due_lists; ++i) lists.buckets[i] = {nil, nil, 0, 0};
+void clear_lists(Lists& lists, std::uint32_t node_count) {
+    for (std::uint32_t i = 0; i < queue_count; ++i) lists.queues[i] = {lists.group_count + i, lists.group_count + i};
+    for (std::uint32_t i = 0; i < due_lists; ++i) lists.buckets[i] = {no_index, no_index, 0, 0};
     for (std::uint32_t& n : lists.sizes) n = 0;
-    for (DueBlocks& due : lists.due) due = {nil, nil, nil};
+    for (DueGroups& due : lists.due) due = {no_index, no_index, no_index};
     for (auto& wheels : lists.filled)
         for (std::uint64_t& w : wheels) w = 0;
-    for (std::uint32_t i = 0; i < chunk_count; ++i) lists.chunks[i].next = i + 1 < chunk_count ? i + 1 : nil;
-    lists.free_chunk = 0;
+    for (std::uint32_t i = 0; i < node_count; ++i) lists.nodes[i].next = i + 1 < node_count ? i + 1 : no_index;
+    lists.free_node = 0;
 }
 
-ListId list_of(const Lists& lists, std::uint32_t block) {
-    const BlockState& b = lists.blocks[block];
+ListId list_of(const Lists& lists, std::uint32_t group) {
+    const GroupState& b = lists.groups[group];
     if (b.list >= due_lists) return b.list;
     bool moved = false;
     if (b.list >= soon_lists) {
@@ -137,81 +137,81 @@ ListId list_of(const Lists& lists, std::uint32_t block) {
     return moved ? static_cast<ListId>(due_lists + b.grade) : b.list;
 }
 
-void push_back(Lists& lists, std::uint32_t queue, std::uint32_t block) {
-    BlockState& b = lists.blocks[block];
-    const std::uint32_t head = lists.block_count + queue - work_lists;
+void push_back(Lists& lists, std::uint32_t queue, std::uint32_t group) {
+    GroupState& b = lists.groups[group];
+    const std::uint32_t head = lists.group_count + queue - work_lists;
     Link& ends = lists.queues[queue - work_lists];
     b.link = {head, ends.prev};
-    link(lists, ends.prev).next = block;
-    ends.prev = block;
+    link(lists, ends.prev).next = group;
+    ends.prev = group;
     b.list = static_cast<ListId>(queue);
     ++lists.sizes[queue - soon_lists];
 }
 
-void push_front(Lists& lists, std::uint32_t queue, std::uint32_t block) {
-    BlockState& b = lists.blocks[block];
+void push_front(Lists& lists, std::uint32_t queue, std::uint32_t group) {
+    GroupState& b = lists.groups[group];
     Link& ends = lists.queues[queue - work_lists];
-    b.link = {ends.next, lists.block_count + queue - work_lists};
-    link(lists, ends.next).prev = block;
-    ends.next = block;
+    b.link = {ends.next, lists.group_count + queue - work_lists};
+    link(lists, ends.next).prev = group;
+    ends.next = group;
     b.list = static_cast<ListId>(queue);
     ++lists.sizes[queue - soon_lists];
 }
 
-void push_due(Lists& lists, std::uint32_t grade, std::uint32_t block) {
-    BlockState& b = lists.blocks[block];
+void push_due(Lists& lists, std::uint32_t grade, std::uint32_t group) {
+    GroupState& b = lists.groups[group];
     b.grade = static_cast<std::uint8_t>(grade);
     b.list = static_cast<ListId>(due_lists + grade);
     ++lists.sizes[due_lists + grade - soon_lists];
-    add_due(lists, grade, block);
+    add_due(lists, grade, group);
 }
 
-void unlink(Lists& lists, std::uint32_t block) {
-    BlockState& b = lists.blocks[block];
-    if (b.list == no_list) return;
+void unlink(Lists& lists, std::uint32_t group) {
+    GroupState& b = lists.groups[group];
+    if (b.list == unlisted) return;
     if (b.list < due_lists) {
-        leave_bucket(lists, block);
+        leave_bucket(lists, group);
     } else {
         --lists.sizes[b.list - soon_lists];
         link(lists, b.link.prev).next = b.link.next;
         link(lists, b.link.next).prev = b.link.prev;
     }
-    b.list = no_list;
+    b.list = unlisted;
 }
 
 std::uint32_t pop_front(Lists& lists, std::uint32_t queue) {
-    const std::uint32_t block = lists.queues[queue - work_lists].next;
-    unlink(lists, block);
-    return block;
+    const std::uint32_t group = lists.queues[queue - work_lists].next;
+    unlink(lists, group);
+    return group;
 }
 
 void forget_due(Lists& lists, std::uint32_t first, std::uint32_t count) {
     for (std::uint32_t grade = 0; grade < grade_count; ++grade) {
-        DueBlocks old = lists.due[grade];
-        lists.due[grade] = {nil, nil, nil};
-        if (old.filling != nil) {
-            lists.chunks[old.filling].next = nil;
-            if (old.first == nil)
+        DueGroups old = lists.due[grade];
+        lists.due[grade] = {no_index, no_index, no_index};
+        if (old.filling != no_index) {
+            lists.nodes[old.filling].next = no_index;
+            if (old.first == no_index)
                 old.first = old.filling;
             else
-                lists.chunks[old.last].next = old.filling;
+                lists.nodes[old.last].next = old.filling;
         }
-        for (std::uint32_t chunk = old.first; chunk != nil;) {
-            const BlockChunk c = lists.chunks[chunk];
-            give_chunk(lists, chunk);
+        for (std::uint32_t node = old.first; node != no_index;) {
+            const ListNode c = lists.nodes[node];
+            give_node(lists, node);
             for (std::uint32_t i = 0; i < c.count; ++i) {
-                if (c.blocks[i] - first < count)
+                if (c.groups[i] - first < count)
                     --lists.sizes[due_lists + grade - soon_lists];
                 else
-                    add_due(lists, grade, c.blocks[i]);
+                    add_due(lists, grade, c.groups[i]);
             }
-            chunk = c.next;
+            node = c.next;
         }
     }
 }
 
-void schedule(Lists& lists, std::uint32_t block, float slack_m, std::uint32_t grade) {
-    BlockState& b = lists.blocks[block];
+void schedule(Lists& lists, std::uint32_t group, float slack_m, std::uint32_t grade) {
+    GroupState& b = lists.groups[group];
     b.grade = static_cast<std::uint8_t>(grade);
     const double ticks = std::min(static_cast<double>(slack_m) * lists.ticks_per_m, static_cast<double>(last_tick - 1));
     const auto due = static_cast<std::uint64_t>(lists.odometer_m[grade] * lists.ticks_per_m + ticks);
@@ -220,27 +220,27 @@ void schedule(Lists& lists, std::uint32_t block, float slack_m, std::uint32_t gr
     const std::uint64_t stored = soon ? lists.moves[grade] : due;
     b.due = static_cast<std::uint32_t>(stored);
     b.due_high = static_cast<std::uint16_t>(stored >> 32);
-    if (soon) return push_bucket(lists, soon_lists + grade, block);
+    if (soon) return push_bucket(lists, soon_lists + grade, group);
     // 56 ticks and more go to the second wheel, 448 to the third ...
     const auto wheel = std::min((static_cast<std::uint32_t>(std::bit_width((due - now) / first_wheel_ticks)) + 2) / 3,
                                 wheel_count - 1);
     const std::uint64_t bucket = due >> (3 * wheel);
     lists.filled[grade][wheel] |= std::uint64_t{1} << (bucket % wheel_buckets);
-    push_bucket(lists, bucket_of(grade, wheel, bucket), block);
+    push_bucket(lists, bucket_of(grade, wheel, bucket), group);
 }
 
-void tighten(Lists& lists, std::uint32_t block, float slack_m, std::uint32_t grade) {
-    const BlockState& b = lists.blocks[block];
-    if (b.list == no_list) return schedule(lists, block, slack_m, grade);
-    const ListId list = list_of(lists, block);
+void tighten(Lists& lists, std::uint32_t group, float slack_m, std::uint32_t grade) {
+    const GroupState& b = lists.groups[group];
+    if (b.list == unlisted) return schedule(lists, group, slack_m, grade);
+    const ListId list = list_of(lists, group);
     if (list >= due_lists) return;
     // Ticks are whole: what is left lies between two bounds, and each is used where it errs on the safe side.
     const std::uint64_t ticks = list >= soon_lists ? 0 : due_tick(b) - lists.tick[b.grade];
     if (static_cast<double>(ticks) * lists.tick_m <= static_cast<double>(slack_m) && grade <= b.grade) return;
     const double left_m = ticks == 0 ? 0 : static_cast<double>(ticks - 1) * lists.tick_m;
     const std::uint32_t highest = std::max<std::uint32_t>(grade, b.grade);
-    unlink(lists, block);
-    schedule(lists, block, static_cast<float>(std::min(left_m, static_cast<double>(slack_m))), highest);
+    unlink(lists, group);
+    schedule(lists, group, static_cast<float>(std::min(left_m, static_cast<double>(slack_m))), highest);
 }
 
 void advance(Lists& lists, std::uint32_t grade, double metres) {

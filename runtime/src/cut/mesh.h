@@ -5,8 +5,8 @@
 // deactivating it does the reverse. Neither needs more than the parents' vertex slots, because a triangle's indices
 // name its other corners.
 //
-// Triangles of a tile fill chunks of slots without gaps: a removed one is overwritten by the tile's last. So every
-// chunk is one draw range, nothing degenerate is drawn, and one change touches at most six triangle slots. Triangles
+// Triangles of a tile fill segments of slots without gaps: a removed one is overwritten by the tile's last. So every
+// segment is one draw range, nothing degenerate is drawn, and one change touches at most six triangle slots. Triangles
 // that are not drawn - with a corner in a hole, or shrunk to nothing beyond the terrain's rim - are kept the same way,
 // as those of one more tile.
 #pragma once
@@ -43,54 +43,54 @@ inline void write_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& 
     s.dirty_triangles.mark(slot);
 }
 
-// Slots that a tile can still take without a new chunk.
+// Slots that a tile can still take without a new segment.
 [[nodiscard]] inline std::uint32_t room_in(const CutState& s, std::uint32_t tile) {
     const TileList& list = s.tiles[tile];
-    return list.last_chunk == nil ? 0 : (1u << s.chunk_log2) - list.in_last;
+    return list.last_segment == no_index ? 0 : (1u << s.segment_log2) - list.in_last;
 }
 
-// The next slot of a tile. There must be room: in the tile's last chunk or a free one.
+// The next slot of a tile. There must be room: in the tile's last segment or a free one.
 inline std::uint32_t take_triangle(CutState& s, std::uint32_t tile) {
     TileList& list = s.tiles[tile];
-    if (list.last_chunk == nil || list.in_last == 1u << s.chunk_log2) {
-        const std::uint32_t chunk = s.free_chunks[--s.free_chunk_count];
-        s.chunk_below[chunk] = list.last_chunk;
-        s.chunk_tile[chunk] = tile;
-        list.last_chunk = chunk;
+    if (list.last_segment == no_index || list.in_last == 1u << s.segment_log2) {
+        const std::uint32_t segment = s.free_segments[--s.free_segment_count];
+        s.segment_below[segment] = list.last_segment;
+        s.segment_tile[segment] = tile;
+        list.last_segment = segment;
         list.in_last = 0;
-        ++list.chunks;
-        const std::uint32_t used = s.chunk_count - s.free_chunk_count;
-        if (used > s.chunk_peak) s.chunk_peak = used;
+        ++list.segments;
+        const std::uint32_t used = s.segment_count - s.free_segment_count;
+        if (used > s.segment_peak) s.segment_peak = used;
     }
     ++list.total;
-    return (list.last_chunk << s.chunk_log2) + list.in_last++;
+    return (list.last_segment << s.segment_log2) + list.in_last++;
 }
 inline void append_triangle(CutState& s, std::uint32_t tile, const MeshTriangle& t, std::uint32_t name) {
     write_triangle(s, take_triangle(s, tile), t, name);
 }
 
 inline void remove_triangle(CutState& s, std::uint32_t slot) {
-    TileList& list = s.tiles[s.chunk_tile[slot >> s.chunk_log2]];
-    const std::uint32_t last = (list.last_chunk << s.chunk_log2) + --list.in_last;
+    TileList& list = s.tiles[s.segment_tile[slot >> s.segment_log2]];
+    const std::uint32_t last = (list.last_segment << s.segment_log2) + --list.in_last;
     --list.total;
-    s.made[s.names[slot]] = nil;
+    s.made[s.names[slot]] = no_index;
     if (last != slot) {
         const std::uint32_t* const from = s.indices + std::size_t{last} * 3;
         write_triangle(s, slot, {from[0], from[1], from[2]}, s.names[last]);
     }
     if (list.in_last != 0) return;
-    const std::uint32_t chunk = list.last_chunk;
-    s.free_chunks[s.free_chunk_count++] = chunk;
-    list.last_chunk = s.chunk_below[chunk];
-    list.in_last = list.last_chunk == nil ? 0 : 1u << s.chunk_log2;
-    --list.chunks;
+    const std::uint32_t segment = list.last_segment;
+    s.free_segments[s.free_segment_count++] = segment;
+    list.last_segment = s.segment_below[segment];
+    list.in_last = list.last_segment == no_index ? 0 : 1u << s.segment_log2;
+    --list.segments;
 }
 
 // The triangle in this slot becomes another one of the same tile, drawn or not.
 inline void replace_triangle(CutState& s, std::uint32_t slot, std::uint32_t tile, const MeshTriangle& t,
                              std::uint32_t name) {
-    if (s.chunk_tile[slot >> s.chunk_log2] == list_for(s, tile, t)) {
-        s.made[s.names[slot]] = nil;
+    if (s.segment_tile[slot >> s.segment_log2] == list_for(s, tile, t)) {
+        s.made[s.names[slot]] = no_index;
         write_triangle(s, slot, t, name);
         return;
     }

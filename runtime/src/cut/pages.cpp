@@ -13,7 +13,7 @@ namespace fjell {
 namespace {
 
 // The sphere of the tile's root holds all of the tile.
-void bound_tile(CutState& s, const SlotInfo& info, bool loaded) {
+void bound_tile(CutState& s, const PageSlot& info, bool loaded) {
     TileList& tile = s.tiles[info.tile];
     tile.bounded = loaded;
     if (!loaded) return;
@@ -26,15 +26,15 @@ void bound_tile(CutState& s, const SlotInfo& info, bool loaded) {
     tile.radius_m = v.radius_m;
 }
 
-// Of a page that has just come nothing is active: only lanes with a parent in another page can be ready. In a block
+// Of a page that has just come nothing is active: only lanes with a parent in another page can be ready. In a group
 // page those are the centres, whose parents belong to the coarser step, and the sides along its border.
-std::uint32_t outward_lanes(const SlotInfo& info, const BlockShape& shape) {
+std::uint32_t outward_lanes(const PageSlot& info, const GroupShape& shape) {
     const std::uint32_t all = (1u << shape.lanes) - 1;
     if (info.shape == 0) return all;
     switch (shape.kind) {
-    case PlaneKind::centre: break;
-    case PlaneKind::side_x: return shape.j0 == 0 || shape.j0 == page_squares ? all : 0;
-    case PlaneKind::side_y: return shape.along_y ? all : shape.i0 == 0 ? 1 : 0;
+    case VertexKind::centre: break;
+    case VertexKind::side_x: return shape.j0 == 0 || shape.j0 == page_squares ? all : 0;
+    case VertexKind::side_y: return shape.along_y ? all : shape.i0 == 0 ? 1 : 0;
     }
     return all;
 }
@@ -42,7 +42,7 @@ std::uint32_t outward_lanes(const SlotInfo& info, const BlockShape& shape) {
 void enter(CutState& s, std::uint32_t slot) {
     const Terrain& t = *s.terrain;
     const std::uint32_t page = t.slot_page[slot];
-    SlotInfo& info = s.slot_info[slot];
+    PageSlot& info = s.page_slot[slot];
     info = {};
     info.page = page;
     info.loads = t.slot_loads[slot];
@@ -50,24 +50,24 @@ void enter(CutState& s, std::uint32_t slot) {
     info.tile_x = static_cast<std::int32_t>(info.tile) % s.tiles_x;
     info.tile_y = static_cast<std::int32_t>(info.tile) / s.tiles_x;
     info.base = t.page_table[page].base;
-    info.status = SlotStatus::live;
+    info.status = PageSlotStatus::live;
     const std::uint32_t in_tile = page % s.pages_per_tile;
     if (in_tile != 0) {
-        const Coord block = t.pages.page_block(in_tile);
+        const Coord group = t.pages.page_position(in_tile);
         info.shape = 1;
         info.z = static_cast<std::uint8_t>(t.pages.page_step_log2(in_tile));
-        info.i0 = block.x << page_squares_log2;
-        info.j0 = block.y << page_squares_log2;
+        info.i0 = group.x << page_squares_log2;
+        info.j0 = group.y << page_squares_log2;
     }
-    s.page_blocks[page] = slot * max_page_blocks;
+    s.page_groups[page] = slot * max_page_groups;
     if (in_tile == 0) bound_tile(s, info, true);
     forget_vertices(s, slot);
     const bool nothing_active = s.budget.vertices - free_vertices(s) == corner_slots(s);
     for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
-        const std::uint32_t number = slot * max_page_blocks + n;
-        BlockState& b = s.blocks[number];
+        const std::uint32_t number = slot * max_page_groups + n;
+        GroupState& b = s.groups[number];
         if (!nothing_active) {
-            const std::uint32_t lanes = outward_lanes(info, s.shapes[info.shape].blocks[n]);
+            const std::uint32_t lanes = outward_lanes(info, s.shapes[info.shape].groups[n]);
             if (lanes == 0) continue;
             const ParentMasks parents = parents_of(s, number, lanes);
             b.parent[0] |= parents.parent[0]; // to those that do not exist
@@ -79,71 +79,71 @@ void enter(CutState& s, std::uint32_t slot) {
 }
 
 void leave(CutState& s, std::uint32_t slot) {
-    SlotInfo& info = s.slot_info[slot];
+    PageSlot& info = s.page_slot[slot];
     for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
-        const std::uint32_t number = slot * max_page_blocks + n;
+        const std::uint32_t number = slot * max_page_groups + n;
         const ListId list = list_of(s.lists, number);
         if (list < due_lists || list >= work_lists) unlink(s.lists, number);
-        s.blocks[number] = {};
-        s.blocks[number].list = no_list;
+        s.groups[number] = {};
+        s.groups[number].list = unlisted;
     }
-    forget_due(s.lists, slot * max_page_blocks, max_page_blocks);
-    s.page_blocks[info.page] = nil;
+    forget_due(s.lists, slot * max_page_groups, max_page_groups);
+    s.page_groups[info.page] = no_index;
     if (info.page % s.pages_per_tile == 0) bound_tile(s, info, false);
     for (std::uint32_t i = 0; i < s.draining_count; ++i)
         if (s.draining[i] == slot) s.draining[i--] = s.draining[--s.draining_count];
     info = {};
-    info.page = no_page;
+    info.page = no_index;
 }
 
 // One vertex of the subtree below an active vertex that has no active children itself.
 std::uint32_t lowest_below(const CutState& s, std::uint32_t vertex) {
     for (;;) {
-        const BlockState& b = s.blocks[vertex / block_lanes];
+        const GroupState& b = s.groups[vertex / group_lanes];
         int d = 0;
-        while (d < 4 && !(b.child[d] >> vertex % block_lanes & 1)) ++d;
+        while (d < 4 && !(b.child[d] >> vertex % group_lanes & 1)) ++d;
         if (d == 4) return vertex;
         vertex = find_vertex(s, child_site(site_of(s, vertex), d));
     }
 }
 
-// The first vertex that keeps a page from leaving, or no_vertex: any active one that the page holds, its neighbours'
+// The first vertex that keeps a page from leaving, or no_index: any active one that the page holds, its neighbours'
 // vertices on its borders included. Those have both parents active, one of them here: it is enough to look here.
 std::uint32_t holding(const CutState& s, std::uint32_t slot) {
-    if (s.slot_info[slot].active == 0) return no_vertex;
-    for (std::uint32_t n = 0; n < s.shapes[s.slot_info[slot].shape].count; ++n) {
-        const std::uint32_t number = slot * max_page_blocks + n;
-        if (s.blocks[number].active != 0)
-            return number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(s.blocks[number].active));
+    if (s.page_slot[slot].active == 0) return no_index;
+    for (std::uint32_t n = 0; n < s.shapes[s.page_slot[slot].shape].count; ++n) {
+        const std::uint32_t number = slot * max_page_groups + n;
+        if (s.groups[number].active != 0)
+            return number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(s.groups[number].active));
     }
-    return no_vertex;
+    return no_index;
 }
 
 } // namespace
 
 // At the terrain's rim, and above a tile's root, parents that do not exist count as active.
-ParentMasks absent_parents(const CutState& s, const Site& first, const BlockShape& shape) {
+ParentMasks absent_parents(const CutState& s, const Site& first, const GroupShape& shape) {
     const auto lanes = static_cast<std::uint16_t>((1u << shape.lanes) - 1);
     const std::int32_t rows = s.tiles_y << s.steps[first.z].log2;
     ParentMasks absent{};
     switch (shape.kind) {
-    case PlaneKind::centre:
+    case VertexKind::centre:
         if (first.z == s.terrain->tree.tile_log2 - 1) absent = {{1, 1}};
         break;
-    case PlaneKind::side_x:
+    case VertexKind::side_x:
         if (first.j == 0) absent.parent[0] = lanes;
         if (first.j == rows) absent.parent[1] = lanes;
         break;
-    case PlaneKind::side_y:
+    case VertexKind::side_y:
         if (first.i == 0) absent.parent[0] = 1;
-        if (shape.along_y) absent.parent[1] = lanes; // only the terrain's rim owns such a block
+        if (shape.along_y) absent.parent[1] = lanes; // only the terrain's rim owns such a group
         break;
     }
     return absent;
 }
 
 void forget_vertices(CutState& s, std::uint32_t slot) {
-    SlotInfo& info = s.slot_info[slot];
+    PageSlot& info = s.page_slot[slot];
     info.active = 0;
     info.touched = false;
     const std::int32_t n = info.shape == 0 ? 1 << s.terrain->tree.tile_log2 : page_squares;
@@ -152,36 +152,36 @@ void forget_vertices(CutState& s, std::uint32_t slot) {
                        j0 = (info.tile_y << s.steps[info.z].log2) + info.j0;
     const bool rim = info.shape == 0 || i0 == 0 || j0 == 0 || i0 + n >= columns || j0 + n >= rows;
     for (std::uint32_t k = 0; k < s.shapes[info.shape].count; ++k) {
-        const std::uint32_t number = slot * max_page_blocks + k;
-        BlockState& b = s.blocks[number];
+        const std::uint32_t number = slot * max_page_groups + k;
+        GroupState& b = s.groups[number];
         b = {};
-        b.list = no_list;
+        b.list = unlisted;
         if (!rim) continue;
-        const BlockShape& shape = s.shapes[info.shape].blocks[k];
-        const Site first = site_of(s, number * block_lanes);
+        const GroupShape& shape = s.shapes[info.shape].groups[k];
+        const Site first = site_of(s, number * group_lanes);
         // A border has a lane in each page that holds it; only the owner's counts.
-        if (exists(s, first) && find_vertex(s, first) != number * block_lanes) continue;
+        if (exists(s, first) && find_vertex(s, first) != number * group_lanes) continue;
         const ParentMasks absent = absent_parents(s, first, shape);
         b.parent[0] = absent.parent[0];
         b.parent[1] = absent.parent[1];
     }
 }
 
-ParentMasks parents_of(const CutState& s, std::uint32_t block, std::uint32_t lanes) {
+ParentMasks parents_of(const CutState& s, std::uint32_t group, std::uint32_t lanes) {
     ParentMasks masks{};
     for (; lanes != 0; lanes &= lanes - 1) {
         const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-        const std::uint32_t vertex = block * block_lanes + lane;
+        const std::uint32_t vertex = group * group_lanes + lane;
         const Site site = site_of(s, vertex);
         // A border has a lane in each page that holds it; only the owner's counts.
         if (!exists(s, site) || find_vertex(s, site) != vertex) continue;
-        const bool root = site.kind == PlaneKind::centre && site.z == s.terrain->tree.tile_log2 - 1;
+        const bool root = site.kind == VertexKind::centre && site.z == s.terrain->tree.tile_log2 - 1;
         for (int n = 0; n < 2; ++n) {
             const Site parent = parent_site(site, n);
             bool active = root || !exists(s, parent);
             if (!active) {
                 const std::uint32_t found = find_vertex(s, parent);
-                active = found != no_vertex && (s.blocks[found / block_lanes].active >> found % block_lanes & 1);
+                active = found != no_index && (s.groups[found / group_lanes].active >> found % group_lanes & 1);
             }
             masks.parent[n] |= static_cast<std::uint16_t>(static_cast<std::uint32_t>(active) << lane);
         }
@@ -194,12 +194,12 @@ namespace {
 // Lets go of what the slot held, if it holds something else by now. False: the cut had to begin again.
 bool let_go(CutState& s, std::uint32_t slot) {
     const Terrain& t = *s.terrain;
-    const SlotInfo& info = s.slot_info[slot];
-    if (info.page == no_page || (info.page == t.slot_page[slot] && info.loads == t.slot_loads[slot])) return true;
+    const PageSlot& info = s.page_slot[slot];
+    if (info.page == no_index || (info.page == t.slot_page[slot] && info.loads == t.slot_loads[slot])) return true;
     // release_page was not asked, or not waited for: the mesh must let go all the same.
-    for (std::uint32_t v = holding(s, slot); v != no_vertex; v = holding(s, slot)) {
+    for (std::uint32_t v = holding(s, slot); v != no_index; v = holding(s, slot)) {
         if (deactivate(s, lowest_below(s, v)) == Outcome::done) continue;
-        // No chunk for triangles that were hidden: then from the coarsest mesh, where all have room.
+        // No segment for triangles that were hidden: then from the coarsest mesh, where all have room.
         forget_changes(s);
         reset(s);
         begin_at_roots(s);
@@ -210,7 +210,7 @@ bool let_go(CutState& s, std::uint32_t slot) {
 }
 
 void take_in(CutState& s, std::uint32_t slot) {
-    if (s.terrain->slot_page[slot] != no_page && s.slot_info[slot].page == no_page) enter(s, slot);
+    if (s.terrain->slot_page[slot] != no_index && s.page_slot[slot].page == no_index) enter(s, slot);
 }
 
 } // namespace
@@ -234,23 +234,23 @@ void follow_pages(CutState& s) {
 
 namespace {
 
-// The block is evaluated in this frame.
+// The group is evaluated in this frame.
 void look_again(CutState& s, std::uint32_t number) {
     const ListId list = list_of(s.lists, number);
-    if (list >= due_lists && list != no_list) return; // will be evaluated anyway
+    if (list >= due_lists && list != unlisted) return; // will be evaluated anyway
     unlink(s.lists, number);
-    if (s.blocks[number].ready() != 0) push_due(s.lists, grade_count - 1, number);
+    if (s.groups[number].ready() != 0) push_due(s.lists, grade_count - 1, number);
 }
 
 } // namespace
 
 void stop_draining(CutState& s, std::uint32_t slot) {
-    SlotInfo& info = s.slot_info[slot];
-    if (info.status != SlotStatus::draining) return;
-    info.status = SlotStatus::live;
+    PageSlot& info = s.page_slot[slot];
+    if (info.status != PageSlotStatus::draining) return;
+    info.status = PageSlotStatus::live;
     s.draining_count =
         static_cast<std::uint32_t>(std::remove(s.draining, s.draining + s.draining_count, slot) - s.draining);
-    for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) look_again(s, slot * max_page_blocks + n);
+    for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) look_again(s, slot * max_page_groups + n);
 }
 
 namespace {
@@ -259,7 +259,7 @@ namespace {
 void drop_page(CutState& s, std::uint32_t slot) {
     while (s.report.items < s.item_limit) {
         const std::uint32_t v = holding(s, slot);
-        if (v == no_vertex || deactivate(s, lowest_below(s, v)) != Outcome::done) return;
+        if (v == no_index || deactivate(s, lowest_below(s, v)) != Outcome::done) return;
         ++s.report.items;
         ++s.report.deactivations;
     }
@@ -267,12 +267,12 @@ void drop_page(CutState& s, std::uint32_t slot) {
 
 // Whatever may begin to: the vertices without active children, and of the others' descendants those that are.
 void sink_page(CutState& s, std::uint32_t slot) {
-    for (std::uint32_t n = 0; n < s.shapes[s.slot_info[slot].shape].count; ++n) {
-        const std::uint32_t number = slot * max_page_blocks + n;
-        for (std::uint32_t lanes = s.blocks[number].active; lanes != 0; lanes &= lanes - 1) {
+    for (std::uint32_t n = 0; n < s.shapes[s.page_slot[slot].shape].count; ++n) {
+        const std::uint32_t number = slot * max_page_groups + n;
+        for (std::uint32_t lanes = s.groups[number].active; lanes != 0; lanes &= lanes - 1) {
             if (s.report.items >= s.item_limit) return;
             const std::uint32_t v =
-                lowest_below(s, number * block_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)));
+                lowest_below(s, number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)));
             if (sinks(s, s.slots[v])) continue;
             begin_sinking(s, v);
             ++s.report.items;
@@ -285,14 +285,14 @@ void sink_page(CutState& s, std::uint32_t slot) {
 void end_sinking(CutState& s) {
     while (s.sinking_count != 0 && s.report.items < s.item_limit) {
         const std::uint32_t vertex = s.sinking[s.first_sinking];
-        const bool there = (s.blocks[vertex / block_lanes].active & bit_of(vertex)) && sinks(s, s.slots[vertex]);
+        const bool there = (s.groups[vertex / group_lanes].active & bit_of(vertex)) && sinks(s, s.slots[vertex]);
         if (there && s.morph_now.morph != Morph::none && is_rising(s, s.slots[vertex])) return;
         // Children it can have only when morphing has just been switched off.
         const std::uint32_t lowest = there ? lowest_below(s, vertex) : vertex;
         if (there && deactivate(s, lowest) != Outcome::done) return;
         s.report.items += there;
         s.report.deactivations += there;
-        if (there) look_again(s, lowest / block_lanes); // its page may have been kept
+        if (there) look_again(s, lowest / group_lanes); // its page may have been kept
         if (lowest != vertex) continue;
         s.first_sinking = (s.first_sinking + 1) % s.budget.vertices;
         --s.sinking_count;
@@ -305,7 +305,7 @@ void end_sinking(CutState& s) {
 void drain_pages(CutState& s) {
     end_sinking(s);
     for (std::uint32_t i = 0; i < s.draining_count; ++i)
-        if (s.slot_info[s.draining[i]].active == 0)
+        if (s.page_slot[s.draining[i]].active == 0)
             continue;
         else if (s.morph_now.morph == Morph::none)
             drop_page(s, s.draining[i]);

@@ -20,10 +20,10 @@ void drain_pages(CutState& s);
 // A draining page stays after all: what it could activate is looked at again.
 void stop_draining(CutState& s, std::uint32_t slot);
 
-// Finds which parents of some lanes of a block are active.
+// Finds which parents of some lanes of a group are active.
 struct ParentMasks {
     std::uint16_t parent[2];
 };
-[[nodiscard]] ParentMasks parents_of(const CutState& s, std::uint32_t block, std::uint32_t lanes);
+[[nodiscard]] ParentMasks parents_of(const CutState& s, std::uint32_t group, std::uint32_t lanes);
 
 } // namespace fjell

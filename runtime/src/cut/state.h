@@ -1,23 +1,23 @@
-// What the live cut keeps in the host's block, between frames.
+// What the live cut keeps in the host's memory, between frames.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 
-#include "cut/blocks.h"
+#include "cut/groups.h"
 #include "cut/evaluate.h"
 #include "cut/lists.h"
 #include "fjell/cut.h"
 
 namespace fjell {
 
-// One block: a bit a lane in every mask. 32 bytes, so that a visit costs half a cache line beside the records.
-struct BlockState {
+// One group: a bit a lane in every mask. 32 bytes, so that a visit costs half a cache line beside the records.
+struct GroupState {
     std::uint16_t active;
     std::uint16_t parent[2]; // that parent is active, or does not exist because it would lie outside the terrain
     std::uint16_t child[4];  // that child is active; where it is not, an active vertex draws a triangle towards it
-    std::uint16_t list;      // that the block was put in (list_of), or no_list
+    std::uint16_t list;      // that the group was put in (list_of), or unlisted
     Link link;
     // In the calendar: the tick of its grade at which it must be looked at, 48 bits of it. In a queue: which lanes
     // called for work, activations in the lower half; only a hint of what to fetch.
@@ -31,32 +31,32 @@ struct BlockState {
         return static_cast<std::uint16_t>(child[0] | child[1] | child[2] | child[3]);
     }
 };
-static_assert(sizeof(BlockState) == 32, "two blocks a cache line");
+static_assert(sizeof(GroupState) == 32, "two groups a cache line");
 
 inline constexpr std::size_t bulk_grid_bytes = 4 * (2 * page_squares + 2) * (2 * page_squares + 2);
 
-enum class SlotStatus : std::uint8_t { empty, live, draining };
+enum class PageSlotStatus : std::uint8_t { empty, live, draining };
 
-struct SlotInfo {
-    std::uint32_t page; // tile * pages_per_tile + page, or no_page
+struct PageSlot {
+    std::uint32_t page; // tile * pages_per_tile + page, or no_index
     std::uint32_t tile;
     std::int32_t i0, j0; // the page's first square in its tile; page 0: 0
     std::int32_t tile_x, tile_y;
-    std::int32_t base;    // lattice steps
+    std::int32_t base;    // height scale steps
     std::uint32_t loads;  // Terrain::slot_loads when the page was entered
     std::uint16_t active; // vertices
-    std::uint8_t z;       // log2 of the step; page 0: 0, its blocks say
+    std::uint8_t z;       // log2 of the step; page 0: 0, its groups say
     std::uint8_t shape;   // 0: page 0; 1: any other
-    SlotStatus status;
-    bool touched; // its blocks may say more than that nothing is active
+    PageSlotStatus status;
+    bool touched; // its groups may say more than that nothing is active
 };
 
-// A tile's triangles: a stack of chunks; all but the last are full.
+// A tile's triangles: a stack of segments; all but the last are full.
 struct TileList {
-    std::uint32_t last_chunk;
+    std::uint32_t last_segment;
     std::uint32_t in_last;
     std::uint32_t total;
-    std::uint32_t chunks;
+    std::uint32_t segments;
     bool bounded; // by the root's sphere; not while page 0 is missing
     double centre_m[3];
     double radius_m;
@@ -104,40 +104,40 @@ struct Governor {
 struct CutState {
     const Terrain* terrain;
     CutBudget budget;
-    // Geometry of blocks.
-    std::uint32_t pages_per_tile, block_count;
+    // Geometry of groups.
+    std::uint32_t pages_per_tile, group_count;
     std::int32_t tiles_x, tiles_y;
-    StepBlocks steps[max_tile_log2];
+    StepGroups steps[max_tile_log2];
     PageShape shapes[2];        // [0] of page 0, [1] of all others
-    std::uint16_t* hz_places;   // hierarchical Z-order: place of each block's lanes, for both shapes; else nullptr
-    std::uint32_t* page_blocks; // first block of each page, or nil
+    std::uint16_t* hz_places;   // hierarchical Z-order: place of each group's lanes, for both shapes; else nullptr
+    std::uint32_t* page_groups; // first group of each page, or no_index
     float level_unit_m[2 * max_tile_log2]; // of radii: centres at 2 z, sides at 2 z + 1
-    void (*evaluate)(const Decision&, const LaneBlock&, LaneMargins&);
+    void (*evaluate)(const Decision&, const LaneGroup&, LaneMargins&);
     // Vertices.
-    BlockState* blocks;
+    GroupState* groups;
     std::uint32_t* slots; // vertex slot of each active vertex
-    SlotInfo* slot_info;
+    PageSlot* page_slot;
     std::uint64_t seen_changes;
     std::uint32_t* draining; // slots whose pages are asked back
     std::uint32_t draining_count;
-    // Lists of blocks.
+    // Lists of groups.
     Lists lists;
     // The mesh.
     MeshVertex* vertices;
     MorphVertex* morph;
-    std::uint32_t* made;          // 4 a vertex slot: the triangle it makes in each direction, or nil
+    std::uint32_t* made;          // 4 a vertex slot: the triangle it makes in each direction, or no_index
     std::uint8_t* hole;           // 1 a vertex slot: hole_bit, sinks_bit
     std::uint32_t* free_vertices; // a stack of given-back slots; those from fresh_vertex on were never taken
     std::uint32_t free_vertex_count, fresh_vertex, vertex_peak;
     std::uint32_t* indices; // 3 a triangle slot: right angle first
     std::uint32_t* names;   // of a triangle: vertex slot * 4 + direction
     TileList* tiles;        // and one more: triangles that are not drawn
-    std::uint32_t* chunk_tile;
-    std::uint32_t* chunk_below; // the tile's chunk before it
-    std::uint32_t* free_chunks;
-    std::uint32_t free_chunk_count, chunk_count, chunk_peak;
+    std::uint32_t* segment_tile;
+    std::uint32_t* segment_below; // the tile's segment before it
+    std::uint32_t* free_segments;
+    std::uint32_t free_segment_count, segment_count, segment_peak;
     std::byte* bulk_grids; // scratch of the bulk pass: bulk_grid_bytes a step
-    std::uint32_t chunk_log2;
+    std::uint32_t segment_log2;
     bool some_hidden; // the terrain has holes or ends inside tiles
     DirtyBits dirty_vertices, dirty_triangles;
     TileRange* ranges;
@@ -157,10 +157,10 @@ struct CutState {
     std::uint32_t short_of;           // CutBudgetBits of capacities that an activation has just wanted in vain
     std::uint32_t retired_when_short; // deactivations before it did
     std::uint32_t batches;            // carried out in this frame
-    std::uint32_t examined;           // blocks since the last batch, also of the frame before
+    std::uint32_t examined;           // groups since the last batch, also of the frame before
     bool still;                       // no eye has moved since the frame before
     std::chrono::steady_clock::time_point started;
-    std::uint32_t work_ranks; // which work lists may hold blocks, as bits
+    std::uint32_t work_ranks; // which work lists may hold groups, as bits
     std::uint32_t turn;       // which of blocked_lists takes what is put back
     std::uint32_t gated_turn; // and of gated_lists
     bool gate_open;           // some vertex has reached its height since the last frame

@@ -100,9 +100,9 @@ void list_ranges(CutState& s) {
         ++s.report.tiles_drawn;
         s.report.triangles_drawn += list.total;
         std::uint32_t count = list.in_last;
-        for (std::uint32_t chunk = list.last_chunk; chunk != nil; chunk = s.chunk_below[chunk]) {
-            s.ranges[s.range_count++] = {tile, (chunk << s.chunk_log2) * 3, count * 3, count};
-            count = 1u << s.chunk_log2;
+        for (std::uint32_t segment = list.last_segment; segment != no_index; segment = s.segment_below[segment]) {
+            s.ranges[s.range_count++] = {tile, (segment << s.segment_log2) * 3, count * 3, count};
+            count = 1u << s.segment_log2;
         }
     }
 }
@@ -129,8 +129,8 @@ void finish(CutState& s) {
     r.vertex_slots = {s.budget.vertices - free_vertices(s), 0, s.budget.vertices};
     s.vertex_peak = std::max(s.vertex_peak, r.vertex_slots.used);
     r.vertex_slots.peak = s.vertex_peak;
-    const auto slots = [&](std::uint32_t chunks) { return chunks << s.chunk_log2; };
-    r.triangle_slots = {slots(s.chunk_count - s.free_chunk_count), slots(s.chunk_peak), slots(s.chunk_count)};
+    const auto slots = [&](std::uint32_t segments) { return segments << s.segment_log2; };
+    r.triangle_slots = {slots(s.segment_count - s.free_segment_count), slots(s.segment_peak), slots(s.segment_count)};
     r.vertices = r.vertex_slots.used;
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) r.triangles += s.tiles[tile].total;
     r.blocked = blocked(s);
@@ -139,7 +139,7 @@ void finish(CutState& s) {
     r.exhausted |= s.governor.cause;
     r.rising = s.birth_count + s.sinking_count;
     r.waiting = waiting(s);
-    for (std::uint32_t i = 0; i < s.draining_count; ++i) r.waiting += s.slot_info[s.draining[i]].active != 0;
+    for (std::uint32_t i = 0; i < s.draining_count; ++i) r.waiting += s.page_slot[s.draining[i]].active != 0;
     r.vertices_changed = s.dirty_vertices.slots;
     r.triangles_changed = s.dirty_triangles.slots;
     const std::uint32_t gated = size(s.lists, gated_lists) + size(s.lists, gated_lists + 1);
@@ -158,7 +158,7 @@ void finish(CutState& s) {
 namespace {
 
 // Blocks that are carried out together, so that what they touch can be fetched for all of them first.
-constexpr std::uint32_t batch_blocks = 16;
+constexpr std::uint32_t batch_groups = 16;
 
 bool out_of_time(CutState& s) {
     if (s.report.visits >= s.settings.visits) return true;
@@ -169,14 +169,14 @@ bool out_of_time(CutState& s) {
     return true;
 }
 
-void fetch_for(const CutState& s, std::span<const std::uint32_t> blocks) {
-    constexpr std::uint32_t most = 6 * batch_blocks; // of changes; more would push each other out of the cache
+void fetch_for(const CutState& s, std::span<const std::uint32_t> groups) {
+    constexpr std::uint32_t most = 6 * batch_groups; // of changes; more would push each other out of the cache
     Plan plans[most];
     std::uint32_t count = 0;
-    for (const std::uint32_t block : blocks)
-        for (std::uint32_t lanes = s.blocks[block].due; lanes != 0 && count < most; lanes &= lanes - 1) {
+    for (const std::uint32_t group : groups)
+        for (std::uint32_t lanes = s.groups[group].due; lanes != 0 && count < most; lanes &= lanes - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-            plans[count++] = make_plan(s, block * block_lanes + lane % block_lanes, lane < block_lanes);
+            plans[count++] = make_plan(s, group * group_lanes + lane % group_lanes, lane < group_lanes);
         }
     for (std::uint32_t i = 0; i < count; ++i) fetch_made(s, plans[i]);
     for (std::uint32_t i = 0; i < count; ++i) fetch_triangles(s, plans[i]);
@@ -185,19 +185,19 @@ void fetch_for(const CutState& s, std::span<const std::uint32_t> blocks) {
 
 // False when there was not time or items for all of them; the rest goes back to its queue.
 bool carry_out_batch(CutState& s, std::uint32_t list, bool may_retire) {
-    std::uint32_t blocks[batch_blocks], count = 0;
-    for (; count < batch_blocks && size(s.lists, list) != 0; ++count) {
-        blocks[count] = pop_front(s.lists, list);
-        s.blocks[blocks[count]].list = held;
+    std::uint32_t groups[batch_groups], count = 0;
+    for (; count < batch_groups && size(s.lists, list) != 0; ++count) {
+        groups[count] = pop_front(s.lists, list);
+        s.groups[groups[count]].list = held;
     }
-    fetch_for(s, {blocks, count});
+    fetch_for(s, {groups, count});
     for (std::uint32_t i = 0; i < count; ++i) {
         if (s.report.items < s.item_limit && !out_of_time(s)) {
-            carry_out(s, blocks[i], may_retire);
+            carry_out(s, groups[i], may_retire);
             continue;
         }
         // As they were: a frame that ends by its time must leave the same order as one that ends by its items.
-        while (count > i) push_front(s.lists, list, blocks[--count]);
+        while (count > i) push_front(s.lists, list, groups[--count]);
         return false;
     }
     return true;
@@ -206,11 +206,11 @@ bool carry_out_batch(CutState& s, std::uint32_t list, bool may_retire) {
 // While the mesh lags, some batches give slots back, or it would outgrow what the view wants: one in sixteen while
 // there is room, one in three when there is not.
 std::uint32_t retire_every(const CutState& s) {
-    const bool room = free_vertices(s) > s.budget.vertices / 4 && s.free_chunk_count > s.chunk_count / 4;
+    const bool room = free_vertices(s) > s.budget.vertices / 4 && s.free_segment_count > s.segment_count / 4;
     return room ? 16 : 3;
 }
 
-// The queue that comes next; no_list when all are done. Deactivations come last, but first when a capacity is spent,
+// The queue that comes next; unlisted when all are done. Deactivations come last, but first when a capacity is spent,
 // and then what was blocked is tried again.
 std::uint32_t next_queue(CutState& s) {
     const bool can_retire = size(s.lists, retire_list) != 0;
@@ -228,32 +228,32 @@ std::uint32_t next_queue(CutState& s) {
     const std::uint32_t gated_before = gated_lists + (s.gated_turn ^ 1);
     if (s.gate_open && size(s.lists, gated_before) != 0) return gated_before;
     const std::uint32_t blocked_before = blocked_lists + (s.turn ^ 1);
-    return size(s.lists, blocked_before) != 0 && s.short_of == 0 ? blocked_before : no_list;
+    return size(s.lists, blocked_before) != 0 && s.short_of == 0 ? blocked_before : unlisted;
 }
 
 } // namespace
 
 void refine(CutState& s) {
-    const auto fetch = [&](std::uint32_t block) { fetch_block(s, block); };
-    std::uint32_t grade = grade_count; // of due blocks, plus one
+    const auto fetch = [&](std::uint32_t group) { fetch_group(s, group); };
+    std::uint32_t grade = grade_count; // of due groups, plus one
     // While the mesh lags, what is known to be bad does not wait for all that might be.
     constexpr std::uint32_t many = 4096;
     s.lagging = s.lagging || due(s) > many; // a teleport
-    const std::uint32_t most_examined = s.lagging ? 2 * batch_blocks : unlimited_items;
+    const std::uint32_t most_examined = s.lagging ? 2 * batch_groups : unlimited_items;
     while (s.report.items < s.item_limit) {
         while (grade != 0 && size(s.lists, due_lists + grade - 1) == 0) --grade;
         if (grade != 0 && s.examined < most_examined) {
             if (out_of_time(s)) return;
-            const std::uint32_t block = pop_due(s.lists, grade - 1, fetch);
-            s.blocks[block].list = held;
-            examine(s, block);
+            const std::uint32_t group = pop_due(s.lists, grade - 1, fetch);
+            s.groups[group].list = held;
+            examine(s, group);
             ++s.examined;
             continue;
         }
         s.examined = 0;
         const std::uint32_t list = next_queue(s);
-        if (list == no_list && grade == 0) return;
-        if (list == no_list) continue;
+        if (list == unlisted && grade == 0) return;
+        if (list == unlisted) continue;
         const std::uint32_t short_before = s.short_of;
         if (!carry_out_batch(s, list, list == retire_list || !s.lagging)) break;
         ++s.batches;
@@ -281,7 +281,7 @@ void begin_frame(CutState& s, const CutSettings& settings) {
 // Every slot that is in use: after a rebuild they are the first ones.
 void mark_all(CutState& s) {
     s.dirty_vertices.mark_first(s.fresh_vertex);
-    s.dirty_triangles.mark_first((s.chunk_count - s.free_chunk_count) << s.chunk_log2);
+    s.dirty_triangles.mark_first((s.segment_count - s.free_segment_count) << s.segment_log2);
 }
 
 } // namespace
@@ -355,13 +355,13 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
 Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released) {
     CutState& s = *cut.state;
     if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return {Code::out_of_range, "tile or page"};
-    const std::uint32_t first = s.page_blocks[tile * s.pages_per_tile + page];
-    released = first == nil;
+    const std::uint32_t first = s.page_groups[tile * s.pages_per_tile + page];
+    released = first == no_index;
     if (released) return {};
-    const std::uint32_t slot = first / max_page_blocks;
-    SlotInfo& info = s.slot_info[slot];
-    if (info.status != SlotStatus::draining) {
-        info.status = SlotStatus::draining;
+    const std::uint32_t slot = first / max_page_groups;
+    PageSlot& info = s.page_slot[slot];
+    if (info.status != PageSlotStatus::draining) {
+        info.status = PageSlotStatus::draining;
         s.draining[s.draining_count++] = slot;
     }
     released = info.active == 0;
@@ -371,8 +371,8 @@ Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& r
 void keep_page(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
     CutState& s = *cut.state;
     if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return;
-    const std::uint32_t first = s.page_blocks[tile * s.pages_per_tile + page];
-    if (first != nil) stop_draining(s, first / max_page_blocks);
+    const std::uint32_t first = s.page_groups[tile * s.pages_per_tile + page];
+    if (first != no_index) stop_draining(s, first / max_page_groups);
 }
 
 const char* budget_field(CutBudgetBit bit) {

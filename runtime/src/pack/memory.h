@@ -1,4 +1,4 @@
-// What a Terrain keeps in the host's block for loading pages: the arrays that its const pointers show, and scratch.
+// What a Terrain keeps in the host's memory for loading pages: the arrays that its const pointers show, and scratch.
 #pragma once
 
 #include <cstddef>

@@ -53,8 +53,8 @@ Status check_scales(const PackHeader& h) {
     for (std::uint32_t level = 0; level < 2 * max_tile_log2; ++level)
         if (!in_range(h.level_radius_m[level], level < 2 * h.tile_log2 ? 1e-9 : 0, 1e9))
             return failed(Code::out_of_range, "level_radius_m");
-    if (h.lattice_steps > static_cast<std::uint32_t>(max_lattice_steps))
-        return failed(Code::out_of_range, "lattice_steps");
+    if (h.height_steps > static_cast<std::uint32_t>(max_height_steps))
+        return failed(Code::out_of_range, "height_steps");
     return {};
 }
 
@@ -193,7 +193,7 @@ Status open_pack(std::span<const std::byte> file, Pack& pack) {
 }
 
 Status decode_chunk(const ChunkEntry& e, std::span<const std::byte> stored, std::span<std::byte> out) {
-    if (out.size() != e.raw_bytes) return failed(Code::block_too_small, "out");
+    if (out.size() != e.raw_bytes) return failed(Code::memory_too_small, "out");
     if (stored.size() != e.stored_bytes || XXH3_64bits(stored.data(), stored.size()) != e.hash)
         return failed(Code::corrupt, "chunk");
     const std::size_t written = ZSTD_decompress(out.data(), out.size(), stored.data(), stored.size());

@@ -113,10 +113,10 @@ FJELL_CLONES Status unpack_page(const PageLayout& pages, std::uint32_t page, std
     const std::byte* const head_bytes = cursor.take(sizeof head);
     if (!head_bytes) return corrupt;
     std::memcpy(&head, head_bytes, sizeof head);
-    const bool block = is_block(pages, page), wide = head.flags & page_wide, voids = head.flags & page_voids;
+    const bool step_page = is_step_page(pages, page), wide = head.flags & page_wide, voids = head.flags & page_voids;
     if (head.flags > (page_wide | page_errors | page_voids) || (head.reserved[0] | head.reserved[1] | head.reserved[2]))
         return corrupt;
-    if (head.base < 0 || head.base > max_lattice_steps - 65535) return corrupt;
+    if (head.base < 0 || head.base > max_height_steps - 65535) return corrupt;
     out.base = head.base;
     out.errors_derived = !(head.flags & page_errors);
     if (out.errors_derived && pages.page_step_log2(page) != 0) return corrupt;
@@ -124,22 +124,22 @@ FJELL_CLONES Status unpack_page(const PageLayout& pages, std::uint32_t page, std
     const std::byte* const low = cursor.take(count);
     const std::byte* const high = wide ? cursor.take(count) : nullptr;
     const std::byte* const errors = out.errors_derived ? nullptr : cursor.take(count);
-    const std::byte* const radii = cursor.take(block ? page_radii : count);
+    const std::byte* const radii = cursor.take(step_page ? page_radii : count);
     const std::byte* const holes = voids ? cursor.take((count + 7) / 8) : nullptr;
     if (!low || (wide && !high) || (!out.errors_derived && !errors) || !radii || (voids && !holes) ||
         !cursor.left.empty())
         return corrupt;
 
     read_residuals(low, high, count, out.heights);
-    if (block)
+    if (step_page)
         undo_block(out.heights);
     else
         undo_rows(out.heights, count, row_length(pages));
     if (errors) std::memcpy(out.errors, errors, count);
     const auto* const codes = reinterpret_cast<const std::uint8_t*>(radii);
-    if (std::any_of(codes, codes + (block ? page_radii : count), [](std::uint8_t r) { return r >= radius_codes; }))
+    if (std::any_of(codes, codes + (step_page ? page_radii : count), [](std::uint8_t r) { return r >= radius_codes; }))
         return corrupt;
-    if (block)
+    if (step_page)
         expand_radii(codes, out.radii);
     else
         std::memcpy(out.radii, codes, count);

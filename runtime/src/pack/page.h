@@ -17,7 +17,7 @@
 namespace fjell {
 
 struct PageArrays {
-    std::int32_t base;   // lattice steps that heights are counted from
+    std::int32_t base;   // height scale steps that heights are counted from
     bool errors_derived; // errors[] is not set: derive_errors
     std::uint16_t heights[max_page_vertices];
     std::uint8_t errors[max_page_vertices];
@@ -26,7 +26,7 @@ struct PageArrays {
 
 // How heights are predicted: a block's centres from three neighbours, its sides from the centres beside them. Other
 // pages are rows of `row` vertices, or one row for 0.
-[[nodiscard]] inline bool is_block(const PageLayout& pages, std::uint32_t page) {
+[[nodiscard]] inline bool is_step_page(const PageLayout& pages, std::uint32_t page) {
     return pages.page_step_log2(page) >= 0;
 }
 [[nodiscard]] inline std::uint32_t row_length(const PageLayout& pages) {
@@ -40,7 +40,7 @@ Status unpack_page(const PageLayout& pages, std::uint32_t page, std::span<const 
 void expand_radii(const std::uint8_t* stored, std::uint8_t* radii);
 
 // Errors of the finest step follow from heights. A side's is the jump when it comes in: half |2 h - a - b| between the
-// ends of its side; a centre's that across its diagonal, or what its sides ask of it. k: |2 h - a - b|, in lattice
+// ends of its side; a centre's that across its diagonal, or what its sides ask of it. k: |2 h - a - b|, in height scale
 // steps.
 class LeafErrors {
 public:
@@ -57,7 +57,7 @@ private:
     std::uint8_t table_[table_size] = {};
 };
 
-// Heights, in lattice steps, of the 33 x 33 corners of a block's squares, row by row.
+// Heights, in height scale steps, of the 33 x 33 corners of a block's squares, row by row.
 inline constexpr std::uint32_t block_corners = page_squares + 1;
 using CornerSteps = std::int32_t[block_corners * block_corners];
 

@@ -1,7 +1,7 @@
 // Pages change hands here: the frame's thread writes and unloads them, any thread reads their vertices meanwhile. No
 // locks, and nobody waits.
 //
-// What is shared are plain arrays in the host's block: the page table (8 bytes a page: slot and base), how often a page
+// What is shared are plain arrays in the host's memory: the page table (8 bytes a page: slot and base), how often a page
 // was loaded into each slot, and the records. The writer and the readers of other threads touch them by atomic
 // operations only, of whole entries and whole records, so nothing is torn. The frame's own thread reads as it likes.
 //
@@ -71,7 +71,7 @@ inline void write_records(VertexRecord* to, const std::uint32_t* packed, std::ui
 
 // A page as a reader has found it: steps 1 to 3.
 struct PublishedPage {
-    std::uint32_t slot = no_page_slot;
+    std::uint32_t slot = no_index;
     std::int32_t base = 0;
     std::uint32_t loads = 0;
 };
@@ -79,7 +79,7 @@ struct PublishedPage {
 [[nodiscard]] inline bool find_page(const Terrain& terrain, std::size_t page, PublishedPage& found) {
     PageEntry first, again;
     __atomic_load(&terrain.page_table[page], &first, __ATOMIC_ACQUIRE);
-    if (first.slot == no_page_slot) return false;
+    if (first.slot == no_index) return false;
     found.loads = __atomic_load_n(&terrain.slot_loads[first.slot], __ATOMIC_ACQUIRE);
     __atomic_load(&terrain.page_table[page], &again, __ATOMIC_ACQUIRE);
     found.slot = first.slot;

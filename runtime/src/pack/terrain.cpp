@@ -85,74 +85,74 @@ struct TilePages {
         return entry.base + terrain.records[std::size_t{entry.slot} * terrain.page_capacity + index].height;
     }
     // Vertex (x, y) of the tile, seen from a block of step 1: in the closed page over that block.
-    [[nodiscard]] std::int32_t steps_over(Coord block, std::uint32_t x, std::uint32_t y) const {
+    [[nodiscard]] std::int32_t steps_over(Coord position, std::uint32_t x, std::uint32_t y) const {
         const PageLayout& pages = terrain.pages;
         const auto side = static_cast<std::int32_t>(pages.side());
         const Coord c{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
         if (((c.x | c.y) & (side - 1)) == 0) return steps(0, (x >> pages.tile_log2) + 2 * (y >> pages.tile_log2));
         const int z = Tree::step_log2(c);
         const StepLayout step = pages.step_layout(z);
-        const std::uint32_t bx = step.blocks_log2 == 0 ? 0 : static_cast<std::uint32_t>(block.x) >> z,
-                            by = step.blocks_log2 == 0 ? 0 : static_cast<std::uint32_t>(block.y) >> z;
-        const std::uint32_t page = step.block == page_squares ? pages.page_of_block(z, bx, by) : 0;
-        const std::uint32_t i = (x >> (z + 1)) - bx * step.block, j = (y >> (z + 1)) - by * step.block;
-        const PlaneKind kind = Tree::kind(c);
+        const std::uint32_t bx = step.pages_log2 == 0 ? 0 : static_cast<std::uint32_t>(position.x) >> z,
+                            by = step.pages_log2 == 0 ? 0 : static_cast<std::uint32_t>(position.y) >> z;
+        const std::uint32_t page = step.page_side == page_squares ? pages.page_at(z, bx, by) : 0;
+        const std::uint32_t i = (x >> (z + 1)) - bx * step.page_side, j = (y >> (z + 1)) - by * step.page_side;
+        const VertexKind kind = Tree::kind(c);
         const std::uint32_t index = pages.order == Order::planar
-                                        ? block_index<Order::planar>(step.block, kind, i, j)
-                                        : block_index<Order::hierarchical_z>(step.block, kind, i, j);
+                                        ? page_index<Order::planar>(step.page_side, kind, i, j)
+                                        : page_index<Order::hierarchical_z>(step.page_side, kind, i, j);
         return steps(page, step.offset + index);
     }
 };
 
 // The page over a block of step 1 at step 2^z, or page 0.
-std::uint32_t page_over(const PageLayout& pages, Coord block, int z) {
+std::uint32_t page_over(const PageLayout& pages, Coord position, int z) {
     const StepLayout step = pages.step_layout(z);
-    if (step.block != page_squares) return 0;
-    return pages.page_of_block(z, static_cast<std::uint32_t>(block.x) >> z, static_cast<std::uint32_t>(block.y) >> z);
+    if (step.page_side != page_squares) return 0;
+    return pages.page_at(z, static_cast<std::uint32_t>(position.x) >> z, static_cast<std::uint32_t>(position.y) >> z);
 }
 
-bool coarser_pages_loaded(const PageLayout& pages, const PageEntry* table, Coord block) {
+bool coarser_pages_loaded(const PageLayout& pages, const PageEntry* table, Coord position) {
     for (int z = 1; z < pages.tile_log2; ++z)
-        if (table[page_over(pages, block, z)].slot == no_page_slot) return false;
+        if (table[page_over(pages, position, z)].slot == no_index) return false;
     return true;
 }
 
 // Heights of the squares' corners of a block of step 1. Every coarser step adds its three planes' share of the block,
 // row by row; what is left in the end are the block's own four corners.
-void gather_corners(const TilePages& tile, Coord block, CornerSteps& out) {
+void gather_corners(const TilePages& tile, Coord position, CornerSteps& out) {
     constexpr std::uint32_t w = block_corners;
     const PageLayout& pages = tile.terrain.pages;
-    const auto x0 = static_cast<std::uint32_t>(block.x) * page_squares,
-               y0 = static_cast<std::uint32_t>(block.y) * page_squares; // in squares of step 1
+    const auto x0 = static_cast<std::uint32_t>(position.x) * page_squares,
+               y0 = static_cast<std::uint32_t>(position.y) * page_squares; // in squares of step 1
     for (int z = 1; z <= page_squares_log2; ++z) {
         const StepLayout step = pages.step_layout(z);
-        const PageEntry entry = tile.table[page_over(pages, block, z)];
+        const PageEntry entry = tile.table[page_over(pages, position, z)];
         const VertexRecord* const records =
             tile.terrain.records + std::size_t{entry.slot} * tile.terrain.page_capacity + step.offset;
         const std::uint32_t count = page_squares >> z, gap = 1u << z; // squares of this step; their size in corners
-        const std::uint32_t i0 = (x0 >> z) % step.block, j0 = (y0 >> z) % step.block;
-        const auto copy = [&](PlaneKind kind, std::uint32_t nx, std::uint32_t ny, std::uint32_t from_x,
+        const std::uint32_t i0 = (x0 >> z) % step.page_side, j0 = (y0 >> z) % step.page_side;
+        const auto copy = [&](VertexKind kind, std::uint32_t nx, std::uint32_t ny, std::uint32_t from_x,
                               std::uint32_t from_y) {
             for (std::uint32_t j = 0; j < ny; ++j) {
                 std::int32_t* to = out + (from_y + j * gap) * w + from_x;
                 if (pages.order == Order::planar) {
-                    const VertexRecord* from = records + block_index<Order::planar>(step.block, kind, i0, j0 + j);
+                    const VertexRecord* from = records + page_index<Order::planar>(step.page_side, kind, i0, j0 + j);
                     for (std::uint32_t i = 0; i < nx; ++i) to[i * gap] = entry.base + from[i].height;
                 } else {
                     for (std::uint32_t i = 0; i < nx; ++i)
                         to[i * gap] =
                             entry.base +
-                            records[block_index<Order::hierarchical_z>(step.block, kind, i0 + i, j0 + j)].height;
+                            records[page_index<Order::hierarchical_z>(step.page_side, kind, i0 + i, j0 + j)].height;
                 }
             }
         };
-        copy(PlaneKind::centre, count, count, gap / 2, gap / 2);
-        copy(PlaneKind::side_x, count, count + 1, gap / 2, 0);
-        copy(PlaneKind::side_y, count + 1, count, 0, gap / 2);
+        copy(VertexKind::centre, count, count, gap / 2, gap / 2);
+        copy(VertexKind::side_x, count, count + 1, gap / 2, 0);
+        copy(VertexKind::side_y, count + 1, count, 0, gap / 2);
     }
     for (const std::uint32_t j : {0u, page_squares})
         for (const std::uint32_t i : {0u, page_squares})
-            out[j * w + i] = tile.steps_over(block, 2 * (x0 + i), 2 * (y0 + j));
+            out[j * w + i] = tile.steps_over(position, 2 * (x0 + i), 2 * (y0 + j));
 }
 
 FJELL_CLONES void store(const Terrain& terrain, std::uint32_t page, TerrainMemory& memory, VertexRecord* to) {
@@ -177,25 +177,25 @@ std::size_t terrain_bytes(const PackHeader& header, const TerrainBudget& budget)
     return layout_of(header, budget).end;
 }
 
-Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<std::byte> block, Terrain& terrain) {
+Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<std::byte> memory, Terrain& terrain) {
     if (pack.bytes.empty()) return {Code::not_supported, "terrain of a streamed pack (give its corners)"};
     const ChunkEntry corners = pack.entry(chunk_index(pack.header, {ChunkKind::corners, 0, 0}));
-    return create_terrain(pack, pack.bytes.subspan(corners.offset, corners.stored_bytes), budget, block, terrain);
+    return create_terrain(pack, pack.bytes.subspan(corners.offset, corners.stored_bytes), budget, memory, terrain);
 }
 
 Status create_terrain(const Pack& pack, std::span<const std::byte> corners, const TerrainBudget& budget,
-                      std::span<std::byte> block, Terrain& terrain) {
+                      std::span<std::byte> memory, Terrain& terrain) {
     const PackHeader& h = pack.header;
     const Layout l = layout_of(h, budget);
-    if (block.size() < l.end) return {Code::block_too_small, "block"};
-    std::byte* const at = block.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "block alignment"};
+    if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
+    std::byte* const at = memory.data();
+    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "memory alignment"};
 
     Terrain t;
     t.header = h;
     t.tree = pack.tree();
     t.pages = pack.pages();
-    t.lattice = {h.base_m, h.quantum_m};
+    t.height_scale = {h.base_m, h.quantum_m};
     t.spacing_x_m = static_cast<float>(h.spacing_m[0]);
     t.spacing_z_m = static_cast<float>(h.spacing_m[1]);
     t.errors = ErrorScale::make(h.error_floor_m, h.error_ratio, h.error_nesting_steps);
@@ -213,7 +213,7 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     m.free_slots = reinterpret_cast<std::uint32_t*>(at + l.free_slots);
     m.corners = reinterpret_cast<std::uint32_t*>(at + l.corners);
     m.zstd = ZSTD_initStaticDCtx(at + l.zstd, ZSTD_estimateDCtxSize());
-    if (!m.zstd) return {Code::block_too_small, "block"};
+    if (!m.zstd) return {Code::memory_too_small, "memory"};
     m.raw = at + l.raw;
     m.raw_bytes = max_page_raw_bytes(t.page_capacity);
     m.leaf = LeafErrors(t.errors, h.quantum_m);
@@ -221,9 +221,9 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
         permute({page_squares_log2 + 1, h.order}, 1, m.block_places);
         permute({std::min(t.pages.tile_log2, page_squares_log2), h.order}, 0, m.root_places);
     }
-    for (std::uint32_t i = 0; i < t.page_count(); ++i) m.page_table[i] = {no_page_slot, 0};
+    for (std::uint32_t i = 0; i < t.page_count(); ++i) m.page_table[i] = {no_index, 0};
     for (std::uint32_t i = 0; i < t.slot_count; ++i) {
-        m.slot_page[i] = no_page;
+        m.slot_page[i] = no_index;
         m.slot_loads[i] = 0;
         m.free_slots[i] = t.slot_count - 1 - i;
     }
@@ -236,7 +236,7 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
         !s.ok())
         return {s.code, "corners"};
     for (std::size_t i = 0; i < bytes / sizeof(std::uint32_t); ++i)
-        if ((m.corners[i] & ~corner_void_bit) > h.lattice_steps) return {Code::corrupt, "corners"};
+        if ((m.corners[i] & ~corner_void_bit) > h.height_steps) return {Code::corrupt, "corners"};
     t.page_table = m.page_table;
     t.records = m.records;
     t.slot_page = m.slot_page;
@@ -251,7 +251,7 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
 Status load_page(const Pack& pack, Terrain& terrain, std::uint32_t tile, std::uint32_t page) {
     if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
     TerrainMemory& m = *terrain.memory;
-    if (m.page_table[std::size_t{tile} * terrain.pages_per_tile + page].slot != no_page_slot) return {};
+    if (m.page_table[std::size_t{tile} * terrain.pages_per_tile + page].slot != no_index) return {};
     if (m.free_count == 0) return {Code::out_of_slots, "TerrainBudget::page_slots"};
     std::span<const std::byte> raw;
     if (Status s = fetch(pack, {ChunkKind::geometry, tile, page}, m, raw); !s.ok()) return s;
@@ -262,13 +262,13 @@ Status insert_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page, std
     if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
     TerrainMemory& m = *terrain.memory;
     PageEntry* const table = m.page_table + std::size_t{tile} * terrain.pages_per_tile;
-    if (table[page].slot != no_page_slot) return {};
+    if (table[page].slot != no_index) return {};
     if (m.free_count == 0) return {Code::out_of_slots, "TerrainBudget::page_slots"};
     if (Status s = unpack_page(terrain.pages, page, raw, m.arrays); !s.ok()) return s;
     if (m.arrays.errors_derived) {
-        const Coord block = terrain.pages.page_block(page);
-        if (!coarser_pages_loaded(terrain.pages, table, block)) return {Code::coarser_page_first, "geometry page"};
-        gather_corners({terrain, table}, block, m.coarse);
+        const Coord position = terrain.pages.page_position(page);
+        if (!coarser_pages_loaded(terrain.pages, table, position)) return {Code::coarser_page_first, "geometry page"};
+        gather_corners({terrain, table}, position, m.coarse);
         derive_errors(m.coarse, terrain.errors, m.leaf, m.arrays);
     }
     const std::uint32_t slot = m.free_slots[--m.free_count];
@@ -286,18 +286,18 @@ void unload_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page) {
     if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return;
     TerrainMemory& m = *terrain.memory;
     PageEntry& entry = m.page_table[std::size_t{tile} * terrain.pages_per_tile + page];
-    if (entry.slot == no_page_slot) return;
+    if (entry.slot == no_index) return;
     const std::uint32_t slot = entry.slot;
-    publish_entry(entry, {no_page_slot, 0}); // before its slot is anyone else's
-    m.slot_page[slot] = no_page;
+    publish_entry(entry, {no_index, 0}); // before its slot is anyone else's
+    m.slot_page[slot] = no_index;
     m.free_slots[m.free_count++] = slot;
     ++terrain.pages_missing;
     m.changed_slots[terrain.changes++ % change_log] = slot;
 }
 
-Status load_terrain(const Pack& pack, std::span<std::byte> block, Terrain& terrain) {
+Status load_terrain(const Pack& pack, std::span<std::byte> memory, Terrain& terrain) {
     Terrain loaded;
-    if (Status s = create_terrain(pack, {}, block, loaded); !s.ok()) return s;
+    if (Status s = create_terrain(pack, {}, memory, loaded); !s.ok()) return s;
     for (std::uint32_t tile = 0; tile < loaded.tile_count(); ++tile)
         for (std::uint32_t page = 0; page < loaded.pages_per_tile; ++page)
             if (Status s = load_page(pack, loaded, tile, page); !s.ok()) return s;
@@ -313,7 +313,7 @@ Terrain::Vertex Terrain::vertex(Coord v) const {
         out.loaded = true;
         out.hole = (stored & corner_void_bit) != 0;
         out.steps = static_cast<std::int32_t>(stored & ~corner_void_bit);
-        out.height_m = lattice.height_m(out.steps);
+        out.height_m = height_scale.height_m(out.steps);
         return out;
     }
     const std::int32_t tx = std::min(v.x / side, tree.tiles_x - 1), ty = std::min(v.y / side, tree.tiles_y - 1);
@@ -322,13 +322,13 @@ Terrain::Vertex Terrain::vertex(Coord v) const {
     const PagePlace at =
         pages.place(static_cast<std::uint32_t>(v.x - tx * side), static_cast<std::uint32_t>(v.y - ty * side));
     const PageEntry entry = page_table[tile * pages_per_tile + at.page];
-    if (entry.slot == no_page_slot) return out;
+    if (entry.slot == no_index) return out;
     const VertexRecord record = records[std::size_t{entry.slot} * page_capacity + at.index];
     out.loaded = true;
     out.hole = fjell::is_void(record);
     out.steps = entry.base + record.height;
     out.error_code = record.error;
-    out.height_m = lattice.height_m(out.steps);
+    out.height_m = height_scale.height_m(out.steps);
     out.error_m = errors.metres[record.error];
     out.radius_m = header.level_radius_m[tree.level(v)] * radii.factor[record.radius & (radius_codes - 1)];
     return out;

@@ -36,7 +36,7 @@ struct Sample {
     std::int32_t steps = 0;
 };
 
-// A corner of a triangle, where it stands: samples, and the height on the lattice.
+// A corner of a triangle, where it stands: samples, and the height on the height_scale.
 struct Corner {
     Coord at;
     std::int32_t steps = 0;
@@ -48,17 +48,17 @@ struct Corner {
     if (pages.order == Order::linear) return pages.place_as<Order::linear>(x, y);
     const auto z = static_cast<std::uint32_t>(std::countr_zero(x | y));
     const StepLayout step = pages.step_layout(static_cast<int>(z));
-    const std::uint32_t i = x >> (z + 1), j = y >> (z + 1), last = (1u << step.blocks_log2) - 1;
-    const int block_log2 = std::countr_zero(step.block);
+    const std::uint32_t i = x >> (z + 1), j = y >> (z + 1), last = (1u << step.pages_log2) - 1;
+    const int block_log2 = std::countr_zero(step.page_side);
     const std::uint32_t bx = std::min(i >> block_log2, last), by = std::min(j >> block_log2, last);
     const std::uint32_t in_x = i - (bx << block_log2), in_y = j - (by << block_log2);
     const bool odd_x = (x >> z & 1) != 0, odd_y = (y >> z & 1) != 0;
-    const PlaneKind kind = odd_x && odd_y ? PlaneKind::centre : odd_x ? PlaneKind::side_x : PlaneKind::side_y;
+    const VertexKind kind = odd_x && odd_y ? VertexKind::centre : odd_x ? VertexKind::side_x : VertexKind::side_y;
     if (pages.order == Order::hierarchical_z)
         return {step.first_page + interleave(bx, by),
-                step.offset + block_index<Order::hierarchical_z>(step.block, kind, in_x, in_y)};
-    return {step.first_page + (by << step.blocks_log2) + bx,
-            step.offset + block_index<Order::planar>(step.block, kind, in_x, in_y)};
+                step.offset + page_index<Order::hierarchical_z>(step.page_side, kind, in_x, in_y)};
+    return {step.first_page + (by << step.pages_log2) + bx,
+            step.offset + page_index<Order::planar>(step.page_side, kind, in_x, in_y)};
 }
 
 // Reads vertices of one tile, from any thread. Keeps the last page, which most often holds the next vertex too.
@@ -70,7 +70,7 @@ public:
                       terrain.pages_per_tile) {}
 
     [[nodiscard]] Coord origin() const { return origin_; }
-    // v: a vertex of the tile, of the lattice.
+    // v: a vertex of the tile, of the height_scale.
     [[nodiscard]] Sample read(Coord v) {
         Sample sample;
         if (t_.tree.is_corner(v)) {
@@ -101,14 +101,14 @@ private:
             page_ = at.page;
             if (find_page(t_, first_page_ + at.page, found_) && read_record(t_, found_, at.index, record)) return true;
         }
-        page_ = no_page;
+        page_ = no_index;
         return false;
     }
 
     const Terrain& t_;
     Coord origin_;
     std::size_t first_page_;
-    std::uint32_t page_ = no_page; // in the tile
+    std::uint32_t page_ = no_index; // in the tile
     PublishedPage found_;
 };
 
@@ -122,7 +122,7 @@ inline constexpr std::int32_t any_error = -1; // not known: the largest of the t
     return std::max(code - static_cast<std::int32_t>(t.errors.nesting_steps), 0);
 }
 
-// A plane over the ground, in lattice steps a cell.
+// A plane over the ground, in height scale steps a cell.
 struct Plane {
     Coord at;
     double steps = 0, x = 0, y = 0;
@@ -181,7 +181,7 @@ struct Spread {
 };
 
 // corners: [0] north-west, [1] north-east, [2] south-west, [3] south-east, where they stand; nw and side: on the
-// lattice.
+// height_scale.
 struct Square {
     Coord nw;
     std::int32_t side = 0;
@@ -252,7 +252,7 @@ struct Quarter {
     Spread spread;
     for (const auto& [a, b] : {std::pair{0, 1}, {1, 3}, {3, 2}, {2, 0}})
         spread.add(plane_of(centre, s.corners[a], s.corners[b]));
-    return spread.steps() * static_cast<double>(t.lattice.quantum_m);
+    return spread.steps() * static_cast<double>(t.height_scale.quantum_m);
 }
 [[nodiscard]] inline double spread_m(const Terrain& t, const Square& s) {
     Spread spread;
@@ -260,7 +260,7 @@ struct Quarter {
         const Triangle half = s.half(k);
         spread.add(plane_of(half.apex, half.ends[0], half.ends[1]));
     }
-    return spread.steps() * static_cast<double>(t.lattice.quantum_m);
+    return spread.steps() * static_cast<double>(t.height_scale.quantum_m);
 }
 
 // One quarter of a square whose centre is `centre`, a vertex with error code `code`.
@@ -305,13 +305,13 @@ struct Quarter {
 
 // The bound as answers report it: with half a quantum for the original, rounded up.
 [[nodiscard]] inline float reported_m(const Terrain& t, double error_m) {
-    const double whole = error_m + 0.5 * static_cast<double>(t.lattice.quantum_m);
+    const double whole = error_m + 0.5 * static_cast<double>(t.height_scale.quantum_m);
     const auto rounded = static_cast<float>(whole);
     return static_cast<double>(rounded) < whole ? std::nextafter(rounded, INFINITY) : rounded;
 }
 // The largest code whose error is good enough; any_error: none is.
 [[nodiscard]] inline std::int32_t accurate_code(const Terrain& t, float accurate_m) {
-    const double most_m = static_cast<double>(accurate_m) - 0.5 * static_cast<double>(t.lattice.quantum_m);
+    const double most_m = static_cast<double>(accurate_m) - 0.5 * static_cast<double>(t.height_scale.quantum_m);
     if (!(most_m >= 0)) return any_error;
     std::int32_t enough = 0; // how many codes are
     for (std::int32_t step = 128; step != 0; step /= 2)
@@ -323,7 +323,7 @@ struct Quarter {
     return code <= accurate || (code == 0 && !hole);
 }
 [[nodiscard]] inline Vec3 normal_of(const Terrain& t, const Plane& plane) {
-    const double quantum = t.lattice.quantum_m;
+    const double quantum = t.height_scale.quantum_m;
     return normalised({-plane.x * quantum / t.header.spacing_m[0], 1, -plane.y * quantum / t.header.spacing_m[1]});
 }
 

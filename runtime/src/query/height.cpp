@@ -44,7 +44,7 @@ struct PatchRow {
 
     void sample(Reader& reader, Coord v, float& height, bool& hole) {
         if (const Sample s = reader.read(v); s.loaded) {
-            height = t.lattice.height_m(s.steps);
+            height = t.height_scale.height_m(s.steps);
             hole = s.hole;
             return;
         }

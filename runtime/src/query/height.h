@@ -69,7 +69,7 @@ struct Found {
 }
 
 [[nodiscard]] inline double height_m(const Terrain& t, double steps) {
-    return static_cast<double>(t.lattice.base_m) + steps * static_cast<double>(t.lattice.quantum_m);
+    return static_cast<double>(t.height_scale.base_m) + steps * static_cast<double>(t.height_scale.quantum_m);
 }
 
 } // namespace fjell::query

@@ -24,7 +24,7 @@ using namespace query;
 
 namespace {
 
-// In cells and lattice steps.
+// In cells and height scale steps.
 struct Line {
     double x, y, h, dx, dy, dh;
     [[nodiscard]] Point over(double s) const { return {x + dx * s, y + dy * s}; }
@@ -59,7 +59,7 @@ static_assert(std::is_trivially_copyable_v<Node>);
 class RayWalk {
 public:
     RayWalk(const Terrain& terrain, const Line& ray, float accurate_m)
-        : t(terrain), line(ray), accurate(accurate_code(terrain, accurate_m)), quantum_m(terrain.lattice.quantum_m) {}
+        : t(terrain), line(ray), accurate(accurate_code(terrain, accurate_m)), quantum_m(terrain.height_scale.quantum_m) {}
 
     // True: hit, see below.
     bool tile(std::int32_t tx, std::int32_t ty, Part part) {
@@ -287,11 +287,11 @@ GroundHit cast_ray(const Terrain& terrain, Vec3 origin_m, Vec3 direction, double
     // Scaled first: squares of very long or short ones would not be numbers.
     const Vec3 along = normalised({direction.x / largest, direction.y / largest, direction.z / largest});
     const PackHeader& h = terrain.header;
-    const double quantum = terrain.lattice.quantum_m;
+    const double quantum = terrain.height_scale.quantum_m;
     const auto line_from = [&](Vec3 from) {
         return Line{from.x / h.spacing_m[0],
                     from.z / h.spacing_m[1],
-                    (from.y - static_cast<double>(terrain.lattice.base_m)) / quantum,
+                    (from.y - static_cast<double>(terrain.height_scale.base_m)) / quantum,
                     along.x / h.spacing_m[0],
                     along.z / h.spacing_m[1],
                     along.y / quantum};
@@ -301,7 +301,7 @@ GroundHit cast_ray(const Terrain& terrain, Vec3 origin_m, Vec3 direction, double
     clip(far.x, far.dx, 0, terrain.tree.columns() - 1, part);
     clip(far.y, far.dy, 0, terrain.tree.rows() - 1, part);
     // A step more than there is, against rounding.
-    clip(far.h, far.dh, -1, static_cast<double>(h.lattice_steps) + 1, part);
+    clip(far.h, far.dh, -1, static_cast<double>(h.height_steps) + 1, part);
     if (!(part.from <= part.to) || !std::isfinite(part.to)) return {};
     // From where it comes in: the way there may have been long, and its rounding is made once.
     const Vec3 entry = origin_m + along * part.from;

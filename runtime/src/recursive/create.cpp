@@ -1,4 +1,4 @@
-// The recursive method's block: how large, how laid out, how it begins, and what a renderer sees of it.
+// The recursive method's memory: how large, how laid out, how it begins, and what a renderer sees of it.
 #include <cstring>
 #include <utility>
 
@@ -20,7 +20,7 @@ std::size_t state_count(const Terrain& terrain) {
     return std::size_t{terrain.slot_count} * terrain.page_capacity + std::size_t{terrain.tile_count()} * 4;
 }
 
-// Where the block's parts lie; one function for the size and for the placement, so they cannot disagree.
+// Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
     std::size_t states, blocks, slot_pages, vertices, owners, free_slots, indices, tiles, end;
 };
@@ -30,7 +30,7 @@ Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
     std::size_t at = aligned(sizeof(RecursiveState));
     const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
     l.states = place(state_count(terrain) * sizeof(VertexState));
-    l.blocks = place(std::size_t{terrain.tile_count()} * entries_per_tile(terrain.pages) * sizeof(BlockEntry));
+    l.blocks = place(std::size_t{terrain.tile_count()} * entries_per_tile(terrain.pages) * sizeof(StepPageEntry));
     l.slot_pages = place(std::size_t{terrain.slot_count} * sizeof(std::uint32_t));
     l.vertices = place(std::size_t{budget.vertices} * sizeof(MeshVertex));
     l.owners = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
@@ -45,18 +45,18 @@ Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
 bool move_page(RecursiveState& s, std::uint32_t slot) {
     const Terrain& terrain = *s.terrain;
     const auto set = [&](std::uint32_t page, bool loaded) {
-        if (page == no_page) return;
+        if (page == no_index) return;
         // The page may have moved to another slot, which then says so itself, sooner or later.
         const PageEntry now = terrain.page_table[page];
-        if (now.slot != (loaded ? slot : no_page_slot)) return;
-        const BlockEntry entry{loaded ? slot * terrain.page_capacity : no_page_slot, loaded ? now.base : 0};
+        if (now.slot != (loaded ? slot : no_index)) return;
+        const StepPageEntry entry{loaded ? slot * terrain.page_capacity : no_index, loaded ? now.base : 0};
         set_block(terrain, page % terrain.pages_per_tile, entry,
                   s.blocks + std::size_t{page / terrain.pages_per_tile} * s.blocks_per_tile);
     };
     const std::uint32_t before = std::exchange(s.slot_pages[slot], terrain.slot_page[slot]);
     set(before, false);
     set(s.slot_pages[slot], true);
-    return before != no_page;
+    return before != no_index;
 }
 
 } // namespace
@@ -65,17 +65,17 @@ std::size_t recursive_bytes(const Terrain& terrain, const RecursiveBudget& budge
     return layout_of(terrain, budget).end;
 }
 
-Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, std::span<std::byte> block,
+Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, std::span<std::byte> memory,
                         RecursiveMethod& method) {
     const std::uint64_t tiles = terrain.tile_count(), count = state_count(terrain);
-    if (count >= no_owner) return {Code::out_of_range, "terrain: more than 4,294,967,294 vertices"};
+    if (count >= no_index) return {Code::out_of_range, "terrain: more than 4,294,967,294 vertices"};
     if (budget.vertices > max_vertices) return {Code::out_of_range, "RecursiveBudget::vertices (at most 2^31 - 2)"};
     if (budget.vertices < tiles * 4) return {Code::budget_too_small, "RecursiveBudget::vertices (4 a tile)"};
     if (budget.indices < tiles * 9) return {Code::budget_too_small, "RecursiveBudget::indices (9 a tile)"};
     const Layout l = layout_of(terrain, budget);
-    if (block.size() < l.end) return {Code::block_too_small, "block"};
-    std::byte* at = block.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "block alignment"};
+    if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
+    std::byte* at = memory.data();
+    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "memory alignment"};
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
 
     auto& s = *reinterpret_cast<RecursiveState*>(at);
@@ -89,14 +89,14 @@ Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, s
     s.tiles = reinterpret_cast<TileRange*>(at + l.tiles);
     s.state_count = static_cast<std::size_t>(count);
     s.slot_pages = reinterpret_cast<std::uint32_t*>(at + l.slot_pages);
-    for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.slot_pages[i] = no_page;
-    s.blocks = reinterpret_cast<BlockEntry*>(at + l.blocks);
+    for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.slot_pages[i] = no_index;
+    s.blocks = reinterpret_cast<StepPageEntry*>(at + l.blocks);
     s.blocks_per_tile = entries_per_tile(terrain.pages);
-    for (std::uint64_t i = 0; i < tiles * s.blocks_per_tile; ++i) s.blocks[i] = {no_page_slot, 0};
+    for (std::uint64_t i = 0; i < tiles * s.blocks_per_tile; ++i) s.blocks[i] = {no_index, 0};
     s.seen_changes = terrain.changes - 1;
-    for (std::uint64_t i = 0; i < count; ++i) s.states[i].slot = no_slot;
+    for (std::uint64_t i = 0; i < count; ++i) s.states[i].slot = no_index;
     for (std::uint32_t i = 0; i < budget.vertices; ++i) {
-        s.owners[i] = no_owner;
+        s.owners[i] = no_index;
         s.free_slots[i] = budget.vertices - 1 - i;
     }
     s.free_count = budget.vertices;
@@ -114,12 +114,12 @@ void follow_pages(RecursiveState& s) {
         if (!move_page(s, slot)) continue;
         VertexState* const states = s.states + std::size_t{slot} * terrain.page_capacity;
         for (std::uint32_t i = 0; i < terrain.page_capacity; ++i) {
-            if (states[i].slot != no_slot) {
+            if (states[i].slot != no_index) {
                 const std::uint32_t vertex = states[i].slot & ~hole_flag;
-                s.owners[vertex] = no_owner;
+                s.owners[vertex] = no_index;
                 s.free_slots[s.free_count++] = vertex;
             }
-            states[i] = {0, no_slot};
+            states[i] = {0, no_index};
         }
     }
 }

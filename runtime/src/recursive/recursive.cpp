@@ -13,7 +13,7 @@
 #include "recursive/emit.h"
 #include "recursive/locate.h"
 #include "recursive/state.h"
-#include "tree/wanted.h"
+#include "view/wanted.h"
 
 namespace fjell {
 
@@ -54,7 +54,7 @@ public:
           emit(state) {
         LevelPlane* to = levels; // three a step: centre, side_x, side_y
         for (int z = terrain.tree.tile_log2; z-- > 0;)
-            for (const PlaneKind kind : {PlaneKind::centre, PlaneKind::side_x, PlaneKind::side_y})
+            for (const VertexKind kind : {VertexKind::centre, VertexKind::side_x, VertexKind::side_y})
                 *to++ = make_level_plane(terrain, z, kind);
         last_planes = to;
         if (threshold_px > hopeless_px) select_none();
@@ -208,7 +208,7 @@ private:
         const float radius = plane.unit_m * radius_factor[record.radius & (radius_codes - 1)],
                     error = error_m[record.error];
         const float px = terrain.x_m(sample.x), pz = terrain.z_m(sample.y);
-        const float py = terrain.lattice.height_m(page_base + record.height);
+        const float py = terrain.height_scale.height_m(page_base + record.height);
         if (Cull && planes != 0) {
             planes = crossed({px, py, pz}, radius, planes);
             if (planes == not_selected) return not_selected;
@@ -254,7 +254,7 @@ private:
         const Coord first{std::max(v.x - 1, 0) / n, std::max(v.y - 1, 0) / n};
         for (std::int32_t ty = first.y; ty <= std::min(v.y / n, terrain.tree.tiles_y - 1); ++ty)
             for (std::int32_t tx = first.x; tx <= std::min(v.x / n, terrain.tree.tiles_x - 1); ++tx)
-                if (find(tx, ty, v).page.slot == no_page_slot) return false;
+                if (find(tx, ty, v).page.slot == no_index) return false;
         return true;
     }
 
@@ -277,7 +277,7 @@ private:
         const auto n = static_cast<std::int32_t>(side);
         const Found found =
             find(std::min(v.x / n, terrain.tree.tiles_x - 1), std::min(v.y / n, terrain.tree.tiles_y - 1), v);
-        if (found.page.slot == no_page_slot) return false;
+        if (found.page.slot == no_index) return false;
         VertexState& state = s.states[found.index];
         if (state.status >= base) return state.status != base;
         const LevelPlane& plane =
@@ -297,7 +297,7 @@ private:
         if (!at.loaded) return false;
         const VertexRecord root = terrain.records[at.index];
         const Coord v = place(pack_xy(half, half));
-        return crossed({terrain.x_m(column0 + v.x), terrain.lattice.height_m(at.base + root.height),
+        return crossed({terrain.x_m(column0 + v.x), terrain.height_scale.height_m(at.base + root.height),
                         terrain.z_m(row0 + v.y)},
                        levels[0].unit_m * terrain.radii.factor[root.radius & (radius_codes - 1)],
                        all_planes) == not_selected;
@@ -310,7 +310,7 @@ private:
         VertexState& state = s.states[index];
         state.status = base + 1;
         ++result.selected;
-        if (state.slot != no_slot) return {pack_xy(x, y), state.slot};
+        if (state.slot != no_index) return {pack_xy(x, y), state.slot};
         const std::uint32_t tiles_x = terrain.header.tiles_x;
         const std::uint32_t stored = terrain.corners[(tile / tiles_x + south) * (tiles_x + 1) + tile % tiles_x + east];
         return {pack_xy(x, y), insert(index, static_cast<std::int32_t>(stored & ~corner_void_bit),
@@ -319,7 +319,7 @@ private:
 
     std::uint32_t slot_of(std::uint32_t index, std::uint32_t x, std::uint32_t y) {
         const std::uint32_t slot = states[index].slot;
-        return slot != no_slot ? slot : insert_record(index, x, y);
+        return slot != no_index ? slot : insert_record(index, x, y);
     }
 
     [[gnu::noinline]] std::uint32_t insert_record(std::uint32_t index, std::uint32_t x, std::uint32_t y) {
@@ -337,7 +337,7 @@ private:
         }
         const std::uint32_t slot = s.free_slots[--s.free_count];
         const Coord at = place(pack_xy(x, y));
-        s.vertices[slot] = {column0 + at.x, row0 + at.y, terrain.lattice.height_m(steps)};
+        s.vertices[slot] = {column0 + at.x, row0 + at.y, terrain.height_scale.height_m(steps)};
         s.owners[slot] = index;
         s.dirty_begin = std::min(s.dirty_begin, slot);
         s.dirty_end = std::max(s.dirty_end, slot + 1);
@@ -349,11 +349,11 @@ private:
         if (result.clearings) return; // what is left is all of this frame
         ++result.clearings;
         for (std::uint32_t slot = s.budget.vertices; slot-- > 0;) {
-            if (s.owners[slot] == no_owner) continue;
+            if (s.owners[slot] == no_index) continue;
             VertexState& owner = s.states[s.owners[slot]];
             if (owner.status > base) continue;
-            owner.slot = no_slot;
-            s.owners[slot] = no_owner;
+            owner.slot = no_index;
+            s.owners[slot] = no_index;
             s.free_slots[s.free_count++] = slot;
         }
     }
@@ -393,7 +393,7 @@ private:
     std::int32_t column0 = 0, row0 = 0;
     std::int32_t limit_x = 0, limit_y = 0; // the terrain's last column and row, counted from the tile's first
     bool some_not_drawn = false;           // they lie inside it, or the terrain has holes
-    const BlockEntry* blocks = nullptr;
+    const StepPageEntry* blocks = nullptr;
 };
 
 template <Order O, bool Cull, Metric M>

@@ -1,4 +1,4 @@
-// What the recursive method keeps in the host's block, between frames.
+// What the recursive method keeps in the host's memory, between frames.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,10 @@
 
 namespace fjell {
 
-inline constexpr std::uint32_t no_slot = 0xffffffff;
-inline constexpr std::uint32_t no_owner = 0xffffffff;
 
 struct VertexState {
     std::uint32_t status; // frame * 3 + {0: not selected, 1: selected, sphere partly inside, 2: completely inside}
-    std::uint32_t slot;   // in the vertex buffer, with hole_flag, or no_slot
+    std::uint32_t slot;   // in the vertex buffer, with hole_flag, or no_index
 };
 
 struct RecursiveState {
@@ -21,12 +19,12 @@ struct RecursiveState {
     RecursiveBudget budget;
     VertexState* states; // one a record of every page slot, as they lie there; then four a tile, its corners
     std::size_t state_count;
-    BlockEntry* blocks; // page table by blocks, blocks_per_tile a tile (locate.h)
+    StepPageEntry* blocks; // page table by blocks, blocks_per_tile a tile (locate.h)
     std::uint32_t blocks_per_tile;
     std::uint32_t* slot_pages;  // what each page slot held when it was last looked at
     std::uint64_t seen_changes; // Terrain::changes then
     MeshVertex* vertices;       // budget.vertices
-    std::uint32_t* owners;      // state of each slot's vertex, or no_owner
+    std::uint32_t* owners;      // state of each slot's vertex, or no_index
     std::uint32_t* free_slots;
     std::uint32_t free_count;
     std::uint32_t* indices; // budget.indices

@@ -1,4 +1,4 @@
-// The stream's block: how large, how laid out, how it begins.
+// The stream's memory: how large, how laid out, how it begins.
 #include <algorithm>
 #include <cstring>
 #include <new>
@@ -28,7 +28,7 @@ std::uint32_t watch_count(const Terrain& t) {
 std::size_t map_room(const PackHeader& h, const StreamBudget& budget) {
     std::size_t most = 0;
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
-        const MapSlots slots = map_slots(h, budget, static_cast<MapKind>(kind));
+        const MapLayers slots = map_layers(h, budget, static_cast<MapKind>(kind));
         if (slots.top_log2 == 0) continue;
         const ChunkKind chunks = kind == 0 ? ChunkKind::colour : ChunkKind::normal;
         std::size_t tail = 0;
@@ -45,7 +45,7 @@ std::size_t page_room(const Terrain& t) {
     return aligned(max_page_raw_bytes(t.page_capacity));
 }
 
-// Where the block's parts lie; one function for the size and for the placement, so they cannot disagree.
+// Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
     std::size_t watches, due, page_px, states, wants, missing_bits, watch_page, below, slot_watch, draining,
         failed_bits, tiles[map_kinds], shown[map_kinds], free_layers[map_kinds], tile_box, commands, requests,
@@ -72,7 +72,7 @@ Layout layout_of(const Pack& pack, const Terrain& t, const StreamBudget& budget)
     l.draining = place(max_drains, 4);
     l.failed_bits = place(pack.header.directory_count / 64 + 1, 8);
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
-        const MapSlots slots = map_slots(pack.header, budget, static_cast<MapKind>(kind));
+        const MapLayers slots = map_layers(pack.header, budget, static_cast<MapKind>(kind));
         const std::size_t tiles = slots.top_log2 ? t.tile_count() : 0;
         l.tiles[kind] = place(tiles, sizeof(MapTile));
         l.shown[kind] = place(tiles, sizeof(TileMap));
@@ -108,7 +108,7 @@ Status check_budget(const Pack& pack, const Terrain& t, const StreamBudget& b) {
     if (t.pages_missing != t.page_count()) return {Code::out_of_range, "terrain (no page may be loaded yet)"};
     std::uint64_t bytes = 0;
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind)
-        bytes += map_slot_bytes(map_slots(pack.header, b, static_cast<MapKind>(kind)), static_cast<MapKind>(kind));
+        bytes += map_layer_bytes(map_layers(pack.header, b, static_cast<MapKind>(kind)), static_cast<MapKind>(kind));
     if (bytes > b.map_bytes)
         return {Code::budget_too_small, "StreamBudget::map_bytes (the smallest mips of all tiles)"};
     return {};
@@ -121,12 +121,12 @@ std::size_t stream_bytes(const Pack& pack, const Terrain& terrain, const StreamB
 }
 
 Status create_stream(const Pack& pack, Terrain& terrain, LiveCut cut, const StreamBudget& budget,
-                     std::span<std::byte> block, Stream& stream) {
+                     std::span<std::byte> memory, Stream& stream) {
     if (Status fits = check_budget(pack, terrain, budget); !fits.ok()) return fits;
     const Layout l = layout_of(pack, terrain, budget);
-    if (block.size() < l.end) return {Code::block_too_small, "block"};
-    std::byte* const at = block.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "block alignment"};
+    if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
+    std::byte* const at = memory.data();
+    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "memory alignment"};
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
     auto& s = *new (at) StreamState{};
     const auto part = [&]<typename T>(T*& pointer, std::size_t offset) { pointer = reinterpret_cast<T*>(at + offset); };
@@ -154,7 +154,7 @@ Status create_stream(const Pack& pack, Terrain& terrain, LiveCut cut, const Stre
     part(s.arrivals, l.arrivals);
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         MapState& m = s.maps[kind];
-        m.slots = map_slots(pack.header, budget, static_cast<MapKind>(kind));
+        m.slots = map_layers(pack.header, budget, static_cast<MapKind>(kind));
         part(m.tiles, l.tiles[kind]);
         part(m.shown, l.shown[kind]);
         std::uint32_t* layers = nullptr;
@@ -173,7 +173,7 @@ Status create_stream(const Pack& pack, Terrain& terrain, LiveCut cut, const Stre
                             : l.map_rooms + (i - budget.page_requests) * map_room(pack.header, budget));
     }
     s.zstd = ZSTD_initStaticDCtx(at + l.zstd, ZSTD_estimateDCtxSize());
-    if (!s.zstd) return {Code::block_too_small, "block"};
+    if (!s.zstd) return {Code::memory_too_small, "memory"};
     const auto padded = (s.watch_count + 63) / 64 * 64;
     for (std::uint32_t i = s.watch_count; i < padded; ++i) s.due[i] = 3e38f;
     begin_pages(s);

@@ -68,8 +68,8 @@ std::uint64_t share_of(const PackHeader& h, const StreamBudget& budget, MapKind 
 
 } // namespace
 
-MapSlots map_slots(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
-    MapSlots slots;
+MapLayers map_layers(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
+    MapLayers slots;
     slots.top_log2 = top_log2(h, kind);
     if (slots.top_log2 == 0) return slots;
     slots.tail_log2 = tail_of(h, budget, kind);
@@ -85,7 +85,7 @@ MapSlots map_slots(const PackHeader& h, const StreamBudget& budget, MapKind kind
     return slots;
 }
 
-std::uint64_t map_slot_bytes(const MapSlots& slots, MapKind kind) {
+std::uint64_t map_layer_bytes(const MapLayers& slots, MapKind kind) {
     std::uint64_t bytes = 0;
     for (std::uint32_t log2 = 2; log2 <= max_texture_log2; ++log2)
         bytes += slots.layers[log2] * layer_bytes(log2, kind);
@@ -222,7 +222,7 @@ void look_at(StreamState& s, std::uint32_t index) {
 
 // The tile that wants its layer of that size least, begins to give it back. False: all want theirs more.
 bool make_room(StreamState& s, MapState& m, std::uint32_t log2, float score) {
-    std::uint32_t least = none;
+    std::uint32_t least = no_index;
     float least_score = score / 2;
     for (std::uint32_t i = 0; i < s.tiles; ++i) {
         const MapTile& tile = m.tiles[i];
@@ -232,7 +232,7 @@ bool make_room(StreamState& s, MapState& m, std::uint32_t log2, float score) {
         const float lacks = tile.wanted_log2 < log2 ? 0 : 2 * score_of(tile);
         if (lacks < least_score) least = i, least_score = lacks;
     }
-    if (least == none) return false;
+    if (least == no_index) return false;
     MapTile& tile = m.tiles[least];
     std::uint32_t lower = log2 - 1;
     while (lower > m.slots.tail_log2 && m.arrays[lower].free_count == 0) --lower;

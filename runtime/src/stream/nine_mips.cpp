@@ -6,7 +6,7 @@ namespace fjell {
 
 // A place on a border belongs to two tiles and a corner to four. Each of them takes the largest over all its owners, so
 // they agree there; between the nine places they interpolate the same two numbers along a border, in the same way.
-void nine_mips(std::span<const TileMap> maps, std::uint32_t tiles_x, std::uint32_t tile, float (&out)[9]) {
+void min_lod_grid(std::span<const TileMap> maps, std::uint32_t tiles_x, std::uint32_t tile, float (&out)[9]) {
     const auto wide = static_cast<std::int64_t>(tiles_x), high = static_cast<std::int64_t>(maps.size()) / wide;
     const std::int64_t column = tile % tiles_x, row = tile / tiles_x;
     for (int y = -1; y <= 1; ++y)

@@ -47,12 +47,12 @@ void insert(StreamState& s, Request& r) {
     // The pages below: of page 0 the next step's, which is one block; of a block the four that divide it.
     const int z = r.id.item == 0 ? t.pages.tile_log2 - page_squares_log2 : t.pages.page_step_log2(r.id.item);
     if (z > 0) {
-        const Coord block = r.id.item == 0 ? Coord{0, 0} : t.pages.page_block(r.id.item);
+        const Coord position = r.id.item == 0 ? Coord{0, 0} : t.pages.page_position(r.id.item);
         for (std::uint32_t k = 0; k < (r.id.item == 0 ? 1u : 4u); ++k) {
             const bool only = r.id.item == 0;
-            const auto bx = static_cast<std::uint32_t>(block.x) * (only ? 1 : 2) + k % 2,
-                       by = static_cast<std::uint32_t>(block.y) * (only ? 1 : 2) + k / 2;
-            const std::uint32_t page = t.pages.page_of_block(z - 1, bx, by);
+            const auto bx = static_cast<std::uint32_t>(position.x) * (only ? 1 : 2) + k % 2,
+                       by = static_cast<std::uint32_t>(position.y) * (only ? 1 : 2) + k / 2;
+            const std::uint32_t page = t.pages.page_at(z - 1, bx, by);
             const bool failed = has_failed(s, chunk_index(t.header, {ChunkKind::geometry, r.id.tile, page}));
             watch_page(s, own + 1 + k, r.id.tile, page, failed ? WatchState::failed : WatchState::missing);
         }
@@ -67,7 +67,7 @@ void remove(StreamState& s, std::uint32_t slot) {
     record(s, watch, PageEvent::removed);
     unload_page(*s.terrain, id.tile, id.item);
     for (std::uint32_t k = 0; k < watches_per_slot; ++k) forget_watch(s, slot * watches_per_slot + k);
-    s.slot_watch[slot] = none;
+    s.slot_watch[slot] = no_index;
     s.states[watch] = WatchState::missing;
     if (!is_root(s, watch)) --s.below[slot_of(watch)];
     test(s, watch);
@@ -81,7 +81,7 @@ std::uint32_t free_slots(const StreamState& s) {
 
 void begin_pages(StreamState& s) {
     for (std::uint32_t i = 0; i < s.watch_count; ++i) forget_watch(s, i);
-    for (std::uint32_t slot = 0; slot < s.slots; ++slot) s.slot_watch[slot] = none;
+    for (std::uint32_t slot = 0; slot < s.slots; ++slot) s.slot_watch[slot] = no_index;
     for (std::uint32_t tile = 0; tile < s.tiles; ++tile)
         watch_page(s, root_watch(s, tile), tile, 0, WatchState::missing);
 }
@@ -281,9 +281,9 @@ void want_pages(StreamState& s) {
         }
         if (least.count == 0) least = least_loaded(s);
         const bool any = next < least.count && s.draining_count < max_drains;
-        const std::uint32_t slot = any ? least.at[next].which : none;
+        const std::uint32_t slot = any ? least.at[next].which : no_index;
         if (any) s.contended = s.wants[slot * watches_per_slot] != 0;
-        if (any && slot != (is_root(s, c.which) ? none : slot_of(c.which)) && gives_way(s, slot, c)) {
+        if (any && slot != (is_root(s, c.which) ? no_index : slot_of(c.which)) && gives_way(s, slot, c)) {
             drain(s, slot);
             ++next;
             continue;

@@ -73,14 +73,14 @@ Request* taken(Stream stream, std::uint32_t ticket) {
 bool next_request(Stream stream, StreamRequest& request) {
     StreamState& s = *stream.state;
     for (;;) {
-        std::uint32_t best = none;
+        std::uint32_t best = no_index;
         float most = -1;
         for (std::uint32_t i = 0; i < s.request_count; ++i) {
             if (phase_of(s.requests[i]) != Phase::offered) continue;
             const float score = s.requests[i].score.load(std::memory_order_relaxed);
             if (score > most) most = score, best = i;
         }
-        if (best == none) return false;
+        if (best == no_index) return false;
         Request& r = s.requests[best];
         if (!claim(r, Phase::taken)) continue; // withdrawn in between
         request = {ticket_of(best, r.state.load(std::memory_order_relaxed)), r.id, r.chunks, r.offset, r.stored_bytes};

@@ -1,4 +1,4 @@
-// What a stream keeps in the host's block.
+// What a stream keeps in the host's memory.
 //
 // Two parts. Pages: every slot watches its own page and the pages below it; what is watched is tested against the views
 // only when an eye has travelled as far as could have changed the answer (pages.cpp). Maps: every tile has a size of
@@ -53,7 +53,6 @@ enum class WatchState : std::uint8_t {
 // after all slots.
 inline constexpr std::uint32_t watches_per_slot = 5;
 
-inline constexpr std::uint32_t none = 0xffffffff;
 
 // An eye that pages are wanted for: of a view, or where its motion will bring it.
 struct WantedEye {
@@ -76,7 +75,7 @@ struct MapArray { // one size
     std::uint32_t free_count, count;
 };
 struct MapState {
-    MapSlots slots;
+    MapLayers slots;
     MapArray arrays[max_texture_log2 + 1];
     MapTile* tiles;
     TileMap* shown;

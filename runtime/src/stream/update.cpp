@@ -33,16 +33,16 @@ void finish(StreamState& s) {
     const Terrain& t = *s.terrain;
     bool complete = true;
     for (std::uint32_t tile = 0; tile < s.tiles; ++tile)
-        complete = complete && t.page_table[std::size_t{tile} * t.pages_per_tile].slot != no_page_slot;
+        complete = complete && t.page_table[std::size_t{tile} * t.pages_per_tile].slot != no_index;
     r.complete = complete;
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         const MapState& m = s.maps[kind];
         r.complete = r.complete && m.tails_missing == 0;
-        MapSlots used = m.slots;
+        MapLayers used = m.slots;
         for (std::uint32_t log2 = used.tail_log2 + 1; used.top_log2 && log2 <= used.top_log2; ++log2)
             used.layers[log2] -= m.arrays[log2].free_count;
-        r.map_bytes_used += map_slot_bytes(used, static_cast<MapKind>(kind));
-        r.map_bytes_capacity += map_slot_bytes(m.slots, static_cast<MapKind>(kind));
+        r.map_bytes_used += map_layer_bytes(used, static_cast<MapKind>(kind));
+        r.map_bytes_capacity += map_layer_bytes(m.slots, static_cast<MapKind>(kind));
     }
     for (std::uint32_t i = 0; i < s.request_count; ++i) {
         const Phase phase = phase_of(s.requests[i]);
@@ -102,7 +102,7 @@ std::span<const TileMap> tile_maps(Stream stream, MapKind kind) {
     const MapState& m = stream.state->maps[static_cast<std::uint32_t>(kind)];
     return {m.shown, m.slots.top_log2 ? stream.state->tiles : 0};
 }
-MapSlots stream_map_slots(Stream stream, MapKind kind) {
+MapLayers stream_map_layers(Stream stream, MapKind kind) {
     return stream.state->maps[static_cast<std::uint32_t>(kind)].slots;
 }
 

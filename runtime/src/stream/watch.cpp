@@ -29,13 +29,13 @@ Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
     Coord first{tile_x * t.tree.side(), tile_y * t.tree.side()};
     std::int32_t cells = t.tree.side();
     if (const int z = t.pages.page_step_log2(page); z >= 0) {
-        const Coord block = t.pages.page_block(page);
+        const Coord position = t.pages.page_position(page);
         cells = static_cast<std::int32_t>(2 * page_squares) << z;
-        first = {first.x + block.x * cells, first.y + block.y * cells};
+        first = {first.x + position.x * cells, first.y + position.y * cells};
     }
     const Coord a = t.tree.sample(first), b = t.tree.sample({first.x + cells, first.y + cells});
     const std::uint32_t shift = bound_shift(t.header);
-    const auto height = [&](std::uint32_t steps) { return t.lattice.height_m(static_cast<std::int32_t>(steps)); };
+    const auto height = [&](std::uint32_t steps) { return t.height_scale.height_m(static_cast<std::int32_t>(steps)); };
     return {t.x_m(a.x),
             t.x_m(b.x),
             height(std::uint32_t{bound.low} << shift),

@@ -28,7 +28,7 @@ double noise(std::int32_t x, std::int32_t y) {
 
 BakedTerrain::BakedTerrain(const Folder& folder, const baker::Dem& dem, const baker::BakeOptions& options) {
     baker::bake(dem, options, folder / "terrain.fjell");
-    loaded = host::load_pack(folder / "terrain.fjell", host::LoadTerrain::yes);
+    loaded = io::load_pack(folder / "terrain.fjell", io::LoadTerrain::yes);
     std::ofstream raw(folder / "heights.f32", std::ios::binary);
     raw.write(reinterpret_cast<const char*>(dem.heights_m.data()),
               static_cast<std::streamsize>(dem.heights_m.size() * sizeof(float)));

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "baker/bake.h"
+#include "baker/bake/bake.h"
 #include "fjell/view.h"
-#include "host/load.h"
+#include "io/load.h"
 #include "support/temporary_folder.h"
 
 namespace fjell::test {
@@ -21,7 +21,7 @@ public:
     BakedTerrain(const BakedTerrain&) = delete;
     BakedTerrain& operator=(const BakedTerrain&) = delete;
 
-    host::LoadedPack loaded;
+    io::LoadedPack loaded;
     const Pack& pack = loaded.pack;
     const Terrain& terrain = loaded.terrain;
     std::string heights_argument; // for check.mjs

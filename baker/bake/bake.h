@@ -1,0 +1,65 @@
+// From heights to a pack: read -> fill -> survey -> maps -> vertices, step by step -> put together (thesis 5.3, DESIGN
+// section 5). Out of core: what does not fit lies in a folder beside the pack, PACK.work, and a bake that was
+// interrupted or killed goes on from there.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "baker/read/dem.h"
+#include "baker/read/source.h"
+#include "fjell/pack.h"
+#include "fjell/tree.h"
+
+namespace fjell::baker {
+
+// stage: what is being done; done, total: in units of the stage (samples, tiles or chunks). May throw Failure to stop.
+using Progress = std::function<void(const char* stage, std::uint64_t done, std::uint64_t total)>;
+
+// The pack depends on the source and on these, but not on those under "how".
+struct BakeOptions {
+    int tile_log2 = 0; // 0: auto
+    Estimate estimate = Estimate::max;
+    double nesting = 0.05; // mu, 0.001..1
+    Order order = Order::planar;
+    double quantum_m = 0; // the vertical height scale's step; 0: the source's own, or the smallest that is of use
+    std::vector<std::string> texture_paths; // ortho-images (image.h), the last one uppermost
+    std::string ramp_path; // colours by height and slope, also where no image is; empty: meadows to snow
+    std::uint32_t max_texture_log2 = 10;
+    int compression = -3; // zstd level of maps, whose blocks hardly shrink: -3 is 3% larger than 1 and costs half
+
+    // How.
+    int threads = 0;                                       // 0: all cores
+    std::uint64_t memory_bytes = std::uint64_t{512} << 20; // resident at most, with the program itself
+    std::int32_t region_cells = 256;                       // a side of what is worked on at once, at least; or one tile
+    // How often the way so far is secured, in a folder beside the pack. Not given: every 5 s, and bakes that fit the
+    // memory do without: they are over before it would matter.
+    std::optional<double> checkpoint_s;
+    Progress progress;
+};
+
+struct BakeSummary {
+    std::int32_t columns = 0, rows = 0;
+    Tree tree;
+    float quantum_m = 0;
+    float max_error_m = 0;
+    std::uint64_t voids = 0; // samples that are holes
+    std::uint64_t file_bytes = 0, geometry_bytes = 0, directory_bytes = 0, texture_bytes = 0;
+    bool resumed = false; // an interrupted bake was gone on with
+    // Read, filled and surveyed; maps; vertices; put together and on the disk; everything.
+    double seconds_read = 0, seconds_textures = 0, seconds_errors = 0, seconds_write = 0, seconds_total = 0;
+};
+
+// Bakes to OUT beside its place and renames; an old pack stays until then. Throws Failure. When that is an interruption
+// (130), or the input fails after a while, PACK.work stays and the same call goes on; otherwise nothing is left behind.
+// O(samples) of disk: about 8 bytes a sample beside the pack (docs/notes/baking.md). One at a time for each OUT.
+BakeSummary bake(const HeightSource& source, const BakeOptions& options, const std::string& out_path);
+BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_path);
+
+// Tile size for `auto`: 512 cells, more when the terrain would have over 1,024 tiles, fewer when one tile covers it.
+[[nodiscard]] int auto_tile_log2(std::int32_t columns, std::int32_t rows);
+
+} // namespace fjell::baker

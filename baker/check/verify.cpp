@@ -1,0 +1,469 @@
+// A second opinion on a pack. Shares the tree's arithmetic with the baker and nothing else: true errors are found by
+// bisecting explicit triangles, the way the mesh itself is made.
+#include "baker/check/verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "baker/read/dem_source.h"
+#include "baker/bake/parallel.h"
+#include "baker/read/tile_pages.h"
+#include "baker/check/verify_bounds.h"
+
+namespace fjell::baker {
+
+namespace {
+
+// Doubles carry the comparison; heights of 10^4 m leave it this uncertain.
+constexpr double rounding_m = 1e-6;
+// The baker's margin is 2^-16; this asks for half of it, so that its own rounding does not matter.
+constexpr double sphere_margin = 1 + 0x1p-17;
+
+// A vertex as its tile's pages have it.
+struct Stored {
+    std::int32_t steps = 0;
+    std::uint8_t error = 0, radius = 0;
+    bool seen = false;
+    friend bool operator==(const Stored&, const Stored&) = default;
+};
+
+// The original heights around a tile: rows of `stride` floats, the first of sample (x, y); NaN where there is none.
+struct Original {
+    const float* heights_m = nullptr; // null: the pack's own
+    std::int32_t x = 0, y = 0;
+    std::ptrdiff_t stride = 0;
+    bool holes = false; // NaN is a hole; otherwise ground that was filled in
+};
+
+// The vertices of a tile's border, to be compared with its neighbours'.
+struct Borders {
+    std::vector<Stored> north, south, west, east;
+};
+
+// One tile, its border included. Of what neighbours share, the western and the northern tile leave it to the other;
+// a border vertex has children in both, and each tile checks its own.
+class TileCheck {
+public:
+    // bounds: the pack whose directory has them, or null.
+    TileCheck(const Terrain& the_terrain, std::uint32_t the_tile, const Original& from, const Pack* bounds)
+        : terrain(the_terrain), tree(the_terrain.tree), original(from), pack(bounds), tile(the_tile),
+          side(tree.side()), nw{static_cast<std::int32_t>(the_tile) % tree.tiles_x * side,
+                                static_cast<std::int32_t>(the_tile) / tree.tiles_x * side} {
+        vertices.resize(static_cast<std::size_t>(side + 1) * static_cast<std::size_t>(side + 1));
+        // base + steps * quantum in float: one rounding of the product, one of the sum.
+        const double largest = std::max(std::abs(terrain.header.min_m), std::abs(terrain.header.max_m));
+        allowed_m = 0.5 * static_cast<double>(terrain.height_scale.quantum_m) + rounding_m +
+                    0x1p-23 * (largest + terrain.header.max_m - terrain.header.min_m);
+        // Estimate 2 promises nothing about samples; with holes their rims are still looked at.
+        report.true_error_checked = terrain.header.estimate == Estimate::max;
+    }
+
+    VerifyReport run(Borders& borders) {
+        gather();
+        check_corners();
+        for (std::int32_t y = nw.y; y <= nw.y + side; ++y)
+            for (std::int32_t x = nw.x; x <= nw.x + side; ++x) check_vertex({x, y});
+        if (report.true_error_checked || terrain.has_voids()) check_triangles();
+        for (std::int32_t i = 0; i <= side; ++i) {
+            borders.north.push_back(vertices[at({nw.x + i, nw.y})]);
+            borders.south.push_back(vertices[at({nw.x + i, nw.y + side})]);
+            borders.west.push_back(vertices[at({nw.x, nw.y + i})]);
+            borders.east.push_back(vertices[at({nw.x + side, nw.y + i})]);
+        }
+        return report;
+    }
+
+private:
+    // A vertex of several pages must have the same bits in each.
+    void gather() {
+        for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page) {
+            const PageEntry entry = terrain.page_table[std::size_t{tile} * terrain.pages_per_tile + page];
+            if (const std::string wrong = pack ? wrong_bound(*pack, terrain, tile, page) : ""; !wrong.empty())
+                note(report.bound_violations, wrong);
+            const VertexRecord* from = terrain.records + std::size_t{entry.slot} * terrain.page_capacity;
+            for (std::uint32_t i = 0; i < terrain.pages.page_vertices(page); ++i) {
+                const Coord c = nw + terrain.pages.coord({page, i});
+                const Stored stored{entry.base + from[i].height, from[i].error, from[i].radius, true};
+                Stored& to = vertices[at(c)];
+                if (to.seen && !(to == stored))
+                    note(report.border_mismatches, fmt::format("sample ({}, {}) differs between two pages", c.x, c.y));
+                to = stored;
+            }
+        }
+    }
+
+    void check_corners() {
+        for (const std::int32_t y : {nw.y, nw.y + side})
+            for (const std::int32_t x : {nw.x, nw.x + side}) {
+                const Terrain::Vertex corner = terrain.vertex({x, y});
+                if (corner.steps != vertices[at({x, y})].steps || corner.hole != hole({x, y}))
+                    note(report.border_mismatches, fmt::format("corner ({}, {}) differs from its page's", x, y));
+            }
+    }
+
+    [[nodiscard]] bool own(Coord v) const {
+        return (v.x < nw.x + side || v.x == tree.grid_columns() - 1) &&
+               (v.y < nw.y + side || v.y == tree.grid_rows() - 1);
+    }
+
+    void check_vertex(Coord v) {
+        if (own(v)) check_height(v);
+        if (tree.is_corner(v)) return;
+        const double nesting = 1 + static_cast<double>(terrain.header.nesting);
+        const Children kids = children(v);
+        for (int k = 0; k < kids.count; ++k)
+            if (holds(kids.at[k])) check_child(v, kids.at[k], nesting);
+        if (kids.count == 0) check_leaf(v);
+    }
+
+    void check_height(Coord v) {
+        const Coord sample = tree.sample(v);
+        if (std::abs(wanted(sample) - height(v)) > allowed_m)
+            note(report.height_mismatches,
+                 fmt::format("sample ({}, {}): height {} m is stored as {} m", v.x, v.y, wanted(sample), height(v)));
+        if (!original.heights_m || !(v == sample)) return;
+        if ((original.holes && std::isnan(given(v))) != hole(v))
+            note(report.height_mismatches, fmt::format("sample ({}, {}) is a hole in one of the two", v.x, v.y));
+    }
+
+    void check_child(Coord v, Coord c, double nesting) {
+        if (!(error(v) >= nesting * error(c)))
+            note(report.nesting_violations, fmt::format("vertex ({}, {}): error {} m, child ({}, {}): {} m", v.x, v.y,
+                                                        error(v), c.x, c.y, error(c)));
+        if (!(radius(v) >= (distance(v, c) + radius(c)) * sphere_margin))
+            note(report.sphere_violations,
+                 fmt::format("vertex ({}, {}): its sphere does not hold that of ({}, {})", v.x, v.y, c.x, c.y));
+    }
+
+    void check_leaf(Coord v) {
+        const Diamond d = diamond(tree, v);
+        for (const Coord corner : {d.ends[0], d.ends[1], d.apexes[0], d.apexes[1]})
+            if (holds(corner) && !(radius(v) > distance(v, corner)))
+                note(report.sphere_violations, fmt::format("leaf ({}, {}): its sphere misses a corner", v.x, v.y));
+    }
+
+    void check_triangles() {
+        const Coord ne{nw.x + side, nw.y}, sw{nw.x, nw.y + side}, se{nw.x + side, nw.y + side};
+        Excess worst;
+        bisect(ne, nw, se, worst, report.samples_compared);
+        bisect(sw, se, nw, worst, report.samples_compared);
+        report.true_error_violations += worst.count;
+        report.worst_excess_m = worst.excess_m;
+        if (worst.count && report.first.empty())
+            report.first =
+                fmt::format("sample ({}, {}) is {} m further from the surface than the error of vertex ({}, {}) says",
+                            worst.sample.x, worst.sample.y, worst.excess_m, worst.vertex.x, worst.vertex.y);
+    }
+
+    struct Excess {
+        std::uint64_t count = 0;
+        double excess_m = 0;
+        Coord sample, vertex;
+    };
+
+    // A triangle that can still be split stands for every sample under it with the error of its splitting vertex.
+    void bisect(Coord apex, Coord left, Coord right, Excess& worst, std::uint64_t& compared) {
+        if (((left.x + right.x) | (left.y + right.y)) & 1) return; // a triangle of the full resolution
+        const Coord middle{(left.x + right.x) / 2, (left.y + right.y) / 2};
+        compare(tree.sample(apex), tree.sample(left), tree.sample(right), middle, worst, compared);
+        bisect(middle, apex, left, worst, compared);
+        bisect(middle, right, apex, worst, compared);
+    }
+
+    void compare(Coord a, Coord b, Coord c, Coord middle, Excess& worst, std::uint64_t& compared) {
+        check_rim(a, b, c, middle);
+        if (!report.true_error_checked || hole(a) || hole(b) || hole(c)) return;
+        const double bound = error(middle) + allowed_m;
+        // Height as h(a) + gx dx + gy dy, solved from the three corners.
+        const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
+        const double hb = height(b) - height(a), hc = height(c) - height(a), area = bx * cy - by * cx;
+        if (area == 0) return; // beyond the rim
+        const double gx = (hb * cy - hc * by) / area, gy = (hc * bx - hb * cx) / area;
+        const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
+        for (std::int32_t y = y0; y <= y1; ++y) {
+            const auto [x0, x1] = row_of(a, b, c, y);
+            const double at_row = height(a) + gy * (y - a.y);
+            for (std::int32_t x = x0; x <= x1; ++x) {
+                const double off = std::abs(wanted({x, y}) - (at_row + gx * (x - a.x)));
+                if (off <= bound || hole({x, y})) continue;
+                ++worst.count;
+                if (off - bound > worst.excess_m) worst = {worst.count, off - bound, {x, y}, middle};
+            }
+            compared += static_cast<std::uint64_t>(std::max(x1 - x0 + 1, 0));
+        }
+    }
+
+    // A triangle with a corner in a hole is not drawn, and any other covers the holes under it: where that matters,
+    // both must be within its own size.
+    void check_rim(Coord a, Coord b, Coord c, Coord middle) {
+        if (!terrain.has_voids()) return;
+        std::uint64_t solid = 0, holes = 0;
+        const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
+        if ((b.x - a.x) * (c.y - a.y) == (b.y - a.y) * (c.x - a.x)) return; // beyond the rim
+        for (std::int32_t y = y0; y <= y1; ++y) {
+            const auto [x0, x1] = row_of(a, b, c, y);
+            for (std::int32_t x = x0; x <= x1; ++x) ++(hole({x, y}) ? holes : solid);
+        }
+        if (solid == 0 || holes == 0) return;
+        const double size = std::max({distance(a, b), distance(b, c), distance(c, a)});
+        if (!(error(middle) >= size * (1 - 0x1p-20)))
+            note(report.rim_violations,
+                 fmt::format("a triangle of {} m over a hole's rim has the error {} m of vertex ({}, {})", size,
+                             error(middle), middle.x, middle.y));
+    }
+
+    // The samples of a row inside the triangle. Edges run along an axis or a diagonal and meet rows at whole samples,
+    // except beside the rim, where triangles are squeezed: there the row's ends are rounded inwards.
+    static std::pair<std::int32_t, std::int32_t> row_of(Coord a, Coord b, Coord c, std::int32_t y) {
+        double least = HUGE_VAL, most = -HUGE_VAL;
+        const Coord edges[3][2] = {{a, b}, {b, c}, {c, a}};
+        for (const auto& [p, q] : edges) {
+            if (y < std::min(p.y, q.y) || y > std::max(p.y, q.y)) continue;
+            if (p.y == q.y) {
+                least = std::min<double>({least, static_cast<double>(p.x), static_cast<double>(q.x)});
+                most = std::max<double>({most, static_cast<double>(p.x), static_cast<double>(q.x)});
+                continue;
+            }
+            // An exact product over a small whole number: exact where the quotient is whole.
+            const double x = p.x + static_cast<double>(y - p.y) * (q.x - p.x) / (q.y - p.y);
+            least = std::min(least, x);
+            most = std::max(most, x);
+        }
+        return {static_cast<std::int32_t>(std::ceil(least)), static_cast<std::int32_t>(std::floor(most))};
+    }
+
+    void note(std::uint64_t& counter, const std::string& what) {
+        ++counter;
+        if (report.first.empty()) report.first = what;
+    }
+
+    [[nodiscard]] bool holds(Coord c) const {
+        return c.x >= nw.x && c.y >= nw.y && c.x <= nw.x + side && c.y <= nw.y + side;
+    }
+    [[nodiscard]] std::size_t at(Coord c) const {
+        return static_cast<std::size_t>(c.y - nw.y) * static_cast<std::size_t>(side + 1) +
+               static_cast<std::size_t>(c.x - nw.x);
+    }
+    [[nodiscard]] float given(Coord sample) const {
+        return original.heights_m[(sample.y - original.y) * original.stride + (sample.x - original.x)];
+    }
+    // What a sample's height should be. Under a hole stands whatever continues the ground: there is nothing to compare
+    // with.
+    [[nodiscard]] double wanted(Coord sample) const {
+        const double known = original.heights_m ? static_cast<double>(given(sample)) : std::nan("");
+        return std::isnan(known) ? height(sample) : known;
+    }
+    [[nodiscard]] double height(Coord c) const { return terrain.height_scale.height_m(vertices[at(c)].steps); }
+    [[nodiscard]] double error(Coord c) const { return terrain.errors.metres[vertices[at(c)].error]; }
+    [[nodiscard]] double radius(Coord c) const {
+        return terrain.header.level_radius_m[tree.level(c)] *
+               terrain.radii.factor[vertices[at(c)].radius & (radius_codes - 1)];
+    }
+    [[nodiscard]] bool hole(Coord c) const { return (vertices[at(c)].radius & void_bit) != 0; }
+    [[nodiscard]] double distance(Coord v, Coord w) const {
+        const Coord a = tree.sample(v), b = tree.sample(w);
+        const double dx = static_cast<double>(terrain.x_m(a.x)) - terrain.x_m(b.x);
+        const double dz = static_cast<double>(terrain.z_m(a.y)) - terrain.z_m(b.y);
+        return std::sqrt(dx * dx + dz * dz + (height(a) - height(b)) * (height(a) - height(b)));
+    }
+
+    const Terrain& terrain;
+    const Tree tree;
+    const Original original;
+    const Pack* const pack;
+    const std::uint32_t tile;
+    const std::int32_t side;
+    const Coord nw;
+    std::vector<Stored> vertices; // the closed tile's, row by row
+    double allowed_m = 0;
+    VerifyReport report;
+};
+
+// Where a tile's pages are loaded while it is looked at.
+class Pages {
+public:
+    Pages(const Terrain& whole, const Pack* bounds) : whole_(&whole), bounds_(bounds) {}
+    explicit Pages(const io::MappedPack& file) : file_(&file), bounds_(&file.pack()) {}
+    [[nodiscard]] const Pack* bounds() const { return bounds_; }
+
+    template <typename Body>
+    void with(std::uint32_t tile, const Body& body) {
+        if (whole_) return body(*whole_);
+        std::unique_ptr<TilePages> pages = take();
+        pages->load(tile);
+        body(pages->terrain());
+        const std::lock_guard hold(lock_);
+        free_.push_back(std::move(pages));
+    }
+
+private:
+    std::unique_ptr<TilePages> take() {
+        const std::lock_guard hold(lock_);
+        if (free_.empty()) return std::make_unique<TilePages>(*file_);
+        std::unique_ptr<TilePages> pages = std::move(free_.back());
+        free_.pop_back();
+        return pages;
+    }
+
+    const Terrain* whole_ = nullptr;
+    const io::MappedPack* file_ = nullptr;
+    const Pack* bounds_;
+    std::mutex lock_;
+    std::vector<std::unique_ptr<TilePages>> free_;
+};
+
+// Original heights by rows of tiles: whole where they fit or the file can only be decoded from its start, else tile by
+// tile, so that neither memory nor decoding grow with the terrain's width.
+class Heights {
+public:
+    Heights(const HeightSource& source, const Tree& tree, bool holes, std::size_t row_bytes)
+        : tree_(tree), reader_(source.reader()), holes_(holes) {
+        const std::size_t row = static_cast<std::size_t>(tree.side() + 1) * static_cast<std::size_t>(tree.columns());
+        whole_rows_ = row * sizeof(float) <= row_bytes || source.readers(2) == 1;
+    }
+
+    void start_row(std::int32_t ty) {
+        if (!whole_rows_) return;
+        row_ = window(0, ty, tree_.columns());
+        heights_m_.resize(row_.area());
+        reader_->read(row_, heights_m_.data(), census_);
+    }
+    // own: where the tile's heights come to lie when the row is not held.
+    Original tile(std::int32_t tx, std::int32_t ty, std::vector<float>& own) {
+        if (whole_rows_) return {heights_m_.data(), row_.x, row_.y, row_.columns, holes_};
+        const Window w = window(tx * tree_.side(), ty, tree_.side() + 1);
+        own.resize(w.area());
+        const std::lock_guard hold(lock_);
+        reader_->read(w, own.data(), census_);
+        return {own.data(), w.x, w.y, w.columns, holes_};
+    }
+
+private:
+    [[nodiscard]] Window window(std::int32_t x, std::int32_t ty, std::int32_t columns) const {
+        const std::int32_t y = ty * tree_.side();
+        return {x, y, std::min(columns, tree_.columns() - x), std::min(tree_.side() + 1, tree_.rows() - y)};
+    }
+
+    const Tree tree_;
+    std::unique_ptr<HeightReader> reader_;
+    const bool holes_;
+    bool whole_rows_ = true;
+    Window row_;
+    std::vector<float> heights_m_;
+    Census census_;
+    std::mutex lock_;
+};
+
+void add(VerifyReport& all, const VerifyReport& tile) {
+    all.samples_compared += tile.samples_compared;
+    all.nesting_violations += tile.nesting_violations;
+    all.sphere_violations += tile.sphere_violations;
+    all.border_mismatches += tile.border_mismatches;
+    all.true_error_violations += tile.true_error_violations;
+    all.height_mismatches += tile.height_mismatches;
+    all.rim_violations += tile.rim_violations;
+    all.bound_violations += tile.bound_violations;
+    all.worst_excess_m = std::max(all.worst_excess_m, tile.worst_excess_m);
+    all.true_error_checked = tile.true_error_checked;
+    if (all.first.empty()) all.first = tile.first;
+}
+
+void compare(VerifyReport& all, const std::vector<Stored>& a, const std::vector<Stored>& b, const char* where,
+             std::size_t tile) {
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        if (a[i] == b[i]) continue;
+        ++all.border_mismatches;
+        if (all.first.empty())
+            all.first = fmt::format("vertex {} of tile {}'s {} border differs from the neighbour's", i, tile, where);
+    }
+}
+
+// row_done: after every row of tiles.
+template <typename RowDone>
+VerifyReport check_tiles(const Tree& tree, Pages& pages, Heights* heights, const RowDone& row_done) {
+    VerifyReport all;
+    all.vertices = static_cast<std::uint64_t>(tree.grid_columns()) * static_cast<std::uint64_t>(tree.grid_rows());
+    const auto across = static_cast<std::size_t>(tree.tiles_x);
+    std::vector<Borders> row, above;
+    std::vector<VerifyReport> reports;
+    for (std::int32_t ty = 0; ty < tree.tiles_y; ++ty) {
+        row.assign(across, {});
+        reports.assign(across, {});
+        if (heights) heights->start_row(ty);
+        parallel_for(tree.tiles_x, resolve_threads(0), [&](std::int64_t x) {
+            const auto tx = static_cast<std::int32_t>(x);
+            const auto tile = static_cast<std::uint32_t>(ty * tree.tiles_x + tx);
+            std::vector<float> own;
+            const Original original = heights ? heights->tile(tx, ty, own) : Original{};
+            pages.with(tile, [&](const Terrain& terrain) {
+                reports[static_cast<std::size_t>(x)] =
+                    TileCheck(terrain, tile, original, pages.bounds()).run(row[static_cast<std::size_t>(x)]);
+            });
+        });
+        for (std::size_t x = 0; x < across; ++x) {
+            const std::size_t tile = static_cast<std::size_t>(ty) * across + x;
+            add(all, reports[x]);
+            if (x > 0) compare(all, row[x - 1].east, row[x].west, "west", tile);
+            if (ty > 0) compare(all, above[x].south, row[x].north, "north", tile);
+        }
+        above = std::move(row);
+        row_done();
+    }
+    return all;
+}
+
+void check_size(const Tree& tree, std::int32_t columns, std::int32_t rows) {
+    if (columns != tree.columns() || rows != tree.rows())
+        throw Failure(1,
+                      fmt::format("the height field has {} x {} samples, the pack {} x {}: this is not the one it was "
+                                  "baked from",
+                                  columns, rows, tree.columns(), tree.rows()));
+}
+
+// Reads all of a source once, to learn what its voids mean and whether it has what no one decided about.
+Settled settled(const HeightSource& source) {
+    constexpr std::size_t at_once = std::size_t{1} << 21; // samples
+    const auto reader = source.reader();
+    std::vector<float> part;
+    Census census;
+    for (const Window& w : source.windows(at_once)) {
+        io::check_interrupt();
+        part.resize(w.area());
+        reader->read(w, part.data(), census);
+    }
+    return source.settle(census);
+}
+
+} // namespace
+
+VerifyReport verify(const io::MappedPack& pack, const HeightSource* against, std::size_t row_bytes) {
+    const Tree tree = pack.pack().tree();
+    Pages pages(pack);
+    std::optional<Heights> heights;
+    if (against) {
+        check_size(tree, against->columns, against->rows);
+        heights.emplace(*against, tree, settled(*against).holes, row_bytes);
+    }
+    return check_tiles(tree, pages, heights ? &*heights : nullptr, [&] { pack.release(); });
+}
+
+VerifyReport verify(const Terrain& terrain, const Dem* against, const Pack* bounds) {
+    Pages pages(terrain, bounds);
+    std::optional<DemSource> source;
+    std::optional<Heights> heights;
+    if (against) {
+        check_size(terrain.tree, against->columns, against->rows);
+        source.emplace(*against);
+        heights.emplace(*source, terrain.tree, true, std::numeric_limits<std::size_t>::max());
+    }
+    return check_tiles(terrain.tree, pages, heights ? &*heights : nullptr, [] {});
+}
+
+} // namespace fjell::baker

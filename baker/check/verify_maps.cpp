@@ -1,0 +1,189 @@
+// Every decoded texel stands for an interval: its value and what its block may be off by. Borders: both neighbours'
+// intervals must meet. Mips: a tent over the finer mip's lower and upper ends is an interval again, and must meet the
+// coarser texel's. Tents that reach over the tile's border are left out; the neighbour comparison covers those texels.
+#include "baker/check/verify_maps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "baker/maps/colour.h"
+#include "fjell/texture.h"
+#include "io/failure.h"
+
+namespace fjell::baker {
+
+namespace {
+
+struct Mip {
+    std::uint32_t side = 0, channels = 0;
+    std::vector<std::uint8_t> codes;     // interleaved
+    std::vector<std::uint8_t> tolerance; // a texel
+
+    [[nodiscard]] std::size_t at(std::uint32_t x, std::uint32_t y) const { return std::size_t{y} * side + x; }
+    [[nodiscard]] int code(std::size_t texel, std::uint32_t c) const { return codes[texel * channels + c]; }
+};
+
+Mip decode(const Pack& pack, ChunkKind kind, std::uint32_t tile, std::uint32_t level) {
+    const bool colour = kind == ChunkKind::colour;
+    Mip mip{(1u << (colour ? pack.header.colour_log2 : pack.header.normal_log2)) >> level, colour ? 3u : 2u, {}, {}};
+    std::vector<std::byte> blocks(chunk_raw_bytes(pack.header, {kind, tile, level}));
+    if (const Status s = read_chunk(pack, {kind, tile, level}, blocks); !s.ok())
+        throw io::Failure(1, fmt::format("the {} map of tile {}, mip {}: {} ({}); bake the pack again",
+                                           colour ? "colour" : "normal", tile, level, message(s.code), s.field));
+    mip.codes.resize(std::size_t{mip.side} * mip.side * mip.channels);
+    mip.tolerance.resize(std::size_t{mip.side} * mip.side);
+    colour ? decode_colour(blocks, mip.side, mip.codes) : decode_normal(blocks, mip.side, mip.codes);
+    for (std::uint32_t y = 0; y < mip.side; y += 4)
+        for (std::uint32_t x = 0; x < mip.side; x += 4) {
+            int range = 0;
+            for (std::uint32_t c = 0; c < mip.channels; ++c) {
+                int low = 255, high = 0;
+                for (std::uint32_t i = 0; i < 16; ++i) {
+                    const int v = mip.code(mip.at(x + i % 4, y + i / 4), c);
+                    low = std::min(low, v), high = std::max(high, v);
+                }
+                range = std::max(range, high - low);
+            }
+            const auto wide = static_cast<std::uint32_t>(range);
+            const std::uint32_t off = std::min(colour ? colour_tolerance(wide) : normal_tolerance(wide), 255u);
+            for (std::uint32_t i = 0; i < 16; ++i)
+                mip.tolerance[mip.at(x + i % 4, y + i / 4)] = static_cast<std::uint8_t>(off);
+        }
+    return mip;
+}
+
+class Checker {
+public:
+    Checker(const Pack& the_pack, const std::function<void()>& the_row_done)
+        : pack(the_pack), row_done(the_row_done) {}
+
+    MapsReport run() {
+        for (const ChunkKind kind : {ChunkKind::colour, ChunkKind::normal}) check_kind(kind);
+        if (colour_borders) report.colour_border_mean = colour_sum / static_cast<double>(colour_borders);
+        if (normal_borders) report.normal_border_mean = normal_sum / static_cast<double>(normal_borders);
+        report.border_texels = colour_borders + normal_borders;
+        return report;
+    }
+
+private:
+    struct Border {
+        std::vector<std::uint8_t> codes, tolerance;
+    };
+
+    void check_kind(ChunkKind kind) {
+        const std::uint32_t mips =
+            mip_count(kind == ChunkKind::colour ? pack.header.colour_log2 : pack.header.normal_log2);
+        const std::uint32_t tiles_x = pack.header.tiles_x;
+        std::vector<Border> east(mips), south(std::size_t{mips} * tiles_x);
+        for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile) {
+            Mip finer;
+            for (std::uint32_t level = 0; level < mips; ++level) {
+                place = {kind, tile, level};
+                Mip mip = decode(pack, kind, tile, level);
+                report.texels += mip.tolerance.size();
+                if (kind == ChunkKind::normal) check_lengths(mip);
+                if (level > 0) check_tent(finer, mip);
+                if (tile % tiles_x > 0) compare(east[level], border(mip, 0, 0, 0, 1), "west");
+                Border& above = south[std::size_t{level} * tiles_x + tile % tiles_x];
+                if (tile >= tiles_x) compare(above, border(mip, 0, 0, 1, 0), "north");
+                east[level] = border(mip, mip.side - 1, 0, 0, 1);
+                above = border(mip, 0, mip.side - 1, 1, 0);
+                finer = std::move(mip);
+            }
+            if (row_done && (tile + 1) % tiles_x == 0) row_done();
+        }
+    }
+
+    static Border border(const Mip& mip, std::uint32_t x, std::uint32_t y, std::uint32_t dx, std::uint32_t dy) {
+        Border b;
+        for (std::uint32_t i = 0; i < mip.side; ++i, x += dx, y += dy) {
+            for (std::uint32_t c = 0; c < mip.channels; ++c)
+                b.codes.push_back(mip.codes[mip.at(x, y) * mip.channels + c]);
+            b.tolerance.push_back(mip.tolerance[mip.at(x, y)]);
+        }
+        return b;
+    }
+
+    void compare(const Border& theirs, const Border& ours, const char* side) {
+        const bool colour = place.kind == ChunkKind::colour;
+        const std::size_t channels = ours.codes.size() / ours.tolerance.size();
+        for (std::size_t i = 0; i < ours.codes.size(); ++i) {
+            const auto off = static_cast<std::uint32_t>(std::abs(theirs.codes[i] - ours.codes[i]));
+            const std::uint32_t allowed = theirs.tolerance[i / channels] + ours.tolerance[i / channels];
+            (colour ? colour_sum : normal_sum) += off;
+            std::uint32_t& most = colour ? report.colour_border_most : report.normal_border_most;
+            most = std::max(most, off);
+            if (off > allowed)
+                note(report.border_violations,
+                     fmt::format("texel {} of the {} border differs from the neighbour's by {} "
+                                 "codes, more than the {} of compression",
+                                 i / channels, side, off, allowed));
+        }
+        (colour ? colour_borders : normal_borders) += ours.codes.size();
+    }
+
+    void check_lengths(const Mip& mip) {
+        for (std::size_t i = 0; i < mip.tolerance.size(); ++i) {
+            const double length =
+                std::hypot(normal_component(mip.codes[2 * i]), normal_component(mip.codes[2 * i + 1]));
+            if (length > 1 + std::sqrt(2.0) * mip.tolerance[i] / 127)
+                note(report.length_violations,
+                     fmt::format("the normal at ({}, {}) is {:.3f} long", i % mip.side, i / mip.side, length));
+        }
+    }
+
+    // The ends of a texel's interval, in what tents are made in: light, or the codes themselves.
+    [[nodiscard]] double end(int code, int off) const {
+        const auto v = static_cast<float>(std::clamp(code + off, 0, 255));
+        return place.kind == ChunkKind::colour ? light_of_srgb(v) : v;
+    }
+
+    void check_tent(const Mip& finer, const Mip& mip) {
+        const double step = (finer.side - 1.0) / (mip.side - 1.0);
+        const double rounding = place.kind == ChunkKind::colour ? 2e-4 : 1.0; // of codes, on the way
+        for (std::uint32_t y = 1; y + 1 < mip.side; ++y)
+            for (std::uint32_t x = 1; x + 1 < mip.side; ++x)
+                for (std::uint32_t c = 0; c < mip.channels; ++c) {
+                    double sum = 0, low = 0, high = 0;
+                    for (auto v = static_cast<std::uint32_t>(std::ceil((y - 1) * step)); v <= (y + 1) * step; ++v)
+                        for (auto u = static_cast<std::uint32_t>(std::ceil((x - 1) * step)); u <= (x + 1) * step; ++u) {
+                            const double w = (step - std::abs(u - x * step)) * (step - std::abs(v - y * step));
+                            const std::size_t i = finer.at(u, v);
+                            sum += w;
+                            low += w * end(finer.code(i, c), -finer.tolerance[i]);
+                            high += w * end(finer.code(i, c), finer.tolerance[i]);
+                        }
+                    const std::size_t i = mip.at(x, y);
+                    if (end(mip.code(i, c), mip.tolerance[i]) + rounding < low / sum ||
+                        end(mip.code(i, c), -mip.tolerance[i]) - rounding > high / sum)
+                        note(report.mip_violations,
+                             fmt::format("texel ({}, {}) is no average of the mip before", x, y));
+                }
+    }
+
+    void note(std::uint64_t& counter, const std::string& what) {
+        ++counter;
+        if (!report.first.empty()) return;
+        report.first = fmt::format("{} map of tile {}, mip {}: {}",
+                                   place.kind == ChunkKind::colour ? "colour" : "normal", place.tile, place.item, what);
+    }
+
+    const Pack& pack;
+    const std::function<void()>& row_done;
+    MapsReport report;
+    ChunkId place;
+    double colour_sum = 0, normal_sum = 0;
+    std::uint64_t colour_borders = 0, normal_borders = 0;
+};
+
+} // namespace
+
+MapsReport check_maps(const Pack& pack, const std::function<void()>& row_done) {
+    return Checker(pack, row_done).run();
+}
+
+} // namespace fjell::baker

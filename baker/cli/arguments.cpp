@@ -1,0 +1,94 @@
+#include "baker/cli/arguments.h"
+
+#include <fmt/format.h>
+
+#include "fjell/pack.h"
+
+namespace fjell::baker {
+
+namespace {
+
+void add_words(CLI::App& app, const std::string& key, std::optional<std::string>& to, const std::string& help) {
+    app.add_option("--" + key, to, help)->check(CLI::IsMember(words_of(key)));
+}
+
+// Shared by bake and verify --against: how files become heights in metres.
+void add_read_options(CLI::App& app, Recipe& r) {
+    app.add_option("--spacing", r.spacing,
+                   "metres between samples: of a file without a georeference, of one in degrees "
+                   "to take it as a square grid, or to reproject to with --crs CRS");
+    app.add_option("--crs", r.crs,
+                   "auto (default: what is in degrees is reprojected to a projection that suits it), "
+                   "none, or a projected CRS to reproject to, such as EPSG:32633");
+    add_words(app, "encoding", r.encoding, "heights packed into red, green and blue");
+    app.add_option_function<std::string>(
+        "--bbox", [&r](const std::string& text) { r.bbox = parse_bbox(text); },
+        "WEST,SOUTH,EAST,NORTH: only samples inside, in units of the CRS (after reprojection), or columns and rows "
+        "from "
+        "the north-west where there is no georeference");
+    app.add_option("--zscale", r.zscale, "multiplies heights (after the file's own scale)");
+    app.add_option("--zoffset", r.zoffset, "metres added to heights after --zscale");
+    add_words(app, "nodata", r.nodata,
+              "samples without a height: leave a hole, fill from their neighbours, or refuse (default: what the file "
+              "marks and NaN become holes, implausible heights are refused)");
+}
+
+void declare_bake(CLI::App& app, Arguments& a) {
+    Recipe& r = a.given;
+    app.add_option(
+        "IN", r.inputs,
+        "the height field: GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT, ...; several of one CRS "
+        "and spacing make a mosaic, later ones on top");
+    app.add_option("-o,--output", r.output, "the pack to write");
+    app.add_option("--recipe", a.recipe_path, "take from this file what is not given here (--save-recipe writes one)");
+    app.add_option("--save-recipe", a.save_recipe_path, "record inputs and options in a file, for --recipe");
+    app.add_option("--tile", r.tile, "cells a side of a tile, a power of two, or auto");
+    add_words(app, "estimate", r.estimate, "world-space error: max (true, default) or midpoint");
+    app.add_option("--nesting", r.nesting, "mu: how much larger a parent's error is, 0.001 to 1 (default 0.05)");
+    add_words(app, "order", r.order, "how vertices lie in pages: planar (default), hz (hierarchical Z) or linear");
+    app.add_option("--quantum", r.quantum, "the step of stored heights in metres (default: the source's own)")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--texture", r.texture, "ortho-images, placed by their coordinates or stretched over all; later ones on top");
+    app.add_option("--ramp", r.ramp, "colours by height (JSON, content/ramps)");
+    app.add_option("--threads", a.threads, "0: all cores")->check(CLI::Range(0, 1024));
+    app.add_option("--memory", a.memory_mb, "MB the bake may use, whatever the height field's size (default 512)")
+        ->check(CLI::Range(128, 1 << 24));
+    app.add_option("--checkpoint", a.checkpoint_s, "seconds between notes of how far the bake is (default: 5, and none when all fits --memory)")
+        ->check(CLI::Range(0.0, 3600.0));
+    app.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
+    app.add_flag("--quiet", a.quiet, "no progress, no summary");
+    add_read_options(app, r);
+}
+
+} // namespace
+
+Commands declare_arguments(CLI::App& app, Arguments& a) {
+    app.set_version_flag("--version", fmt::format("fjell-bake, pack version {}", pack_version));
+    declare_bake(app, a);
+    Commands c{};
+    c.info = app.add_subcommand("info", "what a pack holds");
+    c.info->add_option("PACK", a.pack)->required();
+    c.info->add_flag("--json", a.info_json);
+    auto* const picture =
+        c.info->add_option("--picture", a.picture_path, "a PNG of its relief, errors, holes and tiles")
+            ->check([](const std::string& name) { return std::string(name.empty() ? "give a file name" : ""); });
+    c.info->add_option("--picture-size", a.picture.longest_px, "pixels of the terrain's longest side (default 1024)")
+        ->check(CLI::Range(min_picture_px, max_picture_px))
+        ->needs(picture);
+    c.verify = app.add_subcommand("verify", "check a pack's promises over every vertex and sample");
+    c.verify->add_option("PACK", a.pack)->required();
+    c.verify->add_option("--against", a.against.inputs,
+                         "the height field it was baked from, one file or several (give the same read options)");
+    c.verify->add_option("--recipe", a.against_recipe_path, "the recipe it was baked from, instead of --against");
+    add_read_options(*c.verify, a.against);
+    c.heights = app.add_subcommand("heights", "write a pack's heights as a GeoTIFF, holes as no-data");
+    c.heights->add_option("PACK", a.pack)->required();
+    c.heights->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
+    c.synth = app.add_subcommand("synth", "make a height field from a recipe");
+    c.synth->add_option("RECIPE", a.terrain_path)->required();
+    c.synth->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
+    app.require_subcommand(0, 1);
+    return c;
+}
+
+} // namespace fjell::baker

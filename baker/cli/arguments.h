@@ -1,0 +1,42 @@
+// What fjell-bake is told.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "baker/check/picture.h"
+#include "baker/cli/recipe.h"
+
+namespace fjell::baker {
+
+struct Arguments {
+    Recipe given; // bake
+    std::string recipe_path, save_recipe_path, json_path;
+    int threads = 0;
+    std::size_t memory_mb = 512;
+    std::optional<double> checkpoint_s;
+    bool quiet = false;
+
+    std::string pack; // info, verify, heights
+    bool info_json = false;
+    std::string picture_path;
+    PictureOptions picture;
+
+    Recipe against; // verify: its inputs and read options
+    std::string against_recipe_path;
+
+    std::string terrain_path, dem_path; // synth, heights
+};
+
+struct Commands {
+    CLI::App* info;
+    CLI::App* verify;
+    CLI::App* heights;
+    CLI::App* synth;
+};
+
+[[nodiscard]] Commands declare_arguments(CLI::App& app, Arguments& arguments);
+
+} // namespace fjell::baker

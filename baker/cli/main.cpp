@@ -1,0 +1,286 @@
+// fjell-bake: IN -o OUT.fjell, info, verify, heights, synth. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3
+// the machine is.
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <malloc.h>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "baker/cli/arguments.h"
+#include "baker/bake/bake.h"
+#include "baker/place/crs_label.h"
+#include "baker/read/pack_source.h"
+#include "baker/check/picture.h"
+#include "baker/cli/progress.h"
+#include "baker/read/read.h"
+#include "baker/cli/recipe.h"
+#include "baker/synth/synth.h"
+#include "baker/check/verify.h"
+#include "baker/check/verify_maps.h"
+#include "baker/synth/write_dem.h"
+#include "io/file.h"
+#include "io/load.h"
+
+namespace {
+
+using namespace fjell;
+using namespace fjell::baker;
+using namespace fjell::io;
+using nlohmann::json;
+
+// A summary for scripts, opened before the work so that a missing folder does not cost a bake.
+class JsonOutput {
+public:
+    explicit JsonOutput(const std::string& path) : to_stdout_(path == "-") {
+        if (!path.empty() && !to_stdout_) file_.emplace(path);
+    }
+    void write(const json& value) {
+        const std::string text = value.dump(2) + "\n";
+        if (to_stdout_) fmt::print("{}", text);
+        if (!file_) return;
+        file_->write(std::as_bytes(std::span(text)));
+        file_->commit();
+    }
+
+private:
+    bool to_stdout_;
+    std::optional<AtomicFile> file_;
+};
+
+const char* order_name(Order order) {
+    switch (order) {
+    case Order::planar: return "planar";
+    case Order::hierarchical_z: return "hz";
+    case Order::linear: break;
+    }
+    return "linear";
+}
+
+// The most memory that this program was resident with; 0 where the system does not say.
+double most_resident_mb() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmHWM:")) return std::strtod(line.c_str() + 6, nullptr) / 1024;
+    return 0;
+}
+
+json summary_json(const BakeSummary& s) {
+    return {{"columns", s.columns},
+            {"rows", s.rows},
+            {"tiles", {s.tree.tiles_x, s.tree.tiles_y}},
+            {"tile_cells", s.tree.side()},
+            {"quantum_m", s.quantum_m},
+            {"max_error_m", s.max_error_m},
+            {"file_bytes", s.file_bytes},
+            {"geometry_bytes", s.geometry_bytes},
+            {"directory_bytes", s.directory_bytes},
+            {"holes", s.voids},
+            {"texture_bytes", s.texture_bytes},
+            {"resumed", s.resumed},
+            {"resident_mb_max", most_resident_mb()},
+            {"seconds_read", s.seconds_read},
+            {"seconds_textures", s.seconds_textures},
+            {"seconds_errors", s.seconds_errors},
+            {"seconds_write", s.seconds_write},
+            {"seconds_total", s.seconds_total}};
+}
+
+// The command line, completed from --recipe.
+Recipe complete(const Recipe& given, const std::string& recipe_path) {
+    return recipe_path.empty() ? given : merged(given, load_recipe(recipe_path));
+}
+
+void save_recipe(const Recipe& recipe, const std::string& path, AtomicFile& file) {
+    const std::string text = recipe_text(for_file(recipe, path));
+    file.write(std::as_bytes(std::span(text)));
+    file.commit();
+}
+
+// Files of heights, or one of content/terrain: mountains are made as they are asked for.
+std::unique_ptr<HeightSource> open_inputs(const Recipe& recipe) {
+    if (recipe.inputs.size() == 1 && recipe.inputs[0].ends_with(".json")) return open_synth(recipe.inputs[0]);
+    return open_source(recipe.inputs, read_options(recipe));
+}
+
+int run_bake(const Arguments& a) {
+    const Recipe recipe = complete(a.given, a.recipe_path);
+    if (recipe.inputs.empty()) throw Failure(2, "no height field given; see fjell-bake --help");
+    if (!recipe.output) throw Failure(2, "no output given; add -o OUT.fjell");
+    const std::string& output = *recipe.output;
+    BakeOptions options = bake_options(recipe);
+    std::vector<std::string> inputs = recipe.inputs;
+    inputs.insert(inputs.end(), options.texture_paths.begin(), options.texture_paths.end());
+    inputs.push_back(options.ramp_path);
+    refuse_overwriting({output, a.json_path, a.save_recipe_path}, inputs);
+    refuse_overwriting({output, a.json_path}, {a.recipe_path}); // a recipe may be saved over the one it came from
+    std::optional<AtomicFile> saved;                            // opened before the work, like the summary
+    if (!a.save_recipe_path.empty()) saved.emplace(a.save_recipe_path);
+    JsonOutput summary(a.json_path);
+    ProgressBar bar(a.quiet);
+    options.threads = a.threads;
+    options.memory_bytes = std::uint64_t{a.memory_mb} << 20;
+    options.checkpoint_s = a.checkpoint_s;
+    options.progress = std::ref(bar);
+    limit_gdal_cache(options.memory_bytes / 16);
+    const BakeSummary s = bake(*open_inputs(recipe), options, output);
+    if (saved) save_recipe(recipe, a.save_recipe_path, *saved);
+    summary.write(summary_json(s));
+    if (a.quiet) return 0;
+    fmt::print("{}: {} x {} samples in {} x {} tiles of {} cells, quantum {:.4g} m, largest error {:.1f} m\n", output,
+               s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(), s.quantum_m, s.max_error_m);
+    const double samples = static_cast<double>(s.columns) * s.rows;
+    fmt::print("{:.1f} MB ({:.2f} bytes a sample of geometry) in {:.1f} s ({:.1f} M samples/s; errors {:.1f} s)\n",
+               static_cast<double>(s.file_bytes) / 1e6, static_cast<double>(s.geometry_bytes) / samples,
+               s.seconds_total, samples / s.seconds_total / 1e6, s.seconds_errors);
+    return 0;
+}
+
+json info_json(const LoadedPack& loaded) {
+    const PackHeader& h = loaded.pack.header;
+    const CrsLabel crs = crs_label(loaded.crs);
+    return {{"version", h.version},
+            {"columns", h.columns},
+            {"rows", h.rows},
+            {"tiles", {h.tiles_x, h.tiles_y}},
+            {"tile_cells", 1u << h.tile_log2},
+            {"order", order_name(h.order)},
+            {"estimate", h.estimate == Estimate::max ? "max" : "midpoint"},
+            {"nesting", h.nesting},
+            {"spacing_m", {h.spacing_m[0], h.spacing_m[1]}},
+            {"origin_m", {h.origin_m[0], h.origin_m[1]}},
+            {"crs", loaded.crs.empty() ? json() : json(loaded.crs)},
+            {"crs_name", crs.name.empty() ? json() : json(crs.name)},
+            {"epsg", crs.epsg ? json(crs.epsg) : json()},
+            {"height_m", {h.min_m, h.max_m}},
+            {"quantum_m", h.quantum_m},
+            {"holes", h.voids},
+            {"pages_per_tile", loaded.pack.pages().pages_per_tile()},
+            {"max_error_m", h.max_error_m},
+            {"colour_texels", h.colour_log2 ? 1u << h.colour_log2 : 0},
+            {"normal_texels", h.normal_log2 ? 1u << h.normal_log2 : 0},
+            {"chunks", h.directory_count},
+            {"file_bytes", h.file_bytes},
+            {"pack_hash", fmt::format("{:016x}", h.directory_hash)},
+            {"required_bytes", terrain_bytes(h)}};
+}
+
+int run_info(const Arguments& a) {
+    refuse_overwriting({a.picture_path}, {a.pack});
+    std::optional<AtomicFile> picture; // opened before the work
+    if (!a.picture_path.empty()) picture.emplace(a.picture_path);
+    const LoadedPack loaded = load_pack(a.pack, picture ? LoadTerrain::yes : LoadTerrain::no);
+    if (picture) write_png(make_picture(loaded.terrain, a.picture), *picture);
+    const json info = info_json(loaded);
+    if (a.info_json) {
+        fmt::print("{}\n", info.dump(2));
+        return 0;
+    }
+    for (const auto& [key, value] : info.items()) {
+        if (key == "crs" && value.is_string())
+            fmt::print("{:<16} {:.60}...\n", key, value.get<std::string>()); // all of it: --json
+        else
+            fmt::print("{:<16} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+    }
+    return 0;
+}
+
+// Throws when what the pack is compared with has its samples elsewhere.
+void check_spacing(const HeightSource& against, const std::string& name, const PackHeader& header) {
+    for (const int axis : {0, 1})
+        if (std::abs(against.spacing_m[axis] / header.spacing_m[axis] - 1) > 1e-9)
+            throw Failure(
+                1, fmt::format("{}: its samples are {} m apart, the pack's {} m; give the --spacing it was baked with",
+                               name, against.spacing_m[axis], header.spacing_m[axis]));
+}
+
+int run_verify(const Arguments& a) {
+    const Recipe source = complete(a.against, a.against_recipe_path);
+    const MappedPack pack(a.pack);
+    limit_gdal_cache(std::size_t{64} << 20);
+    std::unique_ptr<HeightSource> against;
+    if (!source.inputs.empty()) {
+        against = open_source(source.inputs, read_options(source));
+        check_spacing(*against, source.inputs.front(), pack.pack().header);
+    }
+    VerifyReport r = verify(pack, against.get());
+    r.chunks = check_all_chunks(pack);
+    const MapsReport maps = check_maps(pack.pack(), [&] { pack.release(); });
+    fmt::print("{} vertices: {} nesting, {} sphere, {} border, {} rim, {} page bound violations\n", r.vertices,
+               r.nesting_violations, r.sphere_violations, r.border_mismatches, r.rim_violations, r.bound_violations);
+    fmt::print("{} chunks: checksums hold\n", r.chunks);
+    fmt::print("{} texels, {} on borders of tiles: {} mip, {} border, {} length violations\n", maps.texels,
+               maps.border_texels, maps.mip_violations, maps.border_violations, maps.length_violations);
+    if (against)
+        fmt::print("heights against {}: {} off by more than half a quantum\n", fmt::join(source.inputs, " "),
+                   r.height_mismatches);
+    if (r.true_error_checked)
+        fmt::print("{} comparisons of samples with triangles: {} above the vertex' error\n", r.samples_compared,
+                   r.true_error_violations);
+    else
+        fmt::print("true error: not promised by the mid-point estimate, not checked\n");
+    if (!r.ok() || !maps.ok())
+        throw Failure(1, fmt::format("{}: {}; bake it again", a.pack, r.ok() ? maps.first : r.first));
+    fmt::print("ok\n");
+    return 0;
+}
+
+void require_tif(const std::string& path) {
+    if (!path.ends_with(".tif") && !path.ends_with(".tiff"))
+        throw Failure(2, fmt::format("{}: height fields are written as GeoTIFF; give a name that ends in .tif", path));
+}
+
+int run_heights(const Arguments& a) {
+    refuse_overwriting({a.dem_path}, {a.pack});
+    require_tif(a.dem_path);
+    write_dem(PackSource(a.pack), a.dem_path, DemForm::plain);
+    return 0;
+}
+
+int run_synth(const Arguments& a) {
+    refuse_overwriting({a.dem_path}, {a.terrain_path});
+    require_tif(a.dem_path);
+    ProgressBar bar(a.quiet);
+    write_dem(*open_synth(a.terrain_path), a.dem_path, DemForm::compact, 0, std::ref(bar));
+    return 0;
+}
+
+int run(int argc, char** argv) {
+    Arguments a;
+    CLI::App app{"Bakes a height field into a Fjell pack."};
+    const Commands commands = declare_arguments(app, a);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& e) {
+        return app.exit(e); // --help, --version
+    } catch (const CLI::ParseError& e) {
+        throw Failure(2, fmt::format("{}; see fjell-bake --help", e.what()));
+    }
+    const bool other =
+        commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() || commands.synth->parsed();
+    if (other && (!a.given.inputs.empty() || a.given.output))
+        throw Failure(
+            2, "info, verify, heights and synth bake nothing; leave out the height field and -o, or the command");
+    catch_interrupts();
+    if (commands.info->parsed()) return run_info(a);
+    if (commands.verify->parsed()) return run_verify(a);
+    if (commands.heights->parsed()) return run_heights(a);
+    if (commands.synth->parsed()) return run_synth(a);
+    return run_bake(a);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    // The same buffers again and again: handing each back to the system would clear its pages every time. Large ones
+    // are handed back, or threads would hold on to each other's share of the memory.
+    mallopt(M_MMAP_THRESHOLD, 4 << 20);
+    mallopt(M_TRIM_THRESHOLD, 8 << 20);
+    return run_tool("fjell-bake", [&] { return run(argc, argv); });
+}

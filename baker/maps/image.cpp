@@ -1,0 +1,291 @@
+#include "baker/maps/image.h"
+
+#include <cmath>
+#include <filesystem>
+#include <mutex>
+
+#include <cpl_string.h>
+#include <fmt/format.h>
+#include <gdal_utils.h>
+#include <ogr_spatialref.h>
+
+#include "baker/read/gdal_file.h"
+
+namespace fjell::baker {
+
+namespace {
+
+// ---- one file, ready to be read as red, green, blue and alpha ------------------------------------------------------
+
+// A file and what was made of it; later ones read from earlier ones and are closed first.
+struct Opened {
+    std::vector<GdalFile> chain;
+    bool warped = false;
+
+    [[nodiscard]] GDALDataset& top() const { return *chain.back(); }
+    Opened() = default;
+    Opened(Opened&&) = default;
+    Opened& operator=(Opened&&) = delete;
+    Opened(const Opened&) = delete;
+    Opened& operator=(const Opened&) = delete;
+    ~Opened() {
+        while (!chain.empty()) chain.pop_back();
+    }
+};
+
+// How an image is laid: decided once, repeated by every reader.
+struct Recipe {
+    std::string path;
+    std::string warp_to; // WKT; empty: as it is
+};
+
+void check_kind(GDALDataset& file, const std::string& path) {
+    GDALRasterBand* const first = file.GetRasterBand(1);
+    const GDALDataType type = first->GetRasterDataType();
+    const int count = file.GetRasterCount();
+    if ((type != GDT_Byte && type != GDT_UInt16) || count > 4 || first->GetColorInterpretation() == GCI_CyanBand)
+        throw Failure(1,
+                      fmt::format("{}: is no grey, palette or red-green-blue image of 8 or 16 bits ({} bands of {}); "
+                                  "convert it with gdal_translate -ot Byte",
+                                  path, count, GDALGetDataTypeName(type)));
+}
+
+GdalFile checked(GDALDatasetH made, const Recipe& recipe, const char* what, const GdalMessages& messages) {
+    if (!made) throw Failure(1, fmt::format("{}: {}{}", recipe.path, what, messages.said()));
+    return GdalFile(GDALDataset::FromHandle(made));
+}
+
+GdalFile expand_palette(GDALDataset& file, const Recipe& recipe, const GdalMessages& messages) {
+    const char* const words[] = {"-of", "VRT", "-expand", "rgba", nullptr};
+    GDALTranslateOptions* const options = GDALTranslateOptionsNew(const_cast<char**>(words), nullptr);
+    GDALDatasetH made = GDALTranslate("", GDALDataset::ToHandle(&file), options, nullptr);
+    GDALTranslateOptionsFree(options);
+    return checked(made, recipe, "its palette cannot be expanded; convert it with gdal_translate -expand rgb",
+                   messages);
+}
+
+// Everything that GDAL would choose by itself is fixed: memory for chunks, threads, the error of approximated
+// coordinates, overviews.
+GdalFile warp(GDALDataset& file, const Recipe& recipe, const GdalMessages& messages) {
+    const char* const words[] = {
+        "-of",  "VRT",  "-t_srs", recipe.warp_to.c_str(), "-r",   "bilinear", "-dstalpha", "-et", "0.125", "-wm", "64",
+        "-ovr", "NONE", "-wo",    "NUM_THREADS=1",        nullptr};
+    GDALWarpAppOptions* const options = GDALWarpAppOptionsNew(const_cast<char**>(words), nullptr);
+    GDALDatasetH from = GDALDataset::ToHandle(&file);
+    GDALDatasetH made = GDALWarp("", nullptr, 1, &from, options, nullptr);
+    GDALWarpAppOptionsFree(options);
+    return checked(made, recipe, "cannot be warped to the terrain's CRS; do it with gdalwarp -t_srs", messages);
+}
+
+Opened open_image(const Recipe& recipe, GdalMessages& messages) {
+    Opened opened;
+    opened.chain.push_back(open_raster(recipe.path, "an image", messages));
+    check_kind(opened.top(), recipe.path);
+    if (opened.top().GetRasterBand(1)->GetColorTable() && opened.top().GetRasterCount() < 3)
+        opened.chain.push_back(expand_palette(opened.top(), recipe, messages));
+    if (!recipe.warp_to.empty()) {
+        opened.chain.push_back(warp(opened.top(), recipe, messages));
+        opened.warped = true;
+    }
+    messages.forget();
+    return opened;
+}
+
+// ---- reading -------------------------------------------------------------------------------------------------------
+
+class Reader final : public ImageReader {
+public:
+    explicit Reader(const std::vector<Recipe>& recipes) : recipes_(recipes), open_(recipes.size()) {}
+
+    void read(std::size_t layer, const Window& pixels, std::uint8_t* rgba) override {
+        GdalMessages messages;
+        if (!open_[layer]) open_[layer] = std::make_unique<Opened>(open_image(recipes_[layer], messages));
+        const Opened& file = *open_[layer];
+        const std::string& path = recipes_[layer].path;
+        if (!file.warped) return read_window(file.top(), pixels, pixels, rgba, path, messages);
+        // Whole blocks, so that what is warped at once is always the same.
+        int across = 0, down = 0;
+        file.top().GetRasterBand(1)->GetBlockSize(&across, &down);
+        const Window all{0, 0, file.top().GetRasterXSize(), file.top().GetRasterYSize()};
+        for (std::int32_t y = pixels.y / down * down; y < pixels.y + pixels.rows; y += down)
+            for (std::int32_t x = pixels.x / across * across; x < pixels.x + pixels.columns; x += across) {
+                const Window block{x, y, std::min(across, all.columns - x), std::min(down, all.rows - y)};
+                block_.resize(block.area() * 4);
+                read_window(file.top(), block, block, block_.data(), path, messages);
+                copy_common(block, pixels, rgba);
+            }
+    }
+
+private:
+    void read_window(GDALDataset& file, const Window& w, const Window& to, std::uint8_t* rgba, const std::string& path,
+                     const GdalMessages& messages) {
+        GDALRasterBand* const first = file.GetRasterBand(1);
+        const bool grey = file.GetRasterCount() < 3, wide = first->GetRasterDataType() == GDT_UInt16;
+        CPLErr result = CE_None;
+        for (int c = 0; c < 3 && result == CE_None; ++c) {
+            GDALRasterBand* const band = grey ? first : file.GetRasterBand(c + 1);
+            result = wide ? read_wide(*band, w, rgba + c)
+                          : band->RasterIO(GF_Read, w.x, w.y, w.columns, w.rows, rgba + c, w.columns, w.rows, GDT_Byte,
+                                           4, 4 * static_cast<GSpacing>(w.columns), nullptr);
+        }
+        if (result == CE_None)
+            result = first->GetMaskBand()->RasterIO(GF_Read, w.x, w.y, w.columns, w.rows, rgba + 3, w.columns, w.rows,
+                                                    GDT_Byte, 4, 4 * static_cast<GSpacing>(w.columns), nullptr);
+        if (result != CE_None || messages.failed() || messages.warned())
+            throw Failure(1, fmt::format("{}: damaged or cut short at rows {}..{} of {}; fetch the file again{}", path,
+                                         to.y, to.y + to.rows - 1, file.GetRasterYSize(), messages.said()));
+    }
+
+    // 16 bits to the nearest of 8.
+    CPLErr read_wide(GDALRasterBand& band, const Window& w, std::uint8_t* to) {
+        wide_.resize(w.area());
+        const CPLErr result = band.RasterIO(GF_Read, w.x, w.y, w.columns, w.rows, wide_.data(), w.columns, w.rows,
+                                            GDT_UInt16, 0, 0, nullptr);
+        for (std::size_t i = 0; i < wide_.size(); ++i) to[4 * i] = static_cast<std::uint8_t>((wide_[i] + 128u) / 257);
+        return result;
+    }
+
+    void copy_common(const Window& from, const Window& to, std::uint8_t* rgba) const {
+        const std::int32_t x0 = std::max(from.x, to.x), x1 = std::min(from.x + from.columns, to.x + to.columns);
+        const std::int32_t y0 = std::max(from.y, to.y), y1 = std::min(from.y + from.rows, to.y + to.rows);
+        const auto at = [](const Window& w, std::int32_t x, std::int32_t y) {
+            return 4 * (static_cast<std::ptrdiff_t>(y - w.y) * w.columns + (x - w.x));
+        };
+        for (std::int32_t y = y0; y < y1; ++y)
+            std::copy_n(block_.data() + at(from, x0, y), 4 * (x1 - x0), rgba + at(to, x0, y));
+    }
+
+    const std::vector<Recipe>& recipes_;
+    std::vector<std::unique_ptr<Opened>> open_;
+    std::vector<std::uint8_t> block_;
+    std::vector<std::uint16_t> wide_;
+};
+
+// ---- where an image lies
+// ---------------------------------------------------------------------------------------------
+
+bool same_crs(const OGRSpatialReference& a, const OGRSpatialReference& b) {
+    const char* const options[] = {"IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES", "CRITERION=EQUIVALENT", nullptr};
+    return a.IsSame(&b, options) != 0;
+}
+
+OGRSpatialReference crs_of(const std::string& wkt) {
+    OGRSpatialReference crs;
+    crs.importFromWkt(wkt.c_str());
+    crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    return crs;
+}
+
+struct Georeference {
+    bool there = false, upright = false;
+    double t[6] = {0, 1, 0, 0, 0, 1};
+};
+Georeference georeference(GDALDataset& file) {
+    Georeference g;
+    g.there = file.GetGeoTransform(g.t) == CE_None && g.t[1] * g.t[5] != g.t[2] * g.t[4];
+    g.upright = g.t[2] == 0 && g.t[4] == 0 && g.t[1] > 0 && g.t[5] < 0;
+    return g;
+}
+
+// Coordinates of an image without a CRS are taken to be the terrain's.
+bool needs_warp(GDALDataset& file, const Georeference& g, const Frame& ground) {
+    const OGRSpatialReference* const crs = file.GetSpatialRef();
+    return !g.upright || (crs && !same_crs(*crs, crs_of(ground.crs_wkt)));
+}
+
+ImageLayer stretched(GDALDataset& file, const Frame& ground) {
+    ImageLayer layer{file.GetRasterXSize(), file.GetRasterYSize(), {0, 0}, {1, 1}};
+    layer.per_sample[0] = static_cast<double>(layer.columns) / (ground.columns - 1);
+    layer.per_sample[1] = static_cast<double>(layer.rows) / (ground.rows - 1);
+    return layer;
+}
+
+ImageLayer placed(GDALDataset& file, const Frame& ground, const std::string& path) {
+    const Georeference g = georeference(file);
+    ImageLayer layer{file.GetRasterXSize(), file.GetRasterYSize(), {0, 0}, {1, 1}};
+    double west = ground.origin[0] - g.t[0];
+    if (crs_of(ground.crs_wkt).IsGeographic()) { // 0..360 and -180..180 name the same places: the nearest turn
+        const double off = west + 0.5 * ((ground.columns - 1) * ground.step[0] - layer.columns * g.t[1]);
+        west -= 360 * std::round(off / 360);
+    }
+    layer.first_px[0] = west / g.t[1];
+    layer.first_px[1] = (ground.origin[1] - g.t[3]) / g.t[5];
+    layer.per_sample[0] = ground.step[0] / g.t[1];
+    layer.per_sample[1] = -ground.step[1] / g.t[5];
+    const double end[2] = {layer.first_px[0] + (ground.columns - 1) * layer.per_sample[0],
+                           layer.first_px[1] + (ground.rows - 1) * layer.per_sample[1]};
+    if (end[0] <= 0 || end[1] <= 0 || layer.first_px[0] >= layer.columns || layer.first_px[1] >= layer.rows)
+        throw Failure(1, fmt::format("{}: lies beside the terrain: it covers x {:.10g}..{:.10g}, y {:.10g}..{:.10g} in the "
+                                     "terrain's CRS, the terrain x {:.10g}..{:.10g}, y {:.10g}..{:.10g}; give an image of "
+                                     "the same place, or remove its georeference to stretch it over the terrain",
+                                     path, g.t[0], g.t[0] + layer.columns * g.t[1], g.t[3] + layer.rows * g.t[5],
+                                     g.t[3], ground.origin[0], ground.origin[0] + (ground.columns - 1) * ground.step[0],
+                                     ground.origin[1] - (ground.rows - 1) * ground.step[1], ground.origin[1]));
+    return layer;
+}
+
+std::string file_identity(const std::string& path) {
+    std::error_code unknown;
+    const auto bytes = std::filesystem::file_size(path, unknown);
+    const auto time = std::filesystem::last_write_time(path, unknown).time_since_epoch().count();
+    return fmt::format("{} {} {}", path, unknown ? 0 : bytes, unknown ? 0 : time);
+}
+
+class Images final : public ImageSource {
+public:
+    Images(const std::vector<std::string>& paths, const Frame& ground) {
+        for (const std::string& path : paths) add(path, ground, paths.size());
+    }
+    [[nodiscard]] std::unique_ptr<ImageReader> reader() const override { return std::make_unique<Reader>(recipes_); }
+    [[nodiscard]] std::string identity() const override {
+        std::string text;
+        for (std::size_t i = 0; i < layers.size(); ++i) {
+            const ImageLayer& l = layers[i];
+            text += fmt::format("image {}; {} x {} at {} {} by {} {}{}\n", file_identity(recipes_[i].path), l.columns,
+                                l.rows, l.first_px[0], l.first_px[1], l.per_sample[0], l.per_sample[1],
+                                recipes_[i].warp_to.empty() ? "" : " warped");
+        }
+        return text;
+    }
+
+private:
+    void add(const std::string& path, const Frame& ground, std::size_t count) {
+        GdalMessages messages;
+        Recipe recipe{path, {}};
+        std::unique_ptr<Opened> opened = std::make_unique<Opened>(open_image(recipe, messages));
+        const Georeference g = georeference(opened->top());
+        if (!g.there || ground.crs_wkt.empty() || ground.step[0] <= 0) {
+            if (count > 1)
+                throw Failure(1, fmt::format("{}: several images need georeferences, and a terrain with a CRS; give "
+                                             "one image, or place all with gdalwarp",
+                                             path));
+            layers.push_back(stretched(opened->top(), ground));
+        } else {
+            if (needs_warp(opened->top(), g, ground)) {
+                recipe.warp_to = ground.crs_wkt;
+                opened.reset();
+                opened = std::make_unique<Opened>(open_image(recipe, messages));
+            }
+            layers.push_back(placed(opened->top(), ground, path));
+        }
+        recipes_.push_back(recipe);
+    }
+
+    std::vector<Recipe> recipes_;
+};
+
+} // namespace
+
+Frame frame_of(const HeightSource& ground) {
+    return {ground.columns,
+            ground.rows,
+            {ground.origin_m[0], ground.origin_m[1]},
+            {ground.crs_step[0], ground.crs_step[1]},
+            ground.crs_wkt};
+}
+
+std::unique_ptr<ImageSource> open_images(const std::vector<std::string>& paths, const Frame& ground) {
+    return std::make_unique<Images>(paths, ground);
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,238 @@
+// The grids of all mips and what of them a tile needs; the mips themselves by tents (tent.h), blocks by blocks.h.
+//
+// A tile's near mips need texels around it: mip 2 sees mip 1 as far as its own texels are apart, mip 1 sees mip 0, mip
+// 0 the samples. All of them are computed from the samples around the tile, a few percent more than its own, and equal
+// what the neighbour computes bit for bit.
+#include "baker/maps/maps.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "baker/maps/blocks.h"
+#include "baker/maps/maps_source.h"
+#include "fjell/pack.h"
+#include "fjell/texture.h"
+#include "pack/clones.h"
+
+namespace fjell::baker {
+
+namespace {
+
+constexpr float normal_unit = 32767, light_unit = 65535;
+
+std::int32_t side_of(const MapPlan& plan, MapKind kind, std::uint32_t mip) {
+    return std::int32_t{1} << (plan.log2_side(kind) - mip);
+}
+
+Window seen(const TentAxis (&axes)[2], const Window& texels) {
+    const std::int32_t x = axes[0].first(texels.x), y = axes[1].first(texels.y);
+    return {x, y, axes[0].end(texels.x + texels.columns - 1) - x, axes[1].end(texels.y + texels.rows - 1) - y};
+}
+
+// From the texels of mip - 1 to those of mip.
+struct MipAxes {
+    TentAxis axes[2];
+};
+MipAxes mip_axes(const MapPlan& plan, MapKind kind, std::uint32_t mip) {
+    const std::int64_t finer = side_of(plan, kind, mip - 1) - 1, coarser = side_of(plan, kind, mip) - 1;
+    const Window grid = plan.grid(kind, mip - 1);
+    return {{{finer, coarser, 1e18, 1, 0, grid.columns}, {finer, coarser, 1e18, 1, 0, grid.rows}}};
+}
+
+std::uint32_t near_count(const MapPlan& plan, MapKind kind) {
+    return std::min(near_mips, mip_count(plan.log2_side(kind)));
+}
+
+// The texels of mips 0.. that the near mips of a tile are made from, each with what the next one sees of it.
+std::vector<Window> near_windows(const MapPlan& plan, MapKind kind, std::uint32_t tile) {
+    std::vector<Window> windows(near_count(plan, kind));
+    for (std::size_t m = windows.size(); m-- > 0;)
+        windows[m] = m + 1 == windows.size()
+                         ? plan.texels(kind, static_cast<std::uint32_t>(m), tile)
+                         : seen(mip_axes(plan, kind, static_cast<std::uint32_t>(m) + 1).axes, windows[m + 1]);
+    return windows;
+}
+
+class PlaneRows : public RowSource {
+public:
+    PlaneRows(const Planes& planes, std::int32_t first_column) : planes_(planes), skip_(first_column - planes.at.x) {}
+    void prepare(std::int32_t, std::int32_t) override {}
+    [[nodiscard]] const float* row(int c, std::int32_t y) const override { return planes_.row(c, y) + skip_; }
+
+private:
+    const Planes& planes_;
+    std::int32_t skip_;
+};
+
+Planes coarser(const MipAxes& from, const Planes& finer, const Window& texels) {
+    const Taps x = make_taps(from.axes[0], texels.x, texels.columns),
+               y = make_taps(from.axes[1], texels.y, texels.rows);
+    PlaneRows rows(finer, x.source_first);
+    return tent(x, y, texels, rows, static_cast<int>(finer.channel.size()));
+}
+
+// ---- texels to blocks and to 16 bits --------------------------------------------------------------------------------
+
+std::uint16_t light16(float light) {
+    return static_cast<std::uint16_t>(std::clamp(light, 0.0f, 1.0f) * light_unit + 0.5f);
+}
+float unit_clamped(float v) {
+    v = v < -1 ? -1 : v;
+    return v > 1 ? 1 : v;
+}
+
+FJELL_CLONES void to_light16(const float* light, std::size_t n, std::uint16_t* __restrict to) {
+    for (std::size_t i = 0; i < n; ++i) {
+        float v = light[i] < 0 ? 0 : light[i];
+        v = v > 1 ? 1 : v;
+        to[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(v * light_unit + 0.5f));
+    }
+}
+void to_srgb(const float* light, std::size_t n, std::uint8_t* to) {
+    const std::uint8_t* const code = srgb_of_light();
+    std::uint16_t light16[64];
+    for (std::size_t first = 0; first < n; first += 64) {
+        const std::size_t count = std::min<std::size_t>(64, n - first);
+        to_light16(light + first, count, light16);
+        for (std::size_t i = 0; i < count; ++i) to[first + i] = code[light16[i]];
+    }
+}
+FJELL_CLONES void to_normal_codes(const float* from, std::size_t n, std::uint8_t* __restrict to) {
+    for (std::size_t i = 0; i < n; ++i) {
+        float v = from[i] < -1 ? -1 : from[i];
+        v = v > 1 ? 1 : v;
+        to[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(v * 127.0f + 128.5f));
+    }
+}
+
+// Blocks of the tile's own texels; planes may hold more around them.
+std::vector<std::byte> compress(MapKind kind, const Planes& planes, const Window& tile) {
+    const bool colour = kind == MapKind::colour;
+    const auto side = static_cast<std::size_t>(tile.columns), across = side / 4;
+    const std::size_t row_bytes = across * (colour ? colour_block_bytes : normal_block_bytes);
+    std::vector<std::byte> blocks(across * row_bytes);
+    std::vector<std::uint8_t> codes(side * 4 * 3);
+    for (std::size_t j = 0; j < across; ++j) {
+        ColourRows rgb{};
+        NormalRows xz{};
+        for (std::size_t i = 0; i < 4; ++i)
+            for (std::size_t c = 0; c < channels(kind); ++c) {
+                const float* const from =
+                    planes.row(static_cast<int>(c), tile.y + static_cast<std::int32_t>(4 * j + i)) +
+                    (tile.x - planes.at.x);
+                std::uint8_t* const to = codes.data() + (i * 3 + c) * side;
+                colour ? to_srgb(from, side, to) : to_normal_codes(from, side, to);
+                (colour ? rgb.rows[i][c] : xz.rows[i][c % 2]) = to;
+            }
+        std::byte* const to = blocks.data() + j * row_bytes;
+        colour ? encode_bc1(rgb, across, to) : encode_bc5(xz, across, to);
+    }
+    return blocks;
+}
+
+Texels stored(MapKind kind, const Planes& planes, const Window& tile) {
+    const std::size_t n = channels(kind);
+    Texels texels(tile.area() * n);
+    std::uint16_t* to = texels.data();
+    for (std::int32_t y = tile.y; y < tile.y + tile.rows; ++y)
+        for (std::int32_t x = tile.x; x < tile.x + tile.columns; ++x)
+            for (std::size_t c = 0; c < n; ++c) {
+                const float v = planes.row(static_cast<int>(c), y)[x - planes.at.x];
+                *to++ = kind == MapKind::colour ? light16(v)
+                                                : static_cast<std::uint16_t>(static_cast<std::int32_t>(
+                                                      unit_clamped(v) * normal_unit + 32768.5f));
+            }
+    return texels;
+}
+
+Planes loaded(MapKind kind, const Texels& texels, const Window& window) {
+    const std::size_t n = channels(kind);
+    Planes planes(window, static_cast<int>(n));
+    for (std::size_t i = 0; i < window.area(); ++i)
+        for (std::size_t c = 0; c < n; ++c) {
+            const auto v = static_cast<float>(texels[i * n + c]);
+            planes.channel[c][i] = kind == MapKind::colour ? v / light_unit : (v - 32768) / normal_unit;
+        }
+    return planes;
+}
+
+// All near mips of a kind, from the texels of mip 0.
+std::vector<MipTexels> near_mips_of(const MapPlan& plan, MapKind kind, std::uint32_t tile,
+                                    const std::vector<Window>& windows, Planes planes) {
+    std::vector<MipTexels> mips(windows.size());
+    for (std::uint32_t m = 0; m < mips.size(); ++m) {
+        if (m > 0) planes = coarser(mip_axes(plan, kind, m), planes, windows[m]);
+        const Window own = plan.texels(kind, m, tile);
+        mips[m].blocks = compress(kind, planes, own);
+        if (m + 1 == mips.size()) mips[m].texels = stored(kind, planes, own);
+    }
+    return mips;
+}
+
+} // namespace
+
+std::uint32_t MapPlan::log2_side(MapKind kind) const {
+    return kind == MapKind::colour ? colour_log2 : normal_log2;
+}
+
+Window MapPlan::grid(MapKind kind, std::uint32_t mip) const {
+    const std::int32_t cells = side_of(*this, kind, mip) - 1;
+    return {0, 0, tree.tiles_x * cells + 1, tree.tiles_y * cells + 1};
+}
+
+Window MapPlan::texels(MapKind kind, std::uint32_t mip, std::uint32_t tile) const {
+    const std::int32_t side = side_of(*this, kind, mip);
+    const auto tiles_x = static_cast<std::uint32_t>(tree.tiles_x);
+    return {static_cast<std::int32_t>(tile % tiles_x) * (side - 1),
+            static_cast<std::int32_t>(tile / tiles_x) * (side - 1), side, side};
+}
+
+SampleAxes sample_axes(const MapPlan& plan, MapKind kind) {
+    const std::int64_t cells = side_of(plan, kind, 0) - 1, samples = plan.tree.side();
+    return {{{samples, cells, plan.tree.columns() - 1.0, 1, 0, plan.tree.columns()},
+             {samples, cells, plan.tree.rows() - 1.0, 1, 0, plan.tree.rows()}}};
+}
+
+Window heights_for_maps(const MapPlan& plan, std::uint32_t tile) {
+    std::int32_t x0 = plan.tree.columns(), y0 = plan.tree.rows(), x1 = 0, y1 = 0;
+    for (const MapKind kind : {MapKind::colour, MapKind::normal}) {
+        if (plan.log2_side(kind) == 0) continue;
+        const Window w = seen(sample_axes(plan, kind).axes, near_windows(plan, kind, tile).front());
+        x0 = std::min(x0, w.x), y0 = std::min(y0, w.y);
+        x1 = std::max(x1, w.x + w.columns), y1 = std::max(y1, w.y + w.rows);
+    }
+    if (x1 == 0) return {};
+    // Normals are differences to the samples beside.
+    x0 = std::max(x0 - 1, 0), y0 = std::max(y0 - 1, 0);
+    x1 = std::min(x1 + 1, plan.tree.columns()), y1 = std::min(y1 + 1, plan.tree.rows());
+    return {x0, y0, x1 - x0, y1 - y0};
+}
+
+NearMaps near_maps(const MapPlan& plan, std::uint32_t tile, const float* heights_m, ImageReader* reader) {
+    const HeightWindow heights{heights_m, heights_for_maps(plan, tile)};
+    NearMaps maps;
+    if (plan.colour_log2 != 0) {
+        const auto windows = near_windows(plan, MapKind::colour, tile);
+        maps.colour =
+            near_mips_of(plan, MapKind::colour, tile, windows, first_colours(plan, heights, windows.front(), reader));
+    }
+    if (plan.normal_log2 != 0) {
+        const auto windows = near_windows(plan, MapKind::normal, tile);
+        maps.normal = near_mips_of(plan, MapKind::normal, tile, windows, first_normals(plan, heights, windows.front()));
+    }
+    return maps;
+}
+
+Window finer_texels(const MapPlan& plan, MapKind kind, std::uint32_t mip, std::uint32_t tile) {
+    return seen(mip_axes(plan, kind, mip).axes, plan.texels(kind, mip, tile));
+}
+
+MipTexels far_mip(const MapPlan& plan, MapKind kind, std::uint32_t mip, std::uint32_t tile, const Texels& finer) {
+    const Window own = plan.texels(kind, mip, tile);
+    const Planes planes =
+        coarser(mip_axes(plan, kind, mip), loaded(kind, finer, finer_texels(plan, kind, mip, tile)), own);
+    return {compress(kind, planes, own), stored(kind, planes, own)};
+}
+
+} // namespace fjell::baker

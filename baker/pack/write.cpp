@@ -1,0 +1,149 @@
+#include "baker/pack/write.h"
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+
+#include <fmt/format.h>
+#include <xxhash.h>
+#include <zstd.h>
+
+namespace fjell::baker {
+
+namespace {
+
+// One a thread, set for the kind of chunk. Residuals of heights are noise with hardly a match in them: looking for long
+// ones only takes no more bytes, and leaves the decoder fewer.
+ZSTD_CCtx* compressor(ChunkKind kind, int zstd_level) {
+    thread_local const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), ZSTD_freeCCtx);
+    if (!context) throw Failure(3, "cannot compress: not enough memory");
+    const bool page = kind == ChunkKind::geometry;
+    ZSTD_CCtx_reset(context.get(), ZSTD_reset_session_and_parameters);
+    ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, page ? 1 : zstd_level);
+    if (page) ZSTD_CCtx_setParameter(context.get(), ZSTD_c_minMatch, 6);
+    return context.get();
+}
+
+} // namespace
+
+void ChunkBatch::add(ChunkId id, std::span<const std::byte> raw, int zstd_level, const PageBound& bound) {
+    const std::size_t from = bytes_.size();
+    bytes_.resize(from + ZSTD_compressBound(raw.size()));
+    const std::size_t size = ZSTD_compress2(compressor(id.kind, zstd_level), bytes_.data() + from, bytes_.size() - from,
+                                            raw.data(), raw.size());
+    if (ZSTD_isError(size)) throw Failure(3, fmt::format("cannot compress: {}", ZSTD_getErrorName(size)));
+    bytes_.resize(from + size);
+    entries_.push_back({id,
+                        {from, XXH3_64bits(bytes_.data() + from, size), static_cast<std::uint32_t>(size),
+                         static_cast<std::uint32_t>(raw.size()), bound}});
+}
+
+ChunkSpool::ChunkSpool(const std::string& data_path, const std::string& entries_path, const PackHeader& layout,
+                       std::uint64_t bytes_so_far)
+    : layout_(layout), count_(chunk_count(layout)), entries_(entries_path, count_ * sizeof(ChunkEntry)),
+      end_(bytes_so_far), in_memory_(data_path.empty()) {
+    if (!in_memory_) data_ = WorkFile(data_path, WorkFile::grows);
+}
+
+void ChunkSpool::append(ChunkBatch batch) {
+    std::unique_lock hold(lock_);
+    const std::uint64_t at = end_;
+    end_ += batch.bytes_.size();
+    if (in_memory_) {
+        batch.bytes_.shrink_to_fit();
+        batches_.push_back(std::move(batch.bytes_));
+        begins_.push_back(at);
+    }
+    hold.unlock();
+    if (!in_memory_) data_.write(at, batch.bytes_);
+    for (const ChunkBatch::Entry& e : batch.entries_) {
+        ChunkEntry entry = e.entry;
+        entry.offset += at;
+        entries_.write(chunk_index(layout_, e.id) * sizeof entry, std::as_bytes(std::span(&entry, 1)));
+    }
+}
+
+void ChunkSpool::read(std::uint64_t offset, std::span<std::byte> to) const {
+    if (!in_memory_) return data_.read(offset, to);
+    auto batch =
+        static_cast<std::size_t>(std::upper_bound(begins_.begin(), begins_.end(), offset) - begins_.begin()) - 1;
+    for (; !to.empty(); ++batch) {
+        const std::size_t from = offset - begins_[batch], count = std::min(to.size(), batches_[batch].size() - from);
+        std::memcpy(to.data(), batches_[batch].data() + from, count);
+        to = to.subspan(count);
+        offset += count;
+    }
+}
+
+std::uint64_t ChunkSpool::bytes() {
+    const std::lock_guard hold(lock_);
+    return end_;
+}
+
+std::vector<ChunkEntry> ChunkSpool::entries() const {
+    std::vector<ChunkEntry> all(count_);
+    entries_.read(0, std::as_writable_bytes(std::span(all)));
+    return all;
+}
+
+namespace {
+
+// Chunks that follow each other in the spool are copied in one go.
+class Copier {
+public:
+    Copier(const ChunkSpool& spool, io::AtomicFile& file) : spool_(spool), file_(file) {}
+    void add(std::uint64_t offset, std::uint64_t bytes) {
+        if (offset != from_ + bytes_ || bytes_ + bytes > most) flush(), from_ = offset;
+        bytes_ += bytes;
+    }
+    void flush() {
+        buffer_.resize(bytes_);
+        spool_.read(from_, buffer_);
+        file_.write(buffer_);
+        bytes_ = 0;
+    }
+
+private:
+    static constexpr std::uint64_t most = std::uint64_t{4} << 20;
+    const ChunkSpool& spool_;
+    io::AtomicFile& file_;
+    std::vector<std::byte> buffer_;
+    std::uint64_t from_ = 0, bytes_ = 0;
+};
+
+} // namespace
+
+std::uint64_t assemble_pack(PackHeader header, const ChunkSpool& spool, const std::vector<ChunkId>& sequence,
+                            io::AtomicFile& file, const std::function<void(std::uint64_t)>& moved) {
+    std::memcpy(header.magic, pack_magic, sizeof pack_magic);
+    header.version = pack_version;
+    header.header_bytes = sizeof(PackHeader);
+    header.layout_hash = pack_layout_hash;
+    const PackHeader empty{}; // no magic number until the pack is complete
+    file.write(std::as_bytes(std::span(&empty, 1)));
+
+    std::vector<ChunkEntry> directory = spool.entries();
+    Copier copier(spool, file);
+    std::uint64_t end = sizeof(PackHeader), done = 0;
+    for (const ChunkId& id : sequence) {
+        ChunkEntry& entry = directory.at(chunk_index(header, id));
+        if (entry.stored_bytes == 0) throw std::logic_error("a chunk is missing");
+        copier.add(entry.offset, entry.stored_bytes);
+        entry.offset = end;
+        end += entry.stored_bytes;
+        if (++done % 1024 == 0) moved(done);
+    }
+    copier.flush();
+    if (done != directory.size()) throw std::logic_error("a chunk is missing from the sequence");
+    const auto bytes = std::as_bytes(std::span(directory));
+    header.directory_offset = file.size();
+    header.directory_count = directory.size();
+    header.directory_hash = XXH3_64bits(bytes.data(), bytes.size());
+    file.write(bytes);
+    header.file_bytes = file.size();
+    header.header_hash = XXH3_64bits(&header, offsetof(PackHeader, header_hash));
+    file.write_at(0, std::as_bytes(std::span(&header, 1)));
+    return file.size();
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,284 @@
+#include "baker/place/projection.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <cpl_string.h>
+#include <fmt/format.h>
+#include <gdal_alg.h>
+
+#include "fjell/pack.h"
+
+namespace fjell::baker {
+
+namespace {
+
+// Caps from here on to the pole stay square to 7% in a polar plane; half a degree for rims of pixels.
+constexpr double least_cap = 59.5;
+
+// Longitude in -180..180.
+double wrapped(double longitude) {
+    return longitude - 360 * std::floor((longitude + 180) / 360);
+}
+
+// Well-known codes where they exist, so that other programs recognise the CRS.
+int utm_code(const OGRSpatialReference& geographic, int zone, bool north) {
+    OGRSpatialReference wgs84;
+    wgs84.importFromEPSG(4326);
+    if (geographic.IsSameGeogCS(&wgs84)) return (north ? 32600 : 32700) + zone;
+    const int code = geographic.GetEPSGGeogCS();
+    if (code == 4258 && north && zone >= 28 && zone <= 38) return 25800 + zone;
+    if (code == 4269 && north && zone <= 23) return 26900 + zone;
+    return 0;
+}
+
+std::unique_ptr<OGRSpatialReference> blank() {
+    auto crs = std::make_unique<OGRSpatialReference>();
+    crs->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    return crs;
+}
+
+std::unique_ptr<OGRSpatialReference> named_crs(const std::string& text) {
+    auto crs = blank();
+    constexpr std::array<const char*, 3> options{"ALLOW_NETWORK_ACCESS=NO", "ALLOW_FILE_ACCESS=NO", nullptr};
+    if (crs->SetFromUserInput(text.c_str(), options.data()) != OGRERR_NONE)
+        throw Failure(2, fmt::format("--crs {}: no CRS that GDAL knows; give one like EPSG:32633, WKT, auto or none",
+                                     text.substr(0, 200)));
+    if (!crs->IsProjected())
+        throw Failure(2, fmt::format("--crs {}: is not projected, and heights and places must both be in metres; give "
+                                     "one like EPSG:32633, or auto",
+                                     text.substr(0, 200)));
+    crs->StripVertical();
+    return crs;
+}
+
+std::unique_ptr<OGRSpatialReference> automatic_crs(const Placement& from, const std::string& path) {
+    const double west = from.east(-0.5), east = from.east(from.columns - 0.5);
+    const double south = from.north(from.rows - 0.5), north = from.north(-0.5);
+    auto crs = crs_for(source_crs(from), west, south, east, north);
+    if (!crs)
+        throw Failure(1,
+                      fmt::format("{}: spans {:.0f} x {:.0f} degrees, which no plane holds without squeezing; give "
+                                  "--spacing M (metres between samples) to take them as a square grid, --crs and "
+                                  "--bbox for a part, or project it first with gdalwarp -t_srs EPSG:6933 -r cubic {} "
+                                  "OUT.tif",
+                                  path, east - west, north - south, path));
+    return crs;
+}
+
+// To three digits: what a source has in its middle is no round number.
+double rounded(double step) {
+    const double unit = std::pow(10.0, std::floor(std::log10(step)) - 2);
+    return unit < 1 ? std::round(step / unit) / std::round(1 / unit) : std::round(step / unit) * unit;
+}
+
+struct Extent {
+    double low[2] = {-HUGE_VAL, -HUGE_VAL}, high[2] = {HUGE_VAL, HUGE_VAL};
+};
+
+// Metres between neighbouring samples at a place of the source, as a square has them; 0: not known.
+double spacing_at(const Transformer& transformer, double x, double y, double unit_m) {
+    double area = 1;
+    for (const int axis : {0, 1}) {
+        double ax = x - 0.5 * (axis == 0), ay = y - 0.5 * (axis == 1);
+        double bx = x + 0.5 * (axis == 0), by = y + 0.5 * (axis == 1);
+        if (!transformer.to_target(ax, ay) || !transformer.to_target(bx, by)) return 0;
+        area *= std::hypot(bx - ax, by - ay) * unit_m;
+    }
+    return std::sqrt(area);
+}
+
+bool touches(const Transformer& transformer, const Extent& box, const GDALDataset& from) {
+    constexpr int steps = 32;
+    for (int j = 0; j <= steps; ++j)
+        for (int i = 0; i <= steps; ++i) {
+            double x = box.low[0] + (box.high[0] - box.low[0]) * i / steps;
+            double y = box.low[1] + (box.high[1] - box.low[1]) * j / steps;
+            if (transformer.to_source(x, y) && x >= 0 && y >= 0 &&
+                x <= const_cast<GDALDataset&>(from).GetRasterXSize() &&
+                y <= const_cast<GDALDataset&>(from).GetRasterYSize())
+                return true;
+        }
+    return false;
+}
+
+} // namespace
+
+OGRSpatialReference source_crs(const Placement& from) {
+    OGRSpatialReference crs;
+    if (from.crs_wkt.empty())
+        crs.importFromEPSG(4326);
+    else
+        crs.importFromWkt(from.crs_wkt.c_str());
+    crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    crs.StripVertical();
+    return crs;
+}
+
+std::unique_ptr<OGRSpatialReference> crs_for(const OGRSpatialReference& geographic, double west, double south,
+                                             double east, double north) {
+    const double middle = wrapped((west + east) / 2), latitude = (south + north) / 2, width = east - west;
+    auto crs = blank();
+    if (width > 90 && (south > least_cap || north < -least_cap)) { // around a pole
+        OGRSpatialReference wgs84;
+        wgs84.importFromEPSG(4326);
+        if (geographic.IsSameGeogCS(&wgs84) && crs->importFromEPSG(north > 0 ? 3995 : 3031) == OGRERR_NONE) return crs;
+        crs->SetProjCS("Polar stereographic");
+        crs->CopyGeogCSFrom(&geographic);
+        crs->SetPS(north > 0 ? 71 : -71, 0, 1, 0, 0);
+        return crs;
+    }
+    if (north - south > 90 || width > 90) return nullptr;
+    if (north > 84 || south < -84) {
+        crs->SetProjCS("Polar stereographic");
+        crs->CopyGeogCSFrom(&geographic);
+        const double side = latitude < 0 ? -1 : 1;
+        crs->SetPS(std::abs(latitude) > 89 ? side * 89 : std::round(latitude), std::round(middle), 1, 0, 0);
+        return crs;
+    }
+    if (width <= 12) {
+        const int zone = std::min(60, static_cast<int>(std::floor((middle + 180) / 6)) + 1);
+        const bool north_half = latitude >= 0;
+        const int code = utm_code(geographic, zone, north_half);
+        if (code && crs->importFromEPSG(code) == OGRERR_NONE) return crs;
+        crs->SetProjCS(fmt::format("UTM zone {}{}", zone, north_half ? 'N' : 'S').c_str());
+        crs->CopyGeogCSFrom(&geographic);
+        crs->SetUTM(zone, north_half);
+        return crs;
+    }
+    crs->SetProjCS("Lambert azimuthal equal area");
+    crs->CopyGeogCSFrom(&geographic);
+    crs->SetLAEA(std::round(latitude), std::round(middle), 0, 0);
+    return crs;
+}
+
+std::unique_ptr<OGRSpatialReference> target_crs(const Placement& from, const ReadOptions& options,
+                                                const std::string& path) {
+    const bool automatic = options.crs == "auto", none = options.crs == "none";
+    if (!automatic && !none) {
+        auto crs = named_crs(options.crs);
+        if (from.axes == Axes::none)
+            throw Failure(1, fmt::format("{}: has no georeference and cannot be reprojected; give --spacing M (metres "
+                                         "between samples) and leave out --crs",
+                                         path));
+        if (from.axes == Axes::perhaps_degrees || (from.axes == Axes::metres && from.crs_wkt.empty()))
+            throw Failure(1, fmt::format("{}: has no CRS of its own to reproject from; give it one first with "
+                                         "gdal_translate -a_srs CRS {} OUT.tif",
+                                         path, path));
+        const OGRSpatialReference own = source_crs(from);
+        if (!options.spacing_m && own.IsSame(crs.get())) return nullptr;
+        return crs;
+    }
+    if (options.spacing_m || from.axes == Axes::metres) return nullptr;
+    if (from.axes == Axes::none)
+        throw Failure(1, fmt::format("{}: has no georeference; give --spacing M (metres between samples)", path));
+    if (none)
+        throw Failure(1, fmt::format("{}: is in degrees; give --spacing M (metres between samples), or leave out --crs "
+                                     "none to reproject it",
+                                     path));
+    if (from.axes == Axes::perhaps_degrees)
+        throw Failure(1,
+                      fmt::format("{}: has no CRS and looks as if it is in degrees; give --spacing M (metres between "
+                                  "samples), or say so with gdal_translate -a_srs EPSG:4326 {} OUT.tif",
+                                  path, path));
+    return automatic_crs(from, path);
+}
+
+Transformer::Transformer(GDALDataset& from, const std::string& crs_wkt, const std::string& path) {
+    const GdalMessages messages;
+    CPLStringList options;
+    options.SetNameValue("DST_SRS", crs_wkt.c_str());
+    argument_ = GDALCreateGenImgProjTransformer2(GDALDataset::ToHandle(&from), nullptr, options.List());
+    if (!argument_)
+        throw Failure(1, fmt::format("{}: cannot be reprojected; try another --crs{}", path, messages.said()));
+}
+
+Transformer::~Transformer() {
+    GDALDestroyGenImgProjTransformer(argument_);
+}
+
+void Transformer::set_target(const Placement& to) {
+    const double transform[6] = {to.east(-0.5), to.step[0], 0, to.north(-0.5), 0, -to.step[1]};
+    GDALSetGenImgProjTransformerDstGeoTransform(argument_, transform);
+}
+
+bool Transformer::transform(int backwards, double& x, double& y) const {
+    const GdalMessages quiet;
+    double z = 0;
+    int good = 0;
+    return GDALGenImgProjTransform(argument_, backwards, 1, &x, &y, &z, &good) && good && std::isfinite(x) &&
+           std::isfinite(y);
+}
+
+bool Transformer::to_source(double& x, double& y) const {
+    return transform(TRUE, x, y);
+}
+bool Transformer::to_target(double& x, double& y) const {
+    return transform(FALSE, x, y);
+}
+
+Placement target_grid(GDALDataset& from, const OGRSpatialReference& crs, const ReadOptions& options,
+                         const std::string& path) {
+    Placement p;
+    p.axes = Axes::metres;
+    p.crs_wkt = wkt_of(crs);
+    p.unit_m = crs.GetLinearUnits();
+    const Transformer transformer(from, p.crs_wkt, path);
+    const GdalMessages quiet;
+    std::array<double, 6> unused{};
+    std::array<double, 4> around{}; // west, south, east, north
+    int columns = 0, rows = 0;
+    Extent extent;
+    const bool known =
+        GDALSuggestedWarpOutput2(GDALDataset::ToHandle(&from), GDALGenImgProjTransform, transformer.argument(),
+                                 unused.data(), &columns, &rows, around.data(), 0) == CE_None;
+    if (known) extent = {{around[0], around[1]}, {around[2], around[3]}};
+    double x = 0.5 * from.GetRasterXSize(), y = 0.5 * from.GetRasterYSize();
+    if (options.bbox) {
+        const auto& [west, south, east, north] = *options.bbox;
+        const Extent box{{west, south}, {east, north}};
+        if (!touches(transformer, box, from))
+            throw Failure(1, fmt::format("{}: --bbox {},{},{},{} lies outside of it{}", path, west, south, east, north,
+                                         known ? fmt::format("; it spans {:.0f},{:.0f},{:.0f},{:.0f}", around[0],
+                                                             around[1], around[2], around[3])
+                                               : ""));
+        x = (west + east) / 2, y = (south + north) / 2;
+        if (!transformer.to_source(x, y)) x = 0.5 * from.GetRasterXSize(), y = 0.5 * from.GetRasterYSize();
+        for (const int axis : {0, 1}) {
+            extent.low[axis] = std::max(extent.low[axis], box.low[axis]);
+            extent.high[axis] = std::min(extent.high[axis], box.high[axis]);
+        }
+    } else if (!known) {
+        throw Failure(1,
+                      fmt::format("{}: does not fit into that CRS; choose a part with --bbox, or another --crs", path));
+    }
+    const double spacing_m = options.spacing_m ? *options.spacing_m : spacing_at(transformer, x, y, p.unit_m);
+    if (!(spacing_m >= min_spacing_m && spacing_m <= max_spacing_m))
+        throw Failure(1, fmt::format("{}: has no spacing in its middle in that CRS; give --spacing M", path));
+    const double step = options.spacing_m ? spacing_m / p.unit_m : rounded(spacing_m / p.unit_m);
+    p.step[0] = p.step[1] = step;
+    // Cells from first to last, whole ones around the source, those with their middle in a box.
+    double first[2], last[2];
+    for (const int axis : {0, 1}) {
+        const double low = extent.low[axis] / step, high = extent.high[axis] / step;
+        first[axis] = options.bbox ? std::ceil(low - 0.5) : std::floor(low);
+        last[axis] = options.bbox ? std::floor(high - 0.5) : std::ceil(high) - 1;
+        if (!(last[axis] - first[axis] < std::numeric_limits<std::int32_t>::max() / 2 &&
+              (last[axis] - first[axis]) * step * p.unit_m <= max_extent_m))
+            throw Failure(
+                1, fmt::format("{}: does not fit into that CRS; choose a part with --bbox, or another --crs", path));
+    }
+    if (!(last[0] - first[0] >= 1 && last[1] - first[1] >= 1))
+        throw Failure(1, fmt::format("{}: fewer than 2 x 2 samples, {} m apart, lie inside; give a larger --bbox or a "
+                                     "smaller --spacing",
+                                     path, step * p.unit_m));
+    p.columns = static_cast<std::int32_t>(last[0] - first[0]) + 1;
+    p.rows = static_cast<std::int32_t>(last[1] - first[1]) + 1;
+    p.origin[0] = (first[0] + 0.5) * step;
+    p.origin[1] = (last[1] + 0.5) * step;
+    return p;
+}
+
+} // namespace fjell::baker

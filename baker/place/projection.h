@@ -1,0 +1,56 @@
+// From degrees, or any CRS, to a square lattice in metres.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <ogr_spatialref.h>
+
+#include "baker/place/placement.h"
+#include "baker/read/read.h"
+
+namespace fjell::baker {
+
+// A projected CRS for a field of these extents in degrees, of the same datum: UTM for at most 12 degrees of longitude
+// between 84 degrees south and north, polar stereographic about a pole, else Lambert's azimuthal equal-area projection
+// about the middle. Null when more than 90 degrees are spanned,
+// which no plane holds without tearing or squeezing, unless all of it lies within 30 degrees of a pole: then it is the
+// polar stereographic plane that maps of it are in.
+[[nodiscard]] std::unique_ptr<OGRSpatialReference> crs_for(const OGRSpatialReference& geographic, double west,
+                                                           double south, double east, double north);
+
+// The CRS to reproject to; null: samples stay where they are. Throws Failure: 1 degrees that need a decision; 2 a crs
+// that is none or not projected.
+[[nodiscard]] std::unique_ptr<OGRSpatialReference> target_crs(const Placement& from, const ReadOptions& options,
+                                                              const std::string& path);
+
+// GDAL's exact transformation between a raster of one CRS and one of another. One thread.
+class Transformer {
+public:
+    // from: its crs_wkt, or longitude and latitude on WGS 84 when it has degrees and none.
+    Transformer(GDALDataset& from, const std::string& crs_wkt, const std::string& path);
+    ~Transformer();
+    Transformer(const Transformer&) = delete;
+    Transformer& operator=(const Transformer&) = delete;
+
+    [[nodiscard]] void* argument() const { return argument_; }
+    void set_target(const Placement& to);
+    // Columns and rows, pixel edges at whole numbers. False: no such place.
+    bool to_source(double& x, double& y) const;
+    bool to_target(double& x, double& y) const;
+
+private:
+    bool transform(int backwards, double& x, double& y) const;
+    void* argument_ = nullptr;
+};
+
+// The lattice of the reprojected field: square, its spacing --spacing or that of the source in the middle to three
+// digits, edges on multiples of it, so that neighbours fit; around the bbox if there is one, else around the source.
+// Throws Failure 1: outside, or too large.
+[[nodiscard]] Placement target_grid(GDALDataset& from, const OGRSpatialReference& crs, const ReadOptions& options,
+                                       const std::string& path);
+
+// The CRS of what has degrees, without its vertical part.
+[[nodiscard]] OGRSpatialReference source_crs(const Placement& from);
+
+} // namespace fjell::baker

@@ -1,0 +1,159 @@
+// GDAL's warper gives other numbers when it is given other chunks or other memory. Here its kernel is given one block
+// at a time, always the same ones, with a fixed resampling ratio and fixed bounds of transformation, so that a sample
+// depends on nothing but its place. Cubic interpolation keeps crests and valleys that bilinear flattens; beside a void,
+// where it lacks one of its 16 samples, GDAL falls back to the bilinear of those that there are.
+#include "baker/place/warp.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <cpl_string.h>
+#include <fmt/format.h>
+#include <gdal_alg.h>
+
+namespace fjell::baker {
+
+namespace {
+
+constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
+
+double* one_number(double value) {
+    auto* const number = static_cast<double*>(CPLMalloc(sizeof(double)));
+    *number = value;
+    return number;
+}
+int* first_band() {
+    auto* const band = static_cast<int*>(CPLMalloc(sizeof(int)));
+    *band = 1;
+    return band;
+}
+
+// Places of the source are right to this many samples: exact transformation of every sample took ten times as long as
+// all else. GDAL interpolates along rows of what it is given, which are always the same blocks.
+constexpr double place_error = 0.01;
+
+// Target samples per source sample, at most 1: below, GDAL takes means over wider surroundings so that nothing aliases.
+// In the middle of the source, or of the target where that is elsewhere.
+double ratio(const Transformer& transformer, const Placement& from, const Placement& to) {
+    double x = 0.5 * to.columns, y = 0.5 * to.rows;
+    double middle_x = 0.5 * from.columns, middle_y = 0.5 * from.rows;
+    if (double tx = middle_x, ty = middle_y;
+        !transformer.to_target(tx, ty) || tx < 0 || ty < 0 || tx > to.columns || ty > to.rows)
+        if (transformer.to_source(x, y)) middle_x = x, middle_y = y;
+    double area = 1;
+    for (const int axis : {0, 1}) {
+        double ax = middle_x - 0.5 * (axis == 0), ay = middle_y - 0.5 * (axis == 1);
+        double bx = middle_x + 0.5 * (axis == 0), by = middle_y + 0.5 * (axis == 1);
+        if (!transformer.to_target(ax, ay) || !transformer.to_target(bx, by)) return 1;
+        area *= std::hypot(bx - ax, by - ay);
+    }
+    const double scale = std::sqrt(area);
+    return scale < 0.8 && scale > 0.001 ? scale : 1;
+}
+
+struct OptionsFree {
+    void operator()(GDALWarpOptions* options) const { GDALDestroyWarpOptions(options); }
+};
+
+} // namespace
+
+Warp::Warp(const Layout& from, const Placement& to, const ReadOptions& options)
+    : from_(from), to_(to), options_(options), mosaic_(from, options),
+      source_(from.at, source_crs(from.at), [this](const Window& window, float* heights) { fetch(window, heights); }),
+      transformer_(source_, to.crs_wkt, from.files.front().facts.path) {
+    transformer_.set_target(to);
+    const std::unique_ptr<GDALWarpOptions, OptionsFree> o(GDALCreateWarpOptions());
+    o->eResampleAlg = GRA_Cubic;
+    o->eWorkingDataType = GDT_Float32;
+    o->hSrcDS = GDALDataset::ToHandle(&source_);
+    o->nBandCount = 1;
+    o->panSrcBands = first_band();
+    o->panDstBands = first_band();
+    o->padfSrcNoDataReal = one_number(nothing);
+    o->padfDstNoDataReal = one_number(nothing);
+    approximate_.reset(GDALCreateApproxTransformer(GDALGenImgProjTransform, transformer_.argument(), place_error));
+    o->pfnTransformer = GDALApproxTransform;
+    o->pTransformerArg = approximate_.get();
+    CPLStringList settings;
+    settings.SetNameValue("NUM_THREADS", "1");
+    settings.SetNameValue("SAMPLE_GRID", "YES");
+    settings.SetNameValue("SOURCE_EXTRA", "4");
+    const std::string scale = fmt::format("{}", ratio(transformer_, from.at, to));
+    settings.SetNameValue("XSCALE", scale.c_str());
+    settings.SetNameValue("YSCALE", scale.c_str());
+    o->papszWarpOptions = settings.StealList();
+    const GdalMessages messages;
+    operation_ = std::make_unique<GDALWarpOperation>();
+    if (operation_->Initialize(o.get()) != CE_None)
+        throw Failure(1, fmt::format("{}: cannot be reprojected{}", from.files.front().facts.path, messages.said()));
+}
+
+Warp::~Warp() = default;
+void Warp::ApproximateFree::operator()(void* transformer) const {
+    GDALDestroyApproxTransformer(transformer);
+}
+
+void Warp::fetch(const Window& window, float* to) {
+    Census census;
+    mosaic_.read(window, to, census);
+    const bool ask = options_.nodata == NoData::automatic || options_.nodata == NoData::refuse;
+    if (ask && census.odd.count)
+        throw Failure(1, fmt::format("{}: has heights outside {}..{} m, such as {} m at column {}, row {}; if they are "
+                                     "voids, give --nodata hole to leave them open or --nodata fill to fill them from "
+                                     "their neighbours; if the unit is another, give --zscale S",
+                                     from_.files.front().facts.path, lowest_m, highest_m, census.odd_m,
+                                     census.odd.column, census.odd.row));
+    if (options_.nodata == NoData::refuse && census.voids.count)
+        throw Failure(1, fmt::format("{}: has samples that are no-data or NaN, such as at column {}, row {}; give "
+                                     "--nodata hole to leave them open or --nodata fill to fill them from their "
+                                     "neighbours",
+                                     from_.files.front().facts.path, census.voids.column, census.voids.row));
+}
+
+void Warp::load(std::int32_t block_x, std::int32_t block_y) {
+    const std::int32_t x = block_x * warp_block, y = block_y * warp_block;
+    const Window window{x, y, std::min(warp_block, to_.columns - x), std::min(warp_block, to_.rows - y)};
+    if (window == held_) return;
+    held_ = {};
+    block_.assign(window.area(), nothing);
+    // GDAL calls a block that no place of the source falls in an error.
+    constexpr int probes = 8;
+    bool anywhere = false;
+    for (int j = 0; j <= probes; ++j)
+        for (int i = 0; i <= probes && !anywhere; ++i) {
+            double px = x + static_cast<double>(window.columns) * i / probes;
+            double py = y + static_cast<double>(window.rows) * j / probes;
+            anywhere = transformer_.to_source(px, py);
+        }
+    if (anywhere) {
+        const GdalMessages messages;
+        const CPLErr result =
+            operation_->WarpRegionToBuffer(x, y, window.columns, window.rows, block_.data(), GDT_Float32);
+        source_.rethrow();
+        if (result != CE_None) // what it says otherwise is about places that the projection does not know
+            throw Failure(3, fmt::format("{}: could not be reprojected at columns {} to {}, rows {} to {}{}",
+                                         from_.files.front().facts.path, x, x + window.columns - 1, y,
+                                         y + window.rows - 1, messages.said()));
+    }
+    held_ = window;
+}
+
+void Warp::read(const Window& window, float* to) {
+    const std::int32_t right = window.x + window.columns, bottom = window.y + window.rows;
+    for (std::int32_t by = window.y / warp_block; by * warp_block < bottom; ++by)
+        for (std::int32_t bx = window.x / warp_block; bx * warp_block < right; ++bx) {
+            load(bx, by);
+            const std::int32_t from_x = std::max(window.x, held_.x), to_x = std::min(right, held_.x + held_.columns);
+            const std::int32_t from_y = std::max(window.y, held_.y), to_y = std::min(bottom, held_.y + held_.rows);
+            for (std::int32_t y = from_y; y < to_y; ++y)
+                std::copy_n(block_.data() +
+                                static_cast<std::size_t>(y - held_.y) * static_cast<std::size_t>(held_.columns) +
+                                static_cast<std::size_t>(from_x - held_.x),
+                            to_x - from_x,
+                            to + static_cast<std::size_t>(y - window.y) * static_cast<std::size_t>(window.columns) +
+                                static_cast<std::size_t>(from_x - window.x));
+        }
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,145 @@
+// Chunks are decoded and judged without a branch; only one that holds something void or odd is gone through again,
+// sample by sample.
+#include "baker/read/decode.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace fjell::baker {
+
+namespace {
+
+constexpr std::size_t chunk = 512, lanes = 8;
+
+bool plausible(double metres) {
+    return metres >= lowest_m && metres <= highest_m;
+}
+
+// Least and most in lanes: no reduction, so that the compiler may vectorise without reordering floats.
+struct Extremes {
+    std::array<float, lanes> least, most;
+    explicit Extremes(const Census& c) {
+        least.fill(c.least_m);
+        most.fill(c.most_m);
+    }
+    void see(const float* heights, std::size_t count) {
+        std::size_t i = 0;
+        for (; i + lanes <= count; i += lanes)
+            for (std::size_t k = 0; k < lanes; ++k) {
+                least[k] = heights[i + k] < least[k] ? heights[i + k] : least[k];
+                most[k] = heights[i + k] > most[k] ? heights[i + k] : most[k];
+            }
+        for (; i < count; ++i) least[0] = std::min(least[0], heights[i]), most[0] = std::max(most[0], heights[i]);
+    }
+    void give(Census& c) const {
+        c.least_m = *std::min_element(least.begin(), least.end());
+        c.most_m = *std::max_element(most.begin(), most.end());
+    }
+};
+
+// Heights of a chunk, and how many of them nobody can believe.
+template <typename T>
+std::int32_t heights_of(const T* raw, float* heights, std::size_t count, const Scaling& s) {
+    std::int32_t odd = 0;
+    if (s == Scaling{}) {
+        for (std::size_t i = 0; i < count; ++i) {
+            odd += !(raw[i] >= static_cast<T>(lowest_m)) | !(raw[i] <= static_cast<T>(highest_m));
+            heights[i] = static_cast<float>(raw[i]);
+        }
+        return odd;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        const double metres = s.file_m(static_cast<double>(raw[i])), asked = s.asked_m(metres);
+        const bool as_filed = (metres >= lowest_m) & (metres <= highest_m);
+        const bool as_asked = (asked >= lowest_m) & (asked <= highest_m);
+        odd += !(as_filed | as_asked);
+        heights[i] = static_cast<float>(asked);
+    }
+    return odd;
+}
+
+// The coarsest of 1, 0.1 and 0.01 that the number is a multiple of, as floats; per_unit never shrinks.
+void find_step(double raw, double& per_unit) {
+    while (per_unit <= 100 && static_cast<float>(std::round(raw * per_unit) / per_unit) != static_cast<float>(raw))
+        per_unit *= 10;
+}
+
+template <typename T>
+void find_step(const T* raw, std::size_t count, double& per_unit) {
+    if (per_unit == 1) {
+        constexpr T limit = static_cast<T>(1 << 30); // inside it, truncating to an integer is defined
+        std::int32_t broken = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const T near = std::min(std::max(raw[i], -limit), limit);
+            broken += static_cast<T>(static_cast<std::int32_t>(near)) != raw[i];
+        }
+        if (broken == 0) return;
+    }
+    for (std::size_t i = 0; i < count && per_unit <= 100; ++i) find_step(static_cast<double>(raw[i]), per_unit);
+}
+
+// One sample at a time, for a chunk with voids or odd heights.
+template <typename T>
+void decode_slowly(const T* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& d,
+                   const RowPlace& place, Census& census) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const double value = static_cast<double>(raw[i]);
+        const double metres = d.scaling.file_m(value), asked = d.scaling.asked_m(metres);
+        const std::int32_t x = place.x + static_cast<std::int32_t>(i) * place.step;
+        const bool marked = (valid && valid[i] == 0) || (d.tagged && std::abs(value - d.tag) <= d.tag_slack);
+        if (!marked && (plausible(metres) || plausible(asked))) {
+            to[i] = static_cast<float>(asked);
+            census.least_m = std::min(census.least_m, to[i]);
+            census.most_m = std::max(census.most_m, to[i]);
+            if (!d.whole) find_step(value, census.per_unit);
+            continue;
+        }
+        to[i] = std::numeric_limits<float>::quiet_NaN();
+        if (marked || std::isnan(metres)) {
+            census.voids.add(x, place.y);
+            continue;
+        }
+        Census one;
+        one.odd.add(x, place.y);
+        one.odd_m = asked;
+        census.add(one);
+    }
+}
+
+template <typename T>
+void decode_chunks(const T* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& d,
+                   const RowPlace& place, Census& census) {
+    // A tag that is odd itself is found by looking for odd heights.
+    const bool tag_hides =
+        d.tagged && (plausible(d.scaling.file_m(d.tag)) || plausible(d.scaling.asked_m(d.scaling.file_m(d.tag))));
+    std::array<float, chunk> heights;
+    for (std::size_t at = 0; at < count; at += chunk) {
+        const std::size_t n = std::min(chunk, count - at);
+        const std::uint8_t* const marks = valid ? valid + at : nullptr;
+        const bool all_valid = !tag_hides && (!marks || std::find(marks, marks + n, 0) == marks + n);
+        if (all_valid && heights_of(raw + at, heights.data(), n, d.scaling) == 0) {
+            Extremes extremes(census);
+            extremes.see(heights.data(), n);
+            extremes.give(census);
+            if (!d.whole) find_step(raw + at, n, census.per_unit);
+            std::copy_n(heights.begin(), n, to + at);
+            continue;
+        }
+        const RowPlace from{place.x + static_cast<std::int32_t>(at) * place.step, place.y, place.step};
+        decode_slowly(raw + at, marks, to + at, n, d, from, census);
+    }
+}
+
+} // namespace
+
+void decode_row(const float* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& decoding,
+                const RowPlace& place, Census& census) {
+    decode_chunks(raw, valid, to, count, decoding, place, census);
+}
+void decode_row(const double* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& decoding,
+                const RowPlace& place, Census& census) {
+    decode_chunks(raw, valid, to, count, decoding, place, census);
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,134 @@
+#include "baker/read/gdal_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+
+#include <cpl_string.h>
+#include <fmt/format.h>
+
+#include "baker/read/netcdf_length.h"
+
+namespace fjell::baker {
+
+namespace {
+
+std::string one_line(const char* text) {
+    std::string line(text ? text : "");
+    std::replace_if(
+        line.begin(), line.end(), [](unsigned char c) { return c < ' '; }, ' ');
+    constexpr std::size_t longest = 240;
+    if (line.size() > longest) line.replace(line.begin() + longest, line.end(), "...");
+    return line;
+}
+
+// GDAL knows HGT files by name and size alone.
+const char* naming_hint(const std::string& path) {
+    return path.ends_with(".hgt") || path.ends_with(".HGT")
+               ? "; HGT files must be named like N37W003.hgt and have 1201 or 3601 samples a side"
+               : "";
+}
+
+// Checks what neither GDAL nor the netCDF library does: see netcdf_length.h. name: a file, of the raster called path.
+void check_length(const std::string& name, const std::string& path) {
+    const std::optional<std::uint64_t> promised = netcdf_length(name);
+    std::error_code unknown;
+    const std::uint64_t length = std::filesystem::file_size(name, unknown);
+    if (!promised || unknown || length >= *promised) return;
+    if (*promised == netcdf_damaged)
+        throw Failure(1, fmt::format("{}: its netCDF header is damaged or cut short; fetch the file again", path));
+    throw Failure(1, fmt::format("{}: cut short, {} of {} bytes; fetch the file again", path, length, *promised));
+}
+
+// The same for names that are not files, once GDAL has said which file they mean.
+void check_files(GDALDataset& file, const std::string& path) {
+    char** const names = file.GetFileList();
+    const std::string first = names && *names ? *names : "";
+    CSLDestroy(names);
+    if (!first.empty() && first != path) check_length(first, path);
+}
+
+} // namespace
+
+bool is_gdal_name(const std::string& path) {
+    if (path.starts_with("/vsi")) return true;
+    const std::size_t colon = path.find(':');
+    return colon != std::string::npos && colon > 1 &&
+           std::all_of(path.begin(), path.begin() + static_cast<std::ptrdiff_t>(colon),
+                       [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+}
+
+void register_drivers() {
+    static std::once_flag once;
+    std::call_once(once, [] {
+        // Files of a VRT are opened for it alone, so that every thread has its own.
+        if (!CPLGetConfigOption("VRT_SHARED_SOURCE", nullptr)) CPLSetConfigOption("VRT_SHARED_SOURCE", "0");
+        GDALAllRegister();
+    });
+}
+
+void GdalMessages::take(CPLErr level, CPLErrorNum, const char* text) {
+    auto* self = static_cast<GdalMessages*>(CPLGetErrorHandlerUserData());
+    if (level >= CE_Failure && self->error_.empty()) self->error_ = one_line(text);
+    if (level == CE_Warning && self->warning_.empty()) self->warning_ = one_line(text);
+}
+
+std::string GdalMessages::said() const {
+    const std::string& text = failed() ? error_ : warning_;
+    return text.empty() ? "" : fmt::format(" (GDAL: {})", text);
+}
+
+GdalFile open_raster(const std::string& path, const char* what, GdalMessages& messages) {
+    register_drivers();
+    std::error_code ignored;
+    const auto status = std::filesystem::status(path, ignored);
+    if (std::filesystem::is_directory(status))
+        throw Failure(1, fmt::format("{}: is a folder; give the file in it that holds {}", path, what));
+    if (!std::filesystem::exists(status)) {
+        if (!is_gdal_name(path)) throw Failure(1, fmt::format("{}: no such file; check the path", path));
+    } else if (!std::filesystem::is_regular_file(status)) {
+        throw Failure(1, fmt::format("{}: not a regular file; give a file that holds {}", path, what));
+    } else {
+        check_length(path, path);
+    }
+    GdalFile file(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
+    if (!file)
+        throw Failure(1, fmt::format("{}: cannot be read as {}; give a GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM or "
+                                     "netCDF that is whole{}{}",
+                                     path, what, naming_hint(path), messages.said()));
+    check_files(*file, path);
+    if (file->GetRasterCount() == 0) {
+        const char* const first = CSLFetchNameValue(file->GetMetadata("SUBDATASETS"), "SUBDATASET_1_NAME");
+        if (first)
+            throw Failure(
+                1, fmt::format("{}: holds several rasters; name one of them, such as {}", path, one_line(first)));
+        throw Failure(1, fmt::format("{}: holds no raster; give a file that holds {}", path, what));
+    }
+    messages.forget(); // what GDAL grumbled about while it guessed the format is no fault of the data
+    return file;
+}
+
+namespace {
+
+template <typename T>
+void read_row_as(GDALRasterBand& band, int row, T* to, GDALDataType type, const std::string& path,
+                 const GdalMessages& messages) {
+    const int columns = band.GetXSize();
+    const CPLErr result = band.RasterIO(GF_Read, 0, row, columns, 1, to, columns, 1, type, 0, 0, nullptr);
+    if (result != CE_None || messages.failed() || messages.warned())
+        throw Failure(1, fmt::format("{}: damaged or cut short at row {} of {}; fetch the file again{}", path, row,
+                                     band.GetYSize(), messages.said()));
+}
+
+} // namespace
+
+void read_row(GDALRasterBand& band, int row, double* to, const std::string& path, const GdalMessages& messages) {
+    read_row_as(band, row, to, GDT_Float64, path, messages);
+}
+void read_row(GDALRasterBand& band, int row, std::uint8_t* to, const std::string& path, const GdalMessages& messages) {
+    read_row_as(band, row, to, GDT_Byte, path, messages);
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,52 @@
+// A raster file through GDAL, with GDAL's own chatter caught instead of printed. Shared by heights and images.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <gdal_priv.h>
+
+#include "baker/read/dem.h"
+
+namespace fjell::baker {
+
+// While it lives, this thread's GDAL messages come here: the first error and the first warning are kept, one line each.
+class GdalMessages {
+public:
+    GdalMessages() { CPLPushErrorHandlerEx(&GdalMessages::take, this); }
+    ~GdalMessages() { CPLPopErrorHandler(); }
+    GdalMessages(const GdalMessages&) = delete;
+    GdalMessages& operator=(const GdalMessages&) = delete;
+
+    [[nodiscard]] bool failed() const { return !error_.empty(); }
+    [[nodiscard]] bool warned() const { return !warning_.empty(); }
+    // "" or " (GDAL: what it said)".
+    [[nodiscard]] std::string said() const;
+    void forget() { error_.clear(), warning_.clear(); }
+
+private:
+    static void CPL_STDCALL take(CPLErr level, CPLErrorNum number, const char* text);
+    std::string error_, warning_;
+};
+
+struct GdalClose {
+    void operator()(GDALDataset* dataset) const { GDALClose(GDALDataset::ToHandle(dataset)); }
+};
+using GdalFile = std::unique_ptr<GDALDataset, GdalClose>;
+
+void register_drivers(); // once for the whole process; safe to repeat
+
+// A name for one of GDAL's drivers or file systems, not a file's: NETCDF:"a.nc":height, /vsizip/..., and so on.
+[[nodiscard]] bool is_gdal_name(const std::string& path);
+
+// Opens a raster for reading. Throws Failure 1: no such file, a folder, not a raster GDAL knows, no bands. Names such
+// as NETCDF:"file.nc":variable pass through to GDAL. what: "a height field" or "an image", for the messages.
+[[nodiscard]] GdalFile open_raster(const std::string& path, const char* what, GdalMessages& messages);
+
+// One row of a band as doubles or bytes. Throws Failure 1 when the file is truncated or damaged; warnings count,
+// because some drivers only warn about missing data and hand out zeros.
+void read_row(GDALRasterBand& band, int row, double* to, const std::string& path, const GdalMessages& messages);
+void read_row(GDALRasterBand& band, int row, std::uint8_t* to, const std::string& path, const GdalMessages& messages);
+
+} // namespace fjell::baker

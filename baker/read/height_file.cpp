@@ -1,0 +1,226 @@
+#include "baker/read/height_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <cpl_string.h>
+#include <cpl_vsi.h>
+#include <fmt/format.h>
+
+namespace fjell::baker {
+
+namespace {
+
+// An identity table of greys, as 8-bit BMPs carry, is no palette.
+bool is_grey_table(const GDALColorTable& table) {
+    for (int i = 0; i < table.GetColorEntryCount(); ++i) {
+        const GDALColorEntry& c = *table.GetColorEntry(i);
+        if (c.c1 != i || c.c2 != i || c.c3 != i) return false;
+    }
+    return true;
+}
+
+void check_size(GDALDataset& file, const std::string& path) {
+    const int columns = file.GetRasterXSize(), rows = file.GetRasterYSize();
+    if (columns < 2 || rows < 2)
+        throw Failure(1,
+                      fmt::format("{}: has {} x {} samples; a height field needs at least 2 x 2", path, columns, rows));
+}
+
+void check_grey(GDALDataset& file, const std::string& path) {
+    GDALRasterBand& band = *file.GetRasterBand(1);
+    const GDALDataType type = band.GetRasterDataType();
+    if (GDALDataTypeIsComplex(type))
+        throw Failure(1, fmt::format("{}: holds complex numbers, not heights; extract one part first", path));
+    const bool bytes_rgb = file.GetRasterCount() >= 3 && type == GDT_Byte;
+    if (bytes_rgb || band.GetColorInterpretation() == GCI_RedBand)
+        throw Failure(1, fmt::format("{}: has {} bands of colour; if they are Terrarium or Mapbox heights, give "
+                                     "--encoding terrarium or terrain-rgb, if it is an image, make it one band of "
+                                     "heights first",
+                                     path, file.GetRasterCount()));
+    const GDALColorTable* const table = band.GetColorTable();
+    if (table && !is_grey_table(*table))
+        throw Failure(
+            1, fmt::format("{}: is a palette image, whose numbers are no heights; convert it to grey first", path));
+}
+
+void check_coded(GDALDataset& file, const std::string& path) {
+    const int bands = file.GetRasterCount();
+    if ((bands != 3 && bands != 4) || file.GetRasterBand(1)->GetRasterDataType() != GDT_Byte)
+        throw Failure(1, fmt::format("{}: has {} bands of {}; --encoding is for pictures of 8-bit red, green and blue, "
+                                     "so leave it out",
+                                     path, bands, GDALGetDataTypeName(file.GetRasterBand(1)->GetRasterDataType())));
+}
+
+// Formats whose blocks can be found without decoding those before them.
+bool is_sequential(GDALDataset& file, const std::string& path) {
+    constexpr std::array<const char*, 12> direct{"GTiff", "COG", "VRT",  "SRTMHGT", "BMP", "EHdr",
+                                                 "ENVI",  "HFA", "DTED", "AIG",     "BT",  "JP2OpenJPEG"};
+    const std::string name = file.GetDriver() ? file.GetDriver()->GetDescription() : "";
+    const bool packed = path.find("/vsigzip/") != std::string::npos || path.find("/vsizip/") != std::string::npos ||
+                        path.find("/vsitar/") != std::string::npos;
+    return packed || std::find(direct.begin(), direct.end(), name) == direct.end();
+}
+
+Blocks blocks_of(GDALDataset& file, const Placement& at) {
+    Blocks b;
+    file.GetRasterBand(1)->GetBlockSize(&b.columns, &b.rows);
+    b.columns = std::clamp(b.columns, 1, at.columns);
+    b.rows = std::clamp(b.rows, 1, at.rows);
+    if (at.flip_x) b.x = at.columns % b.columns;
+    if (at.flip_y) b.y = at.rows % b.rows;
+    return b;
+}
+
+std::string identity_of(GDALDataset& file, const std::string& path) {
+    std::string text = path;
+    char** const names = file.GetFileList();
+    for (char** name = names; name && *name; ++name) {
+        VSIStatBufL status{};
+        if (VSIStatL(*name, &status) == 0) // to the nanosecond: scripts make two files in a second
+            text += fmt::format("|{} {} {}.{:09}", *name, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
+    }
+    CSLDestroy(names);
+    return text;
+}
+
+// What the file itself says is no height. GDAL's mask for a tag reads every sample twice: it is compared here instead,
+// as closely as GDAL does it.
+void find_tag(GDALRasterBand& band, Decoding& d) {
+    int tagged = 0;
+    d.tag = band.GetNoDataValue(&tagged);
+    d.tagged = tagged != 0 && !std::isnan(d.tag);
+    const GDALDataType type = band.GetRasterDataType();
+    constexpr double ulps = 10;
+    if (type == GDT_Float32) {
+        d.tag = static_cast<double>(static_cast<float>(
+            std::clamp<double>(d.tag, std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max())));
+        d.tag_slack = ulps * std::numeric_limits<float>::epsilon() * std::abs(d.tag);
+    } else if (type == GDT_Float64) {
+        d.tag_slack = ulps * std::numeric_limits<double>::epsilon() * std::abs(d.tag);
+    }
+}
+
+bool fits_float(GDALDataType type) {
+    return type == GDT_Byte || type == GDT_UInt16 || type == GDT_Int16 || type == GDT_Float32;
+}
+
+} // namespace
+
+HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : encoding_(options.encoding) {
+    GdalMessages messages;
+    file_ = open_raster(path, "a height field", messages);
+    check_size(*file_, path);
+    GDALRasterBand& first = *file_->GetRasterBand(1);
+    const bool coded = encoding_ != Encoding::none;
+    coded ? check_coded(*file_, path) : check_grey(*file_, path);
+    facts_.path = path;
+    facts_.at = place(*file_, path);
+    facts_.blocks = blocks_of(*file_, facts_.at);
+    facts_.sequential = is_sequential(*file_, path);
+    facts_.identity = identity_of(*file_, path);
+    if (coded) {
+        facts_.decoding.scaling = {1, 0, options.zscale, options.zoffset_m};
+        facts_.decoding.whole = true;
+        facts_.step = encoding_ == Encoding::terrarium ? 1.0 / 256 : 0.1;
+        if (file_->GetRasterCount() == 4) mask_ = file_->GetRasterBand(4);
+        return;
+    }
+    facts_.decoding.scaling = scaling_of(first, file_->GetSpatialRef(), options, path);
+    facts_.decoding.whole = GDALDataTypeIsInteger(first.GetRasterDataType()) != 0;
+    find_tag(first, facts_.decoding);
+    floats_ = fits_float(first.GetRasterDataType());
+    const int flags = first.GetMaskFlags();
+    if (!(flags & GMF_ALL_VALID) && (!(flags & GMF_NODATA) || (flags & (GMF_ALPHA | GMF_PER_DATASET))))
+        mask_ = first.GetMaskBand();
+}
+
+void HeightFile::refuse(const Window& in_file, const GdalMessages& messages) {
+    const std::string_view driver = file_->GetDriver() ? file_->GetDriver()->GetDescription() : "";
+    if (driver == "VRT")
+        throw Failure(1,
+                      fmt::format("{}: one of the files that it names is missing or damaged; fetch that one again, or "
+                                  "make the mosaic again with gdalbuildvrt{}",
+                                  facts_.path, messages.said()));
+    throw Failure(1, fmt::format("{}: damaged or cut short at rows {} to {} of {}; fetch the file again{}", facts_.path,
+                                 in_file.y, in_file.y + in_file.rows - 1, facts_.at.rows, messages.said()));
+}
+
+// Warnings count, because some drivers only warn about missing data and hand out zeros.
+void HeightFile::band(int number, const Window& in_file, void* to, GDALDataType type) {
+    const GdalMessages messages;
+    GDALRasterBand& band = number == 0 ? *mask_ : *file_->GetRasterBand(number);
+    const CPLErr result = band.RasterIO(GF_Read, in_file.x, in_file.y, in_file.columns, in_file.rows, to,
+                                        in_file.columns, in_file.rows, type, 0, 0, nullptr);
+    if (result != CE_None || messages.failed() || messages.warned()) refuse(in_file, messages);
+}
+
+void HeightFile::read_coded(const Window& in_file) {
+    const std::size_t area = in_file.area();
+    raw_.resize(area);
+    colours_.resize(3 * area);
+    for (int b = 0; b < 3; ++b) band(b + 1, in_file, colours_.data() + static_cast<std::size_t>(b) * area, GDT_Byte);
+    const std::uint8_t *const red = colours_.data(), *const green = red + area, *const blue = green + area;
+    const bool terrarium = encoding_ == Encoding::terrarium;
+    for (std::size_t i = 0; i < area; ++i) {
+        const int packed = red[i] << 16 | green[i] << 8 | blue[i];
+        raw_[i] = terrarium ? packed / 256.0 - 32768 : (packed - 100000) / 10.0;
+    }
+}
+
+// marks_: 0 where there is no height or none is wanted; in the file's order. Empty: all are valid.
+void HeightFile::read_marks(const Window& in_file, const std::uint8_t* wanted) {
+    marks_.clear();
+    if (!mask_ && !wanted) return;
+    marks_.assign(in_file.area(), 255);
+    if (mask_) band(0, in_file, marks_.data(), GDT_Byte);
+    if (!wanted) return;
+    const auto columns = static_cast<std::size_t>(in_file.columns), rows = static_cast<std::size_t>(in_file.rows);
+    for (std::size_t y = 0; y < rows; ++y)
+        for (std::size_t x = 0; x < columns; ++x) {
+            const std::size_t from_x = facts_.at.flip_x ? columns - 1 - x : x;
+            const std::size_t from_y = facts_.at.flip_y ? rows - 1 - y : y;
+            if (wanted[from_y * columns + from_x] == 0) marks_[y * columns + x] = 0;
+        }
+}
+
+template <typename T>
+void HeightFile::read_as(const Window& in_file, const Window& window, T* raw, float* to, Census& census) {
+    const auto columns = static_cast<std::size_t>(window.columns);
+    const bool flip_x = facts_.at.flip_x, flip_y = facts_.at.flip_y;
+    for (int row = 0; row < in_file.rows; ++row) {
+        const std::size_t start = static_cast<std::size_t>(row) * columns;
+        const RowPlace place{flip_x ? window.x + window.columns - 1 : window.x,
+                             flip_y ? window.y + window.rows - 1 - row : window.y + row, flip_x ? -1 : 1};
+        decode_row(raw + start, marks_.empty() ? nullptr : marks_.data() + start, to + start, columns, facts_.decoding,
+                   place, census);
+        if (flip_x) std::reverse(to + start, to + start + columns);
+    }
+    for (int row = 0; flip_y && row < window.rows / 2; ++row) {
+        float* const a = to + static_cast<std::size_t>(row) * columns;
+        std::swap_ranges(a, a + columns, to + static_cast<std::size_t>(window.rows - 1 - row) * columns);
+    }
+}
+
+void HeightFile::read(const Window& window, float* to, Census& census, const std::uint8_t* wanted) {
+    Window in_file = window;
+    if (facts_.at.flip_x) in_file.x = facts_.at.columns - window.x - window.columns;
+    if (facts_.at.flip_y) in_file.y = facts_.at.rows - window.y - window.rows;
+    read_marks(in_file, wanted);
+    if (floats_) { // straight into place
+        band(1, in_file, to, GDT_Float32);
+        read_as(in_file, window, to, to, census);
+        return;
+    }
+    if (encoding_ == Encoding::none) {
+        raw_.resize(in_file.area());
+        band(1, in_file, raw_.data(), GDT_Float64);
+    } else {
+        read_coded(in_file);
+    }
+    read_as(in_file, window, raw_.data(), to, census);
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,52 @@
+// One raster file as heights.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "baker/read/windows.h"
+#include "baker/read/decode.h"
+#include "baker/place/placement.h"
+
+namespace fjell::baker {
+
+// What is known of a file before its samples are read.
+struct FileFacts {
+    std::string path;
+    Placement at;
+    Decoding decoding;
+    Blocks blocks;           // seen from the north-west
+    bool sequential = false; // its format is decoded from the start
+    double step = 1;         // raw numbers are multiples of this, unless they have a fraction
+    std::string identity;    // names, sizes and times of everything it is read from
+};
+
+// An open file. One thread at a time. Throws Failure (read.h).
+class HeightFile {
+public:
+    HeightFile(const std::string& path, const ReadOptions& options);
+
+    [[nodiscard]] const FileFacts& facts() const { return facts_; }
+    // window.area() heights, row by row, row 0 north and column 0 west whichever way the file runs. wanted: samples
+    // with 0 are not looked at and become NaN; null: all. Places in the census are the window's.
+    void read(const Window& window, float* to, Census& census, const std::uint8_t* wanted = nullptr);
+
+private:
+    template <typename T>
+    void read_as(const Window& in_file, const Window& window, T* raw, float* to, Census& census);
+    void read_coded(const Window& in_file);
+    void read_marks(const Window& in_file, const std::uint8_t* wanted);
+    void band(int number, const Window& in_file, void* to, GDALDataType type);
+    [[noreturn]] void refuse(const Window& in_file, const GdalMessages& messages);
+
+    GdalFile file_;
+    FileFacts facts_;
+    Encoding encoding_ = Encoding::none;
+    bool floats_ = false;            // float holds every raw number
+    GDALRasterBand* mask_ = nullptr; // none: all are valid
+    std::vector<double> raw_;
+    std::vector<std::uint8_t> marks_, colours_;
+};
+
+} // namespace fjell::baker

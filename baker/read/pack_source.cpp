@@ -1,0 +1,104 @@
+#include "baker/read/pack_source.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "baker/place/placement.h"
+#include "baker/read/tile_pages.h"
+#include "baker/read/windows.h"
+
+namespace fjell::baker {
+
+namespace {
+
+class PackReader final : public HeightReader {
+public:
+    explicit PackReader(std::shared_ptr<const io::MappedPack> file)
+        : file_(std::move(file)), pages_(*file_), terrain_(pages_.terrain()) {}
+
+    void read(const Window& window, float* to, Census& census) override {
+        census.per_unit = 1; // the lattice is the pack's own
+        const std::int32_t side = terrain_.tree.side();
+        const auto tile_of = [&](std::int32_t at, std::int32_t tiles) { return std::min(at / side, tiles - 1); };
+        const std::int32_t tx0 = tile_of(window.x, terrain_.tree.tiles_x),
+                           tx1 = tile_of(window.x + window.columns - 1, terrain_.tree.tiles_x),
+                           ty0 = tile_of(window.y, terrain_.tree.tiles_y),
+                           ty1 = tile_of(window.y + window.rows - 1, terrain_.tree.tiles_y);
+        for (std::int32_t ty = ty0; ty <= ty1; ++ty)
+            for (std::int32_t tx = tx0; tx <= tx1; ++tx) {
+                const auto tile = static_cast<std::uint32_t>(ty * terrain_.tree.tiles_x + tx);
+                pages_.load(tile);
+                copy(tile, {tx * side, ty * side}, window, to);
+            }
+        file_->release();
+        count(window, to, census);
+    }
+
+private:
+    // Border samples come from every tile that has them, and are the same.
+    void copy(std::uint32_t tile, Coord corner, const Window& window, float* to) const {
+        for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page) {
+            const PageEntry entry = terrain_.page_table[std::size_t{tile} * terrain_.pages_per_tile + page];
+            const VertexRecord* const from = terrain_.records + std::size_t{entry.slot} * terrain_.page_capacity;
+            for (std::uint32_t i = 0; i < terrain_.pages.page_vertices(page); ++i) {
+                const Coord c = corner + terrain_.pages.coord({page, i}) - Coord{window.x, window.y};
+                if (c.x < 0 || c.y < 0 || c.x >= window.columns || c.y >= window.rows) continue;
+                to[static_cast<std::size_t>(c.y) * static_cast<std::size_t>(window.columns) +
+                   static_cast<std::size_t>(c.x)] = is_void(from[i])
+                                                        ? std::numeric_limits<float>::quiet_NaN()
+                                                        : terrain_.height_scale.height_m(entry.base + from[i].height);
+            }
+        }
+    }
+
+    static void count(const Window& window, const float* heights_m, Census& census) {
+        for (std::int32_t y = window.y; y < window.y + window.rows; ++y)
+            for (std::int32_t x = window.x; x < window.x + window.columns; ++x, ++heights_m) {
+                if (!(*heights_m == *heights_m)) {
+                    census.voids.add(x, y);
+                    continue;
+                }
+                census.least_m = std::min(census.least_m, *heights_m);
+                census.most_m = std::max(census.most_m, *heights_m);
+            }
+    }
+
+    std::shared_ptr<const io::MappedPack> file_;
+    TilePages pages_;
+    const Terrain& terrain_;
+};
+
+} // namespace
+
+PackSource::PackSource(const std::string& path) : file_(std::make_shared<io::MappedPack>(path)) {
+    const PackHeader& h = file_->pack().header;
+    columns = static_cast<std::int32_t>(h.columns);
+    rows = static_cast<std::int32_t>(h.rows);
+    std::copy_n(h.spacing_m, 2, spacing_m);
+    std::copy_n(h.origin_m, 2, origin_m);
+    crs_wkt = file_->crs();
+    std::copy_n(h.crs_step, 2, crs_step);
+}
+
+std::unique_ptr<HeightReader> PackSource::reader() const {
+    return std::make_unique<PackReader>(file_);
+}
+
+std::vector<Window> PackSource::windows(std::size_t most) const {
+    const std::int32_t side = file_->pack().tree().side();
+    return cut_along({0, 0, columns, rows}, {side, side, 0, 0}, most);
+}
+
+Settled PackSource::settle(const Census& census) const {
+    const PackHeader& h = file_->pack().header;
+    if (!(census.least_m <= census.most_m)) throw Failure(1, fmt::format("{}: is all holes", file_->path()));
+    return {static_cast<double>(h.quantum_m), static_cast<double>(h.base_m), census.voids.count > 0};
+}
+
+std::string PackSource::identity() const {
+    return fmt::format("pack {:016x}", file_->pack().header.directory_hash);
+}
+
+} // namespace fjell::baker

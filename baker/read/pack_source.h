@@ -1,0 +1,30 @@
+// A pack's heights, read back: a source like any file.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "baker/read/source.h"
+#include "io/load.h"
+
+namespace fjell::baker {
+
+// Full resolution, decoded tile by tile from its pages: what the runtime stands on, bit for bit. Holes are NaN; CRS,
+// its steps, origin and spacing are the header's. Memory: a tile's pages a reader (4.2 bytes a sample of the tile), and what of the file is being
+// decoded.
+class PackSource final : public HeightSource {
+public:
+    explicit PackSource(const std::string& path); // throws Failure as load_pack does
+
+    // Throws Failure 1 for a page that is damaged.
+    [[nodiscard]] std::unique_ptr<HeightReader> reader() const override;
+    [[nodiscard]] std::vector<Window> windows(std::size_t most) const override; // along tiles
+    // The pack's own lattice.
+    [[nodiscard]] Settled settle(const Census& census) const override;
+    [[nodiscard]] std::string identity() const override; // the pack's hash
+
+private:
+    std::shared_ptr<const io::MappedPack> file_;
+};
+
+} // namespace fjell::baker

@@ -1,0 +1,30 @@
+#include "baker/read/tile_pages.h"
+
+#include <fmt/format.h>
+
+namespace fjell::baker {
+
+TilePages::TilePages(const io::MappedPack& file) : file_(file) {
+    const TerrainBudget one_tile{file.pack().pages().pages_per_tile()};
+    const std::size_t bytes = terrain_bytes(file.pack().header, one_tile);
+    block_ = io::make_block(bytes);
+    check(create_terrain(file.pack(), one_tile, {block_.get(), bytes}, terrain_), 0);
+}
+
+void TilePages::check(const Status& status, std::uint32_t tile) const {
+    if (!status.ok())
+        throw Failure(1, fmt::format("{}: the heights of tile {}: {} ({}); bake the pack again", file_.path(), tile,
+                                     message(status.code), status.field));
+}
+
+void TilePages::load(std::uint32_t tile) {
+    if (whole_ && tile == held_) return;
+    whole_ = false;
+    for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page) unload_page(terrain_, held_, page);
+    held_ = tile;
+    for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page)
+        check(load_page(file_.pack(), terrain_, tile, page), tile);
+    whole_ = true;
+}
+
+} // namespace fjell::baker

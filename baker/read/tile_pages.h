@@ -1,0 +1,28 @@
+// A pack's geometry, one tile at a time.
+#pragma once
+
+#include "baker/read/source.h"
+#include "io/load.h"
+
+namespace fjell::baker {
+
+// A terrain of which one tile's pages are there. One thread at a time. Memory: that tile's pages, 8 bytes for every
+// page of the pack, and what of the file is being decoded.
+class TilePages {
+public:
+    explicit TilePages(const io::MappedPack& file); // must outlive it; throws Failure
+    // Pages of other tiles go. Throws Failure 1 for one that is damaged.
+    void load(std::uint32_t tile);
+    [[nodiscard]] const Terrain& terrain() const { return terrain_; }
+
+private:
+    void check(const Status& status, std::uint32_t tile) const;
+
+    const io::MappedPack& file_;
+    io::AlignedMemory block_;
+    Terrain terrain_;
+    std::uint32_t held_ = 0;
+    bool whole_ = false;
+};
+
+} // namespace fjell::baker

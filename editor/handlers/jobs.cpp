@@ -1,0 +1,93 @@
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "editor/handlers/handlers.h"
+#include "editor/jobs/bodies.h"
+#include "editor/jobs/tune.h"
+#include "flight/profile_keys.h"
+#include "io/failure.h"
+
+namespace fjell::editor {
+
+namespace {
+
+void require_scene(const State& state) {
+    if (!state.scene.open()) throw io::Failure(2, "open a terrain first");
+}
+
+FlightPlan plan_of(const State& state, std::size_t frames) {
+    require_scene(state);
+    return {state.scene.path, state.document.profile(), state.route.poses(), frames, false};
+}
+
+// Of the frame that is shown: its view, and the threshold that its capacities allowed, whatever missing pages hide.
+ExportPlan export_plan(const State& state, const std::string& path, double error_px) {
+    require_scene(state);
+    ExportPlan plan{state.scene.path, path, state.scene.streamed, state.document.profile(), state.eye.view, error_px};
+    if (state.eye.refining) plan.view = *state.eye.refining;
+    if (plan.view.height_px == 0) throw io::Failure(2, "no frame has been drawn yet; try again");
+    if (error_px != 0) return plan;
+    const flight::FrameEntry& e = state.measures.last();
+    plan.error_px = e.error_px_effective > e.missing_px ? e.error_px_effective : e.error_px_asked;
+    if (plan.profile.refine.corner_safe) plan.error_px /= corner_factor(plan.view);
+    return plan;
+}
+
+void take_tuned(Desk desk) {
+    State& state = desk.state;
+    state.tuned = state.job;
+    const JobView& job = state.job;
+    if (!job.tuned.apply || job.best_px == 0) return;
+    apply(SetKey{flight::find_profile_key("refine.error_px"), job.best_px, false}, desk);
+}
+
+} // namespace
+
+void carry_out(const Bake& c, Desk desk) {
+    desk.jobs.start(JobKind::bake, bake_job(c));
+}
+
+void carry_out(const Tune& c, Desk desk) {
+    desk.jobs.start(JobKind::tune, tune_job(plan_of(desk.state, c.settings.frames), c.settings, c.csv));
+}
+
+void carry_out(const Benchmark& c, Desk desk) {
+    desk.jobs.start(JobKind::benchmark, benchmark_job(plan_of(desk.state, c.frames), c.csv));
+}
+
+void carry_out(const Export& c, Desk desk) {
+    if (c.path.empty()) throw io::Failure(2, "give the export a file name that ends in .glb");
+    desk.jobs.start(JobKind::snapshot, export_job(export_plan(desk.state, c.path, c.error_px)));
+}
+
+void carry_out(const PreviewExport& c, Desk desk) {
+    desk.jobs.start(JobKind::preview, export_job(export_plan(desk.state, "", c.error_px)));
+}
+
+void carry_out(const CancelJob&, Desk desk) {
+    desk.jobs.cancel();
+}
+
+void take_result(Desk desk) {
+    State& state = desk.state;
+    const JobView& job = state.job;
+    const char* const name = job_names[static_cast<int>(job.kind)];
+    if (job.cancelled) {
+        tell(state, Severity::note, fmt::format("{} cancelled{}{}", name, job.result.empty() ? "" : "; ", job.result));
+        return;
+    }
+    if (!job.problem.empty()) {
+        tell_failure(state, io::Failure(job.exit_code, job.problem), fmt::format("{}: ", name));
+        return;
+    }
+    const bool bare = job.kind == JobKind::tune; // figures alone, among other messages
+    if (!job.result.empty()) tell(state, Severity::note, bare ? fmt::format("{}: {}", name, job.result) : job.result);
+    if (job.kind == JobKind::tune) take_tuned(desk);
+    if (job.kind == JobKind::bake) {
+        if (state.interface.dialog == Dialog::bake) state.interface.dialog = Dialog::none;
+        apply(Open{job.output}, desk);
+    }
+}
+
+} // namespace fjell::editor

@@ -1,0 +1,106 @@
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "baker/bake/bake.h"
+#include "baker/read/read.h"
+#include "baker/cli/recipe.h"
+#include "baker/synth/synth.h"
+#include "editor/jobs/bodies.h"
+#include "editor/jobs/text.h"
+#include "io/failure.h"
+#include "io/file.h"
+
+namespace fjell::editor {
+
+namespace {
+
+using io::Failure;
+
+void set_word(std::optional<std::string>& word, const std::string& value, const char* key) {
+    if (value.empty()) return;
+    const std::vector<std::string> known = baker::words_of(key);
+    if (!known.empty() && std::ranges::find(known, value) == known.end())
+        throw Failure(2, fmt::format("{}={}: must be one of {}", key, value, fmt::join(known, ", ")));
+    word = value;
+}
+
+baker::Recipe recipe_of(const Bake& b) {
+    if (b.inputs.empty() || b.inputs.front().empty()) throw Failure(2, "choose a file of heights to bake");
+    baker::Recipe recipe;
+    recipe.inputs = b.inputs;
+    recipe.output = b.output;
+    if (!b.texture.empty()) recipe.texture = {b.texture};
+    if (!b.ramp.empty()) recipe.ramp = b.ramp;
+    if (b.tile != 0) recipe.tile = std::to_string(b.tile);
+    if (!(b.spacing_m >= 0)) throw Failure(2, fmt::format("spacing={}: must be 0 or more (metres)", b.spacing_m));
+    if (b.spacing_m > 0) recipe.spacing = b.spacing_m;
+    recipe.zscale = b.height_scale;
+    set_word(recipe.order, b.order, "order");
+    set_word(recipe.nodata, b.nodata, "nodata");
+    if (!b.crs.empty()) recipe.crs = b.crs;
+    if (b.memory_mb < 128 || b.memory_mb > 1u << 24)
+        throw Failure(2, fmt::format("memory_mb={}: must be 128 to {}", b.memory_mb, 1u << 24));
+    return recipe;
+}
+
+std::unique_ptr<baker::HeightSource> open_inputs(const baker::Recipe& recipe) {
+    if (recipe.inputs.size() == 1 && recipe.inputs[0].ends_with(".json")) return baker::open_synth(recipe.inputs[0]);
+    return baker::open_source(recipe.inputs, baker::read_options(recipe));
+}
+
+void run(const baker::Recipe& recipe, baker::BakeOptions options, JobControl& control) {
+    const std::string& output = *recipe.output;
+    control.progress("open", 0, 1);
+    options.progress = [&](const char* stage, std::uint64_t done, std::uint64_t total) {
+        io::check_interrupt();
+        // The baker knows this one: it keeps what is done where a later bake can go on from it.
+        if (control.cancelled()) throw Failure(130, "cancelled");
+        control.progress(stage, done, total);
+    };
+    baker::limit_gdal_cache(options.memory_bytes / 16);
+    try {
+        const baker::BakeSummary s = baker::bake(*open_inputs(recipe), options, output);
+        control.publish([&](JobView& view) {
+            view.output = output;
+            view.result = fmt::format("{}: {} x {} samples, {} x {} tiles of {} cells, {} in {:.1f} s{}", output,
+                                      s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(),
+                                      megabytes(static_cast<double>(s.file_bytes)), s.seconds_total,
+                                      s.resumed ? ", gone on from an earlier bake" : "");
+        });
+    } catch (const Failure&) {
+        if (!control.cancelled()) throw;
+        std::error_code ignored;
+        const std::string work = output + ".work";
+        const bool stays = std::filesystem::exists(work, ignored);
+        control.publish([&](JobView& view) {
+            view.result = stays ? work + " stays: the same bake goes on from there, or delete it" : "nothing is left";
+        });
+        throw Cancelled{};
+    }
+}
+
+} // namespace
+
+std::string pack_beside(const std::string& input) {
+    return input.empty() ? "" : std::filesystem::path(input).replace_extension(".fjell").string();
+}
+
+Jobs::Body bake_job(Bake bake) {
+    if (bake.output.empty() && !bake.inputs.empty()) bake.output = pack_beside(bake.inputs.front());
+    const baker::Recipe recipe = recipe_of(bake);
+    baker::BakeOptions options = baker::bake_options(recipe);
+    if (bake.checkpoint_s >= 0) options.checkpoint_s = bake.checkpoint_s;
+    options.memory_bytes = std::uint64_t{bake.memory_mb} << 20;
+    std::vector<std::string> inputs = recipe.inputs;
+    inputs.push_back(bake.texture);
+    inputs.push_back(bake.ramp);
+    io::refuse_overwriting({bake.output}, inputs);
+    return [recipe, options = std::move(options)](JobControl& control) { run(recipe, options, control); };
+}
+
+} // namespace fjell::editor

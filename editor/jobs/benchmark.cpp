@@ -1,0 +1,128 @@
+// Jobs that fly: the one that tunes, and the one that writes a line a frame.
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "editor/jobs/bodies.h"
+#include "editor/jobs/text.h"
+#include "editor/jobs/tune.h"
+#include "flight/log.h"
+#include "io/failure.h"
+#include "io/file.h"
+
+namespace fjell::editor {
+
+namespace {
+
+void write(io::AtomicFile& file, const std::string& text) {
+    file.write(std::as_bytes(std::span(text)));
+    file.commit();
+}
+
+// Shares of a run whose length becomes known on the way: never backwards.
+class Share {
+public:
+    explicit Share(JobControl& control) : control_(control) {}
+    void show(double done, double expected) {
+        shown_ = std::max(shown_, std::min(done / std::max(expected, 1.0), 1.0));
+        control_.progress("fly", static_cast<std::uint64_t>(shown_ * parts), parts);
+    }
+
+private:
+    static constexpr std::uint64_t parts = 100'000;
+    JobControl& control_;
+    double shown_ = 0;
+};
+
+// each: with the frame's number, to show how far it is.
+TuneFlight fly_once(Flight& flight, double error_px, const std::function<void(std::size_t)>& each) {
+    TuneFlight flown;
+    flown.times_us.reserve(flight.frames());
+    double vertices = 0, reached = 0;
+    flight.fly(error_px, [&](const flight::FrameEntry& entry, double frame_us, std::size_t frame) {
+        each(frame);
+        if (frame == 0) return; // built from nothing, once
+        flown.times_us.push_back(frame_us);
+        vertices += entry.vertices;
+        reached += entry.converged ? 1 : 0;
+    });
+    if (flown.times_us.empty())
+        throw io::Failure(2, "the path has one frame, which is built from nothing and says nothing; take more");
+    const auto frames = static_cast<double>(flown.times_us.size());
+    flown.vertices = vertices / frames;
+    flown.reached = reached / frames;
+    return flown;
+}
+
+void tune(FlightPlan plan, const TuneSettings& settings, io::AtomicFile* csv, JobControl& control) {
+    control.publish([&](JobView& view) { view.tuned = settings; });
+    Flight flight(std::move(plan), control);
+    const auto frames = static_cast<double>(flight.frames());
+    Share share(control);
+    std::uint32_t flights = 0, expected = 16;
+    const TuneResult result = find_threshold(
+        settings,
+        [&](double error_px) {
+            return fly_once(flight, error_px, [&](std::size_t frame) {
+                share.show(flights + static_cast<double>(frame) / frames, expected);
+            });
+        },
+        [&](const TuneResult& so_far) {
+            flights = so_far.flights;
+            expected = so_far.expected;
+            control.publish([&](JobView& view) {
+                view.curve = so_far.curve;
+                view.flights = so_far.flights;
+            });
+        });
+    if (csv != nullptr) write(*csv, tune_csv(result.curve));
+    control.publish([&](JobView& view) {
+        view.best_px = result.best_px;
+        view.result = tune_text(result, settings);
+    });
+}
+
+void benchmark(FlightPlan plan, const std::string& path, io::AtomicFile& file, JobControl& control) {
+    Flight flight(std::move(plan), control);
+    flight::FlightLog log;
+    log.frames.reserve(flight.frames());
+    const double error_px = flight.error_px();
+    flight.fly(error_px, [&](const flight::FrameEntry& entry, double, std::size_t frame) {
+        log.frames.push_back(entry);
+        control.progress("fly", frame + 1, flight.frames());
+    });
+    write(file, flight::csv(log));
+    const flight::Summary s = flight::summarise(log, flight.incremental());
+    control.publish([&](JobView& view) {
+        view.output = path;
+        view.result = fmt::format("{}: {} frames, {} of them converged; update p50 {} us, p99 {} us", path, s.frames,
+                                  s.converged, grouped(s.update_us.p50), grouped(s.update_us.p99));
+    });
+}
+
+} // namespace
+
+Jobs::Body tune_job(FlightPlan plan, const TuneSettings& settings, const std::string& csv) {
+    check(settings);
+    plan.frames = settings.frames;
+    plan.draws = settings.measure == TuneMeasure::frame;
+    // Opened before the work, so that a missing folder does not cost a minute.
+    io::refuse_overwriting({csv}, {plan.pack});
+    auto file = csv.empty() ? nullptr : std::make_shared<io::AtomicFile>(csv);
+    return [plan = std::move(plan), settings, file](JobControl& control) { tune(plan, settings, file.get(), control); };
+}
+
+Jobs::Body benchmark_job(FlightPlan plan, const std::string& csv) {
+    if (csv.empty()) throw io::Failure(2, "give the CSV a file name");
+    if (plan.frames > 1'000'000) throw io::Failure(2, "frames must be 1 to 1000000, or 0 for the path's own");
+    io::refuse_overwriting({csv}, {plan.pack});
+    auto file = std::make_shared<io::AtomicFile>(csv);
+    return [plan = std::move(plan), csv, file](JobControl& control) { benchmark(plan, csv, *file, control); };
+}
+
+} // namespace fjell::editor

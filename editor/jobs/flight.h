@@ -1,0 +1,56 @@
+// Flights that are measured beside the frame, over a terrain of their own: for tuning and benchmarks.
+//
+// The terrain is loaded, or streamed, as the profile says. A streamed flight waits in every frame until all that its
+// view wants is there, so that the disk does not count; of the updates that this takes, the dearest is the frame's, as
+// it would be where each is a frame of its own. The picture has the size of the profile's [view], whatever the window
+// has, so a result holds for every machine that flies the profile.
+//
+// Ownership: terrain, method and, where it draws, a headless context, all of it its own. Thread: the one that makes it,
+// beginning to end. Failure: io::Failure; Cancelled within a frame.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "editor/jobs/jobs.h"
+#include "flight/log.h"
+#include "flight/path.h"
+#include "flight/profile.h"
+
+namespace fjell::editor {
+
+struct FlightPlan {
+    std::string pack;
+    flight::Profile profile;
+    std::vector<flight::Pose> route; // 60 a second; empty: an orbit around the terrain's middle
+    std::size_t frames = 0;       // 0: as many as the route has
+    bool draws = false;           // with upload, drawing and the GPU's work
+};
+
+// The route in so many frames, from its first pose to its last; directions in between are orthonormal.
+[[nodiscard]] std::vector<flight::Pose> in_frames(const std::vector<flight::Pose>& route, std::size_t frames);
+
+class Flight {
+public:
+    Flight(FlightPlan plan, JobControl& control);
+    ~Flight();
+    Flight(const Flight&) = delete;
+    Flight& operator=(const Flight&) = delete;
+
+    [[nodiscard]] std::size_t frames() const;
+    [[nodiscard]] bool incremental() const;
+    [[nodiscard]] double error_px() const; // the profile's
+    // From the first pose to the last, the first frame built from nothing. each: after every frame, with what it took
+    // altogether and its number.
+    using Each = std::function<void(const flight::FrameEntry& entry, double frame_us, std::size_t frame)>;
+    void fly(double error_px, const Each& each);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace fjell::editor

@@ -1,0 +1,257 @@
+#include "editor/jobs/tune.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "editor/jobs/text.h"
+#include "flight/log.h"
+#include "flight/profile.h"
+#include "io/failure.h"
+
+namespace fjell::editor {
+
+namespace {
+
+constexpr double doubtful = 0.9;   // of the budget: what takes less has no business beside one that fails
+constexpr double hopeless = 1.5;   // of the budget, for half of all frames: not flown again
+constexpr double resolved = 1.015; // thresholds that lie no farther apart are not told apart
+constexpr std::uint32_t most_at_one = 3;
+
+// A threshold and the least that each frame took in its flights.
+struct Candidate {
+    TunePoint point;
+    std::vector<double> least_us;
+};
+
+class Search {
+public:
+    Search(const TuneSettings& settings, const std::function<TuneFlight(double)>& fly,
+           const std::function<void(const TuneResult&)>& each)
+        : settings_(settings), fly_(fly), each_(each) {}
+
+    TuneResult run();
+
+private:
+    Candidate& candidate(double error_px);
+    void add(Candidate& c, TuneFlight flight) const;
+    void fly(Candidate& c);
+    bool settle(Candidate& c);
+    bool keeps(double error_px) { return settle(candidate(error_px)); }
+    bool reconsider(double error_px);
+    void descend();
+    void bisect();
+    bool confirm();
+    void publish();
+    [[nodiscard]] std::uint32_t expected() const;
+    [[nodiscard]] bool may_fly() const { return result_.flights < most_flights; }
+
+    const TuneSettings& settings_;
+    const std::function<TuneFlight(double)>& fly_;
+    const std::function<void(const TuneResult&)>& each_;
+    std::vector<Candidate> candidates_; // by falling threshold
+    double good_px_ = 0, bad_px_ = 0;   // the ends of what is left: keeps, and does not; 0: none known
+    bool confirming_ = false;
+    TuneResult result_;
+};
+
+Candidate& Search::candidate(double error_px) {
+    const auto at = std::ranges::find_if(candidates_, [&](const Candidate& c) { return c.point.error_px <= error_px; });
+    if (at != candidates_.end() && at->point.error_px == error_px) return *at;
+    Candidate fresh;
+    fresh.point.error_px = error_px;
+    return *candidates_.insert(at, std::move(fresh));
+}
+
+void Search::add(Candidate& c, TuneFlight flight) const {
+    TunePoint& p = c.point;
+    if (p.flights == 0)
+        c.least_us = std::move(flight.times_us);
+    else
+        for (std::size_t i = 0; i < c.least_us.size(); ++i)
+            c.least_us[i] = std::min(c.least_us[i], flight.times_us[i]);
+    p.reached = p.flights == 0 ? flight.reached : std::max(p.reached, flight.reached);
+    p.vertices = flight.vertices;
+    p.frames = static_cast<std::uint32_t>(c.least_us.size());
+    ++p.flights;
+    const flight::Percentiles times = flight::percentiles(c.least_us);
+    p.p50_us = times.p50;
+    p.p99_us = times.p99;
+    p.max_us = times.max;
+    p.keeps = p.p99_us <= settings_.budget_us && p.reached >= least_reached;
+}
+
+void Search::fly(Candidate& c) {
+    add(c, fly_(c.point.error_px));
+    ++result_.flights;
+    publish();
+}
+
+void Search::publish() {
+    result_.curve.clear();
+    for (const Candidate& c : candidates_)
+        if (c.point.flights != 0) result_.curve.push_back(c.point);
+    result_.expected = std::max(expected(), result_.flights);
+    each_(result_);
+}
+
+// About two flights a step near the limit, and one above it.
+std::uint32_t Search::expected() const {
+    if (confirming_) return result_.flights + 1;
+    double more = 2;
+    if (bad_px_ == 0) {
+        const double from_px = good_px_ > 0 ? good_px_ : settings_.most_px;
+        more += (1 + std::log2(from_px / settings_.least_px)) / 2 + 12;
+    } else {
+        more += 2 * std::max(std::log2(std::log(good_px_ / bad_px_) / std::log(resolved)), 0.0);
+    }
+    return std::min(result_.flights + static_cast<std::uint32_t>(more), most_flights);
+}
+
+// Whether it keeps the budget, after as few flights as say so. Half of all frames is more than other programs spoil,
+// but for what they take of the caches.
+bool Search::settle(Candidate& c) {
+    const TunePoint& p = c.point;
+    while (!p.keeps && p.flights < most_at_one && may_fly()) {
+        fly(c);
+        if (p.p50_us > hopeless * settings_.budget_us || p.reached < least_reached) break;
+    }
+    return p.keeps;
+}
+
+// Two more flights for one that failed; true when it keeps the budget after all.
+bool Search::reconsider(double error_px) {
+    Candidate& c = candidate(error_px);
+    for (int i = 0; i < 2 && !c.point.keeps && may_fly(); ++i) fly(c);
+    return c.point.keeps;
+}
+
+// By halves, until one fails or least_px keeps the budget too.
+void Search::descend() {
+    const double least = rounded_up(settings_.least_px);
+    while (good_px_ > least && bad_px_ == 0) {
+        const double next = std::max(rounded_up(good_px_ / 2), least);
+        (keeps(next) ? good_px_ : bad_px_) = next;
+    }
+}
+
+void Search::bisect() {
+    while (good_px_ / bad_px_ > resolved && may_fly()) {
+        const double next = rounded_up(std::sqrt(good_px_ * bad_px_));
+        if (next >= good_px_ || next <= bad_px_) return;
+        (keeps(next) ? good_px_ : bad_px_) = next;
+    }
+}
+
+// What was found is flown anew. Where it fails, what lies between it and the next larger one that kept the budget is
+// searched again: false.
+bool Search::confirm() {
+    confirming_ = true;
+    Candidate& found = candidate(good_px_);
+    const Candidate before = std::exchange(found, {});
+    found.point.error_px = good_px_;
+    if (settle(found)) return true;
+    if (found.point.flights == 0) found = before; // no flight is left to doubt it with
+    if (found.point.keeps) return true;
+    for (auto c = candidates_.rbegin(); c != candidates_.rend(); ++c)
+        if (c->point.error_px > good_px_ && c->point.keeps) {
+            bad_px_ = good_px_;
+            good_px_ = c->point.error_px;
+            bisect();
+            return false;
+        }
+    good_px_ = 0;
+    return true;
+}
+
+TuneResult Search::run() {
+    const double most = rounded_up(settings_.most_px);
+    if (keeps(most)) {
+        good_px_ = most;
+        for (int round = 0; round < 2; ++round) {
+            bad_px_ = 0;
+            descend();
+            if (bad_px_ == 0) break;
+            bisect();
+            const TunePoint good = candidate(good_px_).point, bad = candidate(bad_px_).point;
+            // Beside a limit that is not time's, the neighbour has room to spare by right.
+            const bool odd = good.p99_us < doubtful * settings_.budget_us && bad.reached >= least_reached;
+            if (round != 0 || !odd || !reconsider(bad_px_)) break;
+            good_px_ = bad_px_;
+        }
+        while (!confirm()) {}
+    }
+    confirming_ = true;
+    result_.best_px = good_px_;
+    publish();
+    return std::move(result_);
+}
+
+std::string what_helps(const TunePoint& p, const TuneSettings& s) {
+    if (p.reached < least_reached)
+        return fmt::format("{:.0f}% of the frames had what it asks for: more vertices, triangles, items or page slots",
+                           100 * p.reached);
+    return fmt::format("p99 {} us of {}: {}", grouped(p.p99_us), grouped(s.budget_us),
+                       s.measure == TuneMeasure::frame ? "a smaller picture, or a larger budget"
+                                                       : "a slower path, fewer items a frame, or a larger budget");
+}
+
+} // namespace
+
+const TunePoint* TuneResult::at(double error_px) const {
+    const auto found = std::ranges::find(curve, error_px, &TunePoint::error_px);
+    return found == curve.end() ? nullptr : &*found;
+}
+
+double rounded_up(double error_px) {
+    const double unit = std::pow(10.0, std::floor(std::log10(error_px)) - 2);
+    // A hair less, or 1.23 would become 1.24: it is 123.00000000000001 hundredths.
+    const double digits = std::ceil(error_px / unit - 1e-9);
+    return unit < 1 ? digits / std::round(1 / unit) : digits * unit; // the double that "1.23" reads as
+}
+
+TuneResult find_threshold(const TuneSettings& settings, const std::function<TuneFlight(double)>& fly,
+                          const std::function<void(const TuneResult&)>& each) {
+    return Search(settings, fly, each).run();
+}
+
+std::string tune_text(const TuneResult& result, const TuneSettings& settings) {
+    if (result.curve.empty()) return "nothing was flown";
+    if (result.best_px == 0)
+        return fmt::format("no threshold up to {:.3g} px keeps it; there {}; {} flights", result.curve.front().error_px,
+                           what_helps(result.curve.front(), settings), result.flights);
+    const TunePoint* const best = result.at(result.best_px);
+    const bool least = result.best_px == rounded_up(settings.least_px);
+    std::string why;
+    for (const TunePoint& p : result.curve) // what the next smaller one lacked, where it was not time
+        if (p.error_px < result.best_px) {
+            if (p.reached < least_reached) why = "; below it a budget of the profile is in the way, not time";
+            break;
+        }
+    return fmt::format("p99 {} us of {} at {:.3g} px{}{}; {} flights", grouped(best->p99_us),
+                       grouped(settings.budget_us), result.best_px, least ? ", the least that was asked for" : "", why,
+                       result.flights);
+}
+
+std::string tune_csv(const std::vector<TunePoint>& curve) {
+    std::string text = "threshold_px,p50_us,p99_us,max_us,vertices,frames,keeps,reached,flights\n";
+    for (const TunePoint& p : curve)
+        text += fmt::format("{},{:.3f},{:.3f},{:.3f},{:.1f},{},{},{:.4f},{}\n", p.error_px, p.p50_us, p.p99_us, p.max_us,
+                            p.vertices, p.frames, p.keeps ? 1 : 0, p.reached, p.flights);
+    return text;
+}
+
+void check(const TuneSettings& s) {
+    if (!(s.budget_us >= 10 && s.budget_us <= 1e6))
+        throw io::Failure(2, fmt::format("budget_us {}: must be 10 to 1000000 (microseconds)", s.budget_us));
+    if (s.frames != 0 && (s.frames < 10 || s.frames > 100'000))
+        throw io::Failure(2, fmt::format("frames {}: must be 10 to 100000, or 0 for the path's own", s.frames));
+    if (!(s.least_px >= flight::min_error_px && s.least_px < s.most_px && s.most_px <= flight::max_error_px))
+        throw io::Failure(2, fmt::format("least_px {} and most_px {}: must rise, from {} to {} pixels", s.least_px,
+                                           s.most_px, flight::min_error_px, flight::max_error_px));
+}
+
+} // namespace fjell::editor

@@ -1,0 +1,22 @@
+// Where a profile key's value lies on its slider, and back.
+//
+// Thread: any. Complexity: O(1), allocates nothing. Failure: none; a share outside 0..1 is the nearest end.
+#pragma once
+
+#include <string_view>
+
+#include "flight/profile_keys.h"
+
+namespace fjell::editor {
+
+// 0 for the key's least, 1 for its most; logarithmic where the key says so, with a stretch for 0 where that is allowed.
+[[nodiscard]] double slider_share(const flight::ProfileKey& key, double value);
+// In range, three digits of it, whole where the key is; exactly least and most at the ends.
+[[nodiscard]] double slider_value(const flight::ProfileKey& key, double share);
+
+// As a text field shows it; the key's word for 0. Never more than size bytes with the zero at the end.
+void write_value(const flight::ProfileKey& key, double value, char* to, int size);
+// What was typed, in or out of range. False: no number, nor the key's word for 0.
+[[nodiscard]] bool typed_value(const flight::ProfileKey& key, std::string_view text, double& value);
+
+} // namespace fjell::editor

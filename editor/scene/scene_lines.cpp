@@ -1,0 +1,128 @@
+#include "editor/scene/scene_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "editor/scene/route_lines.h"
+#include "fjell/query.h"
+#include "fjell/tree.h"
+#include "gl/palette.h"
+
+namespace fjell::editor {
+
+namespace {
+
+constexpr gl::Rgba8 frustum_rgba{255, 255, 255, 230}, culled_rgba{255, 70, 60, 200}, tile_rgba{255, 220, 120, 130};
+constexpr std::size_t shown_tiles = 12; // with their spheres: more are a ball of wool
+
+Vec3 place_of(const Terrain& terrain, Coord c, float height_m) {
+    return {static_cast<double>(terrain.x_m(c.x)), static_cast<double>(height_m), static_cast<double>(terrain.z_m(c.y))};
+}
+
+// A tile's corners are always loaded.
+Vec3 corner(const Terrain& terrain, std::int32_t x, std::int32_t y) {
+    const Coord c = terrain.tree.sample({x, y});
+    return place_of(terrain, c, terrain.vertex({x, y}).height_m);
+}
+
+Coord tile_origin(const Terrain& terrain, std::uint32_t tile) {
+    const auto tiles_x = static_cast<std::int32_t>(terrain.header.tiles_x);
+    const auto t = static_cast<std::int32_t>(tile);
+    return {t % tiles_x * terrain.tree.side(), t / tiles_x * terrain.tree.side()};
+}
+
+gl::Rgba8 level_rgba(const Terrain& terrain, Coord v) {
+    const gl::Rgb8 rgb = gl::level_rgb(terrain.tree.level(v), static_cast<int>(terrain.header.tile_log2));
+    return {rgb[0], rgb[1], rgb[2], 220};
+}
+
+} // namespace
+
+SceneLines::SceneLines() {
+    lines_.reserve(most_lines);
+    balls_.reserve(most_balls);
+}
+
+void SceneLines::build(const State& state, const flight::Session& session) {
+    lines_.clear();
+    balls_.clear();
+    if (state.eye.refining) {
+        const Scene& s = state.scene;
+        const double length_m = std::min(state.eye.refining->far_m, std::hypot(s.width_m(), s.depth_m()));
+        lines_.resize(12);
+        gl::frustum_lines(*state.eye.refining, length_m, frustum_rgba, std::span<gl::Line, 12>(lines_));
+    }
+    // Flying along it, the line would be in the eye.
+    if (state.shows(Overlay::path) && !state.route.playing()) add_route_lines(state.route, state.eye.view, lines_);
+    if (state.shows(Overlay::culled)) add_culled(session);
+    if (state.shows(Overlay::spheres)) {
+        add_tile_spheres(session, state.eye.view);
+        add_chain(session, state.eye.view);
+    }
+}
+
+// Crossed out: the four borders between corners, and both diagonals.
+void SceneLines::add_culled(const flight::Session& session) {
+    const Terrain& terrain = session.terrain();
+    drawn_.assign(terrain.tile_count(), false);
+    for (const TileRange& range : session.mesh().tiles)
+        if (range.index_count != 0) drawn_[range.tile] = true;
+    const std::int32_t side = terrain.tree.side();
+    for (std::uint32_t tile = 0; tile < terrain.tile_count() && lines_.size() + 6 <= most_lines; ++tile) {
+        if (drawn_[tile]) continue;
+        const Coord o = tile_origin(terrain, tile);
+        const Vec3 nw = corner(terrain, o.x, o.y), ne = corner(terrain, o.x + side, o.y);
+        const Vec3 sw = corner(terrain, o.x, o.y + side), se = corner(terrain, o.x + side, o.y + side);
+        for (const auto& [a, b] : {std::pair{nw, ne}, {ne, se}, {se, sw}, {sw, nw}, {nw, se}, {ne, sw}})
+            lines_.push_back({a, b, culled_rgba});
+    }
+}
+
+// The sphere of a tile's centre bounds all vertices inside the tile.
+void SceneLines::add_tile_spheres(const flight::Session& session, const View& view) {
+    const Terrain& terrain = session.terrain();
+    const std::int32_t half = terrain.tree.side() / 2;
+    near_.clear();
+    std::uint32_t last = terrain.tile_count();
+    for (const TileRange& range : session.mesh().tiles) { // a tile's ranges follow each other
+        if (range.index_count == 0 || range.tile == last) continue;
+        last = range.tile;
+        const Coord o = tile_origin(terrain, last);
+        const Coord c = terrain.tree.sample({o.x + half, o.y + half});
+        near_.push_back({length(place_of(terrain, c, terrain.header.min_m) - view.eye_m), last});
+    }
+    const std::size_t count = std::min(near_.size(), shown_tiles);
+    std::partial_sort(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(count), near_.end(),
+                      [](const Near& a, const Near& b) { return a.distance_m < b.distance_m; });
+    for (std::size_t i = 0; i < count; ++i) {
+        const Coord o = tile_origin(terrain, near_[i].tile), c{o.x + half, o.y + half};
+        const Terrain::Vertex v = terrain.vertex(c);
+        if (!v.loaded) continue;
+        balls_.push_back({place_of(terrain, terrain.tree.sample(c), v.height_m), static_cast<double>(v.radius_m), tile_rgba});
+    }
+}
+
+// The spheres over one another under the picture's middle: a vertex, its parent, and so on up to its tile's centre.
+void SceneLines::add_chain(const flight::Session& session, const View& view) {
+    const Terrain& terrain = session.terrain();
+    const GroundHit hit = cast_ray(terrain, view.eye_m, view.forward, view.far_m);
+    if (!hit.hit) return;
+    const auto sample = [](double metres, double spacing_m, std::int32_t count) {
+        return std::clamp(static_cast<std::int32_t>(std::lround(metres / spacing_m)), 0, count - 1);
+    };
+    Coord v{sample(hit.position_m.x, terrain.header.spacing_m[0], terrain.tree.columns()),
+            sample(hit.position_m.z, terrain.header.spacing_m[1], terrain.tree.rows())};
+    while (!terrain.tree.is_corner(v) && balls_.size() < most_balls) {
+        const Terrain::Vertex vertex = terrain.vertex(v);
+        if (vertex.loaded && vertex.radius_m > 0)
+            balls_.push_back({place_of(terrain, v, vertex.height_m), static_cast<double>(vertex.radius_m),
+                              level_rgba(terrain, v)});
+        const Diamond d = diamond(terrain.tree, v);
+        const Coord up = terrain.tree.contains(d.apexes[0]) ? d.apexes[0] : d.apexes[1];
+        if (terrain.tree.is_corner(up)) break;
+        v = up;
+    }
+}
+
+} // namespace fjell::editor

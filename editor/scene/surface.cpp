@@ -1,0 +1,172 @@
+#include "editor/scene/surface.h"
+
+#include <array>
+#include <cstring>
+#include <utility>
+
+#include <epoxy/gl.h>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include "gl/context.h"
+
+namespace fjell::editor {
+
+namespace {
+
+class WindowSurface : public Surface {
+public:
+    explicit WindowSurface(std::unique_ptr<gl::Window> window) : window_(std::move(window)) {
+        GLFWwindow* const handle = window_->handle();
+        glfwSetWindowUserPointer(handle, this);
+        glfwSetDropCallback(handle, [](GLFWwindow* w, int count, const char** paths) {
+            auto* const self = static_cast<WindowSurface*>(glfwGetWindowUserPointer(w));
+            self->dropped.assign(paths, paths + count);
+        });
+        glfwSetKeyCallback(handle, [](GLFWwindow* w, int key, int, int action, int mods) {
+            static_cast<WindowSurface*>(glfwGetWindowUserPointer(w))->note(key, action, mods);
+        });
+        ImGui_ImplGlfw_InitForOpenGL(handle, true); // its callbacks call ours
+        ImGui_ImplOpenGL3_Init("#version 450 core");
+    }
+    ~WindowSurface() override {
+        ImGui_ImplOpenGL3_Shutdown();
+        ImGui_ImplGlfw_Shutdown();
+    }
+
+    void begin_frame() override {
+        ImGuiIO& io = ImGui::GetIO();
+        for (std::size_t i = 0; i < struck_; ++i)
+            if (glfwGetKey(window_->handle(), keys_[i]) != GLFW_PRESS) io.KeysDown[keys_[i]] = false;
+        struck_ = 0;
+        window_->poll();
+        for (std::size_t i = 0; i < struck_; ++i) io.KeysDown[keys_[i]] = true;
+        if (struck_ != 0) {
+            io.KeyCtrl = (mods_ & GLFW_MOD_CONTROL) != 0;
+            io.KeyShift = (mods_ & GLFW_MOD_SHIFT) != 0;
+            io.KeyAlt = (mods_ & GLFW_MOD_ALT) != 0;
+        }
+        ImGui_ImplOpenGL3_NewFrame();
+        ImGui_ImplGlfw_NewFrame();
+    }
+    void size(std::uint32_t& width, std::uint32_t& height) const override { window_->framebuffer_size(width, height); }
+    unsigned framebuffer() const override { return 0; }
+    void present() override { window_->swap(); }
+    bool should_close() const override { return window_->should_close(); }
+    void stay_open() override { glfwSetWindowShouldClose(window_->handle(), GLFW_FALSE); }
+    void set_title(const char* title) override { glfwSetWindowTitle(window_->handle(), title); }
+    void resize(std::uint32_t width, std::uint32_t height) override {
+        glfwSetWindowSize(window_->handle(), static_cast<int>(width), static_cast<int>(height));
+    }
+    bool lost() const override { return glGetGraphicsResetStatus() != GL_NO_ERROR; }
+    std::string description() const override { return window_->description(); }
+    double content_scale() const override {
+        float x = 1, y = 1;
+        glfwGetWindowContentScale(window_->handle(), &x, &y);
+        return x > y ? static_cast<double>(x) : static_cast<double>(y);
+    }
+
+private:
+    // ImGui 1.86 looks at keys once a frame: what goes down and up again between two frames would be lost. It is held
+    // down for the frame that follows, with the modifiers it was struck with.
+    void note(int key, int action, int mods) {
+        if (action != GLFW_PRESS || key < 0 || key >= GLFW_KEY_LEFT_SHIFT || struck_ == keys_.size()) return;
+        keys_[struck_++] = key;
+        mods_ = mods;
+    }
+
+    std::unique_ptr<gl::Window> window_;
+    std::array<int, 16> keys_{};
+    std::size_t struck_ = 0;
+    int mods_ = 0;
+};
+
+class HeadlessSurface : public Surface {
+public:
+    HeadlessSurface(std::unique_ptr<gl::Headless> context, std::unique_ptr<gl::Target> target)
+        : context_(std::move(context)), target_(std::move(target)) {
+        ImGui_ImplOpenGL3_Init("#version 450 core");
+    }
+    ~HeadlessSurface() override { ImGui_ImplOpenGL3_Shutdown(); }
+
+    void begin_frame() override {
+        ImGui_ImplOpenGL3_NewFrame();
+        ImGuiIO& io = ImGui::GetIO();
+        io.DisplaySize = {static_cast<float>(target_->width()), static_cast<float>(target_->height())};
+        io.DeltaTime = 1.0F / 60;
+    }
+    void size(std::uint32_t& width, std::uint32_t& height) const override {
+        width = target_->width();
+        height = target_->height();
+    }
+    unsigned framebuffer() const override { return target_->framebuffer(); }
+    void present() override {}
+    bool should_close() const override { return false; }
+    void stay_open() override {}
+    void set_title(const char*) override {}
+    void resize(std::uint32_t width, std::uint32_t height) override {
+        std::string error;
+        if (auto target = gl::Target::create({width, height, 1}, error)) target_ = std::move(target);
+    }
+    bool lost() const override { return false; }
+    std::string description() const override { return context_->description(); }
+    double content_scale() const override { return 1; }
+
+private:
+    std::unique_ptr<gl::Headless> context_;
+    std::unique_ptr<gl::Target> target_; // after the context
+};
+
+} // namespace
+
+void Surface::draw_interface() {
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+void Surface::fonts_changed() {
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+}
+
+void Surface::read(gl::Image& image) const {
+    size(image.width, image.height);
+    const std::size_t row = std::size_t{3} * image.width;
+    std::vector<std::uint8_t> pixels(row * image.height);
+    glDisable(GL_FRAMEBUFFER_SRGB);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer());
+    if (framebuffer() == 0) glReadBuffer(GL_BACK);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, static_cast<GLsizei>(image.width), static_cast<GLsizei>(image.height), GL_RGB, GL_UNSIGNED_BYTE,
+                 pixels.data());
+    image.rgb.resize(pixels.size());
+    for (std::size_t y = 0; y < image.height; ++y) // GL's rows start at the bottom
+        std::memcpy(image.rgb.data() + y * row, pixels.data() + (image.height - 1 - y) * row, row);
+}
+
+std::unique_ptr<Surface> make_surface(const SurfaceOptions& options, std::string& error) {
+    if (!options.headless) {
+        auto window =
+            gl::Window::create({options.width, options.height, "Fjell editor", false, options.vsync, true}, error);
+        return window ? std::make_unique<WindowSurface>(std::move(window)) : nullptr;
+    }
+    auto context = gl::Headless::create({}, error);
+    if (!context) return nullptr;
+    auto target = gl::Target::create({options.width, options.height, 1}, error);
+    return target ? std::make_unique<HeadlessSurface>(std::move(context), std::move(target)) : nullptr;
+}
+
+void blit(const gl::Target& target, unsigned framebuffer, std::uint32_t framebuffer_height, std::uint32_t x,
+          std::uint32_t y) {
+    const auto w = static_cast<GLint>(target.width()), h = static_cast<GLint>(target.height());
+    const auto left = static_cast<GLint>(x);
+    const GLint bottom = static_cast<GLint>(framebuffer_height) - static_cast<GLint>(y) - h;
+    glDisable(GL_FRAMEBUFFER_SRGB); // a raw copy: both hold sRGB bytes
+    glBlitNamedFramebuffer(target.framebuffer(), framebuffer, 0, 0, w, h, left, bottom, left + w, bottom + h,
+                           GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+} // namespace fjell::editor

@@ -1,0 +1,87 @@
+#include "flight/file_ground.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "io/failure.h"
+
+namespace fjell::flight {
+
+namespace {
+
+// Four samples may lie in four tiles; each needs its page and, if that is of the finest step, all those over it.
+constexpr std::uint32_t most_pages = 4 * max_tile_log2;
+constexpr TerrainBudget slots{2 * most_pages};
+
+} // namespace
+
+FileGround::FileGround(const io::PackFile& file) : file_(file) {
+    const std::size_t bytes = terrain_bytes(file.pack().header, slots);
+    block_ = io::make_block(bytes);
+    const Status s = create_terrain(file.pack(), file.corners(), slots, {block_.get(), bytes}, terrain_);
+    if (!s.ok()) throw io::Failure(1, fmt::format("{}: {}: {}", file.path(), s.field, message(s.code)));
+}
+
+double FileGround::ground_m(double x_m, double z_m) {
+    const PackHeader& h = terrain_.header;
+    const auto first = [](double at, std::int32_t count) {
+        return static_cast<std::int32_t>(std::clamp(at, 0.0, static_cast<double>(count - 2)));
+    };
+    const Coord nw{first(x_m / h.spacing_m[0], terrain_.tree.columns()),
+                   first(z_m / h.spacing_m[1], terrain_.tree.rows())};
+    if (terrain_.page_count() - terrain_.pages_missing + most_pages > terrain_.slot_count)
+        for (std::uint32_t slot = 0; slot < terrain_.slot_count; ++slot)
+            if (const std::uint32_t page = terrain_.slot_page[slot]; page != no_index)
+                unload_page(terrain_, page / terrain_.pages_per_tile, page % terrain_.pages_per_tile);
+    bool all = true;
+    for (const Coord by : {Coord{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
+        fetch(nw + by);
+        all = all && terrain_.vertex(nw + by).loaded;
+    }
+    if (all) return terrain_.ground_m(x_m, z_m);
+    for (int shift = 1;; ++shift) { // ends at a tile's corner at the latest
+        const Terrain::Vertex v = terrain_.vertex({nw.x >> shift << shift, nw.y >> shift << shift});
+        if (v.loaded) return v.height_m;
+    }
+}
+
+void FileGround::fetch(Coord sample) {
+    const Tree& tree = terrain_.tree;
+    const PageLayout& pages = terrain_.pages;
+    if (tree.is_corner(sample)) return;
+    const std::int32_t side = tree.side();
+    const std::int32_t tx = std::min(sample.x / side, tree.tiles_x - 1),
+                       ty = std::min(sample.y / side, tree.tiles_y - 1);
+    const auto tile = static_cast<std::uint32_t>(ty * tree.tiles_x + tx);
+    const std::uint32_t page =
+        pages.place(static_cast<std::uint32_t>(sample.x - tx * side), static_cast<std::uint32_t>(sample.y - ty * side))
+            .page;
+    const int z = pages.page_step_log2(page);
+    if (z == 0) { // its errors follow from the heights of all pages over it
+        const Coord block = pages.page_position(page);
+        if (!load(tile, 0)) return;
+        for (int over = pages.tile_log2 - 1 - page_squares_log2; over > 0; --over)
+            if (!load(tile, pages.page_at(over, static_cast<std::uint32_t>(block.x) >> over,
+                                                static_cast<std::uint32_t>(block.y) >> over)))
+                return;
+    }
+    (void)load(tile, page);
+}
+
+bool FileGround::load(std::uint32_t tile, std::uint32_t page) {
+    if (terrain_.page_table[std::size_t{tile} * terrain_.pages_per_tile + page].slot != no_index) return true;
+    const ChunkEntry entry = file_.pack().entry(chunk_index(terrain_.header, {ChunkKind::geometry, tile, page}));
+    stored_.resize(entry.stored_bytes);
+    raw_.resize(entry.raw_bytes);
+    return file_.read(entry.offset, stored_) == 0 && decode_chunk(entry, stored_, raw_).ok() &&
+           insert_page(terrain_, tile, page, raw_).ok();
+}
+
+Ground ground_of(FileGround& file, const Terrain& terrain) {
+    Ground ground = ground_of(terrain);
+    ground.height_m = [&file](double x_m, double z_m) { return file.ground_m(x_m, z_m); };
+    return ground;
+}
+
+} // namespace fjell::flight

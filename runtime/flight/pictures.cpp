@@ -1,0 +1,120 @@
+#include "flight/pictures.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "gl/context.h"
+#include "gl/image.h"
+#include "gl/target.h"
+#include "io/failure.h"
+
+namespace fjell::flight {
+
+namespace {
+
+using io::Failure;
+
+constexpr std::uint32_t samples_a_pixel = 4;
+
+void require(bool made, const std::string& error) {
+    if (!made) throw Failure(3, error);
+}
+
+} // namespace
+
+struct Pictures::State { // in the order of destruction, last first
+    std::unique_ptr<gl::Headless> context;
+    std::unique_ptr<gl::Target> target;
+    std::unique_ptr<gl::Renderer> renderer;
+    gl::DrawOptions draw;
+    std::string folder;
+    gl::Image image;
+    std::size_t written = 0;
+};
+
+gl::DrawOptions draw_options(PictureMode mode) {
+    gl::DrawOptions draw;
+    draw.wireframe = mode == PictureMode::wire;
+    switch (mode) {
+    case PictureMode::shaded:
+    case PictureMode::wire: draw.mode = gl::Mode::shaded; break;
+    case PictureMode::levels: draw.mode = gl::Mode::levels; break;
+    case PictureMode::tiles: draw.mode = gl::Mode::tiles; break;
+    case PictureMode::mips: draw.mode = gl::Mode::mips; break;
+    case PictureMode::residency: draw.mode = gl::Mode::residency; break;
+    case PictureMode::distance: draw.mode = gl::Mode::distance; break;
+    }
+    return draw;
+}
+
+std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const Session& session, std::string& error) {
+    gl::RendererOptions slots;
+    if (session.incremental()) {
+        const CutBudget& budget = session.cut_budget;
+        slots.vertices = budget.vertices;
+        slots.indices = 3 * budget.triangles;
+        slots.ranges = budget.triangles / budget.segment_triangles;
+        slots.morph = true;
+        if (session.streamed) // as without streaming, and what a frame may bring of maps
+            slots.ring_bytes = std::max(4 * budget.vertices + 2 * budget.triangles, 1u << 20) +
+                               std::min(options.profile.stream.map_bytes, 1u << 28);
+    } else {
+        slots.vertices = options.profile.budget.vertices;
+        slots.indices = options.profile.budget.indices;
+    }
+    if (session.streamed) {
+        slots.colour = stream_map_layers(session.streamed->stream(), MapKind::colour);
+        slots.normal = stream_map_layers(session.streamed->stream(), MapKind::normal);
+    }
+    return gl::Renderer::create(session.terrain(), session.loaded.pack, slots, error);
+}
+
+std::string upload_mesh(gl::Renderer& renderer, const Session& session, const FrameEntry& entry) {
+    if (entry.rebuilt) renderer.invalidate();
+    if (session.streamed) {
+        const Stream stream = session.streamed->stream();
+        std::string error = renderer.upload(map_commands(stream));
+        if (error.empty())
+            error = renderer.show_maps(tile_maps(stream, MapKind::colour), tile_maps(stream, MapKind::normal));
+        if (!error.empty()) return error;
+    }
+    return session.incremental() ? renderer.upload(cut_mesh(session.cut)) : renderer.upload(session.mesh());
+}
+
+Pictures::Pictures(const FlightOptions& options, const Session& session) : state_(std::make_unique<State>()) {
+    std::string error;
+    state_->context = gl::Headless::create({}, error);
+    require(state_->context != nullptr, error);
+    state_->target = gl::Target::create({options.profile.width_px, options.profile.height_px, samples_a_pixel}, error);
+    require(state_->target != nullptr, error);
+    state_->renderer = make_renderer(options, session, error);
+    if (!state_->renderer && !session.streamed)
+        (void)io::check_all_chunks(session.readable_pack(),
+                                     session.loaded.path); // a damaged pack is not the machine's fault
+    require(state_->renderer != nullptr, error);
+    state_->draw = draw_options(options.mode);
+    state_->folder = options.render_folder;
+}
+
+Pictures::~Pictures() = default;
+
+void Pictures::follow(const Session& session, const FrameEntry& entry) {
+    const std::string error = upload_mesh(*state_->renderer, session, entry);
+    require(error.empty(), error);
+}
+
+void Pictures::write(const Session& session, const View& view, std::size_t frame) {
+    std::string error = state_->renderer->draw_uploaded(session.mesh(), view, state_->draw, *state_->target);
+    require(error.empty(), error);
+    state_->target->read_colour(state_->image);
+    error = gl::write_png(state_->image, fmt::format("{}/frame_{:05}.png", state_->folder, frame));
+    require(error.empty(), error);
+    ++state_->written;
+}
+
+std::size_t Pictures::written() const {
+    return state_->written;
+}
+
+} // namespace fjell::flight

@@ -1,0 +1,41 @@
+// Frames of a headless flight as PNG files. The only part of a headless flight that touches OpenGL.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include "flight/options.h"
+#include "flight/session.h"
+#include "gl/renderer.h"
+
+namespace fjell::flight {
+
+[[nodiscard]] gl::DrawOptions draw_options(PictureMode mode);
+
+// A renderer with room for the session's mesh, whichever method makes it. Empty with an error, as Renderer::create.
+[[nodiscard]] std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const Session& session,
+                                                          std::string& error);
+// Hands over what the last update wrote: once after every update, drawn or not.
+[[nodiscard]] std::string upload_mesh(gl::Renderer& renderer, const Session& session, const FrameEntry& entry);
+
+class Pictures {
+public:
+    // Throws Failure 3 when there is no OpenGL 4.5.
+    Pictures(const FlightOptions& options, const Session& session);
+    ~Pictures();
+    Pictures(const Pictures&) = delete;
+    Pictures& operator=(const Pictures&) = delete;
+
+    // Takes over what the last update wrote; after every update. Throws Failure 3.
+    void follow(const Session& session, const FrameEntry& entry);
+    // Draws the mesh of the last update and writes FOLDER/frame_NNNNN.png. Throws Failure 3.
+    void write(const Session& session, const View& view, std::size_t frame);
+    [[nodiscard]] std::size_t written() const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace fjell::flight

@@ -1,0 +1,53 @@
+// Profiles: what one kind of machine can afford, as TOML (profiles/*.toml).
+//
+// Every key has a default, a unit and a range; the shipped profiles say what each costs. Command-line flags win over
+// the profile, the profile over the defaults. Failure: io::Failure with exit code 1 naming file, line and key.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "fjell/cut.h"
+#include "fjell/recursive.h"
+#include "fjell/stream.h"
+
+namespace fjell::flight {
+
+enum class Method : std::uint8_t { incremental, recursive };
+
+// Keys of the method that is not chosen are kept for when --method chooses it.
+struct Profile {
+    Method method = Method::incremental;            // [refine] method
+    RefineSettings refine;                          // [refine] error_px, corner_safe; recursive: metric, cull, topology
+    CutSettings cut;                                // [refine] hysteresis, morph, morph_s; [budget] items, budget_us
+    RecursiveBudget budget;                         // [budget] vertices, indices
+    CutBudget cut_budget;                           // [budget] vertices, triangles, views
+    std::uint32_t page_slots = 8192;                // [stream] page_slots
+    StreamBudget stream_budget;                     // [stream] page_requests, map_requests, map_mb, tail_log2
+    StreamSettings stream;                          // [stream] texel_px, lookahead_s, fade_s, pages, tests, map_kb
+    std::uint32_t width_px = 1280, height_px = 720; // [view] width_px, height_px
+    double fov_deg = 45;                            // [view] fov_deg: vertical
+};
+
+// Ranges, for the command line too.
+inline constexpr double min_error_px = 0.01, max_error_px = 1000;
+inline constexpr double min_fov_deg = 1, max_fov_deg = 150;
+inline constexpr std::uint32_t max_size_px = 16384;
+inline constexpr std::uint32_t min_budget = 16, max_vertices = 1u << 27, max_indices = 1u << 30;
+inline constexpr std::uint32_t max_triangles = 1u << 29, max_items = unlimited_items - 1;
+inline constexpr std::uint32_t max_page_slots = 1u << 24, max_page_requests = 256, max_map_requests = 64;
+inline constexpr std::uint32_t max_map_mb = 1u << 16, max_map_kb = 1u << 20, min_tail_log2 = 2;
+inline constexpr std::uint32_t max_stream_pages = 4096, min_stream_tests = 1024;
+inline constexpr double min_texel_px = 0.1, max_texel_px = 100, max_lookahead_s = 10, max_fade_s = 10;
+inline constexpr double max_hysteresis = 10, min_morph_s = 0.01, max_morph_s = 10, max_budget_us = 1e6;
+
+[[nodiscard]] Profile read_profile(const std::string& file);
+[[nodiscard]] Profile parse_profile(std::string_view text, const std::string& name);
+
+// What an update of the stream is given.
+[[nodiscard]] StreamSettings stream_settings(const Profile& profile, double now_s);
+// What an update of the incremental method is given.
+[[nodiscard]] CutSettings cut_settings(const Profile& profile, double now_s);
+
+} // namespace fjell::flight

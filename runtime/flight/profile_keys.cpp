@@ -1,0 +1,456 @@
+#include "flight/profile_keys.h"
+
+#include <iterator>
+#include <type_traits>
+
+namespace fjell::flight {
+
+namespace {
+
+// Where a value lies in a profile: a field, or a field of a part. shift: it is given in units of 1 << shift bytes.
+template <auto Part, auto Field = nullptr, int shift = 0>
+struct At {
+    template <typename P>
+    static auto& in(P& profile) {
+        if constexpr (std::is_null_pointer_v<decltype(Field)>)
+            return profile.*Part;
+        else
+            return profile.*Part.*Field;
+    }
+    static double get(const Profile& profile) {
+        if constexpr (shift != 0)
+            return static_cast<double>(in(profile) >> shift);
+        else
+            return static_cast<double>(in(profile));
+    }
+    static void set(Profile& profile, double value) {
+        using T = std::remove_reference_t<decltype(in(profile))>;
+        if constexpr (shift != 0)
+            in(profile) = static_cast<T>(static_cast<std::uint64_t>(value) << shift);
+        else
+            in(profile) = static_cast<T>(value);
+    }
+};
+
+// One key for both methods' vertex buffers: only one of them is made.
+struct Vertices {
+    static double get(const Profile& p) {
+        return p.method == Method::recursive ? p.budget.vertices : p.cut_budget.vertices;
+    }
+    static void set(Profile& p, double value) {
+        p.budget.vertices = p.cut_budget.vertices = static_cast<std::uint32_t>(value);
+    }
+};
+
+struct Items {
+    static double get(const Profile& p) { return p.cut.items == unlimited_items ? 0 : p.cut.items; }
+    static void set(Profile& p, double value) {
+        p.cut.items = value == 0 ? unlimited_items : static_cast<std::uint32_t>(value);
+    }
+};
+
+// In the order of the enumerations.
+constexpr const char* methods[] = {"incremental", "recursive"};
+constexpr const char* morphs[] = {"none", "error", "time"};
+constexpr const char* metrics[] = {"isotropic", "depth"};
+constexpr const char* topologies[] = {"list", "strip"};
+static_assert(static_cast<int>(Method::recursive) == 1 && static_cast<int>(Morph::error) == 1 &&
+                  static_cast<int>(Morph::time) == 2 && static_cast<int>(Metric::depth) == 1 &&
+                  static_cast<int>(Topology::strip) == 1,
+              "choices are named in the order of their values: change the names above too");
+
+constexpr ProfileTable tables[] = {
+    {"refine", "Refinement"},
+    {"budget", "Budgets"},
+    {"stream", "Streaming",
+     "Streaming (--stream on, or auto with a pack of more pages than page_slots): pages of geometry and mips of maps "
+     "are read when the views want them."},
+    {"view", "View"},
+};
+
+constexpr auto whole = KeyKind::whole, flag = KeyKind::flag, choice = KeyKind::choice;
+
+constexpr ProfileKey keys[] = {
+    {.table = "refine",
+     .name = "method",
+     .label = "Method",
+     .kind = choice,
+     .choices = methods,
+     .about = "How the mesh is found. \"incremental\": kept from frame to frame, all around the eye; costs what "
+              "changes, 100 to 400 ns a work item, and next to nothing where the camera rests or turns. \"recursive\": "
+              "found from the roots every frame; 30 to 90 ns a selected vertex, and only those in view are selected, "
+              "about a quarter.",
+     .rebuild = Rebuild::method,
+     .get = At<&Profile::method>::get,
+     .set = At<&Profile::method>::set},
+    {.table = "refine",
+     .name = "error_px",
+     .label = "Threshold",
+     .unit = "px",
+     .least = min_error_px,
+     .most = max_error_px,
+     .logarithmic = true,
+     .about = "Threshold: the largest error on screen. Pixels, 0.01 to 1000. Halving it takes about 2.6 times the "
+              "vertices and the time.",
+     .get = At<&Profile::refine, &RefineSettings::error_px>::get,
+     .set = At<&Profile::refine, &RefineSettings::error_px>::set},
+    {.table = "refine",
+     .name = "corner_safe",
+     .label = "Hold in corners",
+     .kind = flag,
+     .about = "Hold the threshold in pixels in the image's corners too, not only as an angle: true or false. Divides "
+              "it by 1.48 for a picture of 4:3 at 45 degrees, by 1.71 for one of 16:9: about 1.7 and 2.1 times the "
+              "vertices.",
+     .get = At<&Profile::refine, &RefineSettings::corner_safe>::get,
+     .set = At<&Profile::refine, &RefineSettings::corner_safe>::set},
+    {.table = "refine",
+     .name = "hysteresis",
+     .label = "Hysteresis",
+     .most = max_hysteresis,
+     .zero = "none",
+     .about = "A vertex comes at error_px and goes below error_px / (1 + hysteresis). No unit, 0 to 10. 0.3 takes a "
+              "tenth more vertices and makes a third fewer changes. (Incremental.)",
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut, &CutSettings::hysteresis>::get,
+     .set = At<&Profile::cut, &CutSettings::hysteresis>::set},
+    {.table = "refine",
+     .name = "morph",
+     .label = "Morph",
+     .kind = choice,
+     .most = 2,
+     .choices = morphs,
+     .about = "How vertices come and go. \"none\": at once. \"error\": with the distance; takes a seventh more "
+              "vertices. \"time\": over morph_s seconds; the threshold holds only where nothing rises any more. "
+              "(Incremental.)",
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut, &CutSettings::morph>::get,
+     .set = At<&Profile::cut, &CutSettings::morph>::set},
+    {.table = "refine",
+     .name = "morph_s",
+     .label = "Morph time",
+     .unit = "s",
+     .least = min_morph_s,
+     .most = max_morph_s,
+     .logarithmic = true,
+     .about = "Time that a late vertex takes to rise. Seconds, 0.01 to 10. Costs a write and an upload of 28 bytes a "
+              "vertex that rises. (Incremental.)",
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut, &CutSettings::morph_s>::get,
+     .set = At<&Profile::cut, &CutSettings::morph_s>::set},
+    {.table = "refine",
+     .name = "metric",
+     .label = "Metric",
+     .kind = choice,
+     .choices = metrics,
+     .about = "What an error is divided by: the \"isotropic\" distance to the eye, or the \"depth\" along the view "
+              "(thesis 5.4.1; needs cull = true). Depth holds the bound in the image's corners too where the view is "
+              "level, for a tenth more vertices. (Recursive.)",
+     .used_by = UsedBy::recursive,
+     .get = At<&Profile::refine, &RefineSettings::metric>::get,
+     .set = At<&Profile::refine, &RefineSettings::metric>::set},
+    {.table = "refine",
+     .name = "cull",
+     .label = "Only in view",
+     .kind = flag,
+     .about = "Leave out vertices that the view frustum does not see: true or false. False costs the whole "
+              "surroundings, about four times the vertices at 45 degrees, and turning the head then changes nothing. "
+              "(Recursive; the incremental method refines all around and draws the tiles that may be seen.)",
+     .used_by = UsedBy::recursive,
+     .get = At<&Profile::refine, &RefineSettings::cull>::get,
+     .set = At<&Profile::refine, &RefineSettings::cull>::set},
+    {.table = "refine",
+     .name = "topology",
+     .label = "Topology",
+     .kind = choice,
+     .choices = topologies,
+     .about = "\"list\": an indexed triangle list, three indices a triangle. \"strip\": one strip a tile, as in the "
+              "thesis, about 0.6 of the indices. (Recursive.)",
+     .used_by = UsedBy::recursive,
+     .get = At<&Profile::refine, &RefineSettings::topology>::get,
+     .set = At<&Profile::refine, &RefineSettings::topology>::set},
+
+    {.table = "budget",
+     .name = "vertices",
+     .label = "Vertices",
+     .kind = whole,
+     .unit = "vertices",
+     .least = min_budget,
+     .most = max_vertices,
+     .logarithmic = true,
+     .about = "Slots of the vertex buffer. Vertices, 16 to 134217728. 57 bytes each for the incremental method, 28 on "
+              "the GPU; 20 and 12 for the recursive one, which needs a fourth to a sixth as many. When they do not "
+              "suffice, the threshold rises, the mesh stays whole, and the report says \"vertices\".",
+     .rebuild = Rebuild::method,
+     .get = Vertices::get,
+     .set = Vertices::set},
+    {.table = "budget",
+     .name = "triangles",
+     .label = "Triangles",
+     .kind = whole,
+     .unit = "triangles",
+     .least = min_budget,
+     .most = max_triangles,
+     .logarithmic = true,
+     .about = "Slots of the index buffer. Triangles, 16 to 536870912. 16 bytes each, 12 on the GPU. About two an "
+              "active vertex, and up to an eighth of them lies idle in half-full chunks. When they do not suffice, the "
+              "threshold rises and the report says \"triangles\". (Incremental.)",
+     .rebuild = Rebuild::method,
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut_budget, &CutBudget::triangles>::get,
+     .set = At<&Profile::cut_budget, &CutBudget::triangles>::set},
+    {.table = "budget",
+     .name = "views",
+     .label = "Views",
+     .kind = whole,
+     .unit = "views",
+     .least = 1,
+     .most = max_cut_views,
+     .about = "Views that share one mesh: split screen, shadows. Views, 1 to 8. Memory: none to speak of; each one "
+              "given costs its own distances in every evaluation. fjell-fly gives one. (Incremental.)",
+     .rebuild = Rebuild::method,
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut_budget, &CutBudget::views>::get,
+     .set = At<&Profile::cut_budget, &CutBudget::views>::set},
+    {.table = "budget",
+     .name = "items",
+     .label = "Work items a frame",
+     .kind = whole,
+     .unit = "items",
+     .most = max_items,
+     .logarithmic = true,
+     .zero = "no limit",
+     .about = "Work that a frame may do: blocks evaluated, vertices activated or deactivated. Items, 0 to 4294967294; "
+              "0: no limit. An item takes 100 to 400 ns, by what the cache holds. When they do not suffice, the mesh "
+              "lags behind the camera and the report says \"items\". (Incremental; building the first frame from "
+              "nothing is not bounded.)",
+     .used_by = UsedBy::incremental,
+     .get = Items::get,
+     .set = Items::set},
+    {.table = "budget",
+     .name = "budget_us",
+     .label = "Time an update",
+     .unit = "us",
+     .most = max_budget_us,
+     .logarithmic = true,
+     .zero = "no limit",
+     .about = "Time that an update may take. Microseconds, 0 to 1000000; 0: no limit. Read every few items: exceeded "
+              "by some microseconds at most, but no two runs are alike. The report says \"time\". (Incremental.)",
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut, &CutSettings::budget_us>::get,
+     .set = At<&Profile::cut, &CutSettings::budget_us>::set},
+    {.table = "budget",
+     .name = "indices",
+     .label = "Indices",
+     .kind = whole,
+     .unit = "indices",
+     .least = min_budget,
+     .most = max_indices,
+     .logarithmic = true,
+     .about = "Indices of one frame. Indices, 16 to 1073741824. 4 bytes each, and as many on the GPU, uploaded anew "
+              "every frame. A list needs about 6 a selected vertex, strips 3.5. When they do not suffice, the report "
+              "says \"indices\". (Recursive.)",
+     .rebuild = Rebuild::method,
+     .used_by = UsedBy::recursive,
+     .get = At<&Profile::budget, &RecursiveBudget::indices>::get,
+     .set = At<&Profile::budget, &RecursiveBudget::indices>::set},
+
+    {.table = "stream",
+     .name = "page_slots",
+     .label = "Page slots",
+     .kind = whole,
+     .unit = "pages",
+     .least = 1,
+     .most = max_page_slots,
+     .logarithmic = true,
+     .about = "Pages in memory at a time. Pages, 1 to 16777216; at least one a tile of the pack. 12.5 KB each. When "
+              "they do not suffice, the terrain is coarser where its error shows least, and the report says "
+              "\"page_slots\".",
+     .rebuild = Rebuild::session,
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::page_slots>::get,
+     .set = At<&Profile::page_slots>::set},
+    {.table = "stream",
+     .name = "page_requests",
+     .label = "Page requests",
+     .kind = whole,
+     .unit = "pages",
+     .least = 1,
+     .most = max_page_requests,
+     .logarithmic = true,
+     .about = "Pages asked for at a time. Pages, 1 to 256; some 16 KB each. Fewer follow a turn of the head sooner, "
+              "more keep a disk with long ways busy.",
+     .rebuild = Rebuild::session,
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream_budget, &StreamBudget::page_requests>::get,
+     .set = At<&Profile::stream_budget, &StreamBudget::page_requests>::set},
+    {.table = "stream",
+     .name = "map_requests",
+     .label = "Mip requests",
+     .kind = whole,
+     .unit = "mips",
+     .least = 1,
+     .most = max_map_requests,
+     .logarithmic = true,
+     .about = "Mips asked for at a time. Mips, 1 to 64. Memory: the bytes of the pack's largest mip each, 525 KB for "
+              "1024 texels of colour.",
+     .rebuild = Rebuild::session,
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream_budget, &StreamBudget::map_requests>::get,
+     .set = At<&Profile::stream_budget, &StreamBudget::map_requests>::set},
+    {.table = "stream",
+     .name = "map_mb",
+     .label = "Maps on the GPU",
+     .kind = whole,
+     .unit = "MB",
+     .least = 1,
+     .most = max_map_mb,
+     .logarithmic = true,
+     .about = "Maps on the GPU. MB (1048576 bytes), 1 to 65536; at least the smallest size of all tiles. When they do "
+              "not suffice, maps are blurrier where it shows least, and the report says \"map_bytes\".",
+     .rebuild = Rebuild::session,
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream_budget, &StreamBudget::map_bytes, 20>::get,
+     .set = At<&Profile::stream_budget, &StreamBudget::map_bytes, 20>::set},
+    {.table = "stream",
+     .name = "tail_log2",
+     .label = "Smallest map size, log2",
+     .kind = whole,
+     .least = min_tail_log2,
+     .most = max_texture_log2,
+     .about = "Map size that every tile keeps, read before all others: a power of two texels a side, 2 to 12. One more "
+              "takes four times the bytes: 2.7 KB of colour and 5.5 of normals a tile for 6.",
+     .rebuild = Rebuild::session,
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream_budget, &StreamBudget::tail_log2>::get,
+     .set = At<&Profile::stream_budget, &StreamBudget::tail_log2>::set},
+    {.table = "stream",
+     .name = "texel_px",
+     .label = "Texel size",
+     .unit = "px",
+     .least = min_texel_px,
+     .most = max_texel_px,
+     .logarithmic = true,
+     .about = "Pixels that a texel of a map may cover. Pixels, 0.1 to 100. 2 instead of 1 reads a fourth of the bytes.",
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream, &StreamSettings::texel_px>::get,
+     .set = At<&Profile::stream, &StreamSettings::texel_px>::set},
+    {.table = "stream",
+     .name = "lookahead_s",
+     .label = "Look ahead",
+     .unit = "s",
+     .most = max_lookahead_s,
+     .zero = "not at all",
+     .about = "How far ahead the camera's motion is followed. Seconds, 0 to 10; 0: not at all. Reads what is on the "
+              "way before it is wanted, and some that never will be.",
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream, &StreamSettings::lookahead_s>::get,
+     .set = At<&Profile::stream, &StreamSettings::lookahead_s>::set},
+    {.table = "stream",
+     .name = "fade_s",
+     .label = "Fade in",
+     .unit = "s",
+     .most = max_fade_s,
+     .zero = "at once",
+     .about = "Time in which a mip that has come fades in. Seconds, 0 to 10; 0: at once. Costs nothing.",
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream, &StreamSettings::fade_s>::get,
+     .set = At<&Profile::stream, &StreamSettings::fade_s>::set},
+    {.table = "stream",
+     .name = "pages",
+     .label = "Pages a frame",
+     .kind = whole,
+     .unit = "pages",
+     .least = 1,
+     .most = max_stream_pages,
+     .logarithmic = true,
+     .about = "Pages taken over in a frame. Pages, 1 to 4096; 10 to 20 us each. When they do not suffice, they wait "
+              "for the next frame, and the report says \"stream_pages\".",
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream, &StreamSettings::pages>::get,
+     .set = At<&Profile::stream, &StreamSettings::pages>::set},
+    {.table = "stream",
+     .name = "tests",
+     .label = "Pages looked at a frame",
+     .kind = whole,
+     .unit = "pages",
+     .least = min_stream_tests,
+     .most = 0xffffffff,
+     .logarithmic = true,
+     .about = "Pages that a frame may look at to find what is wanted. Pages, 1024 to 4294967295; some 10 ns each. When "
+              "they do not suffice, the search goes on in the next frame, and the report says \"stream_tests\".",
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream, &StreamSettings::tests>::get,
+     .set = At<&Profile::stream, &StreamSettings::tests>::set},
+    {.table = "stream",
+     .name = "map_kb",
+     .label = "Map uploads a frame",
+     .kind = whole,
+     .unit = "KB",
+     .least = 1,
+     .most = max_map_kb,
+     .logarithmic = true,
+     .about = "Maps uploaded in a frame, but always at least one mip. KB (1024 bytes), 1 to 1048576. Costs the bus, "
+              "and a hitch where it is too much. The report says \"stream_upload\" when more has come.",
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream, &StreamSettings::map_bytes, 10>::get,
+     .set = At<&Profile::stream, &StreamSettings::map_bytes, 10>::set},
+
+    {.table = "view",
+     .name = "width_px",
+     .label = "Width",
+     .kind = whole,
+     .unit = "px",
+     .least = 1,
+     .most = max_size_px,
+     .about = "Picture's width. Pixels, 1 to 16384. Drawing costs with the area.",
+     .get = At<&Profile::width_px>::get,
+     .set = At<&Profile::width_px>::set},
+    {.table = "view",
+     .name = "height_px",
+     .label = "Height",
+     .kind = whole,
+     .unit = "px",
+     .least = 1,
+     .most = max_size_px,
+     .about = "Picture's height. Pixels, 1 to 16384. Vertices grow with it at an equal threshold; drawing costs with "
+              "the area.",
+     .get = At<&Profile::height_px>::get,
+     .set = At<&Profile::height_px>::set},
+    {.table = "view",
+     .name = "fov_deg",
+     .label = "Field of view",
+     .unit = "deg",
+     .least = min_fov_deg,
+     .most = max_fov_deg,
+     .about = "Vertical field of view. Degrees, 1 to 150. A narrower one magnifies: 30 instead of 45 takes a quarter "
+              "more vertices.",
+     .get = At<&Profile::fov_deg>::get,
+     .set = At<&Profile::fov_deg>::set},
+};
+
+} // namespace
+
+std::span<const ProfileKey> profile_keys() {
+    return keys;
+}
+
+std::span<const ProfileTable> profile_tables() {
+    return tables;
+}
+
+const ProfileKey* find_profile_key(std::string_view dotted) {
+    const std::size_t dot = dotted.find('.');
+    if (dot == std::string_view::npos) return nullptr;
+    for (const ProfileKey& key : keys)
+        if (dotted.substr(0, dot) == key.table && dotted.substr(dot + 1) == key.name) return &key;
+    return nullptr;
+}
+
+std::vector<const ProfileKey*> differing_keys(const Profile& a, const Profile& b) {
+    std::vector<const ProfileKey*> differing;
+    for (const ProfileKey& key : keys)
+        if (key.get(a) != key.get(b)) differing.push_back(&key);
+    return differing;
+}
+
+} // namespace fjell::flight

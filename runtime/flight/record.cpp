@@ -1,0 +1,200 @@
+#include "flight/record.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <xxhash.h>
+
+#include "io/failure.h"
+
+namespace fjell::flight {
+
+namespace {
+
+using io::Failure;
+using nlohmann::json;
+
+constexpr std::uint32_t version = 2;
+constexpr const char* morph_names[] = {"none", "error", "time"};
+constexpr std::uint32_t page_events = 4; // PageEvent's values, as they are written
+static_assert(static_cast<std::uint32_t>(PageEvent::removed) == page_events - 1,
+              "PageEvent is written by number: change the recording's version with it");
+
+std::string hex(std::uint64_t value) {
+    return fmt::format("{:016x}", value);
+}
+
+// get<std::uint32_t>() would convert any number, also one that does not fit.
+std::uint32_t whole(const json& j) {
+    if (!j.is_number_unsigned() || j.get<std::uint64_t>() > 0xffffffff)
+        throw json::other_error::create(600, "must be a whole number below 2^32: " + j.dump(), &j);
+    return static_cast<std::uint32_t>(j.get<std::uint64_t>());
+}
+
+json view_json(const View& v) {
+    return {v.eye_m.x, v.eye_m.y,   v.eye_m.z,  v.forward.x, v.forward.y, v.forward.z, v.up.x,     v.up.y,
+            v.up.z,    v.fov_y_rad, v.width_px, v.height_px, v.near_m,    v.far_m,     v.lambda_px};
+}
+
+View view_of(const json& j) {
+    if (!j.is_array() || j.size() != 15) throw json::other_error::create(600, "a view has 15 numbers", &j);
+    View v;
+    const auto vec = [&](std::size_t i) {
+        return Vec3{j.at(i).get<double>(), j.at(i + 1).get<double>(), j.at(i + 2).get<double>()};
+    };
+    v.eye_m = vec(0);
+    v.forward = vec(3);
+    v.up = vec(6);
+    v.fov_y_rad = j.at(9).get<double>();
+    v.width_px = whole(j.at(10));
+    v.height_px = whole(j.at(11));
+    v.near_m = j.at(12).get<double>();
+    v.far_m = j.at(13).get<double>();
+    v.lambda_px = j.at(14).get<double>();
+    return v;
+}
+
+json frame_json(const RecordedFrame& f) {
+    json views = json::array();
+    for (const View& v : f.views) views.push_back(view_json(v));
+    const CutSettings& s = f.settings;
+    json pages = json::array();
+    for (const PageArrival& p : f.pages) pages.push_back({p.tile, p.page, static_cast<std::uint32_t>(p.event)});
+    return {{"views", std::move(views)},
+            {"pages", std::move(pages)},
+            {"missing_px", f.missing_px},
+            {"rebuild", f.rebuild},
+            {"items", s.items},
+            {"visits", s.visits},
+            {"error_px", s.error_px},
+            {"hysteresis", s.hysteresis},
+            {"corner_safe", s.corner_safe},
+            {"morph", morph_names[static_cast<int>(s.morph)]},
+            {"morph_s", s.morph_s},
+            {"now_s", s.now_s},
+            {"mesh", hex(f.mesh_hash)}};
+}
+
+std::uint64_t from_hex(const json& j) {
+    return std::stoull(j.get<std::string>(), nullptr, 16);
+}
+
+RecordedFrame frame_of(const json& j) {
+    RecordedFrame f;
+    for (const json& v : j.at("views")) f.views.push_back(view_of(v));
+    if (f.views.empty()) throw json::other_error::create(600, "a frame needs a view", &j);
+    CutSettings& s = f.settings;
+    f.rebuild = j.at("rebuild").get<bool>();
+    s.items = whole(j.at("items"));
+    s.visits = whole(j.at("visits"));
+    s.error_px = j.at("error_px").get<double>();
+    s.hysteresis = j.at("hysteresis").get<double>();
+    s.corner_safe = j.at("corner_safe").get<bool>();
+    s.morph_s = j.at("morph_s").get<double>();
+    s.now_s = j.at("now_s").get<double>();
+    const auto morph = j.at("morph").get<std::string>();
+    for (int m = 0; m < 3; ++m)
+        if (morph == morph_names[m]) s.morph = static_cast<Morph>(m);
+    f.mesh_hash = from_hex(j.at("mesh"));
+    for (const json& p : j.at("pages")) {
+        if (!p.is_array() || p.size() != 3 || whole(p.at(2)) >= page_events)
+            throw json::other_error::create(600, "what became of a page is its tile, its number and 0 to 3", &p);
+        f.pages.push_back({whole(p.at(0)), whole(p.at(1)), static_cast<PageEvent>(whole(p.at(2)))});
+    }
+    f.missing_px = j.at("missing_px").get<double>();
+    return f;
+}
+
+void read_head(const json& j, Recording& r) {
+    if (j.at("fjell").get<std::string>() != "recording" || whole(j.at("version")) != version)
+        throw json::other_error::create(600, "not a recording of this version", &j);
+    r.pack_hash = from_hex(j.at("pack"));
+    r.budget.vertices = whole(j.at("vertices"));
+    r.budget.triangles = whole(j.at("triangles"));
+    r.budget.segment_triangles = whole(j.at("chunk_triangles"));
+    r.budget.views = whole(j.at("views"));
+    r.page_slots = whole(j.at("page_slots"));
+}
+
+} // namespace
+
+std::uint64_t mesh_hash(const MeshView& mesh) {
+    std::uint64_t hash = XXH3_64bits_withSeed(mesh.vertices.data(), mesh.vertices.size_bytes(), 0);
+    for (const TileRange& range : mesh.tiles) {
+        hash = XXH3_64bits_withSeed(&range, sizeof range, hash);
+        hash = XXH3_64bits_withSeed(mesh.indices.data() + range.first_index, range.index_count * sizeof(std::uint32_t),
+                                    hash);
+    }
+    return hash;
+}
+
+RecordedFrame recorded(std::span<const View> views, const CutSettings& settings, const CutReport& report,
+                       const MeshView& mesh) {
+    RecordedFrame f{{views.begin(), views.end()}, settings, report.rebuilt, mesh_hash(mesh), {}, 0};
+    if (settings.budget_us > 0 && !report.rebuilt) f.settings.visits = report.visits;
+    f.settings.budget_us = 0;
+    return f;
+}
+
+Status replay_pages(const Pack& pack, Terrain& terrain, LiveCut cut, const RecordedFrame& frame) {
+    for (const PageArrival& p : frame.pages) {
+        if (p.tile >= terrain.tile_count() || p.page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
+        bool released = false;
+        switch (p.event) {
+        case PageEvent::inserted:
+            if (Status s = load_page(pack, terrain, p.tile, p.page); !s.ok()) return s;
+            break;
+        case PageEvent::released:
+            if (Status s = release_page(cut, p.tile, p.page, released); !s.ok()) return s;
+            break;
+        case PageEvent::kept: keep_page(cut, p.tile, p.page); break;
+        case PageEvent::removed: unload_page(terrain, p.tile, p.page); break;
+        }
+    }
+    terrain.missing_px = frame.missing_px;
+    return {};
+}
+
+std::string write_recording(const Recording& r) {
+    std::string text = json{
+        {"fjell", "recording"},
+        {"version", version},
+        {"pack", hex(r.pack_hash)},
+        {"vertices", r.budget.vertices},
+        {"triangles", r.budget.triangles},
+        {"chunk_triangles", r.budget.segment_triangles},
+        {"page_slots", r.page_slots},
+        {"views",
+         r.budget.views}}.dump();
+    text += '\n';
+    for (const RecordedFrame& f : r.frames) {
+        text += frame_json(f).dump();
+        text += '\n';
+    }
+    return text;
+}
+
+Recording parse_recording(std::string_view text, const std::string& name) {
+    Recording r;
+    for (std::size_t line = 1; !text.empty(); ++line) {
+        const std::size_t end = text.find('\n');
+        if (end == std::string_view::npos)
+            throw Failure(1,
+                          fmt::format("{}:{}: the recording ends in the middle of a line; copy it again", name, line));
+        try {
+            const json j = json::parse(text.substr(0, end));
+            if (line == 1)
+                read_head(j, r);
+            else
+                r.frames.push_back(frame_of(j));
+        } catch (const std::exception& error) { // nlohmann's, and std::stoull's
+            throw Failure(1, fmt::format("{}:{}: not a recording: {}", name, line, error.what()));
+        }
+        text.remove_prefix(end + 1);
+    }
+    if (r.frames.empty()) throw Failure(1, fmt::format("{}: the recording has no frames", name));
+    return r;
+}
+
+} // namespace fjell::flight

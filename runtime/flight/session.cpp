@@ -1,0 +1,316 @@
+#include "flight/session.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "io/failure.h"
+#include "io/file.h"
+
+namespace fjell::flight {
+
+namespace {
+
+using io::Failure;
+using Clock = std::chrono::steady_clock;
+
+void require(const Status& status) {
+    if (!status.ok()) throw Failure(1, fmt::format("{}: {}", status.field, message(status.code)));
+}
+
+double microseconds(Clock::duration d) {
+    return std::chrono::duration<double, std::micro>(d).count();
+}
+
+void require_budget(const Status& status) {
+    if (status.code == Code::budget_too_small || status.code == Code::out_of_range)
+        throw Failure(1, fmt::format("{}: {} ([budget] of a --profile)", status.field, message(status.code)));
+    require(status);
+}
+
+// A tile's last chunk is half empty on average: four chunks a tile keep that to an eighth of the triangles.
+CutBudget suited(CutBudget budget, const Terrain& terrain) {
+    while (budget.segment_triangles > 8 && budget.triangles / budget.segment_triangles < 4 * terrain.tile_count())
+        budget.segment_triangles /= 2;
+    return budget;
+}
+
+// A method over the session's terrain, before the session has it.
+struct Made {
+    Method method = Method::incremental;
+    io::AlignedMemory block;
+    std::size_t bytes = 0;
+    CutBudget cut_budget;
+    LiveCut cut;
+    RecursiveMethod recursive;
+};
+
+Made make_cut(const FlightOptions& options, const Terrain& terrain, const CutBudget& budget) {
+    if (terrain.pages.order == Order::linear)
+        throw Failure(1,
+                      fmt::format("{}: the pack is in linear order, which the incremental method does not read; bake "
+                                  "it with --order planar, or fly it with --method recursive",
+                                  options.pack));
+    Made made;
+    made.cut_budget = budget;
+    made.bytes = cut_bytes(terrain, budget);
+    made.block = io::make_block(made.bytes);
+    require_budget(create_cut(terrain, budget, {made.block.get(), made.bytes}, made.cut));
+    return made;
+}
+
+Made make_recursive(const FlightOptions& options, const Terrain& terrain) {
+    Made made;
+    made.method = Method::recursive;
+    made.bytes = recursive_bytes(terrain, options.profile.budget);
+    made.block = io::make_block(made.bytes);
+    require_budget(create_recursive(terrain, options.profile.budget, {made.block.get(), made.bytes}, made.recursive));
+    return made;
+}
+
+// Throws before it touches the session. recorded: the budget of what is replayed, instead of the profile's.
+void make_method(const FlightOptions& options, const CutBudget* recorded, Session& session) {
+    const Terrain& terrain = session.terrain();
+    Made made = options.profile.method == Method::recursive
+                    ? make_recursive(options, terrain)
+                    : make_cut(options, terrain, recorded ? *recorded : suited(options.profile.cut_budget, terrain));
+    session.method = made.method;
+    session.block = std::move(made.block);
+    session.block_bytes = made.bytes;
+    session.cut_budget = made.cut_budget;
+    session.cut = made.cut;
+    session.recursive = made.recursive;
+}
+
+bool shall_stream(const FlightOptions& options, const PackHeader& h) {
+    if (!options.replay.empty() || options.streaming == Streaming::off) return false;
+    if (options.streaming == Streaming::on) return true;
+    const PageLayout pages{static_cast<int>(h.tile_log2), h.order};
+    return h.order != Order::linear &&
+           std::uint64_t{h.tiles_x} * h.tiles_y * pages.pages_per_tile() > options.profile.page_slots;
+}
+
+// A terrain without pages, of slots for so many.
+void make_paged(Session& session, std::span<const std::byte> corners, std::uint32_t page_slots) {
+    const Pack& pack = session.loaded.pack;
+    const TerrainBudget budget{page_slots};
+    session.terrain_bytes = terrain_bytes(pack.header, budget);
+    session.loaded.block = io::make_block(session.terrain_bytes);
+    const std::span block{session.loaded.block.get(), session.terrain_bytes};
+    const Status s = corners.empty() ? create_terrain(pack, budget, block, session.loaded.terrain)
+                                     : create_terrain(pack, corners, budget, block, session.loaded.terrain);
+    if (!s.ok()) throw Failure(1, fmt::format("{}: {}: {}", session.loaded.path, s.field, message(s.code)));
+}
+
+// The terrain, as it is wanted: streamed, replayed page by page, or whole.
+void open_terrain(const FlightOptions& options, Session& session) {
+    auto streamed = std::make_unique<StreamedPack>(options.pack);
+    const io::PackFile& file = streamed->file();
+    const std::uint32_t replayed_slots = options.replay.empty() ? 0 : session.recording->page_slots;
+    if (shall_stream(options, file.pack().header)) {
+        session.loaded.path = options.pack;
+        session.loaded.pack = file.pack();
+        session.loaded.crs = file.crs();
+        make_paged(session, file.corners(), options.profile.page_slots);
+        session.file_ground = std::make_unique<FileGround>(file);
+        if (!options.exports.empty()) session.mapped = std::make_unique<io::MappedPack>(options.pack);
+        session.streamed = std::move(streamed);
+    } else if (replayed_slots != 0) {
+        session.loaded = io::load_pack(options.pack, io::LoadTerrain::no);
+        make_paged(session, {}, replayed_slots);
+    } else {
+        session.loaded = io::load_pack(options.pack, io::LoadTerrain::yes);
+        session.terrain_bytes = terrain_bytes(session.loaded.pack.header);
+    }
+    if (options.verify_every != 0 && (session.streamed || replayed_slots != 0))
+        session.reference = std::make_unique<io::LoadedPack>(io::load_pack(options.pack, io::LoadTerrain::yes));
+}
+
+FrameEntry run_incremental(Session& session, std::span<const View> views, const CutSettings& settings, bool rebuild,
+                           CutReport& report) {
+    const auto start = Clock::now();
+    const Status status = (rebuild ? rebuild_cut : update_cut)(session.cut, views, settings, report);
+    const auto end = Clock::now();
+    require(status);
+    FrameEntry entry = entry_of(report, settings);
+    entry.update_us = microseconds(end - start);
+    const MeshView mesh = session.mesh();
+    constexpr std::uint64_t vertex_bytes = sizeof(MeshVertex) + sizeof(MorphVertex), triangle_bytes = 12;
+    entry.upload_bytes = report.rebuilt
+                             ? mesh.vertices.size() * vertex_bytes + mesh.indices.size_bytes()
+                             : report.vertices_changed * vertex_bytes + report.triangles_changed * triangle_bytes;
+    return entry;
+}
+
+FrameEntry run_recursive(Session& session, const View& view, const RefineSettings& settings) {
+    FrameReport report;
+    const auto start = Clock::now();
+    const Status status = update_recursive(session.recursive, view, settings, report);
+    const auto end = Clock::now();
+    require(status);
+    FrameEntry entry = entry_of(report);
+    entry.update_us = microseconds(end - start);
+    const MeshView mesh = session.mesh();
+    entry.upload_bytes =
+        std::uint64_t{mesh.dirty_end - mesh.dirty_begin} * sizeof(MeshVertex) + mesh.indices.size_bytes();
+    entry.vertex_slots = {report.vertices, 0, static_cast<std::uint32_t>(mesh.vertices.size())};
+    entry.index_slots.used = static_cast<std::uint32_t>(mesh.indices.size());
+    return entry;
+}
+
+} // namespace
+
+void open_session(const FlightOptions& options, Session& session) {
+    const auto start = Clock::now();
+    if (!options.replay.empty()) session.recording = parse_recording(io::read_text(options.replay), options.replay);
+    open_terrain(options, session);
+    // Streamed, there is nothing yet to build from.
+    session.begun = options.limited || session.streamed;
+    const std::uint64_t pack_hash = session.loaded.pack.header.directory_hash;
+    if (!options.replay.empty() && session.recording->pack_hash != pack_hash)
+        throw Failure(1, fmt::format("{}: recorded over another pack than {}", options.replay, options.pack));
+    make_method(options, options.replay.empty() ? nullptr : &session.recording->budget, session);
+    if (!options.record.empty())
+        session.recording =
+            Recording{pack_hash, session.cut_budget, session.streamed ? session.loaded.terrain.slot_count : 0, {}};
+    session.load_seconds = microseconds(Clock::now() - start) / 1e6;
+    session.started = Clock::now();
+    if (session.streamed) session.streamed->begin(options, session.loaded.terrain, session.cut);
+}
+
+void remake_method(const FlightOptions& options, Session& session) {
+    if (session.streamed || session.recording)
+        throw Failure(1, fmt::format("{}: it is {}, with the method and the budgets it was opened with; open it anew",
+                                     session.loaded.path, session.streamed ? "streamed" : "recorded or replayed"));
+    make_method(options, nullptr, session);
+    session.begun = false;
+}
+
+CameraPath path_of(const FlightOptions& options) {
+    if (options.seeded) return random_path(options.seed);
+    if (!options.path.empty()) return read_path(options.path);
+    return {"orbit", Units::terrain, Orbit{}};
+}
+
+View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile) {
+    const PackHeader& h = terrain.header;
+    const double width_m = (h.columns - 1) * h.spacing_m[0], depth_m = (h.rows - 1) * h.spacing_m[1];
+    const Vec3 eye = pose.position_m;
+    const Vec3 farthest{std::max(std::abs(eye.x), std::abs(eye.x - width_m)),
+                        std::max(std::abs(eye.y - h.min_m), std::abs(eye.y - h.max_m)),
+                        std::max(std::abs(eye.z), std::abs(eye.z - depth_m))};
+    const double near_m = 0.05 * std::min(h.spacing_m[0], h.spacing_m[1]);
+    const double far_m = std::max(1.01 * length(farthest), 2 * near_m);
+    return make_view(eye, pose.direction, pose.up, profile.fov_deg * std::numbers::pi / 180, profile.width_px,
+                     profile.height_px, near_m, far_m);
+}
+
+FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s) {
+    const std::span views(&view, 1);
+    const CutSettings settings = cut_settings(profile, now_s);
+    if (session.streamed) (void)session.streamed->update(views, settings, stream_settings(profile, now_s));
+    FrameEntry entry;
+    if (session.incremental()) {
+        CutReport report;
+        entry = run_incremental(session, views, settings, !session.begun, report);
+        session.begun = true;
+        if (session.recording) {
+            RecordedFrame frame = recorded(views, settings, report, cut_mesh(session.cut).mesh);
+            frame.missing_px = session.terrain().missing_px;
+            if (session.streamed) {
+                const auto pages = page_arrivals(session.streamed->stream());
+                frame.pages.assign(pages.begin(), pages.end());
+            }
+            session.recording->frames.push_back(std::move(frame));
+        }
+    } else {
+        entry = run_recursive(session, view, profile.refine);
+        entry.index_slots.capacity = profile.budget.indices;
+        if (session.streamed) // which this method's report knows nothing of
+            entry.error_px_effective = std::max(entry.error_px_effective, session.terrain().missing_px);
+    }
+    if (session.streamed) add_stream(entry, session.streamed->report());
+    entry.at_s = microseconds(Clock::now() - session.started) / 1e6;
+    return entry;
+}
+
+namespace {
+
+bool nothing_under_way(const StreamReport& r) {
+    return r.requested == 0 && r.pages_left == 0 && r.mips_left == 0 && r.pages_taken == 0 && r.mips_taken == 0 &&
+           r.pages_draining == 0 && (r.exhausted & stream_tests) == 0;
+}
+
+} // namespace
+
+FrameEntry update_until_there(Session& session, const View& view, const Profile& profile, double now_s,
+                              const std::function<void(const FrameEntry&)>& each) {
+    constexpr std::chrono::seconds patience{10}, most{300};
+    constexpr std::chrono::microseconds pause{300};
+    FrameEntry frame = update_frame(session, view, profile, now_s);
+    each(frame);
+    if (!session.streamed) return frame;
+    const auto start = Clock::now();
+    auto progress = start;
+    for (int quiet = 0; quiet < 2;) { // twice: what an update has asked for it may find out in the next one
+        io::check_interrupt();
+        const FrameEntry poll = update_frame(session, view, profile, now_s);
+        each(poll);
+        add_poll(frame, poll);
+        const StreamReport& r = poll.stream;
+        const bool moved = r.pages_taken != 0 || r.mips_taken != 0 || poll.activations != 0 || poll.deactivations != 0;
+        const bool there = (r.converged && r.maps_converged) || nothing_under_way(r);
+        quiet = there && poll.waiting == poll.blocked && !moved ? quiet + 1 : 0;
+        const auto now = Clock::now();
+        if (moved) progress = now;
+        if (now - progress > patience || now - start > most) break; // the frame says what it lacks
+        if (!moved) std::this_thread::sleep_for(pause);
+    }
+    return frame;
+}
+
+FrameEntry replay_frame(Session& session, std::size_t frame) {
+    const RecordedFrame& f = session.recording->frames[frame];
+    if (session.recording->page_slots != 0)
+        if (const Status s = replay_pages(session.loaded.pack, session.loaded.terrain, session.cut, f); !s.ok())
+            throw Failure(
+                1, fmt::format("frame {}: a page did not come as recorded: {}: {}", frame, s.field, message(s.code)));
+    CutReport report;
+    FrameEntry entry = run_incremental(session, f.views, f.settings, f.rebuild, report);
+    entry.missing_px = f.missing_px;
+    if (mesh_hash(cut_mesh(session.cut).mesh) != f.mesh_hash)
+        throw Failure(
+            1, fmt::format("frame {}: the mesh is not the recorded one; was it recorded by another version?", frame));
+    return entry;
+}
+
+void verify_frame(const Session& session, const View& view, const Profile& profile, std::size_t frame,
+                  FrameEntry& entry, Verification& verification) {
+    const Frustum frustum = make_frustum(view);
+    const bool inside = session.incremental() || profile.refine.cull; // the incremental method lists what may be seen
+    MeshView mesh = session.mesh();
+    std::vector<MeshVertex> morphed; // as the vertex shader will place them
+    if (session.incremental() && profile.cut.morph != Morph::none) {
+        const CutMesh live = cut_mesh(session.cut);
+        morphed.assign(mesh.vertices.begin(), mesh.vertices.end());
+        for (std::size_t i = 0; i < morphed.size(); ++i)
+            morphed[i].height_m = morphed_height_m(session.terrain(), mesh.vertices[i], live.morph[i], live.frame);
+        mesh.vertices = morphed;
+    }
+    const MeasuredError e = measure_error(session.whole_terrain(), mesh, view, inside ? &frustum : nullptr);
+    entry.verified_px = e.max_px;
+    if (!entry.settled) return;
+    const double limit_px = entry.error_px_effective;
+    verification.exceeded = verification.exceeded || e.max_px > limit_px;
+    if (verification.limit_px > 0 && e.max_px / limit_px <= verification.max_px / verification.limit_px) return;
+    verification.frame = frame;
+    verification.max_px = e.max_px;
+    verification.limit_px = limit_px;
+}
+
+} // namespace fjell::flight

@@ -1,0 +1,112 @@
+// A terrain, loaded whole or streamed, with the method that refines it - incremental or recursive - and one frame of a
+// flight over it.
+//
+// Ownership: a Session owns the file's bytes, the records, the method's block and the stream. Thread: one. Failure:
+// io::Failure, 1 for a pack, a view or a budget that does not do, 3 when memory is short.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "fjell/cut.h"
+#include "fjell/measure.h"
+#include "fjell/query.h"
+#include "fjell/recursive.h"
+#include "flight/file_ground.h"
+#include "flight/log.h"
+#include "flight/options.h"
+#include "flight/path.h"
+#include "flight/record.h"
+#include "flight/streamed.h"
+#include "io/load.h"
+
+namespace fjell::flight {
+
+struct Session {
+    // The pack and its terrain. Streamed: without the file's bytes, and pages come and go. Replaying a streamed flight:
+    // with them, and pages come and go as recorded.
+    io::LoadedPack loaded;
+    std::size_t terrain_bytes = 0;
+    std::unique_ptr<io::LoadedPack> reference; // loaded whole to measure against, where `loaded` is not
+    std::unique_ptr<io::MappedPack> mapped;    // of a streamed pack: for exports
+    std::unique_ptr<FileGround> file_ground;     // the same: for camera paths
+    io::AlignedMemory block;
+    std::size_t block_bytes = 0;
+    Method method = Method::incremental;
+    RecursiveMethod recursive; // one of the two
+    LiveCut cut;
+    CutBudget cut_budget;               // the profile's, with chunks to suit the terrain
+    std::optional<Recording> recording; // of --record, frame by frame; or what --replay repeats
+    bool begun = false;                 // a frame was updated, or the first one shall be like any other
+    double load_seconds = 0;
+    std::chrono::steady_clock::time_point started; // when opening was done
+    std::unique_ptr<StreamedPack> streamed;        // last: its thread stops before what it streams into goes
+
+    [[nodiscard]] const Terrain& terrain() const { return loaded.terrain; }
+    [[nodiscard]] const Terrain& whole_terrain() const { return reference ? reference->terrain : loaded.terrain; }
+    // With the bytes of all chunks.
+    [[nodiscard]] const Pack& readable_pack() const { return mapped ? mapped->pack() : loaded.pack; }
+    // At full resolution, also where no page is there yet; of a streamed pack by reading the file.
+    [[nodiscard]] Ground ground() const {
+        return file_ground ? ground_of(*file_ground, loaded.terrain) : ground_of(loaded.terrain);
+    }
+    // For the frame's thread: as fine as it is there.
+    [[nodiscard]] Ground live_ground() const {
+        Ground ground = ground_of(loaded.terrain);
+        if (streamed)
+            ground.height_m = [this](double x_m, double z_m) { return ground_height(terrain(), x_m, z_m).height_m; };
+        return ground;
+    }
+    [[nodiscard]] bool incremental() const { return method == Method::incremental; }
+    // Of the last update.
+    [[nodiscard]] MeshView mesh() const { return incremental() ? cut_mesh(cut).mesh : recursive_mesh(recursive); }
+};
+// The Session is filled in place, because the method points into its terrain.
+void open_session(const FlightOptions& options, Session& session);
+
+// Another method, or other budgets, for an open session: options.profile's method, cut_budget and budget, whatever they
+// were before. The terrain stays, and so does everything that points into it; a renderer was made for the old budgets
+// and has to be made anew. begun is false afterwards: the next update builds from nothing.
+// Both methods' blocks are in memory until the new one is made, so that a Failure leaves the session as it was and able
+// to go on: 1 for budgets or a pack that do not do, 3 when memory is short. Neither for a streamed session, whose
+// stream feeds the method it was begun with, nor for one that records or replays, which one budget holds for: those are
+// opened anew, and here they are a Failure (1).
+void remake_method(const FlightOptions& options, Session& session);
+
+// The path the options ask for: a file, a seed's, or an orbit.
+[[nodiscard]] CameraPath path_of(const FlightOptions& options);
+
+// The far plane lies behind the terrain's farthest corner; the near one a twentieth of a cell ahead: depth is reversed
+// and float, so their ratio costs nothing.
+[[nodiscard]] View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile);
+
+// Times one update; of a streamed pack the stream's first. The incremental method builds its first frame from nothing
+// in one go, whatever the profile allows a frame; with --items or --budget-us it starts from the coarsest mesh instead,
+// like an engine that must not miss one. now_s: for morphing.
+[[nodiscard]] FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s);
+
+// The same again and again until everything that the view wants is there, nothing is under way any more, or nothing has
+// come for some seconds. each: after every update, with what it did.
+[[nodiscard]] FrameEntry update_until_there(Session& session, const View& view, const Profile& profile, double now_s,
+                                            const std::function<void(const FrameEntry&)>& each);
+
+// One frame of the session's recording, and whether the mesh is the recorded one. Throws Failure (1) when it is not.
+[[nodiscard]] FrameEntry replay_frame(Session& session, std::size_t frame);
+
+// What --verify found so far. Samples are the pack's: errors bound those as well as the original heights.
+struct Verification {
+    bool exceeded = false;
+    std::size_t frame = 0; // of the frame that came nearest to its limit, or exceeded it most
+    double max_px = 0, limit_px = 0;
+};
+// Measures the mesh of the last update at every sample of the whole terrain (inside the frustum, unless all was drawn)
+// against the effective threshold, which is the asked one in a converged frame. A frame that lags is measured and
+// promises nothing. O(samples).
+void verify_frame(const Session& session, const View& view, const Profile& profile, std::size_t frame,
+                  FrameEntry& entry, Verification& verification);
+
+} // namespace fjell::flight

@@ -1,0 +1,49 @@
+#include "flight/streamed.h"
+
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "io/failure.h"
+
+namespace fjell::flight {
+
+using io::Failure;
+
+void StreamedPack::begin(const FlightOptions& options, Terrain& terrain, LiveCut cut) {
+    const StreamBudget& budget = options.profile.stream_budget;
+    block_bytes_ = stream_bytes(file_.pack(), terrain, budget);
+    block_ = io::make_block(block_bytes_);
+    const Status s = create_stream(file_.pack(), terrain, cut, budget, {block_.get(), block_bytes_}, stream_);
+    if (!s.ok())
+        throw Failure(1, fmt::format("{}: {}: {} ([stream] of a --profile, where map_bytes is map_mb; {} tiles)",
+                                     options.pack, s.field, message(s.code), file_.pack().tile_count()));
+    if (options.cold) file_.drop_cache();
+    reader_ = std::make_unique<io::StreamReader>(
+        stream_, file_, io::StreamReaderOptions{options.read_mb_s * 1e6, options.read_latency_ms * 1e-3});
+}
+
+const StreamReport& StreamedPack::update(std::span<const View> views, const CutSettings& cut,
+                                         const StreamSettings& settings) {
+    const Status s = update_stream(stream_, views, cut, settings, report_);
+    if (!s.ok()) throw Failure(1, fmt::format("{}: {}", s.field, message(s.code)));
+    for (const StreamFailure& failure : stream_failures(stream_)) tell(failure);
+    return report_;
+}
+
+void StreamedPack::tell(const StreamFailure& failure) {
+    const char* const what = failure.id.kind == ChunkKind::geometry ? "page"
+                             : failure.id.kind == ChunkKind::colour ? "colour mip"
+                                                                    : "normal mip";
+    std::string why = message(failure.code);
+    if (failure.code == Code::unreadable) {
+        ++unreadable_;
+        if (const int error = reader_->counters().last_error; error != 0) why = std::strerror(error);
+    } else {
+        ++corrupt_;
+    }
+    if (!listener_) return;
+    listener_(fmt::format("{}: {} {} of tile {}: {}", file_.path(), what, failure.id.item, failure.id.tile, why));
+}
+
+} // namespace fjell::flight

@@ -1,0 +1,55 @@
+#include "io/failure.h"
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <new>
+
+#include <fmt/format.h>
+
+namespace fjell::io {
+
+namespace {
+volatile std::sig_atomic_t interrupted = 0;
+// Asked again and again, it no longer waits for the next check. (Wrappers such as timeout(1) send a signal twice.)
+constexpr int patience = 3;
+void on_signal(int) {
+    interrupted = interrupted + 1;
+    if (interrupted > patience) std::_Exit(130);
+}
+
+int say(const char* name, int code, std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < ' ' || c == 0x7f) c = ' '; // one line, whatever a file or a library said
+    text = fmt::format("{}: {}\n", name, text);
+    (void)std::fputs(text.c_str(), stderr); // whether anyone can hear it or not
+    return code;
+}
+} // namespace
+
+int run_tool(const char* name, const std::function<int()>& body) {
+    std::signal(SIGXFSZ, SIG_IGN); // a file-size limit is a write error like any other
+    std::signal(SIGPIPE, SIG_IGN);
+    try {
+        const int code = body();
+        if (code == 0 && (std::fflush(stdout) != 0 || std::ferror(stdout)))
+            return say(name, 3, "cannot write to the standard output; free some space or send it elsewhere");
+        return code;
+    } catch (const Failure& failure) {
+        return say(name, failure.exit_code, failure.what());
+    } catch (const std::bad_alloc&) {
+        return say(name, 3, "out of memory; take a smaller height field or smaller budgets");
+    } catch (const std::exception& error) {
+        return say(name, 3, fmt::format("internal error: {}", error.what()));
+    }
+}
+
+void catch_interrupts() {
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) std::signal(number, on_signal);
+}
+
+void check_interrupt() {
+    if (interrupted) throw Failure(130, "interrupted; files that were finished stay, nothing half-written does");
+}
+
+} // namespace fjell::io

@@ -1,0 +1,58 @@
+// A pack from a file, for tools: bytes, directory and, when asked, its geometry. Throws Failure with exit code 1 for a
+// pack that is damaged or of another version, 3 for a disk that fails.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fjell/pack.h"
+#include "fjell/terrain.h"
+
+namespace fjell::io {
+
+struct AlignedDelete {
+    void operator()(std::byte* block) const;
+};
+using AlignedMemory = std::unique_ptr<std::byte[], AlignedDelete>;
+[[nodiscard]] AlignedMemory make_block(std::size_t bytes); // aligned to 2 MB, uninitialised, on huge pages if it may
+
+struct LoadedPack {
+    std::string path;
+    std::vector<std::byte> file;
+    Pack pack;          // points into file
+    AlignedMemory block; // records, when loaded
+    Terrain terrain;    // points into block
+    std::string crs;    // WKT; empty: none
+};
+
+enum class LoadTerrain : bool { no, yes };
+[[nodiscard]] LoadedPack load_pack(const std::string& path, LoadTerrain what);
+
+// A pack whose bytes stay in the file, however large: mapped, and read when they are looked at.
+class MappedPack {
+public:
+    explicit MappedPack(const std::string& path);
+    ~MappedPack();
+    MappedPack(const MappedPack&) = delete;
+    MappedPack& operator=(const MappedPack&) = delete;
+
+    [[nodiscard]] const std::string& path() const { return path_; }
+    [[nodiscard]] const Pack& pack() const { return pack_; }
+    [[nodiscard]] const std::string& crs() const { return crs_; } // WKT; empty: none
+    // What was looked at so far is not resident any more; it is read again when it is looked at again. Any thread.
+    void release() const;
+
+private:
+    std::string path_, crs_;
+    void* bytes_ = nullptr;
+    std::size_t size_ = 0;
+    Pack pack_;
+};
+
+// Decodes every chunk; throws Failure naming the first one that is damaged. Returns how many there are.
+std::uint64_t check_all_chunks(const Pack& pack, const std::string& path);
+std::uint64_t check_all_chunks(const MappedPack& pack); // and little of it resident at once
+
+} // namespace fjell::io

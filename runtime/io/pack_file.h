@@ -1,0 +1,47 @@
+// A pack that stays in its file, for streaming: header, directory, corners and CRS in memory, chunks read when asked
+// for.
+//
+// Never mapped: a file that shrinks or a disk that fails is an error of one read, not a signal in the middle of a
+// frame. Thread: immutable once open; read() from any thread, several at once. Failure: opening throws Failure with
+// exit code 1 for a pack that is damaged or of another version, 3 for a disk that fails; read() answers with an errno.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fjell/pack.h"
+
+namespace fjell::io {
+
+class PackFile {
+public:
+    explicit PackFile(const std::string& path);
+    ~PackFile();
+    PackFile(const PackFile&) = delete;
+    PackFile& operator=(const PackFile&) = delete;
+
+    [[nodiscard]] const std::string& path() const { return path_; }
+    [[nodiscard]] const Pack& pack() const { return pack_; }                      // of open_index(): without bytes
+    [[nodiscard]] const std::string& crs() const { return crs_; }                 // WKT; empty: none
+    [[nodiscard]] std::span<const std::byte> corners() const { return corners_; } // as stored: for create_terrain()
+
+    // All of the bytes from there on, however many calls it takes. 0, or what errno said; EIO where the file ends.
+    [[nodiscard]] int read(std::uint64_t offset, std::span<std::byte> to) const noexcept;
+    // What the system keeps of the file is forgotten, as far as it listens: for benchmarks of cold starts.
+    void drop_cache() const noexcept;
+
+private:
+    void open_pack_file();
+    void read_or_throw(std::uint64_t offset, std::span<std::byte> to) const;
+    [[nodiscard]] std::vector<std::byte> stored(ChunkId id) const;
+
+    std::string path_, crs_;
+    int fd_ = -1;
+    std::vector<std::byte> directory_, corners_;
+    Pack pack_; // points into directory_
+};
+
+} // namespace fjell::io

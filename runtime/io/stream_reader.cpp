@@ -1,0 +1,93 @@
+#include "io/stream_reader.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace fjell::io {
+
+namespace {
+
+constexpr std::chrono::microseconds idle_sleep{500};
+
+std::uint64_t nanoseconds(std::chrono::steady_clock::duration d) {
+    return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(d).count());
+}
+
+} // namespace
+
+StreamReader::StreamReader(Stream stream, Read read, const StreamReaderOptions& options)
+    : stream_(stream), read_(std::move(read)), options_(options),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+void StreamReader::run(const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+        StreamRequest request;
+        if (!next_request(stream_, request)) {
+            std::this_thread::sleep_for(idle_sleep);
+        } else if (!still_wanted(stream_, request.ticket)) {
+            fail(stream_, request.ticket, true);
+            ++unwanted_;
+        } else {
+            serve(request, stop);
+        }
+    }
+}
+
+void StreamReader::serve(const StreamRequest& request, const std::stop_token& stop) {
+    const auto start = Clock::now();
+    auto ready = start;
+    if (options_.latency_s > 0)
+        ready += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options_.latency_s));
+    if (options_.bytes_per_s > 0) {
+        line_free_ =
+            std::max(line_free_, ready) + std::chrono::duration_cast<Clock::duration>(
+                                              std::chrono::duration<double>(request.bytes / options_.bytes_per_s));
+        ready = line_free_;
+    }
+    if (!wait_until(ready, stop)) {
+        fail(stream_, request.ticket, true);
+        return;
+    }
+    if (bytes_.size() < request.bytes) bytes_.resize(request.bytes);
+    const std::span to = std::span(bytes_).first(request.bytes);
+    const int error = read_(request.offset, to);
+    const auto read = Clock::now();
+    read_ns_ += nanoseconds(read - start);
+    if (error != 0) {
+        fail(stream_, request.ticket);
+        last_error_ = error;
+        ++errors_;
+        return;
+    }
+    const Status status = provide(stream_, request.ticket, to);
+    provide_ns_ += nanoseconds(Clock::now() - read);
+    ++reads_;
+    read_bytes_ += request.bytes;
+    (request.id.kind == ChunkKind::geometry ? pages_ : mips_) += request.chunks;
+    if (!status.ok()) ++damaged_;
+}
+
+bool StreamReader::wait_until(Clock::time_point when, const std::stop_token& stop) {
+    if (when <= Clock::now()) return true;
+    std::unique_lock hold(lock_);
+    stopped_.wait_until(hold, stop, when, [] { return false; });
+    return !stop.stop_requested();
+}
+
+StreamReaderCounters StreamReader::counters() const {
+    StreamReaderCounters c;
+    c.reads = reads_;
+    c.bytes = read_bytes_;
+    c.pages = pages_;
+    c.mips = mips_;
+    c.unwanted = unwanted_;
+    c.errors = errors_;
+    c.damaged = damaged_;
+    c.last_error = last_error_;
+    c.read_s = static_cast<double>(read_ns_.load()) * 1e-9;
+    c.provide_s = static_cast<double>(provide_ns_.load()) * 1e-9;
+    return c;
+}
+
+} // namespace fjell::io
