@@ -73,16 +73,16 @@ inline void add_triangles(Fnv& hash, const CutState& s) {
     std::vector<Key> keys;
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
         std::uint32_t count = s.tiles[tile].in_last;
-        for (std::uint32_t chunk = s.tiles[tile].last_chunk; chunk != no_index; chunk = s.chunk_below[chunk]) {
+        for (std::uint32_t segment = s.tiles[tile].last_segment; segment != no_index; segment = s.segment_below[segment]) {
             for (std::uint32_t i = 0; i < count; ++i) {
                 Key key{};
                 for (std::uint32_t n = 0; n < 3; ++n) {
-                    const MeshVertex& v = s.vertices[s.indices[std::size_t{(chunk << s.chunk_log2) + i} * 3 + n]];
+                    const MeshVertex& v = s.vertices[s.indices[std::size_t{(segment << s.segment_log2) + i} * 3 + n]];
                     key[n] = static_cast<std::uint64_t>(v.row) << 32 | static_cast<std::uint64_t>(v.column);
                 }
                 keys.push_back(key);
             }
-            count = 1u << s.chunk_log2;
+            count = 1u << s.segment_log2;
         }
     }
     std::sort(keys.begin(), keys.end());

@@ -166,7 +166,7 @@ TEST_CASE("a page is released step by step, each a whole mesh, and nothing of it
         }
         REQUIRE(released);
         REQUIRE(cut.state()
-                    .page_slot[cut.state().page_blocks[p.tile * pack.terrain.pages_per_tile + p.page] / max_page_blocks]
+                    .page_slot[cut.state().page_groups[p.tile * pack.terrain.pages_per_tile + p.page] / max_page_groups]
                     .active == 0);
         unload_page(paged.terrain, p.tile, p.page);
         settings.items = unlimited_items;
@@ -219,8 +219,8 @@ TEST_CASE("a bulk pass does not forget which pages are asked back") {
     REQUIRE(released);
     (void)cut.rebuild({&view, 1}, settings);
     // The host was told that it may unload: nothing of the page may be active.
-    const std::uint32_t first = cut.state().page_blocks[0];
-    REQUIRE((first == no_index || cut.state().page_slot[first / max_page_blocks].active == 0));
+    const std::uint32_t first = cut.state().page_groups[0];
+    REQUIRE((first == no_index || cut.state().page_slot[first / max_page_groups].active == 0));
 }
 
 TEST_CASE("a page that is not loaded is released at once, one that does not exist is refused") {

@@ -110,7 +110,7 @@ std::string check_stream(Streamed& streamed) {
     if (t.memory->free_count < reserved) return "a request without a slot";
     for (std::uint32_t slot = 0; slot < s.slots; ++slot) {
         const std::uint32_t page = t.slot_page[slot], watch = s.slot_watch[slot];
-        if ((page == no_index) != (watch == none)) return "a slot is taken in one place and free in another";
+        if ((page == no_index) != (watch == no_index)) return "a slot is taken in one place and free in another";
         if (page == no_index) continue;
         if (s.watch_page[watch] != page) return "a slot's watch speaks of another page";
         if (s.states[watch] != WatchState::loaded && s.states[watch] != WatchState::draining)

@@ -32,7 +32,7 @@ struct Place {
         return view_of(resample(path_of(options), session.ground(), 5)[2], session.terrain(), options.profile);
     }
     TemporaryFolder folder;
-    Options options;
+    FlightOptions options;
 };
 
 std::uint64_t updated_hash(Session& session, const Place& place, const Profile& profile) {
@@ -40,13 +40,13 @@ std::uint64_t updated_hash(Session& session, const Place& place, const Profile& 
     return mesh_hash(session.mesh());
 }
 
-std::uint64_t opened_hash(const Place& place, const Options& options) {
+std::uint64_t opened_hash(const Place& place, const FlightOptions& options) {
     Session session;
     open_session(options, session);
     return updated_hash(session, place, options.profile);
 }
 
-void refuses_to_remake(const Options& options, Session& session, const std::string& part) {
+void refuses_to_remake(const FlightOptions& options, Session& session, const std::string& part) {
     try {
         remake_method(options, session);
         FAIL("remade, and it should speak of " << part);
@@ -61,14 +61,14 @@ void refuses_to_remake(const Options& options, Session& session, const std::stri
 
 TEST_CASE("a session with another method or budget draws what one opened with it does, over the same terrain") {
     const Place place(301);
-    Options recursive = place.options, small = place.options;
+    FlightOptions recursive = place.options, small = place.options;
     recursive.profile.method = Method::recursive;
     small.profile.cut_budget = {600, 1200, 64, 1};
     Session session;
     open_session(place.options, session);
     const void* const records = session.terrain().records;
     (void)updated_hash(session, place, place.options.profile);
-    for (const Options& options : {recursive, small, place.options, small, recursive, place.options}) {
+    for (const FlightOptions& options : {recursive, small, place.options, small, recursive, place.options}) {
         remake_method(options, session);
         CHECK_FALSE(session.begun);
         CHECK(session.method == options.profile.method);
@@ -89,7 +89,7 @@ TEST_CASE("what a changed key takes is what its table says: nothing, or the meth
             if (key.used_by == UsedBy::streaming || key.rebuild == Rebuild::session) continue;
             if (key.kind == KeyKind::choice && key.rebuild == Rebuild::method) continue; // tested above
             INFO(key.name);
-            Options options = place.options;
+            FlightOptions options = place.options;
             const double other = key.kind == KeyKind::whole    ? key.get(before) / 2
                                  : key.kind == KeyKind::number ? key.get(before) * 1.5
                                                                : key.most - key.get(before);
@@ -115,7 +115,7 @@ TEST_CASE("a session that cannot have what is asked goes on as it was") {
     Session session;
     open_session(place.options, session);
     const std::uint64_t before = updated_hash(session, place, place.options.profile);
-    Options options = place.options;
+    FlightOptions options = place.options;
     options.profile.cut_budget.vertices = 15; // one for each corner of 3 x 3 tiles, but for the last
     refuses_to_remake(options, session, "CutBudget::vertices");
     options.profile.method = Method::recursive;
@@ -128,7 +128,7 @@ TEST_CASE("a session that cannot have what is asked goes on as it was") {
     CHECK(mesh_hash(session.mesh()) == before);
 
     Session hz;
-    Options flown = linear.options;
+    FlightOptions flown = linear.options;
     flown.profile.method = Method::recursive;
     open_session(flown, hz);
     refuses_to_remake(linear.options, hz, "linear order");
