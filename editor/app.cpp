@@ -13,8 +13,8 @@
 #include <epoxy/gl.h>
 #include <imgui.h>
 
-#include "editor/handlers/handlers.h"
 #include "editor/dump.h"
+#include "editor/handlers/handlers.h"
 #include "editor/panels/panels.h"
 #include "editor/panels/ui.h"
 #include "flight/session.h"

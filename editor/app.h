@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "editor/handlers/apply.h"
 #include "editor/command.h"
 #include "editor/engine.h"
+#include "editor/handlers/apply.h"
 #include "editor/jobs/jobs.h"
 #include "editor/options.h"
 #include "editor/scene/overview.h"
-#include "editor/state.h"
 #include "editor/scene/surface.h"
+#include "editor/state.h"
 
 namespace fjell::editor {
 
@@ -59,11 +59,11 @@ private:
     std::uint64_t wait_until_frame_ = 0;
     bool waiting_there_ = false;
     std::string shown_title_;
-    bool dumping_ = false; // at the end of this frame
-    bool ended_ = false; // as it should: not by a signal or a failure
-    double styled_ = 0; // the scale that fonts were made for
+    bool dumping_ = false;     // at the end of this frame
+    bool ended_ = false;       // as it should: not by a signal or a failure
+    double styled_ = 0;        // the scale that fonts were made for
     flight::FrameEntry entry_; // of this frame
-    double draw_us_ = 0;    // and what giving it to the driver took
+    double draw_us_ = 0;       // and what giving it to the driver took
     void (*watch_)(bool begins) = [](bool) {};
     std::vector<Command> after_frame_; // Screenshot and DumpState, once the frame is drawn
     std::vector<Command> next_frame_;  // those that panels ask for: of the frame after theirs

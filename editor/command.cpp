@@ -143,22 +143,26 @@ Command bake(Words& w) {
 Command tune(Words& w) {
     Tune t;
     TuneSettings& s = t.settings;
-    w.options(
-        {{"measure",
-          [&](const std::string& v) {
-              if (v != "update" && v != "frame") throw Failure(2, v + ": measure must be update or frame");
-              s.measure = v == "frame" ? TuneMeasure::frame : TuneMeasure::update;
-          }},
-         {"budget_us", [&](const std::string& v) { s.budget_us = Words::number_in(v, "budget_us", 10, 1e6); }},
-         {"frames", [&](const std::string& v) { s.frames = Words::count_of(v, "frames", 0, 1e5); }},
-         {"csv", [&](const std::string& v) { t.csv = v; }},
-         {"apply",
-          [&](const std::string& v) {
-              if (v != "yes" && v != "no") throw Failure(2, v + ": apply must be yes or no");
-              s.apply = v == "yes";
-          }},
-         {"least_px", [&](const std::string& v) { s.least_px = Words::number_in(v, "least_px", flight::min_error_px, flight::max_error_px); }},
-         {"most_px", [&](const std::string& v) { s.most_px = Words::number_in(v, "most_px", flight::min_error_px, flight::max_error_px); }}});
+    w.options({{"measure",
+                [&](const std::string& v) {
+                    if (v != "update" && v != "frame") throw Failure(2, v + ": measure must be update or frame");
+                    s.measure = v == "frame" ? TuneMeasure::frame : TuneMeasure::update;
+                }},
+               {"budget_us", [&](const std::string& v) { s.budget_us = Words::number_in(v, "budget_us", 10, 1e6); }},
+               {"frames", [&](const std::string& v) { s.frames = Words::count_of(v, "frames", 0, 1e5); }},
+               {"csv", [&](const std::string& v) { t.csv = v; }},
+               {"apply",
+                [&](const std::string& v) {
+                    if (v != "yes" && v != "no") throw Failure(2, v + ": apply must be yes or no");
+                    s.apply = v == "yes";
+                }},
+               {"least_px",
+                [&](const std::string& v) {
+                    s.least_px = Words::number_in(v, "least_px", flight::min_error_px, flight::max_error_px);
+                }},
+               {"most_px", [&](const std::string& v) {
+                    s.most_px = Words::number_in(v, "most_px", flight::min_error_px, flight::max_error_px);
+                }}});
     return t;
 }
 
@@ -216,15 +220,17 @@ std::vector<Verb> terrain_verbs() {
              constexpr const char* ways[] = {"discard", "restore"};
              return Recover{w.one_of<int>(ways, "way") == 1};
          }},
-        {"bake", "HEIGHTS... PACK [tile=N|auto] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S] [order=planar|hz|linear] "
-                 "[nodata=hole|fill|refuse] [crs=C] [memory_mb=N]",
+        {"bake",
+         "HEIGHTS... PACK [tile=N|auto] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S] [order=planar|hz|linear] "
+         "[nodata=hole|fill|refuse] [crs=C] [memory_mb=N]",
          "bakes and opens; several files make a mosaic, a .json is a recipe of mountains", bake},
     };
 }
 
 std::vector<Verb> camera_verbs() {
     return {
-        {"camera", "X Y Z HEADING PITCH", "puts the camera there; metres and degrees, heading from north", place_camera},
+        {"camera", "X Y Z HEADING PITCH", "puts the camera there; metres and degrees, heading from north",
+         place_camera},
         {"jump", "X Z", "over that place, in metres",
          [](Words& w) {
              const double x = w.number("x in metres");
@@ -240,7 +246,8 @@ std::vector<Verb> camera_verbs() {
         {"save-path", "[FILE]", "the path, where it came from or elsewhere", with_path<SavePath>(false)},
         {"record-path", "on|off", "notes where the camera flies", with_switch<RecordPath>()},
         {"play-path", "on|off", "flies along the path", with_switch<PlayPath>()},
-        {"seek-path", "SHARE", "0..1 of the path", [](Words& w) { return SeekPath{Words::number_in(w.text("a share"), "a share", 0, 1)}; }},
+        {"seek-path", "SHARE", "0..1 of the path",
+         [](Words& w) { return SeekPath{Words::number_in(w.text("a share"), "a share", 0, 1)}; }},
         {"add-point", "", "where the camera is, after the selected point", plain<AddPoint>()},
         {"replace-point", "N", "by where the camera is", with_point<ReplacePoint>()},
         {"remove-point", "N", "from the path", with_point<RemovePoint>()},
@@ -271,7 +278,8 @@ std::vector<Verb> show_verbs() {
          [](Words& w) { return ShowPanel{w.one_of<Panel>(panel_names, "panel")}; }},
         {"dialog", "NAME", "opens one; none closes it",
          [](Words& w) { return ShowDialog{w.one_of<Dialog>(dialog_names, "dialogue")}; }},
-        {"scale", "S", "of the interface, 0.5 to 4", [](Words& w) { return SetScale{Words::number_in(w.text("a scale"), "a scale", 0.5, 4)}; }},
+        {"scale", "S", "of the interface, 0.5 to 4",
+         [](Words& w) { return SetScale{Words::number_in(w.text("a scale"), "a scale", 0.5, 4)}; }},
         {"dismiss", "", "the message", plain<DismissMessage>()},
     };
 }
@@ -307,8 +315,7 @@ std::vector<Verb> program_verbs() {
         {"lose-graphics", "", "makes everything on the GPU anew, as after a reset", plain<LoseGraphics>()},
         {"frames", "N", "waits", [](Words& w) { return WaitFrames{w.count("frames")}; }},
         {"wait", "", "until the mesh is converged, all is streamed in and no job runs", plain<WaitThere>()},
-        {"quit", "[discard]", "asks about unsaved changes, or not",
-         [](Words& w) { return Quit{w.flag("discard")}; }},
+        {"quit", "[discard]", "asks about unsaved changes, or not", [](Words& w) { return Quit{w.flag("discard")}; }},
     };
 }
 

@@ -45,7 +45,7 @@ struct CompareProfile {
     std::string path; // empty: with what was saved last
 };
 struct StopComparing {};
-struct Browse { // what file dialogues look at
+struct Browse {         // what file dialogues look at
     std::string folder; // relative: from there on; empty: once more
 };
 struct BrowseAll { // files of all kinds
@@ -54,7 +54,7 @@ struct BrowseAll { // files of all kinds
 struct GoOn { // with what was to be done, and asked about changes that are not saved
     Answer answer = Answer::cancel;
 };
-struct Recover { // what an earlier run did not save
+struct Recover {          // what an earlier run did not save
     bool restore = false; // or it is gone
 };
 
@@ -62,8 +62,8 @@ struct Recover { // what an earlier run did not save
 struct Move { // of this frame: keys and mouse
     flight::Steering steering;
     double seconds = 0;
-    double right_rad = 0, up_rad = 0; // looked, or went around the orbit's centre
-    double speed_steps = 0;           // notches of the wheel: faster, or nearer to the orbit's centre
+    double right_rad = 0, up_rad = 0;   // looked, or went around the orbit's centre
+    double speed_steps = 0;             // notches of the wheel: faster, or nearer to the orbit's centre
     double pan_right = 0, pan_back = 0; // of the orbit's centre, in shares of its distance
 };
 struct PlaceCamera {
@@ -145,7 +145,7 @@ struct DismissMessage {};
 // --- jobs beside the frame; one at a time ---
 struct Bake {
     std::vector<std::string> inputs;
-    std::string output; // opened when it is done
+    std::string output;     // opened when it is done
     std::uint32_t tile = 0; // cells a side; 0: auto
     std::string texture, ramp;
     double spacing_m = 0, height_scale = 1; // 0: the file's own
@@ -162,8 +162,8 @@ struct Benchmark {
     std::size_t frames = 0; // 0: as many as the path usually has
 };
 struct Export {
-    std::string path;      // .glb
-    double error_px = 0;   // 0: as the frame is
+    std::string path;    // .glb
+    double error_px = 0; // 0: as the frame is
 };
 struct PreviewExport { // size and counts of it, nothing written
     double error_px = 0;
@@ -172,7 +172,7 @@ struct CancelJob {};
 
 // --- the program ---
 struct Screenshot {
-    std::string path;         // .png
+    std::string path; // .png
     bool with_panels = true;
 };
 struct Resize { // the headless window
@@ -197,9 +197,8 @@ using Command =
                  StopComparing, Browse, BrowseAll, GoOn, Recover, Move, PlaceCamera, JumpTo, LookAtAll, SetSpeed,
                  Navigate, Freeze, OpenPath, SavePath, RecordPath, PlayPath, SeekPath, AddPoint, ReplacePoint,
                  RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath, PathSeconds, LoopPath, SetMode,
-                 SetOverlay, ShowPanel,
-                 ShowDialog, SetScale, DismissMessage, Bake, Tune, Benchmark, Export, PreviewExport, CancelJob,
-                 Screenshot, Resize, DumpState, LoseGraphics, Quit, WaitFrames, WaitThere>;
+                 SetOverlay, ShowPanel, ShowDialog, SetScale, DismissMessage, Bake, Tune, Benchmark, Export,
+                 PreviewExport, CancelJob, Screenshot, Resize, DumpState, LoseGraphics, Quit, WaitFrames, WaitThere>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once.
 class Commands {

@@ -15,8 +15,12 @@ json vector_json(const Vec3& v) {
 }
 
 json document_json(const Document& d) {
-    return {{"path", d.path()},           {"unsaved", d.unsaved()},       {"undo", d.undo_steps()},
-            {"redo", d.redo_steps()},     {"undo_label", d.undo_label()}, {"dragging", d.dragging()},
+    return {{"path", d.path()},
+            {"unsaved", d.unsaved()},
+            {"undo", d.undo_steps()},
+            {"redo", d.redo_steps()},
+            {"undo_label", d.undo_label()},
+            {"dragging", d.dragging()},
             {"compared", d.compared() != nullptr}};
 }
 
@@ -71,10 +75,19 @@ json camera_json(const Eye& eye) {
 }
 
 json route_json(const Route& r) {
-    return {{"path", r.path()},       {"unsaved", r.unsaved()},     {"points", r.points().size()},
-            {"poses", r.poses().size()}, {"share", r.share()},      {"playing", r.playing()},
-            {"recording", r.recording()}, {"recorded", r.recorded()}, {"seconds", r.seconds()}, {"loops", r.loops()},
-            {"as_read", r.as_read()}, {"can_restore", r.can_restore()}, {"selected", r.selected() ? json(*r.selected()) : json()}};
+    return {{"path", r.path()},
+            {"unsaved", r.unsaved()},
+            {"points", r.points().size()},
+            {"poses", r.poses().size()},
+            {"share", r.share()},
+            {"playing", r.playing()},
+            {"recording", r.recording()},
+            {"recorded", r.recorded()},
+            {"seconds", r.seconds()},
+            {"loops", r.loops()},
+            {"as_read", r.as_read()},
+            {"can_restore", r.can_restore()},
+            {"selected", r.selected() ? json(*r.selected()) : json()}};
 }
 
 json interface_json(const State& state) {
@@ -95,8 +108,14 @@ json interface_json(const State& state) {
 json job_json(const JobView& j) {
     json curve = json::array();
     for (const TunePoint& p : j.curve)
-        curve.push_back({{"error_px", p.error_px}, {"p50_us", p.p50_us}, {"p99_us", p.p99_us}, {"max_us", p.max_us},
-                         {"vertices", p.vertices}, {"keeps", p.keeps}, {"reached", p.reached}, {"frames", p.frames},
+        curve.push_back({{"error_px", p.error_px},
+                         {"p50_us", p.p50_us},
+                         {"p99_us", p.p99_us},
+                         {"max_us", p.max_us},
+                         {"vertices", p.vertices},
+                         {"keeps", p.keeps},
+                         {"reached", p.reached},
+                         {"frames", p.frames},
                          {"flights", p.flights}});
     return {{"kind", job_names[static_cast<int>(j.kind)]},
             {"running", j.running},
@@ -110,8 +129,11 @@ json job_json(const JobView& j) {
             {"best_px", j.best_px},
             {"flights", j.flights},
             {"seconds", j.seconds},
-            {"preview", {{"error_px", j.preview.error_px}, {"vertices", j.preview.vertices},
-                         {"triangles", j.preview.triangles}, {"bytes", j.preview.bytes}}},
+            {"preview",
+             {{"error_px", j.preview.error_px},
+              {"vertices", j.preview.vertices},
+              {"triangles", j.preview.triangles},
+              {"bytes", j.preview.bytes}}},
             {"finished", j.finished}};
 }
 
@@ -154,24 +176,28 @@ std::string dump(const State& state) {
     json marks;
     for (const ui::Mark& m : ui::marks()) marks[m.name] = {m.rect.x, m.rect.y, m.rect.width, m.rect.height};
     const Scene& s = state.scene;
-    const json all = {
-        {"frame", state.frame},
-        {"scene",
-         {{"path", s.path}, {"columns", s.columns}, {"rows", s.rows}, {"spacing_m", {s.spacing_m[0], s.spacing_m[1]}}, {"tiles", {s.tiles_x, s.tiles_y}},
-          {"streamed", s.streamed}, {"method_bytes", s.method_bytes}}},
-        {"profile", profile_json(state.document.profile())},
-        {"document", document_json(state.document)},
-        {"files", files_json(state)},
-        {"camera", camera_json(state.eye)},
-        {"route", route_json(state.route)},
-        {"interface", interface_json(state)},
-        {"job", job_json(state.job)},
-        {"messages", messages_json(state)},
-        {"measures", measures_json(state)},
-        {"map", {{"share", state.map.share}, {"there", state.map.texture != 0}}},
-        {"heights_share", state.heights_share},
-        {"graphics", state.graphics},
-        {"marks", marks}};
+    const json all = {{"frame", state.frame},
+                      {"scene",
+                       {{"path", s.path},
+                        {"columns", s.columns},
+                        {"rows", s.rows},
+                        {"spacing_m", {s.spacing_m[0], s.spacing_m[1]}},
+                        {"tiles", {s.tiles_x, s.tiles_y}},
+                        {"streamed", s.streamed},
+                        {"method_bytes", s.method_bytes}}},
+                      {"profile", profile_json(state.document.profile())},
+                      {"document", document_json(state.document)},
+                      {"files", files_json(state)},
+                      {"camera", camera_json(state.eye)},
+                      {"route", route_json(state.route)},
+                      {"interface", interface_json(state)},
+                      {"job", job_json(state.job)},
+                      {"messages", messages_json(state)},
+                      {"measures", measures_json(state)},
+                      {"map", {{"share", state.map.share}, {"there", state.map.texture != 0}}},
+                      {"heights_share", state.heights_share},
+                      {"graphics", state.graphics},
+                      {"marks", marks}};
     return all.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "editor/state.h"
 #include "editor/scene/full_heights.h"
 #include "editor/scene/scene_lines.h"
+#include "editor/state.h"
 #include "flight/session.h"
 #include "gl/lines.h"
 #include "gl/renderer.h"
@@ -35,13 +35,12 @@ public:
     // Makes anew what the profile's budgets ask for: the method's block, or terrain and stream too. True when it did.
     bool follow(const flight::Profile& profile);
     // One update for that view, uploaded. draw_us: what the upload took.
-    [[nodiscard]] flight::FrameEntry update(const View& view, const flight::Profile& profile, double now_s, double& upload_us);
+    [[nodiscard]] flight::FrameEntry update(const View& view, const flight::Profile& profile, double now_s,
+                                            double& upload_us);
     // The terrain, and what lies over it.
     void draw(const State& state, const gl::Target& target);
     // Of what the picture of the true error needs, 0..1; below 0: it cannot be had.
-    [[nodiscard]] double heights_share() const {
-        return heights_.problem().empty() ? heights_.share() : -1;
-    }
+    [[nodiscard]] double heights_share() const { return heights_.problem().empty() ? heights_.share() : -1; }
     [[nodiscard]] const gl::DrawStats& stats() const { return renderer_->stats(); }
     // How many were opened so far, a rebuilt one counted anew: what was made of another terrain is out of date.
     [[nodiscard]] std::uint64_t terrains() const { return terrains_; }

@@ -1,5 +1,5 @@
-// fjell-editor: tunes thresholds and budgets over a terrain, by eye and by number. Exit codes: 0 done, 1 the input is at
-// fault, 2 usage, 3 the machine (disk, memory, GPU) is.
+// fjell-editor: tunes thresholds and budgets over a terrain, by eye and by number. Exit codes: 0 done, 1 the input is
+// at fault, 2 usage, 3 the machine (disk, memory, GPU) is.
 #include "editor/app.h"
 #include "editor/options.h"
 #include "io/failure.h"

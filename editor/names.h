@@ -39,9 +39,9 @@ enum class Dialog : std::uint8_t {
     unsaved, // before what would lose changes
     recover  // changes that an earlier run did not save
 };
-inline constexpr const char* dialog_names[] = {"none", "start",     "open",     "save-profile", "save-path",
-                                               "compare", "bake",   "tune",     "benchmark",    "export",
-                                               "screenshot", "keys", "messages", "unsaved",     "recover"};
+inline constexpr const char* dialog_names[] = {"none",       "start", "open",     "save-profile", "save-path",
+                                               "compare",    "bake",  "tune",     "benchmark",    "export",
+                                               "screenshot", "keys",  "messages", "unsaved",      "recover"};
 inline constexpr int dialogs = static_cast<int>(std::size(dialog_names));
 
 // To what is asked before changes would be lost.

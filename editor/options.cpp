@@ -39,7 +39,8 @@ bool parse_options(int argc, char** argv, Options& options) {
     app.add_option("--screenshot", options.screenshot, "writes the window as PNG after --frames, and quits");
     app.add_option("--frames", options.frames, "quits after so many frames")
         ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}));
-    app.add_option("--do", options.commands, "a command; may be given again (see --help-commands)")->allow_extra_args(false);
+    app.add_option("--do", options.commands, "a command; may be given again (see --help-commands)")
+        ->allow_extra_args(false);
     app.add_option("--script", options.script, "a file of commands, one a line; -: standard input");
     app.add_flag("--headless", options.headless, "no window: for scripts; quits when they are done");
     app.add_option("--size", size, "window in pixels, WIDTHxHEIGHT (default 1280x720)");

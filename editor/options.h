@@ -8,10 +8,10 @@
 namespace fjell::editor {
 
 struct Options {
-    std::string pack, profile, path; // may be empty
-    std::string screenshot;          // of the last of so many frames
-    std::size_t frames = 0;          // then it quits; 0: until it is closed
-    std::string script;              // a file of commands, "-": standard input
+    std::string pack, profile, path;   // may be empty
+    std::string screenshot;            // of the last of so many frames
+    std::size_t frames = 0;            // then it quits; 0: until it is closed
+    std::string script;                // a file of commands, "-": standard input
     std::vector<std::string> commands; // --do: before the script's
     bool headless = false;
     std::uint32_t width = 1280, height = 720;

@@ -20,10 +20,10 @@ namespace fjell::editor {
 struct Unsaved {
     flight::Profile profile;
     bool profile_changed = false;
-    std::string path;                      // of the profile's file; empty: it had none
-    std::string pack;                      // that was open; empty: none
+    std::string path;                         // of the profile's file; empty: it had none
+    std::string pack;                         // that was open; empty: none
     std::vector<flight::ControlPoint> points; // of the camera's path, when that was not saved
-    double path_seconds = 0;               // that it shall take; 0: as suits the terrain
+    double path_seconds = 0;                  // that it shall take; 0: as suits the terrain
 };
 
 class Recovery {

@@ -19,12 +19,12 @@ using flight::ControlPoint;
 using flight::Pose;
 using io::Failure;
 
-constexpr double turned_rad = 0.07; // 4 degrees: a point at least so often while recording
+constexpr double turned_rad = 0.07;          // 4 degrees: a point at least so often while recording
 constexpr std::size_t points_of_flight = 65; // of a path that is not made of points
 
 ControlPoint point_of(const Pose& p) {
     return flight::unit_point({p.position_m.x, p.position_m.y, p.position_m.z, p.direction.x, p.direction.y,
-                            p.direction.z, p.up.x, p.up.y, p.up.z});
+                               p.direction.z, p.up.x, p.up.y, p.up.z});
 }
 
 Pose pose_of(const ControlPoint& p) {
@@ -142,7 +142,8 @@ void Route::set_seconds(double seconds, const flight::Ground& ground) {
     Content next = now_;
     next.seconds = seconds;
     if (next.as_read) { // the same flight, only slower or faster
-        next.poses = flight::resample(*next.as_read, ground, seconds > 0 ? frames_for(seconds) : flight::default_frames);
+        next.poses =
+            flight::resample(*next.as_read, ground, seconds > 0 ? frames_for(seconds) : flight::default_frames);
         next.unsaved = true;
         take_over(std::move(next));
         return;
@@ -204,8 +205,8 @@ bool Route::follow(const Pose& pose, double seconds) {
     if (!recording_) return true;
     const ControlPoint& last = taken_.back();
     const double moved = length(pose.position_m - Vec3{last[0], last[1], last[2]});
-    const double turned = length(pose.direction - Vec3{last[3], last[4], last[5]}) +
-                          length(pose.up - Vec3{last[6], last[7], last[8]});
+    const double turned =
+        length(pose.direction - Vec3{last[3], last[4], last[5]}) + length(pose.up - Vec3{last[6], last[7], last[8]});
     taken_s_ += seconds;
     if (moved >= step_m_ || turned >= turned_rad) note(pose);
     return taken_.size() < most_points;
@@ -213,15 +214,16 @@ bool Route::follow(const Pose& pose, double seconds) {
 
 void Route::edit(Content next, const flight::Ground& ground) {
     if (std::ranges::adjacent_find(next.points, same_place) != next.points.end())
-        throw Failure(2, "the point before or after is at this place already, looking the same way; move the camera first");
+        throw Failure(
+            2, "the point before or after is at this place already, looking the same way; move the camera first");
     next.poses.clear();
     next.as_read.reset();
     next.unsaved = !next.points.empty() || !next.path.empty();
     if (next.points.size() >= 2) {
         const double cruising_m_s = ground.longer_m() / 60;
-        const double seconds = next.seconds > 0 ? next.seconds
-                                                : std::clamp(length_m(next.points) / cruising_m_s, 2.0,
-                                                             flight::max_path_seconds);
+        const double seconds = next.seconds > 0
+                                   ? next.seconds
+                                   : std::clamp(length_m(next.points) / cruising_m_s, 2.0, flight::max_path_seconds);
         next.poses = flight::resample(spline_through(next.points, seconds), ground, frames_for(seconds));
     }
     take_over(std::move(next));
@@ -235,9 +237,9 @@ void Route::take_over(Content next) {
 
 void Route::require(std::size_t point) const {
     if (point >= now_.points.size())
-        throw Failure(2, now_.points.empty()
-                             ? std::string("the camera path has no points")
-                             : fmt::format("there is no point {}; the path has 0 to {}", point, now_.points.size() - 1));
+        throw Failure(2, now_.points.empty() ? std::string("the camera path has no points")
+                                             : fmt::format("there is no point {}; the path has 0 to {}", point,
+                                                           now_.points.size() - 1));
 }
 
 void Route::add(const Pose& pose, const flight::Ground& ground) {

@@ -27,7 +27,7 @@ public:
     [[nodiscard]] const std::vector<flight::ControlPoint>& points() const { return now_.points; }
     [[nodiscard]] std::optional<std::size_t> selected() const { return now_.selected; }
     [[nodiscard]] const std::vector<flight::Pose>& poses() const { return now_.poses; } // resampled, 60 a second
-    [[nodiscard]] double share() const { return share_; }                           // where it is being played
+    [[nodiscard]] double share() const { return share_; }                               // where it is being played
     [[nodiscard]] bool playing() const { return playing_; }
     [[nodiscard]] bool recording() const { return recording_; }
     [[nodiscard]] std::size_t recorded() const { return taken_.size(); } // points, while recording
@@ -61,7 +61,8 @@ public:
     // While recording: notes a point when the camera has moved or turned enough. False: there is no more room.
     bool follow(const flight::Pose& pose, double seconds);
 
-    void add(const flight::Pose& pose, const flight::Ground& ground); // after the selected point, or last; it is selected then
+    void add(const flight::Pose& pose,
+             const flight::Ground& ground); // after the selected point, or last; it is selected then
     void replace(std::size_t point, const flight::Pose& pose, const flight::Ground& ground);
     void remove(std::size_t point, const flight::Ground& ground);
     void move(std::size_t point, std::size_t to, const flight::Ground& ground); // so that it becomes the to-th

@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
-#include "editor/panels/browser.h"
 #include "editor/command.h"
 #include "editor/document.h"
 #include "editor/files.h"
 #include "editor/jobs/jobs.h"
 #include "editor/measures.h"
 #include "editor/names.h"
+#include "editor/panels/browser.h"
 #include "editor/recovery.h"
 #include "editor/route.h"
 #include "fjell/view.h"
@@ -51,12 +51,12 @@ struct Eye {
     Navigation navigation = Navigation::fly;
     Vec3 orbit_centre_m; // on the ground
     double orbit_radius_m = 1;
-    double ground_m = 0;              // under the camera
-    double speed_shown_until_s = 0;   // in the picture's corner
+    double ground_m = 0;                 // under the camera
+    double speed_shown_until_s = 0;      // in the picture's corner
     std::optional<flight::Pose> on_path; // of the path that is played, as long as no hand has moved the camera
-    View view;                    // of the last frame, as drawn
-    bool frozen = false;          // refined for another view than is drawn:
-    std::optional<View> refining; // that one
+    View view;                           // of the last frame, as drawn
+    bool frozen = false;                 // refined for another view than is drawn:
+    std::optional<View> refining;        // that one
 
     [[nodiscard]] flight::Pose pose() const { return on_path ? *on_path : free.pose(); }
 };
@@ -70,7 +70,7 @@ struct Message {
 };
 
 struct Messages {
-    std::deque<Message> all; // the last 200
+    std::deque<Message> all;  // the last 200
     double shown_until_s = 0; // the newest, over the picture
 };
 
@@ -84,7 +84,7 @@ struct Difference {
 // What the editor keeps between runs, and what it is asked meanwhile.
 struct Files {
     Places places;
-    Settings settings; // as they were written last
+    Settings settings;  // as they were written last
     bool keeps = false; // settings and changes are written: it is in a window
     Browser browser;
     Recovery recovery;
@@ -107,9 +107,9 @@ struct Interface {
     Dialog dialog = Dialog::none;
     flight::PictureMode mode = flight::PictureMode::shaded;
     std::array<bool, overlays> overlay{false, false, false, false, false, false, true}; // the path
-    std::vector<std::string> recent; // packs, the latest first
-    std::uint32_t width_px = 0, height_px = 0; // of the window
-    std::uint32_t view_x_px = 0, view_y_px = 0, view_width_px = 0, view_height_px = 0; // of the picture in it
+    std::vector<std::string> recent;                                                    // packs, the latest first
+    std::uint32_t width_px = 0, height_px = 0;                                          // of the window
+    std::uint32_t view_x_px = 0, view_y_px = 0, view_width_px = 0, view_height_px = 0;  // of the picture in it
 };
 
 // The terrain from above (editor/overview.h), north up.
@@ -127,7 +127,7 @@ struct State {
     Map map;
     io::StreamReaderCounters reader; // of a streamed pack
     JobView job;
-    JobView tuned;          // the last tuning that was not cancelled
+    JobView tuned; // the last tuning that was not cancelled
     Messages messages;
     Files files;
     std::string bake_input; // heights or a recipe that were opened: for the dialogue that bakes them
@@ -135,16 +135,14 @@ struct State {
     double now_s = 0;
     std::uint64_t frame = 0;
     bool quit = false;
-    bool headless = false; // messages go to the terminal too
-    int exit_code = 0;     // of a headless run: the first failure's
+    bool headless = false;              // messages go to the terminal too
+    int exit_code = 0;                  // of a headless run: the first failure's
     std::optional<gl::DrawStats> drawn; // of the last frame
     double heights_share = 0; // of what the picture of the true error needs, read; below 1 it is not drawn yet,
                               // below 0 it cannot be
-    std::string graphics;               // the driver
+    std::string graphics;     // the driver
 
-    [[nodiscard]] bool shows(Overlay overlay) const {
-        return interface.overlay[static_cast<std::size_t>(overlay)];
-    }
+    [[nodiscard]] bool shows(Overlay overlay) const { return interface.overlay[static_cast<std::size_t>(overlay)]; }
 };
 
 void tell(State& state, Severity severity, std::string text);

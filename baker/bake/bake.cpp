@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "baker/read/dem_source.h"
 #include "baker/bake/pipeline.h"
+#include "baker/read/dem_source.h"
 
 namespace fjell::baker {
 

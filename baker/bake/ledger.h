@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string>
 
-#include "baker/read/source.h"
 #include "baker/heights/survey.h"
+#include "baker/read/source.h"
 
 namespace fjell::baker {
 

@@ -166,8 +166,8 @@ void Pipeline::check_header() const {
         1, fmt::format("no pack can hold this terrain: its {} is out of range ({} x {} samples, {} m apart, heights "
                        "{:.6g}..{:.6g} m in steps of {:.3g} m); change --spacing, --zscale or --zoffset, or cut the "
                        "height field",
-                       s.field, tree_.columns(), tree_.rows(), source_.spacing_m[0], height_scale_.base_m, header_.max_m,
-                       height_scale_.quantum_m));
+                       s.field, tree_.columns(), tree_.rows(), source_.spacing_m[0], height_scale_.base_m,
+                       header_.max_m, height_scale_.quantum_m));
 }
 
 void Pipeline::plan() {

@@ -13,13 +13,13 @@
 #include <vector>
 
 #include "baker/bake/bake.h"
+#include "baker/bake/ledger.h"
+#include "baker/bake/store.h"
+#include "baker/errors/level.h"
+#include "baker/errors/own.h"
 #include "baker/heights/ground.h"
 #include "baker/maps/image.h"
-#include "baker/bake/ledger.h"
-#include "baker/errors/level.h"
 #include "baker/maps/maps.h"
-#include "baker/errors/own.h"
-#include "baker/bake/store.h"
 #include "baker/pack/write.h"
 
 namespace fjell::baker {

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "baker/heights/fill.h"
 #include "baker/bake/parallel.h"
 #include "baker/bake/pipeline.h"
+#include "baker/heights/fill.h"
 
 namespace fjell::baker {
 

@@ -2,8 +2,8 @@
 // before.
 #include <algorithm>
 
-#include "baker/maps/image.h"
 #include "baker/bake/pipeline.h"
+#include "baker/maps/image.h"
 
 namespace fjell::baker {
 

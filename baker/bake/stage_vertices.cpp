@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "baker/pack/page_pack.h"
 #include "baker/bake/pipeline.h"
+#include "baker/pack/page_pack.h"
 
 namespace fjell::baker {
 
@@ -116,8 +116,7 @@ void Pipeline::load_finer(const Region& region, int z, FinerCentres& finer) cons
 
 void Pipeline::store_own(std::int64_t region_index, const Region& region, const Patch<std::uint8_t>& own) {
     // The southern and eastern borders are the neighbours' rows; what was measured on this side lies apart.
-    const bool last_x = region.last.x + 1 == tree_.grid_columns(),
-               last_y = region.last.y + 1 == tree_.grid_rows();
+    const bool last_x = region.last.x + 1 == tree_.grid_columns(), last_y = region.last.y + 1 == tree_.grid_rows();
     own_.write({own.x, own.y, own.columns - !last_x, own.rows - !last_y}, own.values.data(), own.columns);
     const auto across = static_cast<std::int32_t>(region_index % regions_.across()),
                down = static_cast<std::int32_t>(region_index / regions_.across());
@@ -281,18 +280,18 @@ void Pipeline::pack_pages(const LevelResult& result) {
         for (std::uint32_t by = 0; by < blocks; ++by)
             for (std::uint32_t bx = 0; bx < blocks; ++bx) {
                 const StepPageInput block{in.steps,
-                                       in.error,
-                                       result.voids,
-                                       result.radii,
-                                       i0 + static_cast<std::int32_t>(bx * page_squares),
-                                       j0 + static_cast<std::int32_t>(by * page_squares),
-                                       in.z == 0 ? &*leaf_ : nullptr,
-                                       scales_.errors,
-                                       header_,
-                                       in.z};
+                                          in.error,
+                                          result.voids,
+                                          result.radii,
+                                          i0 + static_cast<std::int32_t>(bx * page_squares),
+                                          j0 + static_cast<std::int32_t>(by * page_squares),
+                                          in.z == 0 ? &*leaf_ : nullptr,
+                                          scales_.errors,
+                                          header_,
+                                          in.z};
                 const PackedPage page = pack_step_page(block);
-                batch.add({ChunkKind::geometry, tile, pages_.page_at(in.z, bx, by)}, page.bytes,
-                          options_.compression, page.bound);
+                batch.add({ChunkKind::geometry, tile, pages_.page_at(in.z, bx, by)}, page.bytes, options_.compression,
+                          page.bound);
             }
     });
     spool_->append(std::move(batch));
@@ -445,7 +444,7 @@ void Pipeline::plain_pages() {
                       const auto hole = static_cast<std::uint8_t>(steps[at] & void_flag ? void_bit : 0);
                       const auto radius = static_cast<std::uint8_t>(corner ? 0 : records[at] >> 8 & ~void_bit);
                       return MixedPageVertex{static_cast<std::int32_t>(steps[at] & ~void_flag), error,
-                                         static_cast<std::uint8_t>(radius | hole)};
+                                             static_cast<std::uint8_t>(radius | hole)};
                   };
                   worst[tile] = 0;
                   for (const std::uint16_t r : records)

@@ -12,10 +12,10 @@
 
 #include <fmt/format.h>
 
-#include "baker/read/dem_source.h"
 #include "baker/bake/parallel.h"
-#include "baker/read/tile_pages.h"
 #include "baker/check/verify_bounds.h"
+#include "baker/read/dem_source.h"
+#include "baker/read/tile_pages.h"
 
 namespace fjell::baker {
 

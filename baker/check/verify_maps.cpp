@@ -33,7 +33,7 @@ Mip decode(const Pack& pack, ChunkKind kind, std::uint32_t tile, std::uint32_t l
     std::vector<std::byte> blocks(chunk_raw_bytes(pack.header, {kind, tile, level}));
     if (const Status s = read_chunk(pack, {kind, tile, level}, blocks); !s.ok())
         throw io::Failure(1, fmt::format("the {} map of tile {}, mip {}: {} ({}); bake the pack again",
-                                           colour ? "colour" : "normal", tile, level, message(s.code), s.field));
+                                         colour ? "colour" : "normal", tile, level, message(s.code), s.field));
     mip.codes.resize(std::size_t{mip.side} * mip.side * mip.channels);
     mip.tolerance.resize(std::size_t{mip.side} * mip.side);
     colour ? decode_colour(blocks, mip.side, mip.codes) : decode_normal(blocks, mip.side, mip.codes);
@@ -58,8 +58,7 @@ Mip decode(const Pack& pack, ChunkKind kind, std::uint32_t tile, std::uint32_t l
 
 class Checker {
 public:
-    Checker(const Pack& the_pack, const std::function<void()>& the_row_done)
-        : pack(the_pack), row_done(the_row_done) {}
+    Checker(const Pack& the_pack, const std::function<void()>& the_row_done) : pack(the_pack), row_done(the_row_done) {}
 
     MapsReport run() {
         for (const ChunkKind kind : {ChunkKind::colour, ChunkKind::normal}) check_kind(kind);

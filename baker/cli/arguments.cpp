@@ -48,12 +48,14 @@ void declare_bake(CLI::App& app, Arguments& a) {
     add_words(app, "order", r.order, "how vertices lie in pages: planar (default), hz (hierarchical Z) or linear");
     app.add_option("--quantum", r.quantum, "the step of stored heights in metres (default: the source's own)")
         ->check(CLI::PositiveNumber);
-    app.add_option("--texture", r.texture, "ortho-images, placed by their coordinates or stretched over all; later ones on top");
+    app.add_option("--texture", r.texture,
+                   "ortho-images, placed by their coordinates or stretched over all; later ones on top");
     app.add_option("--ramp", r.ramp, "colours by height (JSON, content/ramps)");
     app.add_option("--threads", a.threads, "0: all cores")->check(CLI::Range(0, 1024));
     app.add_option("--memory", a.memory_mb, "MB the bake may use, whatever the height field's size (default 512)")
         ->check(CLI::Range(128, 1 << 24));
-    app.add_option("--checkpoint", a.checkpoint_s, "seconds between notes of how far the bake is (default: 5, and none when all fits --memory)")
+    app.add_option("--checkpoint", a.checkpoint_s,
+                   "seconds between notes of how far the bake is (default: 5, and none when all fits --memory)")
         ->check(CLI::Range(0.0, 3600.0));
     app.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
     app.add_flag("--quiet", a.quiet, "no progress, no summary");

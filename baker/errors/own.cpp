@@ -113,8 +113,9 @@ namespace {
 class OwnErrors {
 public:
     OwnErrors(const OwnInput& input, Patch<std::uint8_t>& out)
-        : in(input), tree(input.ground.tree), half_quantum(0.5 * static_cast<double>(input.scales.height_scale.quantum_m)),
-          to(out), worst(static_cast<std::size_t>(out.columns) + walk_slack) {}
+        : in(input), tree(input.ground.tree),
+          half_quantum(0.5 * static_cast<double>(input.scales.height_scale.quantum_m)), to(out),
+          worst(static_cast<std::size_t>(out.columns) + walk_slack) {}
 
     // Even rows of a step hold sides along x; odd ones sides along y, and centres between them.
     void run(int z) {
@@ -149,8 +150,8 @@ private:
             for (std::int32_t i = 0; i < plain; ++i) {
                 const std::int32_t* const h = v + std::ptrdiff_t{2} * s * i;
                 const std::ptrdiff_t down = s * stride;
-                const std::ptrdiff_t end = kind == VertexKind::side_x       ? s
-                                           : kind == VertexKind::side_y     ? down
+                const std::ptrdiff_t end = kind == VertexKind::side_x      ? s
+                                           : kind == VertexKind::side_y    ? down
                                            : falling != (!root && (i & 1)) ? down + s
                                                                            : down - s;
                 codes[i * s] = in.leaf.code(static_cast<std::uint32_t>(std::abs(2 * h[0] - h[-end] - h[end])));

@@ -1,5 +1,6 @@
-// Everything is measured in whole numbers: heights are height scale steps, and over a side of 2s cells a plane through three
-// of them is a multiple of 1 / 2s at every sample. Sums are taken modulo 2^32; differences fit, so they come out right.
+// Everything is measured in whole numbers: heights are height scale steps, and over a side of 2s cells a plane through
+// three of them is a multiple of 1 / 2s at every sample. Sums are taken modulo 2^32; differences fit, so they come out
+// right.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "baker/errors/walk.cpp"
 #include <hwy/foreach_target.h> // includes this file once a target

@@ -30,8 +30,9 @@ void walk_row_scalar(const VertexRow& row, std::int32_t* worst);
 // Where triangles are small their rows do not fill a vector: then neighbouring vertices go side by side. For that the
 // samples lie by their column modulo the vertices' distance `period` = 2s, s = 2 or 4.
 struct Phases {
-    std::int32_t period = 0, columns = 0, rows = 0; // columns: periods of a row, with the one that its last sample begins
-    std::vector<std::int32_t> values;               // rows * period lines of columns + walk_slack
+    std::int32_t period = 0, columns = 0,
+                 rows = 0;            // columns: periods of a row, with the one that its last sample begins
+    std::vector<std::int32_t> values; // rows * period lines of columns + walk_slack
 
     // samples: the first of rows x (periods * period + 1) of them.
     static Phases of(const std::int32_t* samples, std::ptrdiff_t stride, std::int32_t periods, std::int32_t rows,

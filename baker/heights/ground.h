@@ -48,8 +48,8 @@ private:
     std::int32_t group_ = 1, across_ = 1, down_ = 1;
 };
 
-// HeightScale places [x, x + columns) by [y, y + rows), one value each; a place beyond the terrain has the value of where
-// it stands.
+// HeightScale places [x, x + columns) by [y, y + rows), one value each; a place beyond the terrain has the value of
+// where it stands.
 template <typename T>
 struct Patch {
     static constexpr std::size_t slack = 64; // values past the last that may be read: loops in whole vectors

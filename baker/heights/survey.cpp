@@ -94,7 +94,8 @@ HeightScale choose_height_scale(const Survey& survey, const HeightScaleWish& wis
 }
 
 // Heights are not below the base and not above the last step: what is added rounds, what is cut off is positive.
-FJELL_CLONES void quantise(const float* heights_m, std::size_t count, const HeightScale& height_scale, std::int32_t* steps) {
+FJELL_CLONES void quantise(const float* heights_m, std::size_t count, const HeightScale& height_scale,
+                           std::int32_t* steps) {
     const double base = height_scale.base_m, per_metre = 1 / static_cast<double>(height_scale.quantum_m);
     constexpr double most = max_height_steps;
     for (std::size_t i = 0; i < count; ++i) {
@@ -185,8 +186,8 @@ Scales choose_scales(const ScaleInput& input) {
     Scales s;
     s.height_scale = input.height_scale;
     // Positions are rounded to float, 2^-24 relative on each end, products too; heights as well.
-    const double extent = std::max(
-        {input.tree.grid_columns() * input.spacing_m[0], input.tree.grid_rows() * input.spacing_m[1], 1e4});
+    const double extent =
+        std::max({input.tree.grid_columns() * input.spacing_m[0], input.tree.grid_rows() * input.spacing_m[1], 1e4});
     const double highest = std::max(std::abs(static_cast<double>(input.survey.least_m)),
                                     std::abs(static_cast<double>(input.survey.most_m)));
     s.ground_pad_m = extent * 0x1p-22;

@@ -1,6 +1,6 @@
-// What the whole terrain says before its vertices are looked at: the vertical height scale, and the scales that errors and
-// radii are counted on. All of them from bounds that one look at every sample gives, so that a vertex can be encoded
-// without knowing the others (docs/notes/baking.md).
+// What the whole terrain says before its vertices are looked at: the vertical height scale, and the scales that errors
+// and radii are counted on. All of them from bounds that one look at every sample gives, so that a vertex can be
+// encoded without knowing the others (docs/notes/baking.md).
 #pragma once
 
 #include <cstdint>
@@ -25,9 +25,9 @@ struct Survey {
 [[nodiscard]] Survey survey_tile(const float* heights_m, std::int32_t columns, std::int32_t rows,
                                  std::ptrdiff_t stride);
 
-// The vertical height scale: the source's own step when 65,536 of it span every tile (lossless); otherwise the smallest that
-// does, but not less than a centimetre or a hundredth of the spacing. asked_m: 0, or the step to use; a Failure says
-// the least possible one.
+// The vertical height scale: the source's own step when 65,536 of it span every tile (lossless); otherwise the smallest
+// that does, but not less than a centimetre or a hundredth of the spacing. asked_m: 0, or the step to use; a Failure
+// says the least possible one.
 struct HeightScaleWish {
     double spacing_m[2] = {1, 1};
     double native_quantum_m = 0; // 0: not known

@@ -215,12 +215,13 @@ ImageLayer placed(GDALDataset& file, const Frame& ground, const std::string& pat
     const double end[2] = {layer.first_px[0] + (ground.columns - 1) * layer.per_sample[0],
                            layer.first_px[1] + (ground.rows - 1) * layer.per_sample[1]};
     if (end[0] <= 0 || end[1] <= 0 || layer.first_px[0] >= layer.columns || layer.first_px[1] >= layer.rows)
-        throw Failure(1, fmt::format("{}: lies beside the terrain: it covers x {:.10g}..{:.10g}, y {:.10g}..{:.10g} in the "
-                                     "terrain's CRS, the terrain x {:.10g}..{:.10g}, y {:.10g}..{:.10g}; give an image of "
-                                     "the same place, or remove its georeference to stretch it over the terrain",
-                                     path, g.t[0], g.t[0] + layer.columns * g.t[1], g.t[3] + layer.rows * g.t[5],
-                                     g.t[3], ground.origin[0], ground.origin[0] + (ground.columns - 1) * ground.step[0],
-                                     ground.origin[1] - (ground.rows - 1) * ground.step[1], ground.origin[1]));
+        throw Failure(
+            1, fmt::format("{}: lies beside the terrain: it covers x {:.10g}..{:.10g}, y {:.10g}..{:.10g} in the "
+                           "terrain's CRS, the terrain x {:.10g}..{:.10g}, y {:.10g}..{:.10g}; give an image of "
+                           "the same place, or remove its georeference to stretch it over the terrain",
+                           path, g.t[0], g.t[0] + layer.columns * g.t[1], g.t[3] + layer.rows * g.t[5], g.t[3],
+                           ground.origin[0], ground.origin[0] + (ground.columns - 1) * ground.step[0],
+                           ground.origin[1] - (ground.rows - 1) * ground.step[1], ground.origin[1]));
     return layer;
 }
 

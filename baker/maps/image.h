@@ -1,10 +1,10 @@
 // Ortho-images of any size, kind and CRS, read by windows: never a whole one in memory.
 //
-// Where an image lies: georeferenced, over a terrain with a CRS: by its coordinates, warped to the terrain's CRS where its
-// own is another; whole turns of longitude do not count. Without georeference, or over a terrain without: stretched, its
-// outer edge on the outermost samples. Several are laid on top of each other, the last one uppermost; each must be
-// georeferenced. Kinds: grey, palette, red-green-blue, each with or without alpha, mask or no-data value; 8 bits, or 16
-// scaled down.
+// Where an image lies: georeferenced, over a terrain with a CRS: by its coordinates, warped to the terrain's CRS where
+// its own is another; whole turns of longitude do not count. Without georeference, or over a terrain without:
+// stretched, its outer edge on the outermost samples. Several are laid on top of each other, the last one uppermost;
+// each must be georeferenced. Kinds: grey, palette, red-green-blue, each with or without alpha, mask or no-data value;
+// 8 bits, or 16 scaled down.
 //
 // An image is read by rows from its full resolution, never through overviews: what a pixel is does not depend on who
 // asks. A warped one is computed in blocks of one fixed grid for the same reason. A format that is not tiled (PNG,

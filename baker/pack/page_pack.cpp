@@ -202,7 +202,8 @@ PackedPage pack_step_page(const StepPageInput& input) {
     return {assemble(a, s), bound_of(input.header, a, s.count, level, radius_m)};
 }
 
-PackedPage pack_mixed_page(const PackHeader& header, std::uint32_t page, const std::function<MixedPageVertex(Coord)>& vertex) {
+PackedPage pack_mixed_page(const PackHeader& header, std::uint32_t page,
+                           const std::function<MixedPageVertex(Coord)>& vertex) {
     const PageLayout pages{static_cast<int>(header.tile_log2), header.order};
     const Tree tree{pages.tile_log2};
     const PageLayout canonical{pages.tile_log2, pages.order == Order::linear ? Order::linear : Order::planar};

@@ -220,7 +220,7 @@ bool Transformer::to_target(double& x, double& y) const {
 }
 
 Placement target_grid(GDALDataset& from, const OGRSpatialReference& crs, const ReadOptions& options,
-                         const std::string& path) {
+                      const std::string& path) {
     Placement p;
     p.axes = Axes::metres;
     p.crs_wkt = wkt_of(crs);

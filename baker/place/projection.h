@@ -48,7 +48,7 @@ private:
 // digits, edges on multiples of it, so that neighbours fit; around the bbox if there is one, else around the source.
 // Throws Failure 1: outside, or too large.
 [[nodiscard]] Placement target_grid(GDALDataset& from, const OGRSpatialReference& crs, const ReadOptions& options,
-                                       const std::string& path);
+                                    const std::string& path);
 
 // The CRS of what has degrees, without its vertical part.
 [[nodiscard]] OGRSpatialReference source_crs(const Placement& from);

@@ -6,9 +6,9 @@
 
 #include <gdalwarper.h>
 
-#include "baker/read/mosaic.h"
 #include "baker/place/placed_dataset.h"
 #include "baker/place/projection.h"
+#include "baker/read/mosaic.h"
 
 namespace fjell::baker {
 

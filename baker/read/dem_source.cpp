@@ -71,8 +71,7 @@ Settled DemSource::settle(const Census& census) const {
 std::string DemSource::identity() const {
     return fmt::format("{} x {} in memory, {} {} ({} {}) at {} {} step {} heights {:016x} voids {:016x} crs {:016x}",
                        columns, rows, spacing_m[0], spacing_m[1], crs_step[0], crs_step[1], origin_m[0], origin_m[1],
-                       dem_.native_quantum_m,
-                       hash(dem_.heights_m.data(), dem_.heights_m.size() * sizeof(float)),
+                       dem_.native_quantum_m, hash(dem_.heights_m.data(), dem_.heights_m.size() * sizeof(float)),
                        hash(dem_.voids.data(), dem_.voids.size()), hash(crs_wkt.data(), crs_wkt.size()));
 }
 

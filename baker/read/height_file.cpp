@@ -80,7 +80,8 @@ std::string identity_of(GDALDataset& file, const std::string& path) {
     for (char** name = names; name && *name; ++name) {
         VSIStatBufL status{};
         if (VSIStatL(*name, &status) == 0) // to the nanosecond: scripts make two files in a second
-            text += fmt::format("|{} {} {}.{:09}", *name, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
+            text +=
+                fmt::format("|{} {} {}.{:09}", *name, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
     }
     CSLDestroy(names);
     return text;

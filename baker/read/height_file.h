@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "baker/read/windows.h"
-#include "baker/read/decode.h"
 #include "baker/place/placement.h"
+#include "baker/read/decode.h"
+#include "baker/read/windows.h"
 
 namespace fjell::baker {
 

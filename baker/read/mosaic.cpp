@@ -14,7 +14,7 @@ namespace fjell::baker {
 namespace {
 
 constexpr std::size_t most_open = 32; // files a reader keeps open
-constexpr double off_grid = 0.05;  // samples that a file may be off its place
+constexpr double off_grid = 0.05;     // samples that a file may be off its place
 constexpr std::int32_t sliver = 64;   // file borders nearer to each other than this are one for cutting windows
 
 bool same_crs(const std::string& a, const std::string& b) {

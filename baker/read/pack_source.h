@@ -10,8 +10,8 @@
 namespace fjell::baker {
 
 // Full resolution, decoded tile by tile from its pages: what the runtime stands on, bit for bit. Holes are NaN; CRS,
-// its steps, origin and spacing are the header's. Memory: a tile's pages a reader (4.2 bytes a sample of the tile), and what of the file is being
-// decoded.
+// its steps, origin and spacing are the header's. Memory: a tile's pages a reader (4.2 bytes a sample of the tile), and
+// what of the file is being decoded.
 class PackSource final : public HeightSource {
 public:
     explicit PackSource(const std::string& path); // throws Failure as load_pack does

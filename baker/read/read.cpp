@@ -10,10 +10,10 @@
 #include <fmt/format.h>
 
 #include "baker/heights/fill.h"
-#include "baker/read/gdal_file.h"
-#include "baker/read/mosaic.h"
 #include "baker/place/projection.h"
 #include "baker/place/warp.h"
+#include "baker/read/gdal_file.h"
+#include "baker/read/mosaic.h"
 #include "fjell/pack.h"
 
 namespace fjell::baker {

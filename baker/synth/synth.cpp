@@ -378,10 +378,11 @@ public:
     // The number changes when the landscape of a recipe does.
     [[nodiscard]] std::string identity() const override {
         const LandRecipe& r = recipe_;
-        return fmt::format("mountains 1: {} x {}, {} m, seed {} base {} relief {} feature {} octaves {} roughness {} warp {} "
-                           "gullies {} lowland {}",
-                           r.columns, r.rows, r.spacing_m, r.seed, r.base_m, r.relief_m, r.feature_m, r.octaves,
-                           r.roughness, r.warp, r.gullies, r.lowland);
+        return fmt::format(
+            "mountains 1: {} x {}, {} m, seed {} base {} relief {} feature {} octaves {} roughness {} warp {} "
+            "gullies {} lowland {}",
+            r.columns, r.rows, r.spacing_m, r.seed, r.base_m, r.relief_m, r.feature_m, r.octaves, r.roughness, r.warp,
+            r.gullies, r.lowland);
     }
 
 private:

@@ -15,12 +15,12 @@
 #include <fmt/format.h>
 #include <ogr_spatialref.h>
 
-#include "baker/heights/fill.h"
-#include "baker/read/gdal_file.h"
 #include "baker/bake/parallel.h"
-#include "baker/place/placement.h"
-#include "baker/read/read.h"
 #include "baker/bake/store.h"
+#include "baker/heights/fill.h"
+#include "baker/place/placement.h"
+#include "baker/read/gdal_file.h"
+#include "baker/read/read.h"
 #include "io/file.h"
 
 namespace fjell::baker {
@@ -94,7 +94,8 @@ void set_place(GDALDataset& file, const Heights& dem) {
 }
 
 // Writes the bands, or reads them back and compares.
-bool move_rows(GDALDataset& file, const Heights& heights, const std::optional<HeightScale16>& height_scale, GDALRWFlag way) {
+bool move_rows(GDALDataset& file, const Heights& heights, const std::optional<HeightScale16>& height_scale,
+               GDALRWFlag way) {
     GDALRasterBand& band = *file.GetRasterBand(1);
     std::vector<float> rows, found;
     return each_band(heights, rows, [&](std::int32_t y, std::int32_t n) {

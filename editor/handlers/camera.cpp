@@ -101,7 +101,7 @@ void orbit(const Move& c, Desk desk) {
     eye.orbit_radius_m = std::clamp(eye.orbit_radius_m * std::pow(0.85, c.speed_steps), least_m, most_m);
     flight::FreeCamera& camera = eye.free;
     flight::look(camera, c.right_rad + c.steering.turn_right * 0.9 * c.seconds,
-              c.up_rad + (c.steering.turn_up - c.steering.up) * 0.9 * c.seconds);
+                 c.up_rad + (c.steering.turn_up - c.steering.up) * 0.9 * c.seconds);
     // Keys pan half the distance a second.
     const double right = (c.pan_right + 0.5 * c.steering.right * c.seconds) * eye.orbit_radius_m;
     const double back = (c.pan_back - 0.5 * c.steering.forward * c.seconds) * eye.orbit_radius_m;

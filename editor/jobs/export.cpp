@@ -54,8 +54,7 @@ gltf::SnapshotResult snapshot_whole(const ExportPlan& plan, JobControl& control)
 
 void run(const ExportPlan& plan, JobControl& control) {
     control.progress("open", 0, 1);
-    const gltf::SnapshotResult r =
-        plan.streamed ? snapshot_streamed(plan, control) : snapshot_whole(plan, control);
+    const gltf::SnapshotResult r = plan.streamed ? snapshot_streamed(plan, control) : snapshot_whole(plan, control);
     if (!r.ok()) {
         control.check();
         throw io::Failure(r.exit_code, r.message);
@@ -76,7 +75,7 @@ void run(const ExportPlan& plan, JobControl& control) {
 Jobs::Body export_job(ExportPlan plan) {
     if (!(plan.error_px >= flight::min_error_px && plan.error_px <= flight::max_error_px))
         throw io::Failure(2, fmt::format("a threshold of {} px: must be {} to {}", plan.error_px, flight::min_error_px,
-                                           flight::max_error_px));
+                                         flight::max_error_px));
     io::refuse_overwriting({plan.path}, {plan.pack});
     return [plan = std::move(plan)](JobControl& control) { run(plan, control); };
 }

@@ -26,8 +26,8 @@ struct FlightPlan {
     std::string pack;
     flight::Profile profile;
     std::vector<flight::Pose> route; // 60 a second; empty: an orbit around the terrain's middle
-    std::size_t frames = 0;       // 0: as many as the route has
-    bool draws = false;           // with upload, drawing and the GPU's work
+    std::size_t frames = 0;          // 0: as many as the route has
+    bool draws = false;              // with upload, drawing and the GPU's work
 };
 
 // The route in so many frames, from its first pose to its last; directions in between are orthonormal.

@@ -2,8 +2,8 @@
 // of its own, with progress, and cancelled at any moment.
 //
 // A job has its own terrain and, where it draws, its own headless context: it touches nothing of the frame's.
-// Ownership: Jobs owns the thread; destroying it cancels and joins. Thread: start(), poll() and cancel() on the frame's.
-// Failure: what a job throws becomes JobView::problem; files appear only when they are complete.
+// Ownership: Jobs owns the thread; destroying it cancels and joins. Thread: start(), poll() and cancel() on the
+// frame's. Failure: what a job throws becomes JobView::problem; files appear only when they are complete.
 #pragma once
 
 #include <atomic>
@@ -48,13 +48,13 @@ struct JobView {
     JobKind kind = JobKind::none;
     bool running = false, cancelled = false;
     std::string stage;
-    double share = 0;     // done, 0..1; of this stage
-    double rate = 0, left_s = 0; // units of the stage a second, and until its end; 0: not known
-    double seconds = 0;   // so far
-    std::string problem;  // why it failed; empty: it did not
-    int exit_code = 0;    // and whose fault it was, as for a program
-    std::string result;   // one line when it is done
-    std::string output;   // the file that it wrote
+    double share = 0;             // done, 0..1; of this stage
+    double rate = 0, left_s = 0;  // units of the stage a second, and until its end; 0: not known
+    double seconds = 0;           // so far
+    std::string problem;          // why it failed; empty: it did not
+    int exit_code = 0;            // and whose fault it was, as for a program
+    std::string result;           // one line when it is done
+    std::string output;           // the file that it wrote
     std::vector<TunePoint> curve; // of tuning, by falling threshold
     TuneSettings tuned;
     std::uint32_t flights = 0; // of tuning, so far

@@ -71,8 +71,7 @@ void Search::add(Candidate& c, TuneFlight flight) const {
     if (p.flights == 0)
         c.least_us = std::move(flight.times_us);
     else
-        for (std::size_t i = 0; i < c.least_us.size(); ++i)
-            c.least_us[i] = std::min(c.least_us[i], flight.times_us[i]);
+        for (std::size_t i = 0; i < c.least_us.size(); ++i) c.least_us[i] = std::min(c.least_us[i], flight.times_us[i]);
     p.reached = p.flights == 0 ? flight.reached : std::max(p.reached, flight.reached);
     p.vertices = flight.vertices;
     p.frames = static_cast<std::uint32_t>(c.least_us.size());
@@ -182,7 +181,8 @@ TuneResult Search::run() {
             if (round != 0 || !odd || !reconsider(bad_px_)) break;
             good_px_ = bad_px_;
         }
-        while (!confirm()) {}
+        while (!confirm()) {
+        }
     }
     confirming_ = true;
     result_.best_px = good_px_;
@@ -239,8 +239,8 @@ std::string tune_text(const TuneResult& result, const TuneSettings& settings) {
 std::string tune_csv(const std::vector<TunePoint>& curve) {
     std::string text = "threshold_px,p50_us,p99_us,max_us,vertices,frames,keeps,reached,flights\n";
     for (const TunePoint& p : curve)
-        text += fmt::format("{},{:.3f},{:.3f},{:.3f},{:.1f},{},{},{:.4f},{}\n", p.error_px, p.p50_us, p.p99_us, p.max_us,
-                            p.vertices, p.frames, p.keeps ? 1 : 0, p.reached, p.flights);
+        text += fmt::format("{},{:.3f},{:.3f},{:.3f},{:.1f},{},{},{:.4f},{}\n", p.error_px, p.p50_us, p.p99_us,
+                            p.max_us, p.vertices, p.frames, p.keeps ? 1 : 0, p.reached, p.flights);
     return text;
 }
 
@@ -251,7 +251,7 @@ void check(const TuneSettings& s) {
         throw io::Failure(2, fmt::format("frames {}: must be 10 to 100000, or 0 for the path's own", s.frames));
     if (!(s.least_px >= flight::min_error_px && s.least_px < s.most_px && s.most_px <= flight::max_error_px))
         throw io::Failure(2, fmt::format("least_px {} and most_px {}: must rise, from {} to {} pixels", s.least_px,
-                                           s.most_px, flight::min_error_px, flight::max_error_px));
+                                         s.most_px, flight::min_error_px, flight::max_error_px));
 }
 
 } // namespace fjell::editor

@@ -1,14 +1,14 @@
 // The smallest threshold whose flight keeps a time budget: how it is looked for, apart from what a flight is.
 //
-// Cost is taken to fall with a rising threshold (thesis 6.3 and 6.4 measured it so). The flights of one threshold do the
-// same work frame by frame, so what they differ in is other programs, which make frames dearer and never cheaper, and
-// which no threshold can help: each frame counts with its least time. More flights can then only lower the p99: a
-// threshold is flown until it keeps the budget, three times at most, or once where half of all frames are far beyond it.
-// The search goes down from most_px by halves until one fails, which flies what is dear only once and gives the curve
-// its span, and bisects the last octave on a logarithmic scale down to 1.5%. Should the threshold that was found have
-// room to spare next to one that failed, the failed one is doubted, once, and flown again. Every threshold tried has three
-// digits, rounded up, so that the one that is offered is one that was flown. In the end it is flown anew, as if for the
-// first time, and if it fails then, a larger one is looked for.
+// Cost is taken to fall with a rising threshold (thesis 6.3 and 6.4 measured it so). The flights of one threshold do
+// the same work frame by frame, so what they differ in is other programs, which make frames dearer and never cheaper,
+// and which no threshold can help: each frame counts with its least time. More flights can then only lower the p99: a
+// threshold is flown until it keeps the budget, three times at most, or once where half of all frames are far beyond
+// it. The search goes down from most_px by halves until one fails, which flies what is dear only once and gives the
+// curve its span, and bisects the last octave on a logarithmic scale down to 1.5%. Should the threshold that was found
+// have room to spare next to one that failed, the failed one is doubted, once, and flown again. Every threshold tried
+// has three digits, rounded up, so that the one that is offered is one that was flown. In the end it is flown anew, as
+// if for the first time, and if it fails then, a larger one is looked for.
 //
 // Rejected: a fit of a power law through all flights. It needs fewer of them, but offers thresholds never flown, and a
 // budget of vertices that is reached bends the curve.
@@ -28,14 +28,14 @@ namespace fjell::editor {
 
 // What one flight measured.
 struct TuneFlight {
-    std::vector<double> times_us; // of the frames that count, in their order; as many in every flight
+    std::vector<double> times_us;     // of the frames that count, in their order; as many in every flight
     double vertices = 0, reached = 1; // as in TunePoint
 };
 
 struct TuneResult {
-    double best_px = 0;           // 0: not even most_px keeps the budget
-    std::vector<TunePoint> curve; // by falling threshold
-    std::uint32_t flights = 0, expected = 0; // so far, and in all as far as one can tell
+    double best_px = 0;                                       // 0: not even most_px keeps the budget
+    std::vector<TunePoint> curve;                             // by falling threshold
+    std::uint32_t flights = 0, expected = 0;                  // so far, and in all as far as one can tell
     [[nodiscard]] const TunePoint* at(double error_px) const; // null: was not flown
 };
 

@@ -11,8 +11,8 @@ namespace fjell::editor {
 // What is being typed and asked in the dialogue that is open: nothing else of the editor needs it.
 struct BrowseForm {
     char name[512] = {};
-    bool asks = false;       // about overwriting that file
-    std::uint64_t frame = 0; // that it was drawn in last, in
+    bool asks = false;        // about overwriting that file
+    std::uint64_t frame = 0;  // that it was drawn in last, in
     Dialog of = Dialog::none; // this dialogue
 };
 // A dialogue that opens begins anew, with that name in it.

@@ -60,7 +60,7 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
         if (ImGui::SmallButton("Double")) commands.push(SetKey{key, more, false});
         ui::mark("budget.double", line.key);
         ui::tip(key->rebuild == flight::Rebuild::nothing ? "Twice as much, from the next frame on."
-                                                      : "Twice as much: memory is made anew, where the camera is.");
+                                                         : "Twice as much: memory is made anew, where the camera is.");
         ImGui::SameLine();
     }
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::bad), "exhausted: %s", line.key);
@@ -117,7 +117,8 @@ void draw_stream(const State& state, Commands& commands) {
                static_cast<double>(profile.stream_budget.page_requests + profile.stream_budget.map_requests),
                flight::exhausted_stream_requests},
               state, commands);
-    draw_line({"Pages a frame", "stream.pages", "Taken over, 10 to 20 us each. Exhausted, some wait for the next frame.",
+    draw_line({"Pages a frame", "stream.pages",
+               "Taken over, 10 to 20 us each. Exhausted, some wait for the next frame.",
                static_cast<double>(r.pages_taken), static_cast<double>(p.pages_taken),
                static_cast<double>(profile.stream.pages), flight::exhausted_stream_pages},
               state, commands);

@@ -16,8 +16,8 @@ constexpr double degree = std::numbers::pi / 180;
 bool number(const char* name, double& value, const char* format, const char* about) {
     ImGui::PushID(name);
     ImGui::SetNextItemWidth(-FLT_MIN);
-    const bool given =
-        ImGui::InputDouble("##value", &value, 0, 0, format, ImGuiInputTextFlags_EnterReturnsTrue) && std::isfinite(value);
+    const bool given = ImGui::InputDouble("##value", &value, 0, 0, format, ImGuiInputTextFlags_EnterReturnsTrue) &&
+                       std::isfinite(value);
     ui::mark("camera", name);
     ui::tip(about);
     ImGui::PopID();
@@ -80,12 +80,12 @@ void draw_navigation(const State& state, Commands& commands) {
     const double least = 0.1, most = std::max(1000.0, 0.2 * std::max(state.scene.width_m(), state.scene.depth_m()));
     ImGui::SetNextItemWidth(-FLT_MIN);
     if (ImGui::SliderScalar("##speed", ImGuiDataType_Double, &speed, &least, &most,
-                            speed < 1000 ? "%.4g m/s" : "%.0f m/s",
-                            ImGuiSliderFlags_Logarithmic))
+                            speed < 1000 ? "%.4g m/s" : "%.0f m/s", ImGuiSliderFlags_Logarithmic))
         commands.push(SetSpeed{speed});
     ui::mark("camera", "speed");
-    ui::tip("Of flying, metres a second; Shift is five times as fast. The wheel over the picture sets it too; Ctrl click "
-            "types it.");
+    ui::tip(
+        "Of flying, metres a second; Shift is five times as fast. The wheel over the picture sets it too; Ctrl click "
+        "types it.");
     bool frozen = state.eye.frozen;
     if (ImGui::Checkbox("Freeze refinement (F)", &frozen)) commands.push(Freeze{frozen});
     ui::mark("camera", "freeze");

@@ -60,8 +60,8 @@ void draw_grid(ImDrawList& list, const Graph& graph, const Scale& s, float left)
     constexpr int steps = 4;
     const int lines = s.logarithmic ? static_cast<int>(std::lround(std::log10(s.most / s.least))) : steps;
     const float text_height = ImGui::GetFontSize();
-    const int every = std::max(1, static_cast<int>(std::ceil(static_cast<float>(lines) * text_height * 1.1F /
-                                                             (s.high.y - s.low.y))));
+    const int every =
+        std::max(1, static_cast<int>(std::ceil(static_cast<float>(lines) * text_height * 1.1F / (s.high.y - s.low.y))));
     char text[16];
     for (int i = 0; i <= lines; i += every) {
         const double share = static_cast<double>(i) / lines;
@@ -99,7 +99,8 @@ void draw_budget(ImDrawList& list, const Graph& graph, const Scale& s) {
     const bool above = y - height > s.low.y;
     const ImVec2 at{s.low.x + 0.3F * height, above ? y - height - 1 : y + 1};
     const ImVec2 size = ImGui::CalcTextSize(graph.budget_label); // lines may run under it
-    list.AddRectFilled({at.x - 0.15F * height, at.y}, {at.x + size.x + 0.15F * height, at.y + height}, IM_COL32(25, 28, 36, 200));
+    list.AddRectFilled({at.x - 0.15F * height, at.y}, {at.x + size.x + 0.15F * height, at.y + height},
+                       IM_COL32(25, 28, 36, 200));
     list.AddText(at, careful, graph.budget_label);
 }
 

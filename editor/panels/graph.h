@@ -14,14 +14,14 @@ struct GraphLine {
     const Ring* values = nullptr;
     ImU32 colour = 0;
     const char* label = "";
-    float factor = 1;   // from the ring's unit to the graph's; below 0: downwards from the middle
+    float factor = 1; // from the ring's unit to the graph's; below 0: downwards from the middle
     bool filled = false;
 };
 struct Graph {
     const char* name = ""; // of its mark, and its id
     const char* unit = "";
-    double height_em = 6;  // in text heights
-    double budget = 0;     // a line across, in the graph's unit; 0: none
+    double height_em = 6; // in text heights
+    double budget = 0;    // a line across, in the graph's unit; 0: none
     const char* budget_label = "";
     bool logarithmic = false; // values below 1e-3 count as that
 };

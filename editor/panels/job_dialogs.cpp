@@ -86,7 +86,8 @@ bool runs(const State& state, JobKind kind) {
 
 void cancel_button(const char* group, Commands& commands) {
     ImGui::SameLine();
-    if (button("Cancel", group, "cancel", true, "Stops the job; nothing half-written stays.")) commands.push(CancelJob{});
+    if (button("Cancel", group, "cancel", true, "Stops the job; nothing half-written stays."))
+        commands.push(CancelJob{});
 }
 
 void draw_bar(const JobView& job, bool with_rate) {
@@ -278,8 +279,12 @@ void draw_auto_tune(const State& state, Commands& commands) {
                "Flies the path, or an orbit, over a terrain of its own until the smallest threshold is found whose "
                "p99 keeps the budget. The view is as large as the profile says.")) {
         Tune t;
-        t.settings = {form.measure == 1 ? TuneMeasure::frame : TuneMeasure::update, form.budget_us,
-                      static_cast<std::uint32_t>(form.frames), form.least_px, form.most_px, false};
+        t.settings = {form.measure == 1 ? TuneMeasure::frame : TuneMeasure::update,
+                      form.budget_us,
+                      static_cast<std::uint32_t>(form.frames),
+                      form.least_px,
+                      form.most_px,
+                      false};
         commands.push(t);
     }
     const bool running = runs(state, JobKind::tune);
@@ -323,7 +328,8 @@ void draw_snapshot(const State& state, Commands& commands) {
                  "camera sees.");
     ImGui::BeginDisabled(form.own == 0);
     double shown = form.own == 1 ? form.error_px : state.measures.last().error_px_effective;
-    number_field("Pixels", "export", "error_px", shown, "%.4g", "0.01 to 1000 pixels: a smaller one makes a larger file.");
+    number_field("Pixels", "export", "error_px", shown, "%.4g",
+                 "0.01 to 1000 pixels: a smaller one makes a larger file.");
     if (form.own == 1) form.error_px = shown;
     ImGui::EndDisabled();
     ImGui::Separator();
@@ -332,7 +338,8 @@ void draw_snapshot(const State& state, Commands& commands) {
     if (button("Preview", "export", "preview", can, "Counts and size of the file, to the byte; nothing is written."))
         commands.push(PreviewExport{error_px});
     ImGui::SameLine();
-    if (button("Export", "export", "start", can && form.path[0] != '\0', "Writes the file; an old one stays until then."))
+    if (button("Export", "export", "start", can && form.path[0] != '\0',
+               "Writes the file; an old one stays until then."))
         commands.push(Export{form.path, error_px});
     if (runs(state, JobKind::snapshot) || runs(state, JobKind::preview)) cancel_button("export", commands);
     const ExportPreview& p = state.job.preview;

@@ -41,7 +41,8 @@ void draw_eye(ImDrawList& list, const Place& map, const View& view, ImU32 colour
     const double aspect = static_cast<double>(view.width_px) / std::max(view.height_px, 1u);
     const double half = std::atan(std::tan(view.fov_y_rad / 2) * aspect);
     const auto rim = [&](double angle) {
-        return ImVec2{at.x + reach * static_cast<float>(std::sin(angle)), at.y - reach * static_cast<float>(std::cos(angle))};
+        return ImVec2{at.x + reach * static_cast<float>(std::sin(angle)),
+                      at.y - reach * static_cast<float>(std::cos(angle))};
     };
     const ImVec2 a = rim(heading - half), b = rim(heading + half);
     list.AddTriangleFilled(at, a, b, (colour & ~IM_COL32_A_MASK) | (90u << IM_COL32_A_SHIFT));

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "editor/command.h"
-#include "editor/state.h"
 #include "editor/panels/ui.h"
+#include "editor/state.h"
 
 namespace fjell::editor {
 

@@ -30,8 +30,9 @@ constexpr Text laid_over[] = {
     {"Page borders", "Of the blocks of geometry that are loaded and unloaded together."},
     {"Bounding spheres", "Around vertices, as the refinement sees them."},
     {"Culled", "With refinement frozen: what it left out, and its view's edges."},
-    {"True error", "How far the mesh is from the finest terrain, in pixels. Instead of the picture; all heights are read "
-                   "first."},
+    {"True error",
+     "How far the mesh is from the finest terrain, in pixels. Instead of the picture; all heights are read "
+     "first."},
     {"Camera path", "Where it goes, with its points, and what is being recorded; not while it is played."},
 };
 static_assert(std::size(laid_over) == overlays, "an overlay was added: say what it shows");
@@ -73,7 +74,8 @@ void step_legend(const Scene& scene, int tile_log2, bool levels) {
         if (levels)
             std::snprintf(text, sizeof text, "%d", i);
         else
-            std::snprintf(text, sizeof text, step_m < 10000 ? "%.4g m" : "%.3g km", step_m < 10000 ? step_m : step_m / 1000);
+            std::snprintf(text, sizeof text, step_m < 10000 ? "%.4g m" : "%.3g km",
+                          step_m < 10000 ? step_m : step_m / 1000);
         legend.entry(colour(levels ? gl::level_rgb(i, tile_log2) : gl::step_rgb(i, tile_log2)), text);
     }
 }

@@ -25,16 +25,17 @@ ImU32 severity_colour(Severity severity) {
 // Green: as asked for. Amber: it lags, or pages are missing. Red: a budget does not suffice.
 Part threshold_part(const State& state) {
     const flight::FrameEntry& e = state.measures.last();
-    Part part{"", ui::good, 1, "threshold", "The threshold that the mesh keeps at the moment, and why it is not the asked one."};
-    constexpr std::uint32_t lasting = flight::exhausted_vertices | flight::exhausted_indices | flight::exhausted_triangles |
-                                      flight::exhausted_page_slots;
+    Part part{"", ui::good, 1, "threshold",
+              "The threshold that the mesh keeps at the moment, and why it is not the asked one."};
+    constexpr std::uint32_t lasting = flight::exhausted_vertices | flight::exhausted_indices |
+                                      flight::exhausted_triangles | flight::exhausted_page_slots;
     const char* why = "";
     if ((e.exhausted & lasting) != 0) {
         part.colour = ui::bad;
         why = (e.exhausted & flight::exhausted_vertices) != 0    ? "vertices exhausted"
               : (e.exhausted & flight::exhausted_triangles) != 0 ? "triangles exhausted"
               : (e.exhausted & flight::exhausted_indices) != 0   ? "indices exhausted"
-                                                              : "page slots exhausted";
+                                                                 : "page slots exhausted";
     } else if (e.streamed && !e.stream.converged) {
         part.colour = ui::careful;
         why = "pages missing";
@@ -42,13 +43,14 @@ Part threshold_part(const State& state) {
         part.colour = ui::careful;
         why = (e.exhausted & flight::exhausted_items) != 0  ? "lags: items exhausted"
               : (e.exhausted & flight::exhausted_time) != 0 ? "lags: time exhausted"
-              : e.rising > 0                             ? "vertices rise"
-                                                         : "lags";
+              : e.rising > 0                                ? "vertices rise"
+                                                            : "lags";
     }
     if (e.error_px_effective >= 1e6)
         std::snprintf(part.text, sizeof part.text, "threshold open  %s", why);
     else
-        std::snprintf(part.text, sizeof part.text, "threshold %.4g px%s%s", e.error_px_effective, *why ? ", " : "", why);
+        std::snprintf(part.text, sizeof part.text, "threshold %.4g px%s%s", e.error_px_effective, *why ? ", " : "",
+                      why);
     return part;
 }
 
@@ -94,9 +96,8 @@ float width_of(const Parts& parts, std::size_t n, float gap) {
 
 void drop_least(Parts& parts, std::size_t& n) {
     const auto end = parts.begin() + static_cast<std::ptrdiff_t>(n);
-    const auto least = std::max_element(parts.begin(), end, [](const Part& a, const Part& b) {
-        return a.importance < b.importance;
-    });
+    const auto least =
+        std::max_element(parts.begin(), end, [](const Part& a, const Part& b) { return a.importance < b.importance; });
     std::move(least + 1, end, least);
     --n;
 }

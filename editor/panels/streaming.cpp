@@ -27,8 +27,9 @@ void draw_not_streamed(const State& state, Commands& commands) {
     ImGui::TextWrapped("This terrain is in memory whole: all of its %u pages were read when it was opened.",
                        state.scene.pages);
     ImGui::Spacing();
-    ImGui::TextWrapped("To stream it, give the profile fewer page slots than it has pages (stream.page_slots, among the "
-                       "Tune panel's controls), at least one a tile: pages are then read when the view wants them.");
+    ImGui::TextWrapped(
+        "To stream it, give the profile fewer page slots than it has pages (stream.page_slots, among the "
+        "Tune panel's controls), at least one a tile: pages are then read when the view wants them.");
     const std::uint32_t tiles = state.scene.tiles_x * state.scene.tiles_y;
     const std::uint32_t slots = std::max(tiles, state.scene.pages / 2);
     if (slots >= state.scene.pages) return;

@@ -23,7 +23,10 @@ void quantiles(const char* label, const State& state, Series series, const char*
     for (const float us : {q.p50, q.p99, q.max, q.last}) {
         ImGui::TableNextColumn();
         char text[24];
-        std::snprintf(text, sizeof text, us >= 99950 ? "%.0f" : us >= 9995 ? "%.1f" : "%.2f",
+        std::snprintf(text, sizeof text,
+                      us >= 99950  ? "%.0f"
+                      : us >= 9995 ? "%.1f"
+                                   : "%.2f",
                       static_cast<double>(us) / 1000);
         const float width = ImGui::CalcTextSize(text).x;
         ImGui::SetCursorPosX(ImGui::GetCursorPosX() + std::max(0.0F, ImGui::GetContentRegionAvail().x - width));
@@ -48,17 +51,21 @@ void draw_table(const State& state) {
     ImGui::TableNextColumn();
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::quiet), "ms");
     for (const char* name : {"p50", "p99", "max", "last"}) right_aligned(name);
-    quantiles("Frame", state, Series::frame_us, "From one swap of the picture to the next; with vertical sync, whole ticks.");
+    quantiles("Frame", state, Series::frame_us,
+              "From one swap of the picture to the next; with vertical sync, whole ticks.");
     quantiles("Update", state, Series::update_us, "Finding the mesh: the method's update on the CPU.");
     if (state.measures.last().prepare_us > 0 || state.measures.ring(Series::refine_us).quantiles().max > 0) {
-        quantiles("  prepare", state, Series::prepare_us, "Of the update: views, pages that came, and which blocks have work.");
-        quantiles("  refine", state, Series::refine_us, "Of the update: evaluating, activating and deactivating vertices.");
+        quantiles("  prepare", state, Series::prepare_us,
+                  "Of the update: views, pages that came, and which blocks have work.");
+        quantiles("  refine", state, Series::refine_us,
+                  "Of the update: evaluating, activating and deactivating vertices.");
         quantiles("  output", state, Series::output_us, "Of the update: writing triangles, and the ranges to draw.");
     }
     if (state.scene.streamed)
         quantiles("Stream", state, Series::stream_us, "Taking over pages and mips that came, and asking for others.");
     quantiles("Draw", state, Series::draw_us, "Upload and drawing, the CPU's part. In software all of it is.");
-    quantiles("Editor", state, Series::editor_us, "The editor's own: panels, commands and measures. Meant to stay below 1 ms.");
+    quantiles("Editor", state, Series::editor_us,
+              "The editor's own: panels, commands and measures. Meant to stay below 1 ms.");
     ImGui::EndTable();
 }
 
@@ -81,12 +88,11 @@ void draw_time(const State& state, Commands&) {
                {ring(Series::editor_us), violet, "editor", 1e-3F, false}});
     draw_table(state);
     ui::heading("Threshold");
-    ui::graph({"threshold", "px", 6.5, 0, "", true},
-              {{ring(Series::effective_px), orange, "effective", 1, false},
-               {ring(Series::asked_px), blue, "asked", 1, false}});
+    ui::graph({"threshold", "px", 6.5, 0, "", true}, {{ring(Series::effective_px), orange, "effective", 1, false},
+                                                      {ring(Series::asked_px), blue, "asked", 1, false}});
     ui::heading("Changes a frame");
-    ui::graph({"changes", "vertices", 6.5, 0, "", false},
-              {{ring(Series::activations), teal, "come", 1, true}, {ring(Series::deactivations), orange, "go", -1, true}});
+    ui::graph({"changes", "vertices", 6.5, 0, "", false}, {{ring(Series::activations), teal, "come", 1, true},
+                                                           {ring(Series::deactivations), orange, "go", -1, true}});
     ui::heading("Upload a frame");
     ui::graph({"upload", "kB", 5.5, 0, "", false}, {{ring(Series::uploaded_bytes), violet, "mesh", 1e-3F, true}});
 }

@@ -4,8 +4,8 @@
 #include <strings.h>
 
 #include "editor/panels/panels.h"
-#include "editor/panels/tune_cost.h"
 #include "editor/panels/slider.h"
+#include "editor/panels/tune_cost.h"
 
 namespace fjell::editor {
 

@@ -139,9 +139,9 @@ void draw_tune_curve(const JobView& job, float height) {
     // From the top: a legend, the times, a legend, the vertices, labels of the thresholds, their name.
     const float left = at.x + font * 3.2F, right = at.x + width - font * 0.8F;
     const float plots = std::max(height - font * 5.2F, 20.0F), split = at.y + font * 1.4F + plots * 0.62F;
-    const Axes time = axes_of(job, [](const TunePoint& p) { return p.p50_us; },
-                              [](const TunePoint& p) { return p.p99_us; }, job.tuned.budget_us,
-                              {left, at.y + font * 1.4F}, {right, split});
+    const Axes time = axes_of(
+        job, [](const TunePoint& p) { return p.p50_us; }, [](const TunePoint& p) { return p.p99_us; },
+        job.tuned.budget_us, {left, at.y + font * 1.4F}, {right, split});
     const Value vertices_of = [](const TunePoint& p) { return p.vertices; };
     const Axes vertices = axes_of(job, vertices_of, vertices_of, 0, {left, split + font * 1.7F},
                                   {right, split + font * 1.7F + plots * 0.38F});
@@ -156,12 +156,15 @@ void draw_tune_curve(const JobView& job, float height) {
     if (job.best_px > 0)
         for (const Axes* a : {&time, &vertices})
             list.AddLine({a->x(job.best_px), a->low.y}, {a->x(job.best_px), a->high.y}, best_colour, font / 10);
-    draw_line(list, time, job, [](const TunePoint& p) { return p.p50_us; }, p50_colour);
-    draw_line(list, time, job, [](const TunePoint& p) { return p.p99_us; }, p99_colour);
+    draw_line(
+        list, time, job, [](const TunePoint& p) { return p.p50_us; }, p50_colour);
+    draw_line(
+        list, time, job, [](const TunePoint& p) { return p.p99_us; }, p99_colour);
     draw_line(list, vertices, job, vertices_of, vertex_colour);
     constexpr const char* name = "threshold, px (finer to the right)";
     list.AddText({(left + right - ImGui::CalcTextSize(name).x) / 2, vertices.high.y + font * 1.2F}, ui::quiet, name);
-    if (const TunePoint* const p = hovered(job, time, time.low.y, vertices.high.y)) draw_hover(list, *p, time, vertices);
+    if (const TunePoint* const p = hovered(job, time, time.low.y, vertices.high.y))
+        draw_hover(list, *p, time, vertices);
 }
 
 } // namespace fjell::editor

@@ -63,7 +63,8 @@ void strike(const State& state, Commands& commands) {
     if (pressed('G')) commands.push(SetOverlay{Overlay::wireframe, !state.shows(Overlay::wireframe)});
     if (pressed('M')) {
         const int modes = flight::picture_modes, step = ImGui::GetIO().KeyShift ? modes - 1 : 1;
-        commands.push(SetMode{static_cast<flight::PictureMode>((static_cast<int>(state.interface.mode) + step) % modes)});
+        commands.push(
+            SetMode{static_cast<flight::PictureMode>((static_cast<int>(state.interface.mode) + step) % modes)});
     }
 }
 
@@ -97,8 +98,8 @@ void write_over(const State& state, const ui::Rect& view) {
         std::snprintf(text, sizeof text, "Recording: %zu points - R ends it", state.route.recorded());
         plate(view, 0, 1, ui::bad, text);
     } else if (state.route.playing()) {
-        std::snprintf(text, sizeof text, "Path: %.1f of %.1f s - P pauses",
-                      state.route.share() * state.route.seconds(), state.route.seconds());
+        std::snprintf(text, sizeof text, "Path: %.1f of %.1f s - P pauses", state.route.share() * state.route.seconds(),
+                      state.route.seconds());
         plate(view, 0, 1, IM_COL32_WHITE, text);
     } else if (eye.navigation == Navigation::orbit) {
         plate(view, 0, 1, IM_COL32_WHITE, "Orbit - 1 flies");

@@ -43,8 +43,7 @@ bool FullHeights::upload(gl::Renderer& renderer) {
     thread_.join();
     problem_ = failure_;
     if (heights_) {
-        problem_ = renderer.set_heights(
-            {heights_->columns, heights_->rows, heights_->step_log2, heights_->heights_m});
+        problem_ = renderer.set_heights({heights_->columns, heights_->rows, heights_->step_log2, heights_->heights_m});
         uploaded_ = problem_.empty();
     }
     heights_.reset();

@@ -41,7 +41,7 @@ private:
     std::atomic<double> share_{0};
     std::atomic<bool> done_{false};
     std::optional<io::FullHeights> heights_; // the thread's until done_
-    std::string failure_;                      // the same
+    std::string failure_;                    // the same
     std::string problem_;
     bool uploaded_ = false;
     std::jthread thread_; // last: it ends before what it writes goes

@@ -23,7 +23,8 @@ constexpr std::uint32_t ground = 0xff2a2520u; // no texel yet, and holes: the pa
 
 using Colour = std::array<float, 3>;
 // By height, from the lowest ground to the highest; sRGB.
-constexpr Colour ramp[] = {{84, 118, 84}, {124, 146, 92}, {176, 168, 112}, {168, 134, 98}, {178, 166, 156}, {240, 242, 246}};
+constexpr Colour ramp[] = {{84, 118, 84},  {124, 146, 92},  {176, 168, 112},
+                           {168, 134, 98}, {178, 166, 156}, {240, 242, 246}};
 
 Colour ramp_at(float share) {
     constexpr auto last = static_cast<float>(std::size(ramp) - 1);
@@ -37,8 +38,7 @@ Colour ramp_at(float share) {
 
 std::uint32_t packed(const Colour& c) {
     std::uint32_t value = 0xff000000u;
-    for (std::size_t k = 0; k < 3; ++k)
-        value |= static_cast<std::uint32_t>(std::clamp(c[k], 0.0F, 255.0F)) << (8 * k);
+    for (std::size_t k = 0; k < 3; ++k) value |= static_cast<std::uint32_t>(std::clamp(c[k], 0.0F, 255.0F)) << (8 * k);
     return value;
 }
 

@@ -44,7 +44,7 @@ private:
     std::vector<float> heights_; // NaN: no ground
     std::vector<std::uint32_t> texels_;
     std::uint32_t column_ = 0, row_ = 0, rest_frames_ = 0;
-    std::uint32_t step_ = 1; // texels that are painted alike: the first pass is quick
+    std::uint32_t step_ = 1;                        // texels that are painted alike: the first pass is quick
     std::uint32_t dirty_begin_ = 0, dirty_end_ = 0; // rows that the texture does not have
     bool complete_ = false;                         // when the pass began
     bool done_ = true, first_ = true;

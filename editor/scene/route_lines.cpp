@@ -40,9 +40,11 @@ void add_square(const Vec3& centre, const View& view, double side_px, gl::Rgba8 
 
 void add_route_lines(const Route& route, const View& view, std::vector<gl::Line>& to) {
     const auto& poses = route.poses();
-    add_way(poses.size(), [&](std::size_t i) { return poses[i].position_m; }, path_rgba, to);
+    add_way(
+        poses.size(), [&](std::size_t i) { return poses[i].position_m; }, path_rgba, to);
     const auto& recorded = route.recorded_points();
-    add_way(recorded.size(), [&](std::size_t i) { return place_of(recorded[i]); }, recorded_rgba, to);
+    add_way(
+        recorded.size(), [&](std::size_t i) { return place_of(recorded[i]); }, recorded_rgba, to);
     const auto& points = route.points();
     const std::size_t step = points.size() / most_route_marks + 1;
     for (std::size_t i = 0; i < points.size(); i += step)

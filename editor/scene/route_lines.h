@@ -1,6 +1,7 @@
 // The camera path as lines in the scene: where it goes, its points, and what is being recorded.
 //
-// Ownership: none. Thread: any. Memory: adds to `to`, no more than room for it was made. Complexity: O(most_route_lines).
+// Ownership: none. Thread: any. Memory: adds to `to`, no more than room for it was made. Complexity:
+// O(most_route_lines).
 #pragma once
 
 #include <vector>

@@ -17,7 +17,8 @@ constexpr gl::Rgba8 frustum_rgba{255, 255, 255, 230}, culled_rgba{255, 70, 60, 2
 constexpr std::size_t shown_tiles = 12; // with their spheres: more are a ball of wool
 
 Vec3 place_of(const Terrain& terrain, Coord c, float height_m) {
-    return {static_cast<double>(terrain.x_m(c.x)), static_cast<double>(height_m), static_cast<double>(terrain.z_m(c.y))};
+    return {static_cast<double>(terrain.x_m(c.x)), static_cast<double>(height_m),
+            static_cast<double>(terrain.z_m(c.y))};
 }
 
 // A tile's corners are always loaded.
@@ -99,7 +100,8 @@ void SceneLines::add_tile_spheres(const flight::Session& session, const View& vi
         const Coord o = tile_origin(terrain, near_[i].tile), c{o.x + half, o.y + half};
         const Terrain::Vertex v = terrain.vertex(c);
         if (!v.loaded) continue;
-        balls_.push_back({place_of(terrain, terrain.tree.sample(c), v.height_m), static_cast<double>(v.radius_m), tile_rgba});
+        balls_.push_back(
+            {place_of(terrain, terrain.tree.sample(c), v.height_m), static_cast<double>(v.radius_m), tile_rgba});
     }
 }
 
@@ -116,8 +118,8 @@ void SceneLines::add_chain(const flight::Session& session, const View& view) {
     while (!terrain.tree.is_corner(v) && balls_.size() < most_balls) {
         const Terrain::Vertex vertex = terrain.vertex(v);
         if (vertex.loaded && vertex.radius_m > 0)
-            balls_.push_back({place_of(terrain, v, vertex.height_m), static_cast<double>(vertex.radius_m),
-                              level_rgba(terrain, v)});
+            balls_.push_back(
+                {place_of(terrain, v, vertex.height_m), static_cast<double>(vertex.radius_m), level_rgba(terrain, v)});
         const Diamond d = diamond(terrain.tree, v);
         const Coord up = terrain.tree.contains(d.apexes[0]) ? d.apexes[0] : d.apexes[1];
         if (terrain.tree.is_corner(up)) break;

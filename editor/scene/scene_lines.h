@@ -1,5 +1,5 @@
-// What the editor draws into the scene with lines: the frozen camera's frustum, tiles that were culled, and spheres that
-// bound vertices.
+// What the editor draws into the scene with lines: the frozen camera's frustum, tiles that were culled, and spheres
+// that bound vertices.
 //
 // Ownership: its own arrays, made once; the terrain and mesh are read in build() only. Thread: the frame's. Memory:
 // fixed; what does not fit is left out, farthest tiles first. Complexity: O(tiles), and nothing when no overlay is on.

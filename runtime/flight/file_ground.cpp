@@ -63,7 +63,7 @@ void FileGround::fetch(Coord sample) {
         if (!load(tile, 0)) return;
         for (int over = pages.tile_log2 - 1 - page_squares_log2; over > 0; --over)
             if (!load(tile, pages.page_at(over, static_cast<std::uint32_t>(block.x) >> over,
-                                                static_cast<std::uint32_t>(block.y) >> over)))
+                                          static_cast<std::uint32_t>(block.y) >> over)))
                 return;
     }
     (void)load(tile, page);

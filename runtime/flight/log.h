@@ -44,9 +44,9 @@ struct FrameEntry {
     std::uint32_t exhausted = 0; // ExhaustedBits
     std::uint32_t restarts = 0, buffer_clearings = 0;
     std::uint32_t vertices_peak = 0, triangles_peak = 0; // slots in use, so far; triangles in whole chunks
-    BudgetUse vertex_slots;                 // of the method's block; the recursive one knows no peaks
-    BudgetUse triangle_slots;               // incremental, in whole chunks
-    BudgetUse index_slots;                  // recursive
+    BudgetUse vertex_slots;                              // of the method's block; the recursive one knows no peaks
+    BudgetUse triangle_slots;                            // incremental, in whole chunks
+    BudgetUse index_slots;                               // recursive
     double error_px_asked = 0, error_px_effective = 0;
     bool converged = false, rebuilt = false;
     // Nothing waits and nothing rises: the effective threshold holds. Every frame of the recursive method.

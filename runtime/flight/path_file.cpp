@@ -89,8 +89,8 @@ ControlPoint control_point(const json& value, const std::string& name, std::size
     fields.refuse_others();
     if (!(length(direction) > 1e-9)) fields.bad("direction", "is zero; give the way the camera looks");
     if (!(length(up) > 1e-9)) fields.bad("up", "is zero; give the camera's upward axis, e.g. [0, 1, 0]");
-    const ControlPoint p = unit_point(
-        {position.x, position.y, position.z, direction.x, direction.y, direction.z, up.x, up.y, up.z});
+    const ControlPoint p =
+        unit_point({position.x, position.y, position.z, direction.x, direction.y, direction.z, up.x, up.y, up.z});
     if (!(length(cross({p[3], p[4], p[5]}, {p[6], p[7], p[8]})) > 1e-3))
         fields.bad("up", "is parallel to direction; give another up");
     return p;
@@ -256,9 +256,8 @@ std::string path_text(const CameraPath& path) {
                             numbers_text(std::array{o->centre_x, o->centre_z}), o->radius, o->height, o->turns);
     } else {
         const auto& line = std::get<Straight>(path.kind);
-        text += fmt::format(
-            "  \"straight\": {{\"from\": {}, \"to\": {}, \"cells_per_frame\": {}, \"pitch_deg\": {}}}",
-            vector_text(line.from), vector_text(line.to), line.cells_per_frame, line.pitch_deg);
+        text += fmt::format("  \"straight\": {{\"from\": {}, \"to\": {}, \"cells_per_frame\": {}, \"pitch_deg\": {}}}",
+                            vector_text(line.from), vector_text(line.to), line.cells_per_frame, line.pitch_deg);
     }
     return text + "\n}\n";
 }

@@ -33,7 +33,7 @@ struct Session {
     std::size_t terrain_bytes = 0;
     std::unique_ptr<io::LoadedPack> reference; // loaded whole to measure against, where `loaded` is not
     std::unique_ptr<io::MappedPack> mapped;    // of a streamed pack: for exports
-    std::unique_ptr<FileGround> file_ground;     // the same: for camera paths
+    std::unique_ptr<FileGround> file_ground;   // the same: for camera paths
     io::AlignedMemory block;
     std::size_t block_bytes = 0;
     Method method = Method::incremental;

@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "fly/options.h"
-#include "fly/outputs.h"
 #include "flight/pictures.h"
 #include "flight/session.h"
+#include "fly/options.h"
+#include "fly/outputs.h"
 #include "fly/window.h"
 #include "gltf/snapshot.h"
 #include "io/failure.h"

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "fly/options.h"
 #include "flight/session.h"
+#include "fly/options.h"
 #include "io/file.h"
 
 namespace fjell::flight {

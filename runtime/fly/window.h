@@ -4,8 +4,8 @@
 #include <span>
 
 #include "flight/log.h"
-#include "fly/options.h"
 #include "flight/session.h"
+#include "fly/options.h"
 
 namespace fjell::flight {
 

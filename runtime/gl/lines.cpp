@@ -272,7 +272,8 @@ namespace {
 void set_up(const Target& target) {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer());
     glViewport(0, 0, static_cast<GLsizei>(target.width()), static_cast<GLsizei>(target.height()));
-    for (const GLenum off : Switches{GL_CULL_FACE, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_RASTERIZER_DISCARD}) glDisable(off);
+    for (const GLenum off : Switches{GL_CULL_FACE, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_RASTERIZER_DISCARD})
+        glDisable(off);
     for (const GLenum on : Switches{GL_DEPTH_TEST, GL_BLEND, GL_FRAMEBUFFER_SRGB, GL_MULTISAMPLE}) glEnable(on);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);

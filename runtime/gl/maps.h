@@ -23,7 +23,7 @@ namespace fjell::gl {
 inline constexpr std::uint32_t max_map_sizes = 8;
 
 struct MapArrays {
-    MapLayers slots;          // zeroes: there is no such map
+    MapLayers slots;         // zeroes: there is no such map
     std::uint32_t sizes = 0; // arrays, smallest first
     Texture array[max_map_sizes];
     std::int32_t array_of[max_texture_log2 + 1]; // by log2 of the side; -1: none
@@ -43,7 +43,8 @@ struct Maps {
 };
 
 // slots: of each kind; with top_log2 != 0 it is streamed, otherwise all that the pack has of it is loaded.
-[[nodiscard]] std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], float anisotropy, Maps& maps);
+[[nodiscard]] std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], float anisotropy,
+                                    Maps& maps);
 
 // Carries out commands, in order; adds the bytes of their blocks to `bytes`. Nothing is done when one is not of these
 // maps.

@@ -27,9 +27,7 @@ std::uint32_t resident_step_log2(const Terrain& terrain, std::uint32_t tile, std
     }
     if (!loaded(0)) return h.tile_log2;
     std::uint32_t z = h.tile_log2 < finest_page_log2 ? 0 : h.tile_log2 - page_squares_log2;
-    while (z > 0 &&
-           loaded(terrain.pages.page_at(static_cast<int>(z) - 1, block_x >> (z - 1), block_y >> (z - 1))))
-        --z;
+    while (z > 0 && loaded(terrain.pages.page_at(static_cast<int>(z) - 1, block_x >> (z - 1), block_y >> (z - 1)))) --z;
     return z;
 }
 

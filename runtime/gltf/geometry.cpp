@@ -10,7 +10,6 @@ namespace fjell::gltf {
 
 namespace {
 
-
 // Along one axis: the central difference of the full-resolution heights, one-sided on the domain's rim; where pages are
 // missing, over the smallest power of two for which there are heights.
 double slope_at(const Terrain& terrain, Coord sample, Coord axis, double spacing_m) {

@@ -40,8 +40,7 @@ std::vector<std::byte> encode_png(std::uint32_t side_px, std::span<const std::by
     const int written = stbi_write_png_to_func(receive, &sink, side, side, 3, rgb.data(), side * 3);
     if (sink.failure) std::rethrow_exception(sink.failure);
     if (!written)
-        throw io::Failure(3,
-                            "not enough memory to encode a texture as PNG; ask for smaller textures (max_texture_px)");
+        throw io::Failure(3, "not enough memory to encode a texture as PNG; ask for smaller textures (max_texture_px)");
     return std::move(sink.bytes);
 }
 

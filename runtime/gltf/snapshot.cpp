@@ -29,8 +29,7 @@ constexpr std::uint64_t container_bytes = 12 + 8 + 8; // header and the heads of
 
 void require(const Status& status, const char* what) {
     if (!status.ok())
-        throw io::Failure(1,
-                            fmt::format("{}: {} ({}); bake the pack again", what, message(status.code), status.field));
+        throw io::Failure(1, fmt::format("{}: {} ({}); bake the pack again", what, message(status.code), status.field));
 }
 
 void check(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info) {
@@ -39,8 +38,7 @@ void check(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const
     if (!(info.error_px > 0 && info.error_px_effective > 0 && std::isfinite(info.error_px_effective)))
         throw io::Failure(2, "SnapshotInfo::error_px and error_px_effective must be above zero and finite");
     if (mesh.topology != Topology::triangles)
-        throw io::Failure(2,
-                            "the snapshot needs a triangle list; set RefineSettings::topology to Topology::triangles");
+        throw io::Failure(2, "the snapshot needs a triangle list; set RefineSettings::topology to Topology::triangles");
     if (pack.header.header_hash != terrain.header.header_hash || !terrain.records)
         throw io::Failure(2, "the terrain was not loaded from this pack; load it with load_terrain");
 }
@@ -159,7 +157,8 @@ std::uint64_t write_glb(const SceneBuilder& scene, const std::string& json, std:
 SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
                               const std::string& path, const SnapshotOptions& options) {
     try {
-        if (path.empty() && options.write) throw io::Failure(2, "the snapshot has no file name; give one that ends in .glb");
+        if (path.empty() && options.write)
+            throw io::Failure(2, "the snapshot has no file name; give one that ends in .glb");
         check(pack, terrain, mesh, info);
         if (options.write) {
             const io::AtomicFile probe(path); // says what is wrong with the place before seconds of work, not after
@@ -170,7 +169,8 @@ SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const Me
         SceneBuilder scene(max_file_bytes);
         add_tiles(pack, terrain, mesh, options, scene, result);
         scene.add_camera(info.view);
-        result.file_bytes = write_glb(scene, json_chunk(scene, extras(pack, info, result)), max_file_bytes, path, options.write);
+        result.file_bytes =
+            write_glb(scene, json_chunk(scene, extras(pack, info, result)), max_file_bytes, path, options.write);
         return result;
     } catch (const io::Failure& failure) {
         return refused(failure.exit_code, failure.what());

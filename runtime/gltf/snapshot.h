@@ -42,7 +42,8 @@ struct SnapshotInfo {
 struct SnapshotOptions {
     std::uint32_t max_texture_px = 1024;        // texels a side of an embedded texture; costs up to 3 bytes each
     std::uint64_t max_file_bytes = 0xffff'ffff; // glTF counts a file's bytes in 32 bits; less is allowed, more is not
-    bool write = true; // false: all but the file, which tells its counts and its size to the byte; the path may be empty
+    bool write =
+        true; // false: all but the file, which tells its counts and its size to the byte; the path may be empty
     // After every tile, on the caller's thread. False stops: exit code 130, and the path holds what it held before.
     std::function<bool(std::uint64_t done, std::uint64_t total)> progress = {};
 };

@@ -21,10 +21,10 @@ using AlignedMemory = std::unique_ptr<std::byte[], AlignedDelete>;
 struct LoadedPack {
     std::string path;
     std::vector<std::byte> file;
-    Pack pack;          // points into file
+    Pack pack;           // points into file
     AlignedMemory block; // records, when loaded
-    Terrain terrain;    // points into block
-    std::string crs;    // WKT; empty: none
+    Terrain terrain;     // points into block
+    std::string crs;     // WKT; empty: none
 };
 
 enum class LoadTerrain : bool { no, yes };

@@ -18,13 +18,13 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/bake/bake.h"
+#include "baker/check/verify.h"
 #include "baker/errors/level.h"
 #include "baker/errors/own.h"
+#include "baker/heights/survey.h"
 #include "baker/pack/page_pack.h"
 #include "baker/read/read.h"
-#include "baker/heights/survey.h"
 #include "baker/synth/synth.h"
-#include "baker/check/verify.h"
 #include "baker/synth/write_dem.h"
 #include "fjell/terrain.h"
 #include "io/load.h"

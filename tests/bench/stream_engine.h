@@ -83,8 +83,8 @@ struct Engine {
         require(create_cut(terrain, cut_budget, {cut_memory.get(), cut_size}, cut));
         stream_size = stream_bytes(pack.pack, terrain, budget);
         stream_memory = io::make_block(stream_size);
-        require(create_stream(pack.pack, terrain, with_cut ? cut : LiveCut{}, budget, {stream_memory.get(), stream_size},
-                              stream));
+        require(create_stream(pack.pack, terrain, with_cut ? cut : LiveCut{}, budget,
+                              {stream_memory.get(), stream_size}, stream));
     }
     void serve(std::uint32_t most) {
         StreamRequest r;

@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "flight/path.h"
-#include "io/failure.h"
 #include "input.h"
+#include "io/failure.h"
 
 using namespace fjell;
 using fuzz::must;

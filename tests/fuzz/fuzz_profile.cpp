@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "flight/profile_keys.h"
-#include "io/failure.h"
 #include "input.h"
+#include "io/failure.h"
 
 using namespace fjell;
 using namespace fjell::flight;

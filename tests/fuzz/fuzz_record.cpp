@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "flight/record.h"
-#include "io/failure.h"
 #include "input.h"
+#include "io/failure.h"
 #include "support/cut_scene.h"
 
 namespace {

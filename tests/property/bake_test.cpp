@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "baker/read/dem_source.h"
 #include "baker/check/verify.h"
+#include "baker/read/dem_source.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;

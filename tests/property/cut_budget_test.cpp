@@ -164,8 +164,8 @@ TEST_CASE("after a step of the threshold or the camera the governor turns round 
         if (pick(random, 0, 1))
             budget.vertices = corners_of(terrain) + static_cast<std::uint32_t>(pick(random, 10, 2000));
         else
-            budget.triangles =
-                budget.segment_triangles * (terrain.tile_count() + 3 + static_cast<std::uint32_t>(pick(random, 1, 200)));
+            budget.triangles = budget.segment_triangles *
+                               (terrain.tile_count() + 3 + static_cast<std::uint32_t>(pick(random, 1, 200)));
         Cut cut(terrain, budget);
         View view = random_view(random, terrain);
         CutSettings settings;
@@ -200,7 +200,7 @@ TEST_CASE("the smallest budgets that are taken give the coarsest meshes, with ho
         const auto pack = random_terrain(random, 70, 4);
         const Terrain& terrain = pack.terrain;
         CutBudget budget = least_cut(terrain, round % 2 ? 8 : 16);
-        if (round % 3 == 1) budget.vertices += 300;                           // triangles alone are short
+        if (round % 3 == 1) budget.vertices += 300;                             // triangles alone are short
         if (round % 3 == 2) budget.triangles += 200 * budget.segment_triangles; // vertices alone are
         Cut cut(terrain, budget);
         CutSettings settings;

@@ -73,7 +73,8 @@ inline void add_triangles(Fnv& hash, const CutState& s) {
     std::vector<Key> keys;
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
         std::uint32_t count = s.tiles[tile].in_last;
-        for (std::uint32_t segment = s.tiles[tile].last_segment; segment != no_index; segment = s.segment_below[segment]) {
+        for (std::uint32_t segment = s.tiles[tile].last_segment; segment != no_index;
+             segment = s.segment_below[segment]) {
             for (std::uint32_t i = 0; i < count; ++i) {
                 Key key{};
                 for (std::uint32_t n = 0; n < 3; ++n) {

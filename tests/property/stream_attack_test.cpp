@@ -46,7 +46,8 @@ int frames_to_rest(Streamed& on, ScriptedClient& client, const View& view, const
 
 } // namespace
 
-TEST_CASE("with too few slots a resting eye's pages come to rest: none is let go of for one that gives it back its slot") {
+TEST_CASE(
+    "with too few slots a resting eye's pages come to rest: none is let go of for one that gives it back its slot") {
     Random random(921);
     for (int round = 0; round < 4; ++round) {
         const auto pack = wide_terrain(random);
@@ -133,12 +134,13 @@ TEST_CASE("answers to what nobody asked change nothing: wrong tickets, second an
     REQUIRE(crossed > 50);
 }
 
-TEST_CASE("with one request of each kind, one slot a tile and maps' tails alone, a stream is complete and stays whole") {
+TEST_CASE(
+    "with one request of each kind, one slot a tile and maps' tails alone, a stream is complete and stays whole") {
     Random random(923);
     for (int round = 0; round < 6; ++round) {
         const int log2 = round < 3 ? round + 1 : 6; // tiles of 2, 4 and 8 cells: no page but the coarsest
-        baker::Dem dem = random_dem(random, 2 + (8 << log2) / (round < 3 ? 1 : 2), 2 + (6 << log2) / (round < 3 ? 1 : 2),
-                                    Shape::fractal);
+        baker::Dem dem = random_dem(random, 2 + (8 << log2) / (round < 3 ? 1 : 2),
+                                    2 + (6 << log2) / (round < 3 ? 1 : 2), Shape::fractal);
         baker::BakeOptions options = small_bake(log2);
         options.max_texture_log2 = round % 2 ? 6 : 4;
         const auto pack = bake_and_load(std::move(dem), options);
@@ -316,7 +318,9 @@ TEST_CASE("bounds that lie, wherever the pages are, make terrain late or coarse 
             if (id.kind != ChunkKind::geometry) return;
             if (how == 0) e.bound.error = e.bound.radius = 0;                                      // nothing is wanted
             if (how == 1) e.bound.error = e.bound.radius = 255, e.bound.low = 0, e.bound.high = 0; // everything is
-            if (how == 2) e.bound.error = static_cast<std::uint8_t>(random()), e.bound.radius = static_cast<std::uint8_t>(random());
+            if (how == 2)
+                e.bound.error = static_cast<std::uint8_t>(random()),
+                e.bound.radius = static_cast<std::uint8_t>(random());
             if (how == 3) e.bound.low = e.bound.high = static_cast<std::uint16_t>(pick(random, 0, 65535)); // far off
         });
         if (!forged.opened.ok()) continue; // refused: as good
@@ -353,8 +357,7 @@ TEST_CASE("mips that do not lie one after the other are a failure told once, and
     const auto pack = bake_and_load(random_dem(random, 300, 200, Shape::fractal), options);
     const std::uint32_t top = pack.pack.header.normal_log2;
     const std::uint32_t tail_item = top - 4 + 1; // the second of a tail of 16 texels
-    const ChunkEntry elsewhere =
-        pack.pack.entry(chunk_index(pack.pack.header, {ChunkKind::normal, 0, tail_item}));
+    const ChunkEntry elsewhere = pack.pack.entry(chunk_index(pack.pack.header, {ChunkKind::normal, 0, tail_item}));
     const Forged forged(pack, [&](const ChunkId& id, ChunkEntry& e) {
         if (id.kind == ChunkKind::normal && id.tile != 0 && id.item == tail_item) e = elsewhere;
     });

@@ -50,7 +50,8 @@ struct Disk {
     int read(std::uint64_t offset, std::span<std::byte> to) {
         ++reads;
         // 0 to 500 ms at a thousandth of their length, and now and then in full a frame's.
-        if (!sound) std::this_thread::sleep_for(std::chrono::microseconds(pick(random, 0, pick(random, 0, 40) ? 500 : 16'000)));
+        if (!sound)
+            std::this_thread::sleep_for(std::chrono::microseconds(pick(random, 0, pick(random, 0, 40) ? 500 : 16'000)));
         const int error = file.read(offset, to);
         const int dice = sound ? 99 : pick(random, 0, 99);
         if (dice < 5) return ++failed, EIO;
@@ -113,8 +114,9 @@ std::uint64_t wrong_pages(const Terrain& is, const Terrain& should_be) {
         const PageEntry p = is.page_table[page], q = should_be.page_table[page];
         if (p.slot == no_index) continue;
         const std::size_t bytes = is.pages.page_vertices(page % is.pages_per_tile) * sizeof(VertexRecord);
-        wrong += p.base != q.base || std::memcmp(is.records + std::size_t{p.slot} * is.page_capacity,
-                                                 should_be.records + std::size_t{q.slot} * should_be.page_capacity, bytes) != 0;
+        wrong += p.base != q.base ||
+                 std::memcmp(is.records + std::size_t{p.slot} * is.page_capacity,
+                             should_be.records + std::size_t{q.slot} * should_be.page_capacity, bytes) != 0;
     }
     return wrong;
 }
@@ -134,7 +136,8 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     StreamBudget budget;
     budget.page_requests = static_cast<std::uint32_t>(pick(random, 1, 40));
     budget.map_requests = static_cast<std::uint32_t>(pick(random, 1, 8));
-    const auto slots = static_cast<std::uint32_t>(pick(random, std::min(tiles + 2, pages), std::min(tiles + pages / 2, pages)));
+    const auto slots =
+        static_cast<std::uint32_t>(pick(random, std::min(tiles + 2, pages), std::min(tiles + pages / 2, pages)));
     Streamed on(ground.pack.pack, slots, budget);
     Disk disk{ground.file};
     std::optional<Askers> askers;
@@ -143,8 +146,8 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     const auto start_reader = [&](bool any) {
         io::StreamReaderOptions options;
         if (any && pick(random, 0, 4) == 0) options.latency_s = pick(random, 0, 1) ? 1e6 : 0.002; // never, or a little
-        reader.emplace(on.stream, [&](std::uint64_t offset, std::span<std::byte> to) { return disk.read(offset, to); },
-                       options);
+        reader.emplace(
+            on.stream, [&](std::uint64_t offset, std::span<std::byte> to) { return disk.read(offset, to); }, options);
     };
     const auto stop_reader = [&] {
         if (!reader) return;
@@ -176,7 +179,8 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
         if (!reader && pick(random, 0, 2) == 0) start_reader(true);
         if (pick(random, 0, 20) == 0) retry_failed(on.stream);
         if (pick(random, 0, 12) == 0) view = random_view(random, full);
-        if (pick(random, 0, 30) == 0) askers.reset(), askers.emplace(full, on.paged.terrain, pick(random, 1, 2), random());
+        if (pick(random, 0, 30) == 0)
+            askers.reset(), askers.emplace(full, on.paged.terrain, pick(random, 1, 2), random());
         view = moved(random, view, random_step_m(random, full));
         cut.items = pick(random, 0, 2) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 0, 99));
         (void)frame();
@@ -200,9 +204,9 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     for (int quiet = 0; quiet < 3;) {
         const StreamReport stream = frame();
         report = on.cut.update({&view, 1}, cut);
-        const bool still = page_arrivals(on.stream).empty() && stream.requested + stream.pages_left + stream.mips_left +
-                                                                       stream.mips_taken + stream.pages_draining ==
-                                                                   0;
+        const bool still =
+            page_arrivals(on.stream).empty() &&
+            stream.requested + stream.pages_left + stream.mips_left + stream.mips_taken + stream.pages_draining == 0;
         quiet = still ? quiet + 1 : 0;
         if (quiet == 3) {
             seen.converged += stream.converged;
@@ -221,7 +225,8 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
 
 } // namespace
 
-TEST_CASE("reader, frames and queries at once: answers keep their bounds, meshes are whole, and all ends at any moment") {
+TEST_CASE(
+    "reader, frames and queries at once: answers keep their bounds, meshes are whole, and all ends at any moment") {
     Random random(811);
     Seen seen;
     // How much happens in a round is the scheduler's to say: at least so many, and on until everything was seen.

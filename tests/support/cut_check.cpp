@@ -39,7 +39,8 @@ MeshView Cut::mesh() {
     ranges.clear();
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
         std::uint32_t count = s.tiles[tile].in_last;
-        for (std::uint32_t segment = s.tiles[tile].last_segment; segment != no_index; segment = s.segment_below[segment]) {
+        for (std::uint32_t segment = s.tiles[tile].last_segment; segment != no_index;
+             segment = s.segment_below[segment]) {
             ranges.push_back({tile, (segment << s.segment_log2) * 3, count * 3, count});
             count = 1u << s.segment_log2;
         }
@@ -50,8 +51,8 @@ MeshView Cut::mesh() {
 }
 
 CutBudget ample_cut(const Terrain& terrain, std::uint32_t views) {
-    const std::uint32_t samples = static_cast<std::uint32_t>(terrain.tree.grid_columns()) *
-                                  static_cast<std::uint32_t>(terrain.tree.grid_rows());
+    const std::uint32_t samples =
+        static_cast<std::uint32_t>(terrain.tree.grid_columns()) * static_cast<std::uint32_t>(terrain.tree.grid_rows());
     CutBudget budget;
     budget.vertices = samples + 16;
     budget.segment_triangles = 16;

@@ -101,8 +101,8 @@ gl::Image VirtualDisplay::picture() const {
     for (std::size_t y = 0; y < height; ++y)
         for (std::size_t x = 0; x < width; ++x)
             for (std::size_t c = 0; c < 3; ++c)
-                image.rgb[3 * (y * width + x) + c] =
-                    static_cast<std::uint8_t>(dump.at(header + 12 * colours + y * row + 4 * x + (little ? 2 - c : c + 1)));
+                image.rgb[3 * (y * width + x) + c] = static_cast<std::uint8_t>(
+                    dump.at(header + 12 * colours + y * row + 4 * x + (little ? 2 - c : c + 1)));
     return image;
 }
 
@@ -265,6 +265,5 @@ void EditorWindow::resize(std::uint32_t width, std::uint32_t height) {
     xdotool("windowsize " + window_ + " " + std::to_string(width) + " " + std::to_string(height));
     rest(300ms);
 }
-
 
 } // namespace fjell::test

@@ -68,7 +68,7 @@ public:
 
     [[nodiscard]] bool runs();
     void signal(int number);
-    [[nodiscard]] int exit_code(); // waits for the end; 128 + n after a signal
+    [[nodiscard]] int exit_code();            // waits for the end; 128 + n after a signal
     [[nodiscard]] std::string errors() const; // its stderr so far
 
 private:

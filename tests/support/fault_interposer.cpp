@@ -1,10 +1,10 @@
 // Preloaded into one program (LD_PRELOAD), makes its file calls fail as disks, signals and kills do.
 //
 // FJELL_FAULT="CALLS TEXT WHAT WHEN": of CALLS (names with commas between, or all), those on files whose path contains
-// TEXT are counted, and WHAT happens to the one numbered WHEN, from 1 on: `7`, `7+` (from the seventh on) or `%7` (every
-// seventh). WHAT is a name of errno; `short` (half of the bytes); `kill` or `interrupt` (SIGKILL or SIGINT before the
-// call); `none`. FJELL_FAULT_COUNT=FILE: how many there were, written when the program ends. Of streams, `fread` and
-// `fwrite` are seen as they are asked, and move nothing when they fail.
+// TEXT are counted, and WHAT happens to the one numbered WHEN, from 1 on: `7`, `7+` (from the seventh on) or `%7`
+// (every seventh). WHAT is a name of errno; `short` (half of the bytes); `kill` or `interrupt` (SIGKILL or SIGINT
+// before the call); `none`. FJELL_FAULT_COUNT=FILE: how many there were, written when the program ends. Of streams,
+// `fread` and `fwrite` are seen as they are asked, and move nothing when they fail.
 //
 // Built without sanitizers and without anything of Fjell's: it is loaded before all else.
 #include <atomic>
@@ -37,8 +37,9 @@ int errno_named(const char* name) {
     const struct {
         const char* name;
         int number;
-    } known[] = {{"EIO", EIO},       {"ENOSPC", ENOSPC}, {"EACCES", EACCES}, {"EINTR", EINTR},          {"EINVAL", EINVAL},
-                 {"EROFS", EROFS},   {"EDQUOT", EDQUOT}, {"ENOENT", ENOENT}, {"EOPNOTSUPP", EOPNOTSUPP}};
+    } known[] = {{"EIO", EIO},       {"ENOSPC", ENOSPC}, {"EACCES", EACCES},
+                 {"EINTR", EINTR},   {"EINVAL", EINVAL}, {"EROFS", EROFS},
+                 {"EDQUOT", EDQUOT}, {"ENOENT", ENOENT}, {"EOPNOTSUPP", EOPNOTSUPP}};
     for (const auto& k : known)
         if (std::strcmp(name, k.name) == 0) return k.number;
     return 0;
@@ -77,8 +78,9 @@ enum class Do { go_on, fail, shorten };
 Do decide(const char* call, const char* path) {
     if (plan.number == 0 || !path || !named(call) || !std::strstr(path, plan.text)) return Do::go_on;
     const long n = ++count;
-    const bool hit = plan.when == Plan::once ? n == plan.number : plan.when == Plan::from ? n >= plan.number
-                                                                                           : n % plan.number == 0;
+    const bool hit = plan.when == Plan::once   ? n == plan.number
+                     : plan.when == Plan::from ? n >= plan.number
+                                               : n % plan.number == 0;
     if (!hit) return Do::go_on;
     if (std::strcmp(plan.what, "kill") == 0) ::kill(getpid(), SIGKILL);
     if (std::strcmp(plan.what, "interrupt") == 0) ::kill(getpid(), SIGINT);

@@ -26,7 +26,8 @@ inline TruePlane plane_of(const Terrain& full, const std::array<Coord, 3>& c) {
     double h[3];
     for (std::size_t k = 0; k < 3; ++k) {
         const Terrain::Vertex v = full.vertex(c[k]);
-        h[k] = static_cast<double>(full.height_scale.base_m) + v.steps * static_cast<double>(full.height_scale.quantum_m);
+        h[k] =
+            static_cast<double>(full.height_scale.base_m) + v.steps * static_cast<double>(full.height_scale.quantum_m);
         out.hole = out.hole || (full.has_voids() && v.hole);
     }
     const double bx = c[1].x - c[0].x, by = c[1].y - c[0].y, cx = c[2].x - c[0].x, cy = c[2].y - c[0].y;

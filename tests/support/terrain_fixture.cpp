@@ -26,7 +26,9 @@ float fractal(Random& random, std::vector<float>& height_scale, double x, double
     for (int octave = 0; octave < 6; ++octave, size *= 0.5, frequency *= 2) {
         const double u = x * frequency + octave * 7.3, v = y * frequency + octave * 3.1;
         const int i = static_cast<int>(std::floor(u)), j = static_cast<int>(std::floor(v));
-        const auto at = [&](int a, int b) { return height_scale[static_cast<std::size_t>((b & 31) * side + (a & 31))]; };
+        const auto at = [&](int a, int b) {
+            return height_scale[static_cast<std::size_t>((b & 31) * side + (a & 31))];
+        };
         const double s = u - i, t = v - j;
         sum += size * ((at(i, j) * (1 - s) + at(i + 1, j) * s) * (1 - t) +
                        (at(i, j + 1) * (1 - s) + at(i + 1, j + 1) * s) * t);

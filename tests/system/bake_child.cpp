@@ -33,8 +33,8 @@ public:
         const std::span<float> heights(to, window.area());
         try {
             io::read_all(fd_,
-                           static_cast<std::uint64_t>(window.y) * static_cast<std::uint64_t>(columns_) * sizeof(float),
-                           std::as_writable_bytes(heights), path_);
+                         static_cast<std::uint64_t>(window.y) * static_cast<std::uint64_t>(columns_) * sizeof(float),
+                         std::as_writable_bytes(heights), path_);
         } catch (const Failure&) {
             throw Failure(1, path_ + ": cannot be read; mend it");
         }

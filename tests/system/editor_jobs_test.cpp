@@ -33,7 +33,8 @@ public:
     [[nodiscard]] json after(const std::vector<std::string>& commands, const std::string& more = "",
                              const std::string& before = "") const {
         // In a sanitized build Mesa's own bytes would count as a leak of ours.
-        std::string line = before + "ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR "/fjell-editor --headless --size 640x480 " + more;
+        std::string line =
+            before + "ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR "/fjell-editor --headless --size 640x480 " + more;
         for (const std::string& c : commands) line += " --do '" + c + "'";
         const Run r = test::run_in(folder, line + " --do 'dump state.json'");
         INFO(line << "\n" << r.err);
@@ -112,8 +113,8 @@ TEST_CASE("a tuning by command sets the threshold only when it shall, as one ste
 TEST_CASE("a tuning of whole frames draws them in a context of its own") {
     const Place place;
     place.bake();
-    const json state = place.after(
-        {"tune measure=frame frames=10 budget_us=1000000 least_px=8", "wait"}, "hills.fjell --profile small.toml");
+    const json state = place.after({"tune measure=frame frames=10 budget_us=1000000 least_px=8", "wait"},
+                                   "hills.fjell --profile small.toml");
     INFO(last_message(state));
     CHECK(state["job"]["best_px"] == 8);
     CHECK(state["job"]["curve"][0]["p50_us"] > state["measures"]["update_us"]["p50"].get<double>() / 1000);

@@ -1,5 +1,6 @@
 // A steady frame of the editor's own code - panels, commands, measures - allocates nothing: counted in the whole
-// program, headless, panel by panel and dialogue by dialogue. Drivers and the terrain's update are not the editor's own.
+// program, headless, panel by panel and dialogue by dialogue. Drivers and the terrain's update are not the editor's
+// own.
 #include <catch2/catch.hpp>
 
 #include <algorithm>

@@ -19,8 +19,9 @@ namespace {
 const TemporaryFolder& packs() {
     static const TemporaryFolder folder;
     static const bool made = [] {
-        const Run r = run_in(folder.path, FJELL_BIN_DIR "/fjell-bake " FJELL_SOURCE_DIR
-                                                        "/content/terrain/mountains-small.json -o small.fjell --tile 64");
+        const Run r =
+            run_in(folder.path, FJELL_BIN_DIR "/fjell-bake " FJELL_SOURCE_DIR
+                                              "/content/terrain/mountains-small.json -o small.fjell --tile 64");
         INFO(r.err);
         REQUIRE(r.code == 0);
         return true;
@@ -81,7 +82,8 @@ double changed(const gl::Image& a, const gl::Image& b, const Place& p) {
 TEST_CASE("dragging the threshold's slider coarsens the mesh at once, as one step that can be undone") {
     if (no_windows()) return;
     Desk desk;
-    const json before = desk.editor.until("a converged mesh", [](const json& s) { return s["measures"]["converged"] == true; });
+    const json before =
+        desk.editor.until("a converged mesh", [](const json& s) { return s["measures"]["converged"] == true; });
     const gl::Image fine = desk.display.picture();
     CHECK(colours_in(fine, view_of(before)) > 500); // a landscape, not a blank
     desk.editor.drag("refine.error_px", 0.42, 0.8);
@@ -149,10 +151,13 @@ TEST_CASE("clicks turn to panels, pictures and overlays, which show in the pictu
 TEST_CASE("keys and the mouse move the camera, but not while a number is typed or a panel is under the pointer") {
     if (no_windows()) return;
     Desk desk;
-    const json before = desk.editor.until("a picture", [](const json& s) { return s["measures"]["converged"] == true; });
+    const json before =
+        desk.editor.until("a picture", [](const json& s) { return s["measures"]["converged"] == true; });
     const Place view = view_of(before);
     const double x = view.x + view.width / 2, y = view.y + view.height / 2;
-    const auto position = [](const json& s, int i) { return s["camera"]["position_m"][static_cast<std::size_t>(i)].get<double>(); };
+    const auto position = [](const json& s, int i) {
+        return s["camera"]["position_m"][static_cast<std::size_t>(i)].get<double>();
+    };
     desk.editor.move(x, y);
     desk.editor.hold("w", 0.6);
     const json forward = desk.editor.state();
@@ -208,7 +213,8 @@ TEST_CASE("the window is resized: columns, picture and controls stay inside it, 
 TEST_CASE("budgets and methods are made anew under the same view, and what cannot be had is taken back") {
     if (no_windows()) return;
     Desk desk;
-    const json before = desk.editor.until("a picture", [](const json& s) { return s["measures"]["converged"] == true; });
+    const json before =
+        desk.editor.until("a picture", [](const json& s) { return s["measures"]["converged"] == true; });
     const auto enter = [&](const std::string& field, const std::string& text) {
         desk.editor.click("field." + field);
         desk.editor.key("ctrl+a");
@@ -284,8 +290,8 @@ TEST_CASE("a corrupt pack, a folder that takes nothing and a lost graphics conte
     spit(home / "damaged.fjell", damaged);
     EditorWindow editor(display, home.path,
                         {packs() / "small.fjell", "--do", "frames 80", "--do", "open " + home / "damaged.fjell", "--do",
-                         "set refine.error_px 3", "--do", "save-profile /proc/none.toml", "--do", "lose-graphics", "--do",
-                         "wait"});
+                         "set refine.error_px 3", "--do", "save-profile /proc/none.toml", "--do", "lose-graphics",
+                         "--do", "wait"});
     const json state = editor.until("the script's end", [](const json& s) {
         return s["messages"].size() >= 3 && s["measures"]["converged"] == true;
     });
@@ -332,9 +338,8 @@ TEST_CASE("a click on the map jumps there") {
     const json before = desk.editor.until("the map", [](const json& s) { return s["marks"].contains("map.overview"); });
     const Place map = desk.editor.place("map.overview");
     desk.editor.click_at(map.x + 0.25 * map.width, map.y + 0.75 * map.height);
-    const json after = desk.editor.until("a jump", [&](const json& s) {
-        return s["camera"]["position_m"] != before["camera"]["position_m"];
-    });
+    const json after = desk.editor.until(
+        "a jump", [&](const json& s) { return s["camera"]["position_m"] != before["camera"]["position_m"]; });
     const double width_m = 512 * after["scene"]["spacing_m"][0].get<double>();
     CHECK(after["camera"]["position_m"][0].get<double>() == Approx(0.25 * width_m).margin(0.02 * width_m));
     CHECK(after["camera"]["position_m"][2].get<double>() == Approx(0.75 * width_m).margin(0.02 * width_m));

@@ -334,7 +334,8 @@ TEST_CASE("a small budget is named, raises the threshold and keeps the measured 
 
 TEST_CASE("pictures and snapshots of a flight are written where they were asked for") {
     const fs::path pictures = place().folder / "pictures";
-    for (const char* mode : {"shaded", "wire", "levels", "tiles", "mips", "residency", "distance", "shaded --method recursive"}) {
+    for (const char* mode :
+         {"shaded", "wire", "levels", "tiles", "mips", "residency", "distance", "shaded --method recursive"}) {
         fs::create_directory(pictures);
         const Run r = place().fly_with_gl(
             std::string("small.fjell --headless --frames 9 --render pictures --render-every 4 --size 160x120 "

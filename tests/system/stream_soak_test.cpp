@@ -62,7 +62,8 @@ Terrain terrain_of(const io::PackFile& file, std::uint32_t slots, io::AlignedMem
 // All that an engine holds, over a pack that stays in its file.
 struct Flown {
     Flown(const Scene& of, const std::string& path, std::uint32_t slots, const StreamBudget& budget)
-        : scene(of), file(path), terrain(terrain_of(file, slots, terrain_memory)), cut(terrain, {700'000, 1'500'000, 512, 1}) {
+        : scene(of), file(path), terrain(terrain_of(file, slots, terrain_memory)),
+          cut(terrain, {700'000, 1'500'000, 512, 1}) {
         const std::size_t bytes = stream_bytes(file.pack(), terrain, budget);
         stream_memory = io::make_block(bytes);
         REQUIRE(create_stream(file.pack(), terrain, cut.cut, budget, {stream_memory.get(), bytes}, stream).ok());
@@ -83,8 +84,8 @@ struct Flown {
     void rest() {
         for (int quiet = 0; quiet < 5;) {
             frame();
-            const bool still = page_arrivals(stream).empty() && streamed.requested + streamed.pages_left +
-                                                                        streamed.mips_left + streamed.mips_taken == 0;
+            const bool still = page_arrivals(stream).empty() &&
+                               streamed.requested + streamed.pages_left + streamed.mips_left + streamed.mips_taken == 0;
             quiet = still ? quiet + 1 : 0;
             if (!still) std::this_thread::sleep_for(std::chrono::microseconds(300));
         }
@@ -123,7 +124,8 @@ void overwrite(const std::string& path, std::uint64_t offset, std::span<const st
 
 std::uint64_t map_bytes_of(const PackHeader& h) {
     std::uint64_t bytes = 0;
-    for (const auto& [kind, log2] : {std::pair(ChunkKind::colour, h.colour_log2), std::pair(ChunkKind::normal, h.normal_log2)})
+    for (const auto& [kind, log2] :
+         {std::pair(ChunkKind::colour, h.colour_log2), std::pair(ChunkKind::normal, h.normal_log2)})
         for (std::uint32_t mip = 0; mip < mip_count(log2); ++mip)
             bytes += chunk_raw_bytes(h, {kind, 0, mip}) * h.tiles_x * h.tiles_y;
     return bytes;
@@ -131,7 +133,8 @@ std::uint64_t map_bytes_of(const PackHeader& h) {
 
 } // namespace
 
-TEST_CASE("ten thousand frames over a pack ten times larger than its pools: memory stays, the mesh is whole, rest converges") {
+TEST_CASE("ten thousand frames over a pack ten times larger than its pools: memory stays, the mesh is whole, rest "
+          "converges") {
     (void)prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0); // the kernel joins pages into huge ones when it likes, and counts them
     const Scene scene(901, 1537, 8);
     const PackHeader& h = scene.full.pack.header;
@@ -191,7 +194,8 @@ TEST_CASE("ten thousand frames over a pack ten times larger than its pools: memo
     CHECK(on.check() == "");
 }
 
-TEST_CASE("a file cut short, overwritten or deleted in flight: what is loaded stays, failures are told once, retrying heals") {
+TEST_CASE("a file cut short, overwritten or deleted in flight: what is loaded stays, failures are told once, retrying "
+          "heals") {
     const Scene scene(903, 700, 6);
     const std::span<const std::byte> whole = scene.full.file;
     for (const int damage : {0, 1, 2}) {
@@ -256,7 +260,8 @@ TEST_CASE("a bit flipped in one page: that page fails, once, and the rest is wha
         const auto tile = static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(pack.tile_count()) - 1));
         const auto page = static_cast<std::uint32_t>(pick(random, 0, 5));
         const ChunkEntry entry = pack.entry(chunk_index(pack.header, {ChunkKind::geometry, tile, page}));
-        const std::uint64_t at = entry.offset + static_cast<std::uint64_t>(pick(random, 0, static_cast<int>(entry.stored_bytes) - 1));
+        const std::uint64_t at =
+            entry.offset + static_cast<std::uint64_t>(pick(random, 0, static_cast<int>(entry.stored_bytes) - 1));
         const std::byte flipped = scene.full.file[at] ^ (std::byte{1} << pick(random, 0, 7));
         overwrite(path, at, {&flipped, 1});
         Flown on(scene, path, 0, {});
@@ -275,7 +280,8 @@ TEST_CASE("a bit flipped in one page: that page fails, once, and the rest is wha
         CHECK(on.check() == "");
         // Nothing else is missing but pages below it: outside its tile all are there.
         for (std::uint32_t other = 0; other < on.terrain.page_count(); ++other)
-            if (other / on.terrain.pages_per_tile != tile && !on.loaded(other / on.terrain.pages_per_tile, other % on.terrain.pages_per_tile))
+            if (other / on.terrain.pages_per_tile != tile &&
+                !on.loaded(other / on.terrain.pages_per_tile, other % on.terrain.pages_per_tile))
                 ++elsewhere;
         CHECK(elsewhere == 0);
         overwrite(path, at, std::span(scene.full.file).subspan(at, 1));

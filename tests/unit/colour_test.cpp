@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "baker/maps/colour.h"
-#include "baker/read/dem_source.h"
 #include "baker/maps/image.h"
+#include "baker/read/dem_source.h"
 #include "baker/read/read.h"
 #include "raster.h"
 

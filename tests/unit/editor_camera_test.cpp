@@ -43,7 +43,8 @@ struct Place {
     void fly_somewhere() {
         const double w = state.scene.width_m(), d = state.scene.depth_m();
         act(PlaceCamera{{uniform(random, 0, w), uniform(random, 0, w / 4), uniform(random, 0, d)},
-                        uniform(random, -3, 3), uniform(random, -1.3, 0.3)});
+                        uniform(random, -3, 3),
+                        uniform(random, -1.3, 0.3)});
     }
 
     Random random;
@@ -197,9 +198,9 @@ TEST_CASE("a path is followed as it is held, until a hand moves the camera") {
 TEST_CASE("what cannot be done says so and changes nothing") {
     Place place(8);
     const std::size_t said = place.state.messages.all.size();
-    for (const Command& command : std::initializer_list<Command>{
-             PlayPath{true}, SeekPath{0.5}, Navigate{Navigation::path}, RemovePoint{0}, RestorePath{}, SavePath{},
-             PlaceCamera{{1e9, 0, 0}, 0, 0}})
+    for (const Command& command :
+         std::initializer_list<Command>{PlayPath{true}, SeekPath{0.5}, Navigate{Navigation::path}, RemovePoint{0},
+                                        RestorePath{}, SavePath{}, PlaceCamera{{1e9, 0, 0}, 0, 0}})
         place.act(command);
     CHECK(place.state.messages.all.size() == said + 7);
     CHECK(place.state.eye.navigation == Navigation::fly);

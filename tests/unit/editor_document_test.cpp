@@ -97,7 +97,9 @@ private:
         }
     }
     // Few different ones, so that they come back often.
-    double any_value(const flight::ProfileKey& key) { return slider_value(key, static_cast<double>(random_() % 4) / 3); }
+    double any_value(const flight::ProfileKey& key) {
+        return slider_value(key, static_cast<double>(random_() % 4) / 3);
+    }
     flight::Profile with(flight::Profile profile, const flight::ProfileKey& key, double value) {
         if (key.get(profile) != value) key.set(profile, value);
         return profile;

@@ -75,7 +75,8 @@ struct Place {
         flight::open_session(options, session);
         ExportPlan p{options.pack, path, streamed, options.profile, {}, 2};
         if (streamed) p.profile.page_slots = slots();
-        p.view = flight::view_of(flight::resample(flight::path_of(options), session.ground(), 5)[2], session.terrain(), p.profile);
+        p.view = flight::view_of(flight::resample(flight::path_of(options), session.ground(), 5)[2], session.terrain(),
+                                 p.profile);
         return p;
     }
     TemporaryFolder folder;

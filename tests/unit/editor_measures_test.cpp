@@ -37,8 +37,7 @@ void count_plainly(const MeshView& mesh, int tile_log2, LevelHistogram& levels, 
 
 std::size_t calls_until_shown(Measures& measures, const MeshView& mesh, std::uint32_t tile_log2) {
     std::size_t calls = 0;
-    do
-        measures.count_levels(mesh, tile_log2);
+    do measures.count_levels(mesh, tile_log2);
     while (++calls < 10'000 && measures.levels().levels == 0);
     return calls;
 }

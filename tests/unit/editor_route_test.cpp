@@ -7,10 +7,10 @@
 
 #include "editor/route.h"
 #include "editor/scene/route_lines.h"
+#include "fjell/glm.h"
 #include "io/failure.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
-#include "fjell/glm.h"
 
 using namespace fjell;
 using namespace fjell::editor;
@@ -29,7 +29,8 @@ flight::Ground plain() {
 }
 
 Pose random_pose(Random& random) {
-    const double heading = uniform(random, -3, 3), pitch = uniform(random, -1.4, 1.4), roll = uniform(random, -0.8, 0.8);
+    const double heading = uniform(random, -3, 3), pitch = uniform(random, -1.4, 1.4),
+                 roll = uniform(random, -0.8, 0.8);
     const Vec3 direction{std::sin(heading) * std::cos(pitch), std::sin(pitch), -std::cos(heading) * std::cos(pitch)};
     const Vec3 level = normalised(Vec3{0, 1, 0} - direction * direction.y);
     const Vec3 up = level * std::cos(roll) + cross(direction, level) * std::sin(roll);
@@ -47,7 +48,7 @@ Pose gentle_pose(Random& random, int i) {
 
 ControlPoint point_of(const Pose& p) {
     return flight::unit_point({p.position_m.x, p.position_m.y, p.position_m.z, p.direction.x, p.direction.y,
-                            p.direction.z, p.up.x, p.up.y, p.up.z});
+                               p.direction.z, p.up.x, p.up.y, p.up.z});
 }
 
 std::vector<ControlPoint> lay(Random& random, Route& route, int count) {
@@ -284,7 +285,7 @@ TEST_CASE("what cannot be leaves the path as it was") {
     CHECK_THROWS_AS(route.save("/nowhere/at all.json"), io::Failure);
     const Pose last = route.select(3);
     CHECK_THROWS_AS(route.add(last, plain()), io::Failure); // the same place twice
-    Pose rounded = last; // as a camera has it that was put there
+    Pose rounded = last;                                    // as a camera has it that was put there
     rounded.position_m.x += 1e-9;
     rounded.direction = normalised(rounded.direction + rounded.up * 1e-15);
     CHECK_THROWS_WITH(route.add(rounded, plain()), Catch::Contains("move the camera first"));
@@ -334,7 +335,8 @@ bool one_of(const std::vector<Vec3>& places, const Vec3& place) {
 
 } // namespace
 
-TEST_CASE("a path is shown from its beginning to its end, however long, and its points are squares around where they are seen") {
+TEST_CASE("a path is shown from its beginning to its end, however long, and its points are squares around where they "
+          "are seen") {
     for (unsigned seed = 0; seed < 12; ++seed) {
         INFO("seed " << seed);
         Random random(seed);
@@ -373,7 +375,8 @@ TEST_CASE("a path is shown from its beginning to its end, however long, and its 
                 const auto from = project(view, lines[at].from), to = project(view, lines[at].to);
                 REQUIRE((from && to));
                 CHECK(std::hypot(to->x - from->x, to->y - from->y) == Approx(side_px).epsilon(1e-6));
-                CHECK(std::hypot(from->x - middle->x, from->y - middle->y) == Approx(side_px / std::sqrt(2)).epsilon(1e-6));
+                CHECK(std::hypot(from->x - middle->x, from->y - middle->y) ==
+                      Approx(side_px / std::sqrt(2)).epsilon(1e-6));
             }
         }
         CHECK(lines.size() == pieces + 4 * before);

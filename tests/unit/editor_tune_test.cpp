@@ -20,9 +20,9 @@ namespace {
 // Frames cost scale / error_px^power microseconds, each its own share of it, up to 1.
 struct Cost {
     double scale = 2000, power = 1.5;
-    double noise = 0;         // the dearer part of any frame, evenly up to this share of it
-    double spoiled = 0;       // share of frames that take four times as long
-    double reached_from = 0;  // thresholds below are not reached
+    double noise = 0;        // the dearer part of any frame, evenly up to this share of it
+    double spoiled = 0;      // share of frames that take four times as long
+    double reached_from = 0; // thresholds below are not reached
     std::uint32_t seed = 1;
     std::uint32_t frames = 400;
 
@@ -131,7 +131,8 @@ TEST_CASE("where nothing keeps the budget the tuner says so, and where everythin
     CHECK(none.result.best_px == 0);
     CHECK(none.result.curve.size() == 1);
     CHECK(none.flown.size() <= 3);
-    CHECK_THAT(tune_text(none.result, asked(10)), Catch::Contains("no threshold up to 32 px") && Catch::Contains("p99 11 us of 10"));
+    CHECK_THAT(tune_text(none.result, asked(10)),
+               Catch::Contains("no threshold up to 32 px") && Catch::Contains("p99 11 us of 10"));
     const Tuned all = tune({}, asked(500'000));
     CHECK(all.result.best_px == 0.25);
     CHECK_THAT(tune_text(all.result, asked(500'000)), Catch::Contains("0.25 px, the least that was asked for"));
@@ -175,7 +176,8 @@ TEST_CASE("the tuner stops after a bounded number of flights, though each thresh
         [&](double error_px) {
             const bool again = std::ranges::find(flown, error_px) != flown.end();
             flown.push_back(error_px);
-            return TuneFlight{std::vector<double>(50, error_px < 0.1 || (again && error_px < 900) ? 1100.0 : 800.0), 1, 1};
+            return TuneFlight{std::vector<double>(50, error_px < 0.1 || (again && error_px < 900) ? 1100.0 : 800.0), 1,
+                              1};
         },
         [](const TuneResult&) {});
     CHECK(r.flights == flown.size());

@@ -274,7 +274,7 @@ TEST_CASE("pages of coarser steps come first, and a page's number, its step and 
         for (std::uint32_t page = 1; page < pages; ++page) {
             const Coord block = layout.page_position(page);
             wrong += layout.page_at(layout.page_step_log2(page), static_cast<std::uint32_t>(block.x),
-                                          static_cast<std::uint32_t>(block.y)) != page;
+                                    static_cast<std::uint32_t>(block.y)) != page;
         }
         REQUIRE(wrong == 0);
     });

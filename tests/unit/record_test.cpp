@@ -129,9 +129,10 @@ TEST_CASE("a radius' code is the smallest that is not below it, in whatever unit
 }
 
 TEST_CASE("a step of the lattice is one height, bit for bit, from whichever page's base it is counted") {
-    for (const HeightScale height_scale : {HeightScale{0, 1}, {-431.7f, 0.1f}, {8848.86f, 0.0005f}, {-0.3f, 1e-6f}, {1e5f, 3.7f}})
-        for (const std::int32_t steps : {0, 1, 3, 1000, 65535, 65536, 1234567, max_height_steps - 65535,
-                                         max_height_steps - 1, max_height_steps}) {
+    for (const HeightScale height_scale :
+         {HeightScale{0, 1}, {-431.7f, 0.1f}, {8848.86f, 0.0005f}, {-0.3f, 1e-6f}, {1e5f, 3.7f}})
+        for (const std::int32_t steps :
+             {0, 1, 3, 1000, 65535, 65536, 1234567, max_height_steps - 65535, max_height_steps - 1, max_height_steps}) {
             // Each operation rounded by itself to float: no fused multiply-add, no wider type in between.
             const volatile float count = static_cast<float>(steps);
             const volatile float above_base_m = count * height_scale.quantum_m;

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <map>
 
-#include "baker/read/windows.h"
 #include "baker/read/decode.h"
 #include "baker/read/dem_source.h"
+#include "baker/read/windows.h"
 #include "source_check.h"
 
 using namespace fjell::baker;

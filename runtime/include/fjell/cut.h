@@ -5,10 +5,10 @@
 // frame looks only at groups whose slack is spent, and activates or deactivates one vertex at a time: after every
 // single step the mesh is whole. It refines all around; the frustum decides what is drawn, and what is done first.
 //
-// Work is counted in items: one group evaluated, or one vertex activated or deactivated (with another look at its group),
-// each bounded by a constant. A limit in microseconds is read off the clock before every group.
-// When a frame's items do not suffice, the mesh lags behind the view and the report says by how much. When a capacity
-// does not, the effective threshold rises until it does, and comes back.
+// Work is counted in items: one group evaluated, or one vertex activated or deactivated (with another look at its
+// group), each bounded by a constant. A limit in microseconds is read off the clock before every group. When a frame's
+// items do not suffice, the mesh lags behind the view and the report says by how much. When a capacity does not, the
+// effective threshold rises until it does, and comes back.
 //
 // Memory: one piece from the host, cut_bytes() of it, touched at creation; afterwards no allocation, lock, system call
 // or exception. Thread: one at a time; loading and unloading pages counts as use.
@@ -33,7 +33,8 @@ inline constexpr std::uint32_t max_cut_views = 8;
 struct CutBudget {
     std::uint32_t vertices = 1u << 19;  // slots of the vertex buffer, 57 bytes each; 4 a tile at least
     std::uint32_t triangles = 1u << 20; // slots of the index buffer, 16 bytes each
-    // Triangles lie tile by tile, in segments of this many slots: a segment is one draw range. 8 to 65,536, a power of two.
+    // Triangles lie tile by tile, in segments of this many slots: a segment is one draw range. 8 to 65,536, a power of
+    // two.
     std::uint32_t segment_triangles = 512;
     std::uint32_t views = 1; // 1 to max_cut_views
 };
@@ -86,8 +87,9 @@ struct CutReport {
     std::uint32_t blocked = 0;                          // of those, for want of a capacity
     // Vertices activated late that have not reached their height, and those of pages asked back that sink.
     std::uint32_t rising = 0;
-    std::uint32_t exhausted = 0;                        // CutBudgetBits
-    // Effective: the one that the capacities allow, or what missing pages may hide (Terrain::missing_px) if that is more.
+    std::uint32_t exhausted = 0; // CutBudgetBits
+    // Effective: the one that the capacities allow, or what missing pages may hide (Terrain::missing_px) if that is
+    // more.
     double error_px_asked = 0, error_px_effective = 0;
     bool converged = false;                 // nothing waits, nothing rises, effective == asked: the screen bound holds
     bool rebuilt = false;                   // by the bulk pass

@@ -1,5 +1,5 @@
-// For engines that use GLM: a View's matrices, and conversions. Optional: nothing else includes it, and the library does
-// not link GLM.
+// For engines that use GLM: a View's matrices, and conversions. Optional: nothing else includes it, and the library
+// does not link GLM.
 //
 // Axes are the scene's: x east, y up, z south, metres; cameras look along -z in their own space. Matrices are for
 // column vectors. Everything is double: subtract the eye before a position becomes float. Thread: any.

@@ -59,14 +59,14 @@ struct StepLayout {
     std::uint32_t page_side = 0;  // squares a side of a page: min(n, 32)
     std::uint32_t first_page = 0; // of the step
     std::uint32_t offset = 0;     // of the step's first vertex in its page; not 0 in page 0 only
-    int pages_log2 = 0;          // pages a side
+    int pages_log2 = 0;           // pages a side
 };
 
-// Number of a vertex among those of its page, `side` squares wide; i, j: its square, counted from the page's first, up to
-// `side` on the border.
+// Number of a vertex among those of its page, `side` squares wide; i, j: its square, counted from the page's first, up
+// to `side` on the border.
 template <Order O>
 [[nodiscard]] constexpr std::uint32_t page_index(std::uint32_t side, VertexKind kind, std::uint32_t i,
-                                                  std::uint32_t j) {
+                                                 std::uint32_t j) {
     static_assert(O != Order::linear);
     if constexpr (O == Order::planar) {
         switch (kind) {
@@ -155,7 +155,8 @@ struct PageLayout {
             const std::uint32_t px = std::min(i / step.page_side, last), by = std::min(j / step.page_side, last);
             const std::uint32_t page = O == Order::hierarchical_z ? interleave(px, by) : (by << step.pages_log2) + px;
             return {step.first_page + page,
-                    step.offset + page_index<O>(step.page_side, Tree::kind(c), i - px * step.page_side, j - by * step.page_side)};
+                    step.offset +
+                        page_index<O>(step.page_side, Tree::kind(c), i - px * step.page_side, j - by * step.page_side)};
         }
     }
     [[nodiscard]] constexpr PagePlace place(std::uint32_t x, std::uint32_t y) const {

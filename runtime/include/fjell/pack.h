@@ -62,7 +62,7 @@ struct PackHeader {
     float error_floor_m;       // ErrorScale: the error of code 1
     float error_ratio;         // and of each code to the one before
     std::uint32_t error_nesting_steps;
-    std::uint32_t height_steps;             // the highest that occurs
+    std::uint32_t height_steps;              // the highest that occurs
     std::uint64_t voids;                     // samples that are holes
     float level_radius_m[2 * max_tile_log2]; // RadiusScale's unit for each level, root first; 0 beyond the last
     double crs_step[2];                      // from sample to sample in CRS units, east and south; 0: not known

@@ -1,8 +1,9 @@
 // One vertex as it is held in memory, and the scales that its numbers count on.
 //
-// Heights count steps of one vertical height scale over the whole terrain from their page's base, so that samples shared by
-// two pages are equal bit for bit. Errors and radii are codes on geometric scales that the pack fixes: rounded up,
-// never to nearest, so that what they bound stays bounded (DESIGN invariant 2). Why these: docs/notes/records.md.
+// Heights count steps of one vertical height scale over the whole terrain from their page's base, so that samples
+// shared by two pages are equal bit for bit. Errors and radii are codes on geometric scales that the pack fixes:
+// rounded up, never to nearest, so that what they bound stays bounded (DESIGN invariant 2). Why these:
+// docs/notes/records.md.
 #pragma once
 
 #include <bit>
@@ -26,8 +27,8 @@ inline constexpr std::uint32_t radius_codes = 128;
     return (r.radius & void_bit) != 0;
 }
 
-// The vertical height scale: height = base + steps * quantum, one fixed float expression. steps: 0..max_height_steps, which
-// floats hold exactly.
+// The vertical height scale: height = base + steps * quantum, one fixed float expression. steps: 0..max_height_steps,
+// which floats hold exactly.
 inline constexpr std::int32_t max_height_steps = 1 << 24;
 struct HeightScale {
     float base_m = 0;

@@ -15,7 +15,7 @@ enum class Code : std::uint8_t {
     wrong_layout,       // same version, another record layout or byte order
     corrupt,            // a checksum or a cross-check fails
     out_of_range,       // a number lies outside what the format or the call allows
-    memory_too_small,    // the host's memory is smaller than required_bytes said
+    memory_too_small,   // the host's memory is smaller than required_bytes said
     budget_too_small,   // a capacity cannot even hold the coarsest mesh
     out_of_slots,       // every page slot is taken
     coarser_page_first, // pages are loaded from coarse to fine

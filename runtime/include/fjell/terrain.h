@@ -18,12 +18,11 @@
 
 namespace fjell {
 
-
 inline constexpr std::uint32_t change_log = 256; // changes that Terrain::changed_slots remembers
 
 struct alignas(8) PageEntry { // read at once by queries of other threads
-    std::uint32_t slot; // no_index: not loaded
-    std::int32_t base;  // height scale steps its heights are counted from
+    std::uint32_t slot;       // no_index: not loaded
+    std::int32_t base;        // height scale steps its heights are counted from
 };
 
 struct TerrainMemory; // what loading needs, in the host's memory
@@ -59,8 +58,9 @@ struct Terrain {
     [[nodiscard]] float x_m(std::int32_t column) const { return static_cast<float>(column) * spacing_x_m; }
     [[nodiscard]] float z_m(std::int32_t row) const { return static_cast<float>(row) * spacing_z_m; }
 
-    // One vertex with its numbers decoded; slow and convenient. Any vertex of the height scale, also beyond the terrain's
-    // rim. Tile corners have neither error nor radius. `loaded` false: its page is missing, and nothing else is set.
+    // One vertex with its numbers decoded; slow and convenient. Any vertex of the height scale, also beyond the
+    // terrain's rim. Tile corners have neither error nor radius. `loaded` false: its page is missing, and nothing else
+    // is set.
     struct Vertex {
         bool loaded = false, hole = false;
         std::int32_t steps = 0; // on the height scale

@@ -112,7 +112,8 @@ public:
             const std::uint32_t lane = lane_of(z_, i0_ - 1);
             const std::uint32_t left = rim_west ? 1u : west ? west->active >> lane & 1u : 0;
             if (centres != 0 || (left != 0 && !rim_west)) {
-                const std::uint32_t y = decide(s, row_at(VertexKind::side_y, j), (centres << 1 | left) & all(), centres);
+                const std::uint32_t y =
+                    decide(s, row_at(VertexKind::side_y, j), (centres << 1 | left) & all(), centres);
                 if (y != 0) {
                     add_children(here, 0, y);
                     add_children(here, 1, y >> 1);

@@ -90,7 +90,8 @@ Status check_budget(const Terrain& t, const CutBudget& b) {
         return {Code::out_of_range, "CutBudget::chunk_triangles (8 to 65,536, a power of two)"};
     if (b.views < 1 || b.views > max_cut_views) return {Code::out_of_range, "CutBudget::views (1 to 8)"};
     if (b.vertices < corner_count(t)) return {Code::budget_too_small, "CutBudget::vertices (4 a tile)"};
-    if (segments_of(b) < least_segments(t)) return {Code::budget_too_small, "CutBudget::triangles (a segment a tile, and 3)"};
+    if (segments_of(b) < least_segments(t))
+        return {Code::budget_too_small, "CutBudget::triangles (a segment a tile, and 3)"};
     return {};
 }
 
@@ -110,7 +111,7 @@ void make_hz_places(CutState& s) {
                 } else {
                     const Site at = site_at(c);
                     place = page_index<Order::hierarchical_z>(page_squares, at.kind, static_cast<std::uint32_t>(at.i),
-                                                               static_cast<std::uint32_t>(at.j));
+                                                              static_cast<std::uint32_t>(at.j));
                 }
                 s.hz_places[(shape * max_page_groups + n) * group_lanes + lane] = static_cast<std::uint16_t>(place);
             }

@@ -8,8 +8,8 @@
 
 namespace fjell {
 
-// Slots of the vertices in and around one page, by their place on the height scale of its step: x, y from -1 to 2n. Only
-// those of active vertices mean anything.
+// Slots of the vertices in and around one page, by their place on the height scale of its step: x, y from -1 to 2n.
+// Only those of active vertices mean anything.
 struct SlotGrid {
     static constexpr std::int32_t pitch = 2 * page_squares + 2;
     std::uint32_t at[pitch * pitch];
@@ -112,7 +112,8 @@ private:
         const Part part = part_at(s, z, i0, j0);
         const std::int32_t n = part.n;
         bool any = false, below = false;
-        for (std::int32_t j = 0; j < n; ++j) any = spread(grid, part.row(VertexKind::centre, j), n, 1, 2 * j + 1) || any;
+        for (std::int32_t j = 0; j < n; ++j)
+            any = spread(grid, part.row(VertexKind::centre, j), n, 1, 2 * j + 1) || any;
         if (!any) return false;
         for (std::int32_t j = 0; j < n; ++j) {
             below = spread(grid, part.row(VertexKind::side_x, j), n, 1, 2 * j) || below;
@@ -151,7 +152,8 @@ private:
         for (std::int32_t j = 0; j < n; ++j) {
             centre_row(grid, part.row(VertexKind::centre, j), n, 2 * j + 1);
             const bool north_border = ((j0 + j) & tile_side) == 0;
-            side_row(grid, {z, VertexKind::side_x, i0, j0 + j}, part.row(VertexKind::side_x, j), n, 2 * j, north_border);
+            side_row(grid, {z, VertexKind::side_x, i0, j0 + j}, part.row(VertexKind::side_x, j), n, 2 * j,
+                     north_border);
             side_row(grid, {z, VertexKind::side_y, i0, j0 + j}, part.row(VertexKind::side_y, j), n, 2 * j + 1,
                      (i0 & tile_side) == 0);
         }

@@ -26,7 +26,6 @@
 
 namespace fjell {
 
-
 struct GroupState;
 
 struct Link { // in a queue: neighbours; in the calendar: the node and the place in it
@@ -74,7 +73,7 @@ struct Lists {
     std::uint32_t group_count;
     Link* queues; // queue_count: a queue's first and last group are its head's next and prev
     ListNode* nodes;
-    std::uint32_t free_node;                     // a stack through ListNode::next
+    std::uint32_t free_node;                      // a stack through ListNode::next
     Bucket* buckets;                              // due_lists
     std::uint32_t sizes[list_count - soon_lists]; // of the lists after the calendar
     DueGroups due[grade_count];

@@ -8,12 +8,12 @@ namespace fjell {
 // The groups of one step in one page or, of coarse steps, in one tile.
 struct Part {
     const StepGroups* step;
-    std::uint32_t first;                                                    // group of the page
-    std::int32_t n;                                                         // squares a side
+    std::uint32_t first;                                                     // group of the page
+    std::int32_t n;                                                          // squares a side
     [[nodiscard]] std::uint32_t row(VertexKind kind, std::int32_t j) const { // j: 0..n for side_x
         const std::uint32_t plane = kind == VertexKind::centre   ? step->centres
                                     : kind == VertexKind::side_x ? step->sides_x
-                                                                : step->sides_y;
+                                                                 : step->sides_y;
         return first + plane + (static_cast<std::uint32_t>(j) << step->words_log2);
     }
 };

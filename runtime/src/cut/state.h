@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "cut/groups.h"
 #include "cut/evaluate.h"
+#include "cut/groups.h"
 #include "cut/lists.h"
 #include "fjell/cut.h"
 

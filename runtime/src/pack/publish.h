@@ -1,8 +1,8 @@
 // Pages change hands here: the frame's thread writes and unloads them, any thread reads their vertices meanwhile. No
 // locks, and nobody waits.
 //
-// What is shared are plain arrays in the host's memory: the page table (8 bytes a page: slot and base), how often a page
-// was loaded into each slot, and the records. The writer and the readers of other threads touch them by atomic
+// What is shared are plain arrays in the host's memory: the page table (8 bytes a page: slot and base), how often a
+// page was loaded into each slot, and the records. The writer and the readers of other threads touch them by atomic
 // operations only, of whole entries and whole records, so nothing is torn. The frame's own thread reads as it likes.
 //
 // The writer, one thread:

@@ -232,7 +232,8 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     for (std::size_t i = l.records; i < l.page_table; i += 4096) at[i] = std::byte{0};
     const ChunkId id{ChunkKind::corners, 0, 0};
     const std::size_t bytes = chunk_raw_bytes(h, id);
-    if (Status s = decode_chunk(pack.entry(chunk_index(h, id)), corners, {reinterpret_cast<std::byte*>(m.corners), bytes});
+    if (Status s =
+            decode_chunk(pack.entry(chunk_index(h, id)), corners, {reinterpret_cast<std::byte*>(m.corners), bytes});
         !s.ok())
         return {s.code, "corners"};
     for (std::size_t i = 0; i < bytes / sizeof(std::uint32_t); ++i)

@@ -59,7 +59,8 @@ static_assert(std::is_trivially_copyable_v<Node>);
 class RayWalk {
 public:
     RayWalk(const Terrain& terrain, const Line& ray, float accurate_m)
-        : t(terrain), line(ray), accurate(accurate_code(terrain, accurate_m)), quantum_m(terrain.height_scale.quantum_m) {}
+        : t(terrain), line(ray), accurate(accurate_code(terrain, accurate_m)),
+          quantum_m(terrain.height_scale.quantum_m) {}
 
     // True: hit, see below.
     bool tile(std::int32_t tx, std::int32_t ty, Part part) {

@@ -14,9 +14,8 @@
 namespace fjell {
 
 struct StepPageEntry {
-    std::uint32_t
-        origin;        // number of the page's first record, or of what the arithmetic below starts from; no_index
-    std::int32_t base; // height scale steps
+    std::uint32_t origin; // number of the page's first record, or of what the arithmetic below starts from; no_index
+    std::int32_t base;    // height scale steps
 };
 
 struct LevelPlane {
@@ -55,8 +54,8 @@ inline LevelPlane make_level_plane(const Terrain& terrain, int z, VertexKind kin
     const StepLayout step = terrain.pages.step_layout(z);
     p.squares = step.squares;
     p.page_side = step.page_side;
-    p.offset =
-        step.offset + (terrain.pages.order == Order::planar ? page_index<Order::planar>(step.page_side, kind, 0, 0) : 0);
+    p.offset = step.offset +
+               (terrain.pages.order == Order::planar ? page_index<Order::planar>(step.page_side, kind, 0, 0) : 0);
     p.stride = step.page_side + (kind == VertexKind::side_y ? 1 : 0);
     p.digit = page_index<Order::hierarchical_z>(2, kind, 0, 0);
     p.first = step.page_side == page_squares ? first_entry(terrain.pages, z) : 0;
@@ -79,7 +78,8 @@ inline void set_block(const Terrain& terrain, std::uint32_t page, StepPageEntry 
     // Seen through the extra column and row, the planes begin at the block's last but one.
     const bool planar = terrain.pages.order == Order::planar && entry.origin != no_index;
     if (position.x == blocks - 1) at[1] = {entry.origin + (planar ? page_squares : 0), entry.base};
-    if (position.y == blocks - 1) at[2 * blocks] = {entry.origin + (planar ? page_squares * page_squares : 0), entry.base};
+    if (position.y == blocks - 1)
+        at[2 * blocks] = {entry.origin + (planar ? page_squares * page_squares : 0), entry.base};
 }
 
 inline constexpr std::array<std::uint16_t, page_squares> spread_table = [] {

@@ -8,7 +8,6 @@
 
 namespace fjell {
 
-
 struct VertexState {
     std::uint32_t status; // frame * 3 + {0: not selected, 1: selected, sphere partly inside, 2: completely inside}
     std::uint32_t slot;   // in the vertex buffer, with hole_flag, or no_index

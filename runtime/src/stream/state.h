@@ -53,7 +53,6 @@ enum class WatchState : std::uint8_t {
 // after all slots.
 inline constexpr std::uint32_t watches_per_slot = 5;
 
-
 // An eye that pages are wanted for: of a view, or where its motion will bring it.
 struct WantedEye {
     double x, y, z;
