@@ -1,0 +1,46 @@
+# Configures, builds and runs tests/door/host beside FJELL, with nothing but a compiler and what the runtime links.
+#   cmake -DFJELL=SOURCE -DFOLDER=BUILD -DPACK=FILE -DCOMPILER=C++ -P door.cmake
+function(must what)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(code)
+    message(FATAL_ERROR "${what} failed (${code}):\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE ${FOLDER})
+# Without optimisation: what is asked is whether it builds, and a game is built so every day.
+must("configuring" ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/host -B ${FOLDER} -G Ninja
+  -DFJELL=${FJELL} -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=${COMPILER})
+must("building" ${CMAKE_COMMAND} --build ${FOLDER})
+must("running" ${FOLDER}/game ${PACK})
+if(NOT output MATCHES "[1-9][0-9]* triangles, converged 1")
+  message(FATAL_ERROR "the game says: ${output}")
+endif()
+
+# Nothing of ours in the game's own command line but the folder of headers and the language level.
+file(READ ${FOLDER}/compile_commands.json commands)
+string(JSON count LENGTH "${commands}")
+math(EXPR last "${count} - 1")
+set(found FALSE)
+foreach(i RANGE ${last})
+  string(JSON file GET "${commands}" ${i} file)
+  if(file MATCHES "host/main.cpp$")
+    set(found TRUE)
+    string(JSON command GET "${commands}" ${i} command)
+    if(command MATCHES " (-Werror|-Wshadow|-Wconversion|-Wpedantic|-f[a-z-]+|-O[0-9s]|-DNDEBUG|-DHWY[A-Z_]*)")
+      message(FATAL_ERROR "the game inherits ${CMAKE_MATCH_1}: ${command}")
+    endif()
+    if(NOT command MATCHES "-std=(gnu|c)\\+\\+2[0-9]")
+      message(FATAL_ERROR "the game does not get C++20: ${command}")
+    endif()
+  endif()
+endforeach()
+if(NOT found)
+  message(FATAL_ERROR "no command for the game in ${FOLDER}/compile_commands.json")
+endif()
+# And nothing built that was not asked for.
+file(GLOB strays ${FOLDER}/bin/* ${FOLDER}/fjell/baker ${FOLDER}/fjell/editor ${FOLDER}/fjell/tests)
+if(strays)
+  message(FATAL_ERROR "built without being asked: ${strays}")
+endif()
