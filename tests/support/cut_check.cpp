@@ -8,7 +8,7 @@
 #include "cut/change.h"
 #include "cut/mesh.h"
 #include "cut/pages.h"
-#include "cut/sink.h"
+#include "cut/morph.h"
 #include "view/wanted.h"
 
 namespace fjell::test {

@@ -2,11 +2,7 @@
 
 #include <bit>
 
-#include "cut/change.h"
-#include "cut/emitter.h"
-#include "cut/judge.h"
-#include "cut/part.h"
-#include "cut/visit.h"
+#include "cut/refine.h"
 
 namespace fjell {
 
@@ -242,8 +238,7 @@ bool build_all(CutState& s) {
         s.short_of |= cut_budget_triangles;
         return false;
     }
-    Emitter emitter(s);
-    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) emitter.tile(tile);
+    emit_triangles(s);
     return true;
 }
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <bit>
 
-#include "cut/judge.h"
+#include "cut/evaluate.h"
 #include "cut/mesh.h"
-#include "cut/sink.h"
+#include "cut/morph.h"
 
 namespace fjell {
 

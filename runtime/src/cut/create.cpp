@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "cut/change.h"
-#include "cut/frame.h"
+#include "cut/evaluate.h"
 #include "cut/mesh.h"
 #include "cut/pages.h"
 

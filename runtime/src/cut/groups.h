@@ -20,6 +20,10 @@ inline constexpr std::uint32_t lanes_log2 = 4;
 inline constexpr std::uint32_t group_lanes = 1u << lanes_log2;
 inline constexpr std::uint32_t max_page_groups = max_page_vertices / group_lanes;
 
+[[nodiscard]] inline std::uint16_t bit_of(std::uint32_t vertex) {
+    return static_cast<std::uint16_t>(1u << vertex % group_lanes);
+}
+
 struct GroupShape {
     std::uint16_t first; // planar order: place of lane 0 in the page
     std::uint8_t stride; // and from lane to lane

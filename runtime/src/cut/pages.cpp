@@ -4,9 +4,7 @@
 #include <bit>
 
 #include "cut/change.h"
-#include "cut/frame.h"
-#include "cut/judge.h"
-#include "cut/sink.h"
+#include "cut/morph.h"
 
 namespace fjell {
 

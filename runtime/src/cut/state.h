@@ -5,12 +5,28 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "cut/evaluate.h"
+#include "cut/calendar.h"
 #include "cut/groups.h"
-#include "cut/lists.h"
 #include "fjell/cut.h"
+#include "view/wanted.h"
 
 namespace fjell {
+
+// What all groups of a frame share.
+struct Decision {
+    const float* error_m;       // 256
+    const float* radius_factor; // 128
+    float base_m, quantum_m;    // HeightScale
+    float spacing_x_m, spacing_z_m;
+    std::int32_t last_x, last_y; // of the terrain's samples
+    std::uint32_t views;
+    bool hysteresis;            // keep differs from reach
+    Reach reach[max_cut_views]; // for vertices that are not active
+    Reach keep[max_cut_views];  // for those that are
+};
+
+struct LaneGroup; // evaluate.h
+struct LaneMargins;
 
 // One group: a bit a lane in every mask. 32 bytes, so that a visit costs half a cache line beside the records.
 struct GroupState {
@@ -182,5 +198,10 @@ struct CutState {
 [[nodiscard]] inline std::uint32_t take_vertex(CutState& s) { // there must be one
     return s.free_vertex_count != 0 ? s.free_vertices[--s.free_vertex_count] : s.fresh_vertex++;
 }
+
+// No vertex active, every page that is loaded entered, all slots free; and no triangle yet.
+void reset(CutState& s);
+// After reset(): two triangles a tile, and every tile's root to be looked at.
+void begin_at_roots(CutState& s);
 
 } // namespace fjell

@@ -1,12 +1,13 @@
 // The bulk pass' triangles: page by page on the way down, when it is known which vertices are active.
-#pragma once
+#include <bit>
 
-#include "cut/judge.h"
+#include "cut/bulk.h"
 #include "cut/mesh.h"
 #include "cut/morph.h"
-#include "cut/part.h"
 
 namespace fjell {
+
+namespace {
 
 // Slots of the vertices in and around one page, by their place on the height scale of its step: x, y from -1 to 2n.
 // Only those of active vertices mean anything.
@@ -256,5 +257,12 @@ private:
     int z_ = 0;
     Coord corner_; // of the page in work, in its steps
 };
+
+} // namespace
+
+void emit_triangles(CutState& s) {
+    Emitter emitter(s);
+    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) emitter.tile(tile);
+}
 
 } // namespace fjell

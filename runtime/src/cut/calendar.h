@@ -43,6 +43,10 @@ inline constexpr std::uint32_t grade_count = 16, grade_codes_log2 = 4; // error 
 inline constexpr std::uint32_t wheel_count = 8, wheel_buckets = 64, first_wheel_ticks = 56;
 inline constexpr std::uint32_t rank_count = 32; // of work: 16 by screen error, and 16 more for what a frustum shows
 
+[[nodiscard]] inline std::uint32_t grade_of(std::uint32_t code) {
+    return code >> grade_codes_log2;
+}
+
 // Numbers of lists.
 using ListId = std::uint16_t;
 inline constexpr ListId calendar_lists = grade_count * wheel_count * wheel_buckets;
