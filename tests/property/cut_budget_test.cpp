@@ -85,7 +85,7 @@ TEST_CASE("each budget that is too small alone lowers quality, names itself, bre
             CAPTURE(round, frame, settings.error_px, budget.vertices, budget.triangles, settings.items);
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
             REQUIRE((report.exhausted & ~bit) == 0);
-            if (!report.converged && report.error_px_effective == report.error_px_asked)
+            if (!report.converged && report.error_px_effective == report.error_px_requested)
                 REQUIRE(report.exhausted == bit);
             REQUIRE(report.vertex_slots.used <= report.vertex_slots.capacity);
             REQUIRE(report.triangle_slots.used <= report.triangle_slots.capacity);

@@ -17,7 +17,7 @@ struct Tiles {
 
     Tiles(std::uint32_t w, std::uint32_t h, unsigned seed) : wide(w), high(h), maps(std::size_t{w} * h) {
         std::mt19937 random(seed);
-        for (TileMap& map : maps) map.finest = static_cast<float>(random() % 1024) / 128;
+        for (TileMap& map : maps) map.min_lod = static_cast<float>(random() % 1024) / 128;
     }
     // As the shader does. x, y: 0 to 1 over the tile.
     [[nodiscard]] float at(std::uint32_t tile, float x, float y) const {
@@ -73,7 +73,7 @@ TEST_CASE("the least mip at a place is the largest of the tiles that share it, a
 
 TEST_CASE("tiles that all have the same finest mip are drawn with it everywhere") {
     Tiles tiles(4, 3, 1);
-    for (TileMap& map : tiles.maps) map.finest = 2.625f;
+    for (TileMap& map : tiles.maps) map.min_lod = 2.625f;
     for (std::uint32_t tile = 0; tile < 12; ++tile)
         for (const float x : {0.0f, 0.3f, 0.5f, 0.9f, 1.0f}) CHECK(tiles.at(tile, x, 1 - x) == 2.625f);
 }

@@ -112,8 +112,8 @@ enum PageFlags : std::uint8_t {
     page_errors = 2, // errors are stored; otherwise they follow from heights (step 1 only)
     page_voids = 4   // a bit a vertex: holes
 };
-// Radii of a block page, one for 4 x 4 squares: 8 x 8 for centres, 8 x 9 for side_x, 9 x 8 for side_y.
-inline constexpr std::uint32_t radius_block_log2 = 2;
+// Radii of any page but page 0, one for 4 x 4 squares: 8 x 8 for centres, 8 x 9 for side_x, 9 x 8 for side_y.
+inline constexpr std::uint32_t radius_squares_log2 = 2;
 inline constexpr std::uint32_t page_radii = 64 + 72 + 72;
 // The most and the fewest bytes that a page of that many vertices can decode from.
 [[nodiscard]] constexpr std::uint32_t max_page_raw_bytes(std::uint32_t vertices) {

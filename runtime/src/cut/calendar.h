@@ -50,15 +50,15 @@ inline constexpr std::uint32_t rank_count = 32; // of work: 16 by screen error, 
 // Numbers of lists.
 using ListId = std::uint16_t;
 inline constexpr ListId calendar_lists = grade_count * wheel_count * wheel_buckets;
-inline constexpr ListId soon_lists = calendar_lists;           // one a grade: due with the next movement
-inline constexpr ListId due_lists = soon_lists + grade_count;  // one a grade: to be evaluated
-inline constexpr ListId work_lists = due_lists + grade_count;  // queues, one a rank: vertices to activate
-inline constexpr ListId retire_list = work_lists + rank_count; // vertices to deactivate
-inline constexpr ListId blocked_lists = retire_list + 1;       // for want of a capacity; two that take turns
-inline constexpr ListId gated_lists = blocked_lists + 2;       // behind a vertex that is rising; two that take turns
+inline constexpr ListId soon_lists = calendar_lists;                 // one a grade: due with the next movement
+inline constexpr ListId due_lists = soon_lists + grade_count;        // one a grade: to be evaluated
+inline constexpr ListId work_lists = due_lists + grade_count;        // queues, one a rank: vertices to activate
+inline constexpr ListId deactivation_list = work_lists + rank_count; // vertices to deactivate
+inline constexpr ListId blocked_lists = deactivation_list + 1;       // for want of a capacity; two that take turns
+inline constexpr ListId gated_lists = blocked_lists + 2; // behind a vertex that is rising; two that take turns
 inline constexpr ListId list_count = gated_lists + 2;
 inline constexpr ListId queue_count = list_count - work_lists;
-inline constexpr ListId held = 0xfffe; // taken from its list, about to be evaluated
+inline constexpr ListId being_visited = 0xfffe; // taken from its list, about to be evaluated
 inline constexpr ListId unlisted = 0xffff;
 
 struct Bucket {
@@ -136,7 +136,7 @@ void forget_due(Lists& lists, std::uint32_t first, std::uint32_t count);
 // The group, in no list, must be looked at when the odometer of its grade has gone slack_m further.
 void schedule(Lists& lists, std::uint32_t group, float slack_m, std::uint32_t grade);
 // The same for one more vertex of a group that may be scheduled already: the earlier time and the higher grade win.
-// Blocks in other lists stay there: they will be looked at anyway.
+// Groups in other lists stay there: they will be visited anyway.
 void tighten(Lists& lists, std::uint32_t group, float slack_m, std::uint32_t grade);
 
 // Moves an odometer on; groups whose time has come become due.

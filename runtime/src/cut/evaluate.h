@@ -28,14 +28,14 @@ struct LaneMargins {
     std::uint32_t wanted, kept;            // a bit a lane
 };
 
-void evaluate(const Decision& decision, const LaneGroup& group, LaneMargins& margins);
+void evaluate(const Criterion& decision, const LaneGroup& group, LaneMargins& margins);
 // The same, bit for bit, without vector instructions.
-void evaluate_scalar(const Decision& decision, const LaneGroup& group, LaneMargins& margins);
+void evaluate_scalar(const Criterion& decision, const LaneGroup& group, LaneMargins& margins);
 
 inline constexpr float slack_rounding = 0x1p-19f;
 
 // Of one vertex: the same numbers as evaluate() gives for its lane, of one answer.
-struct Verdict {
+struct Evaluation {
     bool wanted;
     float slack_m;
     float error_m, radius_m;
@@ -43,12 +43,13 @@ struct Verdict {
     float x, y, z;
 };
 
-[[nodiscard]] inline Verdict judge(const CutState& s, std::uint32_t vertex, const Site& site, bool active) {
-    const Decision& c = s.decision;
+[[nodiscard]] inline Evaluation evaluate_vertex(const CutState& s, std::uint32_t vertex, const Site& site,
+                                                bool active) {
+    const Criterion& c = s.criterion;
     const VertexRecord record = record_of(s, vertex);
     const Coord at = site_coord(site);
     const std::int32_t base = s.page_slot[vertex / group_lanes / max_page_groups].base;
-    Verdict v{};
+    Evaluation v{};
     v.x = static_cast<float>(std::min(at.x, c.last_x)) * c.spacing_x_m;
     v.z = static_cast<float>(std::min(at.y, c.last_y)) * c.spacing_z_m;
     v.y = c.base_m + static_cast<float>(record.height + base) * c.quantum_m;
@@ -70,7 +71,7 @@ struct Verdict {
     return v;
 }
 
-[[nodiscard]] inline bool seen(const CutState& s, const Verdict& v) {
+[[nodiscard]] inline bool seen(const CutState& s, const Evaluation& v) {
     for (std::uint32_t i = 0; i < s.view_count; ++i) {
         const Vec3 p = Vec3{v.x, v.y, v.z} - s.views[i].eye_m;
         bool inside = true;
@@ -83,10 +84,10 @@ struct Verdict {
 }
 
 // Worst first: 16 ranks of a factor 2 of screen error over the threshold, and 16 above them for what is seen.
-[[nodiscard]] inline std::uint32_t rank_of(const CutState& s, const Verdict& v) {
+[[nodiscard]] inline std::uint32_t rank_of(const CutState& s, const Evaluation& v) {
     float worst = 0;
-    for (std::uint32_t i = 0; i < s.decision.views; ++i) {
-        const Reach& r = s.decision.reach[i];
+    for (std::uint32_t i = 0; i < s.criterion.views; ++i) {
+        const Reach& r = s.criterion.reach[i];
         const float dx = v.x - r.eye_x, dy = v.y - r.eye_y, dz = v.z - r.eye_z;
         const float depth = std::sqrt(dx * dx + dy * dy + dz * dz) - v.radius_m;
         worst = std::max(worst, v.error_m * r.q / std::max(depth, 1e-3f));

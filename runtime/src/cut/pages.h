@@ -7,18 +7,18 @@ namespace fjell {
 
 // Enters every page that is loaded and leaves those that are gone. O(changes since the last call), or O(slots) when
 // those were more than the terrain's log remembers.
-void follow_pages(CutState& s);
+void sync_pages(CutState& s);
 // The next call looks at all slots.
-void forget_changes(CutState& s);
+void rescan_pages(CutState& s);
 
 // As if nothing were active, for one page.
-void forget_vertices(CutState& s, std::uint32_t slot);
+void clear_page(CutState& s, std::uint32_t slot);
 
 // Deactivates what draining pages still hold, as far as the items go.
-void drain_pages(CutState& s);
+void evict_pages(CutState& s);
 
 // A draining page stays after all: what it could activate is looked at again.
-void stop_draining(CutState& s, std::uint32_t slot);
+void cancel_eviction(CutState& s, std::uint32_t slot);
 
 // Finds which parents of some lanes of a group are active.
 struct ParentMasks {

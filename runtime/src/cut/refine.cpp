@@ -18,108 +18,108 @@ std::uint32_t bits(int mask) {
 }
 
 // A group as it was evaluated.
-struct Look {
-    explicit Look(GroupState& group) : state(group) {} // the rest evaluate_group() sets
+struct Evaluated {
+    explicit Evaluated(GroupState& group) : state(group) {} // the rest evaluate_group() sets
     GroupState& state;
-    bool draining;
-    std::uint32_t sinking; // lanes that will go by themselves
+    bool evicting;
+    std::uint32_t morphing_out; // lanes that will go by themselves
     const VertexRecord* records;
     VertexRecord gathered[group_lanes];
     LaneMargins margins;
 
     // The lanes that could change: by the tree, they may.
-    [[nodiscard]] std::uint32_t inactive() const { return draining ? 0 : bits(state.ready() & ~state.active); }
-    [[nodiscard]] std::uint32_t childless() const { return bits(state.active & ~state.parental()) & ~sinking; }
+    [[nodiscard]] std::uint32_t inactive() const { return evicting ? 0 : bits(state.ready() & ~state.active); }
+    [[nodiscard]] std::uint32_t childless() const { return bits(state.active & ~state.parental()) & ~morphing_out; }
     // And by the decision, they should.
-    [[nodiscard]] std::uint32_t rising() const { return inactive() & margins.wanted; }
-    [[nodiscard]] std::uint32_t falling() const { return childless() & ~margins.kept; }
+    [[nodiscard]] std::uint32_t to_activate() const { return inactive() & margins.wanted; }
+    [[nodiscard]] std::uint32_t to_deactivate() const { return childless() & ~margins.kept; }
 };
 
-void evaluate_group(CutState& s, std::uint32_t number, Look& look) {
+void evaluate_group(CutState& s, std::uint32_t number, Evaluated& group) {
     const std::uint32_t slot = number / max_page_groups;
     const PageSlot& info = s.page_slot[slot];
     const GroupShape& shape = s.shapes[info.shape].groups[number - slot * max_page_groups];
-    look.draining = info.status == PageSlotStatus::draining;
-    look.sinking = 0;
-    for (std::uint32_t lanes = s.sinking_count != 0 ? look.state.active : 0u; lanes != 0; lanes &= lanes - 1) {
+    group.evicting = info.status == PageSlotStatus::evicting;
+    group.morphing_out = 0;
+    for (std::uint32_t lanes = s.morphing_out_count != 0 ? group.state.active : 0u; lanes != 0; lanes &= lanes - 1) {
         const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-        if (sinks(s, s.slots[number * group_lanes + lane])) look.sinking |= 1u << lane;
+        if (morphs_out(s, s.vertex_slot[number * group_lanes + lane])) group.morphing_out |= 1u << lane;
     }
-    look.records = s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first;
+    group.records = s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first;
     if (shape.lanes != group_lanes || shape.stride != 1 || s.hz_places) {
         for (std::uint32_t lane = 0; lane < group_lanes; ++lane)
-            look.gathered[lane] = record_of(s, number * group_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
-        look.records = look.gathered;
+            group.gathered[lane] = record_of(s, number * group_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
+        group.records = group.gathered;
     }
     const Site first = site_of(s, number * group_lanes);
     const Coord at = site_coord(first);
     const std::int32_t apart = 2 << first.z;
     const float unit_m = s.level_unit_m[2 * first.z + (shape.kind == VertexKind::centre ? 0 : 1)];
-    s.evaluate(s.decision,
-               {look.records, at.x, at.y, shape.along_y ? 0 : apart, shape.along_y ? apart : 0, info.base, unit_m},
-               look.margins);
+    s.evaluate(s.criterion,
+               {group.records, at.x, at.y, shape.along_y ? 0 : apart, shape.along_y ? apart : 0, info.base, unit_m},
+               group.margins);
     ++s.report.evaluations;
     ++s.report.items;
     ++s.report.visits;
 }
 
 // Of the lanes in a mask, the smallest slack; and the largest error code.
-struct Rest {
+struct Slack {
     float slack_m = 3e38f;
     std::uint32_t code = 0;
 
-    void lessen(const Look& look, std::uint32_t mask, const float* margins_m) {
+    void include(const Evaluated& group, std::uint32_t mask, const float* margins_m) {
         for (; mask != 0; mask &= mask - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(mask));
-            const float rounding_m = look.margins.span_m[lane] * slack_rounding;
+            const float rounding_m = group.margins.span_m[lane] * slack_rounding;
             slack_m = std::min(slack_m, std::max(std::abs(margins_m[lane]) - rounding_m, 0.0f));
-            code = std::max<std::uint32_t>(code, look.records[lane].error);
+            code = std::max<std::uint32_t>(code, group.records[lane].error);
         }
     }
 };
 
 // Everything in the group agrees with the decision: when might that end?
-void settle(CutState& s, std::uint32_t number, const Look& look) {
+void schedule_group(CutState& s, std::uint32_t number, const Evaluated& group) {
     s.groups[number].list = unlisted;
-    if ((look.inactive() | look.childless()) == 0) return;
-    Rest rest;
-    rest.lessen(look, look.inactive(), look.margins.reach_m);
-    rest.lessen(look, look.childless(), look.margins.keep_m);
+    if ((group.inactive() | group.childless()) == 0) return;
+    Slack rest;
+    rest.include(group, group.inactive(), group.margins.reach_m);
+    rest.include(group, group.childless(), group.margins.keep_m);
     schedule(s.lists, number, rest.slack_m, grade_of(rest.code));
 }
 
-void queue(CutState& s, std::uint32_t number, const Look& look, std::uint32_t list) {
+void queue(CutState& s, std::uint32_t number, const Evaluated& group, std::uint32_t list) {
     push_back(s.lists, list, number);
-    s.groups[number].due = look.rising() | look.falling() << 16;
+    s.groups[number].due = group.to_activate() | group.to_deactivate() << 16;
 }
 
-void queue_rising(CutState& s, std::uint32_t number, const Look& look) {
+void queue_activations(CutState& s, std::uint32_t number, const Evaluated& group) {
     std::uint32_t rank = 0;
-    for (std::uint32_t lanes = look.rising(); lanes != 0; lanes &= lanes - 1) {
+    for (std::uint32_t lanes = group.to_activate(); lanes != 0; lanes &= lanes - 1) {
         const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
-        rank = std::max(rank, rank_of(s, judge(s, vertex, site_of(s, vertex), false)));
+        rank = std::max(rank, rank_of(s, evaluate_vertex(s, vertex, site_of(s, vertex), false)));
     }
     s.work_ranks |= 1u << rank;
-    queue(s, number, look, work_lists + rank);
+    queue(s, number, group, work_lists + rank);
 }
 
 // Puts the group in the queue that its lanes call for, or in the calendar.
 void examine(CutState& s, std::uint32_t number) {
-    Look look(s.groups[number]);
-    evaluate_group(s, number, look);
-    if (look.rising() != 0) return queue_rising(s, number, look);
-    if (look.falling() != 0) return queue(s, number, look, retire_list);
-    settle(s, number, look);
+    Evaluated group(s.groups[number]);
+    evaluate_group(s, number, group);
+    if (group.to_activate() != 0) return queue_activations(s, number, group);
+    if (group.to_deactivate() != 0) return queue(s, number, group, deactivation_list);
+    schedule_group(s, number, group);
 }
 
 // Activates and deactivates what its lanes call for, as far as this frame's items go; deactivations only if they may.
 // What is left over keeps the group in a queue; otherwise it goes to the calendar.
-void carry_out(CutState& s, std::uint32_t number, bool may_retire) {
-    Look look(s.groups[number]);
-    evaluate_group(s, number, look);
+void carry_out(CutState& s, std::uint32_t number, bool may_deactivate) {
+    Evaluated group(s.groups[number]);
+    evaluate_group(s, number, group);
     CutReport& r = s.report;
     bool blocked = false, gated = false;
-    // To look again is part of the first change: with one item a frame a mesh must get somewhere, too.
+    // To group again is part of the first change: with one item a frame a mesh must get somewhere, too.
     bool looked = true;
     const auto spend = [&](std::uint32_t& changes) {
         ++changes;
@@ -130,42 +130,42 @@ void carry_out(CutState& s, std::uint32_t number, bool may_retire) {
         looked = false;
     };
     const auto may_go_on = [&] { return looked || r.items < s.item_limit; };
-    for (std::uint32_t lanes = look.rising(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
+    for (std::uint32_t lanes = group.to_activate(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
         switch (activate(s, number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)))) {
         case Outcome::done: spend(r.activations); break;
         case Outcome::gated: gated = true; break;
         case Outcome::no_vertices:
-            s.short_of |= cut_budget_vertices;
+            s.full_capacities |= cut_budget_vertices;
             blocked = true;
             break;
         case Outcome::no_triangles:
-            s.short_of |= cut_budget_triangles;
+            s.full_capacities |= cut_budget_triangles;
             blocked = true;
             break;
         }
     }
-    if (may_retire)
-        for (std::uint32_t lanes = look.falling(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
+    if (may_deactivate)
+        for (std::uint32_t lanes = group.to_deactivate(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
             const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
             if (deactivate(s, vertex) == Outcome::done) {
                 spend(r.deactivations);
             } else {
-                s.short_of |= cut_budget_triangles;
+                s.full_capacities |= cut_budget_triangles;
                 blocked = true;
             }
         }
-    if (blocked) return queue(s, number, look, blocked_lists + s.turn);
-    if (gated && may_go_on()) return queue(s, number, look, gated_lists + s.gated_turn);
-    if (look.rising() != 0) return queue_rising(s, number, look);
-    if (look.falling() != 0) return queue(s, number, look, retire_list);
-    settle(s, number, look);
+    if (blocked) return queue(s, number, group, blocked_lists + s.turn);
+    if (gated && may_go_on()) return queue(s, number, group, gated_lists + s.gated_turn);
+    if (group.to_activate() != 0) return queue_activations(s, number, group);
+    if (group.to_deactivate() != 0) return queue(s, number, group, deactivation_list);
+    schedule_group(s, number, group);
 }
 
 // Bringing nearer the memory that changes will touch. What a change costs is a chain of cache misses: the parents'
 // vertex slots, the triangles they make, those triangles' corners. For a batch of changes every link of the chain is
 // fetched for all of them before the next one is followed for any.
-// Where one change will look. Only a hint: by the time it is carried out things may have changed.
-struct Plan {
+// Where one change will group. Only a hint: by the time it is carried out things may have changed.
+struct PlannedChange {
     std::uint32_t vertex;
     std::uint32_t triangles[4]; // names, then slots
     std::uint32_t parents[2];   // or no_index
@@ -174,42 +174,42 @@ struct Plan {
 };
 
 // g++ takes a function that only prefetches for one without effects, and drops calls of it; hence the asm.
-#define FJELL_FETCH(at)                                                                                                \
+#define FJELL_PREFETCH(at)                                                                                             \
     do {                                                                                                               \
-        const void* const fetched_at = (at);                                                                           \
-        asm volatile("" : : "r"(fetched_at));                                                                          \
-        __builtin_prefetch(fetched_at, 1);                                                                             \
+        const void* const prefetched_at = (at);                                                                        \
+        asm volatile("" : : "r"(prefetched_at));                                                                       \
+        __builtin_prefetch(prefetched_at, 1);                                                                          \
     } while (false)
 
 // What looking at a group reads.
-inline void fetch_group(const CutState& s, std::uint32_t group) {
-    FJELL_FETCH(&s.groups[group]);
+inline void prefetch_group(const CutState& s, std::uint32_t group) {
+    FJELL_PREFETCH(&s.groups[group]);
     const VertexRecord* const records =
         s.terrain->records + std::size_t{group / max_page_groups} * s.terrain->page_capacity + shape_of(s, group).first;
-    FJELL_FETCH(records);
-    FJELL_FETCH(records + group_lanes - 1);
+    FJELL_PREFETCH(records);
+    FJELL_PREFETCH(records + group_lanes - 1);
 }
 
-inline void fetch_record(const CutState& s, std::uint32_t vertex) {
+inline void prefetch_record(const CutState& s, std::uint32_t vertex) {
     const std::uint32_t group = vertex / group_lanes, slot = group / max_page_groups;
     const GroupShape& shape = shape_of(s, group);
-    FJELL_FETCH(s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first +
-                shape.stride * (vertex % group_lanes));
+    FJELL_PREFETCH(s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first +
+                   shape.stride * (vertex % group_lanes));
 }
 
 // The first link: vertices around it.
-inline Plan make_plan(const CutState& s, std::uint32_t vertex, bool activation) {
-    Plan plan{vertex, {no_index, no_index, no_index, no_index}, {no_index, no_index}, {}, activation};
+inline PlannedChange plan_change(const CutState& s, std::uint32_t vertex, bool activation) {
+    PlannedChange plan{vertex, {no_index, no_index, no_index, no_index}, {no_index, no_index}, {}, activation};
     const Site site = site_of(s, vertex);
-    FJELL_FETCH(&s.slots[vertex]);
+    FJELL_PREFETCH(&s.vertex_slot[vertex]);
     if (site.kind == VertexKind::centre || site.z != 0)
         for (int d = 0; d < 4; ++d) {
             const Site child = child_site(site, d);
             if (!exists(s, child)) continue;
             const std::uint32_t found = find_vertex(s, child);
             if (found == no_index) continue;
-            FJELL_FETCH(&s.groups[found / group_lanes]);
-            if (activation) fetch_record(s, found);
+            FJELL_PREFETCH(&s.groups[found / group_lanes]);
+            if (activation) prefetch_record(s, found);
         }
     if (site.kind == VertexKind::centre && site.z == s.terrain->tree.tile_log2 - 1) return plan;
     for (int n = 0; n < 2; ++n) {
@@ -218,45 +218,45 @@ inline Plan make_plan(const CutState& s, std::uint32_t vertex, bool activation) 
         const std::uint32_t found = plan.parents[n] = find_vertex(s, parent);
         if (found == no_index) continue;
         plan.directions[n] = static_cast<std::uint8_t>(child_number(parent_bearing(site, n)));
-        FJELL_FETCH(&s.groups[found / group_lanes]);
-        FJELL_FETCH(&s.slots[found]);
-        if (!activation) fetch_record(s, found);
+        FJELL_PREFETCH(&s.groups[found / group_lanes]);
+        FJELL_PREFETCH(&s.vertex_slot[found]);
+        if (!activation) prefetch_record(s, found);
     }
     return plan;
 }
 
 // The second link: what they make.
-inline void fetch_made(const CutState& s, Plan& plan) {
+inline void prefetch_triangle_slots(const CutState& s, PlannedChange& plan) {
     if (plan.activation) {
         for (int n = 0; n < 2; ++n) {
             const std::uint32_t parent = plan.parents[n];
             if (parent == no_index || !(s.groups[parent / group_lanes].active & bit_of(parent))) continue;
-            plan.triangles[n] = s.slots[parent] * 4 + plan.directions[n];
-            FJELL_FETCH(&s.made[plan.triangles[n]]);
+            plan.triangles[n] = s.vertex_slot[parent] * 4 + plan.directions[n];
+            FJELL_PREFETCH(&s.triangle_of[plan.triangles[n]]);
         }
     } else if (s.groups[plan.vertex / group_lanes].active & bit_of(plan.vertex)) {
-        for (std::uint32_t d = 0; d < 4; ++d) plan.triangles[d] = s.slots[plan.vertex] * 4 + d;
-        FJELL_FETCH(&s.made[plan.triangles[0]]);
+        for (std::uint32_t d = 0; d < 4; ++d) plan.triangles[d] = s.vertex_slot[plan.vertex] * 4 + d;
+        FJELL_PREFETCH(&s.triangle_of[plan.triangles[0]]);
     }
 }
 
 // The third: those triangles.
-inline void fetch_triangles(const CutState& s, Plan& plan) {
+inline void prefetch_triangles(const CutState& s, PlannedChange& plan) {
     for (std::uint32_t& triangle : plan.triangles) {
         if (triangle == no_index) continue;
-        triangle = s.made[triangle];
+        triangle = s.triangle_of[triangle];
         if (triangle == no_index) continue;
-        FJELL_FETCH(&s.indices[std::size_t{triangle} * 3]);
-        FJELL_FETCH(&s.names[triangle]);
+        FJELL_PREFETCH(&s.indices[std::size_t{triangle} * 3]);
+        FJELL_PREFETCH(&s.key_of[triangle]);
     }
 }
 
 // The fourth: the ends of the edge that an activation splits.
-inline void fetch_corners(const CutState& s, const Plan& plan) {
+inline void prefetch_corners(const CutState& s, const PlannedChange& plan) {
     if (!plan.activation || plan.triangles[0] == no_index || s.morph_now.morph == Morph::none) return;
     const std::uint32_t* const t = s.indices + std::size_t{plan.triangles[0]} * 3;
-    FJELL_FETCH(&s.vertices[t[1]]);
-    FJELL_FETCH(&s.vertices[t[2]]);
+    FJELL_PREFETCH(&s.vertices[t[1]]);
+    FJELL_PREFETCH(&s.vertices[t[2]]);
 }
 
 std::uint32_t due(const CutState& s) {
@@ -278,31 +278,31 @@ bool out_of_time(CutState& s) {
     return true;
 }
 
-void fetch_for(const CutState& s, std::span<const std::uint32_t> groups) {
+void prefetch_changes(const CutState& s, std::span<const std::uint32_t> groups) {
     constexpr std::uint32_t most = 6 * batch_groups; // of changes; more would push each other out of the cache
-    Plan plans[most];
+    PlannedChange plans[most];
     std::uint32_t count = 0;
     for (const std::uint32_t group : groups)
         for (std::uint32_t lanes = s.groups[group].due; lanes != 0 && count < most; lanes &= lanes - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-            plans[count++] = make_plan(s, group * group_lanes + lane % group_lanes, lane < group_lanes);
+            plans[count++] = plan_change(s, group * group_lanes + lane % group_lanes, lane < group_lanes);
         }
-    for (std::uint32_t i = 0; i < count; ++i) fetch_made(s, plans[i]);
-    for (std::uint32_t i = 0; i < count; ++i) fetch_triangles(s, plans[i]);
-    for (std::uint32_t i = 0; i < count; ++i) fetch_corners(s, plans[i]);
+    for (std::uint32_t i = 0; i < count; ++i) prefetch_triangle_slots(s, plans[i]);
+    for (std::uint32_t i = 0; i < count; ++i) prefetch_triangles(s, plans[i]);
+    for (std::uint32_t i = 0; i < count; ++i) prefetch_corners(s, plans[i]);
 }
 
 // False when there was not time or items for all of them; the rest goes back to its queue.
-bool carry_out_batch(CutState& s, std::uint32_t list, bool may_retire) {
+bool carry_out_batch(CutState& s, std::uint32_t list, bool may_deactivate) {
     std::uint32_t groups[batch_groups], count = 0;
     for (; count < batch_groups && size(s.lists, list) != 0; ++count) {
         groups[count] = pop_front(s.lists, list);
-        s.groups[groups[count]].list = held;
+        s.groups[groups[count]].list = being_visited;
     }
-    fetch_for(s, {groups, count});
+    prefetch_changes(s, {groups, count});
     for (std::uint32_t i = 0; i < count; ++i) {
         if (s.report.items < s.item_limit && !out_of_time(s)) {
-            carry_out(s, groups[i], may_retire);
+            carry_out(s, groups[i], may_deactivate);
             continue;
         }
         // As they were: a frame that ends by its time must leave the same order as one that ends by its items.
@@ -314,7 +314,7 @@ bool carry_out_batch(CutState& s, std::uint32_t list, bool may_retire) {
 
 // While the mesh lags, some batches give slots back, or it would outgrow what the view wants: one in sixteen while
 // there is room, one in three when there is not.
-std::uint32_t retire_every(const CutState& s) {
+std::uint32_t deactivation_interval(const CutState& s) {
     const bool room = free_vertices(s) > s.budget.vertices / 4 && s.free_segment_count > s.segment_count / 4;
     return room ? 16 : 3;
 }
@@ -322,10 +322,11 @@ std::uint32_t retire_every(const CutState& s) {
 // The queue that comes next; unlisted when all are done. Deactivations come last, but first when a capacity is spent,
 // and then what was blocked is tried again.
 std::uint32_t next_queue(CutState& s) {
-    const bool can_retire = size(s.lists, retire_list) != 0;
-    if (can_retire && (s.short_of != 0 || (s.lagging && s.batches % retire_every(s) == 0))) return retire_list;
-    if (s.short_of != 0 && s.retired_when_short != s.report.deactivations) {
-        s.short_of = 0;
+    const bool can_deactivate = size(s.lists, deactivation_list) != 0;
+    if (can_deactivate && (s.full_capacities != 0 || (s.lagging && s.batches % deactivation_interval(s) == 0)))
+        return deactivation_list;
+    if (s.full_capacities != 0 && s.deactivations_when_full != s.report.deactivations) {
+        s.full_capacities = 0;
         s.turn ^= 1;
     }
     while (s.work_ranks != 0) {
@@ -333,11 +334,11 @@ std::uint32_t next_queue(CutState& s) {
         if (size(s.lists, work_lists + rank) != 0) return work_lists + rank;
         s.work_ranks &= ~(1u << rank);
     }
-    if (can_retire) return retire_list;
+    if (can_deactivate) return deactivation_list;
     const std::uint32_t gated_before = gated_lists + (s.gated_turn ^ 1);
     if (s.gate_open && size(s.lists, gated_before) != 0) return gated_before;
     const std::uint32_t blocked_before = blocked_lists + (s.turn ^ 1);
-    return size(s.lists, blocked_before) != 0 && s.short_of == 0 ? blocked_before : unlisted;
+    return size(s.lists, blocked_before) != 0 && s.full_capacities == 0 ? blocked_before : unlisted;
 }
 
 } // namespace
@@ -353,7 +354,7 @@ std::uint32_t blocked_groups(const CutState& s) {
 }
 
 void refine(CutState& s) {
-    const auto fetch = [&](std::uint32_t group) { fetch_group(s, group); };
+    const auto prefetch = [&](std::uint32_t group) { prefetch_group(s, group); };
     std::uint32_t grade = grade_count; // of due groups, plus one
     // While the mesh lags, what is known to be bad does not wait for all that might be.
     constexpr std::uint32_t many = 4096;
@@ -363,8 +364,8 @@ void refine(CutState& s) {
         while (grade != 0 && size(s.lists, due_lists + grade - 1) == 0) --grade;
         if (grade != 0 && s.examined < most_examined) {
             if (out_of_time(s)) return;
-            const std::uint32_t group = pop_due(s.lists, grade - 1, fetch);
-            s.groups[group].list = held;
+            const std::uint32_t group = pop_due(s.lists, grade - 1, prefetch);
+            s.groups[group].list = being_visited;
             examine(s, group);
             ++s.examined;
             continue;
@@ -373,22 +374,22 @@ void refine(CutState& s) {
         const std::uint32_t list = next_queue(s);
         if (list == unlisted && grade == 0) return;
         if (list == unlisted) continue;
-        const std::uint32_t short_before = s.short_of;
-        if (!carry_out_batch(s, list, list == retire_list || !s.lagging)) break;
+        const std::uint32_t full_before = s.full_capacities;
+        if (!carry_out_batch(s, list, list == deactivation_list || !s.lagging)) break;
         ++s.batches;
-        if (s.short_of != short_before) s.retired_when_short = s.report.deactivations;
+        if (s.full_capacities != full_before) s.deactivations_when_full = s.report.deactivations;
     }
     if (s.report.items >= s.item_limit && waiting_groups(s) != blocked_groups(s) &&
         (s.report.exhausted & cut_budget_time) == 0)
         s.report.exhausted |= cut_budget_items;
 }
 
-std::uint32_t build_block(CutState& s, std::uint32_t number) {
-    Look look(s.groups[number]);
-    evaluate_group(s, number, look);
-    const std::uint32_t lanes = look.rising();
+std::uint32_t build_group(CutState& s, std::uint32_t number) {
+    Evaluated group(s.groups[number]);
+    evaluate_group(s, number, group);
+    const std::uint32_t lanes = group.to_activate();
     if (free_vertices(s) < group_lanes) {
-        s.short_of |= cut_budget_vertices;
+        s.full_capacities |= cut_budget_vertices;
         return 0;
     }
     PageSlot& info = s.page_slot[number / max_page_groups];
@@ -396,25 +397,25 @@ std::uint32_t build_block(CutState& s, std::uint32_t number) {
     const Coord at = site_coord(site_of(s, number * group_lanes));
     const std::int32_t apart = 2 << (info.z + shape.z);
     const float unit_m = s.level_unit_m[2 * (info.z + shape.z) + (shape.kind == VertexKind::centre ? 0 : 1)];
-    Rest rest;
+    Slack rest;
     for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
         const auto lane = static_cast<std::int32_t>(std::countr_zero(left));
-        const VertexRecord record = look.records[lane];
+        const VertexRecord record = group.records[lane];
         const std::uint32_t slot = take_vertex(s);
-        s.slots[number * group_lanes + static_cast<std::uint32_t>(lane)] = slot;
-        s.vertices[slot] = {std::min(at.x + (shape.along_y ? 0 : lane * apart), s.decision.last_x),
-                            std::min(at.y + (shape.along_y ? lane * apart : 0), s.decision.last_y),
-                            s.decision.base_m + static_cast<float>(record.height + info.base) * s.decision.quantum_m};
-        s.morph[slot] = {0, s.decision.error_m[record.error],
-                         unit_m * s.decision.radius_factor[record.radius & (radius_codes - 1)], never_born_s};
+        s.vertex_slot[number * group_lanes + static_cast<std::uint32_t>(lane)] = slot;
+        s.vertices[slot] = {std::min(at.x + (shape.along_y ? 0 : lane * apart), s.criterion.last_x),
+                            std::min(at.y + (shape.along_y ? lane * apart : 0), s.criterion.last_y),
+                            s.criterion.base_m + static_cast<float>(record.height + info.base) * s.criterion.quantum_m};
+        s.morph[slot] = {0, s.criterion.error_m[record.error],
+                         unit_m * s.criterion.radius_factor[record.radius & (radius_codes - 1)], long_active_s};
         s.hole[slot] = is_void(record);
         ++info.active;
-        for (std::size_t d = 0; d < 4; ++d) s.made[std::size_t{slot} * 4 + d] = no_index;
+        for (std::size_t d = 0; d < 4; ++d) s.triangle_of[std::size_t{slot} * 4 + d] = no_index;
     }
-    look.state.active = static_cast<std::uint16_t>(lanes);
-    // Of those that will have active children nobody knows yet; to look at them too is early, never late.
-    rest.lessen(look, look.inactive(), look.margins.reach_m);
-    rest.lessen(look, lanes, look.margins.keep_m);
+    group.state.active = static_cast<std::uint16_t>(lanes);
+    // Of those that will have active children nobody knows yet; to group at them too is early, never late.
+    rest.include(group, group.inactive(), group.margins.reach_m);
+    rest.include(group, lanes, group.margins.keep_m);
     schedule(s.lists, number, rest.slack_m, grade_of(rest.code));
     return lanes;
 }

@@ -41,8 +41,8 @@ double grade_error_m(const CutState& s, std::uint32_t grade) {
 }
 
 // Takes over the views; what they may have changed becomes due.
-void look(CutState& s, std::span<const View> views, double threshold_px) {
-    Decision& c = s.decision;
+void set_views(CutState& s, std::span<const View> views, double threshold_px) {
+    Criterion& c = s.criterion;
     const bool all = views.size() != s.view_count;
     // Two levels of nesting lie between a vertex and the ends of the edge that it splits.
     const double nested = 1 + static_cast<double>(s.terrain->header.nesting);
@@ -156,23 +156,23 @@ void finish(CutState& s) {
     r.vertices = r.vertex_slots.used;
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) r.triangles += s.tiles[tile].total;
     r.blocked = blocked_groups(s);
-    if (s.short_of != 0) s.governor.cause = s.short_of;
-    if (r.error_px_effective <= r.error_px_asked) s.governor.cause = s.short_of;
+    if (s.full_capacities != 0) s.governor.cause = s.full_capacities;
+    if (r.error_px_effective <= r.error_px_requested) s.governor.cause = s.full_capacities;
     r.exhausted |= s.governor.cause;
-    r.rising = s.birth_count + s.sinking_count;
+    r.morphing = s.late_count + s.morphing_out_count;
     r.waiting = waiting_groups(s);
-    for (std::uint32_t i = 0; i < s.draining_count; ++i) r.waiting += s.page_slot[s.draining[i]].active != 0;
+    for (std::uint32_t i = 0; i < s.evicting_count; ++i) r.waiting += s.page_slot[s.evicting[i]].active != 0;
     r.vertices_changed = s.dirty_vertices.slots;
     r.triangles_changed = s.dirty_triangles.slots;
     const std::uint32_t gated = size(s.lists, gated_lists) + size(s.lists, gated_lists + 1);
     s.lagging = r.waiting != r.blocked + gated;
-    r.converged = r.waiting == 0 && r.rising == 0 && r.error_px_effective <= r.error_px_asked;
+    r.converged = r.waiting == 0 && r.morphing == 0 && r.error_px_effective <= r.error_px_requested;
     const double use = std::max(static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
                                 static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity);
-    (void)govern(s.governor, r.error_px_asked, use, s.short_of != 0, !s.lagging, s.still);
+    (void)govern(s.governor, r.error_px_requested, use, s.full_capacities != 0, !s.lagging, s.still);
     // What pages hide that are wanted and not there bounds the screen as a threshold would.
     r.error_px_effective = std::max(r.error_px_effective, s.terrain->missing_px);
-    r.converged = r.converged && s.terrain->missing_px <= r.error_px_asked;
+    r.converged = r.converged && s.terrain->missing_px <= r.error_px_requested;
 }
 
 void begin_frame(CutState& s, const CutSettings& settings) {
@@ -184,8 +184,8 @@ void begin_frame(CutState& s, const CutSettings& settings) {
     }
     s.report = {};
     s.report.frame = ++s.frame;
-    s.report.error_px_asked = settings.error_px;
-    s.short_of = s.batches = s.retired_when_short = 0;
+    s.report.error_px_requested = settings.error_px;
+    s.full_capacities = s.batches = s.deactivations_when_full = 0;
 }
 
 // Every slot that is in use: after a rebuild they are the first ones.
@@ -205,14 +205,14 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     s.governor.effective_px = std::max(s.governor.effective_px, settings.error_px);
     if (s.governor.cause == 0) s.governor.effective_px = settings.error_px;
     r.error_px_effective = s.governor.effective_px;
-    look(s, views, s.governor.effective_px);
-    follow_pages(s);
+    set_views(s, views, s.governor.effective_px);
+    sync_pages(s);
     // What was blocked takes its turn again; what still is goes to the other list.
     if (size(s.lists, blocked_lists + (s.turn ^ 1)) == 0) s.turn ^= 1;
     if (size(s.lists, gated_lists + (s.gated_turn ^ 1)) == 0) s.gated_turn ^= 1;
-    let_rise(s);
+    end_morphing_in(s);
     const auto prepared = Clock::now();
-    drain_pages(s);
+    evict_pages(s);
     refine(s);
     const auto refined = Clock::now();
     finish(s);
@@ -236,9 +236,9 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     bool whole = true;
     for (;;) {
         reset(s);
-        look(s, views, s.governor.effective_px);
+        set_views(s, views, s.governor.effective_px);
         if (build_all(s)) break;
-        s.governor.cause |= std::exchange(s.short_of, 0u);
+        s.governor.cause |= std::exchange(s.full_capacities, 0u);
         r.evaluations = 0;
         s.governor.failed_px = s.governor.effective_px;
         s.governor.effective_px *= governor_up;
@@ -270,19 +270,19 @@ Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& r
     if (released) return {};
     const std::uint32_t slot = first / max_page_groups;
     PageSlot& info = s.page_slot[slot];
-    if (info.status != PageSlotStatus::draining) {
-        info.status = PageSlotStatus::draining;
-        s.draining[s.draining_count++] = slot;
+    if (info.status != PageSlotStatus::evicting) {
+        info.status = PageSlotStatus::evicting;
+        s.evicting[s.evicting_count++] = slot;
     }
     released = info.active == 0;
     return {};
 }
 
-void keep_page(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
+void cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
     CutState& s = *cut.state;
     if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return;
     const std::uint32_t first = s.page_groups[tile * s.pages_per_tile + page];
-    if (first != no_index) stop_draining(s, first / max_page_groups);
+    if (first != no_index) cancel_eviction(s, first / max_page_groups);
 }
 
 const char* budget_field(CutBudgetBit bit) {
@@ -301,8 +301,8 @@ MorphFrame cut_morph(LiveCut cut) {
 
 float morphed_height_m(const Terrain& terrain, const MeshVertex& v, const MorphVertex& m, const MorphFrame& frame) {
     if (frame.morph == Morph::none) return v.height_m;
-    float t = risen(frame, terrain.x_m(v.column), v.height_m, terrain.z_m(v.row), m.error_m, m.radius_m);
-    t = std::min(t, (frame.now_s - m.born_s) / frame.morph_s);
+    float t = morph_fraction(frame, terrain.x_m(v.column), v.height_m, terrain.z_m(v.row), m.error_m, m.radius_m);
+    t = std::min(t, (frame.now_s - m.activated_s) / frame.morph_s);
     return m.flat_m + (v.height_m - m.flat_m) * std::clamp(t, 0.0f, 1.0f);
 }
 

@@ -18,8 +18,8 @@ struct RecursiveState {
     RecursiveBudget budget;
     VertexState* states; // one a record of every page slot, as they lie there; then four a tile, its corners
     std::size_t state_count;
-    StepPageEntry* blocks; // page table by blocks, blocks_per_tile a tile (locate.h)
-    std::uint32_t blocks_per_tile;
+    StepPageEntry* step_pages; // page table by steps, step_pages_per_tile a tile (locate.h)
+    std::uint32_t step_pages_per_tile;
     std::uint32_t* slot_pages;  // what each page slot held when it was last looked at
     std::uint64_t seen_changes; // Terrain::changes then
     MeshVertex* vertices;       // budget.vertices
@@ -40,6 +40,6 @@ struct RecursiveState {
 };
 
 // Takes over which pages are loaded; what was known of a slot's vertices goes when another page has moved in.
-void follow_pages(RecursiveState& s);
+void sync_pages(RecursiveState& s);
 
 } // namespace fjell

@@ -8,10 +8,10 @@ namespace fjell {
 void begin_maps(StreamState& s);
 
 // What has come since the last update becomes commands for the renderer, up to StreamSettings::map_bytes.
-void take_maps(StreamState& s);
+void upload_maps(StreamState& s);
 
 // Looks at some tiles, asks for the mips that lack most, and fades.
-void want_maps(StreamState& s, double seconds);
+void request_maps(StreamState& s, double seconds);
 
 void forget_failed_maps(StreamState& s);
 

@@ -153,7 +153,7 @@ Vec3 ahead(StreamState& s, std::uint32_t i, Vec3 eye, double seconds) {
 
 } // namespace
 
-void look(StreamState& s, std::span<const View> views, const CutSettings& cut, double effective_px) {
+void set_views(StreamState& s, std::span<const View> views, const CutSettings& cut, double effective_px) {
     const double nested = 1 + static_cast<double>(s.terrain->header.nesting);
     const double early = cut.morph == Morph::none ? 1 : nested * nested;
     const double threshold_px = std::max(cut.error_px, effective_px);

@@ -33,7 +33,7 @@ void set_missing(StreamState& s, std::uint32_t watch, bool missing);
 
 // Takes over the eyes of this frame: where they are, where their motion will bring them, and how far they came.
 // effective_px: the threshold that the cut's own capacities allow.
-void look(StreamState& s, std::span<const View> views, const CutSettings& cut, double effective_px);
+void set_views(StreamState& s, std::span<const View> views, const CutSettings& cut, double effective_px);
 // Sets wants[], page_px[], due[] and the missing bit of one, or of all whose time has come. O(eyes).
 void test(StreamState& s, std::uint32_t watch);
 void test_pages(StreamState& s);
