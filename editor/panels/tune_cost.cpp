@@ -34,9 +34,9 @@ struct Text {
 void vertices(const State& state, Text& text, double value) {
     const FrameEntry& e = state.measures.last();
     const bool incremental = state.document.profile().method == flight::Method::incremental;
-    text.bytes(value * (incremental ? 57 : 20));
+    text.bytes(value * static_cast<double>(incremental ? cut_vertex_bytes : recursive_vertex_bytes));
     text.add(" + ");
-    text.bytes(value * (incremental ? 28 : 12));
+    text.bytes(value * static_cast<double>(sizeof(MeshVertex) + (incremental ? sizeof(MorphVertex) : 0)));
     text.add(" GPU");
     if (incremental)
         text.add(", used %u, peak %u", e.vertices, e.vertices_peak);

@@ -11,7 +11,7 @@
 namespace fjell {
 
 // The cut must be as reset() leaves it, with its decision set. Activates all that the decision wants. False when a
-// capacity does not suffice, named in the report; the cut must then be reset.
+// capacity does not suffice, which the report then names; the cut must be reset.
 [[nodiscard]] bool build_all(CutState& s);
 
 // Its second half, for all tiles: the vertices are active, and triangle slots suffice.

@@ -9,7 +9,7 @@ namespace fjell {
 
 namespace {
 
-// Slots of the vertices in and around one page, by their place on the height scale of its step: x, y from -1 to 2n.
+// Slots of the vertices in and around one page, by their place on the grid of its step: x, y from -1 to 2n.
 // Only those of active vertices mean anything.
 struct SlotGrid {
     static constexpr std::int32_t pitch = 2 * page_squares + 2;
@@ -40,7 +40,7 @@ public:
 private:
     SlotGrid& grid_of(int z) { return reinterpret_cast<SlotGrid*>(s.bulk_grids)[z]; }
 
-    // The tile's last segment, written without a look at its list.
+    // The tile's last segment, written without going through its list.
     void open() {
         const TileList& list = s.tiles[tile_];
         next_ = end_ = 0;

@@ -11,7 +11,7 @@ namespace fjell {
 
 namespace {
 
-// A lane calls for work of this rank: its group goes to that queue, unless it is in one that comes first.
+// A lane has work of this rank: its group goes to that queue, unless it is in one of a higher rank.
 void queue_activation(CutState& s, std::uint32_t vertex, std::uint32_t rank) {
     const std::uint32_t group = vertex / group_lanes;
     GroupState& b = s.groups[group];
@@ -30,7 +30,7 @@ bool is_evicting(const CutState& s, std::uint32_t vertex) {
     return s.page_slot[vertex / group_lanes / max_page_groups].status == PageSlotStatus::evicting;
 }
 
-// A vertex has just become ready, or an active one childless: when must it be looked at?
+// A vertex has just become ready, or an active one childless: when must it be evaluated?
 void reevaluate(CutState& s, std::uint32_t vertex, const Site& site, bool active) {
     if (is_evicting(s, vertex)) return;
     const Evaluation v = evaluate_vertex(s, vertex, site, active);
@@ -100,7 +100,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     const std::uint32_t ends[2] = {s.indices[std::size_t{first} * 3 + 1], s.indices[std::size_t{first} * 3 + 2]};
     const bool morphing = s.morph_now.morph != Morph::none;
     if (morphing && (is_morphing(s, ends[0]) || is_morphing(s, ends[1]))) return Outcome::gated;
-    // What is about to sink must not get children again, or its page would never leave.
+    // What is about to morph out must not get children again, or its page could never be evicted.
     for (int n = 0; morphing && n < count; ++n)
         if (splits[n].parent != no_index &&
             (is_evicting(s, splits[n].parent) || morphs_out(s, s.vertex_slot[splits[n].parent])))

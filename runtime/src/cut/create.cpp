@@ -93,7 +93,7 @@ Status check_budget(const Terrain& t, const CutBudget& b) {
     if (b.vertices > 1u << 28) return {Code::out_of_range, "CutBudget::vertices (at most 2^28)"};
     if (b.triangles > 1u << 29) return {Code::out_of_range, "CutBudget::triangles (at most 2^29)"};
     if (b.segment_triangles < 8 || b.segment_triangles > 65536 || !std::has_single_bit(b.segment_triangles))
-        return {Code::out_of_range, "CutBudget::chunk_triangles (8 to 65,536, a power of two)"};
+        return {Code::out_of_range, "CutBudget::segment_triangles (8 to 65,536, a power of two)"};
     if (b.views < 1 || b.views > max_cut_views) return {Code::out_of_range, "CutBudget::views (1 to 8)"};
     if (b.vertices < corner_count(t)) return {Code::budget_too_small, "CutBudget::vertices (4 a tile)"};
     if (segments_of(b) < least_segments(t))
@@ -148,7 +148,7 @@ void reset(CutState& s) {
     s.late_count = s.morphing_out_count = 0;
     s.dirty_vertices.clear();
     s.dirty_triangles.clear();
-    // What the last cut has made; slots beyond were never taken.
+    // Only slots that were in use; those beyond are clear.
     for (std::size_t i = 0; i < std::size_t{s.fresh_vertex} * 4; ++i) s.triangle_of[i] = no_index;
     s.free_vertex_count = 0;
     s.fresh_vertex = corner_count(t);
@@ -261,7 +261,7 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     for (std::uint32_t i = 0; i < s.group_count; ++i) s.groups[i].list = unlisted;
     for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.page_groups[i] = no_index;
     for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.page_slot[i].page = no_index;
-    s.fresh_vertex = budget.vertices; // so that all of made is cleared
+    s.fresh_vertex = budget.vertices; // so that all of triangle_of is cleared
     rescan_pages(s);
     reset(s);
     begin_at_roots(s);

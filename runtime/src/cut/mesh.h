@@ -1,9 +1,9 @@
 // The mesh of the live cut, edited in place: the thesis' vertex buffer and status array, made incremental.
 //
-// A triangle is named by the vertex at its right angle and a direction: the child of that vertex on its hypotenuse
+// A triangle's key is the vertex at its right angle and a direction: the child of that vertex on its hypotenuse
 // (DESIGN section 3). Activating a vertex replaces the triangle towards it, of each of its parents, by two of its own;
 // deactivating it does the reverse. Neither needs more than the parents' vertex slots, because a triangle's indices
-// name its other corners.
+// hold its other corners.
 //
 // Triangles of a tile fill segments of slots without gaps: a removed one is overwritten by the tile's last. So every
 // segment is one draw range, nothing degenerate is drawn, and one change touches at most six triangle slots. Triangles

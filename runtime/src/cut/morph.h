@@ -1,4 +1,4 @@
-// Rising and sinking vertices: when one was activated late, and who has to wait for it.
+// Morphing in and out by time: which vertices were activated late, and what has to wait for them.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace fjell {
 
-// How far a vertex has risen by its distance alone, 0 to 1.
+// How far a vertex has morphed in by its distance alone, 0 to 1.
 [[nodiscard]] inline float morph_fraction(const MorphFrame& frame, float x, float y, float z, float error_m,
                                           float radius_m) {
     float most = 0;
@@ -35,7 +35,7 @@ namespace fjell {
     return (tree.cut_x != 0 && at.x + out > tree.columns() - 1) || (tree.cut_y != 0 && at.y + out > tree.rows() - 1);
 }
 
-// Where a vertex starts to rise: in the middle of the edge that it splits.
+// Where a vertex starts: in the middle of the edge that it splits.
 [[nodiscard]] inline float flat_height(const CutState& s, std::uint32_t vertex, Coord at, int z, bool centre,
                                        std::uint32_t end_a, std::uint32_t end_b) {
     if (stands_near_cut_rim(s, at, z, centre)) return s.vertices[vertex].height_m;
@@ -45,12 +45,12 @@ namespace fjell {
 // Displacement on screen below which nobody can see a vertex jump.
 inline constexpr float unseen_px = 0.01f;
 
-// When a vertex that is activated now was born: long_active_s, unless it must rise with the time.
+// activated_s of a vertex that is activated now: long_active_s, unless it must morph by time.
 [[nodiscard]] inline float activation_time_s(CutState& s, float x, float y, float z, float error_m, float radius_m) {
     const MorphFrame& now = s.morph_now;
     if (now.morph == Morph::none) return long_active_s;
     if (now.morph == Morph::error) {
-        // Late is what the frame before would have shown risen already.
+        // Late: the frame before would have shown it above its edge already.
         const float before = morph_fraction(s.morph_before, x, y, z, error_m, radius_m);
         if (before * static_cast<float>(s.report.error_px_effective) <= unseen_px) return long_active_s;
     }
@@ -59,7 +59,7 @@ inline constexpr float unseen_px = 0.01f;
     return now.now_s;
 }
 
-// An edge whose ends still rise is not where their full heights say: what would split it has to wait.
+// While an edge's ends still morph, the edge is not where their full heights say: what would split it has to wait.
 [[nodiscard]] inline bool is_morphing(const CutState& s, std::uint32_t slot) {
     return s.morph_now.now_s - s.morph[slot].activated_s < s.morph_now.morph_s;
 }
@@ -75,13 +75,13 @@ inline void end_morphing_in(CutState& s) {
     }
 }
 
-// Vertices of pages that are asked back go as they came: down to the edge that they split, in morph_s.
+// Vertices of pages that are being evicted morph out: back to the edge that they split, in morph_s.
 [[nodiscard]] inline bool morphs_out(const CutState& s, std::uint32_t slot) {
     return (s.hole[slot] & morphs_out_bit) != 0;
 }
 
-// The vertex is active, has no active children and does not sink yet. To the shader a vertex that sinks is one that
-// rises from where it stands to the edge, whatever the distance: only its numbers change.
+// The vertex is active, has no active children and does not morph out yet. To the shader, a vertex that morphs out is
+// one that morphs in, from where it stands to the edge, whatever the distance: only its numbers change.
 inline void begin_morphing_out(CutState& s, std::uint32_t vertex) {
     const std::uint32_t slot = s.vertex_slot[vertex];
     MeshVertex& v = s.vertices[slot];
@@ -89,7 +89,7 @@ inline void begin_morphing_out(CutState& s, std::uint32_t vertex) {
     const float edge_m = m.flat_m;
     m.flat_m = morphed_height_m(*s.terrain, v, m, s.morph_now);
     v.height_m = edge_m;
-    m.error_m = 1e30f; // has risen at any distance
+    m.error_m = 1e30f; // by distance it has arrived
     m.radius_m = 0;
     m.activated_s = s.morph_now.now_s;
     s.hole[slot] |= morphs_out_bit;

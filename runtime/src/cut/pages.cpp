@@ -24,8 +24,8 @@ void bound_tile(CutState& s, const PageSlot& info, bool loaded) {
     tile.radius_m = v.radius_m;
 }
 
-// Of a page that has just come nothing is active: only lanes with a parent in another page can be ready. In a group
-// page those are the centres, whose parents belong to the coarser step, and the sides along its border.
+// Of a page that was just loaded nothing is active: only lanes with a parent in another page can be ready. In any page
+// but page 0 those are the centres, whose parents belong to the coarser step, and the sides along its border.
 std::uint32_t outward_lanes(const PageSlot& info, const GroupShape& shape) {
     const std::uint32_t all = (1u << shape.lanes) - 1;
     if (info.shape == 0) return all;
@@ -194,7 +194,7 @@ bool detach_if_changed(CutState& s, std::uint32_t slot) {
     const Terrain& t = *s.terrain;
     const PageSlot& info = s.page_slot[slot];
     if (info.page == no_index || (info.page == t.slot_page[slot] && info.loads == t.slot_loads[slot])) return true;
-    // release_page was not asked, or not waited for: the mesh must let go all the same.
+    // The host did not call release_page, or did not wait for it: the vertices must be deactivated all the same.
     for (std::uint32_t v = first_active(s, slot); v != no_index; v = first_active(s, slot)) {
         if (deactivate(s, lowest_below(s, v)) == Outcome::done) continue;
         // No segment for triangles that were hidden: then from the coarsest mesh, where all have room.
@@ -274,12 +274,13 @@ void morph_out_page(CutState& s, std::uint32_t slot) {
             if (morphs_out(s, s.vertex_slot[v])) continue;
             begin_morphing_out(s, v);
             ++s.report.items;
-            ++s.report.evaluations; // it was looked at
+            ++s.report.evaluations; // it was evaluated
         }
     }
 }
 
-// Takes out what is down. An entry whose vertex is gone, or sinks anew, belongs to a page that was torn away.
+// Deactivates what has arrived at its edge. An entry whose vertex is gone, or morphs out again, belongs to a page that
+// was unloaded without waiting.
 void end_morphing_out(CutState& s) {
     while (s.morphing_out_count != 0 && s.report.items < s.item_limit) {
         const std::uint32_t vertex = s.morphing_out[s.first_morphing_out];

@@ -1,23 +1,23 @@
-// Pages that come, are asked back, and go.
+// Pages that are loaded, evicted and unloaded: what the cut does about each.
 #pragma once
 
 #include "cut/state.h"
 
 namespace fjell {
 
-// Enters every page that is loaded and leaves those that are gone. O(changes since the last call), or O(slots) when
-// those were more than the terrain's log remembers.
+// Attaches every page that was loaded and detaches those that were unloaded. O(changes since the last call), or
+// O(slots) when those were more than the terrain's log remembers.
 void sync_pages(CutState& s);
-// The next call looks at all slots.
+// The next sync_pages() visits all slots.
 void rescan_pages(CutState& s);
 
 // As if nothing were active, for one page.
 void clear_page(CutState& s, std::uint32_t slot);
 
-// Deactivates what draining pages still hold, as far as the items go.
+// Deactivates what is still active in pages that are being evicted, as far as the items go.
 void evict_pages(CutState& s);
 
-// A draining page stays after all: what it could activate is looked at again.
+// The page stays after all: what it could activate is evaluated again.
 void cancel_eviction(CutState& s, std::uint32_t slot);
 
 // Finds which parents of some lanes of a group are active.

@@ -161,13 +161,13 @@ void carry_out(CutState& s, std::uint32_t number, bool may_deactivate) {
     schedule_group(s, number, group);
 }
 
-// Bringing nearer the memory that changes will touch. What a change costs is a chain of cache misses: the parents'
-// vertex slots, the triangles they make, those triangles' corners. For a batch of changes every link of the chain is
-// fetched for all of them before the next one is followed for any.
-// Where one change will group. Only a hint: by the time it is carried out things may have changed.
+// Prefetching what changes will touch. What a change costs is a chain of cache misses: the parents'
+// vertex slots, the triangles at their right angles, those triangles' corners. For a batch of changes every link of the
+// chain is prefetched for all of them before the next one is followed for any. Where one change will group. Only a
+// hint: by the time it is carried out things may have changed.
 struct PlannedChange {
     std::uint32_t vertex;
-    std::uint32_t triangles[4]; // names, then slots
+    std::uint32_t triangles[4]; // keys, then slots
     std::uint32_t parents[2];   // or no_index
     std::uint8_t directions[2]; // of the parents' triangles that an activation replaces
     bool activation;
@@ -181,7 +181,7 @@ struct PlannedChange {
         __builtin_prefetch(prefetched_at, 1);                                                                          \
     } while (false)
 
-// What looking at a group reads.
+// What evaluating a group reads.
 inline void prefetch_group(const CutState& s, std::uint32_t group) {
     FJELL_PREFETCH(&s.groups[group]);
     const VertexRecord* const records =
@@ -225,7 +225,7 @@ inline PlannedChange plan_change(const CutState& s, std::uint32_t vertex, bool a
     return plan;
 }
 
-// The second link: what they make.
+// The second link: the slots of their triangles.
 inline void prefetch_triangle_slots(const CutState& s, PlannedChange& plan) {
     if (plan.activation) {
         for (int n = 0; n < 2; ++n) {
@@ -265,7 +265,7 @@ std::uint32_t due(const CutState& s) {
     return n;
 }
 
-// Blocks that are carried out together, so that what they touch can be fetched for all of them first.
+// Groups that are carried out together, so that what they touch can be prefetched for all of them first.
 constexpr std::uint32_t batch_groups = 16;
 
 bool out_of_time(CutState& s) {

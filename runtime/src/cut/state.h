@@ -35,8 +35,8 @@ struct GroupState {
     std::uint16_t child[4];  // that child is active; where it is not, an active vertex draws a triangle towards it
     std::uint16_t list;      // that the group was put in (list_of), or unlisted
     Link link;
-    // In the calendar: the tick of its grade at which it must be looked at, 48 bits of it. In a queue: which lanes
-    // called for work, activations in the lower half; only a hint of what to fetch.
+    // In the calendar: the tick of its grade at which it must be evaluated, 48 bits of it. In a queue: which lanes
+    // called for work, activations in the lower half; only a hint of what to prefetch.
     std::uint32_t due;
     std::uint16_t due_high;
     std::uint8_t grade; // of its errors; in the calendar and after
@@ -108,13 +108,13 @@ struct DirtyBits {
 // Of CutState::hole.
 inline constexpr std::uint8_t hole_bit = 1, morphs_out_bit = 2;
 
-// What the governor remembers (governor.h).
+// What the governor remembers (update.cpp).
 struct Governor {
     double effective_px; // 0: not started
     double failed_px;    // a threshold at which a capacity did not suffice; 0: none known
-    double failed_use;   // share of the scarcest capacity in use once that was mended
+    double failed_use;   // share of the scarcest capacity in use once that was resolved
     bool moved;          // the camera has since then
-    std::uint32_t cause; // CutBudgetBits that keep the effective threshold above the asked one
+    std::uint32_t cause; // CutBudgetBits that keep the effective threshold above the requested one
 };
 
 struct CutState {
@@ -134,19 +134,19 @@ struct CutState {
     std::uint32_t* vertex_slot; // vertex slot of each active vertex
     PageSlot* page_slot;
     std::uint64_t seen_changes;
-    std::uint32_t* evicting; // slots whose pages are asked back
+    std::uint32_t* evicting; // slots whose pages are being evicted
     std::uint32_t evicting_count;
     // Lists of groups.
     Lists lists;
     // The mesh.
     MeshVertex* vertices;
     MorphVertex* morph;
-    std::uint32_t* triangle_of;   // 4 a vertex slot: the triangle it makes in each direction, or no_index
+    std::uint32_t* triangle_of;   // by key: its slot, or no_index
     std::uint8_t* hole;           // 1 a vertex slot: hole_bit, morphs_out_bit
     std::uint32_t* free_vertices; // a stack of given-back slots; those from fresh_vertex on were never taken
     std::uint32_t free_vertex_count, fresh_vertex, vertex_peak;
     std::uint32_t* indices; // 3 a triangle slot: right angle first
-    std::uint32_t* key_of;  // of a triangle: vertex slot * 4 + direction
+    std::uint32_t* key_of;  // of a triangle slot: the vertex slot at its right angle * 4 + direction
     TileList* tiles;        // and one more: triangles that are not drawn
     std::uint32_t* segment_tile;
     std::uint32_t* segment_below; // the tile's segment before it
@@ -170,7 +170,7 @@ struct CutState {
     std::uint64_t frame;
     std::uint32_t item_limit;
     bool lagging;                          // the frame before left work undone
-    std::uint32_t full_capacities;         // CutBudgetBits of capacities that an activation has just wanted in vain
+    std::uint32_t full_capacities;         // CutBudgetBits of capacities at which a change has just failed
     std::uint32_t deactivations_when_full; // deactivations before it did
     std::uint32_t batches;                 // carried out in this frame
     std::uint32_t examined;                // groups since the last batch, also of the frame before
@@ -184,7 +184,7 @@ struct CutState {
     MorphFrame morph_now, morph_before;
     float* late_s; // activated_s of vertices activated late, a ring of budget.vertices: oldest first
     std::uint32_t first_late, late_count;
-    std::uint32_t* morphing_out; // vertices that sink (sink.h), a ring of budget.vertices: those that began first
+    std::uint32_t* morphing_out; // vertices that morph out, a ring of budget.vertices: those that began first
     std::uint32_t first_morphing_out, morphing_out_count;
 };
 
@@ -201,7 +201,7 @@ struct CutState {
 
 // No vertex active, every page that is loaded entered, all slots free; and no triangle yet.
 void reset(CutState& s);
-// After reset(): two triangles a tile, and every tile's root to be looked at.
+// After reset(): two triangles a tile, and every tile's root due.
 void begin_at_roots(CutState& s);
 
 } // namespace fjell

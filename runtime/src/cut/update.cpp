@@ -40,7 +40,7 @@ double grade_error_m(const CutState& s, std::uint32_t grade) {
                     static_cast<double>(s.terrain->header.max_error_m));
 }
 
-// Takes over the views; what they may have changed becomes due.
+// Sets the views; what they may have changed becomes due.
 void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     Criterion& c = s.criterion;
     const bool all = views.size() != s.view_count;
@@ -105,9 +105,9 @@ void list_ranges(CutState& s) {
     }
 }
 
-// The governor: when a capacity does not suffice the effective threshold rises until it does, and comes back.
+// The governor: when a capacity does not suffice the effective threshold rises until it does, and falls again.
 //
-// It answers to capacities only. Lack of time shows as lag instead, because changing the threshold makes work, exactly
+// It reacts to capacities only. Lack of time shows as lag instead, because changing the threshold makes work, exactly
 // when there is too much of it. It acts on a cut at rest: one that has done all it can at the present threshold.
 //
 // Steps are sized so that they do not have to be taken back. Up: by a tenth, which frees at most a fifth (the number of
@@ -118,26 +118,26 @@ constexpr double governor_up = 1.1, governor_full = 0.8, governor_fill = 0.9, go
 
 // Returns the threshold of the next frame. use: share of the scarcest capacity; blocked: work waits for a capacity.
 // still: no eye has moved.
-double govern(Governor& g, double asked_px, double use, bool blocked, bool at_rest, bool still) {
-    if (g.effective_px < asked_px) g.effective_px = asked_px;
+double govern(Governor& g, double requested_px, double use, bool blocked, bool at_rest, bool still) {
+    if (g.effective_px < requested_px) g.effective_px = requested_px;
     if (!at_rest) return g.effective_px;
     if (blocked) {
         g.failed_px = g.effective_px;
         g.failed_use = governor_full;
         g.moved = false;
         // Vertices whose spheres hold the eye are wanted at any threshold.
-        return g.effective_px = std::min(g.effective_px * governor_up, std::max(asked_px, governor_most_px));
+        return g.effective_px = std::min(g.effective_px * governor_up, std::max(requested_px, governor_most_px));
     }
     // Where the camera rests, use says what the failure left; where it moves, the law has to do.
     g.moved = g.moved || !still;
     if (!g.moved) g.failed_use = std::min(g.failed_use, use);
     if (use >= governor_full) return g.effective_px;
-    if (g.effective_px <= asked_px) {
+    if (g.effective_px <= requested_px) {
         g.failed_px = 0;
         return g.effective_px;
     }
-    const double next = std::max(asked_px, g.effective_px * std::sqrt(std::max(use, 1e-4) / governor_fill));
-    // Not again where it has just failed, unless much less is asked for than then.
+    const double next = std::max(requested_px, g.effective_px * std::sqrt(std::max(use, 1e-4) / governor_fill));
+    // Not again where it has just failed, unless much less is in use than then.
     if (g.failed_px > 0 && next < g.failed_px * std::sqrt(governor_up)) {
         if (use > g.failed_use - (g.moved ? 0.05 : 0.15)) return g.effective_px;
         g.failed_px = 0;
@@ -178,7 +178,7 @@ void finish(CutState& s) {
 void begin_frame(CutState& s, const CutSettings& settings) {
     s.started = Clock::now();
     s.settings = settings;
-    if (s.frame != 0) { // what create_cut() has made is for the first frame to show
+    if (s.frame != 0) { // what create_cut() has written belongs to the first frame
         s.dirty_vertices.clear();
         s.dirty_triangles.clear();
     }
@@ -231,9 +231,10 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     s.settings.budget_us = 0;
     s.report.rebuilt = true;
     CutReport& r = s.report;
-    // A rebuild starts afresh: with the asked threshold, or the lowest one above it that the capacities allow.
+    // A rebuild starts from scratch: with the requested threshold, or the lowest one above it that the capacities
+    // allow.
     s.governor = {settings.error_px, 0, governor_full, false, 0};
-    bool whole = true;
+    bool complete = true;
     for (;;) {
         reset(s);
         set_views(s, views, s.governor.effective_px);
@@ -247,11 +248,11 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         reset(s);
         begin_at_roots(s);
         refine(s);
-        whole = false;
+        complete = false;
         break;
     }
     r.error_px_effective = s.governor.effective_px;
-    if (whole) mark_all(s); // otherwise refine() has marked what it made
+    if (complete) mark_all(s); // otherwise refine() has marked what it wrote
     r.activations = s.budget.vertices - free_vertices(s) - corner_slots(s);
     r.items = r.evaluations + r.activations;
     const auto built = Clock::now();

@@ -36,7 +36,7 @@ struct Sample {
     std::int32_t steps = 0;
 };
 
-// A corner of a triangle, where it stands: samples, and the height on the height_scale.
+// A corner of a triangle, where it stands: samples, and the height in height scale steps.
 struct Corner {
     Coord at;
     std::int32_t steps = 0;
@@ -70,7 +70,7 @@ public:
                       terrain.pages_per_tile) {}
 
     [[nodiscard]] Coord origin() const { return origin_; }
-    // v: a vertex of the tile, of the height_scale.
+    // v: a vertex of the tile, of the grid.
     [[nodiscard]] Sample read(Coord v) {
         Sample sample;
         if (t_.tree.is_corner(v)) {

@@ -25,6 +25,9 @@ struct Layout {
     std::size_t states, step_pages, slot_pages, vertices, owners, free_slots, indices, tiles, end;
 };
 
+static_assert(recursive_vertex_bytes == sizeof(MeshVertex) + 2 * 4,
+              "hosts size their budgets by this: change it in fjell/recursive.h with layout_of()");
+
 Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
     Layout l{};
     std::size_t at = aligned(sizeof(RecursiveState));

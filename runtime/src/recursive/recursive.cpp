@@ -424,10 +424,10 @@ PassResult run_pass(RecursiveState& s, const View& view, const RefineSettings& s
 }
 
 // Where to start: where the last frame ended, a step finer when it had room to spare.
-double first_threshold(const RecursiveState& s, double asked_px) {
-    if (!s.exhausted || s.effective_px <= asked_px) return asked_px;
+double first_threshold(const RecursiveState& s, double requested_px) {
+    if (!s.exhausted || s.effective_px <= requested_px) return requested_px;
     const bool room = s.last_selected < s.budget.vertices / 5 * 4 && s.last_indices < s.budget.indices / 5 * 4;
-    return std::max(asked_px, room ? s.effective_px * step_down : s.effective_px);
+    return std::max(requested_px, room ? s.effective_px * step_down : s.effective_px);
 }
 
 } // namespace

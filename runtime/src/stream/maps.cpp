@@ -306,7 +306,8 @@ void review_maps(StreamState& s) {
     }
 }
 
-// Moves what is shown towards what is there; a tile that drains gives its layer back when nothing of it shows.
+// Moves what is shown towards what is there; a tile that fades to a smaller size gives its layer back when nothing of
+// it shows.
 bool fade(StreamState& s, MapState& m, std::uint32_t index, float step) {
     MapTile& tile = m.tiles[index];
     TileMap& shown = m.shown[index];

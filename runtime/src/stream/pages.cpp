@@ -1,4 +1,4 @@
-// Pages on their way: asked for, taken over, asked back, given up.
+// A page's way: requested, inserted, evicted; or failed.
 #include "stream/pages.h"
 
 #include <algorithm>
@@ -124,7 +124,7 @@ float most_rank(const StreamState& s, std::uint32_t watch) {
     return is_root(s, watch) ? never : std::max(s.page_px[watch], score_if_seen(s, watch));
 }
 
-// Missing pages that are wanted: the worst one's px, and the best candidates to be asked for.
+// Missing pages that are wanted: the worst one's px, and the best candidates for a request.
 void gather(StreamState& s, Best& best) {
     double missing_px = 0;
     for (std::uint32_t word = 0; word < (s.watch_count + 63) / 64; ++word)
@@ -143,7 +143,7 @@ void gather(StreamState& s, Best& best) {
                 best.offer({watch, 0, rank_of(s, watch)});
         }
     best.sort();
-    // What has not been looked at may hide anything.
+    // What has not been tested may hide anything.
     s.report.missing_px = s.tested ? missing_px : most_px;
     s.report.converged = s.tested && missing_px <= s.threshold_px; // a coarsest page may be wanted for its own sake
 }
@@ -211,11 +211,11 @@ Best least_loaded(const StreamState& s) {
     return least;
 }
 
-// Asks the cut to let go of the page in that slot.
+// Has the cut evict the page in that slot.
 void evict(StreamState& s, std::uint32_t slot) {
     const std::uint32_t watch = s.slot_watch[slot];
     record(s, watch, PageEvent::released);
-    bool released = false; // evict_pages() asks again; the cut must be asked in the order that is recorded
+    bool released = false; // evict_pages() calls again; the cut must be called in the order that is recorded
     const ChunkId id = chunk_of(s, watch);
     if (s.cut.state) (void)release_page(s.cut, id.tile, id.item, released);
     s.states[slot * watches_per_slot] = s.states[watch] = WatchState::evicting;
@@ -223,7 +223,7 @@ void evict(StreamState& s, std::uint32_t slot) {
     test(s, watch);
 }
 
-// A page makes room only for one that is wanted clearly more, or two would push each other out for ever.
+// A page is evicted only for one that is wanted clearly more, or two would evict each other for ever.
 bool gives_way(StreamState& s, std::uint32_t slot, const Candidate& to) {
     const std::uint32_t own = slot * watches_per_slot;
     test(s, own);

@@ -43,9 +43,9 @@ struct Watch {
 };
 enum class WatchState : std::uint8_t {
     idle,      // there is no such page
-    missing,   // not loaded, and may be asked for
+    missing,   // not loaded, and may be requested
     requested, // in the table
-    failed,    // could not be read: not asked for again
+    failed,    // could not be read: not requested again
     loaded,
     evicting // released to the cut, until it has deactivated the vertices
 };
@@ -65,7 +65,7 @@ struct MapTile {
     std::uint32_t reserved; // layer for the size above, while it is requested
     std::uint8_t size_log2; // that is there; 0: none
     std::uint8_t wanted_log2;
-    std::uint8_t lower_log2; // while it drains: 1
+    std::uint8_t lower_log2; // while it fades to a smaller size: log2 of that; otherwise 0
     bool requested, failed, visible;
     float excess; // pixels that a texel of size_log2 covers, by those it may
 };

@@ -63,7 +63,7 @@ void finish(StreamState& s) {
 void note_failure(StreamState& s, const ChunkId& id, std::uint64_t chunk, Code code) {
     s.failed_bits[chunk / 64] |= std::uint64_t{1} << chunk % 64;
     ++s.failed;
-    s.failures[s.failure_count++] = {id, code}; // there is room for all requests and what cannot be asked for
+    s.failures[s.failure_count++] = {id, code}; // there is room for all requests and what cannot be requested
 }
 
 Status update_stream(Stream stream, std::span<const View> views, const CutSettings& cut, const StreamSettings& settings,
