@@ -181,10 +181,10 @@ bool App::there() const {
     const flight::FrameEntry& e = state_.measures.last();
     const StreamReport& r = e.stream;
     // Slots may not suffice for what is wanted, and damaged pages never come: then all is there that will be.
-    const bool resting = r.requested == 0 && r.pages_left == 0 && r.mips_left == 0 && r.pages_taken == 0 &&
-                         r.mips_taken == 0 && r.pages_draining == 0 && e.activations == 0 && e.deactivations == 0;
+    const bool resting = r.in_flight == 0 && r.pages_left == 0 && r.mips_left == 0 && r.pages_inserted == 0 &&
+                         r.mips_uploaded == 0 && r.pages_evicting == 0 && e.activations == 0 && e.deactivations == 0;
     const bool streamed = !e.streamed || (r.converged && r.maps_converged) || resting;
-    return state_.measures.frames() > 1 && e.waiting == e.blocked && e.rising == 0 && streamed;
+    return state_.measures.frames() > 1 && e.waiting == e.blocked && e.morphing == 0 && streamed;
 }
 
 // Carries on with the script where nothing waits. False: a headless run is over.

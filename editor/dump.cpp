@@ -158,7 +158,7 @@ json measures_json(const State& state) {
             {"vertices", e.vertices},
             {"triangles", e.triangles},
             {"triangles_drawn", e.triangles_drawn},
-            {"error_px_asked", e.error_px_asked},
+            {"error_px_asked", e.error_px_requested},
             {"error_px_effective", e.error_px_effective},
             {"converged", e.converged},
             {"update_us", ring(Series::update_us)},

@@ -61,14 +61,14 @@ void Measures::record(const flight::FrameEntry& entry, double frame_us, double d
     push(Series::output_us, entry.output_us);
     push(Series::draw_us, draw_us);
     push(Series::editor_us, editor_us);
-    push(Series::asked_px, entry.error_px_asked);
+    push(Series::asked_px, entry.error_px_requested);
     push(Series::effective_px, entry.error_px_effective);
     push(Series::vertices, entry.vertices);
     push(Series::triangles_drawn, entry.triangles_drawn);
     push(Series::activations, entry.activations);
     push(Series::deactivations, entry.deactivations);
     push(Series::uploaded_bytes, entry.upload_bytes);
-    push(Series::requested, entry.streamed ? entry.stream.requested : 0);
+    push(Series::requested, entry.streamed ? entry.stream.in_flight : 0);
     push(Series::pages_wanted, entry.streamed ? entry.stream.pages_wanted : 0);
     const auto raise = [](auto& peak, auto value) { peak = std::max<std::decay_t<decltype(peak)>>(peak, value); };
     raise(peaks_.vertices, entry.vertex_slots.used);
@@ -76,8 +76,8 @@ void Measures::record(const flight::FrameEntry& entry, double frame_us, double d
     raise(peaks_.items, entry.items);
     raise(peaks_.update_us, entry.update_us);
     if (!entry.streamed) return;
-    raise(peaks_.requested, entry.stream.requested);
-    raise(peaks_.pages_taken, entry.stream.pages_taken);
+    raise(peaks_.requested, entry.stream.in_flight);
+    raise(peaks_.pages_inserted, entry.stream.pages_inserted);
     raise(peaks_.page_slots, entry.stream.page_slots.used);
     raise(peaks_.map_bytes, entry.stream.map_bytes_used);
     raise(peaks_.map_upload_bytes, entry.stream.map_upload_bytes);

@@ -61,7 +61,7 @@ private:
 
 // The most of each since the measures were cleared.
 struct Peaks {
-    std::uint32_t vertices = 0, indices = 0, items = 0, requested = 0, pages_taken = 0, page_slots = 0;
+    std::uint32_t vertices = 0, indices = 0, items = 0, requested = 0, pages_inserted = 0, page_slots = 0;
     std::uint64_t map_bytes = 0, map_upload_bytes = 0;
     double update_us = 0;
 };

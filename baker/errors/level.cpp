@@ -142,7 +142,7 @@ public:
         along_y = ground(0, s);
         across = ground(s / 2, s / 2);
         leaf_pad = static_cast<float>(scales.half_quantum_m);
-        out.shift = in.tree.tile_log2 - 1 - in.z >= page_squares_log2 ? radius_block_log2 : 0;
+        out.shift = in.tree.tile_log2 - 1 - in.z >= page_squares_log2 ? radius_squares_log2 : 0;
         out.blocks_x = in.nx >> out.shift;
         out.blocks_y = in.ny >> out.shift;
         line.resize(static_cast<std::size_t>(in.nx + reach + 1));

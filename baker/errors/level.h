@@ -18,7 +18,7 @@ namespace fjell::baker {
 
 // Radii of steps that are cut into pages are shared by blocks of 4 x 4 squares; those of a border lie in the next
 // region's.
-inline constexpr std::int32_t reach = 1 << radius_block_log2;
+inline constexpr std::int32_t reach = 1 << radius_squares_log2;
 
 // One value a square, for squares -1 .. nx + reach by -1 .. ny + reach of a region.
 template <typename T>

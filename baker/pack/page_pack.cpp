@@ -155,8 +155,7 @@ FJELL_CLONES void gather(const StepPageInput& in, PageArrays& a) {
 bool reader_knows(const StepPageInput& in, const PageArrays& a) {
     CornerSteps corners;
     for (std::int32_t j = 0; j <= n; ++j)
-        std::copy_n(in.steps.corner.row(in.j + j) + in.i, n + 1,
-                    corners + j * static_cast<std::int32_t>(block_corners));
+        std::copy_n(in.steps.corner.row(in.j + j) + in.i, n + 1, corners + j * static_cast<std::int32_t>(page_corners));
     PageArrays reader;
     reader.base = a.base;
     std::memcpy(reader.heights, a.heights, sizeof a.heights);
@@ -184,7 +183,7 @@ PackedPage pack_step_page(const StepPageInput& input) {
             }
         });
     s.radii.reserve(page_radii);
-    constexpr std::int32_t step = 1 << radius_block_log2;
+    constexpr std::int32_t step = 1 << radius_squares_log2;
     const auto take = [&](VertexKind kind, std::int32_t columns, std::int32_t rows) {
         for (std::int32_t j = 0; j < rows; j += step)
             for (std::int32_t i = 0; i < columns; i += step)

@@ -29,7 +29,7 @@ ExportPlan export_plan(const State& state, const std::string& path, double error
     if (plan.view.height_px == 0) throw io::Failure(2, "no frame has been drawn yet; try again");
     if (error_px != 0) return plan;
     const flight::FrameEntry& e = state.measures.last();
-    plan.error_px = e.error_px_effective > e.missing_px ? e.error_px_effective : e.error_px_asked;
+    plan.error_px = e.error_px_effective > e.missing_px ? e.error_px_effective : e.error_px_requested;
     if (plan.profile.refine.corner_safe) plan.error_px /= corner_factor(plan.view);
     return plan;
 }

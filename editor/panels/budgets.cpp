@@ -113,13 +113,13 @@ void draw_stream(const State& state, Commands& commands) {
               state, commands);
     draw_line({"Requests", "stream.page_requests",
                "Pages and mips under way (stream.map_requests are those of mips). Exhausted, more is wanted.",
-               static_cast<double>(r.requested), static_cast<double>(p.requested),
+               static_cast<double>(r.in_flight), static_cast<double>(p.requested),
                static_cast<double>(profile.stream_budget.page_requests + profile.stream_budget.map_requests),
                flight::exhausted_stream_requests},
               state, commands);
     draw_line({"Pages a frame", "stream.pages",
                "Taken over, 10 to 20 us each. Exhausted, some wait for the next frame.",
-               static_cast<double>(r.pages_taken), static_cast<double>(p.pages_taken),
+               static_cast<double>(r.pages_inserted), static_cast<double>(p.pages_inserted),
                static_cast<double>(profile.stream.pages), flight::exhausted_stream_pages},
               state, commands);
     draw_line({"Map memory", "stream.map_mb", "Maps on the GPU. Exhausted, far maps are blurrier than asked for.",

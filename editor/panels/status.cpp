@@ -43,7 +43,7 @@ Part threshold_part(const State& state) {
         part.colour = ui::careful;
         why = (e.exhausted & flight::exhausted_items) != 0  ? "lags: items exhausted"
               : (e.exhausted & flight::exhausted_time) != 0 ? "lags: time exhausted"
-              : e.rising > 0                                ? "vertices rise"
+              : e.morphing > 0                              ? "vertices rise"
                                                             : "lags";
     }
     if (e.error_px_effective >= 1e6)
@@ -61,7 +61,7 @@ Part stream_part(const State& state) {
     if (there)
         std::snprintf(part.text, sizeof part.text, "streamed: all there");
     else
-        std::snprintf(part.text, sizeof part.text, "streaming: %u wanted, %u under way", r.pages_wanted, r.requested);
+        std::snprintf(part.text, sizeof part.text, "streaming: %u wanted, %u under way", r.pages_wanted, r.in_flight);
     return part;
 }
 

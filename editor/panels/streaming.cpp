@@ -47,9 +47,9 @@ void draw_geometry(const StreamReport& r) {
          "All there: the threshold's bound is that of the whole terrain.");
     ui::row("Wanted, missing", "%u", r.pages_wanted);
     ui::tip("Pages that the views want and that are not there, as far as the coarser ones over them are.");
-    ui::row("Taken over, left", "%u, %u", r.pages_taken, r.pages_left);
+    ui::row("Taken over, left", "%u, %u", r.pages_inserted, r.pages_left);
     ui::tip("Pages that had come and were taken over in this frame, and those left for the next ones (stream.pages).");
-    ui::row("Draining", "%u", r.pages_draining);
+    ui::row("Draining", "%u", r.pages_evicting);
     ui::tip("Pages that nothing wants any more, and that go as soon as the mesh has let go of them.");
     ui::row("Page slots", "%u of %u", r.page_slots.used, r.page_slots.capacity);
     if (r.missing_px >= 1e7)
@@ -62,7 +62,7 @@ void draw_geometry(const StreamReport& r) {
 void draw_maps(const StreamReport& r) {
     ui::heading("Maps");
     flag("Mips for this view", r.maps_converged, "all there", "some missing", "All there, and faded in.");
-    ui::row("Taken over, left", "%u, %u", r.mips_taken, r.mips_left);
+    ui::row("Taken over, left", "%u, %u", r.mips_uploaded, r.mips_left);
     ui::row("Missing mips", "%.1f", r.missing_mips);
     ui::tip("Levels that the blurriest tile in view lacks.");
     char used[16], capacity[16];
@@ -73,7 +73,7 @@ void draw_maps(const StreamReport& r) {
 
 void draw_reading(const StreamReport& r, const io::StreamReaderCounters& reader) {
     ui::heading("Reading");
-    ui::row("Under way", "%u", r.requested);
+    ui::row("Under way", "%u", r.in_flight);
     ui::tip("Pages and mips that were asked for and have not come (stream.page_requests, stream.map_requests).");
     ui::row("Pages, mips", "%llu, %llu", static_cast<unsigned long long>(r.pages_read),
             static_cast<unsigned long long>(r.mips_read));

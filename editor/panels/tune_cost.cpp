@@ -34,9 +34,9 @@ struct Text {
 void vertices(const State& state, Text& text, double value) {
     const FrameEntry& e = state.measures.last();
     const bool incremental = state.document.profile().method == flight::Method::incremental;
-    text.bytes(value * (incremental ? 57 : 20));
+    text.bytes(value * static_cast<double>(incremental ? cut_vertex_bytes : recursive_vertex_bytes));
     text.add(" + ");
-    text.bytes(value * (incremental ? 28 : 12));
+    text.bytes(value * static_cast<double>(sizeof(MeshVertex) + (incremental ? sizeof(MorphVertex) : 0)));
     text.add(" GPU");
     if (incremental)
         text.add(", used %u, peak %u", e.vertices, e.vertices_peak);
@@ -82,7 +82,7 @@ void page_slots(const State& state, Text& text, double value) {
 
 void page_requests(const State& state, Text& text, double value) {
     text.bytes(value * 16e3);
-    if (state.measures.last().streamed) text.add(", under way %u with mips", state.measures.last().stream.requested);
+    if (state.measures.last().streamed) text.add(", under way %u with mips", state.measures.last().stream.in_flight);
 }
 
 void map_requests(const State&, Text& text, double value) {
@@ -101,7 +101,7 @@ void map_mb(const State& state, Text& text, double value) {
 
 void pages(const State& state, Text& text, double) {
     const FrameEntry& e = state.measures.last();
-    if (e.streamed) text.add("last frame %u, left %u", e.stream.pages_taken, e.stream.pages_left);
+    if (e.streamed) text.add("last frame %u, left %u", e.stream.pages_inserted, e.stream.pages_left);
 }
 
 void map_kb(const State& state, Text& text, double) {

@@ -54,7 +54,7 @@ void add_state(Summary& s, const FrameEntry& f) {
     raise(s.triangles_max, f.triangles);
     raise(s.waiting_max, f.waiting);
     raise(s.blocked_max, f.blocked);
-    raise(s.rising_max, f.rising);
+    raise(s.rising_max, f.morphing);
     raise(s.vertices_peak, f.vertices_peak);
     raise(s.triangles_peak, f.triangles_peak);
     if (f.rebuilt) {
@@ -70,15 +70,15 @@ void add_streaming(StreamSummary& s, const FrameEntry& f, std::size_t frame, std
     const StreamReport& r = f.stream;
     s.streamed = true;
     s.last = r;
-    s.pages_taken += r.pages_taken;
-    s.mips_taken += r.mips_taken;
+    s.pages_inserted += r.pages_inserted;
+    s.mips_uploaded += r.mips_uploaded;
     s.upload_bytes += r.map_upload_bytes;
-    s.withdrawn += r.withdrawn;
+    s.cancelled += r.cancelled;
     raise(s.pages_wanted_max, r.pages_wanted);
     raise(s.pages_left_max, r.pages_left);
     raise(s.mips_left_max, r.mips_left);
-    raise(s.draining_max, r.pages_draining);
-    raise(s.requested_max, r.requested);
+    raise(s.draining_max, r.pages_evicting);
+    raise(s.requested_max, r.in_flight);
     s.map_bytes_max = std::max(s.map_bytes_max, r.map_bytes_used);
     s.missing_px_max = std::max(s.missing_px_max, f.missing_px);
     s.missing_mips_max = std::max(s.missing_mips_max, r.missing_mips);
@@ -140,7 +140,7 @@ void add_poll(FrameEntry& frame, const FrameEntry& poll) {
         before.item_limit > unlimited_items - poll.item_limit ? unlimited_items : before.item_limit + poll.item_limit;
     sum(&FrameEntry::upload_bytes);
     const auto sum_stream = [&](auto field) { frame.stream.*field += before.stream.*field; };
-    for (const auto field : {&StreamReport::pages_taken, &StreamReport::mips_taken, &StreamReport::withdrawn})
+    for (const auto field : {&StreamReport::pages_inserted, &StreamReport::mips_uploaded, &StreamReport::cancelled})
         sum_stream(field);
     sum_stream(&StreamReport::map_upload_bytes);
 }
@@ -155,7 +155,7 @@ FrameEntry entry_of(const FrameReport& r) {
     f.buffer_clearings = r.buffer_clearings;
     f.exhausted = bit_if(r.exhausted, budget_vertices, exhausted_vertices) |
                   bit_if(r.exhausted, budget_indices, exhausted_indices);
-    f.error_px_asked = r.error_px_asked;
+    f.error_px_requested = r.error_px_requested;
     f.error_px_effective = r.error_px_effective;
     f.converged = r.converged;
     f.settled = true;
@@ -180,7 +180,7 @@ FrameEntry entry_of(const CutReport& r, const CutSettings& settings) {
     f.item_limit = r.rebuilt ? unlimited_items : settings.items;
     f.waiting = r.waiting;
     f.blocked = r.blocked;
-    f.rising = r.rising;
+    f.morphing = r.morphing;
     f.exhausted = bit_if(r.exhausted, cut_budget_vertices, exhausted_vertices) |
                   bit_if(r.exhausted, cut_budget_triangles, exhausted_triangles) |
                   bit_if(r.exhausted, cut_budget_items, exhausted_items) |
@@ -189,11 +189,11 @@ FrameEntry entry_of(const CutReport& r, const CutSettings& settings) {
     f.triangle_slots = r.triangle_slots;
     f.vertices_peak = r.vertex_slots.peak;
     f.triangles_peak = r.triangle_slots.peak;
-    f.error_px_asked = r.error_px_asked;
+    f.error_px_requested = r.error_px_requested;
     f.error_px_effective = r.error_px_effective;
     f.converged = r.converged;
     f.rebuilt = r.rebuilt;
-    f.settled = r.waiting == 0 && r.rising == 0;
+    f.settled = r.waiting == 0 && r.morphing == 0;
     return f;
 }
 
@@ -256,16 +256,16 @@ std::string csv(const FlightLog& log) {
     for (std::size_t i = 0; i < log.frames.size(); ++i) {
         const FrameEntry& f = log.frames[i];
         fmt::format_to(out, "{},{:.1f},{},{},{},{},{:.6g},{:.6g},{},{},", i, f.update_us, f.vertices, f.triangles,
-                       f.tiles_drawn, f.vertices_written, f.error_px_asked, f.error_px_effective,
+                       f.tiles_drawn, f.vertices_written, f.error_px_requested, f.error_px_effective,
                        fmt::join(budget_names(f.exhausted), "+"), f.converged ? 1 : 0);
         if (f.verified_px) fmt::format_to(out, "{:.6g}", *f.verified_px);
         fmt::format_to(out, ",{},{},{},{},{},{},{},{},{},{},{:.1f},{:.1f},{:.1f},", f.items, f.evaluations,
-                       f.activations, f.deactivations, f.waiting, f.blocked, f.rising, f.triangles_drawn,
+                       f.activations, f.deactivations, f.waiting, f.blocked, f.morphing, f.triangles_drawn,
                        f.rebuilt ? 1 : 0, f.upload_bytes, f.prepare_us, f.refine_us, f.output_us);
         const StreamReport& r = f.stream;
         fmt::format_to(out, "{:.1f},{},{},{},{},{},{},{},{},{},{},{},{:.6g},{:.3g},{},{},{:.4f}\n", f.stream_us,
-                       r.pages_taken, r.pages_left, r.pages_wanted, r.pages_draining, r.failed, r.page_slots.used,
-                       r.mips_taken, r.mips_left, r.requested, r.bytes_read, r.map_upload_bytes, f.missing_px,
+                       r.pages_inserted, r.pages_left, r.pages_wanted, r.pages_evicting, r.failed, r.page_slots.used,
+                       r.mips_uploaded, r.mips_left, r.in_flight, r.bytes_read, r.map_upload_bytes, f.missing_px,
                        r.missing_mips, r.converged ? 1 : 0, f.polls, f.at_s);
     }
     return text;
@@ -324,15 +324,15 @@ json stream_json(const StreamSummary& s) {
         {"missing_px_max", s.missing_px_max},
         {"missing_mips_max", s.missing_mips_max},
         {"pages_read", r.pages_read},
-        {"pages_taken", s.pages_taken},
+        {"pages_taken", s.pages_inserted},
         {"pages_wanted_max", s.pages_wanted_max},
         {"pages_left_max", s.pages_left_max},
         {"pages_draining_max", s.draining_max},
         {"mips_read", r.mips_read},
-        {"mips_taken", s.mips_taken},
+        {"mips_taken", s.mips_uploaded},
         {"mips_left_max", s.mips_left_max},
         {"requested_max", s.requested_max},
-        {"withdrawn", s.withdrawn},
+        {"withdrawn", s.cancelled},
         {"failed", r.failed},
         {"bytes_read", r.bytes_read},
         {"map_upload_bytes", s.upload_bytes},

@@ -40,14 +40,14 @@ struct FrameEntry {
     std::uint32_t vertices_written = 0, triangles_written = 0; // slots
     std::uint32_t items = 0, evaluations = 0, activations = 0, deactivations = 0;
     std::uint32_t item_limit = unlimited_items;
-    std::uint32_t waiting = 0, blocked = 0, rising = 0;
+    std::uint32_t waiting = 0, blocked = 0, morphing = 0;
     std::uint32_t exhausted = 0; // ExhaustedBits
     std::uint32_t restarts = 0, buffer_clearings = 0;
     std::uint32_t vertices_peak = 0, triangles_peak = 0; // slots in use, so far; triangles in whole chunks
     BudgetUse vertex_slots;                              // of the method's block; the recursive one knows no peaks
     BudgetUse triangle_slots;                            // incremental, in whole chunks
     BudgetUse index_slots;                               // recursive
-    double error_px_asked = 0, error_px_effective = 0;
+    double error_px_requested = 0, error_px_effective = 0;
     bool converged = false, rebuilt = false;
     // Nothing waits and nothing rises: the effective threshold holds. Every frame of the recursive method.
     bool settled = false;
@@ -83,7 +83,7 @@ struct Percentiles {
 struct StreamSummary {
     bool streamed = false;
     StreamReport last; // counts so far are those of the flight
-    std::uint64_t pages_taken = 0, mips_taken = 0, upload_bytes = 0, withdrawn = 0;
+    std::uint64_t pages_inserted = 0, mips_uploaded = 0, upload_bytes = 0, cancelled = 0;
     std::uint32_t pages_wanted_max = 0, pages_left_max = 0, mips_left_max = 0, draining_max = 0, requested_max = 0;
     std::uint64_t map_bytes_max = 0;
     double missing_px_max = 0, missing_mips_max = 0;
@@ -125,10 +125,10 @@ struct Summary {
 // named by ExhaustedBits.
 [[nodiscard]] std::vector<std::string> budget_names(std::uint32_t exhausted);
 
-// frame,update_us,vertices,triangles,tiles,written,error_px_asked,error_px_effective,exhausted,converged,verified_px,
+// frame,update_us,vertices,triangles,tiles,written,error_px_requested,error_px_effective,exhausted,converged,verified_px,
 // then items,evaluations,activations,deactivations,waiting,blocked,rising,triangles_drawn,rebuilt,bytes_uploaded,
-// prepare_us,refine_us,output_us, then stream_us,pages_taken,pages_left,pages_wanted,pages_draining,pages_failed,
-// page_slots,mips_taken,mips_left,requested,bytes_read,map_upload_bytes,missing_px,missing_mips,stream_converged,polls,
+// prepare_us,refine_us,output_us, then stream_us,pages_inserted,pages_left,pages_wanted,pages_draining,pages_failed,
+// page_slots,mips_uploaded,mips_left,requested,bytes_read,map_upload_bytes,missing_px,missing_mips,stream_converged,polls,
 // at_s: zeros of a flight that is not streamed, but for the last two. bytes_read: so far.
 // exhausted: names joined by +, empty when none; verified_px: empty when the frame was not measured.
 [[nodiscard]] std::string csv(const FlightLog& log);

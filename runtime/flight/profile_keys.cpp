@@ -76,10 +76,10 @@ constexpr ProfileKey keys[] = {
      .label = "Method",
      .kind = choice,
      .choices = methods,
-     .about = "How the mesh is found. \"incremental\": kept from frame to frame, all around the eye; costs what "
-              "changes, 100 to 400 ns a work item, and next to nothing where the camera rests or turns. \"recursive\": "
-              "found from the roots every frame; 30 to 90 ns a selected vertex, and only those in view are selected, "
-              "about a quarter.",
+     .about =
+         "How the mesh is updated. \"incremental\": kept from frame to frame, in all directions; costs what changes, "
+         "100 to 400 ns a work item, and next to nothing where the camera rests or turns. \"recursive\": rebuilt from "
+         "the roots every frame; 30 to 90 ns a selected vertex, and only those in view are selected, about a quarter.",
      .rebuild = Rebuild::method,
      .get = At<&Profile::method>::get,
      .set = At<&Profile::method>::set},
@@ -108,8 +108,8 @@ constexpr ProfileKey keys[] = {
      .label = "Hysteresis",
      .most = max_hysteresis,
      .zero = "none",
-     .about = "A vertex comes at error_px and goes below error_px / (1 + hysteresis). No unit, 0 to 10. 0.3 takes a "
-              "tenth more vertices and makes a third fewer changes. (Incremental.)",
+     .about = "A vertex is activated at error_px and deactivated below error_px / (1 + hysteresis). No unit, 0 to 10. "
+              "0.3 takes a tenth more vertices and makes a third fewer changes. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::hysteresis>::get,
      .set = At<&Profile::cut, &CutSettings::hysteresis>::set},
@@ -119,9 +119,9 @@ constexpr ProfileKey keys[] = {
      .kind = choice,
      .most = 2,
      .choices = morphs,
-     .about = "How vertices come and go. \"none\": at once. \"error\": with the distance; takes a seventh more "
-              "vertices. \"time\": over morph_s seconds; the threshold holds only where nothing rises any more. "
-              "(Incremental.)",
+     .about =
+         "How vertices appear and disappear. \"none\": at once. \"error\": by distance; takes a seventh more vertices. "
+         "\"time\": over morph_s seconds; the threshold holds only where nothing morphs any more. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::morph>::get,
      .set = At<&Profile::cut, &CutSettings::morph>::set},
@@ -132,8 +132,8 @@ constexpr ProfileKey keys[] = {
      .least = min_morph_s,
      .most = max_morph_s,
      .logarithmic = true,
-     .about = "Time that a late vertex takes to rise. Seconds, 0.01 to 10. Costs a write and an upload of 28 bytes a "
-              "vertex that rises. (Incremental.)",
+     .about = "Time that a vertex activated late takes to reach its height. Seconds, 0.01 to 10. Costs a write and an "
+              "upload of 28 bytes such a vertex. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::morph_s>::get,
      .set = At<&Profile::cut, &CutSettings::morph_s>::set},
@@ -152,9 +152,9 @@ constexpr ProfileKey keys[] = {
      .name = "cull",
      .label = "Only in view",
      .kind = flag,
-     .about = "Leave out vertices that the view frustum does not see: true or false. False costs the whole "
-              "surroundings, about four times the vertices at 45 degrees, and turning the head then changes nothing. "
-              "(Recursive; the incremental method refines all around and draws the tiles that may be seen.)",
+     .about = "Leave out vertices outside the view frustum: true or false. False costs the whole surroundings, about "
+              "four times the vertices at 45 degrees, and turning the head then changes nothing. (Recursive; the "
+              "incremental method refines in all directions and draws the tiles that may be in view.)",
      .used_by = UsedBy::recursive,
      .get = At<&Profile::refine, &RefineSettings::cull>::get,
      .set = At<&Profile::refine, &RefineSettings::cull>::set},
@@ -179,7 +179,7 @@ constexpr ProfileKey keys[] = {
      .logarithmic = true,
      .about = "Slots of the vertex buffer. Vertices, 16 to 134217728. 57 bytes each for the incremental method, 28 on "
               "the GPU; 20 and 12 for the recursive one, which needs a fourth to a sixth as many. When they do not "
-              "suffice, the threshold rises, the mesh stays whole, and the report says \"vertices\".",
+              "suffice, the threshold rises, the mesh stays free of cracks, and the report says \"vertices\".",
      .rebuild = Rebuild::method,
      .get = Vertices::get,
      .set = Vertices::set},
@@ -192,8 +192,8 @@ constexpr ProfileKey keys[] = {
      .most = max_triangles,
      .logarithmic = true,
      .about = "Slots of the index buffer. Triangles, 16 to 536870912. 16 bytes each, 12 on the GPU. About two an "
-              "active vertex, and up to an eighth of them lies idle in half-full chunks. When they do not suffice, the "
-              "threshold rises and the report says \"triangles\". (Incremental.)",
+              "active vertex, and up to an eighth of them lies idle in segments that are not full. When they do not "
+              "suffice, the threshold rises and the report says \"triangles\". (Incremental.)",
      .rebuild = Rebuild::method,
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut_budget, &CutBudget::triangles>::get,
@@ -219,10 +219,10 @@ constexpr ProfileKey keys[] = {
      .most = max_items,
      .logarithmic = true,
      .zero = "no limit",
-     .about = "Work that a frame may do: blocks evaluated, vertices activated or deactivated. Items, 0 to 4294967294; "
+     .about = "Work that a frame may do: groups evaluated, vertices activated or deactivated. Items, 0 to 4294967294; "
               "0: no limit. An item takes 100 to 400 ns, by what the cache holds. When they do not suffice, the mesh "
               "lags behind the camera and the report says \"items\". (Incremental; building the first frame from "
-              "nothing is not bounded.)",
+              "scratch is not bounded.)",
      .used_by = UsedBy::incremental,
      .get = Items::get,
      .set = Items::set},
@@ -246,7 +246,7 @@ constexpr ProfileKey keys[] = {
      .least = min_budget,
      .most = max_indices,
      .logarithmic = true,
-     .about = "Indices of one frame. Indices, 16 to 1073741824. 4 bytes each, and as many on the GPU, uploaded anew "
+     .about = "Indices of one frame. Indices, 16 to 1073741824. 4 bytes each, and as many on the GPU, uploaded again "
               "every frame. A list needs about 6 a selected vertex, strips 3.5. When they do not suffice, the report "
               "says \"indices\". (Recursive.)",
      .rebuild = Rebuild::method,
@@ -277,8 +277,8 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = max_page_requests,
      .logarithmic = true,
-     .about = "Pages asked for at a time. Pages, 1 to 256; some 16 KB each. Fewer follow a turn of the head sooner, "
-              "more keep a disk with long ways busy.",
+     .about = "Pages in flight at a time. Pages, 1 to 256; some 16 KB each. Fewer follow a turn of the head sooner, "
+              "more keep a disk of long latency busy.",
      .rebuild = Rebuild::session,
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream_budget, &StreamBudget::page_requests>::get,
@@ -291,7 +291,7 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = max_map_requests,
      .logarithmic = true,
-     .about = "Mips asked for at a time. Mips, 1 to 64. Memory: the bytes of the pack's largest mip each, 525 KB for "
+     .about = "Mips in flight at a time. Mips, 1 to 64. Memory: the bytes of the pack's largest mip each, 525 KB for "
               "1024 texels of colour.",
      .rebuild = Rebuild::session,
      .used_by = UsedBy::streaming,
@@ -317,8 +317,8 @@ constexpr ProfileKey keys[] = {
      .kind = whole,
      .least = min_tail_log2,
      .most = max_texture_log2,
-     .about = "Map size that every tile keeps, read before all others: a power of two texels a side, 2 to 12. One more "
-              "takes four times the bytes: 2.7 KB of colour and 5.5 of normals a tile for 6.",
+     .about = "Map size that every tile always has, read before all others: a power of two texels a side, 2 to 12. One "
+              "more takes four times the bytes: 2.7 KB of colour and 5.5 of normals a tile for 6.",
      .rebuild = Rebuild::session,
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream_budget, &StreamBudget::tail_log2>::get,
@@ -340,8 +340,8 @@ constexpr ProfileKey keys[] = {
      .unit = "s",
      .most = max_lookahead_s,
      .zero = "not at all",
-     .about = "How far ahead the camera's motion is followed. Seconds, 0 to 10; 0: not at all. Reads what is on the "
-              "way before it is wanted, and some that never will be.",
+     .about = "How far ahead the camera's motion is extrapolated. Seconds, 0 to 10; 0: not at all. Reads what lies "
+              "ahead before it is needed, and some that never will be.",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::lookahead_s>::get,
      .set = At<&Profile::stream, &StreamSettings::lookahead_s>::set},
@@ -351,7 +351,7 @@ constexpr ProfileKey keys[] = {
      .unit = "s",
      .most = max_fade_s,
      .zero = "at once",
-     .about = "Time in which a mip that has come fades in. Seconds, 0 to 10; 0: at once. Costs nothing.",
+     .about = "Time in which a new mip fades in. Seconds, 0 to 10; 0: at once. Costs nothing.",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::fade_s>::get,
      .set = At<&Profile::stream, &StreamSettings::fade_s>::set},
@@ -363,7 +363,7 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = max_stream_pages,
      .logarithmic = true,
-     .about = "Pages taken over in a frame. Pages, 1 to 4096; 10 to 20 us each. When they do not suffice, they wait "
+     .about = "Pages inserted in a frame. Pages, 1 to 4096; 10 to 20 us each. When they do not suffice, they wait "
               "for the next frame, and the report says \"stream_pages\".",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::pages>::get,
@@ -376,7 +376,7 @@ constexpr ProfileKey keys[] = {
      .least = min_stream_tests,
      .most = 0xffffffff,
      .logarithmic = true,
-     .about = "Pages that a frame may look at to find what is wanted. Pages, 1024 to 4294967295; some 10 ns each. When "
+     .about = "Pages that a frame may test to find what is wanted. Pages, 1024 to 4294967295; some 10 ns each. When "
               "they do not suffice, the search goes on in the next frame, and the report says \"stream_tests\".",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::tests>::get,
@@ -390,7 +390,7 @@ constexpr ProfileKey keys[] = {
      .most = max_map_kb,
      .logarithmic = true,
      .about = "Maps uploaded in a frame, but always at least one mip. KB (1024 bytes), 1 to 1048576. Costs the bus, "
-              "and a hitch where it is too much. The report says \"stream_upload\" when more has come.",
+              "and a hitch where it is too much. The report says \"stream_upload\" when more has arrived.",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::map_bytes, 10>::get,
      .set = At<&Profile::stream, &StreamSettings::map_bytes, 10>::set},

@@ -148,7 +148,7 @@ Status replay_pages(const Pack& pack, Terrain& terrain, LiveCut cut, const Recor
         case PageEvent::released:
             if (Status s = release_page(cut, p.tile, p.page, released); !s.ok()) return s;
             break;
-        case PageEvent::kept: keep_page(cut, p.tile, p.page); break;
+        case PageEvent::kept: cancel_release(cut, p.tile, p.page); break;
         case PageEvent::removed: unload_page(terrain, p.tile, p.page); break;
         }
     }

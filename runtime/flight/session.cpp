@@ -242,8 +242,8 @@ FrameEntry update_frame(Session& session, const View& view, const Profile& profi
 namespace {
 
 bool nothing_under_way(const StreamReport& r) {
-    return r.requested == 0 && r.pages_left == 0 && r.mips_left == 0 && r.pages_taken == 0 && r.mips_taken == 0 &&
-           r.pages_draining == 0 && (r.exhausted & stream_tests) == 0;
+    return r.in_flight == 0 && r.pages_left == 0 && r.mips_left == 0 && r.pages_inserted == 0 && r.mips_uploaded == 0 &&
+           r.pages_evicting == 0 && (r.exhausted & stream_tests) == 0;
 }
 
 } // namespace
@@ -263,7 +263,8 @@ FrameEntry update_until_there(Session& session, const View& view, const Profile&
         each(poll);
         add_poll(frame, poll);
         const StreamReport& r = poll.stream;
-        const bool moved = r.pages_taken != 0 || r.mips_taken != 0 || poll.activations != 0 || poll.deactivations != 0;
+        const bool moved =
+            r.pages_inserted != 0 || r.mips_uploaded != 0 || poll.activations != 0 || poll.deactivations != 0;
         const bool there = (r.converged && r.maps_converged) || nothing_under_way(r);
         quiet = there && poll.waiting == poll.blocked && !moved ? quiet + 1 : 0;
         const auto now = Clock::now();

@@ -35,7 +35,7 @@ void export_frame(const Export& e, const Session& session, const View& view, con
 
 // The threshold that capacities allow, whatever missing pages hide besides.
 double allowed_px(const FrameEntry& entry) {
-    return entry.error_px_effective > entry.missing_px ? entry.error_px_effective : entry.error_px_asked;
+    return entry.error_px_effective > entry.missing_px ? entry.error_px_effective : entry.error_px_requested;
 }
 
 // What could not be read is an error of the input, or of the disk, once the flight is over.

@@ -214,8 +214,8 @@ private:
         ++shown_frames_;
         if (shown_seconds_ < title_seconds) return;
         const bool wanting =
-            entry.error_px_effective > entry.error_px_asked && entry.missing_px < entry.error_px_effective;
-        const bool missing = entry.missing_px > entry.error_px_asked;
+            entry.error_px_effective > entry.error_px_requested && entry.missing_px < entry.error_px_effective;
+        const bool missing = entry.missing_px > entry.error_px_requested;
         const std::string text = fmt::format(
             "Fjell - update {:.0f} us - {} vertices - {} triangles drawn - {:.0f} fps - {:.3g} px{}{}", entry.update_us,
             entry.vertices, entry.triangles_drawn, shown_frames_ / shown_seconds_, entry.error_px_effective,

@@ -227,7 +227,7 @@ std::string show_maps(std::span<const TileMap> from, MapKind kind, Maps& maps) {
     if (from.empty()) return {};
     if (from.size() != arrays.tiles.size()) return "show_maps() needs one TileMap a tile";
     for (const TileMap& map : from)
-        if ((map.side_log2 != 0 && !has_layer(arrays, map.side_log2, map.layer)) || !std::isfinite(map.finest))
+        if ((map.side_log2 != 0 && !has_layer(arrays, map.side_log2, map.layer)) || !std::isfinite(map.min_lod))
             return "a TileMap names a size or a layer that RendererOptions::colour and ::normal have no room for";
     std::copy(from.begin(), from.end(), arrays.tiles.begin());
     maps.all_there = false;

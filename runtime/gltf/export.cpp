@@ -56,8 +56,8 @@ SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const V
         if (!status.ok()) return refused(2, fmt::format("{}: {}", status.field, message(status.code)));
         if (!report.converged && !all) continue;
         return write_snapshot(pack, terrain, recursive_mesh(method),
-                              {view, report.error_px_asked, std::max(report.error_px_effective, terrain.missing_px),
-                               report.converged && terrain.missing_px <= report.error_px_asked},
+                              {view, report.error_px_requested, std::max(report.error_px_effective, terrain.missing_px),
+                               report.converged && terrain.missing_px <= report.error_px_requested},
                               path, options);
     }
 }

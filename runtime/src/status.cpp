@@ -14,7 +14,7 @@ const char* message(Code code) {
     case Code::corrupt: return "the pack is damaged here; copy or bake it again";
     case Code::out_of_range: return "the value is outside its allowed range; see the header that declares it";
     case Code::memory_too_small:
-        return "the memory block is smaller than the matching *_bytes() function says; pass a larger one";
+        return "the memory is smaller than the matching *_bytes() function says; pass a larger one";
     case Code::budget_too_small: return "the budget cannot hold the coarsest mesh; raise the field";
     case Code::out_of_slots: return "every page slot is taken; unload a page, or raise TerrainBudget::page_slots";
     case Code::coarser_page_first: return "a page of a coarser step over this one is not loaded; load that one first";

@@ -67,7 +67,7 @@ void frame(benchmark::State& state, double cells, bool rests = false) {
             require(update_cut(e.cut, {&view, 1}, settings, report));
             cut_us.push_back(us_since(start));
             prepare_us.push_back(report.prepare_us);
-            pages += stream.pages_taken;
+            pages += stream.pages_inserted;
             converged += stream.converged;
             for (const PageArrival& a : page_arrivals(e.stream)) removed += a.event == PageEvent::removed;
             e.serve(64);

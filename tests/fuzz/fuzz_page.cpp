@@ -17,7 +17,7 @@ using namespace fjell;
 using fuzz::must;
 using fuzz::PageScript;
 
-constexpr std::uint32_t n = page_squares, w = block_corners;
+constexpr std::uint32_t n = page_squares, w = page_corners;
 constexpr std::uint32_t first_side_x = n * n, first_side_y = first_side_x + n * (n + 1);
 
 // The length that a page's flags ask for, said once more and in other words than in unpack_page.

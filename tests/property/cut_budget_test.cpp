@@ -53,6 +53,28 @@ Rest rest(Cut& cut, const View& view, const CutSettings& settings, int frames) {
 
 } // namespace
 
+TEST_CASE("a slot costs the bytes that the headers say") {
+    Random random(140);
+    const auto pack = bake_and_load(random_dem(random, 300, 300, Shape::noise), small_bake(6));
+    constexpr std::uint32_t more = 1u << 20; // so many that bookkeeping and rounding up weigh less than a byte each
+    const auto grown = [&](std::uint32_t vertices, std::uint32_t triangles, std::uint32_t slots) {
+        Terrain terrain = pack.terrain;
+        terrain.slot_count += slots;
+        CutBudget budget = least_cut(terrain, 4096);
+        budget.vertices += vertices;
+        budget.triangles += triangles;
+        return cut_bytes(terrain, budget);
+    };
+    const std::size_t least = grown(0, 0, 0);
+    CHECK((grown(more, 0, 0) - least) / more == cut_vertex_bytes);
+    CHECK((grown(0, more, 0) - least) / more == cut_triangle_bytes);
+    CHECK((grown(0, 0, 7000) - least + 500) / 7000 == cut_page_slot_bytes);
+    const auto slots = [&](std::uint32_t count) { return terrain_bytes(pack.terrain.header, {.page_slots = count}); };
+    const std::uint32_t tiles = pack.terrain.tile_count(), pages = pack.terrain.page_count();
+    const std::size_t page = (slots(pages) - slots(tiles)) / (pages - tiles);
+    CHECK((page + cut_page_slot_bytes + 500) / 1000 == 32); // README: 32 KB each
+}
+
 TEST_CASE("each budget that is too small alone lowers quality, names itself, breaks nothing and is forgiven") {
     Random random(141);
     std::uint32_t seen = 0;
@@ -85,7 +107,7 @@ TEST_CASE("each budget that is too small alone lowers quality, names itself, bre
             CAPTURE(round, frame, settings.error_px, budget.vertices, budget.triangles, settings.items);
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
             REQUIRE((report.exhausted & ~bit) == 0);
-            if (!report.converged && report.error_px_effective == report.error_px_asked)
+            if (!report.converged && report.error_px_effective == report.error_px_requested)
                 REQUIRE(report.exhausted == bit);
             REQUIRE(report.vertex_slots.used <= report.vertex_slots.capacity);
             REQUIRE(report.triangle_slots.used <= report.triangle_slots.capacity);
@@ -315,7 +337,7 @@ TEST_CASE("an absurd budget is refused by the field's name before anything is as
     for (const std::uint32_t chunk : {0u, 1u, 4u, 7u, 9u, 1u << 17, 0xffffffffu}) {
         b = good;
         b.segment_triangles = chunk;
-        refused(b, Code::out_of_range, "CutBudget::chunk_triangles");
+        refused(b, Code::out_of_range, "CutBudget::segment_triangles");
     }
     for (const std::uint32_t views : {0u, max_cut_views + 1, 0xffffffffu}) {
         b = good;

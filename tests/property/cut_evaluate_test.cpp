@@ -16,7 +16,7 @@ std::uint32_t bits_of(float value) {
     return bits;
 }
 
-std::string compare(const Decision& decision, const LaneGroup& group) {
+std::string compare(const Criterion& decision, const LaneGroup& group) {
     LaneMargins vector{}, scalar{};
     evaluate(decision, group, vector);
     evaluate_scalar(decision, group, scalar);
@@ -78,7 +78,7 @@ TEST_CASE("evaluate() is evaluate_scalar() bit for bit, whatever the group, the 
         for (VertexRecord& r : records)
             r = {static_cast<std::uint16_t>(pick(random, 0, 65535)), static_cast<std::uint8_t>(pick(random, 0, 255)),
                  static_cast<std::uint8_t>(pick(random, 0, 255))};
-        Decision d{};
+        Criterion d{};
         d.error_m = errors.metres;
         d.radius_factor = radii.factor;
         d.base_m = static_cast<float>(uniform(random, -4000, 4000));

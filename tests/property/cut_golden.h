@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "cut/state.h"
+#include "cut/evaluate.h"
 #include "fjell/cut.h"
 
 namespace fjell::test {

@@ -288,8 +288,8 @@ TEST_CASE("a budget that is too small lowers quality, names itself and breaks no
             const FrameReport report = method.update(view, settings);
             const FrameReport wish = free.update(view, settings);
             REQUIRE(check_mesh(terrain, method.mesh()) == "");
-            REQUIRE(report.error_px_asked == settings.error_px);
-            REQUIRE(report.converged == (report.error_px_effective <= report.error_px_asked));
+            REQUIRE(report.error_px_requested == settings.error_px);
+            REQUIRE(report.converged == (report.error_px_effective <= report.error_px_requested));
             if (report.converged)
                 REQUIRE(report.triangles == wish.triangles);
             else

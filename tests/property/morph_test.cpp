@@ -78,8 +78,8 @@ Flight fly(const Terrain& terrain, CutSettings settings, std::uint32_t items, in
         const CutReport report = cut.update({&view, 1}, settings);
         REQUIRE(check_cut(cut) == "");
         flight.changes += report.activations + report.deactivations;
-        flight.most_rising = std::max(flight.most_rising, report.rising);
-        flight.rising_frames += report.rising != 0;
+        flight.most_rising = std::max(flight.most_rising, report.morphing);
+        flight.rising_frames += report.morphing != 0;
         const std::vector<double> after = surface(terrain, cut);
         if (!before.empty())
             flight.largest_px = std::max(flight.largest_px, largest_step_px(terrain, view, before, after));
@@ -212,7 +212,7 @@ TEST_CASE("pages that leave do so without a step when vertices morph, and with o
                     REQUIRE(report.items == report.evaluations + report.activations + report.deactivations);
                     REQUIRE(report.items <= settings.items);
                     removed += report.deactivations;
-                    sinking += report.rising != 0;
+                    sinking += report.morphing != 0;
                     const std::vector<double> after = surface(paged.terrain, cut);
                     largest_px[morphs] =
                         std::max(largest_px[morphs], largest_step_px(paged.terrain, view, before, after));

@@ -37,7 +37,7 @@ int frames_to_rest(Streamed& on, ScriptedClient& client, const View& view, const
         const StreamReport r = on.update({&view, 1}, cut, settings);
         client.follow();
         (void)on.cut.update({&view, 1}, cut);
-        quiet = page_arrivals(on.stream).empty() && r.pages_read == read && r.requested == 0 ? quiet + 1 : 0;
+        quiet = page_arrivals(on.stream).empty() && r.pages_read == read && r.in_flight == 0 ? quiet + 1 : 0;
         read = r.pages_read;
         if (quiet == 20) return frame;
     }

@@ -54,7 +54,7 @@ struct Flight {
 };
 
 struct Seen {
-    std::uint64_t removed = 0, converged = 0, limited = 0, failed = 0, lost = 0, declined = 0, withdrawn = 0;
+    std::uint64_t removed = 0, converged = 0, limited = 0, failed = 0, lost = 0, declined = 0, cancelled = 0;
 };
 
 Seen fly(std::uint32_t seed, const Flight& flight) {
@@ -94,7 +94,7 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
             REQUIRE(check_promise(on, pack.terrain, views, report, stream, settings) == "");
             REQUIRE(client.read_twice == 0);
             for (const PageArrival& a : page_arrivals(on.stream)) seen.removed += a.event == PageEvent::removed;
-            seen.withdrawn += stream.withdrawn;
+            seen.cancelled += stream.cancelled;
             seen.failed += stream_failures(on.stream).size();
         }
         settings.items = unlimited_items;
@@ -109,11 +109,11 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
             stream = on.update(views, settings, stream_settings);
             client.follow();
             report = on.cut.update(views, settings);
-            const bool rests = page_arrivals(on.stream).empty() && stream.pages_read == read && stream.requested == 0;
+            const bool rests = page_arrivals(on.stream).empty() && stream.pages_read == read && stream.in_flight == 0;
             quiet = rests ? quiet + 1 : 0;
             read = stream.pages_read;
         }
-        CAPTURE(round, slots, pack.terrain.page_count(), settings.error_px, stream.missing_px, stream.requested);
+        CAPTURE(round, slots, pack.terrain.page_count(), settings.error_px, stream.missing_px, stream.in_flight);
         REQUIRE(check_frame(on.cut, pack.terrain, report, settings) == "");
         REQUIRE(check_promise(on, pack.terrain, views, report, stream, settings) == "");
         seen.converged += stream.converged;
@@ -133,12 +133,12 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
 
 TEST_CASE("pages that come late and go leave a whole mesh that keeps its promise, and it converges at rest") {
     const Seen seen = fly(301, {24, 60, {.most_delay = 10, .most_taken = 4}, true});
-    CAPTURE(seen.removed, seen.converged, seen.limited, seen.declined, seen.withdrawn);
+    CAPTURE(seen.removed, seen.converged, seen.limited, seen.declined, seen.cancelled);
     REQUIRE(seen.removed > 5);
     REQUIRE(seen.converged > 3);
     REQUIRE(seen.limited > 3);
     REQUIRE(seen.declined > 15);
-    REQUIRE(seen.withdrawn > 3);
+    REQUIRE(seen.cancelled > 3);
 }
 
 TEST_CASE("reads that fail, bring garbage or are cut short are reported once each and leave a whole mesh") {

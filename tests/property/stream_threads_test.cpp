@@ -155,7 +155,7 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
         ++seen.stops;
         // Everything that it took has been answered.
         for (std::uint32_t i = 0; i < on.state().request_count; ++i)
-            REQUIRE(phase_of(on.state().requests[i]) != Phase::taken);
+            REQUIRE(phase_of(on.state().requests[i]) != Phase::in_flight);
     };
     View view = random_view(random, full);
     CutSettings cut;
@@ -206,7 +206,7 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
         report = on.cut.update({&view, 1}, cut);
         const bool still =
             page_arrivals(on.stream).empty() &&
-            stream.requested + stream.pages_left + stream.mips_left + stream.mips_taken + stream.pages_draining == 0;
+            stream.in_flight + stream.pages_left + stream.mips_left + stream.mips_uploaded + stream.pages_evicting == 0;
         quiet = still ? quiet + 1 : 0;
         if (quiet == 3) {
             seen.converged += stream.converged;

@@ -7,8 +7,8 @@
 
 #include "cut/change.h"
 #include "cut/mesh.h"
+#include "cut/morph.h"
 #include "cut/pages.h"
-#include "cut/sink.h"
 #include "view/wanted.h"
 
 namespace fjell::test {
@@ -94,16 +94,16 @@ std::string check_vertex(const CutState& s, std::uint32_t vertex, std::vector<bo
         }
         if (bit(b.child[d]) != child) return say("a child mask is wrong at", s, vertex);
         if (!bit(b.active)) continue;
-        const std::uint32_t slot = s.slots[vertex];
+        const std::uint32_t slot = s.vertex_slot[vertex];
         if (slot >= s.budget.vertices) return say("no vertex slot for", s, vertex);
-        const bool drawn = s.made[slot * 4 + static_cast<std::uint32_t>(d)] != no_index;
+        const bool drawn = s.triangle_of[slot * 4 + static_cast<std::uint32_t>(d)] != no_index;
         // At the rim no triangle lies beyond; a leaf has no children to say so.
         bool expected = !child;
         if (!leaf) expected = expected && exists(s, child_site(site, d));
         if (!leaf && drawn != expected) return say("a triangle is missing, or is one too many, at", s, vertex);
     }
     if (bit(b.active)) {
-        const std::uint32_t slot = s.slots[vertex];
+        const std::uint32_t slot = s.vertex_slot[vertex];
         if (slot_used[slot]) return say("two vertices have one slot:", s, vertex);
         slot_used[slot] = true;
         const Coord at = s.terrain->tree.sample(site_coord(site));
@@ -113,25 +113,26 @@ std::string check_vertex(const CutState& s, std::uint32_t vertex, std::vector<bo
     return {};
 }
 
-std::string check_block(const CutState& s, std::uint32_t number) {
+std::string check_group(const CutState& s, std::uint32_t number) {
     const GroupState& b = s.groups[number];
     const PageSlot& info = s.page_slot[number / max_page_groups];
     const ParentMasks parents = parents_of(s, number, (1u << shape_of(s, number).lanes) - 1);
     if (b.parent[0] != parents.parent[0] || b.parent[1] != parents.parent[1])
         return say("a parent mask is wrong in the group of", s, number * group_lanes);
-    const bool draining = info.status == PageSlotStatus::draining;
+    const bool draining = info.status == PageSlotStatus::evicting;
     const std::uint32_t inactive = draining ? 0u : static_cast<std::uint32_t>(b.ready() & ~b.active);
     auto childless = static_cast<std::uint32_t>(b.active & ~b.parental());
     for (std::uint32_t lane = 0; lane < group_lanes; ++lane) // those that sink go by themselves
-        if ((b.active >> lane & 1) && sinks(s, s.slots[number * group_lanes + lane])) childless &= ~(1u << lane);
+        if ((b.active >> lane & 1) && morphs_out(s, s.vertex_slot[number * group_lanes + lane]))
+            childless &= ~(1u << lane);
     const ListId list = list_of(s.lists, number);
     if ((inactive | childless) != 0 && list == unlisted && !draining)
         return say("nobody will look at the group of", s, number * group_lanes);
     if (list >= due_lists || draining) return {}; // what drains goes without being looked at
     // Until a page has let go, what stood on it goes step by step, and is not asked whether it should.
     bool letting_go = false;
-    for (std::uint32_t i = 0; i < s.draining_count; ++i)
-        letting_go = letting_go || s.page_slot[s.draining[i]].active != 0;
+    for (std::uint32_t i = 0; i < s.evicting_count; ++i)
+        letting_go = letting_go || s.page_slot[s.evicting[i]].active != 0;
     // In the calendar: how far may it go, and how far will it?
     const std::uint32_t grade = b.grade;
     const double left_m = list >= soon_lists
@@ -148,7 +149,7 @@ std::string check_block(const CutState& s, std::uint32_t number) {
         double margin = -1e300;
         bool in = false;
         for (std::uint32_t i = 0; i < s.view_count; ++i) {
-            const Reach& r = on ? s.decision.keep[i] : s.decision.reach[i];
+            const Reach& r = on ? s.criterion.keep[i] : s.criterion.reach[i];
             in = in || wanted(r, s.terrain->x_m(at.x), v.height_m, s.terrain->z_m(at.y), v.error_m, v.radius_m);
             const Vec3 way{s.terrain->x_m(at.x) - r.eye_x, v.height_m - r.eye_y, s.terrain->z_m(at.y) - r.eye_z};
             margin = std::max(margin, (static_cast<double>(v.radius_m) + static_cast<double>(v.error_m) * r.q) *
@@ -181,8 +182,8 @@ std::string check_triangles(const CutState& s) {
             total += count;
             for (std::uint32_t i = 0; i < count; ++i) {
                 const std::uint32_t slot = (segment << s.segment_log2) + i;
-                if (s.made[s.names[slot]] != slot) return "a triangle's name leads elsewhere";
-                if (s.names[slot] / 4 != s.indices[std::size_t{slot} * 3])
+                if (s.triangle_of[s.key_of[slot]] != slot) return "a triangle's name leads elsewhere";
+                if (s.key_of[slot] / 4 != s.indices[std::size_t{slot} * 3])
                     return "a triangle's right angle is not its maker's";
                 const MeshTriangle t{s.indices[std::size_t{slot} * 3], s.indices[std::size_t{slot} * 3 + 1],
                                      s.indices[std::size_t{slot} * 3 + 2]};
@@ -196,7 +197,7 @@ std::string check_triangles(const CutState& s) {
     for (const bool used : segment_used)
         if (!used) return "a segment is lost";
     std::uint32_t made = 0;
-    for (std::size_t i = 0; i < std::size_t{s.budget.vertices} * 4; ++i) made += s.made[i] != no_index;
+    for (std::size_t i = 0; i < std::size_t{s.budget.vertices} * 4; ++i) made += s.triangle_of[i] != no_index;
     return made == named ? "" : "a triangle is made that no tile has";
 }
 
@@ -218,7 +219,7 @@ std::string check_cut(Cut& cut) {
                     return wrong;
                 count += active(s, number * group_lanes + lane);
             }
-            if (std::string wrong = check_block(s, number); !wrong.empty()) return wrong;
+            if (std::string wrong = check_group(s, number); !wrong.empty()) return wrong;
         }
         if (count != info.active) return "a page counts its active vertices wrongly";
     }
@@ -240,7 +241,7 @@ std::string check_surface(Cut& cut, const Terrain& full) {
     // Vertices that sink are on their way to the edge: for the rest of this they stand where their samples do.
     std::vector<MeshVertex> standing(drawn.vertices.begin(), drawn.vertices.end());
     for (std::uint32_t slot = 0; slot < standing.size(); ++slot)
-        if (sinks(cut.state(), slot))
+        if (morphs_out(cut.state(), slot))
             standing[slot].height_m = full.height_m({standing[slot].column, standing[slot].row});
     drawn.vertices = standing;
     const auto holes = [&](const Triangle& t) {

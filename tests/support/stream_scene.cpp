@@ -113,7 +113,7 @@ std::string check_stream(Streamed& streamed) {
         if ((page == no_index) != (watch == no_index)) return "a slot is taken in one place and free in another";
         if (page == no_index) continue;
         if (s.watch_page[watch] != page) return "a slot's watch speaks of another page";
-        if (s.states[watch] != WatchState::loaded && s.states[watch] != WatchState::draining)
+        if (s.states[watch] != WatchState::loaded && s.states[watch] != WatchState::evicting)
             return "loaded, but not so";
         if (watch < s.slots * watches_per_slot) {
             ++below[watch / watches_per_slot];

@@ -232,7 +232,7 @@ Seen fly(const io::LoadedPack& pack, std::uint32_t seed, int frames) {
         seen.exhausted |= report.exhausted;
         seen.activations += report.activations;
         seen.deactivations += report.deactivations;
-        seen.governed += report.error_px_effective > report.error_px_asked;
+        seen.governed += report.error_px_effective > report.error_px_requested;
         seen.converged += report.converged;
     }
     return seen;
@@ -299,9 +299,9 @@ SeenStream fly_streamed(const io::LoadedPack& pack, std::uint32_t seed, int fram
                 (void)provide(stream, request.ticket, pack.pack.bytes.subspan(request.offset, request.bytes));
         }
         for (const PageArrival& a : page_arrivals(stream)) seen.removed += a.event == PageEvent::removed;
-        seen.pages += report.pages_taken;
-        seen.mips += report.mips_taken;
-        seen.withdrawn += report.withdrawn;
+        seen.pages += report.pages_inserted;
+        seen.mips += report.mips_uploaded;
+        seen.withdrawn += report.cancelled;
         seen.converged += report.converged;
         seen.exhausted |= report.exhausted;
         seen.failed = report.failed;

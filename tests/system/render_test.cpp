@@ -277,7 +277,7 @@ TEST_CASE("the shader places morphing vertices where morphed_height_m() says", "
         settings.now_s = frame * 0.1;
         REQUIRE(update_cut(scene.cut, {&view, 1}, settings, report).ok());
     }
-    CHECK(report.rising > 0);
+    CHECK(report.morphing > 0);
     const CutMesh live = cut_mesh(scene.cut);
     OwnMesh placed = copy_of(live.mesh);
     std::size_t half_way = 0;

@@ -84,8 +84,9 @@ struct Flown {
     void rest() {
         for (int quiet = 0; quiet < 5;) {
             frame();
-            const bool still = page_arrivals(stream).empty() &&
-                               streamed.requested + streamed.pages_left + streamed.mips_left + streamed.mips_taken == 0;
+            const bool still =
+                page_arrivals(stream).empty() &&
+                streamed.requested + streamed.pages_left + streamed.mips_left + streamed.mips_uploaded == 0;
             quiet = still ? quiet + 1 : 0;
             if (!still) std::this_thread::sleep_for(std::chrono::microseconds(300));
         }

@@ -107,7 +107,7 @@ TEST_CASE("no group is looked at later than its slack allows, nor much too early
                     lists.groups[popped].list = unlisted;
                     if (pick(2) == 0) {
                         pick(2) ? push_back(lists, work_lists + pick(rank_count), popped)
-                                : push_front(lists, retire_list, popped);
+                                : push_front(lists, deactivation_list, popped);
                         queued.insert(popped);
                     }
                 }

@@ -17,7 +17,7 @@ struct Tiles {
 
     Tiles(std::uint32_t w, std::uint32_t h, unsigned seed) : wide(w), high(h), maps(std::size_t{w} * h) {
         std::mt19937 random(seed);
-        for (TileMap& map : maps) map.finest = static_cast<float>(random() % 1024) / 128;
+        for (TileMap& map : maps) map.min_lod = static_cast<float>(random() % 1024) / 128;
     }
     // As the shader does. x, y: 0 to 1 over the tile.
     [[nodiscard]] float at(std::uint32_t tile, float x, float y) const {
@@ -45,7 +45,7 @@ TEST_CASE("the least mip is continuous across every border and never below the t
                 if (row + 1 < high) CHECK(tiles.at(tile, t, 1) == tiles.at(tile + wide, t, 0));
                 for (int other = 0; other <= 64; ++other)
                     // Each of the three blends rounds by an ulp of at most 8.
-                    if (tiles.at(tile, t, static_cast<float>(other) / 64) < tiles.maps[tile].finest - 3e-6f)
+                    if (tiles.at(tile, t, static_cast<float>(other) / 64) < tiles.maps[tile].min_lod - 3e-6f)
                         FAIL("tile " << tile << " at " << step << ", " << other);
             }
         }
@@ -56,24 +56,24 @@ TEST_CASE("the least mip at a place is the largest of the tiles that share it, a
     const Tiles tiles(3, 3, 9);
     float mip[9];
     min_lod_grid(tiles.maps, 3, 4, mip);
-    const auto finest = [&](std::initializer_list<std::size_t> of) {
+    const auto min_lod = [&](std::initializer_list<std::size_t> of) {
         float most = 0;
-        for (const std::size_t tile : of) most = std::max(most, tiles.maps[tile].finest);
+        for (const std::size_t tile : of) most = std::max(most, tiles.maps[tile].min_lod);
         return most;
     };
-    const float expected[9] = {finest({0, 1, 3, 4}), finest({1, 4}), finest({1, 2, 4, 5}),
-                               finest({3, 4}),       finest({4}),    finest({4, 5}),
-                               finest({3, 4, 6, 7}), finest({4, 7}), finest({4, 5, 7, 8})};
+    const float expected[9] = {min_lod({0, 1, 3, 4}), min_lod({1, 4}), min_lod({1, 2, 4, 5}),
+                               min_lod({3, 4}),       min_lod({4}),    min_lod({4, 5}),
+                               min_lod({3, 4, 6, 7}), min_lod({4, 7}), min_lod({4, 5, 7, 8})};
     for (int i = 0; i < 9; ++i) CHECK(mip[i] == expected[i]);
     min_lod_grid(tiles.maps, 3, 0, mip); // the terrain's corner: nothing beyond the rim
-    CHECK(mip[0] == finest({0}));
-    CHECK(mip[2] == finest({0, 1}));
-    CHECK(mip[8] == finest({0, 1, 3, 4}));
+    CHECK(mip[0] == min_lod({0}));
+    CHECK(mip[2] == min_lod({0, 1}));
+    CHECK(mip[8] == min_lod({0, 1, 3, 4}));
 }
 
-TEST_CASE("tiles that all have the same finest mip are drawn with it everywhere") {
+TEST_CASE("tiles that all have the same min_lod are drawn with it everywhere") {
     Tiles tiles(4, 3, 1);
-    for (TileMap& map : tiles.maps) map.finest = 2.625f;
+    for (TileMap& map : tiles.maps) map.min_lod = 2.625f;
     for (std::uint32_t tile = 0; tile < 12; ++tile)
         for (const float x : {0.0f, 0.3f, 0.5f, 0.9f, 1.0f}) CHECK(tiles.at(tile, x, 1 - x) == 2.625f);
 }

@@ -114,7 +114,7 @@ std::uint32_t count_wrong_locations(int log2, std::uint32_t stride) {
     const auto base_of = [](std::uint32_t page) { return static_cast<std::int32_t>(7 * page); };
     std::vector<StepPageEntry> entries(entries_per_tile(terrain.pages), StepPageEntry{no_index, -1});
     for (std::uint32_t page = 0; page < terrain.pages.pages_per_tile(); ++page)
-        set_block(terrain, page, {page == 1 ? no_index : page * capacity, base_of(page)}, entries.data());
+        set_step_page(terrain, page, {page == 1 ? no_index : page * capacity, base_of(page)}, entries.data());
     std::uint32_t wrong = 0;
     for_each_vertex(terrain.pages, stride, [&](std::uint32_t x, std::uint32_t y) {
         const Coord c = to_coord(x, y);

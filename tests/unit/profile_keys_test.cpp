@@ -70,6 +70,17 @@ std::string written_anew(const std::string& text) {
 
 } // namespace
 
+TEST_CASE("what the budgets' keys say of bytes is what a slot costs") {
+    const auto says = [](const char* name, std::size_t bytes) {
+        for (const ProfileKey& key : profile_keys())
+            if (std::string(key.table) == "budget" && std::string(key.name) == name)
+                return std::string(key.about).find(fmt::format(" {} bytes each", bytes)) != std::string::npos;
+        return false;
+    };
+    CHECK(says("vertices", cut_vertex_bytes));
+    CHECK(says("triangles", cut_triangle_bytes));
+}
+
 TEST_CASE("every key has a name of its own, a range, a label, and says what it is with its range") {
     std::set<std::string> names, tables;
     for (const ProfileTable& table : profile_tables()) CHECK(tables.insert(table.name).second);

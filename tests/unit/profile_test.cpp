@@ -188,7 +188,7 @@ TEST_CASE("a flight's CSV names exhausted budgets and leaves unmeasured errors e
     a.update_us = 12.34;
     a.vertices = 5;
     a.exhausted = exhausted_vertices | exhausted_indices;
-    a.error_px_asked = 1;
+    a.error_px_requested = 1;
     a.error_px_effective = 1.5;
     FrameEntry b;
     b.converged = b.settled = true;
@@ -197,10 +197,10 @@ TEST_CASE("a flight's CSV names exhausted budgets and leaves unmeasured errors e
     b.exhausted = exhausted_triangles | exhausted_items | exhausted_time;
     b.upload_bytes = 40;
     b.stream_us = 4.5;
-    b.stream.pages_taken = 3;
+    b.stream.pages_inserted = 3;
     b.stream.failed = 1;
     b.stream.page_slots.used = 9;
-    b.stream.requested = 2;
+    b.stream.in_flight = 2;
     b.stream.bytes_read = 1000;
     b.stream.missing_mips = 0.5;
     b.stream.converged = true;
@@ -267,7 +267,7 @@ TEST_CASE("a streamed flight is summed up apart, and knows when its first whole 
         r.complete = coarse;
         r.converged = pages;
         r.maps_converged = maps;
-        r.pages_taken = 2;
+        r.pages_inserted = 2;
         r.pages_read = static_cast<std::uint64_t>(at_s * 10);
         r.missing_px = pages ? 0 : 8;
         r.update_us = 30;
@@ -287,7 +287,7 @@ TEST_CASE("a streamed flight is summed up apart, and knows when its first whole 
     CHECK(s.stream.picture_frame == std::size_t{3});
     CHECK(s.stream.converged == 2);
     CHECK(s.stream.maps_converged == 2);
-    CHECK(s.stream.pages_taken == 8);
+    CHECK(s.stream.pages_inserted == 8);
     CHECK(s.stream.last.pages_read == 40);
     CHECK(s.stream.missing_px_max == 8);
     CHECK(s.stream.update_us.max == 30);
@@ -305,7 +305,7 @@ TEST_CASE("a frame that waited has the work of all its updates and the state of 
     frame.item_limit = poll.item_limit = 6;
     frame.update_us = 10;
     frame.upload_bytes = 100;
-    frame.stream.pages_taken = 2;
+    frame.stream.pages_inserted = 2;
     frame.stream.map_upload_bytes = 1000;
     frame.missing_px = 7;
     frame.exhausted = exhausted_items;
@@ -313,7 +313,7 @@ TEST_CASE("a frame that waited has the work of all its updates and the state of 
     poll.update_us = 20;
     poll.upload_bytes = 10;
     poll.converged = true;
-    poll.stream.pages_taken = 3;
+    poll.stream.pages_inserted = 3;
     poll.stream.pages_read = 5;
     poll.vertices = 77;
     add_poll(frame, poll);
@@ -323,7 +323,7 @@ TEST_CASE("a frame that waited has the work of all its updates and the state of 
     CHECK(frame.item_limit == unlimited_items); // the third had no limit
     CHECK(frame.update_us == 30);
     CHECK(frame.upload_bytes == 110);
-    CHECK(frame.stream.pages_taken == 5);
+    CHECK(frame.stream.pages_inserted == 5);
     CHECK(frame.stream.map_upload_bytes == 1000);
     CHECK(frame.stream.pages_read == 0);
     CHECK(frame.vertices == 0);

@@ -40,8 +40,8 @@ struct Scene {
         for (;;) {
             const StreamReport r = update();
             if (r.converged && r.maps_converged) return r;
-            if (r.requested == 0 && r.pages_left == 0 && r.mips_left == 0 && r.pages_taken == 0 && r.mips_taken == 0 &&
-                r.pages_draining == 0 && ++quiet > 2)
+            if (r.in_flight == 0 && r.pages_left == 0 && r.mips_left == 0 && r.pages_inserted == 0 &&
+                r.mips_uploaded == 0 && r.pages_evicting == 0 && ++quiet > 2)
                 return r;
             std::this_thread::sleep_for(std::chrono::microseconds(200));
         }

@@ -1,14 +1,15 @@
 // The incremental method: a cut that lives from frame to frame and pays only for what changes (DESIGN section 6).
 //
-// Where the recursive method (fjell/recursive.h) finds the mesh anew from the roots, this one keeps the set of active
-// vertices and, for every small group of vertices, how far the eye may still move before any of them could change. A
-// frame looks only at groups whose slack is spent, and activates or deactivates one vertex at a time: after every
-// single step the mesh is whole. It refines all around; the frustum decides what is drawn, and what is done first.
+// The recursive method (fjell/recursive.h) rebuilds the mesh from the roots in every frame. This one keeps the set of
+// active vertices and, for every small group of them, its slack: how far the eye may still move before any of them
+// could change. A frame visits only groups whose slack is spent, and activates or deactivates one vertex at a time; the
+// mesh is free of cracks after every single step. It refines in all directions; the frustum decides what is drawn, and
+// what is refined first.
 //
-// Work is counted in items: one group evaluated, or one vertex activated or deactivated (with another look at its
-// group), each bounded by a constant. A limit in microseconds is read off the clock before every group. When a frame's
-// items do not suffice, the mesh lags behind the view and the report says by how much. When a capacity does not, the
-// effective threshold rises until it does, and comes back.
+// Work is counted in items: one group evaluated, or one vertex activated or deactivated (which includes evaluating its
+// group again), each bounded by a constant. A limit in microseconds is checked before every group. When a frame's items
+// do not suffice, the mesh lags behind the view and the report says by how much. When a capacity does not suffice, the
+// effective threshold rises until it does; it falls again when there is room.
 //
 // Memory: one piece from the host, cut_bytes() of it, touched at creation; afterwards no allocation, lock, system call
 // or exception. Thread: one at a time; loading and unloading pages counts as use.
@@ -31,35 +32,39 @@ namespace fjell {
 inline constexpr std::uint32_t max_cut_views = 8;
 
 struct CutBudget {
-    std::uint32_t vertices = 1u << 19;  // slots of the vertex buffer, 57 bytes each; 4 a tile at least
-    std::uint32_t triangles = 1u << 20; // slots of the index buffer, 16 bytes each
+    std::uint32_t vertices = 1u << 19;  // slots of the vertex buffer, cut_vertex_bytes each; 4 a tile at least
+    std::uint32_t triangles = 1u << 20; // slots of the index buffer, cut_triangle_bytes each
     // Triangles lie tile by tile, in segments of this many slots: a segment is one draw range. 8 to 65,536, a power of
     // two.
     std::uint32_t segment_triangles = 512;
     std::uint32_t views = 1; // 1 to max_cut_views
 };
+// Bytes of cut_bytes() for a slot of each buffer (two bits of bookkeeping not counted), and for each page slot of the
+// terrain (TerrainBudget::page_slots).
+inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 16, cut_page_slot_bytes = 19'756;
 
-// How a vertex comes and goes (DESIGN section 6, Morph; thesis 5.4.1). With error and time vertices are activated at
-// error_px / (1 + nesting)^2, on the edge that they split, and reach their height at error_px: the ends of that edge
-// are at rest by then, because errors nest, so the surface is continuous and the screen bound holds.
+// How a vertex appears and disappears: geomorphing (DESIGN section 6, Morph; thesis 5.4.1). With error and time
+// vertices are activated at error_px / (1 + nesting)^2, on the edge that they split, and reach their height at
+// error_px. The ends of that edge no longer move by then, because errors nest; so the surface is continuous and the
+// screen bound holds.
 enum class Morph : std::uint8_t {
-    none,  // at once
-    error, // with the distance, in the vertex shader; what is activated late also takes morph_s, and so does not pop
-    time   // the same, and everything takes morph_s: for cameras that move far in a frame
+    none,  // no morphing: at once
+    error, // by distance, in the vertex shader; a vertex that is activated late also takes morph_s, and so does not pop
+    time   // the same, and every vertex takes morph_s: for cameras that move far in a frame
 };
 
 inline constexpr std::uint32_t unlimited_items = 0xffffffff;
 
 struct CutSettings {
-    double error_px = 1;      // the threshold (kappa), 0.001 to 1e6
-    double hysteresis = 0;    // a vertex goes only when its error is below error_px / (1 + hysteresis); 0 to 10
-    bool corner_safe = false; // bound pixels in the image's corners too
+    double error_px = 1;                    // the threshold (kappa), 0.001 to 1e6
+    double hysteresis = 0;                  // a vertex is deactivated only below error_px / (1 + hysteresis); 0 to 10
+    bool corner_safe = false;               // bound pixels in the image's corners too
     std::uint32_t items = unlimited_items;  // work that this frame may do
-    std::uint32_t visits = unlimited_items; // groups that it may visit: repeats a frame that its time has ended
-    double budget_us = 0;                   // time that it may take, read every few items; 0: no limit
+    std::uint32_t visits = unlimited_items; // groups that it may visit: replays a frame that budget_us ended
+    double budget_us = 0;                   // time that it may take; 0: no limit
     Morph morph = Morph::none;
-    double morph_s = 0.25; // time that a late vertex takes to rise; 0.01 to 10
-    double now_s = 0;      // the host's clock, for timed morphing and nothing else; must not run backwards
+    double morph_s = 0.25; // time that a vertex activated late takes to reach its height; 0.01 to 10
+    double now_s = 0;      // the host's clock, for timed morphing only; must not run backwards
 };
 
 enum CutBudgetBit : std::uint32_t {
@@ -83,15 +88,15 @@ struct CutReport {
     std::uint32_t vertices = 0;                         // active, and the corners of all tiles
     std::uint32_t triangles = 0;                        // of the whole terrain
     std::uint32_t tiles_drawn = 0, triangles_drawn = 0; // of tiles that some view may see
-    std::uint32_t waiting = 0;                          // lag: groups that still have work
+    std::uint32_t waiting = 0;                          // lag: groups that still have work to do
     std::uint32_t blocked = 0;                          // of those, for want of a capacity
-    // Vertices activated late that have not reached their height, and those of pages asked back that sink.
-    std::uint32_t rising = 0;
+    // Vertices that morph by time: in, because they were activated late, or out, because their page is evicted.
+    std::uint32_t morphing = 0;
     std::uint32_t exhausted = 0; // CutBudgetBits
-    // Effective: the one that the capacities allow, or what missing pages may hide (Terrain::missing_px) if that is
-    // more.
-    double error_px_asked = 0, error_px_effective = 0;
-    bool converged = false;                 // nothing waits, nothing rises, effective == asked: the screen bound holds
+    // Effective: the threshold that the capacities allow, or what missing pages may hide (Terrain::missing_px) if that
+    // is more.
+    double error_px_requested = 0, error_px_effective = 0;
+    bool converged = false;                 // nothing waits or morphs, effective == requested: the screen bound holds
     bool rebuilt = false;                   // by the bulk pass
     BudgetUse vertex_slots, triangle_slots; // triangle slots in whole segments
     std::uint32_t vertices_changed = 0, triangles_changed = 0; // slots to upload
@@ -111,35 +116,35 @@ struct LiveCut {
 // with not_supported for a pack in linear order.
 Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std::byte> memory, LiveCut& cut);
 
-// Brings the cut towards what the views want, as far as the items go. views: 1 to CutBudget::views of them.
+// Refines and coarsens the cut for the views, as far as the items go. views: 1 to CutBudget::views of them.
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
 
-// Builds the cut from nothing, whatever it was: for the first frame, after a teleport, for an export. Not bounded in
+// Builds the cut from scratch: for the first frame, after a teleport, for an export. Not bounded in
 // time: some nanoseconds a triangle. Keeps to the capacities.
 Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
 
-// Asks that nothing of this page be active, so that it can be unloaded. Takes effect over the next updates, with
-// morphing over some morph_s, because its vertices sink first; `released` becomes true when it has. A page must not be
-// unloaded before. Asking for a page that is not loaded releases at once.
+// Asks the cut to evict this page: to deactivate all its vertices, so that it can be unloaded. This takes several
+// updates; with morphing some morph_s, because the vertices morph out first. Call again until `released` is true; a
+// page must not be unloaded before. A page that is not loaded is released at once.
 Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released);
 
-// Takes release_page() back: the page stays after all.
-void keep_page(LiveCut cut, std::uint32_t tile, std::uint32_t page);
+// Cancels release_page(): the page stays.
+void cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page);
 
-inline constexpr float never_born_s = -1e30f; // far enough back for any vertex to have risen
+inline constexpr float long_active_s = -1e30f; // so long ago that any vertex has reached its height
 
 // Vertices of the cut for morphing, one for one with MeshView::vertices.
 struct MorphVertex {
-    float flat_m;   // height on the hypotenuse it splits: where it starts to rise and ends to sink
-    float error_m;  // its own
-    float radius_m; // of its sphere
-    float born_s;   // when it was activated late, or never_born_s
+    float flat_m;      // height on the hypotenuse it splits: where it starts
+    float error_m;     // its own
+    float radius_m;    // of its sphere
+    float activated_s; // when it was activated, if late; otherwise long_active_s
 };
 static_assert(sizeof(MorphVertex) == 16, "MorphVertex is uploaded: change the renderer's vertex format with it");
 
-// What the vertex shader needs beside them. A vertex has risen by t = (start - d) / (start - full), d the distance from
-// the eye to its full height, start = radius_m + error_m * q_start, full = radius_m + error_m * q_full, t from 0 to 1;
-// of several views the largest t counts. With the time since born_s it is at most (now_s - born_s) / morph_s.
+// What the vertex shader needs beside them. A vertex has morphed in by t = (start - d) / (start - full), t from 0 to 1,
+// where d is the distance from the eye to its full height, start = radius_m + error_m * q_start, full = radius_m +
+// error_m * q_full. Of several views the largest t counts. By time t is at most (now_s - activated_s) / morph_s.
 struct MorphView {
     float eye_x, eye_y, eye_z; // scene axes, metres
     float q_start, q_full;
@@ -159,7 +164,7 @@ struct MorphFrame {
 struct CutMesh {
     MeshView mesh;                      // all slots; ranges of the tiles that some view may see
     std::span<const MorphVertex> morph; // one a vertex slot
-    MorphFrame frame;                   // what the shader makes of them
+    MorphFrame frame;                   // the shader's other inputs
     // Slots written since the previous update, 64 to a word; only the words listed hold any.
     std::span<const std::uint64_t> vertex_bits, triangle_bits;
     std::span<const std::uint32_t> vertex_words, triangle_words;

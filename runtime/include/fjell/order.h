@@ -119,9 +119,9 @@ struct PageLayout {
         return {static_cast<std::int32_t>(local & ((1u << step.pages_log2) - 1)),
                 static_cast<std::int32_t>(local >> step.pages_log2)};
     }
-    [[nodiscard]] constexpr std::uint32_t page_at(int z, std::uint32_t px, std::uint32_t by) const {
+    [[nodiscard]] constexpr std::uint32_t page_at(int z, std::uint32_t px, std::uint32_t py) const {
         const StepLayout step = step_layout(z);
-        return step.first_page + (order == Order::hierarchical_z ? interleave(px, by) : (by << step.pages_log2) + px);
+        return step.first_page + (order == Order::hierarchical_z ? interleave(px, py) : (py << step.pages_log2) + px);
     }
 
     // Not for linear order.
@@ -152,11 +152,11 @@ struct PageLayout {
             const int z = Tree::step_log2(c);
             const StepLayout step = step_layout(z);
             const std::uint32_t i = x >> (z + 1), j = y >> (z + 1), last = (1u << step.pages_log2) - 1;
-            const std::uint32_t px = std::min(i / step.page_side, last), by = std::min(j / step.page_side, last);
-            const std::uint32_t page = O == Order::hierarchical_z ? interleave(px, by) : (by << step.pages_log2) + px;
+            const std::uint32_t px = std::min(i / step.page_side, last), py = std::min(j / step.page_side, last);
+            const std::uint32_t page = O == Order::hierarchical_z ? interleave(px, py) : (py << step.pages_log2) + px;
             return {step.first_page + page,
                     step.offset +
-                        page_index<O>(step.page_side, Tree::kind(c), i - px * step.page_side, j - by * step.page_side)};
+                        page_index<O>(step.page_side, Tree::kind(c), i - px * step.page_side, j - py * step.page_side)};
         }
     }
     [[nodiscard]] constexpr PagePlace place(std::uint32_t x, std::uint32_t y) const {
@@ -190,7 +190,7 @@ private:
     [[nodiscard]] static constexpr std::uint32_t first_page(int log2) {
         return 1 + ((1u << (2 * (log2 - page_squares_log2))) - 1) / 3;
     }
-    [[nodiscard]] constexpr Coord page_coord(int z, std::int32_t px, std::int32_t by, std::uint32_t index) const {
+    [[nodiscard]] constexpr Coord page_coord(int z, std::int32_t px, std::int32_t py, std::uint32_t index) const {
         const std::uint32_t n = step_layout(z).page_side;
         VertexKind kind = VertexKind::centre;
         std::uint32_t i = 0, j = 0;
@@ -218,7 +218,7 @@ private:
         }
         const std::int32_t s = std::int32_t{1} << z;
         const std::int32_t square_x = px * static_cast<std::int32_t>(n) + static_cast<std::int32_t>(i),
-                           square_y = by * static_cast<std::int32_t>(n) + static_cast<std::int32_t>(j);
+                           square_y = py * static_cast<std::int32_t>(n) + static_cast<std::int32_t>(j);
         return {2 * square_x * s + (kind == VertexKind::side_y ? 0 : s),
                 2 * square_y * s + (kind == VertexKind::side_x ? 0 : s)};
     }

@@ -20,7 +20,7 @@ namespace fjell {
 
 inline constexpr char pack_magic[8] = {'F', 'J', 'E', 'L', 'L', 'P', 'K', '\n'};
 inline constexpr std::uint32_t pack_version = 4;
-// Changes with every stored layout; also tells a byte-swapped file from ours.
+// Changes with every stored layout; also detects a byte-swapped file.
 inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0004'0004'1020ull;
 inline constexpr std::uint32_t max_texture_log2 = 12;
 inline constexpr std::uint32_t max_columns = 1u << 20;
@@ -112,8 +112,8 @@ enum PageFlags : std::uint8_t {
     page_errors = 2, // errors are stored; otherwise they follow from heights (step 1 only)
     page_voids = 4   // a bit a vertex: holes
 };
-// Radii of a block page, one for 4 x 4 squares: 8 x 8 for centres, 8 x 9 for side_x, 9 x 8 for side_y.
-inline constexpr std::uint32_t radius_block_log2 = 2;
+// Radii of any page but page 0, one for 4 x 4 squares: 8 x 8 for centres, 8 x 9 for side_x, 9 x 8 for side_y.
+inline constexpr std::uint32_t radius_squares_log2 = 2;
 inline constexpr std::uint32_t page_radii = 64 + 72 + 72;
 // The most and the fewest bytes that a page of that many vertices can decode from.
 [[nodiscard]] constexpr std::uint32_t max_page_raw_bytes(std::uint32_t vertices) {
@@ -151,10 +151,10 @@ Status open_pack(std::span<const std::byte> file, Pack& pack);
 // reads chunks when they are wanted. file_bytes: how long the file is.
 Status open_index(std::span<const std::byte> header, std::span<const std::byte> directory, std::uint64_t file_bytes,
                   Pack& pack);
-// Of the header alone, checked: where the directory lies and how large it is.
+// Reads and checks the header alone: it says where the directory lies and how large it is.
 Status read_header(std::span<const std::byte> header, std::uint64_t file_bytes, PackHeader& out);
 
-// The ranges that open_pack insists on, so that a writer can ask before it works. Hashes and sizes are not looked at.
+// The ranges that open_pack insists on, so that a writer can check them first. Hashes and sizes are not checked.
 Status check_ranges(const PackHeader& header);
 
 // What a chunk of the directory is. item: a page of geometry, a mip of a map, 0 otherwise.

@@ -1,9 +1,9 @@
 // Heights and rays for gameplay and physics, from any thread while the frame's thread updates.
 //
-// Answers come from the finest ground that is loaded, whatever the mesh shows at the moment: the full-resolution
+// Answers come from the finest ground that is loaded, whatever the mesh shows: the full-resolution
 // surface of right isosceles triangles, or a coarser level of it where pages are missing. Every answer says how far
 // the original ground may be from it; with estimate max (PackHeader::estimate) that is a bound, else a likely size, and
-// a ray may pass a peak that no error speaks of. With all pages there the surface is whole; where some are missing,
+// a ray may pass a peak that no error speaks of. With all pages loaded the surface has no gaps; where some are missing,
 // answers on both sides of a page's border may differ by their errors.
 // Positions: scene axes, metres. Threads: any number, beside the one that loads and unloads pages (load_page,
 // insert_page, unload_page, update_stream); nothing waits, nothing is locked. The terrain must outlive the call.

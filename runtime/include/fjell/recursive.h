@@ -24,9 +24,10 @@
 namespace fjell {
 
 struct RecursiveBudget {
-    std::uint32_t vertices = 1u << 18; // slots of the vertex buffer, 12 bytes each (and 4 of bookkeeping twice)
+    std::uint32_t vertices = 1u << 18; // slots of the vertex buffer, recursive_vertex_bytes each
     std::uint32_t indices = 1u << 20;  // strip or list indices, 4 bytes each
 };
+inline constexpr std::size_t recursive_vertex_bytes = 20; // of recursive_bytes(), for a slot of the vertex buffer
 
 enum class Metric : std::uint8_t {
     isotropic, // Lindstrom: distance from the eye to the vertex' sphere
@@ -52,8 +53,8 @@ struct FrameReport {
     std::uint32_t buffer_clearings = 0;
     std::uint32_t restarts = 0;  // passes thrown away because a capacity did not suffice
     std::uint32_t exhausted = 0; // BudgetBits
-    double error_px_asked = 0, error_px_effective = 0;
-    bool converged = false; // effective == asked
+    double error_px_requested = 0, error_px_effective = 0;
+    bool converged = false; // effective == requested
 };
 
 struct RecursiveState; // opaque, lives in the host's memory

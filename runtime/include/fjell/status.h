@@ -1,4 +1,4 @@
-// What a call can answer: a code, the field or place at fault, and one table of messages with remedies.
+// What a call returns: a code, the field or place at fault, and one table of messages with remedies.
 //
 // Ownership: `field` always points to a string with static lifetime. Thread: any. Allocates nothing, throws nothing.
 #pragma once
@@ -15,12 +15,12 @@ enum class Code : std::uint8_t {
     wrong_layout,       // same version, another record layout or byte order
     corrupt,            // a checksum or a cross-check fails
     out_of_range,       // a number lies outside what the format or the call allows
-    memory_too_small,   // the host's memory is smaller than required_bytes said
+    memory_too_small,   // the host's memory is smaller than the matching *_bytes() function says
     budget_too_small,   // a capacity cannot even hold the coarsest mesh
     out_of_slots,       // every page slot is taken
     coarser_page_first, // pages are loaded from coarse to fine
-    not_supported,      // what was asked does not exist for this pack
-    unreadable          // the host could not read it
+    not_supported,      // the method does not support this kind of pack
+    unreadable          // the client could not read the bytes
 };
 
 struct [[nodiscard]] Status {

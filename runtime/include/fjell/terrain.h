@@ -45,8 +45,8 @@ struct Terrain {
     std::uint32_t pages_missing = 0;
     std::uint64_t changes = 0; // pages loaded or unloaded so far; the n-th one in slot changed_slots[n % change_log]
     const std::uint32_t* changed_slots = nullptr;
-    // The largest error on screen that pages which the views want and which are not there may hide, in pixels; 0: none.
-    // Set by whoever loads pages to the views' wishes (update_stream), read by update_cut for its report.
+    // The largest error on screen, in pixels, that missing pages which the views want may hide; 0: none. Set by what
+    // loads pages for the views (update_stream), read by update_cut for its report.
     double missing_px = 0;
     TerrainMemory* memory = nullptr;
 
@@ -58,7 +58,7 @@ struct Terrain {
     [[nodiscard]] float x_m(std::int32_t column) const { return static_cast<float>(column) * spacing_x_m; }
     [[nodiscard]] float z_m(std::int32_t row) const { return static_cast<float>(row) * spacing_z_m; }
 
-    // One vertex with its numbers decoded; slow and convenient. Any vertex of the height scale, also beyond the
+    // One vertex with its numbers decoded; slow and convenient. Any vertex of the grid, also beyond the
     // terrain's rim. Tile corners have neither error nor radius. `loaded` false: its page is missing, and nothing else
     // is set.
     struct Vertex {

@@ -2,11 +2,7 @@
 
 #include <bit>
 
-#include "cut/change.h"
-#include "cut/emitter.h"
-#include "cut/judge.h"
-#include "cut/part.h"
-#include "cut/visit.h"
+#include "cut/refine.h"
 
 namespace fjell {
 
@@ -23,7 +19,7 @@ std::uint32_t row_of(const GroupState* groups, std::uint16_t GroupState::*mask) 
     return static_cast<std::uint32_t>(groups[0].*mask) | static_cast<std::uint32_t>(groups[1].*mask) << 16;
 }
 
-GroupState* block_at(CutState& s, const Site& site) {
+GroupState* group_at(CutState& s, const Site& site) {
     if (!exists(s, site)) return nullptr;
     const std::uint32_t vertex = find_vertex(s, site);
     return vertex == no_index ? nullptr : &s.groups[vertex / group_lanes];
@@ -40,14 +36,14 @@ struct Row {
 };
 
 // Ready lanes of a row are decided; active ones take slots. Returns them.
-std::uint32_t decide(CutState& s, const Row& row, std::uint32_t parents0, std::uint32_t parents1) {
+std::uint32_t activate_row(CutState& s, const Row& row, std::uint32_t parents0, std::uint32_t parents1) {
     std::uint32_t active = 0;
     s.page_slot[row.group / max_page_groups].touched = true;
     for (std::uint32_t word = 0; word < row.words; ++word, parents0 >>= 16, parents1 >>= 16) {
         GroupState& b = s.groups[row.group + word];
         set_bits(b.parent[0], parents0);
         set_bits(b.parent[1], parents1);
-        if (b.ready() != 0) active |= build_block(s, row.group + word) << (16 * word);
+        if (b.ready() != 0) active |= build_group(s, row.group + word) << (16 * word);
     }
     return active;
 }
@@ -56,8 +52,8 @@ std::uint32_t decide(CutState& s, const Row& row, std::uint32_t parents0, std::u
 class Step {
 public:
     Step(CutState& state, int z, std::int32_t i0, std::int32_t j0)
-        : s(state), part_(part_at(state, z, i0, j0)), z_(z), i0_(i0), j0_(j0), n_(part_.n),
-          words_(1u << part_.step->words_log2) {}
+        : s(state), groups_(page_step_at(state, z, i0, j0)), z_(z), i0_(i0), j0_(j0), n_(groups_.n),
+          words_(1u << groups_.step->words_log2) {}
 
     // Centres: which of their parents are active follows from the coarser step.
     void centres() {
@@ -65,14 +61,14 @@ public:
         for (std::int32_t j = 0; j < n_; ++j) {
             const Row row = row_at(VertexKind::centre, j);
             if (root) {
-                (void)decide(s, row, 1, 1);
+                (void)activate_row(s, row, 1, 1);
                 continue;
             }
             const std::int32_t jj = j0_ + j;
-            GroupState* const sides_x = block_at(s, {z_ + 1, VertexKind::side_x, i0_ >> 1, (jj + 1) >> 1});
-            GroupState* const sides_y = block_at(s, {z_ + 1, VertexKind::side_y, i0_ >> 1, jj >> 1});
+            GroupState* const sides_x = group_at(s, {z_ + 1, VertexKind::side_x, i0_ >> 1, (jj + 1) >> 1});
+            GroupState* const sides_y = group_at(s, {z_ + 1, VertexKind::side_y, i0_ >> 1, jj >> 1});
             // One more side_y, east of the last square; often another page's.
-            GroupState* const last_y = block_at(s, {z_ + 1, VertexKind::side_y, (i0_ + n_) >> 1, jj >> 1});
+            GroupState* const last_y = group_at(s, {z_ + 1, VertexKind::side_y, (i0_ + n_) >> 1, jj >> 1});
             const auto half = static_cast<std::uint32_t>(n_ / 2);
             const std::uint32_t lanes = (1u << half) - 1;
             const std::uint32_t shift_x = lane_of(z_ + 1, i0_ >> 1), shift_last = last_lane(jj >> 1);
@@ -87,8 +83,8 @@ public:
                 parents0 &= (1u << n_) - 1;
                 parents1 &= (1u << n_) - 1;
             }
-            const std::uint32_t active = decide(s, row, parents0, parents1);
-            if (active != 0) tell_sides(active, jj, half, sides_x, sides_y, last_y, shift_x, shift_last);
+            const std::uint32_t active = activate_row(s, row, parents0, parents1);
+            if (active != 0) add_children_of_sides(active, jj, half, sides_x, sides_y, last_y, shift_x, shift_last);
         }
     }
 
@@ -97,23 +93,23 @@ public:
         for (std::int32_t j = 0; j < n_; ++j) {
             GroupState* const here = &s.groups[row_at(VertexKind::centre, j).group];
             GroupState* const north = j > 0 ? &s.groups[row_at(VertexKind::centre, j - 1).group]
-                                            : block_at(s, {z_, VertexKind::centre, i0_, j0_ - 1});
+                                            : group_at(s, {z_, VertexKind::centre, i0_, j0_ - 1});
             const std::uint32_t centres = active_row(here);
             const bool rim_north = j0_ + j == 0, rim_west = i0_ == 0;
             const std::uint32_t above = rim_north ? all() : north ? active_row(north) : 0;
             if ((above | centres) != 0 && (centres != 0 || !rim_north)) {
-                const std::uint32_t x = decide(s, row_at(VertexKind::side_x, j), above, centres);
+                const std::uint32_t x = activate_row(s, row_at(VertexKind::side_x, j), above, centres);
                 if (x != 0) {
                     add_children(here, 2, x);
                     if (!rim_north) add_children(north, 3, x);
                 }
             }
-            GroupState* const west = rim_west ? nullptr : block_at(s, {z_, VertexKind::centre, i0_ - 1, j0_ + j});
+            GroupState* const west = rim_west ? nullptr : group_at(s, {z_, VertexKind::centre, i0_ - 1, j0_ + j});
             const std::uint32_t lane = lane_of(z_, i0_ - 1);
             const std::uint32_t left = rim_west ? 1u : west ? west->active >> lane & 1u : 0;
             if (centres != 0 || (left != 0 && !rim_west)) {
                 const std::uint32_t y =
-                    decide(s, row_at(VertexKind::side_y, j), (centres << 1 | left) & all(), centres);
+                    activate_row(s, row_at(VertexKind::side_y, j), (centres << 1 | left) & all(), centres);
                 if (y != 0) {
                     add_children(here, 0, y);
                     add_children(here, 1, y >> 1);
@@ -126,7 +122,7 @@ public:
 
 private:
     [[nodiscard]] std::uint32_t all() const { return n_ == 32 ? ~0u : (1u << n_) - 1; }
-    [[nodiscard]] Row row_at(VertexKind kind, std::int32_t j) const { return {part_.row(kind, j), words_}; }
+    [[nodiscard]] Row row_at(VertexKind kind, std::int32_t j) const { return {groups_.row(kind, j), words_}; }
     // The lane of a column of squares in its group.
     [[nodiscard]] std::uint32_t lane_of(int z, std::int32_t i) const {
         return static_cast<std::uint32_t>(i & ((1 << s.steps[z].log2) - 1)) % group_lanes;
@@ -144,8 +140,9 @@ private:
     }
 
     // Which child of which parent each active centre is follows from its square's parity (parent_bearing).
-    void tell_sides(std::uint32_t active, std::int32_t jj, std::uint32_t half, GroupState* sides_x, GroupState* sides_y,
-                    GroupState* last_y, std::uint32_t shift_x, std::uint32_t shift_last) const {
+    void add_children_of_sides(std::uint32_t active, std::int32_t jj, std::uint32_t half, GroupState* sides_x,
+                               GroupState* sides_y, GroupState* last_y, std::uint32_t shift_x,
+                               std::uint32_t shift_last) const {
         const bool odd = (jj & 1) != 0;
         const std::uint32_t even_columns = even_bits(active), odd_columns = even_bits(active >> 1);
         if (sides_x) {
@@ -167,7 +164,7 @@ private:
         if (j0_ + n_ == rows) {
             GroupState* const north = &s.groups[row_at(VertexKind::centre, n_ - 1).group];
             if (const std::uint32_t centres = active_row(north); centres != 0) {
-                const std::uint32_t x = decide(s, row_at(VertexKind::side_x, n_), centres, all());
+                const std::uint32_t x = activate_row(s, row_at(VertexKind::side_x, n_), centres, all());
                 add_children(north, 3, x);
             }
         }
@@ -179,7 +176,7 @@ private:
             for (std::int32_t lane = 0; lane < lanes; ++lane)
                 centres |= (active_row(&s.groups[row_at(VertexKind::centre, j + lane).group]) >> (n_ - 1) & 1u) << lane;
             if (centres == 0) continue;
-            const std::uint32_t y = decide(s, {first / group_lanes, 1}, centres, (1u << lanes) - 1);
+            const std::uint32_t y = activate_row(s, {first / group_lanes, 1}, centres, (1u << lanes) - 1);
             for (std::int32_t lane = 0; lane < lanes; ++lane)
                 if ((y >> lane & 1) != 0)
                     add_children(&s.groups[row_at(VertexKind::centre, j + lane).group], 1, 1u << (n_ - 1));
@@ -187,7 +184,7 @@ private:
     }
 
     CutState& s;
-    const Part part_;
+    const PageStep groups_;
     const int z_;
     const std::int32_t i0_, j0_; // first square, over the terrain
     const std::int32_t n_;       // squares a side
@@ -196,32 +193,33 @@ private:
 
 // Every page of a step, or every tile of a coarse one, that is loaded.
 template <typename Do>
-void for_each_part(CutState& s, int z, const Do& act) {
+void for_each_page_step(CutState& s, int z, const Do& visit) {
     const StepGroups& step = s.steps[z];
     const std::int32_t parts = 1 << (step.log2 - step.page_log2), n = 1 << step.page_log2;
     for (std::int32_t tile_y = 0; tile_y < s.tiles_y; ++tile_y)
         for (std::int32_t tile_x = 0; tile_x < s.tiles_x; ++tile_x)
-            for (std::int32_t by = 0; by < parts; ++by)
-                for (std::int32_t bx = 0; bx < parts; ++bx) {
-                    const Site first{z, VertexKind::centre, (tile_x << step.log2) + bx * n,
-                                     (tile_y << step.log2) + by * n};
-                    if (find_vertex(s, first) != no_index) act(first);
+            for (std::int32_t py = 0; py < parts; ++py)
+                for (std::int32_t px = 0; px < parts; ++px) {
+                    const Site first{z, VertexKind::centre, (tile_x << step.log2) + px * n,
+                                     (tile_y << step.log2) + py * n};
+                    if (find_vertex(s, first) != no_index) visit(first);
                 }
 }
 
 // Centres of a step. Without an active centre in the page over it no vertex of a page can have an active parent there.
 void build_centres(CutState& s, int z) {
     const bool root = z == s.terrain->tree.tile_log2 - 1;
-    for_each_part(s, z, [&](const Site& first) {
-        if (root || active_at(s, {z + 1, VertexKind::centre, first.i >> 1, first.j >> 1}) != 0)
+    for_each_page_step(s, z, [&](const Site& first) {
+        if (root || active_in_page_of(s, {z + 1, VertexKind::centre, first.i >> 1, first.j >> 1}) != 0)
             Step(s, z, first.i, first.j).centres();
     });
 }
 // And its sides, some of which have a parent in the page to their north or west.
 void build_sides(CutState& s, int z) {
-    for_each_part(s, z, [&](const Site& first) {
-        if (active_at(s, first) != 0 || active_at(s, {z, VertexKind::centre, first.i - 1, first.j}) != 0 ||
-            active_at(s, {z, VertexKind::centre, first.i, first.j - 1}) != 0)
+    for_each_page_step(s, z, [&](const Site& first) {
+        if (active_in_page_of(s, first) != 0 ||
+            active_in_page_of(s, {z, VertexKind::centre, first.i - 1, first.j}) != 0 ||
+            active_in_page_of(s, {z, VertexKind::centre, first.i, first.j - 1}) != 0)
             Step(s, z, first.i, first.j).sides();
     });
 }
@@ -232,18 +230,17 @@ bool build_all(CutState& s) {
     for (int z = s.terrain->tree.tile_log2 - 1; z >= 0; --z) {
         build_centres(s, z);
         build_sides(s, z);
-        if (s.short_of != 0) return false;
+        if (s.full_capacities != 0) return false;
     }
     // Every active vertex has split a triangle into two, twice unless it lies on the rim.
     const std::uint32_t most =
         2 * s.terrain->tile_count() + 2 * (s.budget.vertices - free_vertices(s) - corner_slots(s));
     const std::uint32_t segments = (most >> s.segment_log2) + s.terrain->tile_count() + 4;
     if (segments > s.segment_count) {
-        s.short_of |= cut_budget_triangles;
+        s.full_capacities |= cut_budget_triangles;
         return false;
     }
-    Emitter emitter(s);
-    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) emitter.tile(tile);
+    emit_triangles(s);
     return true;
 }
 

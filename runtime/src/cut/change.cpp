@@ -3,22 +3,22 @@
 #include <algorithm>
 #include <bit>
 
-#include "cut/judge.h"
+#include "cut/evaluate.h"
 #include "cut/mesh.h"
-#include "cut/sink.h"
+#include "cut/morph.h"
 
 namespace fjell {
 
 namespace {
 
-// A lane calls for work of this rank: its group goes to that queue, unless it is in one that comes first.
-void offer(CutState& s, std::uint32_t vertex, std::uint32_t rank) {
+// A lane has work of this rank: its group goes to that queue, unless it is in one of a higher rank.
+void queue_activation(CutState& s, std::uint32_t vertex, std::uint32_t rank) {
     const std::uint32_t group = vertex / group_lanes;
     GroupState& b = s.groups[group];
     const ListId list = list_of(s.lists, group), queue = static_cast<ListId>(work_lists + rank);
-    if (list == held || (list >= due_lists && list < work_lists)) return; // will be evaluated
+    if (list == being_visited || (list >= due_lists && list < work_lists)) return; // will be evaluated
     const std::uint32_t calls = (list >= work_lists && list < list_count ? b.due : 0) | bit_of(vertex);
-    if (list < queue || list >= retire_list) {
+    if (list < queue || list >= deactivation_list) {
         unlink(s.lists, group);
         push_back(s.lists, queue, group);
         s.work_ranks |= 1u << rank;
@@ -26,22 +26,22 @@ void offer(CutState& s, std::uint32_t vertex, std::uint32_t rank) {
     b.due = calls;
 }
 
-bool drains(const CutState& s, std::uint32_t vertex) {
-    return s.page_slot[vertex / group_lanes / max_page_groups].status == PageSlotStatus::draining;
+bool is_evicting(const CutState& s, std::uint32_t vertex) {
+    return s.page_slot[vertex / group_lanes / max_page_groups].status == PageSlotStatus::evicting;
 }
 
-// A vertex has just become ready, or an active one childless: when must it be looked at?
-void consider(CutState& s, std::uint32_t vertex, const Site& site, bool active) {
-    if (drains(s, vertex)) return;
-    const Verdict v = judge(s, vertex, site, active);
+// A vertex has just become ready, or an active one childless: when must it be evaluated?
+void reevaluate(CutState& s, std::uint32_t vertex, const Site& site, bool active) {
+    if (is_evicting(s, vertex)) return;
+    const Evaluation v = evaluate_vertex(s, vertex, site, active);
     const std::uint32_t group = vertex / group_lanes;
     if (v.wanted == active) {
         tighten(s.lists, group, v.slack_m, grade_of(v.code));
     } else if (!active) {
-        offer(s, vertex, rank_of(s, v));
+        queue_activation(s, vertex, rank_of(s, v));
     } else if (list_of(s.lists, group) == unlisted || list_of(s.lists, group) < due_lists) {
         unlink(s.lists, group);
-        push_back(s.lists, retire_list, group);
+        push_back(s.lists, deactivation_list, group);
         s.groups[group].due = static_cast<std::uint32_t>(bit_of(vertex)) << 16;
     }
 }
@@ -49,7 +49,7 @@ void consider(CutState& s, std::uint32_t vertex, const Site& site, bool active) 
 // The triangle of a parent that a vertex splits.
 struct Split {
     std::uint32_t parent; // no_index: a tile's corner
-    std::uint32_t name;   // of the triangle: the parent's vertex slot * 4 + direction
+    std::uint32_t key;    // of the triangle: the parent's vertex slot * 4 + direction
     std::uint32_t tile;
     Halves halves;
 };
@@ -70,7 +70,7 @@ int splits_of(const CutState& s, const Site& site, std::uint32_t vertex, Split (
             if (!exists(s, parent)) continue;
             const Bearing bearing = parent_bearing(site, n);
             split.parent = find_vertex(s, parent);
-            split.name = s.slots[split.parent] * 4 + static_cast<std::uint32_t>(child_number(bearing));
+            split.key = s.vertex_slot[split.parent] * 4 + static_cast<std::uint32_t>(child_number(bearing));
             split.halves = halves(bearing);
         }
         // The centre of the two lies inside its tile.
@@ -96,28 +96,29 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     const int count = splits_of(s, site, vertex, splits);
     if (free_vertices(s) == 0) return Outcome::no_vertices;
     if (!room_for(s, splits, count)) return Outcome::no_triangles;
-    const std::uint32_t first = s.made[splits[0].name];
+    const std::uint32_t first = s.triangle_of[splits[0].key];
     const std::uint32_t ends[2] = {s.indices[std::size_t{first} * 3 + 1], s.indices[std::size_t{first} * 3 + 2]};
     const bool morphing = s.morph_now.morph != Morph::none;
-    if (morphing && (is_rising(s, ends[0]) || is_rising(s, ends[1]))) return Outcome::gated;
-    // What is about to sink must not get children again, or its page would never leave.
+    if (morphing && (is_morphing(s, ends[0]) || is_morphing(s, ends[1]))) return Outcome::gated;
+    // What is about to morph out must not get children again, or its page could never be evicted.
     for (int n = 0; morphing && n < count; ++n)
-        if (splits[n].parent != no_index && (drains(s, splits[n].parent) || sinks(s, s.slots[splits[n].parent])))
+        if (splits[n].parent != no_index &&
+            (is_evicting(s, splits[n].parent) || morphs_out(s, s.vertex_slot[splits[n].parent])))
             return Outcome::gated;
-    const Verdict v = judge(s, vertex, site, true);
+    const Evaluation v = evaluate_vertex(s, vertex, site, true);
 
     const std::uint32_t slot = take_vertex(s);
     const Coord at = s.terrain->tree.sample(site_coord(site));
     s.vertices[slot] = {at.x, at.y, v.y};
     s.hole[slot] = is_void(record_of(s, vertex));
-    s.morph[slot] = {v.y, v.error_m, v.radius_m, never_born_s};
+    s.morph[slot] = {v.y, v.error_m, v.radius_m, long_active_s};
     if (morphing) {
         s.morph[slot].flat_m =
             flat_height(s, slot, site_coord(site), site.z, site.kind == VertexKind::centre, ends[0], ends[1]);
-        s.morph[slot].born_s = birth_of(s, v.x, v.y, v.z, v.error_m, v.radius_m);
+        s.morph[slot].activated_s = activation_time_s(s, v.x, v.y, v.z, v.error_m, v.radius_m);
     }
     s.dirty_vertices.mark(slot);
-    s.slots[vertex] = slot;
+    s.vertex_slot[vertex] = slot;
     GroupState& group = s.groups[vertex / group_lanes];
     group.active |= bit_of(vertex);
     PageSlot& info = s.page_slot[vertex / group_lanes / max_page_groups];
@@ -126,14 +127,14 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
 
     for (int n = 0; n < count; ++n) {
         const Split& split = splits[n];
-        const std::uint32_t old = s.made[split.name];
+        const std::uint32_t old = s.triangle_of[split.key];
         const std::uint32_t* const t = s.indices + std::size_t{old} * 3;
         const std::uint32_t p = t[0], a = t[1], b = t[2];
         replace_triangle(s, old, split.tile, {slot, p, a}, slot * 4 + split.halves.first);
         const MeshTriangle second{slot, b, p};
         append_triangle(s, list_for(s, split.tile, second), second, slot * 4 + split.halves.second);
         if (split.parent == no_index) continue;
-        s.groups[split.parent / group_lanes].child[split.name % 4] |= bit_of(split.parent);
+        s.groups[split.parent / group_lanes].child[split.key % 4] |= bit_of(split.parent);
     }
     if (site.kind != VertexKind::centre && site.z == 0) return Outcome::done;
     for (int d = 0; d < 4; ++d) {
@@ -144,7 +145,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
         GroupState& of_child = s.groups[found / group_lanes];
         of_child.parent[parent_number(site.kind, d)] |= bit_of(found);
         s.page_slot[found / group_lanes / max_page_groups].touched = true;
-        if (of_child.ready() & bit_of(found)) consider(s, found, child, false);
+        if (of_child.ready() & bit_of(found)) reevaluate(s, found, child, false);
     }
     return Outcome::done;
 }
@@ -153,19 +154,19 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
     const Site site = site_of(s, vertex);
     Split splits[2];
     const int count = splits_of(s, site, vertex, splits);
-    const std::uint32_t slot = s.slots[vertex];
+    const std::uint32_t slot = s.vertex_slot[vertex];
     if (s.some_hidden && s.free_segment_count < 2) {
         for (int n = 0; n < count; ++n)
             if (room_in(s, splits[n].tile) < 2 || room_in(s, hidden_tile(s)) < 2) return Outcome::no_triangles;
     }
     for (int n = 0; n < count; ++n) {
         const Split& split = splits[n];
-        const std::uint32_t first = s.made[slot * 4 + split.halves.first];
+        const std::uint32_t first = s.triangle_of[slot * 4 + split.halves.first];
         // (v, parent, a) and (v, b, parent) become (parent, a, b) again.
         const std::uint32_t p = s.indices[std::size_t{first} * 3 + 1], a = s.indices[std::size_t{first} * 3 + 2];
-        const std::uint32_t b = s.indices[std::size_t{s.made[slot * 4 + split.halves.second]} * 3 + 1];
-        replace_triangle(s, first, split.tile, {p, a, b}, split.name);
-        remove_triangle(s, s.made[slot * 4 + split.halves.second]);
+        const std::uint32_t b = s.indices[std::size_t{s.triangle_of[slot * 4 + split.halves.second]} * 3 + 1];
+        replace_triangle(s, first, split.tile, {p, a, b}, split.key);
+        remove_triangle(s, s.triangle_of[slot * 4 + split.halves.second]);
     }
     s.free_vertices[s.free_vertex_count++] = slot;
     GroupState& group = s.groups[vertex / group_lanes];
@@ -185,8 +186,8 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
         const Split& split = splits[n];
         if (split.parent == no_index) continue;
         GroupState& of_parent = s.groups[split.parent / group_lanes];
-        of_parent.child[split.name % 4] &= static_cast<std::uint16_t>(~bit_of(split.parent));
-        if (!(of_parent.parental() & bit_of(split.parent))) consider(s, split.parent, site_of(s, split.parent), true);
+        of_parent.child[split.key % 4] &= static_cast<std::uint16_t>(~bit_of(split.parent));
+        if (!(of_parent.parental() & bit_of(split.parent))) reevaluate(s, split.parent, site_of(s, split.parent), true);
     }
     return Outcome::done;
 }
@@ -194,7 +195,7 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
 namespace {
 
 std::uint32_t slot_at(const CutState& s, Coord c) {
-    if (!s.terrain->tree.is_corner(c)) return s.slots[find_vertex(s, site_at(c))];
+    if (!s.terrain->tree.is_corner(c)) return s.vertex_slot[find_vertex(s, site_at(c))];
     return static_cast<std::uint32_t>((c.y >> s.terrain->tree.tile_log2) * (s.tiles_x + 1) +
                                       (c.x >> s.terrain->tree.tile_log2));
 }
@@ -208,7 +209,7 @@ void flatten_all(CutState& s) {
             const Site site = site_of(s, vertex);
             const Coord at = site_coord(site);
             const Diamond split = diamond(s.terrain->tree, at);
-            const std::uint32_t slot = s.slots[vertex];
+            const std::uint32_t slot = s.vertex_slot[vertex];
             s.morph[slot].flat_m = flat_height(s, slot, at, site.z, site.kind == VertexKind::centre,
                                                slot_at(s, split.ends[0]), slot_at(s, split.ends[1]));
             s.dirty_vertices.mark(slot);

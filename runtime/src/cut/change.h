@@ -13,7 +13,7 @@ Outcome activate(CutState& s, std::uint32_t vertex);
 // nothing, only when triangles that were hidden need a segment and none is left.
 Outcome deactivate(CutState& s, std::uint32_t vertex);
 
-// Works out where every active vertex starts to rise, which is not kept while nothing morphs. O(active vertices).
+// Computes flat_m of every active vertex, which is not kept up to date while nothing morphs. O(active vertices).
 void flatten_all(CutState& s);
 
 } // namespace fjell

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "cut/change.h"
-#include "cut/frame.h"
+#include "cut/evaluate.h"
 #include "cut/mesh.h"
 #include "cut/pages.h"
 
@@ -34,10 +34,16 @@ std::uint32_t least_segments(const Terrain& t) {
 
 // Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t page_groups, groups, slots, page_slot, draining, queues, buckets, nodes, vertices, morph, made, hole,
-        free_vertices, indices, names, tiles, segment_tile, segment_below, free_segments, vertex_bits, vertex_words,
-        triangle_bits, triangle_words, ranges, hz_places, grids, births, sinking, end;
+    std::size_t page_groups, groups, vertex_slot, page_slot, evicting, queues, buckets, nodes, vertices, morph,
+        triangle_of, hole, free_vertices, indices, key_of, tiles, segment_tile, segment_below, free_segments,
+        vertex_bits, vertex_words, triangle_bits, triangle_words, ranges, hz_places, grids, late_s, morphing_out, end;
 };
+
+static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 * 4 + 1 + 3 * 4 &&
+                  cut_triangle_bytes == 3 * 4 + 4 &&
+                  cut_page_slot_bytes == max_page_groups * (sizeof(GroupState) + group_lanes * 4) + sizeof(PageSlot) +
+                                             4 + max_page_groups / node_groups * sizeof(ListNode),
+              "hosts size their budgets by these: change them in fjell/cut.h with layout_of()");
 
 Layout layout_of(const Terrain& t, const CutBudget& b) {
     Layout l{};
@@ -49,19 +55,19 @@ Layout layout_of(const Terrain& t, const CutBudget& b) {
     const std::size_t segments = segments_of(b), triangles = segments * b.segment_triangles;
     l.page_groups = place(t.page_count(), 4);
     l.groups = place(groups, sizeof(GroupState));
-    l.slots = place(groups * group_lanes, 4);
+    l.vertex_slot = place(groups * group_lanes, 4);
     l.page_slot = place(t.slot_count, sizeof(PageSlot));
-    l.draining = place(t.slot_count, 4);
+    l.evicting = place(t.slot_count, 4);
     l.queues = place(queue_count, sizeof(Link));
     l.buckets = place(due_lists, sizeof(Bucket));
     l.nodes = place(list_node_count(static_cast<std::uint32_t>(groups)), sizeof(ListNode));
     l.vertices = place(b.vertices, sizeof(MeshVertex));
     l.morph = place(b.vertices, sizeof(MorphVertex));
-    l.made = place(b.vertices, 16);
+    l.triangle_of = place(b.vertices, 16);
     l.hole = place(b.vertices, 1);
     l.free_vertices = place(b.vertices, 4);
     l.indices = place(triangles, 12);
-    l.names = place(triangles, 4);
+    l.key_of = place(triangles, 4);
     l.tiles = place(t.tile_count() + 1, sizeof(TileList));
     l.segment_tile = place(segments, 4);
     l.segment_below = place(segments, 4);
@@ -73,8 +79,8 @@ Layout layout_of(const Terrain& t, const CutBudget& b) {
     l.ranges = place(segments, sizeof(TileRange));
     l.hz_places = place(t.pages.order == Order::hierarchical_z ? 2 * max_page_vertices : 0, 2);
     l.grids = place(static_cast<std::size_t>(t.tree.tile_log2), bulk_grid_bytes);
-    l.births = place(b.vertices, 4);
-    l.sinking = place(b.vertices, 4);
+    l.late_s = place(b.vertices, 4);
+    l.morphing_out = place(b.vertices, 4);
     l.end = at;
     return l;
 }
@@ -87,7 +93,7 @@ Status check_budget(const Terrain& t, const CutBudget& b) {
     if (b.vertices > 1u << 28) return {Code::out_of_range, "CutBudget::vertices (at most 2^28)"};
     if (b.triangles > 1u << 29) return {Code::out_of_range, "CutBudget::triangles (at most 2^29)"};
     if (b.segment_triangles < 8 || b.segment_triangles > 65536 || !std::has_single_bit(b.segment_triangles))
-        return {Code::out_of_range, "CutBudget::chunk_triangles (8 to 65,536, a power of two)"};
+        return {Code::out_of_range, "CutBudget::segment_triangles (8 to 65,536, a power of two)"};
     if (b.views < 1 || b.views > max_cut_views) return {Code::out_of_range, "CutBudget::views (1 to 8)"};
     if (b.vertices < corner_count(t)) return {Code::budget_too_small, "CutBudget::vertices (4 a tile)"};
     if (segments_of(b) < least_segments(t))
@@ -128,7 +134,7 @@ void make_corners(CutState& s) {
         const std::uint32_t stored = t.corners[slot];
         const float height_m = t.height_scale.height_m(static_cast<std::int32_t>(stored & ~corner_void_bit));
         s.vertices[slot] = {at.x, at.y, height_m};
-        s.morph[slot] = {height_m, 0, 0, never_born_s};
+        s.morph[slot] = {height_m, 0, 0, long_active_s};
         s.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
         s.dirty_vertices.mark(slot);
     }
@@ -139,11 +145,11 @@ void make_corners(CutState& s) {
 void reset(CutState& s) {
     const Terrain& t = *s.terrain;
     s.work_ranks = 0;
-    s.birth_count = s.sinking_count = 0;
+    s.late_count = s.morphing_out_count = 0;
     s.dirty_vertices.clear();
     s.dirty_triangles.clear();
-    // What the last cut has made; slots beyond were never taken.
-    for (std::size_t i = 0; i < std::size_t{s.fresh_vertex} * 4; ++i) s.made[i] = no_index;
+    // Only slots that were in use; those beyond are clear.
+    for (std::size_t i = 0; i < std::size_t{s.fresh_vertex} * 4; ++i) s.triangle_of[i] = no_index;
     s.free_vertex_count = 0;
     s.fresh_vertex = corner_count(t);
     for (std::uint32_t i = 0; i <= t.tile_count(); ++i) {
@@ -155,8 +161,8 @@ void reset(CutState& s) {
     for (std::uint32_t i = 0; i < s.segment_count; ++i) s.free_segments[i] = s.segment_count - 1 - i;
     make_corners(s);
     for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
-        if (s.page_slot[slot].touched) forget_vertices(s, slot);
-    follow_pages(s);
+        if (s.page_slot[slot].touched) clear_page(s, slot);
+    sync_pages(s);
     clear_lists(s.lists, list_node_count(s.group_count)); // of the roots of pages that have just come
     for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile)
         if (const std::uint32_t first = s.page_groups[tile * s.pages_per_tile]; first != no_index)
@@ -209,9 +215,9 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     s.evaluate = evaluate;
     part(s.page_groups, l.page_groups);
     part(s.groups, l.groups);
-    part(s.slots, l.slots);
+    part(s.vertex_slot, l.vertex_slot);
     part(s.page_slot, l.page_slot);
-    part(s.draining, l.draining);
+    part(s.evicting, l.evicting);
     s.lists.groups = s.groups;
     s.lists.group_count = s.group_count;
     part(s.lists.queues, l.queues);
@@ -220,11 +226,11 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     set_tick(s.lists, static_cast<double>(std::min(terrain.spacing_x_m, terrain.spacing_z_m)) / 32);
     part(s.vertices, l.vertices);
     part(s.morph, l.morph);
-    part(s.made, l.made);
+    part(s.triangle_of, l.triangle_of);
     part(s.hole, l.hole);
     part(s.free_vertices, l.free_vertices);
     part(s.indices, l.indices);
-    part(s.names, l.names);
+    part(s.key_of, l.key_of);
     part(s.tiles, l.tiles);
     part(s.segment_tile, l.segment_tile);
     part(s.segment_below, l.segment_below);
@@ -238,25 +244,25 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     part(s.dirty_triangles.words, l.triangle_words);
     part(s.ranges, l.ranges);
     part(s.bulk_grids, l.grids);
-    part(s.births, l.births);
-    part(s.sinking, l.sinking);
+    part(s.late_s, l.late_s);
+    part(s.morphing_out, l.morphing_out);
     if (terrain.pages.order == Order::hierarchical_z) {
         part(s.hz_places, l.hz_places);
         make_hz_places(s);
     }
-    s.decision.error_m = terrain.errors.metres;
-    s.decision.radius_factor = terrain.radii.factor;
-    s.decision.base_m = terrain.height_scale.base_m;
-    s.decision.quantum_m = terrain.height_scale.quantum_m;
-    s.decision.spacing_x_m = terrain.spacing_x_m;
-    s.decision.spacing_z_m = terrain.spacing_z_m;
-    s.decision.last_x = terrain.tree.columns() - 1;
-    s.decision.last_y = terrain.tree.rows() - 1;
+    s.criterion.error_m = terrain.errors.metres;
+    s.criterion.radius_factor = terrain.radii.factor;
+    s.criterion.base_m = terrain.height_scale.base_m;
+    s.criterion.quantum_m = terrain.height_scale.quantum_m;
+    s.criterion.spacing_x_m = terrain.spacing_x_m;
+    s.criterion.spacing_z_m = terrain.spacing_z_m;
+    s.criterion.last_x = terrain.tree.columns() - 1;
+    s.criterion.last_y = terrain.tree.rows() - 1;
     for (std::uint32_t i = 0; i < s.group_count; ++i) s.groups[i].list = unlisted;
     for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.page_groups[i] = no_index;
     for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.page_slot[i].page = no_index;
-    s.fresh_vertex = budget.vertices; // so that all of made is cleared
-    forget_changes(s);
+    s.fresh_vertex = budget.vertices; // so that all of triangle_of is cleared
+    rescan_pages(s);
     reset(s);
     begin_at_roots(s);
     cut.state = &s;

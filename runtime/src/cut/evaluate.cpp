@@ -23,7 +23,7 @@ HWY_INLINE std::uint32_t bits_of(F d, M mask) {
     return static_cast<std::uint32_t>(bytes[0]) | static_cast<std::uint32_t>(bytes[1]) << 8;
 }
 
-void evaluate_lanes(const Decision& c, const LaneGroup& b, LaneMargins& out) {
+void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneMargins& out) {
     const F d;
     const I di;
     out.wanted = out.kept = 0;
@@ -80,11 +80,11 @@ namespace fjell {
 
 HWY_EXPORT(evaluate_lanes);
 
-void evaluate(const Decision& decision, const LaneGroup& group, LaneMargins& margins) {
+void evaluate(const Criterion& decision, const LaneGroup& group, LaneMargins& margins) {
     HWY_DYNAMIC_DISPATCH(evaluate_lanes)(decision, group, margins);
 }
 
-void evaluate_scalar(const Decision& c, const LaneGroup& b, LaneMargins& out) {
+void evaluate_scalar(const Criterion& c, const LaneGroup& b, LaneMargins& out) {
     out.wanted = out.kept = 0;
     for (std::int32_t lane = 0; lane < static_cast<std::int32_t>(group_lanes); ++lane) {
         const VertexRecord record = b.records[lane];

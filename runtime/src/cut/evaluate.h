@@ -5,27 +5,13 @@
 // distance and reach; slack() takes off more than that.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
-#include "cut/groups.h"
-#include "fjell/cut.h"
-#include "fjell/terrain.h"
-#include "view/wanted.h"
+#include "cut/find.h"
 
 namespace fjell {
-
-// What all groups of a frame share.
-struct Decision {
-    const float* error_m;       // 256
-    const float* radius_factor; // 128
-    float base_m, quantum_m;    // HeightScale
-    float spacing_x_m, spacing_z_m;
-    std::int32_t last_x, last_y; // of the terrain's samples
-    std::uint32_t views;
-    bool hysteresis;            // keep differs from reach
-    Reach reach[max_cut_views]; // for vertices that are not active
-    Reach keep[max_cut_views];  // for those that are
-};
 
 // Lane n stands at sample (x0 + n dx, y0 + n dy), clamped to the terrain.
 struct LaneGroup {
@@ -42,10 +28,72 @@ struct LaneMargins {
     std::uint32_t wanted, kept;            // a bit a lane
 };
 
-void evaluate(const Decision& decision, const LaneGroup& group, LaneMargins& margins);
+void evaluate(const Criterion& decision, const LaneGroup& group, LaneMargins& margins);
 // The same, bit for bit, without vector instructions.
-void evaluate_scalar(const Decision& decision, const LaneGroup& group, LaneMargins& margins);
+void evaluate_scalar(const Criterion& decision, const LaneGroup& group, LaneMargins& margins);
 
 inline constexpr float slack_rounding = 0x1p-19f;
+
+// Of one vertex: the same numbers as evaluate() gives for its lane, of one answer.
+struct Evaluation {
+    bool wanted;
+    float slack_m;
+    float error_m, radius_m;
+    std::uint8_t code;
+    float x, y, z;
+};
+
+[[nodiscard]] inline Evaluation evaluate_vertex(const CutState& s, std::uint32_t vertex, const Site& site,
+                                                bool active) {
+    const Criterion& c = s.criterion;
+    const VertexRecord record = record_of(s, vertex);
+    const Coord at = site_coord(site);
+    const std::int32_t base = s.page_slot[vertex / group_lanes / max_page_groups].base;
+    Evaluation v{};
+    v.x = static_cast<float>(std::min(at.x, c.last_x)) * c.spacing_x_m;
+    v.z = static_cast<float>(std::min(at.y, c.last_y)) * c.spacing_z_m;
+    v.y = c.base_m + static_cast<float>(record.height + base) * c.quantum_m;
+    v.error_m = c.error_m[record.error];
+    v.code = record.error;
+    v.radius_m = s.level_unit_m[2 * site.z + (site.kind == VertexKind::centre ? 0 : 1)] *
+                 c.radius_factor[record.radius & (radius_codes - 1)];
+    float margin = -3.4e38f, span = 0;
+    for (std::uint32_t i = 0; i < c.views; ++i) {
+        const Reach& r = active && c.hysteresis ? c.keep[i] : c.reach[i];
+        const float dx = v.x - r.eye_x, dy = v.y - r.eye_y, dz = v.z - r.eye_z;
+        const float squared = dx * dx + dy * dy + dz * dz, distance = std::sqrt(squared);
+        const float reach = (v.radius_m + v.error_m * r.q) * reach_grow + r.pad;
+        v.wanted = v.wanted || squared < reach * reach;
+        margin = std::max(margin, reach - distance);
+        span = std::max(span, reach + distance);
+    }
+    v.slack_m = std::max(std::abs(margin) - span * slack_rounding, 0.0f);
+    return v;
+}
+
+[[nodiscard]] inline bool seen(const CutState& s, const Evaluation& v) {
+    for (std::uint32_t i = 0; i < s.view_count; ++i) {
+        const Vec3 p = Vec3{v.x, v.y, v.z} - s.views[i].eye_m;
+        bool inside = true;
+        for (int plane = 0; plane < 6 && inside; ++plane)
+            inside =
+                dot(s.frustums[i].normal[plane], p) >= s.frustums[i].offset[plane] - static_cast<double>(v.radius_m);
+        if (inside) return true;
+    }
+    return false;
+}
+
+// Worst first: 16 ranks of a factor 2 of screen error over the threshold, and 16 above them for what is seen.
+[[nodiscard]] inline std::uint32_t rank_of(const CutState& s, const Evaluation& v) {
+    float worst = 0;
+    for (std::uint32_t i = 0; i < s.criterion.views; ++i) {
+        const Reach& r = s.criterion.reach[i];
+        const float dx = v.x - r.eye_x, dy = v.y - r.eye_y, dz = v.z - r.eye_z;
+        const float depth = std::sqrt(dx * dx + dy * dy + dz * dz) - v.radius_m;
+        worst = std::max(worst, v.error_m * r.q / std::max(depth, 1e-3f));
+    }
+    const int log2 = std::clamp(worst < 0x1p15f ? std::ilogb(std::max(worst, 1.0f)) : 15, 0, 15);
+    return static_cast<std::uint32_t>(log2) + (seen(s, v) ? 16u : 0u);
+}
 
 } // namespace fjell

@@ -26,10 +26,10 @@ namespace fjell {
     std::uint32_t page = static_cast<std::uint32_t>(tile_y * s.tiles_x + tile_x) * s.pages_per_tile;
     if (step.log2 >= page_squares_log2) {
         const std::uint32_t last = (1u << (step.log2 - page_squares_log2)) - 1;
-        const std::uint32_t bx = std::min(i >> page_squares_log2, last), by = std::min(j >> page_squares_log2, last);
-        page += step.first_page + (s.hz_places ? interleave(bx, by) : by * (last + 1) + bx);
-        i -= bx << page_squares_log2;
-        j -= by << page_squares_log2;
+        const std::uint32_t px = std::min(i >> page_squares_log2, last), py = std::min(j >> page_squares_log2, last);
+        page += step.first_page + (s.hz_places ? interleave(px, py) : py * (last + 1) + px);
+        i -= px << page_squares_log2;
+        j -= py << page_squares_log2;
     }
     const std::uint32_t first = s.page_groups[page];
     if (first == no_index) return no_index;

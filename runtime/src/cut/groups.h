@@ -1,8 +1,9 @@
-// Small groups: the up to 16 vertices of one plane that are looked at together, and how any vertex is found in them.
+// Small groups: the up to 16 vertices of one kind and step that are evaluated together, and how any vertex is found in
+// them.
 //
 // A page's planes (DESIGN section 3) are cut row by row: a row of 32 is two groups, a coarse row of 16 or fewer is one.
 // The column of side_y on a page's east border, which planar order keeps at the ends of its rows, is two groups of its
-// own. Blocks are the same for both orders; only where a lane's record lies differs. A vertex of the cut is named by
+// own. Groups are the same for both orders; only where a lane's record lies differs. A vertex of the cut is named by
 // group * 16 + lane, its group by page slot * max_page_groups + number in the page.
 //
 // Squares are counted over the whole terrain here: square (i, j) of step s has its north-west corner at (2is, 2js) and
@@ -19,6 +20,10 @@ namespace fjell {
 inline constexpr std::uint32_t lanes_log2 = 4;
 inline constexpr std::uint32_t group_lanes = 1u << lanes_log2;
 inline constexpr std::uint32_t max_page_groups = max_page_vertices / group_lanes;
+
+[[nodiscard]] inline std::uint16_t bit_of(std::uint32_t vertex) {
+    return static_cast<std::uint16_t>(1u << vertex % group_lanes);
+}
 
 struct GroupShape {
     std::uint16_t first; // planar order: place of lane 0 in the page
@@ -108,7 +113,7 @@ enum class Bearing : std::uint8_t { west, east, north, south, north_west, north_
     return 0;
 }
 // v splits its parent's triangle (parent, a, b) into (v, parent, a) and (v, b, parent), counter-clockwise from above.
-// The directions in which v makes these two: the child of v on their hypotenuse.
+// The directions of these two from v: the child of v on their hypotenuse.
 struct Halves {
     std::uint8_t first, second;
 };

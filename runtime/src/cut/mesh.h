@@ -1,9 +1,9 @@
 // The mesh of the live cut, edited in place: the thesis' vertex buffer and status array, made incremental.
 //
-// A triangle is named by the vertex at its right angle and a direction: the child of that vertex on its hypotenuse
+// A triangle's key is the vertex at its right angle and a direction: the child of that vertex on its hypotenuse
 // (DESIGN section 3). Activating a vertex replaces the triangle towards it, of each of its parents, by two of its own;
 // deactivating it does the reverse. Neither needs more than the parents' vertex slots, because a triangle's indices
-// name its other corners.
+// hold its other corners.
 //
 // Triangles of a tile fill segments of slots without gaps: a removed one is overwritten by the tile's last. So every
 // segment is one draw range, nothing degenerate is drawn, and one change touches at most six triangle slots. Triangles
@@ -32,14 +32,14 @@ struct MeshTriangle {
     return s.some_hidden && is_hidden(s, t) ? hidden_tile(s) : tile;
 }
 
-inline void put_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t name) {
+inline void put_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t key) {
     std::uint32_t* const out = s.indices + std::size_t{slot} * 3;
     out[0] = t.right, out[1] = t.a, out[2] = t.b;
-    s.names[slot] = name;
-    s.made[name] = slot;
+    s.key_of[slot] = key;
+    s.triangle_of[key] = slot;
 }
-inline void write_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t name) {
-    put_triangle(s, slot, t, name);
+inline void write_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t key) {
+    put_triangle(s, slot, t, key);
     s.dirty_triangles.mark(slot);
 }
 
@@ -65,18 +65,18 @@ inline std::uint32_t take_triangle(CutState& s, std::uint32_t tile) {
     ++list.total;
     return (list.last_segment << s.segment_log2) + list.in_last++;
 }
-inline void append_triangle(CutState& s, std::uint32_t tile, const MeshTriangle& t, std::uint32_t name) {
-    write_triangle(s, take_triangle(s, tile), t, name);
+inline void append_triangle(CutState& s, std::uint32_t tile, const MeshTriangle& t, std::uint32_t key) {
+    write_triangle(s, take_triangle(s, tile), t, key);
 }
 
 inline void remove_triangle(CutState& s, std::uint32_t slot) {
     TileList& list = s.tiles[s.segment_tile[slot >> s.segment_log2]];
     const std::uint32_t last = (list.last_segment << s.segment_log2) + --list.in_last;
     --list.total;
-    s.made[s.names[slot]] = no_index;
+    s.triangle_of[s.key_of[slot]] = no_index;
     if (last != slot) {
         const std::uint32_t* const from = s.indices + std::size_t{last} * 3;
-        write_triangle(s, slot, {from[0], from[1], from[2]}, s.names[last]);
+        write_triangle(s, slot, {from[0], from[1], from[2]}, s.key_of[last]);
     }
     if (list.in_last != 0) return;
     const std::uint32_t segment = list.last_segment;
@@ -88,14 +88,14 @@ inline void remove_triangle(CutState& s, std::uint32_t slot) {
 
 // The triangle in this slot becomes another one of the same tile, drawn or not.
 inline void replace_triangle(CutState& s, std::uint32_t slot, std::uint32_t tile, const MeshTriangle& t,
-                             std::uint32_t name) {
+                             std::uint32_t key) {
     if (s.segment_tile[slot >> s.segment_log2] == list_for(s, tile, t)) {
-        s.made[s.names[slot]] = no_index;
-        write_triangle(s, slot, t, name);
+        s.triangle_of[s.key_of[slot]] = no_index;
+        write_triangle(s, slot, t, key);
         return;
     }
     remove_triangle(s, slot);
-    append_triangle(s, list_for(s, tile, t), t, name);
+    append_triangle(s, list_for(s, tile, t), t, key);
 }
 
 } // namespace fjell

@@ -1,4 +1,4 @@
-// Rising and sinking vertices: when one was activated late, and who has to wait for it.
+// Morphing in and out by time: which vertices were activated late, and what has to wait for them.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,9 @@
 
 namespace fjell {
 
-// How far a vertex has risen by its distance alone, 0 to 1.
-[[nodiscard]] inline float risen(const MorphFrame& frame, float x, float y, float z, float error_m, float radius_m) {
+// How far a vertex has morphed in by its distance alone, 0 to 1.
+[[nodiscard]] inline float morph_fraction(const MorphFrame& frame, float x, float y, float z, float error_m,
+                                          float radius_m) {
     float most = 0;
     for (std::uint32_t i = 0; i < frame.views; ++i) {
         const MorphView& v = frame.view[i];
@@ -34,7 +35,7 @@ namespace fjell {
     return (tree.cut_x != 0 && at.x + out > tree.columns() - 1) || (tree.cut_y != 0 && at.y + out > tree.rows() - 1);
 }
 
-// Where a vertex starts to rise: in the middle of the edge that it splits.
+// Where a vertex starts: in the middle of the edge that it splits.
 [[nodiscard]] inline float flat_height(const CutState& s, std::uint32_t vertex, Coord at, int z, bool centre,
                                        std::uint32_t end_a, std::uint32_t end_b) {
     if (stands_near_cut_rim(s, at, z, centre)) return s.vertices[vertex].height_m;
@@ -44,34 +45,56 @@ namespace fjell {
 // Displacement on screen below which nobody can see a vertex jump.
 inline constexpr float unseen_px = 0.01f;
 
-// When a vertex that is activated now was born: never_born_s, unless it must rise with the time.
-[[nodiscard]] inline float birth_of(CutState& s, float x, float y, float z, float error_m, float radius_m) {
+// activated_s of a vertex that is activated now: long_active_s, unless it must morph by time.
+[[nodiscard]] inline float activation_time_s(CutState& s, float x, float y, float z, float error_m, float radius_m) {
     const MorphFrame& now = s.morph_now;
-    if (now.morph == Morph::none) return never_born_s;
+    if (now.morph == Morph::none) return long_active_s;
     if (now.morph == Morph::error) {
-        // Late is what the frame before would have shown risen already.
-        const float before = risen(s.morph_before, x, y, z, error_m, radius_m);
-        if (before * static_cast<float>(s.report.error_px_effective) <= unseen_px) return never_born_s;
+        // Late: the frame before would have shown it above its edge already.
+        const float before = morph_fraction(s.morph_before, x, y, z, error_m, radius_m);
+        if (before * static_cast<float>(s.report.error_px_effective) <= unseen_px) return long_active_s;
     }
-    if (s.birth_count == s.budget.vertices) return never_born_s; // cannot be: a slot each; but no reason to fail
-    s.births[(s.first_birth + s.birth_count++) % s.budget.vertices] = now.now_s;
+    if (s.late_count == s.budget.vertices) return long_active_s; // cannot be: a slot each; but no reason to fail
+    s.late_s[(s.first_late + s.late_count++) % s.budget.vertices] = now.now_s;
     return now.now_s;
 }
 
-// An edge whose ends still rise is not where their full heights say: what would split it has to wait.
-[[nodiscard]] inline bool is_rising(const CutState& s, std::uint32_t slot) {
-    return s.morph_now.now_s - s.morph[slot].born_s < s.morph_now.morph_s;
+// While an edge's ends still morph, the edge is not where their full heights say: what would split it has to wait.
+[[nodiscard]] inline bool is_morphing(const CutState& s, std::uint32_t slot) {
+    return s.morph_now.now_s - s.morph[slot].activated_s < s.morph_now.morph_s;
 }
 
 // Forgets vertices that have reached their height.
-inline void let_rise(CutState& s) {
+inline void end_morphing_in(CutState& s) {
     s.gate_open = s.morph_now.morph == Morph::none;
-    while (s.birth_count != 0 &&
-           (s.morph_now.morph == Morph::none || s.morph_now.now_s - s.births[s.first_birth] >= s.morph_now.morph_s)) {
-        s.first_birth = (s.first_birth + 1) % s.budget.vertices;
-        --s.birth_count;
+    while (s.late_count != 0 &&
+           (s.morph_now.morph == Morph::none || s.morph_now.now_s - s.late_s[s.first_late] >= s.morph_now.morph_s)) {
+        s.first_late = (s.first_late + 1) % s.budget.vertices;
+        --s.late_count;
         s.gate_open = true;
     }
+}
+
+// Vertices of pages that are being evicted morph out: back to the edge that they split, in morph_s.
+[[nodiscard]] inline bool morphs_out(const CutState& s, std::uint32_t slot) {
+    return (s.hole[slot] & morphs_out_bit) != 0;
+}
+
+// The vertex is active, has no active children and does not morph out yet. To the shader, a vertex that morphs out is
+// one that morphs in, from where it stands to the edge, whatever the distance: only its numbers change.
+inline void begin_morphing_out(CutState& s, std::uint32_t vertex) {
+    const std::uint32_t slot = s.vertex_slot[vertex];
+    MeshVertex& v = s.vertices[slot];
+    MorphVertex& m = s.morph[slot];
+    const float edge_m = m.flat_m;
+    m.flat_m = morphed_height_m(*s.terrain, v, m, s.morph_now);
+    v.height_m = edge_m;
+    m.error_m = 1e30f; // by distance it has arrived
+    m.radius_m = 0;
+    m.activated_s = s.morph_now.now_s;
+    s.hole[slot] |= morphs_out_bit;
+    s.dirty_vertices.mark(slot);
+    s.morphing_out[(s.first_morphing_out + s.morphing_out_count++) % s.budget.vertices] = vertex;
 }
 
 } // namespace fjell

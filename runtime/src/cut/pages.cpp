@@ -4,9 +4,7 @@
 #include <bit>
 
 #include "cut/change.h"
-#include "cut/frame.h"
-#include "cut/judge.h"
-#include "cut/sink.h"
+#include "cut/morph.h"
 
 namespace fjell {
 
@@ -26,8 +24,8 @@ void bound_tile(CutState& s, const PageSlot& info, bool loaded) {
     tile.radius_m = v.radius_m;
 }
 
-// Of a page that has just come nothing is active: only lanes with a parent in another page can be ready. In a group
-// page those are the centres, whose parents belong to the coarser step, and the sides along its border.
+// Of a page that was just loaded nothing is active: only lanes with a parent in another page can be ready. In any page
+// but page 0 those are the centres, whose parents belong to the coarser step, and the sides along its border.
 std::uint32_t outward_lanes(const PageSlot& info, const GroupShape& shape) {
     const std::uint32_t all = (1u << shape.lanes) - 1;
     if (info.shape == 0) return all;
@@ -39,7 +37,7 @@ std::uint32_t outward_lanes(const PageSlot& info, const GroupShape& shape) {
     return all;
 }
 
-void enter(CutState& s, std::uint32_t slot) {
+void attach_page(CutState& s, std::uint32_t slot) {
     const Terrain& t = *s.terrain;
     const std::uint32_t page = t.slot_page[slot];
     PageSlot& info = s.page_slot[slot];
@@ -53,15 +51,15 @@ void enter(CutState& s, std::uint32_t slot) {
     info.status = PageSlotStatus::live;
     const std::uint32_t in_tile = page % s.pages_per_tile;
     if (in_tile != 0) {
-        const Coord group = t.pages.page_position(in_tile);
+        const Coord position = t.pages.page_position(in_tile);
         info.shape = 1;
         info.z = static_cast<std::uint8_t>(t.pages.page_step_log2(in_tile));
-        info.i0 = group.x << page_squares_log2;
-        info.j0 = group.y << page_squares_log2;
+        info.i0 = position.x << page_squares_log2;
+        info.j0 = position.y << page_squares_log2;
     }
     s.page_groups[page] = slot * max_page_groups;
     if (in_tile == 0) bound_tile(s, info, true);
-    forget_vertices(s, slot);
+    clear_page(s, slot);
     const bool nothing_active = s.budget.vertices - free_vertices(s) == corner_slots(s);
     for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
@@ -78,7 +76,7 @@ void enter(CutState& s, std::uint32_t slot) {
     }
 }
 
-void leave(CutState& s, std::uint32_t slot) {
+void detach_page(CutState& s, std::uint32_t slot) {
     PageSlot& info = s.page_slot[slot];
     for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
@@ -90,8 +88,8 @@ void leave(CutState& s, std::uint32_t slot) {
     forget_due(s.lists, slot * max_page_groups, max_page_groups);
     s.page_groups[info.page] = no_index;
     if (info.page % s.pages_per_tile == 0) bound_tile(s, info, false);
-    for (std::uint32_t i = 0; i < s.draining_count; ++i)
-        if (s.draining[i] == slot) s.draining[i--] = s.draining[--s.draining_count];
+    for (std::uint32_t i = 0; i < s.evicting_count; ++i)
+        if (s.evicting[i] == slot) s.evicting[i--] = s.evicting[--s.evicting_count];
     info = {};
     info.page = no_index;
 }
@@ -109,7 +107,7 @@ std::uint32_t lowest_below(const CutState& s, std::uint32_t vertex) {
 
 // The first vertex that keeps a page from leaving, or no_index: any active one that the page holds, its neighbours'
 // vertices on its borders included. Those have both parents active, one of them here: it is enough to look here.
-std::uint32_t holding(const CutState& s, std::uint32_t slot) {
+std::uint32_t first_active(const CutState& s, std::uint32_t slot) {
     if (s.page_slot[slot].active == 0) return no_index;
     for (std::uint32_t n = 0; n < s.shapes[s.page_slot[slot].shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
@@ -142,7 +140,7 @@ ParentMasks absent_parents(const CutState& s, const Site& first, const GroupShap
     return absent;
 }
 
-void forget_vertices(CutState& s, std::uint32_t slot) {
+void clear_page(CutState& s, std::uint32_t slot) {
     PageSlot& info = s.page_slot[slot];
     info.active = 0;
     info.touched = false;
@@ -191,35 +189,35 @@ ParentMasks parents_of(const CutState& s, std::uint32_t group, std::uint32_t lan
 
 namespace {
 
-// Lets go of what the slot held, if it holds something else by now. False: the cut had to begin again.
-bool let_go(CutState& s, std::uint32_t slot) {
+// Lets go of what the slot being_visited, if it holds something else by now. False: the cut had to begin again.
+bool detach_if_changed(CutState& s, std::uint32_t slot) {
     const Terrain& t = *s.terrain;
     const PageSlot& info = s.page_slot[slot];
     if (info.page == no_index || (info.page == t.slot_page[slot] && info.loads == t.slot_loads[slot])) return true;
-    // release_page was not asked, or not waited for: the mesh must let go all the same.
-    for (std::uint32_t v = holding(s, slot); v != no_index; v = holding(s, slot)) {
+    // The host did not call release_page, or did not wait for it: the vertices must be deactivated all the same.
+    for (std::uint32_t v = first_active(s, slot); v != no_index; v = first_active(s, slot)) {
         if (deactivate(s, lowest_below(s, v)) == Outcome::done) continue;
         // No segment for triangles that were hidden: then from the coarsest mesh, where all have room.
-        forget_changes(s);
+        rescan_pages(s);
         reset(s);
         begin_at_roots(s);
         return false;
     }
-    leave(s, slot);
+    detach_page(s, slot);
     return true;
 }
 
-void take_in(CutState& s, std::uint32_t slot) {
-    if (s.terrain->slot_page[slot] != no_index && s.page_slot[slot].page == no_index) enter(s, slot);
+void attach_if_loaded(CutState& s, std::uint32_t slot) {
+    if (s.terrain->slot_page[slot] != no_index && s.page_slot[slot].page == no_index) attach_page(s, slot);
 }
 
 } // namespace
 
-void forget_changes(CutState& s) {
+void rescan_pages(CutState& s) {
     s.seen_changes = s.terrain->changes - change_log - 1; // more than the log remembers
 }
 
-void follow_pages(CutState& s) {
+void sync_pages(CutState& s) {
     const Terrain& t = *s.terrain;
     const std::uint64_t seen = s.seen_changes, count = t.changes - seen;
     if (count == 0) return;
@@ -228,14 +226,14 @@ void follow_pages(CutState& s) {
     const bool all = count > change_log;
     const std::uint64_t end = all ? t.slot_count : count;
     for (std::uint64_t n = 0; n < end; ++n)
-        if (!let_go(s, all ? static_cast<std::uint32_t>(n) : logged(n))) return;
-    for (std::uint64_t n = 0; n < end; ++n) take_in(s, all ? static_cast<std::uint32_t>(n) : logged(n));
+        if (!detach_if_changed(s, all ? static_cast<std::uint32_t>(n) : logged(n))) return;
+    for (std::uint64_t n = 0; n < end; ++n) attach_if_loaded(s, all ? static_cast<std::uint32_t>(n) : logged(n));
 }
 
 namespace {
 
 // The group is evaluated in this frame.
-void look_again(CutState& s, std::uint32_t number) {
+void revisit(CutState& s, std::uint32_t number) {
     const ListId list = list_of(s.lists, number);
     if (list >= due_lists && list != unlisted) return; // will be evaluated anyway
     unlink(s.lists, number);
@@ -244,21 +242,21 @@ void look_again(CutState& s, std::uint32_t number) {
 
 } // namespace
 
-void stop_draining(CutState& s, std::uint32_t slot) {
+void cancel_eviction(CutState& s, std::uint32_t slot) {
     PageSlot& info = s.page_slot[slot];
-    if (info.status != PageSlotStatus::draining) return;
+    if (info.status != PageSlotStatus::evicting) return;
     info.status = PageSlotStatus::live;
-    s.draining_count =
-        static_cast<std::uint32_t>(std::remove(s.draining, s.draining + s.draining_count, slot) - s.draining);
-    for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) look_again(s, slot * max_page_groups + n);
+    s.evicting_count =
+        static_cast<std::uint32_t>(std::remove(s.evicting, s.evicting + s.evicting_count, slot) - s.evicting);
+    for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) revisit(s, slot * max_page_groups + n);
 }
 
 namespace {
 
 // All of it at once.
-void drop_page(CutState& s, std::uint32_t slot) {
+void deactivate_page(CutState& s, std::uint32_t slot) {
     while (s.report.items < s.item_limit) {
-        const std::uint32_t v = holding(s, slot);
+        const std::uint32_t v = first_active(s, slot);
         if (v == no_index || deactivate(s, lowest_below(s, v)) != Outcome::done) return;
         ++s.report.items;
         ++s.report.deactivations;
@@ -266,51 +264,53 @@ void drop_page(CutState& s, std::uint32_t slot) {
 }
 
 // Whatever may begin to: the vertices without active children, and of the others' descendants those that are.
-void sink_page(CutState& s, std::uint32_t slot) {
+void morph_out_page(CutState& s, std::uint32_t slot) {
     for (std::uint32_t n = 0; n < s.shapes[s.page_slot[slot].shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
         for (std::uint32_t lanes = s.groups[number].active; lanes != 0; lanes &= lanes - 1) {
             if (s.report.items >= s.item_limit) return;
             const std::uint32_t v =
                 lowest_below(s, number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)));
-            if (sinks(s, s.slots[v])) continue;
-            begin_sinking(s, v);
+            if (morphs_out(s, s.vertex_slot[v])) continue;
+            begin_morphing_out(s, v);
             ++s.report.items;
-            ++s.report.evaluations; // it was looked at
+            ++s.report.evaluations; // it was evaluated
         }
     }
 }
 
-// Takes out what is down. An entry whose vertex is gone, or sinks anew, belongs to a page that was torn away.
-void end_sinking(CutState& s) {
-    while (s.sinking_count != 0 && s.report.items < s.item_limit) {
-        const std::uint32_t vertex = s.sinking[s.first_sinking];
-        const bool there = (s.groups[vertex / group_lanes].active & bit_of(vertex)) && sinks(s, s.slots[vertex]);
-        if (there && s.morph_now.morph != Morph::none && is_rising(s, s.slots[vertex])) return;
+// Deactivates what has arrived at its edge. An entry whose vertex is gone, or morphs out again, belongs to a page that
+// was unloaded without waiting.
+void end_morphing_out(CutState& s) {
+    while (s.morphing_out_count != 0 && s.report.items < s.item_limit) {
+        const std::uint32_t vertex = s.morphing_out[s.first_morphing_out];
+        const bool there =
+            (s.groups[vertex / group_lanes].active & bit_of(vertex)) && morphs_out(s, s.vertex_slot[vertex]);
+        if (there && s.morph_now.morph != Morph::none && is_morphing(s, s.vertex_slot[vertex])) return;
         // Children it can have only when morphing has just been switched off.
         const std::uint32_t lowest = there ? lowest_below(s, vertex) : vertex;
         if (there && deactivate(s, lowest) != Outcome::done) return;
         s.report.items += there;
         s.report.deactivations += there;
-        if (there) look_again(s, lowest / group_lanes); // its page may have been kept
+        if (there) revisit(s, lowest / group_lanes); // its page may have been kept
         if (lowest != vertex) continue;
-        s.first_sinking = (s.first_sinking + 1) % s.budget.vertices;
-        --s.sinking_count;
+        s.first_morphing_out = (s.first_morphing_out + 1) % s.budget.vertices;
+        --s.morphing_out_count;
         s.gate_open = true;
     }
 }
 
 } // namespace
 
-void drain_pages(CutState& s) {
-    end_sinking(s);
-    for (std::uint32_t i = 0; i < s.draining_count; ++i)
-        if (s.page_slot[s.draining[i]].active == 0)
+void evict_pages(CutState& s) {
+    end_morphing_out(s);
+    for (std::uint32_t i = 0; i < s.evicting_count; ++i)
+        if (s.page_slot[s.evicting[i]].active == 0)
             continue;
         else if (s.morph_now.morph == Morph::none)
-            drop_page(s, s.draining[i]);
+            deactivate_page(s, s.evicting[i]);
         else
-            sink_page(s, s.draining[i]);
+            morph_out_page(s, s.evicting[i]);
 }
 
 } // namespace fjell

@@ -1,24 +1,24 @@
-// Pages that come, are asked back, and go.
+// Pages that are loaded, evicted and unloaded: what the cut does about each.
 #pragma once
 
 #include "cut/state.h"
 
 namespace fjell {
 
-// Enters every page that is loaded and leaves those that are gone. O(changes since the last call), or O(slots) when
-// those were more than the terrain's log remembers.
-void follow_pages(CutState& s);
-// The next call looks at all slots.
-void forget_changes(CutState& s);
+// Attaches every page that was loaded and detaches those that were unloaded. O(changes since the last call), or
+// O(slots) when those were more than the terrain's log remembers.
+void sync_pages(CutState& s);
+// The next sync_pages() visits all slots.
+void rescan_pages(CutState& s);
 
 // As if nothing were active, for one page.
-void forget_vertices(CutState& s, std::uint32_t slot);
+void clear_page(CutState& s, std::uint32_t slot);
 
-// Deactivates what draining pages still hold, as far as the items go.
-void drain_pages(CutState& s);
+// Deactivates what is still active in pages that are being evicted, as far as the items go.
+void evict_pages(CutState& s);
 
-// A draining page stays after all: what it could activate is looked at again.
-void stop_draining(CutState& s, std::uint32_t slot);
+// The page stays after all: what it could activate is evaluated again.
+void cancel_eviction(CutState& s, std::uint32_t slot);
 
 // Finds which parents of some lanes of a group are active.
 struct ParentMasks {

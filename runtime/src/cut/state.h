@@ -5,12 +5,28 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "cut/evaluate.h"
+#include "cut/calendar.h"
 #include "cut/groups.h"
-#include "cut/lists.h"
 #include "fjell/cut.h"
+#include "view/wanted.h"
 
 namespace fjell {
+
+// What all groups of a frame share.
+struct Criterion {
+    const float* error_m;       // 256
+    const float* radius_factor; // 128
+    float base_m, quantum_m;    // HeightScale
+    float spacing_x_m, spacing_z_m;
+    std::int32_t last_x, last_y; // of the terrain's samples
+    std::uint32_t views;
+    bool hysteresis;            // keep differs from reach
+    Reach reach[max_cut_views]; // for vertices that are not active
+    Reach keep[max_cut_views];  // for those that are
+};
+
+struct LaneGroup; // evaluate.h
+struct LaneMargins;
 
 // One group: a bit a lane in every mask. 32 bytes, so that a visit costs half a cache line beside the records.
 struct GroupState {
@@ -19,8 +35,8 @@ struct GroupState {
     std::uint16_t child[4];  // that child is active; where it is not, an active vertex draws a triangle towards it
     std::uint16_t list;      // that the group was put in (list_of), or unlisted
     Link link;
-    // In the calendar: the tick of its grade at which it must be looked at, 48 bits of it. In a queue: which lanes
-    // called for work, activations in the lower half; only a hint of what to fetch.
+    // In the calendar: the tick of its grade at which it must be evaluated, 48 bits of it. In a queue: which lanes
+    // called for work, activations in the lower half; only a hint of what to prefetch.
     std::uint32_t due;
     std::uint16_t due_high;
     std::uint8_t grade; // of its errors; in the calendar and after
@@ -35,7 +51,7 @@ static_assert(sizeof(GroupState) == 32, "two groups a cache line");
 
 inline constexpr std::size_t bulk_grid_bytes = 4 * (2 * page_squares + 2) * (2 * page_squares + 2);
 
-enum class PageSlotStatus : std::uint8_t { empty, live, draining };
+enum class PageSlotStatus : std::uint8_t { empty, live, evicting };
 
 struct PageSlot {
     std::uint32_t page; // tile * pages_per_tile + page, or no_index
@@ -90,15 +106,15 @@ struct DirtyBits {
 };
 
 // Of CutState::hole.
-inline constexpr std::uint8_t hole_bit = 1, sinks_bit = 2;
+inline constexpr std::uint8_t hole_bit = 1, morphs_out_bit = 2;
 
-// What the governor remembers (governor.h).
+// What the governor remembers (update.cpp).
 struct Governor {
     double effective_px; // 0: not started
     double failed_px;    // a threshold at which a capacity did not suffice; 0: none known
-    double failed_use;   // share of the scarcest capacity in use once that was mended
+    double failed_use;   // share of the scarcest capacity in use once that was resolved
     bool moved;          // the camera has since then
-    std::uint32_t cause; // CutBudgetBits that keep the effective threshold above the asked one
+    std::uint32_t cause; // CutBudgetBits that keep the effective threshold above the requested one
 };
 
 struct CutState {
@@ -112,25 +128,25 @@ struct CutState {
     std::uint16_t* hz_places;   // hierarchical Z-order: place of each group's lanes, for both shapes; else nullptr
     std::uint32_t* page_groups; // first group of each page, or no_index
     float level_unit_m[2 * max_tile_log2]; // of radii: centres at 2 z, sides at 2 z + 1
-    void (*evaluate)(const Decision&, const LaneGroup&, LaneMargins&);
+    void (*evaluate)(const Criterion&, const LaneGroup&, LaneMargins&);
     // Vertices.
     GroupState* groups;
-    std::uint32_t* slots; // vertex slot of each active vertex
+    std::uint32_t* vertex_slot; // vertex slot of each active vertex
     PageSlot* page_slot;
     std::uint64_t seen_changes;
-    std::uint32_t* draining; // slots whose pages are asked back
-    std::uint32_t draining_count;
+    std::uint32_t* evicting; // slots whose pages are being evicted
+    std::uint32_t evicting_count;
     // Lists of groups.
     Lists lists;
     // The mesh.
     MeshVertex* vertices;
     MorphVertex* morph;
-    std::uint32_t* made;          // 4 a vertex slot: the triangle it makes in each direction, or no_index
-    std::uint8_t* hole;           // 1 a vertex slot: hole_bit, sinks_bit
+    std::uint32_t* triangle_of;   // by key: its slot, or no_index
+    std::uint8_t* hole;           // 1 a vertex slot: hole_bit, morphs_out_bit
     std::uint32_t* free_vertices; // a stack of given-back slots; those from fresh_vertex on were never taken
     std::uint32_t free_vertex_count, fresh_vertex, vertex_peak;
     std::uint32_t* indices; // 3 a triangle slot: right angle first
-    std::uint32_t* names;   // of a triangle: vertex slot * 4 + direction
+    std::uint32_t* key_of;  // of a triangle slot: the vertex slot at its right angle * 4 + direction
     TileList* tiles;        // and one more: triangles that are not drawn
     std::uint32_t* segment_tile;
     std::uint32_t* segment_below; // the tile's segment before it
@@ -143,7 +159,7 @@ struct CutState {
     TileRange* ranges;
     std::uint32_t range_count;
     // The views of the last update, and what follows from them.
-    Decision decision;
+    Criterion criterion;
     View views[max_cut_views];
     Frustum frustums[max_cut_views];
     std::uint32_t view_count; // 0: no update yet
@@ -153,12 +169,12 @@ struct CutState {
     CutReport report;
     std::uint64_t frame;
     std::uint32_t item_limit;
-    bool lagging;                     // the frame before left work undone
-    std::uint32_t short_of;           // CutBudgetBits of capacities that an activation has just wanted in vain
-    std::uint32_t retired_when_short; // deactivations before it did
-    std::uint32_t batches;            // carried out in this frame
-    std::uint32_t examined;           // groups since the last batch, also of the frame before
-    bool still;                       // no eye has moved since the frame before
+    bool lagging;                          // the frame before left work undone
+    std::uint32_t full_capacities;         // CutBudgetBits of capacities at which a change has just failed
+    std::uint32_t deactivations_when_full; // deactivations before it did
+    std::uint32_t batches;                 // carried out in this frame
+    std::uint32_t examined;                // groups since the last batch, also of the frame before
+    bool still;                            // no eye has moved since the frame before
     std::chrono::steady_clock::time_point started;
     std::uint32_t work_ranks; // which work lists may hold groups, as bits
     std::uint32_t turn;       // which of blocked_lists takes what is put back
@@ -166,10 +182,10 @@ struct CutState {
     bool gate_open;           // some vertex has reached its height since the last frame
     // Morphing.
     MorphFrame morph_now, morph_before;
-    float* births; // born_s of vertices activated late, a ring of budget.vertices: oldest first
-    std::uint32_t first_birth, birth_count;
-    std::uint32_t* sinking; // vertices that sink (sink.h), a ring of budget.vertices: those that began first
-    std::uint32_t first_sinking, sinking_count;
+    float* late_s; // activated_s of vertices activated late, a ring of budget.vertices: oldest first
+    std::uint32_t first_late, late_count;
+    std::uint32_t* morphing_out; // vertices that morph out, a ring of budget.vertices: those that began first
+    std::uint32_t first_morphing_out, morphing_out_count;
 };
 
 [[nodiscard]] inline std::uint32_t free_vertices(const CutState& s) {
@@ -182,5 +198,10 @@ struct CutState {
 [[nodiscard]] inline std::uint32_t take_vertex(CutState& s) { // there must be one
     return s.free_vertex_count != 0 ? s.free_vertices[--s.free_vertex_count] : s.fresh_vertex++;
 }
+
+// No vertex active, every page that is loaded entered, all slots free; and no triangle yet.
+void reset(CutState& s);
+// After reset(): two triangles a tile, and every tile's root due.
+void begin_at_roots(CutState& s);
 
 } // namespace fjell

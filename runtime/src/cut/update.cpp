@@ -5,13 +5,11 @@
 #include <utility>
 
 #include "cut/bulk.h"
+#include "cut/calendar.h"
 #include "cut/change.h"
-#include "cut/fetch.h"
-#include "cut/frame.h"
-#include "cut/governor.h"
 #include "cut/morph.h"
 #include "cut/pages.h"
-#include "cut/visit.h"
+#include "cut/refine.h"
 
 namespace fjell {
 
@@ -42,9 +40,9 @@ double grade_error_m(const CutState& s, std::uint32_t grade) {
                     static_cast<double>(s.terrain->header.max_error_m));
 }
 
-// Takes over the views; what they may have changed becomes due.
-void look(CutState& s, std::span<const View> views, double threshold_px) {
-    Decision& c = s.decision;
+// Sets the views; what they may have changed becomes due.
+void set_views(CutState& s, std::span<const View> views, double threshold_px) {
+    Criterion& c = s.criterion;
     const bool all = views.size() != s.view_count;
     // Two levels of nesting lie between a vertex and the ends of the edge that it splits.
     const double nested = 1 + static_cast<double>(s.terrain->header.nesting);
@@ -107,20 +105,44 @@ void list_ranges(CutState& s) {
     }
 }
 
-std::uint32_t due(const CutState& s) {
-    std::uint32_t n = 0;
-    for (std::uint32_t grade = 0; grade < grade_count; ++grade) n += size(s.lists, due_lists + grade);
-    return n;
-}
+// The governor: when a capacity does not suffice the effective threshold rises until it does, and falls again.
+//
+// It reacts to capacities only. Lack of time shows as lag instead, because changing the threshold makes work, exactly
+// when there is too much of it. It acts on a cut at rest: one that has done all it can at the present threshold.
+//
+// Steps are sized so that they do not have to be taken back. Up: by a tenth, which frees at most a fifth (the number of
+// vertices goes as the threshold to a power between -1 and -2), so that at least 0.8 of the scarcest capacity stay in
+// use. Down: only below that, and only as far as fills nine tenths by the same law. A terrain whose vertices all come
+// in one step can break any law, so a threshold that has failed is not tried again before use has dropped by a tenth.
+constexpr double governor_up = 1.1, governor_full = 0.8, governor_fill = 0.9, governor_most_px = 1e7;
 
-std::uint32_t waiting(const CutState& s) {
-    std::uint32_t n = 0;
-    for (std::uint32_t list = due_lists; list < list_count; ++list) n += size(s.lists, list);
-    return n;
-}
-
-std::uint32_t blocked(const CutState& s) {
-    return size(s.lists, blocked_lists) + size(s.lists, blocked_lists + 1);
+// Returns the threshold of the next frame. use: share of the scarcest capacity; blocked: work waits for a capacity.
+// still: no eye has moved.
+double govern(Governor& g, double requested_px, double use, bool blocked, bool at_rest, bool still) {
+    if (g.effective_px < requested_px) g.effective_px = requested_px;
+    if (!at_rest) return g.effective_px;
+    if (blocked) {
+        g.failed_px = g.effective_px;
+        g.failed_use = governor_full;
+        g.moved = false;
+        // Vertices whose spheres hold the eye are wanted at any threshold.
+        return g.effective_px = std::min(g.effective_px * governor_up, std::max(requested_px, governor_most_px));
+    }
+    // Where the camera rests, use says what the failure left; where it moves, the law has to do.
+    g.moved = g.moved || !still;
+    if (!g.moved) g.failed_use = std::min(g.failed_use, use);
+    if (use >= governor_full) return g.effective_px;
+    if (g.effective_px <= requested_px) {
+        g.failed_px = 0;
+        return g.effective_px;
+    }
+    const double next = std::max(requested_px, g.effective_px * std::sqrt(std::max(use, 1e-4) / governor_fill));
+    // Not again where it has just failed, unless much less is in use than then.
+    if (g.failed_px > 0 && next < g.failed_px * std::sqrt(governor_up)) {
+        if (use > g.failed_use - (g.moved ? 0.05 : 0.15)) return g.effective_px;
+        g.failed_px = 0;
+    }
+    return g.effective_px = next;
 }
 
 void finish(CutState& s) {
@@ -133,149 +155,37 @@ void finish(CutState& s) {
     r.triangle_slots = {slots(s.segment_count - s.free_segment_count), slots(s.segment_peak), slots(s.segment_count)};
     r.vertices = r.vertex_slots.used;
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) r.triangles += s.tiles[tile].total;
-    r.blocked = blocked(s);
-    if (s.short_of != 0) s.governor.cause = s.short_of;
-    if (r.error_px_effective <= r.error_px_asked) s.governor.cause = s.short_of;
+    r.blocked = blocked_groups(s);
+    if (s.full_capacities != 0) s.governor.cause = s.full_capacities;
+    if (r.error_px_effective <= r.error_px_requested) s.governor.cause = s.full_capacities;
     r.exhausted |= s.governor.cause;
-    r.rising = s.birth_count + s.sinking_count;
-    r.waiting = waiting(s);
-    for (std::uint32_t i = 0; i < s.draining_count; ++i) r.waiting += s.page_slot[s.draining[i]].active != 0;
+    r.morphing = s.late_count + s.morphing_out_count;
+    r.waiting = waiting_groups(s);
+    for (std::uint32_t i = 0; i < s.evicting_count; ++i) r.waiting += s.page_slot[s.evicting[i]].active != 0;
     r.vertices_changed = s.dirty_vertices.slots;
     r.triangles_changed = s.dirty_triangles.slots;
     const std::uint32_t gated = size(s.lists, gated_lists) + size(s.lists, gated_lists + 1);
     s.lagging = r.waiting != r.blocked + gated;
-    r.converged = r.waiting == 0 && r.rising == 0 && r.error_px_effective <= r.error_px_asked;
+    r.converged = r.waiting == 0 && r.morphing == 0 && r.error_px_effective <= r.error_px_requested;
     const double use = std::max(static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
                                 static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity);
-    (void)govern(s.governor, r.error_px_asked, use, s.short_of != 0, !s.lagging, s.still);
+    (void)govern(s.governor, r.error_px_requested, use, s.full_capacities != 0, !s.lagging, s.still);
     // What pages hide that are wanted and not there bounds the screen as a threshold would.
     r.error_px_effective = std::max(r.error_px_effective, s.terrain->missing_px);
-    r.converged = r.converged && s.terrain->missing_px <= r.error_px_asked;
+    r.converged = r.converged && s.terrain->missing_px <= r.error_px_requested;
 }
-
-} // namespace
-
-namespace {
-
-// Blocks that are carried out together, so that what they touch can be fetched for all of them first.
-constexpr std::uint32_t batch_groups = 16;
-
-bool out_of_time(CutState& s) {
-    if (s.report.visits >= s.settings.visits) return true;
-    if (s.settings.budget_us <= 0 || s.report.items == 0 ||
-        microseconds(s.started, Clock::now()) < s.settings.budget_us)
-        return false;
-    s.report.exhausted |= cut_budget_time;
-    return true;
-}
-
-void fetch_for(const CutState& s, std::span<const std::uint32_t> groups) {
-    constexpr std::uint32_t most = 6 * batch_groups; // of changes; more would push each other out of the cache
-    Plan plans[most];
-    std::uint32_t count = 0;
-    for (const std::uint32_t group : groups)
-        for (std::uint32_t lanes = s.groups[group].due; lanes != 0 && count < most; lanes &= lanes - 1) {
-            const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-            plans[count++] = make_plan(s, group * group_lanes + lane % group_lanes, lane < group_lanes);
-        }
-    for (std::uint32_t i = 0; i < count; ++i) fetch_made(s, plans[i]);
-    for (std::uint32_t i = 0; i < count; ++i) fetch_triangles(s, plans[i]);
-    for (std::uint32_t i = 0; i < count; ++i) fetch_corners(s, plans[i]);
-}
-
-// False when there was not time or items for all of them; the rest goes back to its queue.
-bool carry_out_batch(CutState& s, std::uint32_t list, bool may_retire) {
-    std::uint32_t groups[batch_groups], count = 0;
-    for (; count < batch_groups && size(s.lists, list) != 0; ++count) {
-        groups[count] = pop_front(s.lists, list);
-        s.groups[groups[count]].list = held;
-    }
-    fetch_for(s, {groups, count});
-    for (std::uint32_t i = 0; i < count; ++i) {
-        if (s.report.items < s.item_limit && !out_of_time(s)) {
-            carry_out(s, groups[i], may_retire);
-            continue;
-        }
-        // As they were: a frame that ends by its time must leave the same order as one that ends by its items.
-        while (count > i) push_front(s.lists, list, groups[--count]);
-        return false;
-    }
-    return true;
-}
-
-// While the mesh lags, some batches give slots back, or it would outgrow what the view wants: one in sixteen while
-// there is room, one in three when there is not.
-std::uint32_t retire_every(const CutState& s) {
-    const bool room = free_vertices(s) > s.budget.vertices / 4 && s.free_segment_count > s.segment_count / 4;
-    return room ? 16 : 3;
-}
-
-// The queue that comes next; unlisted when all are done. Deactivations come last, but first when a capacity is spent,
-// and then what was blocked is tried again.
-std::uint32_t next_queue(CutState& s) {
-    const bool can_retire = size(s.lists, retire_list) != 0;
-    if (can_retire && (s.short_of != 0 || (s.lagging && s.batches % retire_every(s) == 0))) return retire_list;
-    if (s.short_of != 0 && s.retired_when_short != s.report.deactivations) {
-        s.short_of = 0;
-        s.turn ^= 1;
-    }
-    while (s.work_ranks != 0) {
-        const auto rank = static_cast<std::uint32_t>(std::bit_width(s.work_ranks)) - 1;
-        if (size(s.lists, work_lists + rank) != 0) return work_lists + rank;
-        s.work_ranks &= ~(1u << rank);
-    }
-    if (can_retire) return retire_list;
-    const std::uint32_t gated_before = gated_lists + (s.gated_turn ^ 1);
-    if (s.gate_open && size(s.lists, gated_before) != 0) return gated_before;
-    const std::uint32_t blocked_before = blocked_lists + (s.turn ^ 1);
-    return size(s.lists, blocked_before) != 0 && s.short_of == 0 ? blocked_before : unlisted;
-}
-
-} // namespace
-
-void refine(CutState& s) {
-    const auto fetch = [&](std::uint32_t group) { fetch_group(s, group); };
-    std::uint32_t grade = grade_count; // of due groups, plus one
-    // While the mesh lags, what is known to be bad does not wait for all that might be.
-    constexpr std::uint32_t many = 4096;
-    s.lagging = s.lagging || due(s) > many; // a teleport
-    const std::uint32_t most_examined = s.lagging ? 2 * batch_groups : unlimited_items;
-    while (s.report.items < s.item_limit) {
-        while (grade != 0 && size(s.lists, due_lists + grade - 1) == 0) --grade;
-        if (grade != 0 && s.examined < most_examined) {
-            if (out_of_time(s)) return;
-            const std::uint32_t group = pop_due(s.lists, grade - 1, fetch);
-            s.groups[group].list = held;
-            examine(s, group);
-            ++s.examined;
-            continue;
-        }
-        s.examined = 0;
-        const std::uint32_t list = next_queue(s);
-        if (list == unlisted && grade == 0) return;
-        if (list == unlisted) continue;
-        const std::uint32_t short_before = s.short_of;
-        if (!carry_out_batch(s, list, list == retire_list || !s.lagging)) break;
-        ++s.batches;
-        if (s.short_of != short_before) s.retired_when_short = s.report.deactivations;
-    }
-    if (s.report.items >= s.item_limit && waiting(s) != blocked(s) && (s.report.exhausted & cut_budget_time) == 0)
-        s.report.exhausted |= cut_budget_items;
-}
-
-namespace {
 
 void begin_frame(CutState& s, const CutSettings& settings) {
     s.started = Clock::now();
     s.settings = settings;
-    if (s.frame != 0) { // what create_cut() has made is for the first frame to show
+    if (s.frame != 0) { // what create_cut() has written belongs to the first frame
         s.dirty_vertices.clear();
         s.dirty_triangles.clear();
     }
     s.report = {};
     s.report.frame = ++s.frame;
-    s.report.error_px_asked = settings.error_px;
-    s.short_of = s.batches = s.retired_when_short = 0;
+    s.report.error_px_requested = settings.error_px;
+    s.full_capacities = s.batches = s.deactivations_when_full = 0;
 }
 
 // Every slot that is in use: after a rebuild they are the first ones.
@@ -295,14 +205,14 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     s.governor.effective_px = std::max(s.governor.effective_px, settings.error_px);
     if (s.governor.cause == 0) s.governor.effective_px = settings.error_px;
     r.error_px_effective = s.governor.effective_px;
-    look(s, views, s.governor.effective_px);
-    follow_pages(s);
+    set_views(s, views, s.governor.effective_px);
+    sync_pages(s);
     // What was blocked takes its turn again; what still is goes to the other list.
     if (size(s.lists, blocked_lists + (s.turn ^ 1)) == 0) s.turn ^= 1;
     if (size(s.lists, gated_lists + (s.gated_turn ^ 1)) == 0) s.gated_turn ^= 1;
-    let_rise(s);
+    end_morphing_in(s);
     const auto prepared = Clock::now();
-    drain_pages(s);
+    evict_pages(s);
     refine(s);
     const auto refined = Clock::now();
     finish(s);
@@ -321,14 +231,15 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     s.settings.budget_us = 0;
     s.report.rebuilt = true;
     CutReport& r = s.report;
-    // A rebuild starts afresh: with the asked threshold, or the lowest one above it that the capacities allow.
+    // A rebuild starts from scratch: with the requested threshold, or the lowest one above it that the capacities
+    // allow.
     s.governor = {settings.error_px, 0, governor_full, false, 0};
-    bool whole = true;
+    bool complete = true;
     for (;;) {
         reset(s);
-        look(s, views, s.governor.effective_px);
+        set_views(s, views, s.governor.effective_px);
         if (build_all(s)) break;
-        s.governor.cause |= std::exchange(s.short_of, 0u);
+        s.governor.cause |= std::exchange(s.full_capacities, 0u);
         r.evaluations = 0;
         s.governor.failed_px = s.governor.effective_px;
         s.governor.effective_px *= governor_up;
@@ -337,11 +248,11 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         reset(s);
         begin_at_roots(s);
         refine(s);
-        whole = false;
+        complete = false;
         break;
     }
     r.error_px_effective = s.governor.effective_px;
-    if (whole) mark_all(s); // otherwise refine() has marked what it made
+    if (complete) mark_all(s); // otherwise refine() has marked what it wrote
     r.activations = s.budget.vertices - free_vertices(s) - corner_slots(s);
     r.items = r.evaluations + r.activations;
     const auto built = Clock::now();
@@ -360,19 +271,19 @@ Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& r
     if (released) return {};
     const std::uint32_t slot = first / max_page_groups;
     PageSlot& info = s.page_slot[slot];
-    if (info.status != PageSlotStatus::draining) {
-        info.status = PageSlotStatus::draining;
-        s.draining[s.draining_count++] = slot;
+    if (info.status != PageSlotStatus::evicting) {
+        info.status = PageSlotStatus::evicting;
+        s.evicting[s.evicting_count++] = slot;
     }
     released = info.active == 0;
     return {};
 }
 
-void keep_page(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
+void cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
     CutState& s = *cut.state;
     if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return;
     const std::uint32_t first = s.page_groups[tile * s.pages_per_tile + page];
-    if (first != no_index) stop_draining(s, first / max_page_groups);
+    if (first != no_index) cancel_eviction(s, first / max_page_groups);
 }
 
 const char* budget_field(CutBudgetBit bit) {
@@ -391,8 +302,8 @@ MorphFrame cut_morph(LiveCut cut) {
 
 float morphed_height_m(const Terrain& terrain, const MeshVertex& v, const MorphVertex& m, const MorphFrame& frame) {
     if (frame.morph == Morph::none) return v.height_m;
-    float t = risen(frame, terrain.x_m(v.column), v.height_m, terrain.z_m(v.row), m.error_m, m.radius_m);
-    t = std::min(t, (frame.now_s - m.born_s) / frame.morph_s);
+    float t = morph_fraction(frame, terrain.x_m(v.column), v.height_m, terrain.z_m(v.row), m.error_m, m.radius_m);
+    t = std::min(t, (frame.now_s - m.activated_s) / frame.morph_s);
     return m.flat_m + (v.height_m - m.flat_m) * std::clamp(t, 0.0f, 1.0f);
 }
 

@@ -27,8 +27,8 @@ struct TerrainMemory {
     CornerSteps coarse;
     std::uint32_t changed_slots[change_log];
     LeafErrors leaf;
-    // Hierarchical Z-order only: where the canonical order's vertices go, in a block and in page 0.
-    std::uint16_t block_places[max_page_vertices];
+    // Hierarchical Z-order only: where the canonical order's vertices go, in page 0 and in any other.
+    std::uint16_t page_places[max_page_vertices];
     std::uint16_t root_places[(page_squares + 1) * (page_squares + 1)];
 };
 

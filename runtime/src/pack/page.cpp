@@ -31,7 +31,7 @@ constexpr std::uint32_t first_side_x = n * n, first_side_y = first_side_x + n * 
 
 // Residuals to heights, in place; all arithmetic modulo 2^16. A centre is predicted as west + north - north-west, which
 // makes a row the one before it plus a running sum.
-[[gnu::always_inline]] inline void undo_block(std::uint16_t* h) {
+[[gnu::always_inline]] inline void undo_prediction(std::uint16_t* h) {
     const auto add = [](std::uint16_t& to, std::uint32_t what) { to = static_cast<std::uint16_t>(to + what); };
     for (std::uint32_t j = 0; j < n; ++j) {
         std::uint16_t* const row = h + j * n;
@@ -84,7 +84,7 @@ namespace {
 // column of 33 has a code of its own.
 template <std::uint32_t Stride>
 void expand_plane(const std::uint8_t* stored, std::uint32_t rows, std::uint8_t* to) {
-    constexpr std::uint32_t size = 1u << radius_block_log2, blocks = n / size;
+    constexpr std::uint32_t size = 1u << radius_squares_log2, blocks = n / size;
     std::uint8_t line[n + size];
     for (std::uint32_t j = 0; j < rows; ++j, to += Stride) {
         if (j % size == 0) {
@@ -98,7 +98,7 @@ void expand_plane(const std::uint8_t* stored, std::uint32_t rows, std::uint8_t* 
 } // namespace
 
 void expand_radii(const std::uint8_t* stored, std::uint8_t* radii) {
-    constexpr std::uint32_t blocks = n >> radius_block_log2;
+    constexpr std::uint32_t blocks = n >> radius_squares_log2;
     expand_plane<n>(stored, n, radii);
     expand_plane<n>(stored + blocks * blocks, n + 1, radii + first_side_x);
     expand_plane<n + 1>(stored + blocks * (2 * blocks + 1), n, radii + first_side_y);
@@ -132,7 +132,7 @@ FJELL_CLONES Status unpack_page(const PageLayout& pages, std::uint32_t page, std
 
     read_residuals(low, high, count, out.heights);
     if (step_page)
-        undo_block(out.heights);
+        undo_prediction(out.heights);
     else
         undo_rows(out.heights, count, row_length(pages));
     if (errors) std::memcpy(out.errors, errors, count);
@@ -216,7 +216,7 @@ constexpr auto odd_places = [] {
 
 FJELL_CLONES void derive_errors(const CornerSteps& corners, const ErrorScale& scale, const LeafErrors& leaf,
                                 PageArrays& page) {
-    constexpr std::uint32_t w = block_corners;
+    constexpr std::uint32_t w = page_corners;
     const std::uint16_t* const h = page.heights;
     std::uint8_t* const e = page.errors;
     std::int32_t sums[max_page_vertices];

@@ -24,7 +24,7 @@ struct PageArrays {
     std::uint8_t radii[max_page_vertices]; // with void_bit
 };
 
-// How heights are predicted: a block's centres from three neighbours, its sides from the centres beside them. Other
+// How heights are predicted: a page's centres from three neighbours, its sides from the centres beside them. Other
 // pages are rows of `row` vertices, or one row for 0.
 [[nodiscard]] inline bool is_step_page(const PageLayout& pages, std::uint32_t page) {
     return pages.page_step_log2(page) >= 0;
@@ -36,7 +36,7 @@ struct PageArrays {
 // raw: a decompressed page, any bytes. Fails with corrupt when sizes or values cannot be.
 Status unpack_page(const PageLayout& pages, std::uint32_t page, std::span<const std::byte> raw, PageArrays& out);
 
-// Expands the radii that a block stores to its vertices.
+// Expands the radii that a page stores to its vertices.
 void expand_radii(const std::uint8_t* stored, std::uint8_t* radii);
 
 // Errors of the finest step follow from heights. A side's is the jump when it comes in: half |2 h - a - b| between the
@@ -57,11 +57,11 @@ private:
     std::uint8_t table_[table_size] = {};
 };
 
-// Heights, in height scale steps, of the 33 x 33 corners of a block's squares, row by row.
-inline constexpr std::uint32_t block_corners = page_squares + 1;
-using CornerSteps = std::int32_t[block_corners * block_corners];
+// Heights, in height scale steps, of the 33 x 33 corners of a page's squares, row by row.
+inline constexpr std::uint32_t page_corners = page_squares + 1;
+using CornerSteps = std::int32_t[page_corners * page_corners];
 
-// Fills page.errors of a block of step 1.
+// Fills page.errors of a page of step 1.
 void derive_errors(const CornerSteps& corners, const ErrorScale& scale, const LeafErrors& leaf, PageArrays& page);
 
 } // namespace fjell

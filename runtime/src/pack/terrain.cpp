@@ -84,7 +84,7 @@ struct TilePages {
         const PageEntry entry = table[page];
         return entry.base + terrain.records[std::size_t{entry.slot} * terrain.page_capacity + index].height;
     }
-    // Vertex (x, y) of the tile, seen from a block of step 1: in the closed page over that block.
+    // Vertex (x, y) of the tile, seen from a page of step 1: in the closed page over it.
     [[nodiscard]] std::int32_t steps_over(Coord position, std::uint32_t x, std::uint32_t y) const {
         const PageLayout& pages = terrain.pages;
         const auto side = static_cast<std::int32_t>(pages.side());
@@ -92,10 +92,10 @@ struct TilePages {
         if (((c.x | c.y) & (side - 1)) == 0) return steps(0, (x >> pages.tile_log2) + 2 * (y >> pages.tile_log2));
         const int z = Tree::step_log2(c);
         const StepLayout step = pages.step_layout(z);
-        const std::uint32_t bx = step.pages_log2 == 0 ? 0 : static_cast<std::uint32_t>(position.x) >> z,
-                            by = step.pages_log2 == 0 ? 0 : static_cast<std::uint32_t>(position.y) >> z;
-        const std::uint32_t page = step.page_side == page_squares ? pages.page_at(z, bx, by) : 0;
-        const std::uint32_t i = (x >> (z + 1)) - bx * step.page_side, j = (y >> (z + 1)) - by * step.page_side;
+        const std::uint32_t px = step.pages_log2 == 0 ? 0 : static_cast<std::uint32_t>(position.x) >> z,
+                            py = step.pages_log2 == 0 ? 0 : static_cast<std::uint32_t>(position.y) >> z;
+        const std::uint32_t page = step.page_side == page_squares ? pages.page_at(z, px, py) : 0;
+        const std::uint32_t i = (x >> (z + 1)) - px * step.page_side, j = (y >> (z + 1)) - py * step.page_side;
         const VertexKind kind = Tree::kind(c);
         const std::uint32_t index = pages.order == Order::planar
                                         ? page_index<Order::planar>(step.page_side, kind, i, j)
@@ -104,7 +104,7 @@ struct TilePages {
     }
 };
 
-// The page over a block of step 1 at step 2^z, or page 0.
+// The page over a page of step 1 at step 2^z, or page 0.
 std::uint32_t page_over(const PageLayout& pages, Coord position, int z) {
     const StepLayout step = pages.step_layout(z);
     if (step.page_side != page_squares) return 0;
@@ -117,10 +117,10 @@ bool coarser_pages_loaded(const PageLayout& pages, const PageEntry* table, Coord
     return true;
 }
 
-// Heights of the squares' corners of a block of step 1. Every coarser step adds its three planes' share of the block,
-// row by row; what is left in the end are the block's own four corners.
+// Heights of the squares' corners of a page of step 1. Every coarser step adds its three planes' share of the page,
+// row by row; what is left in the end are the page's own four corners.
 void gather_corners(const TilePages& tile, Coord position, CornerSteps& out) {
-    constexpr std::uint32_t w = block_corners;
+    constexpr std::uint32_t w = page_corners;
     const PageLayout& pages = tile.terrain.pages;
     const auto x0 = static_cast<std::uint32_t>(position.x) * page_squares,
                y0 = static_cast<std::uint32_t>(position.y) * page_squares; // in squares of step 1
@@ -167,7 +167,7 @@ FJELL_CLONES void store(const Terrain& terrain, std::uint32_t page, TerrainMemor
         write_records(to, packed, count);
         return;
     }
-    const std::uint16_t* const places = page == 0 ? memory.root_places : memory.block_places;
+    const std::uint16_t* const places = page == 0 ? memory.root_places : memory.page_places;
     for (std::uint32_t i = 0; i < count; ++i) write_record(to + places[i], packed[i]);
 }
 
@@ -218,7 +218,7 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     m.raw_bytes = max_page_raw_bytes(t.page_capacity);
     m.leaf = LeafErrors(t.errors, h.quantum_m);
     if (h.order == Order::hierarchical_z) {
-        permute({page_squares_log2 + 1, h.order}, 1, m.block_places);
+        permute({page_squares_log2 + 1, h.order}, 1, m.page_places);
         permute({std::min(t.pages.tile_log2, page_squares_log2), h.order}, 0, m.root_places);
     }
     for (std::uint32_t i = 0; i < t.page_count(); ++i) m.page_table[i] = {no_index, 0};

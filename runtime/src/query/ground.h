@@ -36,7 +36,7 @@ struct Sample {
     std::int32_t steps = 0;
 };
 
-// A corner of a triangle, where it stands: samples, and the height on the height_scale.
+// A corner of a triangle, where it stands: samples, and the height in height scale steps.
 struct Corner {
     Coord at;
     std::int32_t steps = 0;
@@ -49,15 +49,15 @@ struct Corner {
     const auto z = static_cast<std::uint32_t>(std::countr_zero(x | y));
     const StepLayout step = pages.step_layout(static_cast<int>(z));
     const std::uint32_t i = x >> (z + 1), j = y >> (z + 1), last = (1u << step.pages_log2) - 1;
-    const int block_log2 = std::countr_zero(step.page_side);
-    const std::uint32_t bx = std::min(i >> block_log2, last), by = std::min(j >> block_log2, last);
-    const std::uint32_t in_x = i - (bx << block_log2), in_y = j - (by << block_log2);
+    const int page_log2 = std::countr_zero(step.page_side);
+    const std::uint32_t px = std::min(i >> page_log2, last), py = std::min(j >> page_log2, last);
+    const std::uint32_t in_x = i - (px << page_log2), in_y = j - (py << page_log2);
     const bool odd_x = (x >> z & 1) != 0, odd_y = (y >> z & 1) != 0;
     const VertexKind kind = odd_x && odd_y ? VertexKind::centre : odd_x ? VertexKind::side_x : VertexKind::side_y;
     if (pages.order == Order::hierarchical_z)
-        return {step.first_page + interleave(bx, by),
+        return {step.first_page + interleave(px, py),
                 step.offset + page_index<Order::hierarchical_z>(step.page_side, kind, in_x, in_y)};
-    return {step.first_page + (by << step.pages_log2) + bx,
+    return {step.first_page + (py << step.pages_log2) + px,
             step.offset + page_index<Order::planar>(step.page_side, kind, in_x, in_y)};
 }
 
@@ -70,7 +70,7 @@ public:
                       terrain.pages_per_tile) {}
 
     [[nodiscard]] Coord origin() const { return origin_; }
-    // v: a vertex of the tile, of the height_scale.
+    // v: a vertex of the tile, of the grid.
     [[nodiscard]] Sample read(Coord v) {
         Sample sample;
         if (t_.tree.is_corner(v)) {
@@ -325,6 +325,74 @@ struct Quarter {
 [[nodiscard]] inline Vec3 normal_of(const Terrain& t, const Plane& plane) {
     const double quantum = t.height_scale.quantum_m;
     return normalised({-plane.x * quantum / t.header.spacing_m[0], 1, -plane.y * quantum / t.header.spacing_m[1]});
+}
+
+// The finest triangle that is loaded under a point.
+struct Found {
+    Plane plane;
+    double error_m = 0;
+    bool hole = false, finest = false;
+};
+
+// The same from any triangle downwards. Places and heights in plain variables: triangles that are copied at every level
+// cost twice the time.
+[[nodiscard]] inline Found find_below(const Terrain& t, Reader& reader, const Triangle& from, Point p,
+                                      std::int32_t accurate) {
+    Corner a = from.apex, b = from.ends[0], c = from.ends[1];
+    std::int32_t bound = from.bound;
+    const auto found = [&](std::int32_t code) {
+        return Found{plane_of(a, b, c), error_m(t, code), a.hole || b.hole || c.hole, code == 0};
+    };
+    while (((b.at.x ^ c.at.x) & 1) == 0) {
+        const Coord m{(b.at.x + c.at.x) / 2, (b.at.y + c.at.y) / 2};
+        const Sample sample = reader.read(m);
+        if (!sample.loaded) return found(bound);
+        if (suffices(sample.error, accurate, a.hole || b.hole || c.hole)) return found(sample.error);
+        bound = below(t, sample.error);
+        // On the border between the halves: the first.
+        const bool first = turn(a.at, m, p) * turn(a.at, m, b.at) >= 0;
+        b.at.x = first ? b.at.x : c.at.x, b.at.y = first ? b.at.y : c.at.y;
+        b.steps = first ? b.steps : c.steps, b.hole = first ? b.hole : c.hole;
+        c.at.x = a.at.x, c.at.y = a.at.y, c.steps = a.steps, c.hole = a.hole;
+        a.at.x = m.x, a.at.y = m.y, a.steps = sample.steps, a.hole = sample.hole;
+    }
+    return found(0);
+}
+
+// p: in the tile, within the terrain. O(levels).
+[[nodiscard]] inline Found find_ground(const Terrain& t, Reader& reader, Point p, std::int32_t accurate) {
+    Square s = root_square(t, reader);
+    if (!cut_by_rim(t, s.nw, s.side)) return find_below(t, reader, s.half(s.half_of(p)), p, accurate);
+    for (;;) { // never satisfied in a square that is cut: its halves do not nest
+        const Sample sample = reader.read(s.centre());
+        if (!sample.loaded) {
+            const Triangle half = s.half(s.half_of(p));
+            return {plane_of(half.apex, half.ends[0], half.ends[1]), error_m(t, s.bound) + spread_m(t, s), half.hole(),
+                    false};
+        }
+        const Corner centre = corner_of(t, s.centre(), sample);
+        const int k = quarter_at(t, centre.at, p);
+        const Quarter q = quarter_of(t, reader, s, centre, sample.error, k);
+        if (q.kind == Quarter::Kind::square) {
+            s = q.square;
+            continue;
+        }
+        const int i = q.half_of(p);
+        const Triangle& half = q.half[i];
+        if (q.flat[i]) return {plane_of(half.apex, half.ends[0], half.ends[1]), q.error_m[i], half.hole(), false};
+        return find_below(t, reader, half, p, accurate);
+    }
+}
+
+// The tile over a point of the terrain.
+[[nodiscard]] inline Coord tile_of(const Terrain& t, Point p) {
+    const std::int32_t side = t.tree.side();
+    return {std::min(static_cast<std::int32_t>(p.x) / side, t.tree.tiles_x - 1),
+            std::min(static_cast<std::int32_t>(p.y) / side, t.tree.tiles_y - 1)};
+}
+
+[[nodiscard]] inline double height_m(const Terrain& t, double steps) {
+    return static_cast<double>(t.height_scale.base_m) + steps * static_cast<double>(t.height_scale.quantum_m);
 }
 
 } // namespace fjell::query

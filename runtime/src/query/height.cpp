@@ -1,4 +1,4 @@
-#include "query/height.h"
+#include "query/ground.h"
 
 #include <cmath>
 #include <cstdint>

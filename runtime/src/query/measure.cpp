@@ -40,7 +40,7 @@ std::int64_t cross2(const Point& a, const Point& b, std::int64_t x, std::int64_t
     return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
 }
 
-// Every height scale point in the closed triangle, by its three edge functions.
+// Every grid point in the closed triangle, by its three edge functions.
 void triangle(Accumulator& accumulate, const Point& a, const Point& b, const Point& c) {
     const std::int64_t area = cross2(a, b, c.x, c.y);
     if (area == 0) return;

@@ -16,7 +16,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "query/height.h"
+#include "query/ground.h"
 
 namespace fjell {
 

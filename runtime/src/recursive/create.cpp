@@ -22,15 +22,18 @@ std::size_t state_count(const Terrain& terrain) {
 
 // Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t states, blocks, slot_pages, vertices, owners, free_slots, indices, tiles, end;
+    std::size_t states, step_pages, slot_pages, vertices, owners, free_slots, indices, tiles, end;
 };
+
+static_assert(recursive_vertex_bytes == sizeof(MeshVertex) + 2 * 4,
+              "hosts size their budgets by this: change it in fjell/recursive.h with layout_of()");
 
 Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
     Layout l{};
     std::size_t at = aligned(sizeof(RecursiveState));
     const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
     l.states = place(state_count(terrain) * sizeof(VertexState));
-    l.blocks = place(std::size_t{terrain.tile_count()} * entries_per_tile(terrain.pages) * sizeof(StepPageEntry));
+    l.step_pages = place(std::size_t{terrain.tile_count()} * entries_per_tile(terrain.pages) * sizeof(StepPageEntry));
     l.slot_pages = place(std::size_t{terrain.slot_count} * sizeof(std::uint32_t));
     l.vertices = place(std::size_t{budget.vertices} * sizeof(MeshVertex));
     l.owners = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
@@ -41,7 +44,7 @@ Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
     return l;
 }
 
-// Enters what a page slot holds now into the table of blocks. Answers whether its vertices were known.
+// Enters what a page slot holds now into the table of step pages. Answers whether its vertices were known.
 bool move_page(RecursiveState& s, std::uint32_t slot) {
     const Terrain& terrain = *s.terrain;
     const auto set = [&](std::uint32_t page, bool loaded) {
@@ -50,8 +53,8 @@ bool move_page(RecursiveState& s, std::uint32_t slot) {
         const PageEntry now = terrain.page_table[page];
         if (now.slot != (loaded ? slot : no_index)) return;
         const StepPageEntry entry{loaded ? slot * terrain.page_capacity : no_index, loaded ? now.base : 0};
-        set_block(terrain, page % terrain.pages_per_tile, entry,
-                  s.blocks + std::size_t{page / terrain.pages_per_tile} * s.blocks_per_tile);
+        set_step_page(terrain, page % terrain.pages_per_tile, entry,
+                      s.step_pages + std::size_t{page / terrain.pages_per_tile} * s.step_pages_per_tile);
     };
     const std::uint32_t before = std::exchange(s.slot_pages[slot], terrain.slot_page[slot]);
     set(before, false);
@@ -90,9 +93,9 @@ Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, s
     s.state_count = static_cast<std::size_t>(count);
     s.slot_pages = reinterpret_cast<std::uint32_t*>(at + l.slot_pages);
     for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.slot_pages[i] = no_index;
-    s.blocks = reinterpret_cast<StepPageEntry*>(at + l.blocks);
-    s.blocks_per_tile = entries_per_tile(terrain.pages);
-    for (std::uint64_t i = 0; i < tiles * s.blocks_per_tile; ++i) s.blocks[i] = {no_index, 0};
+    s.step_pages = reinterpret_cast<StepPageEntry*>(at + l.step_pages);
+    s.step_pages_per_tile = entries_per_tile(terrain.pages);
+    for (std::uint64_t i = 0; i < tiles * s.step_pages_per_tile; ++i) s.step_pages[i] = {no_index, 0};
     s.seen_changes = terrain.changes - 1;
     for (std::uint64_t i = 0; i < count; ++i) s.states[i].slot = no_index;
     for (std::uint32_t i = 0; i < budget.vertices; ++i) {
@@ -100,12 +103,12 @@ Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, s
         s.free_slots[i] = budget.vertices - 1 - i;
     }
     s.free_count = budget.vertices;
-    follow_pages(s);
+    sync_pages(s);
     method.state = &s;
     return {};
 }
 
-void follow_pages(RecursiveState& s) {
+void sync_pages(RecursiveState& s) {
     const Terrain& terrain = *s.terrain;
     if (s.seen_changes == terrain.changes) return;
     s.seen_changes = terrain.changes;

@@ -1,9 +1,9 @@
 // From a vertex on its way down the tree to its record: the recursion's inner arithmetic, for each order.
 //
 // PageLayout::place says the same for any vertex; here the step and the plane are known, and most is done beforehand.
-// The method keeps a page table of its own (RecursiveState::blocks) in which every step of a tile is a grid of blocks,
-// with one column and one row more than there are: the sides on the tile's east and south border, which the last blocks
-// hold too, are found through those, without a comparison.
+// The method keeps a page table of its own (RecursiveState::step_pages) in which every step of a tile is a grid of
+// pages, with one column and one row more than there are: the sides on the tile's east and south border, which the last
+// pages hold too, are found through those, without a comparison.
 #pragma once
 
 #include <array>
@@ -25,19 +25,19 @@ struct LevelPlane {
     std::uint32_t page_side;  // squares
     std::uint32_t digit;      // hierarchical Z: which of a square's three vertices
     std::uint32_t shift;      // from samples to squares
-    std::uint32_t first;      // entry of the step's first block
-    std::uint32_t pitch_log2; // entries from one row of blocks to the next
+    std::uint32_t first;      // entry of the step's first page
+    std::uint32_t pitch_log2; // entries from one row of pages to the next
     float unit_m;             // of the level's radii
 };
 
-// Entries that a tile's table has: page 0, then step by step twice as many a row as there are blocks; in linear order
+// Entries that a tile's table has: page 0, then step by step twice as many a row as there are pages; in linear order
 // one a page.
 inline std::uint32_t first_entry(const PageLayout& pages, int z) {
     std::uint32_t first = 1;
     for (int coarser = pages.tile_log2 - 1; coarser > z; --coarser) {
         const StepLayout step = pages.step_layout(coarser);
-        const std::uint32_t blocks = 1u << step.pages_log2;
-        if (step.page_side == page_squares) first += 2 * blocks * (blocks + 1);
+        const std::uint32_t side = 1u << step.pages_log2;
+        if (step.page_side == page_squares) first += 2 * side * (side + 1);
     }
     return first;
 }
@@ -64,7 +64,8 @@ inline LevelPlane make_level_plane(const Terrain& terrain, int z, VertexKind kin
 }
 
 // Writes what the table says of one page, loaded or not.
-inline void set_block(const Terrain& terrain, std::uint32_t page, StepPageEntry entry, StepPageEntry* tile_entries) {
+inline void set_step_page(const Terrain& terrain, std::uint32_t page, StepPageEntry entry,
+                          StepPageEntry* tile_entries) {
     const int z = terrain.pages.page_step_log2(page);
     if (z < 0) {
         tile_entries[page] = entry;
@@ -72,14 +73,13 @@ inline void set_block(const Terrain& terrain, std::uint32_t page, StepPageEntry 
     }
     const StepLayout step = terrain.pages.step_layout(z);
     const Coord position = terrain.pages.page_position(page);
-    const auto blocks = std::int32_t{1} << step.pages_log2;
-    StepPageEntry* const at = tile_entries + first_entry(terrain.pages, z) + position.y * 2 * blocks + position.x;
+    const auto side = std::int32_t{1} << step.pages_log2;
+    StepPageEntry* const at = tile_entries + first_entry(terrain.pages, z) + position.y * 2 * side + position.x;
     *at = entry;
-    // Seen through the extra column and row, the planes begin at the block's last but one.
+    // Seen through the extra column and row, the planes begin at the page's last but one.
     const bool planar = terrain.pages.order == Order::planar && entry.origin != no_index;
-    if (position.x == blocks - 1) at[1] = {entry.origin + (planar ? page_squares : 0), entry.base};
-    if (position.y == blocks - 1)
-        at[2 * blocks] = {entry.origin + (planar ? page_squares * page_squares : 0), entry.base};
+    if (position.x == side - 1) at[1] = {entry.origin + (planar ? page_squares : 0), entry.base};
+    if (position.y == side - 1) at[2 * side] = {entry.origin + (planar ? page_squares * page_squares : 0), entry.base};
 }
 
 inline constexpr std::array<std::uint16_t, page_squares> spread_table = [] {

@@ -76,7 +76,7 @@ private:
         const auto n = static_cast<std::int32_t>(side);
         column0 = tx * n;
         row0 = ty * n;
-        blocks = s.blocks + std::size_t{tile} * s.blocks_per_tile;
+        step_pages = s.step_pages + std::size_t{tile} * s.step_pages_per_tile;
         limit_x = terrain.tree.columns() - 1 - column0;
         limit_y = terrain.tree.rows() - 1 - row0;
         some_not_drawn = holes || limit_x < n || limit_y < n;
@@ -114,7 +114,7 @@ private:
         const std::uint32_t xy = (end + other_end) >> 1;
         const LevelPlane& plane = Centre || ((end ^ other_end) & 0xffff) != 0 ? *at : at[1];
         const std::uint32_t x = xy & 0xffff, y = xy >> 16;
-        const Located at_record = locate<O>(plane, blocks, side, x, y);
+        const Located at_record = locate<O>(plane, step_pages, side, x, y);
         if (!at_record.loaded) return {xy, 0, not_selected};
         return {xy, at_record.index, eval(at_record.index, at_record.base, plane, x, y, planes)};
     }
@@ -293,7 +293,7 @@ private:
     // The root's sphere holds all of the tile; without its page nothing is known.
     bool root_outside() const {
         const std::uint32_t half = side / 2;
-        const Located at = locate<O>(levels[0], blocks, side, half, half);
+        const Located at = locate<O>(levels[0], step_pages, side, half, half);
         if (!at.loaded) return false;
         const VertexRecord root = terrain.records[at.index];
         const Coord v = place(pack_xy(half, half));
@@ -393,7 +393,7 @@ private:
     std::int32_t column0 = 0, row0 = 0;
     std::int32_t limit_x = 0, limit_y = 0; // the terrain's last column and row, counted from the tile's first
     bool some_not_drawn = false;           // they lie inside it, or the terrain has holes
-    const StepPageEntry* blocks = nullptr;
+    const StepPageEntry* step_pages = nullptr;
 };
 
 template <Order O, bool Cull, Metric M>
@@ -424,10 +424,10 @@ PassResult run_pass(RecursiveState& s, const View& view, const RefineSettings& s
 }
 
 // Where to start: where the last frame ended, a step finer when it had room to spare.
-double first_threshold(const RecursiveState& s, double asked_px) {
-    if (!s.exhausted || s.effective_px <= asked_px) return asked_px;
+double first_threshold(const RecursiveState& s, double requested_px) {
+    if (!s.exhausted || s.effective_px <= requested_px) return requested_px;
     const bool room = s.last_selected < s.budget.vertices / 5 * 4 && s.last_indices < s.budget.indices / 5 * 4;
-    return std::max(asked_px, room ? s.effective_px * step_down : s.effective_px);
+    return std::max(requested_px, room ? s.effective_px * step_down : s.effective_px);
 }
 
 } // namespace
@@ -440,13 +440,13 @@ Status update_recursive(RecursiveMethod method, const View& view, const RefineSe
         return {Code::out_of_range,
                 "RefineSettings::cull (the depth metric needs it: behind the eye depth means nothing)"};
     RecursiveState& s = *method.state;
-    follow_pages(s);
+    sync_pages(s);
     s.topology = settings.topology;
     s.dirty_begin = s.budget.vertices;
     s.dirty_end = 0;
     report = {};
     report.frame = ++s.frame;
-    report.error_px_asked = settings.error_px;
+    report.error_px_requested = settings.error_px;
 
     const double corner = settings.corner_safe ? corner_factor(view) : 1;
     double threshold_px = first_threshold(s, settings.error_px);

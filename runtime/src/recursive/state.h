@@ -18,9 +18,9 @@ struct RecursiveState {
     RecursiveBudget budget;
     VertexState* states; // one a record of every page slot, as they lie there; then four a tile, its corners
     std::size_t state_count;
-    StepPageEntry* blocks; // page table by blocks, blocks_per_tile a tile (locate.h)
-    std::uint32_t blocks_per_tile;
-    std::uint32_t* slot_pages;  // what each page slot held when it was last looked at
+    StepPageEntry* step_pages; // page table by steps, step_pages_per_tile a tile (locate.h)
+    std::uint32_t step_pages_per_tile;
+    std::uint32_t* slot_pages;  // what each page slot held at the last update
     std::uint64_t seen_changes; // Terrain::changes then
     MeshVertex* vertices;       // budget.vertices
     std::uint32_t* owners;      // state of each slot's vertex, or no_index
@@ -35,11 +35,11 @@ struct RecursiveState {
     std::uint64_t frame;
     std::uint32_t dirty_begin, dirty_end;
     double effective_px;     // 0 before the first frame
-    std::uint32_t exhausted; // BudgetBits that keep effective_px above the asked one
+    std::uint32_t exhausted; // BudgetBits that keep effective_px above the requested one
     std::uint32_t last_selected, last_indices;
 };
 
-// Takes over which pages are loaded; what was known of a slot's vertices goes when another page has moved in.
-void follow_pages(RecursiveState& s);
+// Follows which pages are loaded; what was known of a slot's vertices is dropped when it holds another page.
+void sync_pages(RecursiveState& s);
 
 } // namespace fjell

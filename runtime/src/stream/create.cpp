@@ -28,15 +28,15 @@ std::uint32_t watch_count(const Terrain& t) {
 std::size_t map_room(const PackHeader& h, const StreamBudget& budget) {
     std::size_t most = 0;
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
-        const MapLayers slots = map_layers(h, budget, static_cast<MapKind>(kind));
-        if (slots.top_log2 == 0) continue;
+        const MapLayers sizes = map_layers(h, budget, static_cast<MapKind>(kind));
+        if (sizes.top_log2 == 0) continue;
         const ChunkKind chunks = kind == 0 ? ChunkKind::colour : ChunkKind::normal;
         std::size_t tail = 0;
-        for (std::uint32_t item = slots.top_log2 - slots.tail_log2; item < mip_count(slots.top_log2); ++item)
+        for (std::uint32_t item = sizes.top_log2 - sizes.tail_log2; item < mip_count(sizes.top_log2); ++item)
             tail += chunk_raw_bytes(h, {chunks, 0, item});
         most = std::max(most, tail);
-        for (std::uint32_t log2 = slots.tail_log2 + 1; log2 <= slots.top_log2; ++log2)
-            if (slots.layers[log2] != 0) most = std::max(most, chunk_raw_bytes(h, {chunks, 0, slots.top_log2 - log2}));
+        for (std::uint32_t log2 = sizes.tail_log2 + 1; log2 <= sizes.top_log2; ++log2)
+            if (sizes.layers[log2] != 0) most = std::max(most, chunk_raw_bytes(h, {chunks, 0, sizes.top_log2 - log2}));
     }
     return aligned(most);
 }
@@ -47,7 +47,7 @@ std::size_t page_room(const Terrain& t) {
 
 // Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t watches, due, page_px, states, wants, missing_bits, watch_page, below, slot_watch, draining,
+    std::size_t watches, due, page_px, states, wants, missing_bits, watch_page, below, slot_watch, evicting,
         failed_bits, tiles[map_kinds], shown[map_kinds], free_layers[map_kinds], tile_box, commands, requests,
         page_rooms, map_rooms, zstd, failures, arrivals, end;
 };
@@ -69,20 +69,20 @@ Layout layout_of(const Pack& pack, const Terrain& t, const StreamBudget& budget)
     l.watch_page = place(watches, 4);
     l.below = place(t.slot_count, 1);
     l.slot_watch = place(t.slot_count, 4);
-    l.draining = place(max_drains, 4);
+    l.evicting = place(max_evictions, 4);
     l.failed_bits = place(pack.header.directory_count / 64 + 1, 8);
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
-        const MapLayers slots = map_layers(pack.header, budget, static_cast<MapKind>(kind));
-        const std::size_t tiles = slots.top_log2 ? t.tile_count() : 0;
+        const MapLayers sizes = map_layers(pack.header, budget, static_cast<MapKind>(kind));
+        const std::size_t tiles = sizes.top_log2 ? t.tile_count() : 0;
         l.tiles[kind] = place(tiles, sizeof(MapTile));
         l.shown[kind] = place(tiles, sizeof(TileMap));
         std::size_t layers = 0;
-        for (std::uint32_t log2 = slots.tail_log2 + 1; slots.top_log2 && log2 <= slots.top_log2; ++log2)
-            layers += slots.layers[log2];
+        for (std::uint32_t log2 = sizes.tail_log2 + 1; sizes.top_log2 && log2 <= sizes.top_log2; ++log2)
+            layers += sizes.layers[log2];
         l.free_layers[kind] = place(layers, 4);
     }
     l.tile_box = place(t.tile_count(), sizeof(Watch));
-    l.commands = place(requests + max_drains, sizeof(MapCommand));
+    l.commands = place(requests + max_evictions, sizeof(MapCommand));
     l.requests = place(requests, sizeof(Request));
     l.page_rooms = place(budget.page_requests, page_room(t));
     l.map_rooms = place(budget.map_requests, map_room(pack.header, budget));
@@ -146,7 +146,7 @@ Status create_stream(const Pack& pack, Terrain& terrain, LiveCut cut, const Stre
     part(s.watch_page, l.watch_page);
     part(s.below, l.below);
     part(s.slot_watch, l.slot_watch);
-    part(s.draining, l.draining);
+    part(s.evicting, l.evicting);
     part(s.failed_bits, l.failed_bits);
     part(s.tile_box, l.tile_box);
     part(s.commands, l.commands);
@@ -154,14 +154,14 @@ Status create_stream(const Pack& pack, Terrain& terrain, LiveCut cut, const Stre
     part(s.arrivals, l.arrivals);
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         MapState& m = s.maps[kind];
-        m.slots = map_layers(pack.header, budget, static_cast<MapKind>(kind));
+        m.sizes = map_layers(pack.header, budget, static_cast<MapKind>(kind));
         part(m.tiles, l.tiles[kind]);
         part(m.shown, l.shown[kind]);
         std::uint32_t* layers = nullptr;
         part(layers, l.free_layers[kind]);
-        for (std::uint32_t log2 = m.slots.tail_log2 + 1; m.slots.top_log2 && log2 <= m.slots.top_log2; ++log2) {
+        for (std::uint32_t log2 = m.sizes.tail_log2 + 1; m.sizes.top_log2 && log2 <= m.sizes.top_log2; ++log2) {
             m.arrays[log2].free_layers = layers;
-            layers += m.slots.layers[log2];
+            layers += m.sizes.layers[log2];
         }
     }
     s.request_count = budget.page_requests + budget.map_requests;

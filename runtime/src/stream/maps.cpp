@@ -69,41 +69,41 @@ std::uint64_t share_of(const PackHeader& h, const StreamBudget& budget, MapKind 
 } // namespace
 
 MapLayers map_layers(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
-    MapLayers slots;
-    slots.top_log2 = top_log2(h, kind);
-    if (slots.top_log2 == 0) return slots;
-    slots.tail_log2 = tail_of(h, budget, kind);
+    MapLayers sizes;
+    sizes.top_log2 = top_log2(h, kind);
+    if (sizes.top_log2 == 0) return sizes;
+    sizes.tail_log2 = tail_of(h, budget, kind);
     const std::uint64_t tiles = std::uint64_t{h.tiles_x} * h.tiles_y;
-    slots.layers[slots.tail_log2] = static_cast<std::uint32_t>(tiles);
+    sizes.layers[sizes.tail_log2] = static_cast<std::uint32_t>(tiles);
     std::uint64_t left = share_of(h, budget, kind);
-    for (std::uint32_t log2 = slots.tail_log2 + 1; log2 <= slots.top_log2; ++log2) {
-        const std::uint64_t bytes = layer_bytes(log2, kind), share = left / (slots.top_log2 - log2 + 1);
+    for (std::uint32_t log2 = sizes.tail_log2 + 1; log2 <= sizes.top_log2; ++log2) {
+        const std::uint64_t bytes = layer_bytes(log2, kind), share = left / (sizes.top_log2 - log2 + 1);
         const std::uint64_t layers = std::min({tiles, share / bytes, most_layers});
-        slots.layers[log2] = static_cast<std::uint32_t>(layers);
+        sizes.layers[log2] = static_cast<std::uint32_t>(layers);
         left -= layers * bytes;
     }
-    return slots;
+    return sizes;
 }
 
-std::uint64_t map_layer_bytes(const MapLayers& slots, MapKind kind) {
+std::uint64_t map_layer_bytes(const MapLayers& sizes, MapKind kind) {
     std::uint64_t bytes = 0;
     for (std::uint32_t log2 = 2; log2 <= max_texture_log2; ++log2)
-        bytes += slots.layers[log2] * layer_bytes(log2, kind);
+        bytes += sizes.layers[log2] * layer_bytes(log2, kind);
     return bytes;
 }
 
 void begin_maps(StreamState& s) {
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         MapState& m = s.maps[kind];
-        if (m.slots.top_log2 == 0) continue;
-        for (std::uint32_t log2 = m.slots.tail_log2 + 1; log2 <= m.slots.top_log2; ++log2) {
+        if (m.sizes.top_log2 == 0) continue;
+        for (std::uint32_t log2 = m.sizes.tail_log2 + 1; log2 <= m.sizes.top_log2; ++log2) {
             MapArray& array = m.arrays[log2];
-            array.count = array.free_count = m.slots.layers[log2];
+            array.count = array.free_count = m.sizes.layers[log2];
             for (std::uint32_t i = 0; i < array.count; ++i) array.free_layers[i] = array.count - 1 - i;
         }
         for (std::uint32_t tile = 0; tile < s.tiles; ++tile) {
             m.tiles[tile] = {};
-            m.tiles[tile].wanted_log2 = static_cast<std::uint8_t>(m.slots.tail_log2);
+            m.tiles[tile].wanted_log2 = static_cast<std::uint8_t>(m.sizes.tail_log2);
             m.shown[tile] = {};
         }
     }
@@ -113,7 +113,7 @@ void begin_maps(StreamState& s) {
 namespace {
 
 void give_layer(MapState& m, std::uint32_t log2, std::uint32_t layer) {
-    if (log2 <= m.slots.tail_log2) return; // a tile's own
+    if (log2 <= m.sizes.tail_log2) return; // a tile's own
     MapArray& array = m.arrays[log2];
     array.free_layers[array.free_count++] = layer;
 }
@@ -122,10 +122,10 @@ MapState& map_of(StreamState& s, const Request& r) {
     return s.maps[r.id.kind == ChunkKind::colour ? 0 : 1];
 }
 std::uint32_t requested_log2(const MapState& m, const Request& r) {
-    return m.slots.top_log2 - r.id.item;
+    return m.sizes.top_log2 - r.id.item;
 }
 
-void end_map(StreamState& s, Request& r, bool failed) {
+void end_map_request(StreamState& s, Request& r, bool failed) {
     MapState& m = map_of(s, r);
     MapTile& tile = m.tiles[r.id.tile];
     tile.requested = false;
@@ -150,7 +150,7 @@ void show(StreamState& s, Request& r) {
                                      {r.raw, r.raw_bytes}};
     TileMap& shown = m.shown[r.id.tile];
     if (tile.size_log2 == 0)
-        shown.finest = static_cast<float>(m.slots.top_log2 - log2); // nothing to fade from
+        shown.min_lod = static_cast<float>(m.sizes.top_log2 - log2); // nothing to fade from
     else
         give_layer(m, tile.size_log2, tile.layer);
     tile.size_log2 = static_cast<std::uint8_t>(log2);
@@ -165,25 +165,25 @@ void show(StreamState& s, Request& r) {
 
 } // namespace
 
-void take_maps(StreamState& s) {
+void upload_maps(StreamState& s) {
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i) {
         Request& r = s.requests[i];
         switch (phase_of(r)) {
         case Phase::damaged:
         case Phase::unreadable:
             note_failure(s, r.id, r.first_chunk, phase_of(r) == Phase::damaged ? Code::corrupt : Code::unreadable);
-            end_map(s, r, true);
+            end_map_request(s, r, true);
             break;
-        case Phase::unwanted: end_map(s, r, false); break;
+        case Phase::unwanted: end_map_request(s, r, false); break;
         default: break;
         }
     }
     while (Request* const r = best_ready(s, s.budget.page_requests, s.request_count)) {
-        if (s.report.mips_taken != 0 && s.report.map_upload_bytes + r->raw_bytes > s.settings.map_bytes) {
+        if (s.report.mips_uploaded != 0 && s.report.map_upload_bytes + r->raw_bytes > s.settings.map_bytes) {
             s.report.exhausted |= stream_upload;
             break;
         }
-        ++s.report.mips_taken;
+        ++s.report.mips_uploaded;
         s.report.map_upload_bytes += r->raw_bytes;
         s.bytes_read += r->stored_bytes;
         s.mips_read += r->chunks;
@@ -197,7 +197,7 @@ float score_of(const MapTile& tile) {
     return tile.excess * (tile.visible ? 8.0f : 1.0f) + (tile.size_log2 == 0 ? 5e8f : 0.0f);
 }
 
-void look_at(StreamState& s, std::uint32_t index) {
+void test_tile(StreamState& s, std::uint32_t index) {
     const Watch& box = s.tile_box[index];
     // Pixels that a metre takes, at the nearest point to any eye.
     double px_m = 0;
@@ -207,13 +207,13 @@ void look_at(StreamState& s, std::uint32_t index) {
     const double tile_m = static_cast<double>(std::max(t.spacing_x_m, t.spacing_z_m)) * t.tree.side();
     const bool visible = may_be_seen(s, box);
     for (MapState& m : s.maps) {
-        if (m.slots.top_log2 == 0) continue;
+        if (m.sizes.top_log2 == 0) continue;
         MapTile& tile = m.tiles[index];
         const auto excess = [&](std::uint32_t log2) {
             return tile_m / ((1u << log2) - 1) * px_m / s.settings.texel_px;
         };
-        std::uint32_t wanted = m.slots.tail_log2;
-        while (wanted < m.slots.top_log2 && excess(wanted) > 1) ++wanted;
+        std::uint32_t wanted = m.sizes.tail_log2;
+        while (wanted < m.sizes.top_log2 && excess(wanted) > 1) ++wanted;
         tile.wanted_log2 = static_cast<std::uint8_t>(wanted);
         tile.visible = visible;
         tile.excess = static_cast<float>(std::min(excess(std::max<std::uint32_t>(tile.size_log2, 2)), 1e7));
@@ -235,8 +235,8 @@ bool make_room(StreamState& s, MapState& m, std::uint32_t log2, float score) {
     if (least == no_index) return false;
     MapTile& tile = m.tiles[least];
     std::uint32_t lower = log2 - 1;
-    while (lower > m.slots.tail_log2 && m.arrays[lower].free_count == 0) --lower;
-    tile.reserved = lower == m.slots.tail_log2 ? least : m.arrays[lower].free_layers[--m.arrays[lower].free_count];
+    while (lower > m.sizes.tail_log2 && m.arrays[lower].free_count == 0) --lower;
+    tile.reserved = lower == m.sizes.tail_log2 ? least : m.arrays[lower].free_layers[--m.arrays[lower].free_count];
     tile.lower_log2 = static_cast<std::uint8_t>(lower);
     return true;
 }
@@ -248,23 +248,23 @@ Request* request_for(StreamState& s, float score) {
     float least_score = score / 2;
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i) {
         Request& r = s.requests[i];
-        if (phase_of(r) != Phase::offered || r.score.load(std::memory_order_relaxed) >= least_score) continue;
+        if (phase_of(r) != Phase::queued || r.score.load(std::memory_order_relaxed) >= least_score) continue;
         least = &r;
         least_score = r.score.load(std::memory_order_relaxed);
     }
     if (!least || !claim(*least, Phase::vacant)) return nullptr;
-    end_map(s, *least, false);
-    ++s.report.withdrawn;
+    end_map_request(s, *least, false);
+    ++s.report.cancelled;
     return least;
 }
 
 // full: sizes, by kind, whose layers are all taken and that room is being made for. False: the table is full.
-bool ask_map(StreamState& s, const Candidate& c, std::uint32_t (&full)[map_kinds]) {
+bool request_map(StreamState& s, const Candidate& c, std::uint32_t (&full)[map_kinds]) {
     MapState& m = s.maps[c.kind];
     MapTile& tile = m.tiles[c.which];
     const bool tail = tile.size_log2 == 0;
-    const std::uint32_t log2 = tail ? m.slots.tail_log2 : tile.size_log2 + 1u;
-    const ChunkId id{chunk_kind(c.kind), c.which, m.slots.top_log2 - log2};
+    const std::uint32_t log2 = tail ? m.sizes.tail_log2 : tile.size_log2 + 1u;
+    const ChunkId id{chunk_kind(c.kind), c.which, m.sizes.top_log2 - log2};
     const std::uint64_t chunk = chunk_index(s.pack->header, id);
     if (has_failed(s, chunk)) {
         tile.failed = true;
@@ -278,7 +278,7 @@ bool ask_map(StreamState& s, const Candidate& c, std::uint32_t (&full)[map_kinds
     }
     Request* const r = request_for(s, static_cast<float>(c.score));
     if (!r) return false;
-    if (!offer_request(s, *r, id, tail ? m.slots.tail_log2 - 1 : 1, static_cast<float>(c.score))) {
+    if (!queue_request(s, *r, id, tail ? m.sizes.tail_log2 - 1 : 1, static_cast<float>(c.score))) {
         note_failure(s, id, chunk, Code::corrupt);
         tile.failed = true;
         return true;
@@ -292,31 +292,32 @@ void review_maps(StreamState& s) {
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i) {
         Request& r = s.requests[i];
         const Phase phase = phase_of(r);
-        if (phase != Phase::offered && phase != Phase::taken) continue;
+        if (phase != Phase::queued && phase != Phase::in_flight) continue;
         MapState& m = map_of(s, r);
         const MapTile& tile = m.tiles[r.id.tile];
         const bool wanted = tile.size_log2 == 0 || tile.wanted_log2 > tile.size_log2;
         if (!wanted && claim(r, Phase::vacant)) {
-            end_map(s, r, false);
-            ++s.report.withdrawn;
+            end_map_request(s, r, false);
+            ++s.report.cancelled;
             continue;
         }
         if (wanted) r.score.store(score_of(tile), std::memory_order_relaxed);
-        r.withdrawn.store(!wanted, std::memory_order_relaxed);
+        r.cancelled.store(!wanted, std::memory_order_relaxed);
     }
 }
 
-// Moves what is shown towards what is there; a tile that drains gives its layer back when nothing of it shows.
+// Moves what is shown towards what is there; a tile that fades to a smaller size gives its layer back when nothing of
+// it shows.
 bool fade(StreamState& s, MapState& m, std::uint32_t index, float step) {
     MapTile& tile = m.tiles[index];
     TileMap& shown = m.shown[index];
     if (tile.size_log2 == 0) return true;
-    const auto target = static_cast<float>(m.slots.top_log2 - (tile.lower_log2 ? tile.lower_log2 : tile.size_log2));
-    shown.finest =
-        shown.finest < target ? std::min(shown.finest + step, target) : std::max(shown.finest - step, target);
-    if (shown.finest != target) return false;
+    const auto target = static_cast<float>(m.sizes.top_log2 - (tile.lower_log2 ? tile.lower_log2 : tile.size_log2));
+    shown.min_lod =
+        shown.min_lod < target ? std::min(shown.min_lod + step, target) : std::max(shown.min_lod - step, target);
+    if (shown.min_lod != target) return false;
     if (tile.lower_log2 == 0) return true;
-    if (s.command_count == s.request_count + max_drains) return false;
+    if (s.command_count == s.request_count + max_evictions) return false;
     const auto kind = static_cast<MapKind>(&m - s.maps);
     s.commands[s.command_count++] = {kind, tile.lower_log2, tile.size_log2, 0, index, tile.reserved, tile.layer, {}};
     give_layer(m, tile.size_log2, tile.layer);
@@ -350,10 +351,10 @@ bool satisfied(StreamState& s, std::uint32_t kind, std::uint32_t index, float st
 
 } // namespace
 
-void want_maps(StreamState& s, double seconds) {
+void request_maps(StreamState& s, double seconds) {
     if (s.moved) s.map_tested = 0;
     for (std::uint32_t n = 0; n < tiles_a_frame && s.map_tested < s.tiles; ++n) {
-        look_at(s, s.map_cursor);
+        test_tile(s, s.map_cursor);
         ++s.map_tested;
         s.map_cursor = s.map_cursor + 1 == s.tiles ? 0 : s.map_cursor + 1;
     }
@@ -362,7 +363,7 @@ void want_maps(StreamState& s, double seconds) {
     s.report.maps_converged = s.map_tested >= s.tiles;
     Best best;
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
-        if (s.maps[kind].slots.top_log2 == 0) continue;
+        if (s.maps[kind].sizes.top_log2 == 0) continue;
         s.maps[kind].tails_missing = 0;
         for (std::uint32_t i = 0; i < s.tiles; ++i)
             if (!satisfied(s, kind, i, step, best)) s.report.maps_converged = false;
@@ -370,7 +371,7 @@ void want_maps(StreamState& s, double seconds) {
     best.sort();
     std::uint32_t full[map_kinds] = {};
     for (std::uint32_t i = 0; i < best.count; ++i)
-        if (!ask_map(s, best.at[i], full)) {
+        if (!request_map(s, best.at[i], full)) {
             s.report.exhausted |= stream_requests;
             break;
         }
@@ -378,7 +379,7 @@ void want_maps(StreamState& s, double seconds) {
 
 void forget_failed_maps(StreamState& s) {
     for (MapState& m : s.maps)
-        for (std::uint32_t i = 0; m.slots.top_log2 != 0 && i < s.tiles; ++i) m.tiles[i].failed = false;
+        for (std::uint32_t i = 0; m.sizes.top_log2 != 0 && i < s.tiles; ++i) m.tiles[i].failed = false;
 }
 
 } // namespace fjell

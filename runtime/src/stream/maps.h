@@ -1,4 +1,4 @@
-// Sizes of maps that tiles have, want, fade to, and give back.
+// Sizes of maps that tiles have, want, fade to, and release.
 #pragma once
 
 #include "stream/state.h"
@@ -7,11 +7,11 @@ namespace fjell {
 
 void begin_maps(StreamState& s);
 
-// What has come since the last update becomes commands for the renderer, up to StreamSettings::map_bytes.
-void take_maps(StreamState& s);
+// What has arrived since the last update becomes commands for the renderer, up to StreamSettings::map_bytes.
+void upload_maps(StreamState& s);
 
-// Looks at some tiles, asks for the mips that lack most, and fades.
-void want_maps(StreamState& s, double seconds);
+// Tests some tiles, requests the mips that are missed most, and fades.
+void request_maps(StreamState& s, double seconds);
 
 void forget_failed_maps(StreamState& s);
 

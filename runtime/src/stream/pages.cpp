@@ -1,4 +1,4 @@
-// Pages on their way: asked for, taken over, asked back, given up.
+// A page's way: requested, inserted, evicted; or failed.
 #include "stream/pages.h"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ void insert(StreamState& s, Request& r) {
         note_failure(s, r.id, r.first_chunk, Code::corrupt);
         return end_request(s, r, WatchState::failed);
     }
-    ++s.report.pages_taken;
+    ++s.report.pages_inserted;
     record(s, r.watch, PageEvent::inserted);
     const std::uint32_t slot = t.page_table[std::size_t{r.id.tile} * t.pages_per_tile + r.id.item].slot;
     s.slot_watch[slot] = r.watch;
@@ -44,15 +44,15 @@ void insert(StreamState& s, Request& r) {
     s.below[slot] = 0;
     const std::uint32_t own = slot * watches_per_slot;
     if (r.id.item != 0) watch_page(s, own, r.id.tile, r.id.item, WatchState::loaded);
-    // The pages below: of page 0 the next step's, which is one block; of a block the four that divide it.
+    // The pages below: of page 0 the next step's, which is one page; of another page the four that divide it.
     const int z = r.id.item == 0 ? t.pages.tile_log2 - page_squares_log2 : t.pages.page_step_log2(r.id.item);
     if (z > 0) {
         const Coord position = r.id.item == 0 ? Coord{0, 0} : t.pages.page_position(r.id.item);
         for (std::uint32_t k = 0; k < (r.id.item == 0 ? 1u : 4u); ++k) {
             const bool only = r.id.item == 0;
-            const auto bx = static_cast<std::uint32_t>(position.x) * (only ? 1 : 2) + k % 2,
-                       by = static_cast<std::uint32_t>(position.y) * (only ? 1 : 2) + k / 2;
-            const std::uint32_t page = t.pages.page_at(z - 1, bx, by);
+            const auto px = static_cast<std::uint32_t>(position.x) * (only ? 1 : 2) + k % 2,
+                       py = static_cast<std::uint32_t>(position.y) * (only ? 1 : 2) + k / 2;
+            const std::uint32_t page = t.pages.page_at(z - 1, px, py);
             const bool failed = has_failed(s, chunk_index(t.header, {ChunkKind::geometry, r.id.tile, page}));
             watch_page(s, own + 1 + k, r.id.tile, page, failed ? WatchState::failed : WatchState::missing);
         }
@@ -86,7 +86,7 @@ void begin_pages(StreamState& s) {
         watch_page(s, root_watch(s, tile), tile, 0, WatchState::missing);
 }
 
-void take_pages(StreamState& s) {
+void insert_pages(StreamState& s) {
     for (std::uint32_t i = 0; i < s.budget.page_requests; ++i) {
         Request& r = s.requests[i];
         switch (phase_of(r)) {
@@ -100,7 +100,7 @@ void take_pages(StreamState& s) {
         }
     }
     while (Request* const r = best_ready(s, 0, s.budget.page_requests)) {
-        if (s.report.pages_taken >= s.settings.pages) {
+        if (s.report.pages_inserted >= s.settings.pages) {
             s.report.exhausted |= stream_pages;
             break;
         }
@@ -124,7 +124,7 @@ float most_rank(const StreamState& s, std::uint32_t watch) {
     return is_root(s, watch) ? never : std::max(s.page_px[watch], score_if_seen(s, watch));
 }
 
-// Missing pages that are wanted: the worst one's px, and the best candidates to be asked for.
+// Missing pages that are wanted: the worst one's px, and the best candidates for a request.
 void gather(StreamState& s, Best& best) {
     double missing_px = 0;
     for (std::uint32_t word = 0; word < (s.watch_count + 63) / 64; ++word)
@@ -138,12 +138,12 @@ void gather(StreamState& s, Best& best) {
                 missing_px = std::max(missing_px, static_cast<double>(s.page_px[watch]));
             }
             const bool going = !is_root(s, watch) && // with the page above it
-                               s.states[slot_of(watch) * watches_per_slot] == WatchState::draining;
+                               s.states[slot_of(watch) * watches_per_slot] == WatchState::evicting;
             if (state == WatchState::missing && !going && best.takes(most_rank(s, watch)))
                 best.offer({watch, 0, rank_of(s, watch)});
         }
     best.sort();
-    // What has not been looked at may hide anything.
+    // What has not been tested may hide anything.
     s.report.missing_px = s.tested ? missing_px : most_px;
     s.report.converged = s.tested && missing_px <= s.threshold_px; // a coarsest page may be wanted for its own sake
 }
@@ -152,46 +152,46 @@ void review_requests(StreamState& s) {
     for (std::uint32_t i = 0; i < s.budget.page_requests; ++i) {
         Request& r = s.requests[i];
         const Phase phase = phase_of(r);
-        if (phase != Phase::offered && phase != Phase::taken) continue;
+        if (phase != Phase::queued && phase != Phase::in_flight) continue;
         test(s, r.watch);
         const bool wanted = s.wants[r.watch] != 0;
         if (wanted) {
             r.score.store(score_of(s, r.watch), std::memory_order_relaxed);
         } else if (claim(r, Phase::vacant)) {
             end_request(s, r, WatchState::missing);
-            ++s.report.withdrawn;
+            ++s.report.cancelled;
             continue;
         }
-        r.withdrawn.store(!wanted, std::memory_order_relaxed); // noticed when the client has it
+        r.cancelled.store(!wanted, std::memory_order_relaxed); // noticed when the client has it
     }
 }
 
 // The offered request that is wanted least.
-Request* least_offered(StreamState& s) {
+Request* least_queued(StreamState& s) {
     Request* least = nullptr;
     for (std::uint32_t i = 0; i < s.budget.page_requests; ++i) {
         Request& r = s.requests[i];
-        if (phase_of(r) != Phase::offered) continue;
+        if (phase_of(r) != Phase::queued) continue;
         if (!least || r.score.load(std::memory_order_relaxed) < least->score.load(std::memory_order_relaxed))
             least = &r;
     }
     return least;
 }
 
-bool ask(StreamState& s, const Candidate& c) {
+bool request_page(StreamState& s, const Candidate& c) {
     Request* r = vacant_request(s, false);
     const float score = score_of(s, c.which);
     if (!r) {
-        Request* const least = least_offered(s);
+        Request* const least = least_queued(s);
         if (!least || least->score.load(std::memory_order_relaxed) * 2 > score || !claim(*least, Phase::vacant))
             return false;
         end_request(s, *least, WatchState::missing);
-        ++s.report.withdrawn;
+        ++s.report.cancelled;
         r = least;
     }
     const ChunkId id = chunk_of(s, c.which);
     r->watch = c.which;
-    if (!offer_request(s, *r, id, 1, score)) return false; // cannot be: one chunk
+    if (!queue_request(s, *r, id, 1, score)) return false; // cannot be: one chunk
     s.states[c.which] = WatchState::requested;
     if (!is_root(s, c.which)) ++s.below[slot_of(c.which)];
     ++s.reserved_slots;
@@ -211,19 +211,19 @@ Best least_loaded(const StreamState& s) {
     return least;
 }
 
-// Asks the cut to let go of the page in that slot.
-void drain(StreamState& s, std::uint32_t slot) {
+// Has the cut evict the page in that slot.
+void evict(StreamState& s, std::uint32_t slot) {
     const std::uint32_t watch = s.slot_watch[slot];
     record(s, watch, PageEvent::released);
-    bool released = false; // drain_pages() asks again; the cut must be asked in the order that is recorded
+    bool released = false; // evict_pages() calls again; the cut must be called in the order that is recorded
     const ChunkId id = chunk_of(s, watch);
     if (s.cut.state) (void)release_page(s.cut, id.tile, id.item, released);
-    s.states[slot * watches_per_slot] = s.states[watch] = WatchState::draining;
-    s.draining[s.draining_count++] = slot;
+    s.states[slot * watches_per_slot] = s.states[watch] = WatchState::evicting;
+    s.evicting[s.evicting_count++] = slot;
     test(s, watch);
 }
 
-// A page makes room only for one that is wanted clearly more, or two would push each other out for ever.
+// A page is evicted only for one that is wanted clearly more, or two would evict each other for ever.
 bool gives_way(StreamState& s, std::uint32_t slot, const Candidate& to) {
     const std::uint32_t own = slot * watches_per_slot;
     test(s, own);
@@ -233,13 +233,13 @@ bool gives_way(StreamState& s, std::uint32_t slot, const Candidate& to) {
     return s.page_px[to.which] > 1.25f * s.page_px[own];
 }
 
-void drain_pages(StreamState& s) {
-    for (std::uint32_t i = 0; i < s.draining_count;) {
-        const std::uint32_t slot = s.draining[i], watch = s.slot_watch[slot];
+void evict_pages(StreamState& s) {
+    for (std::uint32_t i = 0; i < s.evicting_count;) {
+        const std::uint32_t slot = s.evicting[i], watch = s.slot_watch[slot];
         const ChunkId id = chunk_of(s, watch);
         bool released = s.cut.state == nullptr;
         if ((s.wants[watch] & 1) && free_slots(s) != 0 && !s.contended) { // after all
-            if (s.cut.state) keep_page(s.cut, id.tile, id.item);
+            if (s.cut.state) cancel_release(s.cut, id.tile, id.item);
             record(s, watch, PageEvent::kept);
             s.states[slot * watches_per_slot] = s.states[watch] = WatchState::loaded;
             test(s, watch);
@@ -252,26 +252,26 @@ void drain_pages(StreamState& s) {
             }
             remove(s, slot);
         }
-        s.draining[i] = s.draining[--s.draining_count];
+        s.evicting[i] = s.evicting[--s.evicting_count];
     }
-    s.report.pages_draining = s.draining_count;
+    s.report.pages_evicting = s.evicting_count;
 }
 
 } // namespace
 
-void want_pages(StreamState& s) {
+void request_pages(StreamState& s) {
     review_requests(s);
     test_pages(s);
     Best best;
     gather(s, best);
-    drain_pages(s);
+    evict_pages(s);
     if (best.count <= free_slots(s)) s.contended = false;
-    std::uint32_t making_room = s.draining_count, next = 0;
+    std::uint32_t making_room = s.evicting_count, next = 0;
     Best least;
     for (std::uint32_t i = 0; i < best.count; ++i) {
         const Candidate& c = best.at[i];
         if (free_slots(s) != 0) {
-            if (ask(s, c)) continue;
+            if (request_page(s, c)) continue;
             s.report.exhausted |= stream_requests;
             break;
         }
@@ -280,18 +280,18 @@ void want_pages(StreamState& s) {
             continue;
         }
         if (least.count == 0) least = least_loaded(s);
-        const bool any = next < least.count && s.draining_count < max_drains;
+        const bool any = next < least.count && s.evicting_count < max_evictions;
         const std::uint32_t slot = any ? least.at[next].which : no_index;
         if (any) s.contended = s.wants[slot * watches_per_slot] != 0;
         if (any && slot != (is_root(s, c.which) ? no_index : slot_of(c.which)) && gives_way(s, slot, c)) {
-            drain(s, slot);
+            evict(s, slot);
             ++next;
             continue;
         }
         if (s.wants[c.which] & 1) s.report.exhausted |= stream_page_slots;
         break;
     }
-    drain_pages(s);
+    evict_pages(s);
     s.terrain->missing_px = s.report.missing_px;
 }
 

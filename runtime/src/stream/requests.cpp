@@ -6,7 +6,7 @@
 
 namespace fjell {
 
-bool offer_request(StreamState& s, Request& r, const ChunkId& id, std::uint32_t chunks, float score) {
+bool queue_request(StreamState& s, Request& r, const ChunkId& id, std::uint32_t chunks, float score) {
     r.id = id;
     r.chunks = chunks;
     r.first_chunk = chunk_index(s.pack->header, id);
@@ -22,9 +22,9 @@ bool offer_request(StreamState& s, Request& r, const ChunkId& id, std::uint32_t 
     r.stored_bytes = static_cast<std::uint32_t>(end - r.offset);
     r.raw_bytes = static_cast<std::uint32_t>(raw);
     r.score.store(score, std::memory_order_relaxed);
-    r.withdrawn.store(false, std::memory_order_relaxed);
+    r.cancelled.store(false, std::memory_order_relaxed);
     const std::uint32_t generation = (r.state.load(std::memory_order_relaxed) >> 3) + 1;
-    r.state.store(generation << 3 | static_cast<std::uint32_t>(Phase::offered), std::memory_order_release);
+    r.state.store(generation << 3 | static_cast<std::uint32_t>(Phase::queued), std::memory_order_release);
     return true;
 }
 
@@ -64,7 +64,8 @@ Request* taken(Stream stream, std::uint32_t ticket) {
     if (index >= s.request_count) return nullptr;
     Request& r = s.requests[index];
     const std::uint32_t state = r.state.load(std::memory_order_acquire);
-    if ((state & 7) != static_cast<std::uint32_t>(Phase::taken) || ticket_of(index, state) != ticket) return nullptr;
+    if ((state & 7) != static_cast<std::uint32_t>(Phase::in_flight) || ticket_of(index, state) != ticket)
+        return nullptr;
     return &r;
 }
 
@@ -76,13 +77,13 @@ bool next_request(Stream stream, StreamRequest& request) {
         std::uint32_t best = no_index;
         float most = -1;
         for (std::uint32_t i = 0; i < s.request_count; ++i) {
-            if (phase_of(s.requests[i]) != Phase::offered) continue;
+            if (phase_of(s.requests[i]) != Phase::queued) continue;
             const float score = s.requests[i].score.load(std::memory_order_relaxed);
             if (score > most) most = score, best = i;
         }
         if (best == no_index) return false;
         Request& r = s.requests[best];
-        if (!claim(r, Phase::taken)) continue; // withdrawn in between
+        if (!claim(r, Phase::in_flight)) continue; // cancelled in between
         request = {ticket_of(best, r.state.load(std::memory_order_relaxed)), r.id, r.chunks, r.offset, r.stored_bytes};
         return true;
     }
@@ -90,7 +91,7 @@ bool next_request(Stream stream, StreamRequest& request) {
 
 bool still_wanted(Stream stream, std::uint32_t ticket) {
     const Request* const r = taken(stream, ticket);
-    return r != nullptr && !r->withdrawn.load(std::memory_order_relaxed);
+    return r != nullptr && !r->cancelled.load(std::memory_order_relaxed);
 }
 
 Status provide(Stream stream, std::uint32_t ticket, std::span<const std::byte> stored) {

@@ -17,14 +17,14 @@ inline void set_phase(Request& r, Phase phase) {
 // Between offered and what follows: false when the other thread was first.
 [[nodiscard]] inline bool claim(Request& r, Phase phase) {
     std::uint32_t state = r.state.load(std::memory_order_acquire);
-    if ((state & 7) != static_cast<std::uint32_t>(Phase::offered)) return false;
+    if ((state & 7) != static_cast<std::uint32_t>(Phase::queued)) return false;
     return r.state.compare_exchange_strong(state, (state & ~7u) | static_cast<std::uint32_t>(phase),
                                            std::memory_order_acq_rel);
 }
 
 // Fills a vacant entry for `chunks` chunks from `id` on and offers it. False: they do not lie one after the other, or
 // are larger than the entry's room.
-[[nodiscard]] bool offer_request(StreamState& s, Request& r, const ChunkId& id, std::uint32_t chunks, float score);
+[[nodiscard]] bool queue_request(StreamState& s, Request& r, const ChunkId& id, std::uint32_t chunks, float score);
 
 // What has come among entries [begin, end) and was wanted most, or nullptr. Taken over in this order: in the table's
 // own, its first entries, filled anew with every frame, would keep the others waiting for as long as anything comes.

@@ -20,12 +20,12 @@ inline constexpr std::uint32_t max_requests = max_page_requests + max_map_reques
 
 // A request's phases and who may end each. The frame's thread: vacant, ready, unreadable, damaged, unwanted, shown. The
 // client: taken. Either one, by compare and exchange: offered.
-enum class Phase : std::uint32_t { vacant, offered, taken, ready, unreadable, damaged, unwanted, shown };
+enum class Phase : std::uint32_t { vacant, queued, in_flight, ready, unreadable, damaged, unwanted, shown };
 
 struct Request {
     std::atomic<std::uint32_t> state; // generation << 3 | Phase
     std::atomic<float> score;         // of what is offered: how much it is wanted
-    std::atomic<bool> withdrawn;      // of what is taken: it need not be read
+    std::atomic<bool> cancelled;      // of what is taken: it need not be read
     ChunkId id;
     std::uint32_t chunks;
     std::uint64_t first_chunk, offset;
@@ -43,11 +43,11 @@ struct Watch {
 };
 enum class WatchState : std::uint8_t {
     idle,      // there is no such page
-    missing,   // not loaded, and may be asked for
+    missing,   // not loaded, and may be requested
     requested, // in the table
-    failed,    // could not be read: not asked for again
+    failed,    // could not be read: not requested again
     loaded,
-    draining // asked back from the cut
+    evicting // released to the cut, until it has deactivated the vertices
 };
 // Slot s watches its own page at s * watches_per_slot and the pages below it after that; the tiles' coarsest pages come
 // after all slots.
@@ -65,7 +65,7 @@ struct MapTile {
     std::uint32_t reserved; // layer for the size above, while it is requested
     std::uint8_t size_log2; // that is there; 0: none
     std::uint8_t wanted_log2;
-    std::uint8_t lower_log2; // while it drains: 1
+    std::uint8_t lower_log2; // while it fades to a smaller size: log2 of that; otherwise 0
     bool requested, failed, visible;
     float excess; // pixels that a texel of size_log2 covers, by those it may
 };
@@ -74,7 +74,7 @@ struct MapArray { // one size
     std::uint32_t free_count, count;
 };
 struct MapState {
-    MapLayers slots;
+    MapLayers sizes;
     MapArray arrays[max_texture_log2 + 1];
     MapTile* tiles;
     TileMap* shown;
@@ -97,8 +97,8 @@ struct StreamState {
     std::uint32_t* watch_page;   // page number in the terrain
     std::uint8_t* below;         // a slot's pages below that are loaded or requested
     std::uint32_t* slot_watch;   // the watch of its page in the slot above (or the tile's), for each slot
-    std::uint32_t* draining;
-    std::uint32_t draining_count;
+    std::uint32_t* evicting;
+    std::uint32_t evicting_count;
     std::uint64_t* failed_bits; // one a chunk
     // Eyes.
     WantedEye eyes[2 * max_cut_views];
@@ -136,7 +136,7 @@ struct StreamState {
     std::uint64_t bytes_read, pages_read, mips_read, failed;
     std::uint64_t frame;
 };
-inline constexpr std::uint32_t max_arrivals = 4096, max_drains = 64;
+inline constexpr std::uint32_t max_arrivals = 4096, max_evictions = 64;
 
 [[nodiscard]] inline bool has_failed(const StreamState& s, std::uint64_t chunk) {
     return (s.failed_bits[chunk / 64] >> chunk % 64 & 1) != 0;

@@ -38,15 +38,15 @@ void finish(StreamState& s) {
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         const MapState& m = s.maps[kind];
         r.complete = r.complete && m.tails_missing == 0;
-        MapLayers used = m.slots;
+        MapLayers used = m.sizes;
         for (std::uint32_t log2 = used.tail_log2 + 1; used.top_log2 && log2 <= used.top_log2; ++log2)
             used.layers[log2] -= m.arrays[log2].free_count;
         r.map_bytes_used += map_layer_bytes(used, static_cast<MapKind>(kind));
-        r.map_bytes_capacity += map_layer_bytes(m.slots, static_cast<MapKind>(kind));
+        r.map_bytes_capacity += map_layer_bytes(m.sizes, static_cast<MapKind>(kind));
     }
     for (std::uint32_t i = 0; i < s.request_count; ++i) {
         const Phase phase = phase_of(s.requests[i]);
-        if (phase == Phase::offered || phase == Phase::taken) ++r.requested;
+        if (phase == Phase::queued || phase == Phase::in_flight) ++r.in_flight;
         if (phase == Phase::ready) ++(i < s.budget.page_requests ? r.pages_left : r.mips_left);
     }
     const std::uint32_t used = s.slots - t.memory->free_count;
@@ -63,7 +63,7 @@ void finish(StreamState& s) {
 void note_failure(StreamState& s, const ChunkId& id, std::uint64_t chunk, Code code) {
     s.failed_bits[chunk / 64] |= std::uint64_t{1} << chunk % 64;
     ++s.failed;
-    s.failures[s.failure_count++] = {id, code}; // there is room for all requests and what cannot be asked for
+    s.failures[s.failure_count++] = {id, code}; // there is room for all requests and what cannot be requested
 }
 
 Status update_stream(Stream stream, std::span<const View> views, const CutSettings& cut, const StreamSettings& settings,
@@ -78,11 +78,11 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
     s.failure_count = s.arrival_count = s.command_count = 0;
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i)
         if (phase_of(s.requests[i]) == Phase::shown) set_phase(s.requests[i], Phase::vacant);
-    look(s, views, cut, s.cut.state ? s.cut.state->governor.effective_px : 0);
-    take_pages(s);
-    take_maps(s);
-    want_pages(s);
-    want_maps(s, seconds);
+    set_views(s, views, cut, s.cut.state ? s.cut.state->governor.effective_px : 0);
+    insert_pages(s);
+    upload_maps(s);
+    request_pages(s);
+    request_maps(s, seconds);
     finish(s);
     s.report.update_us = std::chrono::duration<double, std::micro>(Clock::now() - started).count();
     report = s.report;
@@ -100,10 +100,10 @@ std::span<const MapCommand> map_commands(Stream stream) {
 }
 std::span<const TileMap> tile_maps(Stream stream, MapKind kind) {
     const MapState& m = stream.state->maps[static_cast<std::uint32_t>(kind)];
-    return {m.shown, m.slots.top_log2 ? stream.state->tiles : 0};
+    return {m.shown, m.sizes.top_log2 ? stream.state->tiles : 0};
 }
 MapLayers stream_map_layers(Stream stream, MapKind kind) {
-    return stream.state->maps[static_cast<std::uint32_t>(kind)].slots;
+    return stream.state->maps[static_cast<std::uint32_t>(kind)].sizes;
 }
 
 void retry_failed(Stream stream) {

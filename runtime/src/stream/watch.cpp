@@ -1,8 +1,8 @@
 // Which pages the views want, without looking at their vertices.
 //
 // A vertex is wanted while the eye is nearer than radius + error q (tree/wanted.h). Of a page the directory knows the
-// largest of both and how high its ground is, so a page none of whose vertices can be wanted is told apart by one
-// distance to a box. Bounds do not have to nest: a page is watched only when the one above it is loaded, and a wanted
+// largest of both and how high its ground is, so one distance to a box rules out a page none of whose vertices can be
+// wanted. Bounds do not have to nest: a page is watched only when the one above it is loaded, and a wanted
 // vertex' ancestors are wanted, one of them in every page above (a page's bound counts its borders too). So when no
 // watched page is wanted and missing, no vertex is.
 //
@@ -153,7 +153,7 @@ Vec3 ahead(StreamState& s, std::uint32_t i, Vec3 eye, double seconds) {
 
 } // namespace
 
-void look(StreamState& s, std::span<const View> views, const CutSettings& cut, double effective_px) {
+void set_views(StreamState& s, std::span<const View> views, const CutSettings& cut, double effective_px) {
     const double nested = 1 + static_cast<double>(s.terrain->header.nesting);
     const double early = cut.morph == Morph::none ? 1 : nested * nested;
     const double threshold_px = std::max(cut.error_px, effective_px);
@@ -187,7 +187,7 @@ void look(StreamState& s, std::span<const View> views, const CutSettings& cut, d
     s.odometer_m = 0;
     for (std::uint32_t i = 0; i < s.watch_count; ++i)
         if (s.due[i] < never) s.due[i] = -1;
-    s.tested = false; // from where the last tests ended: what changes with every frame must not begin anew with each
+    s.tested = false; // from where the last tests ended: what changes with every frame must not start again with each
 }
 
 // Tests everything whose time has come. Sets `tested` when the limit sufficed.

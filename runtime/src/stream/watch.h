@@ -1,4 +1,4 @@
-// Pages that are watched: what could be asked for next, and what is loaded. Whether the views want each, how much, and
+// Pages that are watched: what could be requested next, and what is loaded. Whether the views want each, how much, and
 // for how long that stands.
 #pragma once
 
@@ -31,9 +31,9 @@ void forget_watch(StreamState& s, std::uint32_t watch);
 // Whether missing_bits has it.
 void set_missing(StreamState& s, std::uint32_t watch, bool missing);
 
-// Takes over the eyes of this frame: where they are, where their motion will bring them, and how far they came.
+// Sets the eyes of this frame: where they are, where their motion will bring them, and how far they moved.
 // effective_px: the threshold that the cut's own capacities allow.
-void look(StreamState& s, std::span<const View> views, const CutSettings& cut, double effective_px);
+void set_views(StreamState& s, std::span<const View> views, const CutSettings& cut, double effective_px);
 // Sets wants[], page_px[], due[] and the missing bit of one, or of all whose time has come. O(eyes).
 void test(StreamState& s, std::uint32_t watch);
 void test_pages(StreamState& s);

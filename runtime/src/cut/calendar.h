@@ -1,4 +1,4 @@
-// Lists of groups: a calendar of when each must be looked at again, and queues of work.
+// Lists of groups: a calendar of when each must be evaluated again, and queues of work.
 //
 // The calendar counts, for each grade of errors, how far the worst eye has travelled in metres - plus what changes of
 // threshold amount to at that grade's largest error - in ticks of about 1/32 cell. A group whose smallest slack is d
@@ -6,8 +6,8 @@
 //
 // Wheels. Eight wheels of 64 buckets a grade; a bucket of wheel k is 8^k ticks wide, and a slack goes to the first
 // wheel that holds it, at least seven buckets ahead. So a group comes up at most a seventh of its slack too early,
-// nothing is carried from wheel to wheel, and a frame that moves little looks at eight numbers a grade. A bucket whose
-// time has come joins the due groups of its grade without a look at them: that a group is due follows from its tick.
+// nothing is carried from wheel to wheel, and a frame that moves little reads eight numbers a grade. A bucket whose
+// time has come joins the due groups of its grade without touching them: that a group is due follows from its tick.
 //
 // Buckets and due groups are arrays in nodes of a cache line, because what a visit costs is cache misses: with the
 // numbers side by side, the states and records of the next node are fetched while this one is worked on. (Links
@@ -16,7 +16,7 @@
 // order of due times (a heap's cost for an order that nothing needs); cascading wheels, which move thousands of groups
 // at once when a coarse bucket's turn comes.
 //
-// Queues of work are short and of groups just looked at; they are linked through the groups' states.
+// Queues of work are short and hold groups just evaluated; they are linked through the groups' states.
 #pragma once
 
 #include <cstddef>
@@ -43,18 +43,22 @@ inline constexpr std::uint32_t grade_count = 16, grade_codes_log2 = 4; // error 
 inline constexpr std::uint32_t wheel_count = 8, wheel_buckets = 64, first_wheel_ticks = 56;
 inline constexpr std::uint32_t rank_count = 32; // of work: 16 by screen error, and 16 more for what a frustum shows
 
+[[nodiscard]] inline std::uint32_t grade_of(std::uint32_t code) {
+    return code >> grade_codes_log2;
+}
+
 // Numbers of lists.
 using ListId = std::uint16_t;
 inline constexpr ListId calendar_lists = grade_count * wheel_count * wheel_buckets;
-inline constexpr ListId soon_lists = calendar_lists;           // one a grade: due with the next movement
-inline constexpr ListId due_lists = soon_lists + grade_count;  // one a grade: to be evaluated
-inline constexpr ListId work_lists = due_lists + grade_count;  // queues, one a rank: vertices to activate
-inline constexpr ListId retire_list = work_lists + rank_count; // vertices to deactivate
-inline constexpr ListId blocked_lists = retire_list + 1;       // for want of a capacity; two that take turns
-inline constexpr ListId gated_lists = blocked_lists + 2;       // behind a vertex that is rising; two that take turns
+inline constexpr ListId soon_lists = calendar_lists;                 // one a grade: due with the next movement
+inline constexpr ListId due_lists = soon_lists + grade_count;        // one a grade: to be evaluated
+inline constexpr ListId work_lists = due_lists + grade_count;        // queues, one a rank: vertices to activate
+inline constexpr ListId deactivation_list = work_lists + rank_count; // vertices to deactivate
+inline constexpr ListId blocked_lists = deactivation_list + 1;       // for want of a capacity; two that take turns
+inline constexpr ListId gated_lists = blocked_lists + 2; // behind a vertex that is morphing; two that take turns
 inline constexpr ListId list_count = gated_lists + 2;
 inline constexpr ListId queue_count = list_count - work_lists;
-inline constexpr ListId held = 0xfffe; // taken from its list, about to be evaluated
+inline constexpr ListId being_visited = 0xfffe; // taken from its list, about to be evaluated
 inline constexpr ListId unlisted = 0xffff;
 
 struct Bucket {
@@ -104,16 +108,16 @@ void push_due(Lists& lists, std::uint32_t grade, std::uint32_t group);
 void unlink(Lists& lists, std::uint32_t group);
 // The list must not be empty.
 [[nodiscard]] std::uint32_t pop_front(Lists& lists, std::uint32_t queue);
-// With each group, one that comes a node later is passed to fetch().
-template <typename Fetch>
-[[nodiscard]] std::uint32_t pop_due(Lists& lists, std::uint32_t grade, const Fetch& fetch) {
+// With each group, one a node later is passed to prefetch().
+template <typename Prefetch>
+[[nodiscard]] std::uint32_t pop_due(Lists& lists, std::uint32_t grade, const Prefetch& prefetch) {
     DueGroups& due = lists.due[grade];
     const std::uint32_t at = due.first != no_index ? due.first : due.filling;
     ListNode& node = lists.nodes[at];
     const std::uint32_t group = node.groups[--node.count];
     if (const std::uint32_t next = node.next != no_index ? node.next : due.filling; next != no_index && next != at) {
         const ListNode& after = lists.nodes[next];
-        if (node.count < after.count) fetch(after.groups[node.count]);
+        if (node.count < after.count) prefetch(after.groups[node.count]);
         if (after.next != no_index && node.count == node_groups / 2) __builtin_prefetch(&lists.nodes[after.next]);
     }
     --lists.sizes[due_lists + grade - soon_lists];
@@ -129,10 +133,10 @@ template <typename Fetch>
 // Forgets due groups numbered first to first + count - 1. O(due groups).
 void forget_due(Lists& lists, std::uint32_t first, std::uint32_t count);
 
-// The group, in no list, must be looked at when the odometer of its grade has gone slack_m further.
+// The group, in no list, must be evaluated when the odometer of its grade has gone slack_m further.
 void schedule(Lists& lists, std::uint32_t group, float slack_m, std::uint32_t grade);
 // The same for one more vertex of a group that may be scheduled already: the earlier time and the higher grade win.
-// Blocks in other lists stay there: they will be looked at anyway.
+// Groups in other lists stay there: they will be visited anyway.
 void tighten(Lists& lists, std::uint32_t group, float slack_m, std::uint32_t grade);
 
 // Moves an odometer on; groups whose time has come become due.

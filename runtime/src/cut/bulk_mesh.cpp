@@ -1,14 +1,15 @@
 // The bulk pass' triangles: page by page on the way down, when it is known which vertices are active.
-#pragma once
+#include <bit>
 
-#include "cut/judge.h"
+#include "cut/bulk.h"
 #include "cut/mesh.h"
 #include "cut/morph.h"
-#include "cut/part.h"
 
 namespace fjell {
 
-// Slots of the vertices in and around one page, by their place on the height scale of its step: x, y from -1 to 2n.
+namespace {
+
+// Slots of the vertices in and around one page, by their place on the grid of its step: x, y from -1 to 2n.
 // Only those of active vertices mean anything.
 struct SlotGrid {
     static constexpr std::int32_t pitch = 2 * page_squares + 2;
@@ -39,7 +40,7 @@ public:
 private:
     SlotGrid& grid_of(int z) { return reinterpret_cast<SlotGrid*>(s.bulk_grids)[z]; }
 
-    // The tile's last segment, written without a look at its list.
+    // The tile's last segment, written without going through its list.
     void open() {
         const TileList& list = s.tiles[tile_];
         next_ = end_ = 0;
@@ -79,20 +80,20 @@ private:
             const std::uint32_t is_drawn = drawn >> d & 1;
             std::uint32_t* const t = s.indices + std::size_t{next_} * 3;
             t[0] = v, t[1] = corners[d][0], t[2] = corners[d][1];
-            s.names[next_] = v * 4 + d;
-            s.made[v * 4 + d] = next_ | (is_drawn - 1); // no_index when not
+            s.key_of[next_] = v * 4 + d;
+            s.triangle_of[v * 4 + d] = next_ | (is_drawn - 1); // no_index when not
             next_ += is_drawn;
         }
     }
 
     // Slots of a row's active vertices, to every other place of the grid. Answers whether there are any.
-    bool spread(SlotGrid& grid, std::uint32_t group, std::int32_t count, std::int32_t x, std::int32_t y) {
+    bool scatter_slots(SlotGrid& grid, std::uint32_t group, std::int32_t count, std::int32_t x, std::int32_t y) {
         std::uint32_t any = 0;
         std::uint32_t* to = &grid(x, y);
         for (std::int32_t done = 0; done < count; done += group_lanes, ++group, to += 2 * group_lanes) {
             if (s.groups[group].active == 0) continue;
             any |= s.groups[group].active;
-            const std::uint32_t* const from = s.slots + std::size_t{group} * group_lanes;
+            const std::uint32_t* const from = s.vertex_slot + std::size_t{group} * group_lanes;
             if (count < static_cast<std::int32_t>(group_lanes))
                 for (std::int32_t lane = 0; lane < count; ++lane) to[2 * lane] = from[lane];
             else
@@ -100,27 +101,27 @@ private:
         }
         return any != 0;
     }
-    void one(SlotGrid& grid, const Site& site, std::int32_t x, std::int32_t y) {
+    void scatter_slot(SlotGrid& grid, const Site& site, std::int32_t x, std::int32_t y) {
         if (!exists(s, site)) return;
         const std::uint32_t vertex = find_vertex(s, site);
-        if (vertex != no_index) grid(x, y) = s.slots[vertex];
+        if (vertex != no_index) grid(x, y) = s.vertex_slot[vertex];
     }
 
     // The grid has the corners of the page's squares. False when no centre is active, and so nothing below.
     bool page(int z, std::int32_t i0, std::int32_t j0) {
         SlotGrid& grid = grid_of(z);
-        const Part part = part_at(s, z, i0, j0);
-        const std::int32_t n = part.n;
+        const PageStep groups = page_step_at(s, z, i0, j0);
+        const std::int32_t n = groups.n;
         bool any = false, below = false;
         for (std::int32_t j = 0; j < n; ++j)
-            any = spread(grid, part.row(VertexKind::centre, j), n, 1, 2 * j + 1) || any;
+            any = scatter_slots(grid, groups.row(VertexKind::centre, j), n, 1, 2 * j + 1) || any;
         if (!any) return false;
         for (std::int32_t j = 0; j < n; ++j) {
-            below = spread(grid, part.row(VertexKind::side_x, j), n, 1, 2 * j) || below;
-            below = spread(grid, part.row(VertexKind::side_y, j), n, 0, 2 * j + 1) || below;
+            below = scatter_slots(grid, groups.row(VertexKind::side_x, j), n, 1, 2 * j) || below;
+            below = scatter_slots(grid, groups.row(VertexKind::side_y, j), n, 0, 2 * j + 1) || below;
         }
         below = borders(grid, z, i0, j0, n) || below;
-        rows(grid, z, i0, j0, part);
+        rows(grid, z, i0, j0, groups);
         if (below && z > 0) descend(grid, z, i0, j0, n);
         return true;
     }
@@ -131,35 +132,35 @@ private:
         const Site north{z, VertexKind::centre, i0, j0 - 1}, south{z, VertexKind::side_x, i0, j0 + n};
         if (exists(s, north))
             if (const std::uint32_t v = find_vertex(s, north); v != no_index)
-                (void)spread(grid, v / group_lanes, n, 1, -1);
+                (void)scatter_slots(grid, v / group_lanes, n, 1, -1);
         bool below = false;
         if (const std::uint32_t v = find_vertex(s, south); v != no_index)
-            below = spread(grid, v / group_lanes, n, 1, 2 * n);
+            below = scatter_slots(grid, v / group_lanes, n, 1, 2 * n);
         for (std::int32_t j = 0; j < n; ++j) {
-            one(grid, {z, VertexKind::centre, i0 - 1, j0 + j}, -1, 2 * j + 1);
+            scatter_slot(grid, {z, VertexKind::centre, i0 - 1, j0 + j}, -1, 2 * j + 1);
             const std::uint32_t v = find_vertex(s, {z, VertexKind::side_y, i0 + n, j0 + j});
             if (v == no_index || !(s.groups[v / group_lanes].active & bit_of(v))) continue;
-            grid(2 * n, 2 * j + 1) = s.slots[v];
+            grid(2 * n, 2 * j + 1) = s.vertex_slot[v];
             below = true;
         }
         return below;
     }
 
-    void rows(SlotGrid& grid, int z, std::int32_t i0, std::int32_t j0, const Part& part) {
+    void rows(SlotGrid& grid, int z, std::int32_t i0, std::int32_t j0, const PageStep& groups) {
         z_ = z;
         corner_ = {2 * i0, 2 * j0};
-        const std::int32_t n = part.n, tile_side = (1 << part.step->log2) - 1;
+        const std::int32_t n = groups.n, tile_side = (1 << groups.step->log2) - 1;
         for (std::int32_t j = 0; j < n; ++j) {
-            centre_row(grid, part.row(VertexKind::centre, j), n, 2 * j + 1);
+            centre_row(grid, groups.row(VertexKind::centre, j), n, 2 * j + 1);
             const bool north_border = ((j0 + j) & tile_side) == 0;
-            side_row(grid, {z, VertexKind::side_x, i0, j0 + j}, part.row(VertexKind::side_x, j), n, 2 * j,
+            side_row(grid, {z, VertexKind::side_x, i0, j0 + j}, groups.row(VertexKind::side_x, j), n, 2 * j,
                      north_border);
-            side_row(grid, {z, VertexKind::side_y, i0, j0 + j}, part.row(VertexKind::side_y, j), n, 2 * j + 1,
+            side_row(grid, {z, VertexKind::side_y, i0, j0 + j}, groups.row(VertexKind::side_y, j), n, 2 * j + 1,
                      (i0 & tile_side) == 0);
         }
-        if (j0 + n == s.tiles_y << part.step->log2)
-            side_row(grid, {z, VertexKind::side_x, i0, j0 + n}, part.row(VertexKind::side_x, n), n, 2 * n, true);
-        if (i0 + n == s.tiles_x << part.step->log2)
+        if (j0 + n == s.tiles_y << groups.step->log2)
+            side_row(grid, {z, VertexKind::side_x, i0, j0 + n}, groups.row(VertexKind::side_x, n), n, 2 * n, true);
+        if (i0 + n == s.tiles_x << groups.step->log2)
             for (std::int32_t j = 0; j < n; ++j) {
                 const Site site{z, VertexKind::side_y, i0 + n, j0 + j};
                 const std::uint32_t v = find_vertex(s, site);
@@ -178,7 +179,7 @@ private:
         const std::int32_t finer = 1 << s.steps[z - 1].page_log2; // squares of a page there: 2n, or n in four pages
         for (std::int32_t qy = 0; qy < 2 * n; qy += finer)
             for (std::int32_t qx = 0; qx < 2 * n; qx += finer) {
-                if (active_at(s, {z - 1, VertexKind::centre, 2 * i0 + qx, 2 * j0 + qy}) == 0) continue;
+                if (active_in_page_of(s, {z - 1, VertexKind::centre, 2 * i0 + qx, 2 * j0 + qy}) == 0) continue;
                 SlotGrid& to = grid_of(z - 1);
                 for (std::int32_t y = 0; y <= finer; ++y) {
                     const std::uint32_t* const from = &grid(qx, qy + y);
@@ -256,5 +257,12 @@ private:
     int z_ = 0;
     Coord corner_; // of the page in work, in its steps
 };
+
+} // namespace
+
+void emit_triangles(CutState& s) {
+    Emitter emitter(s);
+    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) emitter.tile(tile);
+}
 
 } // namespace fjell

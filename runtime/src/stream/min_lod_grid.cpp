@@ -11,12 +11,12 @@ void min_lod_grid(std::span<const TileMap> maps, std::uint32_t tiles_x, std::uin
     const std::int64_t column = tile % tiles_x, row = tile / tiles_x;
     for (int y = -1; y <= 1; ++y)
         for (int x = -1; x <= 1; ++x) {
-            float most = maps[tile].finest;
+            float most = maps[tile].min_lod;
             for (std::int64_t j = std::max<std::int64_t>(row + std::min(y, 0), 0); j <= row + std::max(y, 0); ++j)
                 for (std::int64_t i = std::max<std::int64_t>(column + std::min(x, 0), 0); i <= column + std::max(x, 0);
                      ++i)
                     if (i < wide && j < high)
-                        most = std::max(most, maps[static_cast<std::size_t>(j * wide + i)].finest);
+                        most = std::max(most, maps[static_cast<std::size_t>(j * wide + i)].min_lod);
             out[3 * (y + 1) + x + 1] = most;
         }
 }

@@ -1,4 +1,4 @@
-#include "cut/lists.h"
+#include "cut/calendar.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,0 +1,423 @@
+#include "cut/refine.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+
+#include "cut/change.h"
+#include "cut/evaluate.h"
+#include "cut/morph.h"
+
+namespace fjell {
+
+namespace {
+
+std::uint32_t bits(int mask) {
+    return static_cast<std::uint32_t>(mask);
+}
+
+// A group as it was evaluated.
+struct Evaluated {
+    explicit Evaluated(GroupState& group) : state(group) {} // the rest evaluate_group() sets
+    GroupState& state;
+    bool evicting;
+    std::uint32_t morphing_out; // lanes that will go by themselves
+    const VertexRecord* records;
+    VertexRecord gathered[group_lanes];
+    LaneMargins margins;
+
+    // The lanes that could change: by the tree, they may.
+    [[nodiscard]] std::uint32_t inactive() const { return evicting ? 0 : bits(state.ready() & ~state.active); }
+    [[nodiscard]] std::uint32_t childless() const { return bits(state.active & ~state.parental()) & ~morphing_out; }
+    // And by the decision, they should.
+    [[nodiscard]] std::uint32_t to_activate() const { return inactive() & margins.wanted; }
+    [[nodiscard]] std::uint32_t to_deactivate() const { return childless() & ~margins.kept; }
+};
+
+void evaluate_group(CutState& s, std::uint32_t number, Evaluated& group) {
+    const std::uint32_t slot = number / max_page_groups;
+    const PageSlot& info = s.page_slot[slot];
+    const GroupShape& shape = s.shapes[info.shape].groups[number - slot * max_page_groups];
+    group.evicting = info.status == PageSlotStatus::evicting;
+    group.morphing_out = 0;
+    for (std::uint32_t lanes = s.morphing_out_count != 0 ? group.state.active : 0u; lanes != 0; lanes &= lanes - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
+        if (morphs_out(s, s.vertex_slot[number * group_lanes + lane])) group.morphing_out |= 1u << lane;
+    }
+    group.records = s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first;
+    if (shape.lanes != group_lanes || shape.stride != 1 || s.hz_places) {
+        for (std::uint32_t lane = 0; lane < group_lanes; ++lane)
+            group.gathered[lane] = record_of(s, number * group_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
+        group.records = group.gathered;
+    }
+    const Site first = site_of(s, number * group_lanes);
+    const Coord at = site_coord(first);
+    const std::int32_t apart = 2 << first.z;
+    const float unit_m = s.level_unit_m[2 * first.z + (shape.kind == VertexKind::centre ? 0 : 1)];
+    s.evaluate(s.criterion,
+               {group.records, at.x, at.y, shape.along_y ? 0 : apart, shape.along_y ? apart : 0, info.base, unit_m},
+               group.margins);
+    ++s.report.evaluations;
+    ++s.report.items;
+    ++s.report.visits;
+}
+
+// Of the lanes in a mask, the smallest slack; and the largest error code.
+struct Slack {
+    float slack_m = 3e38f;
+    std::uint32_t code = 0;
+
+    void include(const Evaluated& group, std::uint32_t mask, const float* margins_m) {
+        for (; mask != 0; mask &= mask - 1) {
+            const auto lane = static_cast<std::size_t>(std::countr_zero(mask));
+            const float rounding_m = group.margins.span_m[lane] * slack_rounding;
+            slack_m = std::min(slack_m, std::max(std::abs(margins_m[lane]) - rounding_m, 0.0f));
+            code = std::max<std::uint32_t>(code, group.records[lane].error);
+        }
+    }
+};
+
+// Everything in the group agrees with the decision: when might that end?
+void schedule_group(CutState& s, std::uint32_t number, const Evaluated& group) {
+    s.groups[number].list = unlisted;
+    if ((group.inactive() | group.childless()) == 0) return;
+    Slack rest;
+    rest.include(group, group.inactive(), group.margins.reach_m);
+    rest.include(group, group.childless(), group.margins.keep_m);
+    schedule(s.lists, number, rest.slack_m, grade_of(rest.code));
+}
+
+void queue(CutState& s, std::uint32_t number, const Evaluated& group, std::uint32_t list) {
+    push_back(s.lists, list, number);
+    s.groups[number].due = group.to_activate() | group.to_deactivate() << 16;
+}
+
+void queue_activations(CutState& s, std::uint32_t number, const Evaluated& group) {
+    std::uint32_t rank = 0;
+    for (std::uint32_t lanes = group.to_activate(); lanes != 0; lanes &= lanes - 1) {
+        const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
+        rank = std::max(rank, rank_of(s, evaluate_vertex(s, vertex, site_of(s, vertex), false)));
+    }
+    s.work_ranks |= 1u << rank;
+    queue(s, number, group, work_lists + rank);
+}
+
+// Puts the group in the queue that its lanes call for, or in the calendar.
+void examine(CutState& s, std::uint32_t number) {
+    Evaluated group(s.groups[number]);
+    evaluate_group(s, number, group);
+    if (group.to_activate() != 0) return queue_activations(s, number, group);
+    if (group.to_deactivate() != 0) return queue(s, number, group, deactivation_list);
+    schedule_group(s, number, group);
+}
+
+// Activates and deactivates what its lanes call for, as far as this frame's items go; deactivations only if they may.
+// What is left over keeps the group in a queue; otherwise it goes to the calendar.
+void carry_out(CutState& s, std::uint32_t number, bool may_deactivate) {
+    Evaluated group(s.groups[number]);
+    evaluate_group(s, number, group);
+    CutReport& r = s.report;
+    bool blocked = false, gated = false;
+    // To group again is part of the first change: with one item a frame a mesh must get somewhere, too.
+    bool looked = true;
+    const auto spend = [&](std::uint32_t& changes) {
+        ++changes;
+        if (looked)
+            --r.evaluations;
+        else
+            ++r.items;
+        looked = false;
+    };
+    const auto may_go_on = [&] { return looked || r.items < s.item_limit; };
+    for (std::uint32_t lanes = group.to_activate(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
+        switch (activate(s, number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)))) {
+        case Outcome::done: spend(r.activations); break;
+        case Outcome::gated: gated = true; break;
+        case Outcome::no_vertices:
+            s.full_capacities |= cut_budget_vertices;
+            blocked = true;
+            break;
+        case Outcome::no_triangles:
+            s.full_capacities |= cut_budget_triangles;
+            blocked = true;
+            break;
+        }
+    }
+    if (may_deactivate)
+        for (std::uint32_t lanes = group.to_deactivate(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
+            const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
+            if (deactivate(s, vertex) == Outcome::done) {
+                spend(r.deactivations);
+            } else {
+                s.full_capacities |= cut_budget_triangles;
+                blocked = true;
+            }
+        }
+    if (blocked) return queue(s, number, group, blocked_lists + s.turn);
+    if (gated && may_go_on()) return queue(s, number, group, gated_lists + s.gated_turn);
+    if (group.to_activate() != 0) return queue_activations(s, number, group);
+    if (group.to_deactivate() != 0) return queue(s, number, group, deactivation_list);
+    schedule_group(s, number, group);
+}
+
+// Prefetching what changes will touch. What a change costs is a chain of cache misses: the parents'
+// vertex slots, the triangles at their right angles, those triangles' corners. For a batch of changes every link of the
+// chain is prefetched for all of them before the next one is followed for any. Where one change will group. Only a
+// hint: by the time it is carried out things may have changed.
+struct PlannedChange {
+    std::uint32_t vertex;
+    std::uint32_t triangles[4]; // keys, then slots
+    std::uint32_t parents[2];   // or no_index
+    std::uint8_t directions[2]; // of the parents' triangles that an activation replaces
+    bool activation;
+};
+
+// g++ takes a function that only prefetches for one without effects, and drops calls of it; hence the asm.
+#define FJELL_PREFETCH(at)                                                                                             \
+    do {                                                                                                               \
+        const void* const prefetched_at = (at);                                                                        \
+        asm volatile("" : : "r"(prefetched_at));                                                                       \
+        __builtin_prefetch(prefetched_at, 1);                                                                          \
+    } while (false)
+
+// What evaluating a group reads.
+inline void prefetch_group(const CutState& s, std::uint32_t group) {
+    FJELL_PREFETCH(&s.groups[group]);
+    const VertexRecord* const records =
+        s.terrain->records + std::size_t{group / max_page_groups} * s.terrain->page_capacity + shape_of(s, group).first;
+    FJELL_PREFETCH(records);
+    FJELL_PREFETCH(records + group_lanes - 1);
+}
+
+inline void prefetch_record(const CutState& s, std::uint32_t vertex) {
+    const std::uint32_t group = vertex / group_lanes, slot = group / max_page_groups;
+    const GroupShape& shape = shape_of(s, group);
+    FJELL_PREFETCH(s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first +
+                   shape.stride * (vertex % group_lanes));
+}
+
+// The first link: vertices around it.
+inline PlannedChange plan_change(const CutState& s, std::uint32_t vertex, bool activation) {
+    PlannedChange plan{vertex, {no_index, no_index, no_index, no_index}, {no_index, no_index}, {}, activation};
+    const Site site = site_of(s, vertex);
+    FJELL_PREFETCH(&s.vertex_slot[vertex]);
+    if (site.kind == VertexKind::centre || site.z != 0)
+        for (int d = 0; d < 4; ++d) {
+            const Site child = child_site(site, d);
+            if (!exists(s, child)) continue;
+            const std::uint32_t found = find_vertex(s, child);
+            if (found == no_index) continue;
+            FJELL_PREFETCH(&s.groups[found / group_lanes]);
+            if (activation) prefetch_record(s, found);
+        }
+    if (site.kind == VertexKind::centre && site.z == s.terrain->tree.tile_log2 - 1) return plan;
+    for (int n = 0; n < 2; ++n) {
+        const Site parent = parent_site(site, n);
+        if (!exists(s, parent)) continue;
+        const std::uint32_t found = plan.parents[n] = find_vertex(s, parent);
+        if (found == no_index) continue;
+        plan.directions[n] = static_cast<std::uint8_t>(child_number(parent_bearing(site, n)));
+        FJELL_PREFETCH(&s.groups[found / group_lanes]);
+        FJELL_PREFETCH(&s.vertex_slot[found]);
+        if (!activation) prefetch_record(s, found);
+    }
+    return plan;
+}
+
+// The second link: the slots of their triangles.
+inline void prefetch_triangle_slots(const CutState& s, PlannedChange& plan) {
+    if (plan.activation) {
+        for (int n = 0; n < 2; ++n) {
+            const std::uint32_t parent = plan.parents[n];
+            if (parent == no_index || !(s.groups[parent / group_lanes].active & bit_of(parent))) continue;
+            plan.triangles[n] = s.vertex_slot[parent] * 4 + plan.directions[n];
+            FJELL_PREFETCH(&s.triangle_of[plan.triangles[n]]);
+        }
+    } else if (s.groups[plan.vertex / group_lanes].active & bit_of(plan.vertex)) {
+        for (std::uint32_t d = 0; d < 4; ++d) plan.triangles[d] = s.vertex_slot[plan.vertex] * 4 + d;
+        FJELL_PREFETCH(&s.triangle_of[plan.triangles[0]]);
+    }
+}
+
+// The third: those triangles.
+inline void prefetch_triangles(const CutState& s, PlannedChange& plan) {
+    for (std::uint32_t& triangle : plan.triangles) {
+        if (triangle == no_index) continue;
+        triangle = s.triangle_of[triangle];
+        if (triangle == no_index) continue;
+        FJELL_PREFETCH(&s.indices[std::size_t{triangle} * 3]);
+        FJELL_PREFETCH(&s.key_of[triangle]);
+    }
+}
+
+// The fourth: the ends of the edge that an activation splits.
+inline void prefetch_corners(const CutState& s, const PlannedChange& plan) {
+    if (!plan.activation || plan.triangles[0] == no_index || s.morph_now.morph == Morph::none) return;
+    const std::uint32_t* const t = s.indices + std::size_t{plan.triangles[0]} * 3;
+    FJELL_PREFETCH(&s.vertices[t[1]]);
+    FJELL_PREFETCH(&s.vertices[t[2]]);
+}
+
+std::uint32_t due(const CutState& s) {
+    std::uint32_t n = 0;
+    for (std::uint32_t grade = 0; grade < grade_count; ++grade) n += size(s.lists, due_lists + grade);
+    return n;
+}
+
+// Groups that are carried out together, so that what they touch can be prefetched for all of them first.
+constexpr std::uint32_t batch_groups = 16;
+
+bool out_of_time(CutState& s) {
+    if (s.report.visits >= s.settings.visits) return true;
+    if (s.settings.budget_us <= 0 || s.report.items == 0 ||
+        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - s.started).count() <
+            s.settings.budget_us)
+        return false;
+    s.report.exhausted |= cut_budget_time;
+    return true;
+}
+
+void prefetch_changes(const CutState& s, std::span<const std::uint32_t> groups) {
+    constexpr std::uint32_t most = 6 * batch_groups; // of changes; more would push each other out of the cache
+    PlannedChange plans[most];
+    std::uint32_t count = 0;
+    for (const std::uint32_t group : groups)
+        for (std::uint32_t lanes = s.groups[group].due; lanes != 0 && count < most; lanes &= lanes - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
+            plans[count++] = plan_change(s, group * group_lanes + lane % group_lanes, lane < group_lanes);
+        }
+    for (std::uint32_t i = 0; i < count; ++i) prefetch_triangle_slots(s, plans[i]);
+    for (std::uint32_t i = 0; i < count; ++i) prefetch_triangles(s, plans[i]);
+    for (std::uint32_t i = 0; i < count; ++i) prefetch_corners(s, plans[i]);
+}
+
+// False when there was not time or items for all of them; the rest goes back to its queue.
+bool carry_out_batch(CutState& s, std::uint32_t list, bool may_deactivate) {
+    std::uint32_t groups[batch_groups], count = 0;
+    for (; count < batch_groups && size(s.lists, list) != 0; ++count) {
+        groups[count] = pop_front(s.lists, list);
+        s.groups[groups[count]].list = being_visited;
+    }
+    prefetch_changes(s, {groups, count});
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (s.report.items < s.item_limit && !out_of_time(s)) {
+            carry_out(s, groups[i], may_deactivate);
+            continue;
+        }
+        // As they were: a frame that ends by its time must leave the same order as one that ends by its items.
+        while (count > i) push_front(s.lists, list, groups[--count]);
+        return false;
+    }
+    return true;
+}
+
+// While the mesh lags, some batches give slots back, or it would outgrow what the view wants: one in sixteen while
+// there is room, one in three when there is not.
+std::uint32_t deactivation_interval(const CutState& s) {
+    const bool room = free_vertices(s) > s.budget.vertices / 4 && s.free_segment_count > s.segment_count / 4;
+    return room ? 16 : 3;
+}
+
+// The queue that comes next; unlisted when all are done. Deactivations come last, but first when a capacity is spent,
+// and then what was blocked is tried again.
+std::uint32_t next_queue(CutState& s) {
+    const bool can_deactivate = size(s.lists, deactivation_list) != 0;
+    if (can_deactivate && (s.full_capacities != 0 || (s.lagging && s.batches % deactivation_interval(s) == 0)))
+        return deactivation_list;
+    if (s.full_capacities != 0 && s.deactivations_when_full != s.report.deactivations) {
+        s.full_capacities = 0;
+        s.turn ^= 1;
+    }
+    while (s.work_ranks != 0) {
+        const auto rank = static_cast<std::uint32_t>(std::bit_width(s.work_ranks)) - 1;
+        if (size(s.lists, work_lists + rank) != 0) return work_lists + rank;
+        s.work_ranks &= ~(1u << rank);
+    }
+    if (can_deactivate) return deactivation_list;
+    const std::uint32_t gated_before = gated_lists + (s.gated_turn ^ 1);
+    if (s.gate_open && size(s.lists, gated_before) != 0) return gated_before;
+    const std::uint32_t blocked_before = blocked_lists + (s.turn ^ 1);
+    return size(s.lists, blocked_before) != 0 && s.full_capacities == 0 ? blocked_before : unlisted;
+}
+
+} // namespace
+
+std::uint32_t waiting_groups(const CutState& s) {
+    std::uint32_t n = 0;
+    for (std::uint32_t list = due_lists; list < list_count; ++list) n += size(s.lists, list);
+    return n;
+}
+
+std::uint32_t blocked_groups(const CutState& s) {
+    return size(s.lists, blocked_lists) + size(s.lists, blocked_lists + 1);
+}
+
+void refine(CutState& s) {
+    const auto prefetch = [&](std::uint32_t group) { prefetch_group(s, group); };
+    std::uint32_t grade = grade_count; // of due groups, plus one
+    // While the mesh lags, what is known to be bad does not wait for all that might be.
+    constexpr std::uint32_t many = 4096;
+    s.lagging = s.lagging || due(s) > many; // a teleport
+    const std::uint32_t most_examined = s.lagging ? 2 * batch_groups : unlimited_items;
+    while (s.report.items < s.item_limit) {
+        while (grade != 0 && size(s.lists, due_lists + grade - 1) == 0) --grade;
+        if (grade != 0 && s.examined < most_examined) {
+            if (out_of_time(s)) return;
+            const std::uint32_t group = pop_due(s.lists, grade - 1, prefetch);
+            s.groups[group].list = being_visited;
+            examine(s, group);
+            ++s.examined;
+            continue;
+        }
+        s.examined = 0;
+        const std::uint32_t list = next_queue(s);
+        if (list == unlisted && grade == 0) return;
+        if (list == unlisted) continue;
+        const std::uint32_t full_before = s.full_capacities;
+        if (!carry_out_batch(s, list, list == deactivation_list || !s.lagging)) break;
+        ++s.batches;
+        if (s.full_capacities != full_before) s.deactivations_when_full = s.report.deactivations;
+    }
+    if (s.report.items >= s.item_limit && waiting_groups(s) != blocked_groups(s) &&
+        (s.report.exhausted & cut_budget_time) == 0)
+        s.report.exhausted |= cut_budget_items;
+}
+
+std::uint32_t build_group(CutState& s, std::uint32_t number) {
+    Evaluated group(s.groups[number]);
+    evaluate_group(s, number, group);
+    const std::uint32_t lanes = group.to_activate();
+    if (free_vertices(s) < group_lanes) {
+        s.full_capacities |= cut_budget_vertices;
+        return 0;
+    }
+    PageSlot& info = s.page_slot[number / max_page_groups];
+    const GroupShape& shape = shape_of(s, number);
+    const Coord at = site_coord(site_of(s, number * group_lanes));
+    const std::int32_t apart = 2 << (info.z + shape.z);
+    const float unit_m = s.level_unit_m[2 * (info.z + shape.z) + (shape.kind == VertexKind::centre ? 0 : 1)];
+    Slack rest;
+    for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
+        const auto lane = static_cast<std::int32_t>(std::countr_zero(left));
+        const VertexRecord record = group.records[lane];
+        const std::uint32_t slot = take_vertex(s);
+        s.vertex_slot[number * group_lanes + static_cast<std::uint32_t>(lane)] = slot;
+        s.vertices[slot] = {std::min(at.x + (shape.along_y ? 0 : lane * apart), s.criterion.last_x),
+                            std::min(at.y + (shape.along_y ? lane * apart : 0), s.criterion.last_y),
+                            s.criterion.base_m + static_cast<float>(record.height + info.base) * s.criterion.quantum_m};
+        s.morph[slot] = {0, s.criterion.error_m[record.error],
+                         unit_m * s.criterion.radius_factor[record.radius & (radius_codes - 1)], long_active_s};
+        s.hole[slot] = is_void(record);
+        ++info.active;
+        for (std::size_t d = 0; d < 4; ++d) s.triangle_of[std::size_t{slot} * 4 + d] = no_index;
+    }
+    group.state.active = static_cast<std::uint16_t>(lanes);
+    // Of those that will have active children nobody knows yet; to group at them too is early, never late.
+    rest.include(group, group.inactive(), group.margins.reach_m);
+    rest.include(group, lanes, group.margins.keep_m);
+    schedule(s.lists, number, rest.slack_m, grade_of(rest.code));
+    return lanes;
+}
+
+} // namespace fjell
