@@ -151,7 +151,7 @@ struct Bake {
     double spacing_m = 0, height_scale = 1; // 0: the file's own
     std::string order, nodata, crs;         // as fjell-bake has them; empty: its defaults
     std::uint32_t memory_mb = 512;
-    double checkpoint_s = -1; // how often the way so far is secured; below 0: every 5 s, unless all fits the memory
+    double checkpoint_s = -1; // at least 0: work files even when all fits the memory (baker/bake/bake.h)
 };
 struct Tune {
     TuneSettings settings;

@@ -1,13 +1,28 @@
 #include "baker/bake/bake.h"
 
 #include <algorithm>
+#include <chrono>
+#include <utility>
 
-#include "baker/bake/pipeline.h"
-#include "baker/read/dem_source.h"
+#include <malloc.h>
+
+#include <fmt/format.h>
+
+#include "baker/bake/checkpoint.h"
+#include "baker/bake/context.h"
+#include "baker/bake/plan.h"
+#include "baker/bake/stages.h"
+#include "io/file.h"
 
 namespace fjell::baker {
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 void check(const BakeOptions& options) {
     if (!(options.nesting >= 0.001 && options.nesting <= 1))
@@ -16,6 +31,197 @@ void check(const BakeOptions& options) {
                       "and the mesh cracks");
     if (options.tile_log2 && (options.tile_log2 < min_tile_log2 || options.tile_log2 > max_tile_log2))
         throw Failure(2, "--tile must be a power of two from 2 to 4096, or auto");
+}
+
+// One bake, stage by stage. A store is opened (made, or found as an earlier run left it) unless the last stage that
+// reads it is complete, and removed when that stage is.
+class Bake {
+public:
+    Bake(const HeightSource& source, const BakeOptions& options, const std::string& out_path)
+        : context_(source, options, out_path),
+          checkpoint_(context_.in_memory ? "" : context_.folder.file("checkpoint"), context_.identity()) {
+        if (!checkpoint_.resumed()) context_.folder.empty();
+        context_.folder.keep(false);
+        (void)io::AtomicFile(out_path, context_.temporary()); // a pack that cannot be written should not cost an hour
+        summary_.resumed = checkpoint_.resumed();
+    }
+    BakeSummary run();
+
+private:
+    void run_stages();
+    void make_maps(const BakePlan& plan, const HeightStores& heights);
+    void make_far_mips(const BakePlan& plan, MapKind kind, TexelStore finer);
+    void make_coarser_steps(const BakePlan& plan, const UnsaturatedStores& unsaturated, StepStores finer,
+                            MixedStores& mixed);
+    void summarise(const PackHeader& header);
+
+    // Runs a stage unless an earlier run has completed it.
+    template <typename Work>
+    void stage(StageId id, const Work& work) {
+        if (checkpoint_.complete(id)) return;
+        work();
+        if (spool_) checkpoint_.state.spool_bytes = spool_->bytes();
+        checkpoint_.set_complete(id);
+#ifdef __GLIBC__
+        malloc_trim(0); // what this stage's threads kept for themselves the next one's need
+#endif
+    }
+    [[nodiscard]] bool complete(StageId id) const {
+        return checkpoint_.complete(id);
+    }
+
+    BakeContext context_;
+    Checkpoint checkpoint_;
+    std::optional<ChunkSpool> spool_;
+    bool reads_input_ = false; // what fails now is the input, which may come back
+    BakeSummary summary_;
+};
+
+void Bake::run_stages() {
+    const Tree& tree = context_.tree;
+    const Clock::time_point start = Clock::now();
+    CheckpointState& found = checkpoint_.state;
+
+    // ---- heights: as they are read, then with voids filled
+    Store<float> raw, filled;
+    Store<std::uint8_t> holes;
+    if (!complete({found.has_voids ? Stage::fill : Stage::finest_step}))
+        raw = context_.open<float>("heights", tree.columns(), tree.rows());
+    stage({Stage::read}, [&] {
+        reads_input_ = true;
+        const ReadResult read = read_heights(context_, raw);
+        reads_input_ = false;
+        found.has_voids = read.has_voids;
+        found.holes = read.has_voids && read.properties.holes;
+        found.native_quantum_m = read.properties.native_quantum_m;
+        found.anchor_m = read.properties.anchor_m;
+    });
+    if (found.has_voids && !complete({Stage::finest_step})) {
+        filled = context_.open<float>("filled", tree.columns(), tree.rows());
+        if (found.holes) holes = context_.open<std::uint8_t>("holes", tree.columns(), tree.rows());
+    }
+    stage({Stage::fill}, [&] {
+        const SourceProperties properties{found.native_quantum_m, found.anchor_m, found.holes != 0};
+        if (found.has_voids) fill_heights(context_, raw, properties, {filled, holes});
+    });
+    if (found.has_voids) raw.remove();
+    const HeightStores heights{found.has_voids ? filled : raw, holes};
+    stage({Stage::measure}, [&] { found.heights = measure_heights(context_, heights); });
+    summary_.seconds_read = seconds_since(start);
+
+    // ---- scales and header; from here on chunks of the pack go to the spool
+    BakePlan plan = make_plan(context_, found);
+    spool_.emplace(context_.store_path("chunks"), context_.store_path("entries"), plan.header, found.spool_bytes);
+
+    const Clock::time_point maps_start = Clock::now();
+    make_maps(plan, heights);
+    summary_.seconds_textures = seconds_since(maps_start);
+
+    // ---- vertices: the finest step from the heights, each further one from what the step before has left
+    const Clock::time_point errors_start = Clock::now();
+    const int last_z = tree.tile_log2 - 1;
+    UnsaturatedStores unsaturated;
+    MixedStores mixed;
+    StepStores finer;
+    if (last_z > 0 && !complete({Stage::coarser_steps, last_z})) unsaturated = open_unsaturated(context_);
+    if (!complete({Stage::mixed_pages})) mixed = open_mixed(context_);
+    if (last_z > 0 && !complete({Stage::coarser_steps, 1})) finer = open_step(context_, 0);
+    stage({Stage::finest_step}, [&] {
+        make_finest_step(context_, plan, heights, {unsaturated, finer, mixed, *spool_});
+    });
+    raw.remove();
+    filled.remove();
+    holes.remove();
+    make_coarser_steps(plan, unsaturated, std::move(finer), mixed);
+    unsaturated.remove();
+    summary_.seconds_errors = seconds_since(errors_start);
+    stage({Stage::mixed_pages}, [&] { found.max_error_m = make_mixed_pages(context_, plan, mixed, *spool_); });
+    mixed.remove();
+
+    const Clock::time_point write_start = Clock::now();
+    plan.header.max_error_m = found.max_error_m;
+    summarise(plan.header);
+    write_pack(context_, plan.header, *spool_, summary_);
+    summary_.seconds_write = seconds_since(write_start);
+    summary_.seconds_total = seconds_since(start);
+}
+
+// finer: what the finest step has left.
+void Bake::make_coarser_steps(const BakePlan& plan, const UnsaturatedStores& unsaturated, StepStores finer,
+                              MixedStores& mixed) {
+    const bool holes = checkpoint_.state.holes != 0;
+    const int last_z = context_.tree.tile_log2 - 1;
+    for (int z = 1; z <= last_z; ++z) {
+        StepStores step;
+        if (z < last_z && !complete({Stage::coarser_steps, z + 1})) step = open_step(context_, z);
+        stage({Stage::coarser_steps, z}, [&] {
+            make_coarser_step(context_, plan, {z, holes, unsaturated, finer}, {step, mixed, *spool_});
+        });
+        finer.remove();
+        finer = std::move(step);
+    }
+}
+
+void Bake::summarise(const PackHeader& header) {
+    summary_.columns = context_.tree.columns();
+    summary_.rows = context_.tree.rows();
+    summary_.tree = context_.tree;
+    summary_.quantum_m = header.quantum_m;
+    summary_.max_error_m = header.max_error_m;
+    summary_.voids = header.voids;
+}
+
+constexpr StageId far_mip_stage(MapKind kind, std::uint32_t mip) {
+    return {Stage::far_mips, static_cast<int>(kind) * 32 + static_cast<int>(mip)};
+}
+
+void Bake::make_maps(const BakePlan& plan, const HeightStores& heights) {
+    TexelStore texels[2];
+    for (const MapKind kind : {MapKind::colour, MapKind::normal})
+        if (mip_count(plan.maps.log2_side(kind)) > near_mips && !complete(far_mip_stage(kind, near_mips)))
+            texels[static_cast<int>(kind)] = open_texels(context_, plan.maps, kind, near_mips - 1);
+    stage({Stage::near_maps}, [&] {
+        reads_input_ = true; // images
+        make_near_maps(context_, plan, heights, {texels[0], texels[1], *spool_});
+        reads_input_ = false;
+    });
+    for (const MapKind kind : {MapKind::colour, MapKind::normal})
+        make_far_mips(plan, kind, std::move(texels[static_cast<int>(kind)]));
+}
+
+// finer: texels of the last near mip.
+void Bake::make_far_mips(const BakePlan& plan, MapKind kind, TexelStore finer) {
+    const std::uint32_t mips = mip_count(plan.maps.log2_side(kind));
+    for (std::uint32_t mip = near_mips; mip < mips; ++mip) {
+        TexelStore texels;
+        if (mip + 1 < mips && !complete(far_mip_stage(kind, mip + 1)))
+            texels = open_texels(context_, plan.maps, kind, mip);
+        stage(far_mip_stage(kind, mip), [&] { make_far_mip(context_, plan, {kind, mip, finer}, {texels, *spool_}); });
+        finer.remove();
+        finer = std::move(texels);
+    }
+}
+
+BakeSummary Bake::run() {
+    const Clock::time_point start = Clock::now();
+    try {
+        run_stages();
+        return summary_;
+    } catch (const Failure& failure) {
+        constexpr double usual_s = 5;
+        const bool interrupted = failure.exit_code == 130;
+        const bool input_lost =
+            failure.exit_code == 1 && reads_input_ &&
+            (summary_.resumed || seconds_since(start) > context_.options.checkpoint_s.value_or(usual_s));
+        // Nothing to go on from: no stage is complete, or it lies in memory, or beside a device, where nobody finds it.
+        const bool goes_on = checkpoint_.state.complete > 0 && !context_.in_memory && !context_.temporary().empty();
+        if (interrupted && !goes_on) throw Failure(130, "interrupted; nothing is left behind");
+        if (!goes_on || (!interrupted && !input_lost)) throw;
+        context_.folder.keep();
+        throw Failure(failure.exit_code,
+                      fmt::format("{}; the same command goes on from there, or delete {}",
+                                  interrupted ? "interrupted" : failure.what(), context_.folder.path()));
+    }
 }
 
 } // namespace
@@ -33,11 +239,7 @@ int auto_tile_log2(std::int32_t columns, std::int32_t rows) {
 
 BakeSummary bake(const HeightSource& source, const BakeOptions& options, const std::string& out_path) {
     check(options);
-    return Pipeline(source, options, out_path).run();
-}
-
-BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_path) {
-    return bake(DemSource(std::move(dem)), options, out_path);
+    return Bake(source, options, out_path).run();
 }
 
 } // namespace fjell::baker

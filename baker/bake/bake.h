@@ -1,6 +1,6 @@
-// From heights to a pack: read -> fill -> survey -> maps -> vertices, step by step -> put together (thesis 5.3, DESIGN
-// section 5). Out of core: what does not fit lies in a folder beside the pack, PACK.work, and a bake that was
-// interrupted or killed goes on from there.
+// From heights to a pack: read, fill, measure, maps, vertices step by step, assemble (thesis 5.3, DESIGN section 5).
+// Out of core: what does not fit the memory lies in a folder beside the pack, PACK.work, and a bake that was
+// interrupted or killed goes on from the last stage that was complete.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "baker/read/dem.h"
 #include "baker/read/source.h"
 #include "fjell/pack.h"
 #include "fjell/tree.h"
@@ -35,8 +34,8 @@ struct BakeOptions {
     int threads = 0;                                       // 0: all cores
     std::uint64_t memory_bytes = std::uint64_t{512} << 20; // resident at most, with the program itself
     std::int32_t region_cells = 256;                       // a side of what is worked on at once, at least; or one tile
-    // How often the way so far is secured, in a folder beside the pack. Not given: every 5 s, and bakes that fit the
-    // memory do without: they are over before it would matter.
+    // Given: complete stages are kept in the work folder even of a bake that fits the memory and would be over before
+    // it matters. When the input fails after less than this many seconds (not given: 5), nothing is kept.
     std::optional<double> checkpoint_s;
     Progress progress;
 };
@@ -48,16 +47,15 @@ struct BakeSummary {
     float max_error_m = 0;
     std::uint64_t voids = 0; // samples that are holes
     std::uint64_t file_bytes = 0, geometry_bytes = 0, directory_bytes = 0, texture_bytes = 0;
-    bool resumed = false; // an interrupted bake was gone on with
-    // Read, filled and surveyed; maps; vertices; put together and on the disk; everything.
+    bool resumed = false; // some stages were complete from an earlier run
+    // Read, filled and measured; maps; vertices; assembled and on the disk; everything.
     double seconds_read = 0, seconds_textures = 0, seconds_errors = 0, seconds_write = 0, seconds_total = 0;
 };
 
 // Bakes to OUT beside its place and renames; an old pack stays until then. Throws Failure. When that is an interruption
-// (130), or the input fails after a while, PACK.work stays and the same call goes on; otherwise nothing is left behind.
-// O(samples) of disk: about 8 bytes a sample beside the pack (docs/notes/baking.md). One at a time for each OUT.
+// (130) or a failure of the input, and a stage is complete, PACK.work stays and the same call goes on; otherwise
+// nothing is left behind. O(samples) of disk beside the pack (work_bytes.h). One at a time for each OUT.
 BakeSummary bake(const HeightSource& source, const BakeOptions& options, const std::string& out_path);
-BakeSummary bake(Dem dem, const BakeOptions& options, const std::string& out_path);
 
 // Tile size for `auto`: 512 cells, more when the terrain would have over 1,024 tiles, fewer when one tile covers it.
 [[nodiscard]] int auto_tile_log2(std::int32_t columns, std::int32_t rows);

@@ -12,10 +12,9 @@
 
 #include <fmt/format.h>
 
-#include "baker/bake/parallel.h"
 #include "baker/check/verify_bounds.h"
-#include "baker/read/dem_source.h"
 #include "baker/read/tile_pages.h"
+#include "baker/work/parallel.h"
 
 namespace fjell::baker {
 
@@ -333,7 +332,7 @@ public:
         if (!whole_rows_) return;
         row_ = window(0, ty, tree_.columns());
         heights_m_.resize(row_.area());
-        reader_->read(row_, heights_m_.data(), census_);
+        reader_->read(row_, heights_m_.data(), statistics_);
     }
     // own: where the tile's heights come to lie when the row is not held.
     Original tile(std::int32_t tx, std::int32_t ty, std::vector<float>& own) {
@@ -341,7 +340,7 @@ public:
         const Window w = window(tx * tree_.side(), ty, tree_.side() + 1);
         own.resize(w.area());
         const std::lock_guard hold(lock_);
-        reader_->read(w, own.data(), census_);
+        reader_->read(w, own.data(), statistics_);
         return {own.data(), w.x, w.y, w.columns, holes_};
     }
 
@@ -357,7 +356,7 @@ private:
     bool whole_rows_ = true;
     Window row_;
     std::vector<float> heights_m_;
-    Census census_;
+    ReadStatistics statistics_;
     std::mutex lock_;
 };
 
@@ -428,17 +427,17 @@ void check_size(const Tree& tree, std::int32_t columns, std::int32_t rows) {
 }
 
 // Reads all of a source once, to learn what its voids mean and whether it has what no one decided about.
-Settled settled(const HeightSource& source) {
+SourceProperties properties(const HeightSource& source) {
     constexpr std::size_t at_once = std::size_t{1} << 21; // samples
     const auto reader = source.reader();
     std::vector<float> part;
-    Census census;
+    ReadStatistics statistics;
     for (const Window& w : source.windows(at_once)) {
         io::check_interrupt();
         part.resize(w.area());
-        reader->read(w, part.data(), census);
+        reader->read(w, part.data(), statistics);
     }
-    return source.settle(census);
+    return source.properties(statistics);
 }
 
 } // namespace
@@ -449,19 +448,17 @@ VerifyReport verify(const io::MappedPack& pack, const HeightSource* against, std
     std::optional<Heights> heights;
     if (against) {
         check_size(tree, against->columns, against->rows);
-        heights.emplace(*against, tree, settled(*against).holes, row_bytes);
+        heights.emplace(*against, tree, properties(*against).holes, row_bytes);
     }
     return check_tiles(tree, pages, heights ? &*heights : nullptr, [&] { pack.release(); });
 }
 
-VerifyReport verify(const Terrain& terrain, const Dem* against, const Pack* bounds) {
+VerifyReport verify(const Terrain& terrain, const HeightSource* against, const Pack* bounds) {
     Pages pages(terrain, bounds);
-    std::optional<DemSource> source;
     std::optional<Heights> heights;
     if (against) {
         check_size(terrain.tree, against->columns, against->rows);
-        source.emplace(*against);
-        heights.emplace(*source, terrain.tree, true, std::numeric_limits<std::size_t>::max());
+        heights.emplace(*against, terrain.tree, properties(*against).holes, std::numeric_limits<std::size_t>::max());
     }
     return check_tiles(terrain.tree, pages, heights ? &*heights : nullptr, [] {});
 }

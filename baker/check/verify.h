@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string>
 
-#include "baker/read/dem.h"
 #include "baker/read/source.h"
 #include "fjell/terrain.h"
 #include "io/load.h"
@@ -34,13 +33,13 @@ struct VerifyReport {
 // A pack tile by tile, in memory that does not grow with its size: a tile's pages and samples a thread, and the borders
 // and original heights of a row of tiles. against: the original heights; null: the pack's own full resolution.
 // Independent of the baker's error stage: it walks explicit triangles by bisection. O(samples * levels). Throws
-// Failure: for pages that are damaged, a source that is not of the pack's size, and what reading and settling it throw.
+// Failure: for pages that are damaged, a source that is not of the pack's size, and what reading it throws.
 // Samples that the source would fill are compared with nothing, but must not be holes. row_bytes: original heights of a
 // row of tiles are held when they take no more, or the source can only be decoded from its start; otherwise they are
 // read tile by tile.
 [[nodiscard]] VerifyReport verify(const io::MappedPack& pack, const HeightSource* against,
                                   std::size_t row_bytes = std::size_t{64} << 20);
 // The same of a terrain that is loaded whole; of the pack it came from bounds are looked at, or not if it is null.
-[[nodiscard]] VerifyReport verify(const Terrain& terrain, const Dem* against, const Pack* bounds = nullptr);
+[[nodiscard]] VerifyReport verify(const Terrain& terrain, const HeightSource* against, const Pack* bounds = nullptr);
 
 } // namespace fjell::baker

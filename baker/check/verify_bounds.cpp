@@ -46,9 +46,9 @@ std::string wrong_bound(const Pack& pack, const Terrain& terrain, std::uint32_t 
                            said, is);
     };
     if (low > e.least || low + unit <= e.least)
-        return wrong("lowest lattice step", static_cast<double>(low), static_cast<double>(e.least));
+        return wrong("lowest height step", static_cast<double>(low), static_cast<double>(e.least));
     if (high < e.most || high - unit >= e.most)
-        return wrong("highest lattice step", static_cast<double>(high), static_cast<double>(e.most));
+        return wrong("highest height step", static_cast<double>(high), static_cast<double>(e.most));
     const double error_m = terrain.errors.metres[b.error];
     if (error_m != e.error_m) return wrong("largest error in metres", error_m, e.error_m);
     const float unit_m = h.level_radius_m[bound_level(terrain.pages, page)];

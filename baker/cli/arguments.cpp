@@ -54,8 +54,10 @@ void declare_bake(CLI::App& app, Arguments& a) {
     app.add_option("--threads", a.threads, "0: all cores")->check(CLI::Range(0, 1024));
     app.add_option("--memory", a.memory_mb, "MB the bake may use, whatever the height field's size (default 512)")
         ->check(CLI::Range(128, 1 << 24));
-    app.add_option("--checkpoint", a.checkpoint_s,
-                   "seconds between notes of how far the bake is (default: 5, and none when all fits --memory)")
+    app.add_option(
+           "--checkpoint", a.checkpoint_s,
+           "keep complete stages on the disk, to go on from, even when all fits --memory; what an input that fails "
+           "within this many seconds leaves is removed (default 5)")
         ->check(CLI::Range(0.0, 3600.0));
     app.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
     app.add_flag("--quiet", a.quiet, "no progress, no summary");

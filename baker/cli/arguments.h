@@ -6,8 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "baker/bake/recipe.h"
 #include "baker/check/picture.h"
-#include "baker/cli/recipe.h"
 
 namespace fjell::baker {
 

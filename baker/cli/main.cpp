@@ -14,15 +14,15 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/bake/bake.h"
+#include "baker/bake/recipe.h"
 #include "baker/check/picture.h"
 #include "baker/check/verify.h"
 #include "baker/check/verify_maps.h"
 #include "baker/cli/arguments.h"
 #include "baker/cli/progress.h"
-#include "baker/cli/recipe.h"
 #include "baker/place/crs_label.h"
+#include "baker/place/open_source.h"
 #include "baker/read/pack_source.h"
-#include "baker/read/read.h"
 #include "baker/synth/synth.h"
 #include "baker/synth/write_dem.h"
 #include "io/file.h"

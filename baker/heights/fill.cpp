@@ -5,14 +5,14 @@
 #include <cmath>
 #include <limits>
 
-#include "baker/bake/parallel.h"
+#include "baker/work/parallel.h"
 
 namespace fjell::baker {
 
 namespace {
 
 constexpr std::int32_t chunk = 1024; // samples a side that one piece of work covers
-// Sweeps that take out the coarse grid's corners; the coarse grid itself settles the rest. Each one looks one sample
+// Sweeps that take out the coarse grid's corners; the coarse grid takes care of the rest. Each one looks one sample
 // further, twice (see relax): what is cut off further away cannot be felt.
 constexpr int sweeps = 8;
 constexpr std::int32_t halo = 2 * sweeps;
@@ -152,16 +152,6 @@ void fill_voids(const FillInput& input, Store<float>& out) {
     for_each_chunk(input.raw, input.threads,
                    [&](const Window& w) { fill_chunk(input.raw, filled, input.step, w, out); });
     filled.remove();
-}
-
-void fill_voids(std::vector<float>& heights_m, std::int32_t columns, std::int32_t rows, double quantum_m,
-                double anchor_m) {
-    const Window all{0, 0, columns, rows};
-    Store<float> raw({}, columns, rows), out({}, columns, rows);
-    raw.write(all, heights_m.data(), columns);
-    const auto make = [](const std::string&, std::int64_t w, std::int64_t h) { return Store<float>({}, w, h); };
-    fill_voids({raw, {quantum_m, anchor_m}, 1, make}, out);
-    out.read(all, heights_m.data(), columns);
 }
 
 } // namespace fjell::baker

@@ -1,12 +1,12 @@
-// Ground for voids, from what surrounds them: to stand on, or to give a hole's rim its slopes and colours.
+// Heights for voids, interpolated from what surrounds them: to be ground, or to give a hole's rim its slopes and
+// colours.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <vector>
 
-#include "baker/bake/store.h"
+#include "baker/work/store.h"
 
 namespace fjell::baker {
 
@@ -26,9 +26,5 @@ struct FillInput {
     std::function<Store<float>(const std::string& name, std::int64_t columns, std::int64_t rows)> make;
 };
 void fill_voids(const FillInput& input, Store<float>& out);
-
-// The same in memory.
-void fill_voids(std::vector<float>& heights_m, std::int32_t columns, std::int32_t rows, double quantum_m,
-                double anchor_m);
 
 } // namespace fjell::baker

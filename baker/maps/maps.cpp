@@ -9,8 +9,8 @@
 #include <array>
 #include <cmath>
 
+#include "baker/maps/base_mip.h"
 #include "baker/maps/blocks.h"
-#include "baker/maps/maps_source.h"
 #include "fjell/pack.h"
 #include "fjell/texture.h"
 #include "pack/clones.h"
@@ -56,20 +56,21 @@ std::vector<Window> near_windows(const MapPlan& plan, MapKind kind, std::uint32_
 
 class PlaneRows : public RowSource {
 public:
-    PlaneRows(const Planes& planes, std::int32_t first_column) : planes_(planes), skip_(first_column - planes.at.x) {}
+    PlaneRows(const TexelPlanes& planes, std::int32_t first_column)
+        : planes_(planes), skip_(first_column - planes.at.x) {}
     void prepare(std::int32_t, std::int32_t) override {}
     [[nodiscard]] const float* row(int c, std::int32_t y) const override { return planes_.row(c, y) + skip_; }
 
 private:
-    const Planes& planes_;
+    const TexelPlanes& planes_;
     std::int32_t skip_;
 };
 
-Planes coarser(const MipAxes& from, const Planes& finer, const Window& texels) {
+TexelPlanes coarser(const MipAxes& from, const TexelPlanes& finer, const Window& texels) {
     const Taps x = make_taps(from.axes[0], texels.x, texels.columns),
                y = make_taps(from.axes[1], texels.y, texels.rows);
     PlaneRows rows(finer, x.source_first);
-    return tent(x, y, texels, rows, static_cast<int>(finer.channel.size()));
+    return tent_filter(x, y, texels, rows, static_cast<int>(finer.channel.size()));
 }
 
 // ---- texels to blocks and to 16 bits --------------------------------------------------------------------------------
@@ -107,7 +108,7 @@ FJELL_CLONES void to_normal_codes(const float* from, std::size_t n, std::uint8_t
 }
 
 // Blocks of the tile's own texels; planes may hold more around them.
-std::vector<std::byte> compress(MapKind kind, const Planes& planes, const Window& tile) {
+std::vector<std::byte> compress(MapKind kind, const TexelPlanes& planes, const Window& tile) {
     const bool colour = kind == MapKind::colour;
     const auto side = static_cast<std::size_t>(tile.columns), across = side / 4;
     const std::size_t row_bytes = across * (colour ? colour_block_bytes : normal_block_bytes);
@@ -131,7 +132,7 @@ std::vector<std::byte> compress(MapKind kind, const Planes& planes, const Window
     return blocks;
 }
 
-Texels stored(MapKind kind, const Planes& planes, const Window& tile) {
+Texels stored(MapKind kind, const TexelPlanes& planes, const Window& tile) {
     const std::size_t n = channels(kind);
     Texels texels(tile.area() * n);
     std::uint16_t* to = texels.data();
@@ -146,9 +147,9 @@ Texels stored(MapKind kind, const Planes& planes, const Window& tile) {
     return texels;
 }
 
-Planes loaded(MapKind kind, const Texels& texels, const Window& window) {
+TexelPlanes loaded(MapKind kind, const Texels& texels, const Window& window) {
     const std::size_t n = channels(kind);
-    Planes planes(window, static_cast<int>(n));
+    TexelPlanes planes(window, static_cast<int>(n));
     for (std::size_t i = 0; i < window.area(); ++i)
         for (std::size_t c = 0; c < n; ++c) {
             const auto v = static_cast<float>(texels[i * n + c]);
@@ -159,7 +160,7 @@ Planes loaded(MapKind kind, const Texels& texels, const Window& window) {
 
 // All near mips of a kind, from the texels of mip 0.
 std::vector<MipTexels> near_mips_of(const MapPlan& plan, MapKind kind, std::uint32_t tile,
-                                    const std::vector<Window>& windows, Planes planes) {
+                                    const std::vector<Window>& windows, TexelPlanes planes) {
     std::vector<MipTexels> mips(windows.size());
     for (std::uint32_t m = 0; m < mips.size(); ++m) {
         if (m > 0) planes = coarser(mip_axes(plan, kind, m), planes, windows[m]);
@@ -215,11 +216,11 @@ NearMaps near_maps(const MapPlan& plan, std::uint32_t tile, const float* heights
     if (plan.colour_log2 != 0) {
         const auto windows = near_windows(plan, MapKind::colour, tile);
         maps.colour =
-            near_mips_of(plan, MapKind::colour, tile, windows, first_colours(plan, heights, windows.front(), reader));
+            near_mips_of(plan, MapKind::colour, tile, windows, base_colours(plan, heights, windows.front(), reader));
     }
     if (plan.normal_log2 != 0) {
         const auto windows = near_windows(plan, MapKind::normal, tile);
-        maps.normal = near_mips_of(plan, MapKind::normal, tile, windows, first_normals(plan, heights, windows.front()));
+        maps.normal = near_mips_of(plan, MapKind::normal, tile, windows, base_normals(plan, heights, windows.front()));
     }
     return maps;
 }
@@ -230,7 +231,7 @@ Window finer_texels(const MapPlan& plan, MapKind kind, std::uint32_t mip, std::u
 
 MipTexels far_mip(const MapPlan& plan, MapKind kind, std::uint32_t mip, std::uint32_t tile, const Texels& finer) {
     const Window own = plan.texels(kind, mip, tile);
-    const Planes planes =
+    const TexelPlanes planes =
         coarser(mip_axes(plan, kind, mip), loaded(kind, finer, finer_texels(plan, kind, mip, tile)), own);
     return {compress(kind, planes, own), stored(kind, planes, own)};
 }

@@ -121,8 +121,8 @@ void sum_across(const Taps& x, const float* from, float* to) {
 
 } // namespace
 
-Planes tent(const Taps& x, const Taps& y, const Window& at, RowSource& source, int channels) {
-    Planes out(at, channels);
+TexelPlanes tent_filter(const Taps& x, const Taps& y, const Window& at, RowSource& source, int channels) {
+    TexelPlanes out(at, channels);
     const auto width = static_cast<std::size_t>(x.source_end - x.source_first);
     const auto taps = static_cast<std::size_t>(y.taps);
     std::vector<float> sum(width);

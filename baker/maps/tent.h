@@ -49,18 +49,18 @@ public:
     RowSource(const RowSource&) = delete;
     RowSource& operator=(const RowSource&) = delete;
     virtual ~RowSource() = default;
-    // Makes rows [first, end) ready; both never fall from call to call.
+    // Makes rows [first, end) ready; neither decreases from call to call.
     virtual void prepare(std::int32_t first, std::int32_t end) = 0;
     // The channel's row y, from the source column x.source_first of the filter. Valid until the next prepare.
     [[nodiscard]] virtual const float* row(int channel, std::int32_t y) const = 0;
 };
 
 // Channels of a window of texels.
-struct Planes {
+struct TexelPlanes {
     Window at;
     std::vector<std::vector<float>> channel;
 
-    Planes(const Window& window, int channels) : at(window) {
+    TexelPlanes(const Window& window, int channels) : at(window) {
         channel.assign(static_cast<std::size_t>(channels), std::vector<float>(window.area()));
     }
     [[nodiscard]] const float* row(int c, std::int32_t y) const {
@@ -70,6 +70,6 @@ struct Planes {
 };
 
 // at: the texels that x and y were made for. O(texels * taps), rows first.
-[[nodiscard]] Planes tent(const Taps& x, const Taps& y, const Window& at, RowSource& source, int channels);
+[[nodiscard]] TexelPlanes tent_filter(const Taps& x, const Taps& y, const Window& at, RowSource& source, int channels);
 
 } // namespace fjell::baker

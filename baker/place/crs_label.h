@@ -1,4 +1,4 @@
-// A CRS for people.
+// A CRS by its name and EPSG code, for display.
 #pragma once
 
 #include <string>

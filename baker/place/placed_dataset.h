@@ -1,4 +1,4 @@
-// Heights dressed as a GDAL raster, so that GDAL can transform places of it and interpolate in it.
+// Heights as a virtual GDAL raster, so that GDAL can transform their coordinates and interpolate between them.
 #pragma once
 
 #include <functional>
@@ -6,7 +6,7 @@
 
 #include <ogr_spatialref.h>
 
-#include "baker/place/placement.h"
+#include "baker/read/placement.h"
 #include "baker/read/source.h"
 
 namespace fjell::baker {

@@ -1,4 +1,4 @@
-// From degrees, or any CRS, to a square lattice in metres.
+// From degrees, or any CRS, to a square grid in metres.
 #pragma once
 
 #include <memory>
@@ -6,16 +6,15 @@
 
 #include <ogr_spatialref.h>
 
-#include "baker/place/placement.h"
-#include "baker/read/read.h"
+#include "baker/read/options.h"
+#include "baker/read/placement.h"
 
 namespace fjell::baker {
 
 // A projected CRS for a field of these extents in degrees, of the same datum: UTM for at most 12 degrees of longitude
 // between 84 degrees south and north, polar stereographic about a pole, else Lambert's azimuthal equal-area projection
-// about the middle. Null when more than 90 degrees are spanned,
-// which no plane holds without tearing or squeezing, unless all of it lies within 30 degrees of a pole: then it is the
-// polar stereographic plane that maps of it are in.
+// about the middle. Null when more than 90 degrees are spanned, which no projection shows without great distortion,
+// unless all of it lies within 30 degrees of a pole: then the usual polar stereographic projection.
 [[nodiscard]] std::unique_ptr<OGRSpatialReference> crs_for(const OGRSpatialReference& geographic, double west,
                                                            double south, double east, double north);
 
@@ -44,7 +43,7 @@ private:
     void* argument_ = nullptr;
 };
 
-// The lattice of the reprojected field: square, its spacing --spacing or that of the source in the middle to three
+// The grid of the reprojected field: square, its spacing --spacing or that of the source in the middle to three
 // digits, edges on multiples of it, so that neighbours fit; around the bbox if there is one, else around the source.
 // Throws Failure 1: outside, or too large.
 [[nodiscard]] Placement target_grid(GDALDataset& from, const OGRSpatialReference& crs, const ReadOptions& options,

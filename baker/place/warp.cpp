@@ -58,7 +58,7 @@ struct OptionsFree {
 
 } // namespace
 
-Warp::Warp(const Layout& from, const Placement& to, const ReadOptions& options)
+Warp::Warp(const MosaicLayout& from, const Placement& to, const ReadOptions& options)
     : from_(from), to_(to), options_(options), mosaic_(from, options),
       source_(from.at, source_crs(from.at), [this](const Window& window, float* heights) { fetch(window, heights); }),
       transformer_(source_, to.crs_wkt, from.files.front().facts.path) {
@@ -95,20 +95,20 @@ void Warp::ApproximateFree::operator()(void* transformer) const {
 }
 
 void Warp::fetch(const Window& window, float* to) {
-    Census census;
-    mosaic_.read(window, to, census);
+    ReadStatistics statistics;
+    mosaic_.read(window, to, statistics);
     const bool ask = options_.nodata == NoData::automatic || options_.nodata == NoData::refuse;
-    if (ask && census.odd.count)
+    if (ask && statistics.implausible.count)
         throw Failure(1, fmt::format("{}: has heights outside {}..{} m, such as {} m at column {}, row {}; if they are "
                                      "voids, give --nodata hole to leave them open or --nodata fill to fill them from "
                                      "their neighbours; if the unit is another, give --zscale S",
-                                     from_.files.front().facts.path, lowest_m, highest_m, census.odd_m,
-                                     census.odd.column, census.odd.row));
-    if (options_.nodata == NoData::refuse && census.voids.count)
+                                     from_.files.front().facts.path, lowest_m, highest_m, statistics.implausible_m,
+                                     statistics.implausible.column, statistics.implausible.row));
+    if (options_.nodata == NoData::refuse && statistics.voids.count)
         throw Failure(1, fmt::format("{}: has samples that are no-data or NaN, such as at column {}, row {}; give "
                                      "--nodata hole to leave them open or --nodata fill to fill them from their "
                                      "neighbours",
-                                     from_.files.front().facts.path, census.voids.column, census.voids.row));
+                                     from_.files.front().facts.path, statistics.voids.column, statistics.voids.row));
 }
 
 void Warp::load(std::int32_t block_x, std::int32_t block_y) {

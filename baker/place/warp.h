@@ -1,4 +1,4 @@
-// Heights interpolated on another lattice, in fixed blocks.
+// Heights interpolated on another grid, in fixed blocks.
 #pragma once
 
 #include <memory>
@@ -15,11 +15,11 @@ namespace fjell::baker {
 // Blocks of the target that are interpolated one by one, whatever is asked for.
 inline constexpr std::int32_t warp_block = 512;
 
-// One thread at a time. Throws Failure: what reading the files throws; odd heights, and voids of the files with
+// One thread at a time. Throws Failure: what reading the files throws; implausible heights, and voids of the files with
 // NoData::refuse, as soon as they are met, because interpolation would smear them.
 class Warp {
 public:
-    Warp(const Layout& from, const Placement& to, const ReadOptions& options); // all must outlive it
+    Warp(const MosaicLayout& from, const Placement& to, const ReadOptions& options); // all must outlive it
     ~Warp();
     Warp(const Warp&) = delete;
     Warp& operator=(const Warp&) = delete;
@@ -31,7 +31,7 @@ private:
     void fetch(const Window& window, float* to);
     void load(std::int32_t block_x, std::int32_t block_y);
 
-    const Layout& from_;
+    const MosaicLayout& from_;
     const Placement& to_;
     const ReadOptions& options_;
     Mosaic mosaic_;

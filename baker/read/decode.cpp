@@ -1,5 +1,5 @@
-// Chunks are decoded and judged without a branch; only one that holds something void or odd is gone through again,
-// sample by sample.
+// Chunks are decoded and judged without a branch; only one that holds something void or implausible is gone through
+// again, sample by sample.
 #include "baker/read/decode.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ bool plausible(double metres) {
 // Least and most in lanes: no reduction, so that the compiler may vectorise without reordering floats.
 struct Extremes {
     std::array<float, lanes> least, most;
-    explicit Extremes(const Census& c) {
+    explicit Extremes(const ReadStatistics& c) {
         least.fill(c.least_m);
         most.fill(c.most_m);
     }
@@ -32,7 +32,7 @@ struct Extremes {
             }
         for (; i < count; ++i) least[0] = std::min(least[0], heights[i]), most[0] = std::max(most[0], heights[i]);
     }
-    void give(Census& c) const {
+    void give(ReadStatistics& c) const {
         c.least_m = *std::min_element(least.begin(), least.end());
         c.most_m = *std::max_element(most.begin(), most.end());
     }
@@ -41,22 +41,22 @@ struct Extremes {
 // Heights of a chunk, and how many of them nobody can believe.
 template <typename T>
 std::int32_t heights_of(const T* raw, float* heights, std::size_t count, const Scaling& s) {
-    std::int32_t odd = 0;
+    std::int32_t implausible = 0;
     if (s == Scaling{}) {
         for (std::size_t i = 0; i < count; ++i) {
-            odd += !(raw[i] >= static_cast<T>(lowest_m)) | !(raw[i] <= static_cast<T>(highest_m));
+            implausible += !(raw[i] >= static_cast<T>(lowest_m)) | !(raw[i] <= static_cast<T>(highest_m));
             heights[i] = static_cast<float>(raw[i]);
         }
-        return odd;
+        return implausible;
     }
     for (std::size_t i = 0; i < count; ++i) {
         const double metres = s.file_m(static_cast<double>(raw[i])), asked = s.asked_m(metres);
         const bool as_filed = (metres >= lowest_m) & (metres <= highest_m);
         const bool as_asked = (asked >= lowest_m) & (asked <= highest_m);
-        odd += !(as_filed | as_asked);
+        implausible += !(as_filed | as_asked);
         heights[i] = static_cast<float>(asked);
     }
-    return odd;
+    return implausible;
 }
 
 // The coarsest of 1, 0.1 and 0.01 that the number is a multiple of, as floats; per_unit never shrinks.
@@ -79,10 +79,10 @@ void find_step(const T* raw, std::size_t count, double& per_unit) {
     for (std::size_t i = 0; i < count && per_unit <= 100; ++i) find_step(static_cast<double>(raw[i]), per_unit);
 }
 
-// One sample at a time, for a chunk with voids or odd heights.
+// One sample at a time, for a chunk with voids or implausible heights.
 template <typename T>
 void decode_slowly(const T* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& d,
-                   const RowPlace& place, Census& census) {
+                   const RowPlace& place, ReadStatistics& statistics) {
     for (std::size_t i = 0; i < count; ++i) {
         const double value = static_cast<double>(raw[i]);
         const double metres = d.scaling.file_m(value), asked = d.scaling.asked_m(metres);
@@ -90,27 +90,27 @@ void decode_slowly(const T* raw, const std::uint8_t* valid, float* to, std::size
         const bool marked = (valid && valid[i] == 0) || (d.tagged && std::abs(value - d.tag) <= d.tag_slack);
         if (!marked && (plausible(metres) || plausible(asked))) {
             to[i] = static_cast<float>(asked);
-            census.least_m = std::min(census.least_m, to[i]);
-            census.most_m = std::max(census.most_m, to[i]);
-            if (!d.whole) find_step(value, census.per_unit);
+            statistics.least_m = std::min(statistics.least_m, to[i]);
+            statistics.most_m = std::max(statistics.most_m, to[i]);
+            if (!d.whole) find_step(value, statistics.per_unit);
             continue;
         }
         to[i] = std::numeric_limits<float>::quiet_NaN();
         if (marked || std::isnan(metres)) {
-            census.voids.add(x, place.y);
+            statistics.voids.add(x, place.y);
             continue;
         }
-        Census one;
-        one.odd.add(x, place.y);
-        one.odd_m = asked;
-        census.add(one);
+        ReadStatistics one;
+        one.implausible.add(x, place.y);
+        one.implausible_m = asked;
+        statistics.add(one);
     }
 }
 
 template <typename T>
 void decode_chunks(const T* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& d,
-                   const RowPlace& place, Census& census) {
-    // A tag that is odd itself is found by looking for odd heights.
+                   const RowPlace& place, ReadStatistics& statistics) {
+    // A tag that is implausible itself is found by looking for implausible heights.
     const bool tag_hides =
         d.tagged && (plausible(d.scaling.file_m(d.tag)) || plausible(d.scaling.asked_m(d.scaling.file_m(d.tag))));
     std::array<float, chunk> heights;
@@ -119,27 +119,27 @@ void decode_chunks(const T* raw, const std::uint8_t* valid, float* to, std::size
         const std::uint8_t* const marks = valid ? valid + at : nullptr;
         const bool all_valid = !tag_hides && (!marks || std::find(marks, marks + n, 0) == marks + n);
         if (all_valid && heights_of(raw + at, heights.data(), n, d.scaling) == 0) {
-            Extremes extremes(census);
+            Extremes extremes(statistics);
             extremes.see(heights.data(), n);
-            extremes.give(census);
-            if (!d.whole) find_step(raw + at, n, census.per_unit);
+            extremes.give(statistics);
+            if (!d.whole) find_step(raw + at, n, statistics.per_unit);
             std::copy_n(heights.begin(), n, to + at);
             continue;
         }
         const RowPlace from{place.x + static_cast<std::int32_t>(at) * place.step, place.y, place.step};
-        decode_slowly(raw + at, marks, to + at, n, d, from, census);
+        decode_slowly(raw + at, marks, to + at, n, d, from, statistics);
     }
 }
 
 } // namespace
 
 void decode_row(const float* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& decoding,
-                const RowPlace& place, Census& census) {
-    decode_chunks(raw, valid, to, count, decoding, place, census);
+                const RowPlace& place, ReadStatistics& statistics) {
+    decode_chunks(raw, valid, to, count, decoding, place, statistics);
 }
 void decode_row(const double* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& decoding,
-                const RowPlace& place, Census& census) {
-    decode_chunks(raw, valid, to, count, decoding, place, census);
+                const RowPlace& place, ReadStatistics& statistics) {
+    decode_chunks(raw, valid, to, count, decoding, place, statistics);
 }
 
 } // namespace fjell::baker

@@ -1,10 +1,11 @@
-// Raw numbers of a band to heights in metres, NaN where there is none, and what was met (read.h: voids, odd ones).
+// Raw numbers of a band to heights in metres, NaN where there is none, and counts of what they are (options.h: voids,
+// implausible ones).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-#include "baker/read/read.h"
+#include "baker/read/options.h"
 #include "baker/read/source.h"
 #include "baker/read/units.h"
 
@@ -22,12 +23,12 @@ struct RowPlace {
     std::int32_t x = 0, y = 0, step = 1;
 };
 
-// count raw numbers of one row to heights; valid: 0 marks voids, null: all valid. A height is odd only when it is so
-// both as the file has it and as asked: 16-bit counts become plausible by --zscale, and exaggerated heights were
-// plausible before. raw and to may be the same. Vectorised where nothing is void or odd. O(count).
+// count raw numbers of one row to heights; valid: 0 marks voids, null: all valid. A height is implausible only when it
+// is so both as the file has it and as asked: 16-bit counts become plausible by --zscale, and exaggerated heights were
+// plausible before. raw and to may be the same. Vectorised where nothing is void or implausible. O(count).
 void decode_row(const float* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& decoding,
-                const RowPlace& place, Census& census);
+                const RowPlace& place, ReadStatistics& statistics);
 void decode_row(const double* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& decoding,
-                const RowPlace& place, Census& census);
+                const RowPlace& place, ReadStatistics& statistics);
 
 } // namespace fjell::baker

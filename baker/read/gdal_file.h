@@ -1,4 +1,4 @@
-// A raster file through GDAL, with GDAL's own chatter caught instead of printed. Shared by heights and images.
+// A raster file through GDAL, with GDAL's messages caught instead of printed. Shared by heights and images.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +7,11 @@
 
 #include <gdal_priv.h>
 
-#include "baker/read/dem.h"
+#include "io/failure.h"
 
 namespace fjell::baker {
+
+using io::Failure;
 
 // While it lives, this thread's GDAL messages come here: the first error and the first warning are kept, one line each.
 class GdalMessages {

@@ -188,7 +188,7 @@ void HeightFile::read_marks(const Window& in_file, const std::uint8_t* wanted) {
 }
 
 template <typename T>
-void HeightFile::read_as(const Window& in_file, const Window& window, T* raw, float* to, Census& census) {
+void HeightFile::read_as(const Window& in_file, const Window& window, T* raw, float* to, ReadStatistics& statistics) {
     const auto columns = static_cast<std::size_t>(window.columns);
     const bool flip_x = facts_.at.flip_x, flip_y = facts_.at.flip_y;
     for (int row = 0; row < in_file.rows; ++row) {
@@ -196,7 +196,7 @@ void HeightFile::read_as(const Window& in_file, const Window& window, T* raw, fl
         const RowPlace place{flip_x ? window.x + window.columns - 1 : window.x,
                              flip_y ? window.y + window.rows - 1 - row : window.y + row, flip_x ? -1 : 1};
         decode_row(raw + start, marks_.empty() ? nullptr : marks_.data() + start, to + start, columns, facts_.decoding,
-                   place, census);
+                   place, statistics);
         if (flip_x) std::reverse(to + start, to + start + columns);
     }
     for (int row = 0; flip_y && row < window.rows / 2; ++row) {
@@ -205,14 +205,14 @@ void HeightFile::read_as(const Window& in_file, const Window& window, T* raw, fl
     }
 }
 
-void HeightFile::read(const Window& window, float* to, Census& census, const std::uint8_t* wanted) {
+void HeightFile::read(const Window& window, float* to, ReadStatistics& statistics, const std::uint8_t* wanted) {
     Window in_file = window;
     if (facts_.at.flip_x) in_file.x = facts_.at.columns - window.x - window.columns;
     if (facts_.at.flip_y) in_file.y = facts_.at.rows - window.y - window.rows;
     read_marks(in_file, wanted);
     if (floats_) { // straight into place
         band(1, in_file, to, GDT_Float32);
-        read_as(in_file, window, to, to, census);
+        read_as(in_file, window, to, to, statistics);
         return;
     }
     if (encoding_ == Encoding::none) {
@@ -221,7 +221,7 @@ void HeightFile::read(const Window& window, float* to, Census& census, const std
     } else {
         read_coded(in_file);
     }
-    read_as(in_file, window, raw_.data(), to, census);
+    read_as(in_file, window, raw_.data(), to, statistics);
 }
 
 } // namespace fjell::baker

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "baker/place/placement.h"
 #include "baker/read/decode.h"
+#include "baker/read/placement.h"
 #include "baker/read/windows.h"
 
 namespace fjell::baker {
@@ -22,19 +22,19 @@ struct FileFacts {
     std::string identity;    // names, sizes and times of everything it is read from
 };
 
-// An open file. One thread at a time. Throws Failure (read.h).
+// An open file. One thread at a time. Throws Failure (place/open_source.h).
 class HeightFile {
 public:
     HeightFile(const std::string& path, const ReadOptions& options);
 
     [[nodiscard]] const FileFacts& facts() const { return facts_; }
     // window.area() heights, row by row, row 0 north and column 0 west whichever way the file runs. wanted: samples
-    // with 0 are not looked at and become NaN; null: all. Places in the census are the window's.
-    void read(const Window& window, float* to, Census& census, const std::uint8_t* wanted = nullptr);
+    // with 0 are not looked at and become NaN; null: all. Places in the statistics are the window's.
+    void read(const Window& window, float* to, ReadStatistics& statistics, const std::uint8_t* wanted = nullptr);
 
 private:
     template <typename T>
-    void read_as(const Window& in_file, const Window& window, T* raw, float* to, Census& census);
+    void read_as(const Window& in_file, const Window& window, T* raw, float* to, ReadStatistics& statistics);
     void read_coded(const Window& in_file);
     void read_marks(const Window& in_file, const std::uint8_t* wanted);
     void band(int number, const Window& in_file, void* to, GDALDataType type);

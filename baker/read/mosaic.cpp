@@ -54,7 +54,7 @@ void check_alike(const FileFacts& a, const FileFacts& b) {
 }
 
 // Places relative to the first file's, then to the north-west of all.
-void set_places(Layout& layout) {
+void set_places(MosaicLayout& layout) {
     const Placement first = layout.files.front().facts.at;
     std::int32_t west = 0, north = 0, east = first.columns, south = first.rows;
     for (MosaicFile& f : layout.files) {
@@ -85,7 +85,7 @@ std::vector<std::int32_t> cuts(std::vector<std::int32_t> starts, std::int32_t fr
 }
 
 // Blocks of the file that is on top in the middle of a cell.
-Blocks blocks_at(const Layout& layout, const Window& cell) {
+Blocks blocks_at(const MosaicLayout& layout, const Window& cell) {
     const std::int32_t x = cell.x + cell.columns / 2, y = cell.y + cell.rows / 2;
     for (auto f = layout.files.rbegin(); f != layout.files.rend(); ++f) {
         Blocks b = f->facts.blocks;
@@ -97,8 +97,8 @@ Blocks blocks_at(const Layout& layout, const Window& cell) {
 
 } // namespace
 
-Layout lay_out(const std::vector<std::string>& paths, const ReadOptions& options) {
-    Layout layout;
+MosaicLayout lay_out(const std::vector<std::string>& paths, const ReadOptions& options) {
+    MosaicLayout layout;
     for (const std::string& path : paths) {
         const HeightFile file(path, options);
         layout.files.push_back({file.facts(), 0, 0});
@@ -108,7 +108,7 @@ Layout lay_out(const std::vector<std::string>& paths, const ReadOptions& options
     return layout;
 }
 
-std::vector<Window> cut_along(const Layout& layout, const Window& area, std::size_t most) {
+std::vector<Window> cut_along(const MosaicLayout& layout, const Window& area, std::size_t most) {
     if (layout.files.size() == 1) return cut_along(area, layout.files.front().facts.blocks, most);
     std::vector<std::int32_t> xs, ys;
     for (const MosaicFile& f : layout.files) xs.push_back(f.x), ys.push_back(f.y);
@@ -124,7 +124,7 @@ std::vector<Window> cut_along(const Layout& layout, const Window& area, std::siz
     return windows;
 }
 
-Mosaic::Mosaic(const Layout& layout, const ReadOptions& options)
+Mosaic::Mosaic(const MosaicLayout& layout, const ReadOptions& options)
     : layout_(layout), options_(options), open_(layout.files.size()) {}
 
 HeightFile& Mosaic::open(std::size_t index) {
@@ -147,7 +147,7 @@ HeightFile& Mosaic::open(std::size_t index) {
 }
 
 // Fills what is still NaN from one file.
-void Mosaic::paint(std::size_t index, const Window& window, float* to, Census& census) {
+void Mosaic::paint(std::size_t index, const Window& window, float* to, ReadStatistics& statistics) {
     const MosaicFile& f = layout_.files[index];
     const std::int32_t left = std::max(window.x, f.x), top = std::max(window.y, f.y);
     const std::int32_t right = std::min(window.x + window.columns, f.x + f.facts.at.columns);
@@ -167,28 +167,28 @@ void Mosaic::paint(std::size_t index, const Window& window, float* to, Census& c
     const bool all = std::find(wanted_.begin(), wanted_.end(), 0) == wanted_.end();
     if (!all && std::find(wanted_.begin(), wanted_.end(), 1) == wanted_.end()) return;
     part_.resize(part.area());
-    Census own;
-    own.per_unit = census.per_unit;
+    ReadStatistics own;
+    own.per_unit = statistics.per_unit;
     open(index).read({part.x - f.x, part.y - f.y, part.columns, part.rows}, part_.data(), own,
                      all ? nullptr : wanted_.data());
     own.voids = {}; // counted when every file is painted
-    own.odd.column += f.x, own.odd.row += f.y;
-    census.add(own);
+    own.implausible.column += f.x, own.implausible.row += f.y;
+    statistics.add(own);
     for (std::size_t i = 0; i < part_.size(); ++i) {
         float& height = row_of(static_cast<std::int32_t>(i / columns))[i % columns];
         if (wanted_[i]) height = part_[i];
     }
 }
 
-void Mosaic::read(const Window& window, float* to, Census& census) {
-    if (layout_.files.size() == 1) return open(0).read(window, to, census);
+void Mosaic::read(const Window& window, float* to, ReadStatistics& statistics) {
+    if (layout_.files.size() == 1) return open(0).read(window, to, statistics);
     std::fill_n(to, window.area(), std::numeric_limits<float>::quiet_NaN());
-    for (std::size_t index = layout_.files.size(); index-- > 0;) paint(index, window, to, census);
+    for (std::size_t index = layout_.files.size(); index-- > 0;) paint(index, window, to, statistics);
     const auto columns = static_cast<std::size_t>(window.columns);
     for (std::size_t i = 0; i < window.area(); ++i)
         if (std::isnan(to[i]))
-            census.voids.add(window.x + static_cast<std::int32_t>(i % columns),
-                             window.y + static_cast<std::int32_t>(i / columns));
+            statistics.voids.add(window.x + static_cast<std::int32_t>(i % columns),
+                                 window.y + static_cast<std::int32_t>(i / columns));
 }
 
 } // namespace fjell::baker

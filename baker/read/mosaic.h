@@ -1,4 +1,4 @@
-// One or several files on one lattice.
+// One or several files on one grid.
 #pragma once
 
 #include <memory>
@@ -15,24 +15,24 @@ struct MosaicFile {
 };
 
 // Where the files lie: the smallest rectangle around all of them.
-struct Layout {
+struct MosaicLayout {
     Placement at;
     std::vector<MosaicFile> files;
 };
 
-// Opens every file once. Throws Failure 1 when they do not share CRS, spacing and lattice, or one has no georeference,
+// Opens every file once. Throws Failure 1 when they do not share CRS, spacing and grid, or one has no georeference,
 // naming two of them and the command that helps. O(files).
-[[nodiscard]] Layout lay_out(const std::vector<std::string>& paths, const ReadOptions& options);
+[[nodiscard]] MosaicLayout lay_out(const std::vector<std::string>& paths, const ReadOptions& options);
 
-// Windows that read the files' blocks once (blocks.h). The area is in samples of the mosaic.
-[[nodiscard]] std::vector<Window> cut_along(const Layout& layout, const Window& area, std::size_t most);
+// Windows that read the files' blocks once (windows.h). The area is in samples of the mosaic.
+[[nodiscard]] std::vector<Window> cut_along(const MosaicLayout& layout, const Window& area, std::size_t most);
 
 // Reads a layout; one thread at a time. Files are opened when they are needed, and few are kept open.
 class Mosaic {
 public:
-    Mosaic(const Layout& layout, const ReadOptions& options); // both must outlive it
+    Mosaic(const MosaicLayout& layout, const ReadOptions& options); // both must outlive it
     // As HeightFile::read. Samples that no file covers are voids. The last file is on top, where it has heights.
-    void read(const Window& window, float* to, Census& census);
+    void read(const Window& window, float* to, ReadStatistics& statistics);
 
 private:
     struct Open {
@@ -40,9 +40,9 @@ private:
         std::uint64_t used = 0;
     };
     HeightFile& open(std::size_t index);
-    void paint(std::size_t index, const Window& window, float* to, Census& census);
+    void paint(std::size_t index, const Window& window, float* to, ReadStatistics& statistics);
 
-    const Layout& layout_;
+    const MosaicLayout& layout_;
     const ReadOptions& options_;
     std::vector<Open> open_;
     std::size_t open_count_ = 0;

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "baker/place/placement.h"
+#include "baker/read/placement.h"
 #include "baker/read/tile_pages.h"
 #include "baker/read/windows.h"
 
@@ -18,8 +18,8 @@ public:
     explicit PackReader(std::shared_ptr<const io::MappedPack> file)
         : file_(std::move(file)), pages_(*file_), terrain_(pages_.terrain()) {}
 
-    void read(const Window& window, float* to, Census& census) override {
-        census.per_unit = 1; // the lattice is the pack's own
+    void read(const Window& window, float* to, ReadStatistics& statistics) override {
+        statistics.per_unit = 1; // the height steps are the pack's own
         const std::int32_t side = terrain_.tree.side();
         const auto tile_of = [&](std::int32_t at, std::int32_t tiles) { return std::min(at / side, tiles - 1); };
         const std::int32_t tx0 = tile_of(window.x, terrain_.tree.tiles_x),
@@ -33,7 +33,7 @@ public:
                 copy(tile, {tx * side, ty * side}, window, to);
             }
         file_->release();
-        count(window, to, census);
+        count(window, to, statistics);
     }
 
 private:
@@ -53,15 +53,15 @@ private:
         }
     }
 
-    static void count(const Window& window, const float* heights_m, Census& census) {
+    static void count(const Window& window, const float* heights_m, ReadStatistics& statistics) {
         for (std::int32_t y = window.y; y < window.y + window.rows; ++y)
             for (std::int32_t x = window.x; x < window.x + window.columns; ++x, ++heights_m) {
                 if (!(*heights_m == *heights_m)) {
-                    census.voids.add(x, y);
+                    statistics.voids.add(x, y);
                     continue;
                 }
-                census.least_m = std::min(census.least_m, *heights_m);
-                census.most_m = std::max(census.most_m, *heights_m);
+                statistics.least_m = std::min(statistics.least_m, *heights_m);
+                statistics.most_m = std::max(statistics.most_m, *heights_m);
             }
     }
 
@@ -91,10 +91,10 @@ std::vector<Window> PackSource::windows(std::size_t most) const {
     return cut_along({0, 0, columns, rows}, {side, side, 0, 0}, most);
 }
 
-Settled PackSource::settle(const Census& census) const {
+SourceProperties PackSource::properties(const ReadStatistics& statistics) const {
     const PackHeader& h = file_->pack().header;
-    if (!(census.least_m <= census.most_m)) throw Failure(1, fmt::format("{}: is all holes", file_->path()));
-    return {static_cast<double>(h.quantum_m), static_cast<double>(h.base_m), census.voids.count > 0};
+    if (!(statistics.least_m <= statistics.most_m)) throw Failure(1, fmt::format("{}: is all holes", file_->path()));
+    return {static_cast<double>(h.quantum_m), static_cast<double>(h.base_m), statistics.voids.count > 0};
 }
 
 std::string PackSource::identity() const {

@@ -19,8 +19,8 @@ public:
     // Throws Failure 1 for a page that is damaged.
     [[nodiscard]] std::unique_ptr<HeightReader> reader() const override;
     [[nodiscard]] std::vector<Window> windows(std::size_t most) const override; // along tiles
-    // The pack's own lattice.
-    [[nodiscard]] Settled settle(const Census& census) const override;
+    // The pack's own height steps.
+    [[nodiscard]] SourceProperties properties(const ReadStatistics& statistics) const override;
     [[nodiscard]] std::string identity() const override; // the pack's hash
 
 private:

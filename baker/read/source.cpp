@@ -15,11 +15,12 @@ void Tally::add(const Tally& other) {
     count += other.count;
 }
 
-void Census::add(const Census& other) {
-    const Tally before = odd;
+void ReadStatistics::add(const ReadStatistics& other) {
+    const Tally before = implausible;
     voids.add(other.voids);
-    odd.add(other.odd);
-    if (before.count == 0 || std::tie(odd.row, odd.column) < std::tie(before.row, before.column)) odd_m = other.odd_m;
+    implausible.add(other.implausible);
+    if (before.count == 0 || std::tie(implausible.row, implausible.column) < std::tie(before.row, before.column))
+        implausible_m = other.implausible_m;
     per_unit = std::max(per_unit, other.per_unit);
     least_m = std::min(least_m, other.least_m);
     most_m = std::max(most_m, other.most_m);

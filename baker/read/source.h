@@ -8,20 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "baker/work/window.h"
 #include "io/failure.h"
 
 namespace fjell::baker {
 
 using io::Failure;
-
-// A rectangle of samples (or texels): [x, x + columns) by [y, y + rows), row 0 in the north.
-struct Window {
-    std::int32_t x = 0, y = 0, columns = 0, rows = 0;
-    [[nodiscard]] std::size_t area() const {
-        return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
-    }
-    friend bool operator==(const Window&, const Window&) = default;
-};
 
 // Samples of one kind, and the first of them in reading order.
 struct Tally {
@@ -32,14 +24,14 @@ struct Tally {
     void add(const Tally& other);
 };
 
-// What was met while reading. Counting windows in any order, on any number of threads, and adding up gives the same.
-struct Census {
-    Tally voids, odd;    // read.h says what these are
-    double odd_m = 0;    // the first odd one
-    double per_unit = 1; // 1, 10 or 100: raw numbers are multiples of 1 / per_unit; 1000: of none of them
+// Statistics of what was read. Counting windows in any order, on any number of threads, and adding up gives the same.
+struct ReadStatistics {
+    Tally voids, implausible; // options.h says what these are
+    double implausible_m = 0; // the first implausible one
+    double per_unit = 1;      // 1, 10 or 100: raw numbers are multiples of 1 / per_unit; 1000: of none of them
     float least_m = std::numeric_limits<float>::infinity(), most_m = -std::numeric_limits<float>::infinity();
 
-    void add(const Census& other);
+    void add(const ReadStatistics& other);
 };
 
 // Reads windows of one source. One a thread: it owns its open files.
@@ -49,13 +41,13 @@ public:
     HeightReader(const HeightReader&) = delete;
     HeightReader& operator=(const HeightReader&) = delete;
     virtual ~HeightReader() = default;
-    // window.area() heights in metres, row by row; NaN where there is none. What is met is added to the census. The
-    // numbers do not depend on how windows are cut or ordered. Throws Failure.
-    virtual void read(const Window& window, float* to, Census& census) = 0;
+    // window.area() heights in metres, row by row; NaN where there is none. What is read is added to the statistics.
+    // The numbers do not depend on how windows are cut or ordered. Throws Failure.
+    virtual void read(const Window& window, float* to, ReadStatistics& statistics) = 0;
 };
 
-// What a census means for the whole terrain.
-struct Settled {
+// What a statistics means for the whole terrain.
+struct SourceProperties {
     double native_quantum_m = 0; // the step that the source's numbers are multiples of; 0: not known
     double anchor_m = 0;         // a height that is on that step
     bool holes = false;          // samples without height stay holes; otherwise they are filled, or there are none
@@ -81,9 +73,9 @@ public:
     // Windows that cover every sample once, each of at most about `most` samples and no larger than that unless one
     // row or block of the file is, cut along the file's own blocks, in the order that reads it fastest.
     [[nodiscard]] virtual std::vector<Window> windows(std::size_t most) const = 0;
-    // Throws Failure for what the user has to decide about (odd heights, voids with NoData::refuse) and for a source
-    // without any height.
-    [[nodiscard]] virtual Settled settle(const Census& census) const = 0;
+    // Throws Failure for what the user has to decide about (implausible heights, voids with NoData::refuse) and for a
+    // source without any height.
+    [[nodiscard]] virtual SourceProperties properties(const ReadStatistics& statistics) const = 0;
     // Everything that the heights depend on, as text: names, sizes and times of files, options. Two sources with equal
     // identities give equal heights; a bake is only resumed with the same one.
     [[nodiscard]] virtual std::string identity() const = 0;

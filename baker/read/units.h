@@ -4,7 +4,7 @@
 #include <string>
 
 #include "baker/read/gdal_file.h"
-#include "baker/read/read.h"
+#include "baker/read/options.h"
 
 namespace fjell::baker {
 

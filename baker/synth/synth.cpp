@@ -22,9 +22,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "baker/bake/parallel.h"
-#include "baker/read/read.h"
+#include "baker/place/open_source.h"
 #include "baker/read/windows.h"
+#include "baker/work/parallel.h"
 #include "io/file.h"
 
 namespace fjell::baker {
@@ -340,8 +340,8 @@ LandRecipe parse_land(const std::string& text) {
 class LandReader final : public HeightReader {
 public:
     LandReader(const Landscape& land, const LandRecipe& recipe) : land_(land), recipe_(recipe) {}
-    void read(const Window& window, float* to, Census& census) override {
-        census.per_unit = 1; // the quantum is known
+    void read(const Window& window, float* to, ReadStatistics& statistics) override {
+        statistics.per_unit = 1; // the quantum is known
         const double scale = recipe_.spacing_m / recipe_.feature_m;
         for (std::int32_t y = window.y; y < window.y + window.rows; ++y) {
             Landscape::Row memory;
@@ -350,8 +350,8 @@ public:
                 // To whole decimetres: a DEM with a step of its own is lossless in a pack.
                 const std::int32_t steps = whole((recipe_.base_m + recipe_.relief_m * up) * 10 + 0.5);
                 *to = static_cast<float>(steps * 0.1);
-                census.least_m = std::min(census.least_m, *to);
-                census.most_m = std::max(census.most_m, *to);
+                statistics.least_m = std::min(statistics.least_m, *to);
+                statistics.most_m = std::max(statistics.most_m, *to);
             }
         }
     }
@@ -374,7 +374,7 @@ public:
     [[nodiscard]] std::vector<Window> windows(std::size_t most) const override {
         return cut_along({0, 0, columns, rows}, {columns, 1, 0, 0}, most);
     }
-    [[nodiscard]] Settled settle(const Census&) const override { return {0.1, 0, false}; }
+    [[nodiscard]] SourceProperties properties(const ReadStatistics&) const override { return {0.1, 0, false}; }
     // The number changes when the landscape of a recipe does.
     [[nodiscard]] std::string identity() const override {
         const LandRecipe& r = recipe_;
@@ -390,58 +390,19 @@ private:
     Landscape land_;
 };
 
-Dem raise(const HeightSource& source, int threads) {
-    Dem dem;
-    dem.columns = source.columns;
-    dem.rows = source.rows;
-    std::copy_n(source.spacing_m, 2, dem.spacing_m);
-    dem.native_quantum_m = 0.1;
-    dem.heights_m.resize(static_cast<std::size_t>(dem.columns) * static_cast<std::size_t>(dem.rows));
-    parallel_for(dem.rows, resolve_threads(threads), [&](std::int64_t row) {
-        const auto y = static_cast<std::int32_t>(row);
-        Census unused;
-        source.reader()->read({0, y, dem.columns, 1}, dem.heights_m.data() + dem.index(0, y), unused);
-    });
-    return dem;
-}
-
 } // namespace
 
 std::unique_ptr<HeightSource> synth_source(const std::string& recipe_json) {
     return std::make_unique<LandSource>(parse_land(recipe_json));
 }
 
-namespace {
-
-// What make() says of a recipe's text, headed by the file's name.
-template <typename Make>
-auto of_file(const std::string& path, const Make& make) {
-    const std::string text = io::read_text(path);
-    try {
-        return make(text);
-    } catch (const Failure& failure) {
-        throw Failure(failure.exit_code, fmt::format("{}: {}", path, failure.what()));
-    }
-}
-
-} // namespace
-
 std::unique_ptr<HeightSource> open_synth(const std::string& recipe_path) {
-    return of_file(recipe_path, [](const std::string& text) { return synth_source(text); });
-}
-
-Dem synthesise_text(const std::string& recipe_json, int threads) {
-    const auto source = synth_source(recipe_json);
+    const std::string text = io::read_text(recipe_path);
     try {
-        return raise(*source, threads);
-    } catch (const std::bad_alloc&) {
-        throw Failure(3, fmt::format("recipe: not enough memory for {} x {} samples; give fewer columns and rows",
-                                     source->columns, source->rows));
+        return synth_source(text);
+    } catch (const Failure& failure) {
+        throw Failure(failure.exit_code, fmt::format("{}: {}", recipe_path, failure.what()));
     }
-}
-
-Dem synthesise(const std::string& recipe_path, int threads) {
-    return of_file(recipe_path, [&](const std::string& text) { return synthesise_text(text, threads); });
 }
 
 } // namespace fjell::baker

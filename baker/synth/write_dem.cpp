@@ -15,12 +15,12 @@
 #include <fmt/format.h>
 #include <ogr_spatialref.h>
 
-#include "baker/bake/parallel.h"
-#include "baker/bake/store.h"
 #include "baker/heights/fill.h"
-#include "baker/place/placement.h"
+#include "baker/place/open_source.h"
 #include "baker/read/gdal_file.h"
-#include "baker/read/read.h"
+#include "baker/read/placement.h"
+#include "baker/work/parallel.h"
+#include "baker/work/store.h"
 #include "io/file.h"
 
 namespace fjell::baker {
@@ -164,20 +164,6 @@ void refuse_device(const std::string& path) {
 
 } // namespace
 
-void write_dem(const Dem& dem, const std::string& path) {
-    refuse_device(path);
-    WorkFolder folder(path); // first: a missing folder should not cost the work
-    folder.empty();
-    folder.keep(false);
-    const auto [least, most] = std::minmax_element(dem.heights_m.begin(), dem.heights_m.end());
-    write_heights({dem.columns, dem.rows, dem.spacing_m, dem.origin_m, dem.crs_step, dem.crs_wkt, dem.native_quantum_m,
-                   *least, *most, DemForm::compact, false,
-                   [&](std::int32_t y, std::span<float> to) {
-                       std::copy_n(dem.heights_m.data() + dem.index(0, y), to.size(), to.data());
-                   }},
-                  path, folder.file("dem.tif"));
-}
-
 void write_dem(const HeightSource& source, const std::string& path, DemForm form, int threads,
                const Progress& progress) {
     refuse_device(path);
@@ -188,33 +174,34 @@ void write_dem(const HeightSource& source, const std::string& path, DemForm form
     Store<float> heights(folder.file("heights"), source.columns, source.rows);
     const std::vector<Window> windows = source.windows(std::size_t{1} << 20);
     const int workers = source.readers(resolve_threads(threads));
-    Census census;
+    ReadStatistics statistics;
     std::mutex lock;
     std::uint64_t done = 0;
     parallel_for(static_cast<std::int64_t>(windows.size()), workers, [&](std::int64_t i) {
         const Window& w = windows[static_cast<std::size_t>(i)];
         std::vector<float> read(w.area());
-        Census met;
-        source.reader()->read(w, read.data(), met);
+        ReadStatistics part;
+        source.reader()->read(w, read.data(), part);
         heights.write(w, read.data(), w.columns);
         const std::lock_guard hold(lock);
-        census.add(met);
+        statistics.add(part);
         if (progress) progress("read", ++done, windows.size());
     });
-    const Settled settled = source.settle(census);
-    const bool voids = census.voids.count + census.odd.count > 0, holes = voids && form == DemForm::plain;
+    const SourceProperties properties = source.properties(statistics);
+    const bool voids = statistics.voids.count + statistics.implausible.count > 0,
+               holes = voids && form == DemForm::plain;
     if (voids && !holes) {
         Store<float> filled(folder.file("filled"), source.columns, source.rows);
         const auto make = [&](const std::string& name, std::int64_t columns, std::int64_t rows) {
             return Store<float>(folder.file(name), columns, rows);
         };
-        fill_voids({heights, {settled.native_quantum_m, settled.anchor_m}, workers, make}, filled);
+        fill_voids({heights, {properties.native_quantum_m, properties.anchor_m}, workers, make}, filled);
         heights.remove();
         heights = std::move(filled);
     }
-    float least = census.least_m, most = census.most_m;
+    float least = statistics.least_m, most = statistics.most_m;
     write_heights({source.columns, source.rows, source.spacing_m, source.origin_m, source.crs_step, source.crs_wkt,
-                   settled.native_quantum_m, least, most, form, holes,
+                   properties.native_quantum_m, least, most, form, holes,
                    [&](std::int32_t y, std::span<float> to) {
                        const Window w{0, y, source.columns, static_cast<std::int32_t>(to.size()) / source.columns};
                        heights.read(w, to.data(), w.columns);

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "baker/bake/bake.h"
-#include "baker/read/dem.h"
 #include "baker/read/source.h"
 
 namespace fjell::baker {
@@ -20,7 +19,5 @@ enum class DemForm : std::uint8_t { compact, plain };
 // Throws Failure: 1 no such folder, 3 the disk.
 void write_dem(const HeightSource& source, const std::string& path, DemForm form = DemForm::compact, int threads = 0,
                const Progress& progress = {});
-// The same of heights in memory, compact, holes as the ground that the Dem has there.
-void write_dem(const Dem& dem, const std::string& path);
 
 } // namespace fjell::baker

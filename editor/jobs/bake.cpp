@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "baker/bake/bake.h"
-#include "baker/cli/recipe.h"
-#include "baker/read/read.h"
+#include "baker/bake/recipe.h"
+#include "baker/place/open_source.h"
 #include "baker/synth/synth.h"
 #include "editor/jobs/bodies.h"
 #include "editor/jobs/text.h"

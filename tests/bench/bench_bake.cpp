@@ -19,15 +19,15 @@
 
 #include "baker/bake/bake.h"
 #include "baker/check/verify.h"
-#include "baker/errors/level.h"
-#include "baker/errors/own.h"
-#include "baker/heights/survey.h"
-#include "baker/pack/page_pack.h"
-#include "baker/read/read.h"
+#include "baker/errors/step.h"
+#include "baker/errors/unsaturated.h"
+#include "baker/heights/scales.h"
+#include "baker/pack/encode_page.h"
 #include "baker/synth/synth.h"
 #include "baker/synth/write_dem.h"
 #include "fjell/terrain.h"
 #include "io/load.h"
+#include "support/dem.h"
 
 namespace {
 
@@ -66,14 +66,14 @@ void copy(benchmark::State& state) {
 class ErrorStage {
 public:
     explicit ErrorStage(Estimate estimate) : estimate_(estimate) {
-        baker::Survey survey;
+        baker::HeightStatistics heights;
         for_each_tile(
-            [&](Coord corner) { survey.add(baker::survey_tile(at(corner), side + 1, side + 1, dem().columns)); });
-        const HeightScale height_scale = baker::choose_height_scale(survey, {{60, 60}, 0.1, 0});
-        scales_ = baker::choose_scales({tree_, {60, 60}, height_scale, survey, 0.05});
+            [&](Coord corner) { heights.add(baker::measure_tile(at(corner), side + 1, side + 1, dem().columns)); });
+        const HeightScale height_scale = baker::choose_height_scale(heights, {{60, 60}, 0.1, 0});
+        scales_ = baker::choose_scales({tree_, {60, 60}, height_scale, heights, 0.05});
         leaf_ = LeafErrors(scales_.errors, height_scale.quantum_m);
         header_.tile_log2 = static_cast<std::uint32_t>(tree_.tile_log2);
-        header_.height_steps = static_cast<std::uint32_t>((survey.most_m - survey.least_m) / height_scale.quantum_m);
+        header_.height_steps = static_cast<std::uint32_t>((heights.most_m - heights.least_m) / height_scale.quantum_m);
         std::copy_n(scales_.level_radius_m, 2 * max_tile_log2, header_.level_radius_m);
     }
 
@@ -93,7 +93,7 @@ private:
 
     void tile(Coord corner, bool pages) {
         constexpr std::int32_t around = 2, width = 2 * (squares + baker::reach + 2);
-        baker::Ground ground{tree_, {corner.x - around, corner.y - around, width, width}, {}};
+        baker::QuantisedHeights ground{tree_, {corner.x - around, corner.y - around, width, width}, {}};
         for (std::int32_t y = 0; y < width; ++y) {
             const std::int32_t row = std::clamp(ground.steps.y + y, 0, dem().rows - 1),
                                x0 = std::max(ground.steps.x, 0), x1 = std::min(ground.steps.x + width, dem().columns);
@@ -102,23 +102,23 @@ private:
         }
         const baker::Region region{corner, {corner.x + side, corner.y + side}};
         baker::Patch<std::uint8_t> own;
-        baker::own_errors({ground, region, scales_, leaf_, estimate_, {60, 60}}, own);
+        baker::unsaturated_errors({ground, region, scales_, leaf_, estimate_, {60, 60}}, own);
         benchmark::DoNotOptimize(own.values.data());
-        baker::Planes<std::int32_t> steps(squares, squares);
-        baker::take_apart(ground.steps, steps);
-        baker::Planes<std::uint8_t> error(squares, squares);
-        const baker::LevelInput level{scales_, tree_,   {60, 60}, 0,    {corner.x / 2, corner.y / 2},
-                                      squares, squares, steps,    error};
+        baker::VertexPlanes<std::int32_t> steps(squares, squares);
+        baker::split_planes(ground.steps, steps);
+        baker::VertexPlanes<std::uint8_t> error(squares, squares);
+        const baker::StepInput level{scales_, tree_,   {60, 60}, 0,    {corner.x / 2, corner.y / 2},
+                                     squares, squares, steps,    error};
         baker::leaf_errors(level, leaf_);
-        baker::climb_errors(level);
+        baker::saturate_errors(level);
         baker::Radii radii;
-        baker::climb_radii(level, radii);
+        baker::nest_radii(level, radii);
         benchmark::DoNotOptimize(radii.centre.data());
         constexpr std::int32_t page = page_squares;
         for (std::int32_t j = 0; pages && j < squares; j += page)
             for (std::int32_t i = 0; i < squares; i += page)
                 benchmark::DoNotOptimize(
-                    baker::pack_step_page({steps, error, nullptr, radii, i, j, &leaf_, scales_.errors, header_, 0})
+                    baker::encode_step_page({steps, error, nullptr, radii, i, j, &leaf_, scales_.errors, header_, 0})
                         .bytes.data());
     }
 

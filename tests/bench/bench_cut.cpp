@@ -16,10 +16,10 @@
 #include <vector>
 
 #include "baker/bake/bake.h"
-#include "baker/read/read.h"
 #include "fjell/cut.h"
 #include "fjell/recursive.h"
 #include "io/load.h"
+#include "support/dem.h"
 
 namespace {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "baker/bake/bake.h"
-#include "baker/read/read.h"
 #include "editor/app.h"
 #include "editor/names.h"
+#include "support/dem.h"
 
 namespace {
 

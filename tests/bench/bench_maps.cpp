@@ -12,7 +12,7 @@
 #include "baker/maps/blocks.h"
 #include "baker/maps/image.h"
 #include "baker/maps/maps.h"
-#include "baker/read/read.h"
+#include "support/dem.h"
 
 namespace {
 

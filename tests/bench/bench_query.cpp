@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "baker/bake/bake.h"
-#include "baker/read/read.h"
 #include "fjell/query.h"
 #include "io/load.h"
+#include "support/dem.h"
 
 namespace {
 

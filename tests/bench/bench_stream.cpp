@@ -23,13 +23,13 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "baker/bake/bake.h"
 #include "baker/synth/synth.h"
 #include "fjell/cut.h"
 #include "fjell/recursive.h"
 #include "fjell/stream.h"
 #include "io/load.h"
 #include "io/stream_reader.h"
+#include "support/dem.h"
 
 #include "stream_engine.h"
 

@@ -16,11 +16,11 @@
 #include <epoxy/gl.h>
 
 #include "baker/bake/bake.h"
-#include "baker/read/read.h"
 #include "gl/context.h"
 #include "gl/scatter.h"
 #include "gl/target.h"
 #include "io/load.h"
+#include "support/dem.h"
 
 namespace {
 

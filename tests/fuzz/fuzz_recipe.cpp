@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "baker/cli/recipe.h"
+#include "baker/bake/recipe.h"
 #include "input.h"
 
 using namespace fjell;

@@ -19,12 +19,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const std::int32_t columns = std::min(source->columns, 6), rows = std::min(source->rows, 4);
         const Window w{source->columns - columns, source->rows - rows, columns, rows};
         std::vector<float> heights(w.area());
-        Census census;
-        source->reader()->read(w, heights.data(), census);
+        ReadStatistics statistics;
+        source->reader()->read(w, heights.data(), statistics);
         for (std::size_t i = 0; i < heights.size(); ++i) {
             const auto x = static_cast<std::int32_t>(i) % columns, y = static_cast<std::int32_t>(i) / columns;
             float alone = 0;
-            source->reader()->read({w.x + x, w.y + y, 1, 1}, &alone, census);
+            source->reader()->read({w.x + x, w.y + y, 1, 1}, &alone, statistics);
             must(std::isfinite(alone) && std::abs(alone) < 1e5f, "a height is one");
             must(alone == heights[i], "a height depends on its place alone");
         }

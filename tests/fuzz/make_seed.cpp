@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "baker/bake/ledger.h"
+#include "baker/bake/checkpoint.h"
 #include "flight/record.h"
 #include "input.h"
 #include "support/terrain_fixture.h"
@@ -272,14 +272,13 @@ void make_netcdf(const std::filesystem::path& folder) {
     }
 }
 
-void make_ledger(const std::filesystem::path& folder) {
+void make_checkpoint(const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder);
     const std::string path = (folder / "taken").string();
-    baker::Ledger ledger(path, "fuzz");
-    ledger.state.stage = 400;
-    ledger.state.done = 17;
-    ledger.state.spool_bytes = 12345;
-    ledger.write();
+    baker::Checkpoint checkpoint(path, "fuzz");
+    checkpoint.state.complete = 401;
+    checkpoint.state.spool_bytes = 12345;
+    checkpoint.write();
     std::ifstream file(path, std::ios::binary);
     const std::string bytes(std::istreambuf_iterator<char>(file), {});
     write_text(folder / "as_it_is", std::string(1, '\0') + bytes);
@@ -296,7 +295,7 @@ void make_seeds(const std::filesystem::path& folder) {
                "F 0  1 0 0  0 1 0  0 0 1  0.1 0.2 0.3  1\nF 0  1 0 0  0 1 0  0 0 1  0.2 0.2 0.3  1\n");
     copy_texts(folder / "profile", {"profiles"});
     make_netcdf(folder / "netcdf");
-    make_ledger(folder / "ledger");
+    make_checkpoint(folder / "checkpoint");
     SeedWriter seeds(folder);
     Random random(31);
     for (const auto& [order, order_name] :

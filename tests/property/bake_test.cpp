@@ -4,8 +4,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "baker/bake/work_bytes.h"
 #include "baker/check/verify.h"
-#include "baker/read/dem_source.h"
+#include "support/dem.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;
@@ -89,6 +90,41 @@ TEST_CASE("a pack does not depend on threads, memory or how the work is cut") {
         CAPTURE(report.first);
         REQUIRE(report.ok());
     }
+}
+
+TEST_CASE("a bake has at most as much on the disk as work_bytes says, and its documented bytes a sample") {
+    Random random(19);
+    for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear})
+        for (const bool holes : {false, true}) {
+            baker::Dem dem = random_dem(random, 513, 385, Shape::noise); // hardly to be compressed
+            if (holes) add_random_holes(random, dem, 7);
+            const TemporaryFolder folder;
+            baker::BakeOptions options;
+            options.tile_log2 = 7;
+            options.order = order;
+            options.checkpoint_s = 0; // in files
+            std::uint64_t most = 0;
+            options.progress = [&](const char* stage, std::uint64_t, std::uint64_t) {
+                if (stage == std::string("write")) return; // the pack takes the other stores' room
+                std::uint64_t now = 0;
+                for (const auto& file : std::filesystem::directory_iterator(folder / "pack.fjell.work"))
+                    now += file.file_size();
+                most = std::max(most, now);
+            };
+            const baker::BakeSummary summary = baker::bake(dem, options, folder / "pack.fjell");
+            // Colours have half the samples' density, normals all of it.
+            const std::uint64_t bytes = baker::work_bytes(summary.tree, order, 6, 7);
+            CAPTURE(static_cast<int>(order), holes, most, bytes);
+            CHECK(most <= bytes);
+            CHECK(most > bytes * 7 / 10);
+        }
+    // What docs/notes/baking.md says, of tiles of 512 cells.
+    const Tree tree = Tree::covering(4097, 4097, 9);
+    const auto a_sample = [&](Order order) {
+        return static_cast<double>(baker::work_bytes(tree, order, 8, 9)) / (4097.0 * 4097.0);
+    };
+    CHECK(a_sample(Order::planar) == Approx(13).margin(0.5));
+    CHECK(a_sample(Order::linear) == Approx(20).margin(0.5));
 }
 
 TEST_CASE("a pack verified tile by tile from its file is found to be what it is when it is loaded whole") {

@@ -6,9 +6,9 @@
 #include <random>
 #include <string>
 
-#include "baker/bake/bake.h"
 #include "fjell/recursive.h"
 #include "io/load.h"
+#include "support/dem.h"
 #include "support/temporary_folder.h"
 
 namespace fjell::test {

@@ -1,6 +1,6 @@
-// A bake to be killed, starved and interrupted: bake_child OUT HEIGHTS COLUMNS ROWS THREADS. Heights are floats as they
-// lie in memory, NaN where there is a hole; read in small windows, secured after every unit of every stage, so that
-// wherever it ends there is something to go on from.
+// A bake to be killed, starved and interrupted: bake_child OUT HEIGHTS COLUMNS ROWS THREADS [IMAGE]. Heights are floats
+// as they lie in memory, NaN where there is a hole; read in small windows and kept in files, so that wherever it ends
+// there are complete stages to go on from.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -29,7 +29,7 @@ public:
         if (fd_ < 0) throw Failure(1, path + ": no such file; put it back");
     }
     ~FileReader() override { close(fd_); }
-    void read(const Window& window, float* to, Census& census) override {
+    void read(const Window& window, float* to, ReadStatistics& statistics) override {
         const std::span<float> heights(to, window.area());
         try {
             io::read_all(fd_,
@@ -38,16 +38,16 @@ public:
         } catch (const Failure&) {
             throw Failure(1, path_ + ": cannot be read; mend it");
         }
-        census.per_unit = 1;
+        statistics.per_unit = 1;
         for (std::size_t i = 0; i < heights.size(); ++i) {
             const float h = heights[i];
             if (std::isnan(h)) {
-                census.voids.add(static_cast<std::int32_t>(i) % columns_,
-                                 window.y + static_cast<std::int32_t>(i) / columns_);
+                statistics.voids.add(static_cast<std::int32_t>(i) % columns_,
+                                     window.y + static_cast<std::int32_t>(i) / columns_);
                 continue;
             }
-            census.least_m = std::min(census.least_m, h);
-            census.most_m = std::max(census.most_m, h);
+            statistics.least_m = std::min(statistics.least_m, h);
+            statistics.most_m = std::max(statistics.most_m, h);
         }
     }
 
@@ -70,8 +70,8 @@ public:
     [[nodiscard]] std::vector<Window> windows(std::size_t) const override { // whole rows, as few as make many windows
         return cut_along({0, 0, columns, rows}, {columns, 1, 0, 0}, static_cast<std::size_t>(columns) * 8);
     }
-    [[nodiscard]] Settled settle(const Census& census) const override {
-        return {0.1, static_cast<double>(census.least_m), census.voids.count > 0};
+    [[nodiscard]] SourceProperties properties(const ReadStatistics& statistics) const override {
+        return {0.1, static_cast<double>(statistics.least_m), statistics.voids.count > 0};
     }
     [[nodiscard]] std::string identity() const override { return path_; }
 
@@ -80,7 +80,7 @@ private:
 };
 
 int bake_once(int argc, char** argv) {
-    if (argc != 6) throw Failure(2, "OUT HEIGHTS COLUMNS ROWS THREADS");
+    if (argc != 6 && argc != 7) throw Failure(2, "OUT HEIGHTS COLUMNS ROWS THREADS [IMAGE]");
     io::catch_interrupts();
     BakeOptions options;
     options.tile_log2 = 6;
@@ -89,6 +89,7 @@ int bake_once(int argc, char** argv) {
     options.compression = 1;
     options.max_texture_log2 = 6;
     options.checkpoint_s = 0;
+    if (argc == 7) options.texture_paths = {argv[6]};
     options.progress = [](const char*, std::uint64_t, std::uint64_t) { io::check_interrupt(); };
     const BakeSummary s = bake(FileSource(argv[2], std::atoi(argv[3]), std::atoi(argv[4])), options, argv[1]);
     std::puts(s.resumed ? "resumed" : "new");

@@ -1,5 +1,5 @@
 // Bakes to be disturbed: faults are injected by support/fault_interposer.cpp at counted calls, so nothing here depends
-// on time. Most run bake_child, which secures its work after every step; some the tool itself.
+// on time. Most run bake_child, which keeps its work in files; some the tool itself.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -10,6 +10,7 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -84,12 +85,12 @@ public:
         return n;
     }
     // The old pack is as it was, or the new one is whole; the same command then makes it, and leaves nothing beside it.
-    void recovers(bool resumes) const {
+    void recovers(std::optional<bool> resumes = {}) const {
         REQUIRE((old() || is_whole()));
         const Run r = run();
         INFO(r.err);
         REQUIRE(r.code == 0);
-        if (resumes) CHECK(r.out == "resumed\n");
+        if (resumes) CHECK(r.out == (*resumes ? "resumed\n" : "new\n"));
         CHECK(is_whole());
         CHECK(folder.names() == names);
         age();

@@ -46,9 +46,9 @@ TEST_CASE("what a killed bake has left is kept while others are at work in it, a
         CHECK(scene.is_whole());
         CHECK(scene.folder.names() == scene.names);
     }
-    SECTION("a damaged ledger is none") {
-        const std::string ledger = scene.folder / "out.fjell.work/ledger";
-        std::string bytes = slurp(ledger);
+    SECTION("a damaged checkpoint is none") {
+        const std::string checkpoint = scene.folder / "out.fjell.work/checkpoint";
+        std::string bytes = slurp(checkpoint);
         SECTION("cut") {
             bytes.pop_back();
         }
@@ -61,7 +61,7 @@ TEST_CASE("what a killed bake has left is kept while others are at work in it, a
         SECTION("empty") {
             bytes.clear();
         }
-        spit(ledger, bytes);
+        spit(checkpoint, bytes);
         CHECK(scene.run().out == "new\n");
         CHECK(scene.is_whole());
         CHECK(scene.folder.names() == scene.names);
@@ -79,7 +79,7 @@ TEST_CASE("a folder of that name that no bake has made is left alone") {
     CHECK(slurp(scene.folder / "out.fjell.work/thesis.txt") == "years of work");
     CHECK(scene.old());
     std::filesystem::remove(scene.folder / "out.fjell.work/thesis.txt"); // an empty one is nobody's
-    scene.recovers(false);
+    scene.recovers();
 }
 
 TEST_CASE("a link to a pack on another disk is followed, by what is beside the pack too") {
@@ -123,7 +123,7 @@ TEST_CASE("a ramp that is away for a while costs nothing") {
     REQUIRE(run_in(folder.path, with({"fsync", "kill", "1"}, bake)).code == 128 + SIGKILL);
     std::filesystem::rename(folder / "ramp.json", folder / "elsewhere");
     CHECK(run_in(folder.path, bake).code == 1);
-    CHECK(std::filesystem::exists(folder / "out.fjell.work/ledger"));
+    CHECK(std::filesystem::exists(folder / "out.fjell.work/checkpoint"));
     std::filesystem::rename(folder / "elsewhere", folder / "ramp.json");
     CHECK(run_in(folder.path, bake).code == 0);
     CHECK((slurp(folder / "out.fjell") == whole));

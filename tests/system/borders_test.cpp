@@ -3,9 +3,9 @@
 #include <optional>
 #include <vector>
 
-#include "baker/read/read.h"
 #include "gl/palette.h"
 #include "picture_scene.h"
+#include "support/dem.h"
 
 using namespace pictures;
 

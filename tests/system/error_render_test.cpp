@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "baker/read/read.h"
+#include "baker/place/open_source.h"
 #include "fjell/measure.h"
 #include "gl/palette.h"
 #include "io/heights.h"

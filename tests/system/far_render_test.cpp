@@ -2,8 +2,8 @@
 #include <cmath>
 #include <vector>
 
-#include "baker/read/read.h"
 #include "picture_scene.h"
+#include "support/dem.h"
 
 using namespace pictures;
 

@@ -9,10 +9,10 @@
 
 #include <tiny_gltf.h>
 
-#include "baker/read/read.h"
 #include "fjell/texture.h"
 #include "gltf/baked.h"
 #include "gltf/snapshot.h"
+#include "support/dem.h"
 
 using namespace fjell;
 using namespace fjell::test;

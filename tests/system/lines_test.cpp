@@ -3,9 +3,9 @@
 #include <random>
 #include <vector>
 
-#include "baker/read/read.h"
 #include "gl/lines.h"
 #include "picture_scene.h"
+#include "support/dem.h"
 
 using namespace pictures;
 

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "baker/read/read.h"
 #include "gl/palette.h"
 #include "picture_scene.h"
+#include "support/dem.h"
 
 using namespace pictures;
 

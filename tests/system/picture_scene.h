@@ -9,12 +9,12 @@
 #include <catch2/catch.hpp>
 #include <unistd.h>
 
-#include "baker/bake/bake.h"
 #include "fjell/cut.h"
 #include "fjell/recursive.h"
 #include "gl/context.h"
 #include "gl/renderer.h"
 #include "io/load.h"
+#include "support/dem.h"
 
 namespace pictures {
 

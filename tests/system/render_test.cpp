@@ -11,10 +11,10 @@
 
 #include <csignal>
 
-#include "baker/read/read.h"
 #include "gl/image.h"
 #include "gl/palette.h"
 #include "picture_scene.h"
+#include "support/dem.h"
 
 using namespace pictures;
 

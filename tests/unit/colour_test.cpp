@@ -4,9 +4,9 @@
 
 #include "baker/maps/colour.h"
 #include "baker/maps/image.h"
-#include "baker/read/dem_source.h"
-#include "baker/read/read.h"
+#include "baker/place/open_source.h"
 #include "raster.h"
+#include "support/dem.h"
 
 using namespace fjell;
 using namespace fjell::baker;

@@ -1,10 +1,10 @@
 // A pack's heights, read back as a source.
 #include "baker/bake/bake.h"
-#include "baker/read/dem_source.h"
 #include "baker/read/pack_source.h"
 #include "baker/synth/write_dem.h"
 #include "io/file.h"
 #include "source_check.h"
+#include "support/dem.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;
@@ -35,8 +35,8 @@ TEST_CASE("a pack read back in any windows has the heights and holes that the ru
                 wrong += hole != dem.is_void(x, y) || (!hole && height != pack.terrain.height_m({x, y}));
             }
         REQUIRE(wrong == 0);
-        REQUIRE(whole.census.voids.count == void_count(dem));
-        REQUIRE(source.settle(whole.census).holes == (void_count(dem) > 0));
+        REQUIRE(whole.statistics.voids.count == void_count(dem));
+        REQUIRE(source.properties(whole.statistics).holes == (void_count(dem) > 0));
     }
 }
 

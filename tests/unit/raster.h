@@ -16,8 +16,8 @@
 #include <ogr_spatialref.h>
 #include <unistd.h>
 
-#include "baker/read/dem.h"
 #include "baker/read/gdal_file.h"
+#include "support/dem.h"
 #include "support/temporary_folder.h"
 
 namespace fjell::test {

@@ -90,7 +90,7 @@ TEST_CASE("voids are filled when asked, smoothly and on the source's own step") 
     CHECK(read_dem(path, {}).heights_m == dem.heights_m); // under a hole lies what would have filled it
 }
 
-TEST_CASE("voids are refused when asked, naming the first and both ways to settle them") {
+TEST_CASE("voids are refused when asked, naming the first and both options") {
     const TempDir dir;
     const ReadOptions strict = with(NoData::refuse);
     const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -1,7 +1,7 @@
 // Recipe files: what they may say, and where their paths lead.
 #include <catch2/catch.hpp>
 
-#include "baker/cli/recipe.h"
+#include "baker/bake/recipe.h"
 #include "raster.h"
 
 using namespace fjell::baker;

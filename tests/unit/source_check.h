@@ -6,28 +6,28 @@
 #include <random>
 #include <vector>
 
-#include "baker/read/read.h"
+#include "baker/place/open_source.h"
 #include "read_support.h"
 
 namespace fjell::test {
 
 struct Field {
     std::vector<float> heights_m;
-    Census census;
+    ReadStatistics statistics;
 };
 
 inline Field read_whole(const HeightSource& source) {
     Field f;
     f.heights_m.resize(Window{0, 0, source.columns, source.rows}.area());
-    source.reader()->read({0, 0, source.columns, source.rows}, f.heights_m.data(), f.census);
+    source.reader()->read({0, 0, source.columns, source.rows}, f.heights_m.data(), f.statistics);
     return f;
 }
 
 // Reads one window of the field; true when it holds the same bits.
 inline bool same_bits(HeightReader& reader, const HeightSource& source, const Field& whole, const Window& w,
-                      Census& census) {
+                      ReadStatistics& statistics) {
     std::vector<float> part(w.area());
-    reader.read(w, part.data(), census);
+    reader.read(w, part.data(), statistics);
     for (int row = 0; row < w.rows; ++row) {
         const float* const expected = whole.heights_m.data() +
                                       static_cast<std::size_t>(w.y + row) * static_cast<std::size_t>(source.columns) +
@@ -38,12 +38,13 @@ inline bool same_bits(HeightReader& reader, const HeightSource& source, const Fi
     return true;
 }
 
-inline bool same(const Census& a, const Census& b) {
+inline bool same(const ReadStatistics& a, const ReadStatistics& b) {
     const auto alike = [](const Tally& x, const Tally& y) {
         return x.count == y.count && (x.count == 0 || (x.column == y.column && x.row == y.row));
     };
-    return alike(a.voids, b.voids) && alike(a.odd, b.odd) && (a.odd.count == 0 || a.odd_m == b.odd_m) &&
-           a.per_unit == b.per_unit && a.least_m == b.least_m && a.most_m == b.most_m;
+    return alike(a.voids, b.voids) && alike(a.implausible, b.implausible) &&
+           (a.implausible.count == 0 || a.implausible_m == b.implausible_m) && a.per_unit == b.per_unit &&
+           a.least_m == b.least_m && a.most_m == b.most_m;
 }
 
 // Windows of several sizes, shuffled, and random ones, all give what one read gives.
@@ -57,17 +58,17 @@ inline void check_windows(const HeightSource& source) {
         REQUIRE(area == whole.heights_m.size()); // and all of them inside and right: each sample once
         if (windows.size() > 3000) continue;
         std::shuffle(windows.begin(), windows.end(), random);
-        Census census;
+        ReadStatistics statistics;
         const auto reader = source.reader();
         int wrong = 0;
         for (const Window& w : windows) {
-            Census part;
+            ReadStatistics part;
             wrong += !same_bits(*reader, source, whole, w, part);
-            census.add(part);
+            statistics.add(part);
         }
-        INFO("most " << most << ", per_unit " << census.per_unit << " " << whole.census.per_unit);
+        INFO("most " << most << ", per_unit " << statistics.per_unit << " " << whole.statistics.per_unit);
         CHECK(wrong == 0);
-        CHECK(same(census, whole.census));
+        CHECK(same(statistics, whole.statistics));
     }
     const auto reader = source.reader();
     int wrong = 0;
@@ -78,7 +79,7 @@ inline void check_windows(const HeightSource& source) {
         Window w{below(source.columns), below(source.rows), 0, 0};
         w.columns = 1 + below(source.columns - w.x);
         w.rows = 1 + below(source.rows - w.y);
-        Census unused;
+        ReadStatistics unused;
         wrong += !same_bits(*reader, source, whole, w, unused);
     }
     CHECK(wrong == 0);

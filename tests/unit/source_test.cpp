@@ -3,16 +3,16 @@
 #include <map>
 
 #include "baker/read/decode.h"
-#include "baker/read/dem_source.h"
 #include "baker/read/windows.h"
 #include "source_check.h"
+#include "support/dem.h"
 
 using namespace fjell::baker;
 using namespace fjell::test;
 
 namespace {
 
-// Heights with a tag, NaN, and odd ones, in a file of tiles or strips that runs any way.
+// Heights with a tag, NaN, and implausible ones, in a file of tiles or strips that runs any way.
 std::string rough_file(const std::string& path, bool tiled, bool flip_x, bool flip_y) {
     register_drivers();
     char* tiles[] = {const_cast<char*>("TILED=YES"), const_cast<char*>("BLOCKXSIZE=64"),
@@ -62,7 +62,7 @@ TEST_CASE("windows cover an area once, keep to blocks and to the size asked for"
     }
 }
 
-TEST_CASE("any windows in any order give the heights and the census of one read") {
+TEST_CASE("any windows in any order give the heights and the statistics of one read") {
     const TempDir dir;
     for (const bool tiled : {false, true})
         for (const bool flip_x : {false, true})
@@ -71,10 +71,10 @@ TEST_CASE("any windows in any order give the heights and the census of one read"
                 const auto source = open_source({rough_file(dir / "a.tif", tiled, flip_x, flip_y)}, with(NoData::hole));
                 check_windows(*source);
                 const Field whole = read_whole(*source);
-                CHECK(whole.census.per_unit == 10);
-                CHECK(whole.census.odd.count > 0);
-                CHECK(whole.census.odd_m == 1e30f);
-                CHECK(source->settle(whole.census).holes);
+                CHECK(whole.statistics.per_unit == 10);
+                CHECK(whole.statistics.implausible.count > 0);
+                CHECK(whole.statistics.implausible_m == 1e30f);
+                CHECK(source->properties(whole.statistics).holes);
                 CHECK(source->readers(4) == 4);
             }
 }
@@ -91,7 +91,7 @@ TEST_CASE("a chunk decoded at once is what its samples give one by one") {
             if (kind == 1)
                 for (std::size_t i = 0; i < raw.size(); i += 700) raw[i] = i % 1400 ? NAN : 1e9f;
             std::vector<float> at_once(raw.size()), single(raw.size());
-            Census one, other;
+            ReadStatistics one, other;
             decode_row(raw.data(), nullptr, at_once.data(), raw.size(), d, {}, one);
             const std::uint8_t invalid = 0, valid = 255;
             // A row of two, one of them void, is decoded one by one.
@@ -108,9 +108,9 @@ TEST_CASE("a chunk decoded at once is what its samples give one by one") {
             CHECK(one.most_m == other.most_m);
             CHECK(one.per_unit == other.per_unit);
             CHECK(one.per_unit == (kind == 2 ? 1000 : 1));
-            CHECK(one.odd.count == other.odd.count);
+            CHECK(one.implausible.count == other.implausible.count);
             CHECK(one.voids.count == other.voids.count);
-            CHECK((one.odd.count > 0) == (kind == 1));
+            CHECK((one.implausible.count > 0) == (kind == 1));
         }
 }
 
@@ -127,16 +127,16 @@ TEST_CASE("a Dem is a source whose voids have no height") {
     const Field whole = read_whole(source);
     CHECK(std::isnan(whole.heights_m[77]));
     CHECK(whole.heights_m[78] == 78);
-    const Settled settled = source.settle(whole.census);
-    CHECK(settled.holes);
-    CHECK(settled.native_quantum_m == 1);
+    const SourceProperties properties = source.properties(whole.statistics);
+    CHECK(properties.holes);
+    CHECK(properties.native_quantum_m == 1);
     Dem other = dem;
     other.heights_m[5] += 1;
     CHECK(DemSource(other).identity() != source.identity());
     CHECK(DemSource(dem).identity() == source.identity());
     std::fill(dem.voids.begin(), dem.voids.end(), std::uint8_t{1});
     const DemSource nothing(dem);
-    CHECK(refusal([&] { (void)nothing.settle(read_whole(nothing).census); }).code == 1);
+    CHECK(refusal([&] { (void)nothing.properties(read_whole(nothing).statistics); }).code == 1);
 }
 
 TEST_CASE("a box keeps the samples inside it, at their place, both ends included") {

@@ -10,9 +10,9 @@
 #include <unistd.h>
 
 #include "baker/bake/bake.h"
-#include "baker/read/dem_source.h"
+#include "support/dem.h"
 
-#include "baker/read/read.h"
+#include "baker/place/open_source.h"
 #include "baker/synth/synth.h"
 #include "baker/synth/write_dem.h"
 #include "raster.h"
@@ -140,18 +140,18 @@ TEST_CASE("any window of a landscape is what the whole has there") {
     CHECK(source->spacing_m[1] == 60);
     for (const Window& w : {Window{0, 0, 150, 90}, Window{149, 89, 1, 1}, Window{37, 21, 64, 5}, Window{3, 0, 1, 90}}) {
         std::vector<float> heights(w.area());
-        Census census;
-        source->reader()->read(w, heights.data(), census);
+        ReadStatistics statistics;
+        source->reader()->read(w, heights.data(), statistics);
         for (int y = 0; y < w.rows; ++y)
             CHECK(std::equal(heights.begin() + y * w.columns, heights.begin() + (y + 1) * w.columns,
                              whole.heights_m.begin() + (w.y + y) * 150 + w.x));
-        CHECK(census.least_m == *std::min_element(heights.begin(), heights.end()));
-        CHECK(census.most_m == *std::max_element(heights.begin(), heights.end()));
+        CHECK(statistics.least_m == *std::min_element(heights.begin(), heights.end()));
+        CHECK(statistics.most_m == *std::max_element(heights.begin(), heights.end()));
     }
     std::size_t samples = 0;
     for (const Window& w : source->windows(1000)) samples += w.area();
     CHECK(samples == 150 * 90);
-    CHECK(source->settle({}).native_quantum_m == 0.1);
+    CHECK(source->properties({}).native_quantum_m == 0.1);
     CHECK(source->identity() == synth_source("/* the same */ " + text)->identity());
     CHECK(source->identity() != synth_source(recipe(150, 90, 60, ", \"warp\": 0.25"))->identity());
 }

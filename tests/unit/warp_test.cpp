@@ -116,7 +116,7 @@ TEST_CASE("what is reprojected is the same bit for bit in any windows, orders, r
             const auto reader = source->reader();
             std::vector<Window> windows = source->windows(20000);
             std::shuffle(windows.begin(), windows.end(), std::mt19937(static_cast<unsigned>(t)));
-            Census unused;
+            ReadStatistics unused;
             for (const Window& w : windows) wrong[t] += !same_bits(*reader, *source, whole, w, unused);
         });
     for (std::thread& t : threads) t.join();

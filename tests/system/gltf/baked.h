@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "baker/bake/bake.h"
 #include "fjell/view.h"
 #include "io/load.h"
+#include "support/dem.h"
 #include "support/temporary_folder.h"
 
 namespace fjell::test {

@@ -1,0 +1,99 @@
+#include "baker/bake/context.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <mutex>
+
+#include <fmt/format.h>
+
+#include "baker/bake/work_bytes.h"
+#include "baker/maps/colour.h"
+#include "baker/work/parallel.h"
+#include "io/file.h"
+
+namespace fjell::baker {
+
+namespace {
+
+// What the program and GDAL take before any work, and what stays beside it.
+constexpr std::uint64_t base_bytes = std::uint64_t{64} << 20;
+
+Tree tiling(const HeightSource& source, const BakeOptions& options) {
+    const double extent = std::max((source.columns - 1) * source.spacing_m[0], (source.rows - 1) * source.spacing_m[1]);
+    if (extent > max_extent_m)
+        throw Failure(1, fmt::format("the terrain would be {:.3g} m wide, more than {:.0e} m; give a smaller --spacing",
+                                     extent, max_extent_m));
+    return Tree::covering(source.columns, source.rows,
+                          options.tile_log2 ? options.tile_log2 : auto_tile_log2(source.columns, source.rows));
+}
+
+std::unique_ptr<ImageSource> images_of(const HeightSource& source, const BakeOptions& options) {
+    if (options.texture_paths.empty()) return nullptr;
+    return open_images(options.texture_paths, frame_of(source));
+}
+
+std::uint32_t map_log2(double texels_a_side, const BakeOptions& options) {
+    return fitting_log2(texels_a_side, std::min(options.max_texture_log2, max_texture_log2));
+}
+
+} // namespace
+
+BakeContext::BakeContext(const HeightSource& the_source, const BakeOptions& the_options,
+                         const std::string& the_out_path)
+    : source(the_source), options(the_options), out_path(the_out_path), tree(tiling(source, options)),
+      regions(tree, options.region_cells), pages{tree.tile_log2, options.order},
+      threads(resolve_threads(options.threads)),
+      mixed_log2(options.order == Order::linear ? 0 : std::max(tree.tile_log2 - page_squares_log2, 0)),
+      folder(out_path), image(images_of(source, options)),
+      // Colours of a ramp change slowly, and normals carry the detail: half the samples' density.
+      colour_log2(map_log2(image ? tree.side() * image->pixels_per_sample() : tree.side() / 2.0, options)),
+      normal_log2(map_log2(tree.side(), options)),
+      // Work files that an earlier run has left are gone on with.
+      in_memory(!options.checkpoint_s && !std::filesystem::exists(folder.file("checkpoint")) &&
+                static_cast<double>(work_bytes(tree, options.order, colour_log2, normal_log2) + base_bytes) <=
+                    0.75 * static_cast<double>(options.memory_bytes)) {}
+
+std::string BakeContext::store_path(const std::string& name) const {
+    return in_memory ? "" : folder.file(name);
+}
+
+std::string BakeContext::temporary() const {
+    return std::filesystem::is_character_file(out_path) ? "" : folder.file("pack");
+}
+
+std::string BakeContext::identity() const {
+    const BakeOptions& o = options;
+    return fmt::format("{}\ntile {} regions {} estimate {} nesting {} order {} quantum {} ramp {} texels {} level {} "
+                       "place {} {} {} {} {} {} {}\n{}",
+                       source.identity(), tree.tile_log2, regions.cells(), static_cast<int>(o.estimate), o.nesting,
+                       static_cast<int>(o.order), o.quantum_m, o.ramp_path.empty() ? "" : io::read_text(o.ramp_path),
+                       o.max_texture_log2, o.compression, source.spacing_m[0], source.spacing_m[1], source.origin_m[0],
+                       source.origin_m[1], source.crs_step[0], source.crs_step[1], source.crs_wkt,
+                       image ? image->identity() : "");
+}
+
+int BakeContext::workers_for(std::uint64_t unit_bytes) const {
+    const std::uint64_t taken = in_memory ? options.memory_bytes / 4 * 3 : base_bytes;
+    const std::uint64_t rest = options.memory_bytes > taken ? options.memory_bytes - taken : 0;
+    const std::uint64_t fit = rest / std::max<std::uint64_t>(unit_bytes, 1);
+    if (fit == 0 && in_memory) return 1;
+    if (fit == 0)
+        throw Failure(2, fmt::format("tiles of {} cells need {} MB; give a larger --memory, or a smaller --tile",
+                                     tree.side(), (unit_bytes + taken) / 1'000'000 + 1));
+    return static_cast<int>(std::min<std::uint64_t>(fit, static_cast<std::uint64_t>(threads)));
+}
+
+void BakeContext::run_units(const UnitLoop& loop, const std::function<void(std::uint64_t)>& unit) const {
+    std::mutex lock;
+    std::uint64_t done = 0;
+    parallel_for(static_cast<std::int64_t>(loop.count), loop.workers, [&](std::int64_t i) {
+        unit(static_cast<std::uint64_t>(i));
+        if (!options.progress) return;
+        const std::lock_guard hold(lock);
+        ++done;
+        options.progress(loop.name, static_cast<std::uint64_t>(static_cast<double>(done) * loop.samples),
+                         static_cast<std::uint64_t>(static_cast<double>(loop.count) * loop.samples));
+    });
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,65 @@
+// What all stages of a bake share: what is baked and how, threads and memory to do it with, and the work folder.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "baker/bake/bake.h"
+#include "baker/heights/region.h"
+#include "baker/maps/image.h"
+#include "baker/work/store.h"
+
+namespace fjell::baker {
+
+// A loop over the independent units of a stage: windows, tiles or regions.
+struct UnitLoop {
+    const char* name; // for the progress
+    std::uint64_t count;
+    int workers;
+    double samples; // that one unit counts for in the progress
+};
+
+class BakeContext {
+public:
+    // Makes the work folder and opens the images; nothing of an earlier run is touched. Throws Failure.
+    BakeContext(const HeightSource& the_source, const BakeOptions& the_options, const std::string& the_out_path);
+
+    // Calls unit(i) for i in [0, loop.count) on loop.workers threads. Throws what units and the progress throw.
+    void run_units(const UnitLoop& loop, const std::function<void(std::uint64_t)>& unit) const;
+    // As many threads as the memory allows, of which a unit takes this much at its largest. Throws Failure 2 for none.
+    [[nodiscard]] int workers_for(std::uint64_t unit_bytes) const;
+    // A work file's path; empty: the store is to lie in memory.
+    [[nodiscard]] std::string store_path(const std::string& name) const;
+    // A new store, or what an earlier run has left of it.
+    template <typename T>
+    [[nodiscard]] Store<T> open(const std::string& name, std::int64_t columns, std::int64_t rows) const {
+        return {store_path(name), columns, rows};
+    }
+    // Where the pack grows until it is complete; empty: at its own place, which is a device.
+    [[nodiscard]] std::string temporary() const;
+    // All that the pack's bytes depend on, as text.
+    [[nodiscard]] std::string identity() const;
+    [[nodiscard]] double samples() const { return static_cast<double>(tree.columns()) * tree.rows(); }
+    [[nodiscard]] std::uint64_t tiles() const {
+        return static_cast<std::uint64_t>(tree.tiles_x) * static_cast<std::uint64_t>(tree.tiles_y);
+    }
+
+    const HeightSource& source;
+    const BakeOptions& options;
+    const std::string out_path;
+    const Tree tree;
+    const Regions regions;
+    const PageLayout pages;
+    const int threads;
+    // log2 of the finest step whose vertices lie in pages of several steps; 0 in linear order: all of them.
+    const int mixed_log2;
+
+    WorkFolder folder;
+    const std::unique_ptr<ImageSource> image;     // or none
+    const std::uint32_t colour_log2, normal_log2; // texels a side of a tile's mip 0
+    const bool in_memory; // all stores: only the pack itself goes to the folder, and nothing can be resumed
+};
+
+} // namespace fjell::baker

@@ -1,0 +1,111 @@
+// Stages that bring the heights in: read, fill, measure.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "baker/bake/reader_pool.h"
+#include "baker/bake/stages.h"
+#include "baker/heights/fill.h"
+#include "baker/work/parallel.h"
+
+namespace fjell::baker {
+
+ReadResult read_heights(const BakeContext& context, Store<float>& heights) {
+    constexpr std::size_t window_samples = std::size_t{1} << 20;
+    const std::vector<Window> windows = context.source.windows(window_samples);
+    std::size_t largest = 0;
+    for (const Window& w : windows) largest = std::max(largest, w.area());
+    std::vector<ReadStatistics> parts(windows.size());
+    ReaderPool<HeightSource, HeightReader> readers(&context.source);
+    const int workers =
+        std::min(context.source.readers(context.threads), context.workers_for(largest * 2 * sizeof(float)));
+    context.run_units({"read", windows.size(), workers, context.samples() / static_cast<double>(windows.size())},
+                      [&](std::uint64_t i) {
+                          std::unique_ptr<HeightReader> reader = readers.take();
+                          Buffer<float> read(windows[i].area());
+                          reader->read(windows[i], read.data(), parts[i]);
+                          heights.write(windows[i], read.data(), windows[i].columns);
+                          readers.give(std::move(reader));
+                      });
+    ReadStatistics all;
+    for (const ReadStatistics& part : parts) all.add(part);
+    return {context.source.properties(all), all.voids.count + all.implausible.count > 0};
+}
+
+namespace {
+
+void mark_voids(const BakeContext& context, const Store<float>& raw, Store<std::uint8_t>& marks) {
+    constexpr std::int32_t band = 64;
+    const auto columns = static_cast<std::int32_t>(raw.columns()), rows = static_cast<std::int32_t>(raw.rows());
+    parallel_for((rows - 1) / band + 1, context.threads, [&](std::int64_t i) {
+        const auto y = static_cast<std::int32_t>(i) * band;
+        const Window w{0, y, columns, std::min(band, rows - y)};
+        std::vector<float> heights(w.area());
+        std::vector<std::uint8_t> voids(w.area());
+        raw.read(w, heights.data(), columns);
+        std::transform(heights.begin(), heights.end(), voids.begin(),
+                       [](float h) { return static_cast<std::uint8_t>(std::isnan(h)); });
+        marks.write(w, voids.data(), columns);
+    });
+}
+
+} // namespace
+
+void fill_heights(const BakeContext& context, const Store<float>& raw, const SourceProperties& properties,
+                  const FilledStores& out) {
+    if (context.options.progress) context.options.progress("fill", 0, 1);
+    if (out.marks.exists()) mark_voids(context, raw, out.marks);
+    constexpr std::uint64_t piece_bytes = std::uint64_t{24} << 20;
+    fill_voids({raw,
+                {properties.native_quantum_m, properties.anchor_m},
+                context.workers_for(piece_bytes),
+                [&](const std::string& name, std::int64_t columns, std::int64_t rows) {
+                    return context.open<float>(name, columns, rows);
+                }},
+               out.heights);
+}
+
+namespace {
+
+HeightStatistics measure_region(const BakeContext& context, const HeightStores& heights, const Region& region,
+                                Buffer<float>& buffer) {
+    const Tree& tree = context.tree;
+    const Coord last = tree.sample(region.last);
+    const Window w{region.first.x, region.first.y, last.x - region.first.x + 1, last.y - region.first.y + 1};
+    buffer.resize(w.area());
+    heights.heights.read(w, buffer.data(), w.columns);
+    HeightStatistics all;
+    context.regions.for_each_tile(region, [&](std::uint32_t, Coord corner) {
+        const Coord end = tree.sample({corner.x + tree.side(), corner.y + tree.side()});
+        all.add(measure_tile(buffer.data() + std::ptrdiff_t{corner.y - w.y} * w.columns + (corner.x - w.x),
+                             end.x - corner.x + 1, end.y - corner.y + 1, w.columns));
+    });
+    if (!heights.holes.exists()) return all;
+    // Borders count where the region to the south or east does, and on the terrain's rim.
+    const Window own{w.x, w.y, w.columns - (last.x + 1 < tree.columns()), w.rows - (last.y + 1 < tree.rows())};
+    std::vector<std::uint8_t> voids(own.area());
+    heights.holes.read(own, voids.data(), own.columns);
+    all.voids = static_cast<std::uint64_t>(std::count(voids.begin(), voids.end(), std::uint8_t{1}));
+    return all;
+}
+
+} // namespace
+
+HeightStatistics measure_heights(const BakeContext& context, const HeightStores& heights) {
+    std::vector<HeightStatistics> parts(static_cast<std::size_t>(context.regions.count()));
+    const double side = context.regions.cells() + 1.0;
+    context.run_units({"measure", parts.size(), context.workers_for(static_cast<std::uint64_t>(side * side * 5)),
+                       context.samples() / static_cast<double>(parts.size())},
+                      [&](std::uint64_t i) {
+                          thread_local Buffer<float> buffer;
+                          parts[i] = measure_region(context, heights, context.regions.at(static_cast<std::int64_t>(i)),
+                                                    buffer);
+                      });
+    HeightStatistics all;
+    for (const HeightStatistics& part : parts) all.add(part);
+    return all;
+}
+
+} // namespace fjell::baker

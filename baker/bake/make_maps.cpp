@@ -1,0 +1,92 @@
+// Stages that make materials: near mips tile by tile from the heights, then mip by mip from the texels of the one
+// before.
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "baker/bake/reader_pool.h"
+#include "baker/bake/stages.h"
+#include "baker/maps/image.h"
+
+namespace fjell::baker {
+
+namespace {
+
+ChunkKind chunk_of(MapKind kind) {
+    return kind == MapKind::colour ? ChunkKind::colour : ChunkKind::normal;
+}
+
+// The window of a store whose elements are channels of texels.
+Window in_channels(const Window& w, MapKind kind) {
+    const auto n = static_cast<std::int32_t>(channels(kind));
+    return {w.x * n, w.y, w.columns * n, w.rows};
+}
+
+void store_texels(TexelStore& store, const Window& at, MapKind kind, const Texels& texels) {
+    const Window w = in_channels(at, kind);
+    store.write(w, texels.data(), w.columns);
+}
+
+} // namespace
+
+TexelStore open_texels(const BakeContext& context, const MapPlan& maps, MapKind kind, std::uint32_t mip) {
+    const Window grid = maps.grid(kind, mip);
+    return context.open<std::uint16_t>((kind == MapKind::colour ? "colour" : "normal") + std::to_string(mip),
+                                       std::int64_t{grid.columns} * static_cast<std::int64_t>(channels(kind)),
+                                       grid.rows);
+}
+
+void make_near_maps(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
+                    const NearMapsOutput& out) {
+    const double places = context.tree.side() + 32.0, texels = static_cast<double>(1u << plan.maps.colour_log2);
+    // Heights, and texels of both maps on their way from floats to blocks.
+    const auto tile_bytes =
+        static_cast<std::uint64_t>(places * places * 20 + texels * texels * 24) + (std::uint64_t{2} << 20);
+    ReaderPool<ImageSource, ImageReader> readers(context.image.get());
+    context.run_units({"maps", context.tiles(), context.workers_for(tile_bytes),
+                       context.samples() / static_cast<double>(context.tiles())},
+                      [&](std::uint64_t u) {
+                          const auto tile = static_cast<std::uint32_t>(u);
+                          const Window w = heights_for_maps(plan.maps, tile);
+                          Buffer<float> heights_m(w.area());
+                          heights.heights.read(w, heights_m.data(), w.columns);
+                          std::unique_ptr<ImageReader> reader = readers.take();
+                          const NearMaps near = near_maps(plan.maps, tile, heights_m.data(), reader.get());
+                          readers.give(std::move(reader));
+                          heights_m = {};
+                          ChunkBatch batch;
+                          for (const MapKind kind : {MapKind::colour, MapKind::normal}) {
+                              const std::vector<MipTexels>& mips = kind == MapKind::colour ? near.colour : near.normal;
+                              for (std::uint32_t mip = 0; mip < mips.size(); ++mip)
+                                  batch.add({chunk_of(kind), tile, mip}, mips[mip].blocks, context.options.compression);
+                              TexelStore& last = kind == MapKind::colour ? out.colour : out.normal;
+                              if (last.exists())
+                                  store_texels(last, plan.maps.texels(kind, near_mips - 1, tile), kind,
+                                               mips.back().texels);
+                          }
+                          out.spool.append(std::move(batch));
+                      });
+}
+
+void make_far_mip(const BakeContext& context, const BakePlan& plan, const FarMipInput& in, const FarMipOutput& out) {
+    // Tiles are small by now: many at once, in rows.
+    const Tree& tree = context.tree;
+    const auto rows = static_cast<std::uint64_t>(tree.tiles_y);
+    context.run_units({"mips", rows, context.threads, static_cast<double>(tree.tiles_x)}, [&](std::uint64_t row) {
+        ChunkBatch batch;
+        for (std::int32_t x = 0; x < tree.tiles_x; ++x) {
+            const auto tile = static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(tree.tiles_x) +
+                              static_cast<std::uint32_t>(x);
+            const Window stored = in_channels(finer_texels(plan.maps, in.kind, in.mip, tile), in.kind);
+            Texels finer(stored.area());
+            in.finer.read(stored, finer.data(), stored.columns);
+            const MipTexels made = far_mip(plan.maps, in.kind, in.mip, tile, finer);
+            batch.add({chunk_of(in.kind), tile, in.mip}, made.blocks, context.options.compression);
+            if (out.texels.exists())
+                store_texels(out.texels, plan.maps.texels(in.kind, in.mip, tile), in.kind, made.texels);
+        }
+        out.spool.append(std::move(batch));
+    });
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,24 @@
+// What is fixed once all heights were measured: scales, maps and the pack's header.
+#pragma once
+
+#include "baker/bake/checkpoint.h"
+#include "baker/bake/context.h"
+#include "baker/heights/scales.h"
+#include "baker/maps/maps.h"
+#include "fjell/pack.h"
+#include "pack/page.h"
+
+namespace fjell::baker {
+
+struct BakePlan {
+    HeightScale height_scale;
+    Scales scales;
+    LeafErrors leaf;
+    MapPlan maps;
+    PackHeader header{}; // without the largest error and what write_pack fills in
+};
+
+// found: of the stages up to `measure`. Throws Failure for a terrain that no pack can hold and for a ramp that is none.
+[[nodiscard]] BakePlan make_plan(const BakeContext& context, const CheckpointState& found);
+
+} // namespace fjell::baker

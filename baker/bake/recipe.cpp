@@ -1,0 +1,255 @@
+#include "baker/bake/recipe.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "baker/read/gdal_file.h"
+#include "io/file.h"
+
+namespace fjell::baker {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+struct TextField {
+    const char* key;
+    std::optional<std::string> Recipe::*member;
+    bool path;
+    std::vector<std::string> words; // empty: any text
+};
+struct NumberField {
+    const char* key;
+    std::optional<double> Recipe::*member;
+};
+
+const std::vector<TextField>& text_fields() {
+    static const std::vector<TextField> fields{
+        {"output", &Recipe::output, true, {}},
+        {"ramp", &Recipe::ramp, true, {}},
+        {"crs", &Recipe::crs, false, {}},
+        {"encoding", &Recipe::encoding, false, {"none", "terrarium", "terrain-rgb"}},
+        {"nodata", &Recipe::nodata, false, {"hole", "fill", "refuse"}},
+        {"tile",
+         &Recipe::tile,
+         false,
+         {"auto", "2", "4", "8", "16", "32", "64", "128", "256", "512", "1024", "2048", "4096"}},
+        {"estimate", &Recipe::estimate, false, {"max", "midpoint"}},
+        {"order", &Recipe::order, false, {"planar", "hz", "linear"}}};
+    return fields;
+}
+const std::vector<NumberField>& number_fields() {
+    static const std::vector<NumberField> fields{{"spacing", &Recipe::spacing},
+                                                 {"zscale", &Recipe::zscale},
+                                                 {"zoffset", &Recipe::zoffset},
+                                                 {"nesting", &Recipe::nesting},
+                                                 {"quantum", &Recipe::quantum}};
+    return fields;
+}
+
+[[noreturn]] void refuse(const std::string& name, const std::string& what) {
+    throw Failure(1, fmt::format("{}: {}; see fjell-bake --help, whose options are the keys of a recipe", name, what));
+}
+
+// What a file says, shortened and without control characters, for a message.
+std::string quoted(std::string text) {
+    constexpr std::size_t longest = 60;
+    if (text.size() > longest) text.replace(longest, std::string::npos, "...");
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c >= 127; }, '?');
+    return '"' + text + '"';
+}
+
+std::string joined(const std::vector<std::string>& words) {
+    return fmt::format("{}", fmt::join(words, ", "));
+}
+
+std::string text_of(const ordered_json& value, const TextField& field, const std::string& name) {
+    const bool count = std::string_view(field.key) == "tile" && value.is_number_unsigned();
+    if (!value.is_string() && !count) refuse(name, fmt::format("\"{}\" must be text", field.key));
+    std::string text = count ? std::to_string(value.get<std::uint64_t>()) : value.get<std::string>();
+    if (text.find('\0') != std::string::npos) refuse(name, fmt::format("\"{}\" has a zero byte in it", field.key));
+    if (!field.words.empty() && std::find(field.words.begin(), field.words.end(), text) == field.words.end())
+        refuse(name, fmt::format("\"{}\" is {}, but must be one of {}", field.key, quoted(text), joined(field.words)));
+    return text;
+}
+
+double number_of(const ordered_json& value, const std::string& key, const std::string& name) {
+    if (!value.is_number() || !std::isfinite(value.get<double>()))
+        refuse(name, fmt::format("\"{}\" must be a number", key));
+    return value.get<double>();
+}
+
+std::vector<std::string> files_of(const ordered_json& value, const std::string& key, const std::string& name) {
+    std::vector<std::string> files;
+    if (!value.is_array()) refuse(name, fmt::format("\"{}\" must be a list of file names", key));
+    for (const auto& entry : value) {
+        if (!entry.is_string() || entry.get<std::string>().find('\0') != std::string::npos)
+            refuse(name, fmt::format("\"{}\" must hold file names, but entry {} is none", key, files.size()));
+        files.push_back(entry.get<std::string>());
+    }
+    return files;
+}
+
+std::array<double, 4> bbox_of(const ordered_json& value, const std::string& name) {
+    if (!value.is_array() || value.size() != 4) refuse(name, "\"bbox\" must be a list of west, south, east, north");
+    std::array<double, 4> box{};
+    for (std::size_t i = 0; i < 4; ++i) box[i] = number_of(value[i], "bbox", name);
+    return box;
+}
+
+void take(Recipe& recipe, const std::string& key, const ordered_json& value, const std::string& name) {
+    if (key == "inputs" || key == "texture") {
+        (key == "inputs" ? recipe.inputs : recipe.texture) = files_of(value, key, name);
+        return;
+    }
+    if (key == "bbox") {
+        recipe.bbox = bbox_of(value, name);
+        return;
+    }
+    for (const TextField& field : text_fields())
+        if (key == field.key) {
+            recipe.*field.member = text_of(value, field, name);
+            return;
+        }
+    for (const NumberField& field : number_fields())
+        if (key == field.key) {
+            recipe.*field.member = number_of(value, key, name);
+            return;
+        }
+    refuse(name, fmt::format("{} is no key of a recipe", quoted(key)));
+}
+
+template <typename Change>
+void change_paths(Recipe& recipe, Change change) {
+    const auto if_file = [&](std::string& path) {
+        if (!path.empty() && !is_gdal_name(path) && std::filesystem::path(path).is_relative()) path = change(path);
+    };
+    for (std::string& input : recipe.inputs) if_file(input);
+    for (std::string& image : recipe.texture) if_file(image);
+    for (const TextField& field : text_fields())
+        if (field.path && recipe.*field.member) if_file(*(recipe.*field.member));
+}
+
+} // namespace
+
+Recipe parse_recipe(const std::string& text, const std::string& name) {
+    const ordered_json json = ordered_json::parse(text, nullptr, false);
+    if (json.is_discarded()) refuse(name, "is not JSON");
+    if (!json.is_object()) refuse(name, "is not a JSON object");
+    Recipe recipe;
+    for (const auto& [key, value] : json.items()) take(recipe, key, value, name);
+    return recipe;
+}
+
+std::string recipe_text(const Recipe& recipe) {
+    ordered_json json;
+    json["inputs"] = recipe.inputs;
+    if (!recipe.texture.empty()) json["texture"] = recipe.texture;
+    for (const TextField& field : text_fields())
+        if (recipe.*field.member) json[field.key] = *(recipe.*field.member);
+    for (const NumberField& field : number_fields())
+        if (recipe.*field.member) json[field.key] = *(recipe.*field.member);
+    if (recipe.bbox) json["bbox"] = *recipe.bbox;
+    return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+Recipe load_recipe(const std::string& path) {
+    Recipe recipe = parse_recipe(io::read_text(path), path);
+    const auto folder = std::filesystem::path(path).parent_path();
+    change_paths(recipe, [&](const std::string& file) { return (folder / file).lexically_normal().string(); });
+    return recipe;
+}
+
+Recipe for_file(Recipe recipe, const std::string& path) {
+    const auto folder = std::filesystem::absolute(path).lexically_normal().parent_path();
+    change_paths(recipe, [&](const std::string& file) {
+        return std::filesystem::absolute(file).lexically_normal().lexically_proximate(folder).string();
+    });
+    return recipe;
+}
+
+Recipe merged(Recipe given, const Recipe& below) {
+    if (given.inputs.empty()) given.inputs = below.inputs;
+    if (given.texture.empty()) given.texture = below.texture;
+    for (const TextField& field : text_fields())
+        if (!(given.*field.member)) given.*field.member = below.*field.member;
+    for (const NumberField& field : number_fields())
+        if (!(given.*field.member)) given.*field.member = below.*field.member;
+    if (!given.bbox) given.bbox = below.bbox;
+    return given;
+}
+
+ReadOptions read_options(const Recipe& recipe) {
+    ReadOptions o;
+    o.spacing_m = recipe.spacing;
+    o.zscale = recipe.zscale.value_or(1);
+    o.zoffset_m = recipe.zoffset.value_or(0);
+    o.crs = recipe.crs.value_or("auto");
+    o.bbox = recipe.bbox;
+    const std::string nodata = recipe.nodata.value_or(""), encoding = recipe.encoding.value_or("");
+    if (nodata == "hole") o.nodata = NoData::hole;
+    if (nodata == "fill") o.nodata = NoData::fill;
+    if (nodata == "refuse") o.nodata = NoData::refuse;
+    if (encoding == "terrarium") o.encoding = Encoding::terrarium;
+    if (encoding == "terrain-rgb") o.encoding = Encoding::terrain_rgb;
+    return o;
+}
+
+namespace {
+
+// "512" or "auto" to log2; 0 for auto.
+int tile_log2(const std::string& text) {
+    if (text == "auto") return 0;
+    for (int log2 = min_tile_log2; log2 <= max_tile_log2; ++log2)
+        if (text == std::to_string(1 << log2)) return log2;
+    throw Failure(2, fmt::format("--tile {}: must be auto or a power of two from 2 to 4096 (cells a side)", text));
+}
+
+Order order_named(const std::string& name) {
+    return name == "planar" ? Order::planar : name == "hz" ? Order::hierarchical_z : Order::linear;
+}
+
+} // namespace
+
+BakeOptions bake_options(const Recipe& recipe) {
+    BakeOptions o;
+    o.tile_log2 = tile_log2(recipe.tile.value_or("auto"));
+    o.estimate = recipe.estimate.value_or("max") == "max" ? Estimate::max : Estimate::midpoint;
+    o.order = order_named(recipe.order.value_or("planar"));
+    o.nesting = recipe.nesting.value_or(o.nesting);
+    o.quantum_m = recipe.quantum.value_or(0);
+    if (recipe.quantum && !(o.quantum_m > 0))
+        throw Failure(2, fmt::format("--quantum {}: must be more than 0 (metres)", o.quantum_m));
+    o.texture_paths = recipe.texture;
+    o.ramp_path = recipe.ramp.value_or("");
+    return o;
+}
+
+std::vector<std::string> words_of(const std::string& key) {
+    for (const TextField& field : text_fields())
+        if (key == field.key) return field.words;
+    return {};
+}
+
+std::array<double, 4> parse_bbox(const std::string& text) {
+    std::array<double, 4> box{};
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    for (std::size_t i = 0; i < box.size(); ++i) {
+        const auto [next, error] = std::from_chars(at, end, box[i]);
+        const bool last = i + 1 == box.size();
+        if (error != std::errc() || !std::isfinite(box[i]) || (last ? next != end : next == end || *next != ','))
+            throw Failure(2, fmt::format("--bbox {}: must be four numbers WEST,SOUTH,EAST,NORTH", quoted(text)));
+        at = next + !last;
+    }
+    return box;
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,47 @@
+// Everything that decides what a pack holds, as a command line or a file says it.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "baker/bake/bake.h"
+#include "baker/place/open_source.h"
+
+namespace fjell::baker {
+
+// Options of fjell-bake by their names (--zscale is zscale); what is not given has its default. How a bake goes about
+// it (threads, memory, progress) is no part of it.
+struct Recipe {
+    std::vector<std::string> inputs, texture;
+    std::optional<std::string> output, ramp;
+    std::optional<std::string> nodata, crs, encoding, tile, estimate, order;
+    std::optional<double> spacing, zscale, zoffset, nesting, quantum;
+    std::optional<std::array<double, 4>> bbox; // west, south, east, north
+    friend bool operator==(const Recipe&, const Recipe&) = default;
+};
+
+// A JSON object whose keys are the options above; unknown keys, wrong types and words that no option knows are refused.
+// name: for messages. Throws Failure 1, one line with the key. O(text).
+[[nodiscard]] Recipe parse_recipe(const std::string& text, const std::string& name);
+[[nodiscard]] std::string recipe_text(const Recipe& recipe);
+
+// A file's; relative paths in it start at its folder. Throws Failure.
+[[nodiscard]] Recipe load_recipe(const std::string& path);
+// As it is to be written to a file of this name: relative paths, which start at the working folder, become relative to
+// the file's folder. Absolute ones and names that GDAL gives a meaning (/vsizip/..., NETCDF:...) stay as they are.
+[[nodiscard]] Recipe for_file(Recipe recipe, const std::string& path);
+// What is given wins; the rest is taken from below.
+[[nodiscard]] Recipe merged(Recipe given, const Recipe& below);
+
+// Throw Failure 2 for words and numbers out of range.
+[[nodiscard]] ReadOptions read_options(const Recipe& recipe);
+[[nodiscard]] BakeOptions bake_options(const Recipe& recipe);
+
+// The words an option takes; none: any text. Key as in the file.
+[[nodiscard]] std::vector<std::string> words_of(const std::string& key);
+// "WEST,SOUTH,EAST,NORTH" to four numbers. Throws Failure 2.
+[[nodiscard]] std::array<double, 4> parse_bbox(const std::string& text);
+
+} // namespace fjell::baker

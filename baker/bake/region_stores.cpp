@@ -1,0 +1,280 @@
+#include "baker/bake/region_stores.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fjell::baker {
+
+void StepStores::remove() {
+    places.remove();
+    centres.remove();
+}
+
+void UnsaturatedStores::remove() {
+    inside.remove();
+    south.remove();
+    east.remove();
+}
+
+void MixedStores::remove() {
+    records.remove();
+    heights.remove();
+}
+
+namespace {
+
+// Columns and rows of the places of step 2^z of the whole terrain.
+std::pair<std::int32_t, std::int32_t> places_of(const Tree& tree, int z) {
+    return {((tree.grid_columns() - 1) >> z) + 1, ((tree.grid_rows() - 1) >> z) + 1};
+}
+
+} // namespace
+
+StepStores open_step(const BakeContext& context, int z) {
+    const auto [columns, rows] = places_of(context.tree, z + 1);
+    return {context.open<std::uint32_t>("places" + std::to_string(z + 1), columns, rows),
+            context.open<CentreRecord>("centres" + std::to_string(z), columns - 1, rows - 1)};
+}
+
+UnsaturatedStores open_unsaturated(const BakeContext& context) {
+    const auto [columns, rows] = places_of(context.tree, 1);
+    return {context.open<std::uint8_t>("unsaturated", columns, rows),
+            context.open<std::uint8_t>("unsaturated-south", columns, context.regions.down()),
+            context.open<std::uint8_t>("unsaturated-east", rows, context.regions.across())};
+}
+
+MixedStores open_mixed(const BakeContext& context) {
+    const auto [columns, rows] = places_of(context.tree, context.mixed_log2);
+    return {context.open<std::uint16_t>("mixed-records", columns, rows),
+            context.open<std::uint32_t>("mixed-heights", columns, rows)};
+}
+
+// ---- what a region reads
+
+namespace {
+
+// Rows and columns of a patch that lie beyond what was read take the nearest that was.
+template <typename T>
+void replicate(Patch<T>& patch, const Window& known) {
+    const std::int32_t left = known.x - patch.x, right = left + known.columns, top = known.y - patch.y,
+                       bottom = top + known.rows;
+    for (std::int32_t y = top; y < bottom; ++y) {
+        T* const row = patch.values.data() + std::ptrdiff_t{y} * patch.columns;
+        std::fill(row, row + left, row[left]);
+        std::fill(row + right, row + patch.columns, row[right - 1]);
+    }
+    const auto copy = [&](std::int32_t from, std::int32_t to) {
+        std::memcpy(patch.values.data() + std::ptrdiff_t{to} * patch.columns,
+                    patch.values.data() + std::ptrdiff_t{from} * patch.columns,
+                    static_cast<std::size_t>(patch.columns) * sizeof(T));
+    };
+    for (std::int32_t y = 0; y < top; ++y) copy(top, y);
+    for (std::int32_t y = bottom; y < patch.rows; ++y) copy(bottom - 1, y);
+}
+
+// The part of a patch that lies within columns x rows.
+template <typename T>
+Window within(const Patch<T>& patch, std::int64_t columns, std::int64_t rows) {
+    const std::int32_t x = std::max(patch.x, 0), y = std::max(patch.y, 0);
+    const auto end_x = static_cast<std::int32_t>(std::min<std::int64_t>(patch.x + patch.columns, columns));
+    const auto end_y = static_cast<std::int32_t>(std::min<std::int64_t>(patch.y + patch.rows, rows));
+    return {x, y, end_x - x, end_y - y};
+}
+
+template <typename T>
+void load(const Store<T>& store, Patch<T>& patch) {
+    const Window known = within(patch, store.columns(), store.rows());
+    store.read(known, patch.at(known.x, known.y), patch.columns);
+    replicate(patch, known);
+}
+
+// The places that errors/step.h wants of a region at step 2^z, in units of that step.
+template <typename T>
+Patch<T> patch_for(const Region& region, int z) {
+    const std::int32_t nx = (region.last.x - region.first.x) >> (z + 1),
+                       ny = (region.last.y - region.first.y) >> (z + 1);
+    return {(region.first.x >> z) - 2, (region.first.y >> z) - 2, 2 * (nx + reach + 2), 2 * (ny + reach + 2)};
+}
+
+} // namespace
+
+QuantisedHeights load_heights(const BakeContext& context, const HeightScale& scale, const HeightStores& stores,
+                              const Region& region) {
+    QuantisedHeights heights{context.tree, patch_for<std::int32_t>(region, 0), {}};
+    Patch<std::int32_t>& steps = heights.steps;
+    const Window known = within(steps, context.tree.columns(), context.tree.rows());
+    Buffer<float> heights_m(known.area());
+    stores.heights.read(known, heights_m.data(), known.columns);
+    for (std::int32_t y = 0; y < known.rows; ++y)
+        quantise(heights_m.data() + std::ptrdiff_t{y} * known.columns, static_cast<std::size_t>(known.columns), scale,
+                 steps.at(known.x, known.y + y));
+    replicate(steps, known);
+    if (!stores.holes.exists()) return heights;
+    Patch<std::uint8_t> voids = patch_for<std::uint8_t>(region, 0);
+    load(stores.holes, voids);
+    if (std::count(voids.values.begin(), voids.values.end(), std::uint8_t{1}) != 0) heights.voids = std::move(voids);
+    return heights;
+}
+
+void load_places(const StepStores& finer, const Region& region, int z, VertexPlanes<std::int32_t>& steps,
+                 VertexPlanes<std::uint8_t>* holes) {
+    Patch<std::uint32_t> stored = patch_for<std::uint32_t>(region, z);
+    load(finer.places, stored);
+    Patch<std::int32_t> values = patch_for<std::int32_t>(region, z);
+    std::transform(stored.values.begin(), stored.values.end(), values.values.begin(),
+                   [](std::uint32_t v) { return static_cast<std::int32_t>(v & ~hole_flag); });
+    split_planes(values, steps);
+    if (!holes) return;
+    Patch<std::uint8_t> flags = patch_for<std::uint8_t>(region, z);
+    std::transform(stored.values.begin(), stored.values.end(), flags.values.begin(),
+                   [](std::uint32_t v) { return static_cast<std::uint8_t>(v >> 31); });
+    split_planes(flags, *holes);
+}
+
+void load_finer_centres(const StepStores& finer, const Region& region, int z, int tile_log2, const Scales& scales,
+                        FinerCentres& out) {
+    Patch<CentreRecord> patch = patch_for<CentreRecord>(region, z);
+    const Window known = within(patch, finer.centres.columns(), finer.centres.rows());
+    load(finer.centres, patch);
+    const float unit_m = scales.level_radius_m[2 * (tile_log2 - z)];
+    float radius_m[radius_codes];
+    for (std::size_t code = 0; code < radius_codes; ++code) radius_m[code] = unit_m * scales.radii.factor[code];
+    for (std::size_t i = 0; i < patch.area(); ++i) {
+        out.steps[i] = patch.values[i].steps;
+        out.error[i] = patch.values[i].error;
+        out.radius_m[i] = radius_m[patch.values[i].radius];
+    }
+    // Where there are no centres they ask for nothing.
+    for (std::int32_t y = 0; y < patch.rows; ++y)
+        for (std::int32_t x = 0; x < patch.columns; ++x) {
+            const bool inside = x + patch.x >= known.x && x + patch.x < known.x + known.columns &&
+                                y + patch.y >= known.y && y + patch.y < known.y + known.rows;
+            if (inside) {
+                x = known.x + known.columns - patch.x - 1; // the rest of the row that is
+                continue;
+            }
+            const std::size_t i = patch.index(x + patch.x, y + patch.y);
+            out.error[i] = 0;
+            out.radius_m[i] = 0;
+        }
+}
+
+void load_unsaturated(const BakeContext& context, const UnsaturatedStores& stores, std::int64_t region_index, int z,
+                      VertexPlanes<std::uint8_t>& error) {
+    const Regions& regions = context.regions;
+    const Region region = regions.at(region_index);
+    const auto across = static_cast<std::int32_t>(region_index % regions.across()),
+               down = static_cast<std::int32_t>(region_index / regions.across());
+    const std::int32_t x0 = region.first.x / 2, y0 = region.first.y / 2,
+                       columns = (region.last.x - region.first.x) / 2 + 1,
+                       rows = (region.last.y - region.first.y) / 2 + 1;
+    std::vector<std::uint8_t> row(static_cast<std::size_t>(columns)), other(row.size());
+    std::vector<std::uint8_t> west(static_cast<std::size_t>(rows), 0), east(west);
+    if (across > 0) stores.east.read({y0, across - 1, rows, 1}, west.data(), rows);
+    if (across + 1 < regions.across()) stores.east.read({y0, across, rows, 1}, east.data(), rows);
+    const std::int32_t step = 1 << (z - 1), n = (columns - 1) / (2 * step);
+    for (std::int32_t y = 0; y < rows; y += step) {
+        stores.inside.read({x0, y0 + y, columns, 1}, row.data(), columns);
+        const auto merge = [&](std::int32_t border) {
+            stores.south.read({x0, border, columns, 1}, other.data(), columns);
+            std::transform(row.begin(), row.end(), other.begin(), row.begin(),
+                           [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); });
+        };
+        if (y == 0 && down > 0) merge(down - 1);
+        if (y == rows - 1 && down + 1 < regions.down()) merge(down);
+        row.front() = std::max(row.front(), west[static_cast<std::size_t>(y)]);
+        row.back() = std::max(row.back(), east[static_cast<std::size_t>(y)]);
+        const std::int32_t j = y / (2 * step);
+        const bool even = y / step % 2 == 0;
+        std::uint8_t* const at_corner = (even ? error.corner : error.side_y).row(j);
+        std::uint8_t* const between = (even ? error.side_x : error.centre).row(j);
+        for (std::int32_t i = 0; i <= n; ++i) at_corner[i] = row[static_cast<std::size_t>(2 * i * step)];
+        for (std::int32_t i = 0; i < n; ++i) between[i] = row[static_cast<std::size_t>((2 * i + 1) * step)];
+    }
+}
+
+// ---- what a region writes
+
+void store_unsaturated(const BakeContext& context, std::int64_t region_index, const Patch<std::uint8_t>& errors,
+                       UnsaturatedStores& stores) {
+    const Tree& tree = context.tree;
+    const Regions& regions = context.regions;
+    const Region region = regions.at(region_index);
+    // The southern and eastern borders are the neighbours' rows; what was measured on this side lies apart.
+    const bool last_x = region.last.x + 1 == tree.grid_columns(), last_y = region.last.y + 1 == tree.grid_rows();
+    stores.inside.write({errors.x, errors.y, errors.columns - !last_x, errors.rows - !last_y}, errors.values.data(),
+                        errors.columns);
+    const auto across = static_cast<std::int32_t>(region_index % regions.across()),
+               down = static_cast<std::int32_t>(region_index / regions.across());
+    stores.south.write({errors.x, down, errors.columns, 1}, errors.at(errors.x, errors.y + errors.rows - 1),
+                       errors.columns);
+    std::vector<std::uint8_t> east;
+    for (std::int32_t y = 0; y < errors.rows; ++y)
+        east.push_back(*errors.at(errors.x + errors.columns - 1, errors.y + y));
+    stores.east.write({errors.y, across, errors.rows, 1}, east.data(), errors.rows);
+}
+
+void store_step(const StepResult& result, StepStores& stores) {
+    const StepInput& in = result.step;
+    const VertexPlanes<std::uint8_t>* const holes = result.holes;
+    const auto columns = static_cast<std::size_t>(in.nx), rows = static_cast<std::size_t>(in.ny);
+    Buffer<std::uint32_t> corners((columns + 1) * (rows + 1));
+    Buffer<CentreRecord> centres(columns * rows);
+    std::uint32_t* corner = corners.data();
+    for (std::int32_t j = 0; j <= in.ny; ++j)
+        for (std::int32_t i = 0; i <= in.nx; ++i) {
+            const auto steps = static_cast<std::uint32_t>(in.steps.corner.row(j)[i]);
+            *corner++ = holes && holes->corner.row(j)[i] ? steps | hole_flag : steps;
+        }
+    stores.places.write({in.square.x, in.square.y, in.nx + 1, in.ny + 1}, corners.data(), in.nx + 1);
+    CentreRecord* centre = centres.data();
+    for (std::int32_t j = 0; j < in.ny; ++j)
+        for (std::int32_t i = 0; i < in.nx; ++i)
+            *centre++ = {in.steps.centre.row(j)[i], in.error.centre.row(j)[i],
+                         result.radii.at(VertexKind::centre, i, j), 0};
+    stores.centres.write({in.square.x, in.square.y, in.nx, in.ny}, centres.data(), in.nx);
+}
+
+void store_mixed(const StepResult& result, int mixed_log2, MixedStores& stores) {
+    const StepInput& in = result.step;
+    const int shift = in.z - mixed_log2;
+    const std::int32_t x0 = result.region.first.x >> mixed_log2, y0 = result.region.first.y >> mixed_log2;
+    const std::int32_t columns = (2 * in.nx << shift) + 1;
+    const VertexPlanes<std::uint8_t>* const v = result.holes;
+    const auto record = [&](VertexKind kind, const VertexPlane<std::uint8_t>& error,
+                            const VertexPlane<std::uint8_t>* holes, std::int32_t i, std::int32_t j) {
+        const std::uint32_t radius = result.radii.at(kind, i, j) | (holes && holes->row(j)[i] ? void_bit : 0u);
+        return static_cast<std::uint16_t>(error.row(j)[i] | radius << 8);
+    };
+    std::vector<std::uint16_t> row(static_cast<std::size_t>(columns));
+    std::vector<std::uint32_t> steps(row.size());
+    for (std::int32_t y = 0; y <= 2 * in.ny; ++y) {
+        const Window w{x0, y0 + (y << shift), columns, 1};
+        // Places between belong to finer steps. A neighbour that writes the same row at the same time writes the same.
+        stores.records.read(w, row.data(), columns);
+        const std::int32_t j = y / 2;
+        for (std::int32_t x = 0; x <= 2 * in.nx; ++x) {
+            const std::int32_t i = x / 2;
+            std::uint16_t& to = row[static_cast<std::size_t>(x << shift)];
+            if (x % 2 && y % 2)
+                to = record(VertexKind::centre, in.error.centre, v ? &v->centre : nullptr, i, j);
+            else if (x % 2)
+                to = record(VertexKind::side_x, in.error.side_x, v ? &v->side_x : nullptr, i, j);
+            else if (y % 2)
+                to = record(VertexKind::side_y, in.error.side_y, v ? &v->side_y : nullptr, i, j);
+            if (shift != 0) continue;
+            const VertexPlane<std::int32_t>& h =
+                y % 2 ? (x % 2 ? in.steps.centre : in.steps.side_y) : (x % 2 ? in.steps.side_x : in.steps.corner);
+            steps[static_cast<std::size_t>(x)] = static_cast<std::uint32_t>(h.row(j)[i]);
+            if (v && (y % 2 ? (x % 2 ? v->centre : v->side_y) : (x % 2 ? v->side_x : v->corner)).row(j)[i])
+                steps[static_cast<std::size_t>(x)] |= hole_flag;
+        }
+        stores.records.write(w, row.data(), columns);
+        if (shift == 0) stores.heights.write(w, steps.data(), columns);
+    }
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,94 @@
+// The stages of a bake, in the order in which bake.cpp runs them (docs/notes/baking.md): from stores and the plan,
+// which they only read, to stores and the spool, which they fill. Each is cut into units that read what earlier stages
+// made and write places of their own, so that threads, memory and the order of units change nothing in the result, and
+// a stage that was interrupted runs again from its beginning. All throw Failure.
+#pragma once
+
+#include <cstdint>
+
+#include "baker/bake/bake.h"
+#include "baker/bake/context.h"
+#include "baker/bake/plan.h"
+#include "baker/bake/region_stores.h"
+#include "baker/pack/chunk_spool.h"
+#include "baker/read/source.h"
+#include "baker/work/store.h"
+
+namespace fjell::baker {
+
+// ---- heights
+
+struct ReadResult {
+    SourceProperties properties;
+    bool has_voids = false; // samples without height: NaN in the store
+};
+[[nodiscard]] ReadResult read_heights(const BakeContext& context, Store<float>& heights);
+
+// Only for heights with voids. marks: 1 where there was none; not written where the store does not exist.
+struct FilledStores {
+    Store<float>& heights;
+    Store<std::uint8_t>& marks;
+};
+void fill_heights(const BakeContext& context, const Store<float>& raw, const SourceProperties& properties,
+                  const FilledStores& out);
+
+[[nodiscard]] HeightStatistics measure_heights(const BakeContext& context, const HeightStores& heights);
+
+// ---- maps: chunks of all mips, and texels of those that the next mip is made from
+
+using TexelStore = Store<std::uint16_t>; // columns * channels by rows of a mip of all tiles
+[[nodiscard]] TexelStore open_texels(const BakeContext& context, const MapPlan& maps, MapKind kind, std::uint32_t mip);
+
+struct NearMapsOutput {
+    TexelStore &colour, &normal; // the last near mip; not written where there is no further one
+    ChunkSpool& spool;
+};
+void make_near_maps(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
+                    const NearMapsOutput& out);
+
+struct FarMipInput {
+    MapKind kind;
+    std::uint32_t mip;
+    const TexelStore& finer; // of mip - 1
+};
+struct FarMipOutput {
+    TexelStore& texels; // of this mip; not written where it does not exist
+    ChunkSpool& spool;
+};
+void make_far_mip(const BakeContext& context, const BakePlan& plan, const FarMipInput& in, const FarMipOutput& out);
+
+// ---- vertices: errors, radii and pages, step by step from the finest one
+
+struct FinestStepOutput {
+    UnsaturatedStores& unsaturated; // of all coarser steps
+    StepStores& step;
+    MixedStores& mixed;
+    ChunkSpool& spool;
+};
+void make_finest_step(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
+                      const FinestStepOutput& out);
+
+struct CoarserStepInput {
+    int z; // log2 of the step, at least 1
+    bool holes;
+    const UnsaturatedStores& unsaturated;
+    const StepStores& finer; // made by step z - 1
+};
+struct CoarserStepOutput {
+    StepStores& step;   // not written where it does not exist
+    MixedStores& mixed; // what finer steps wrote to it stays
+    ChunkSpool& spool;
+};
+void make_coarser_step(const BakeContext& context, const BakePlan& plan, const CoarserStepInput& in,
+                       const CoarserStepOutput& out);
+
+// Pages of several steps, corners and the CRS. Returns the largest error in metres.
+[[nodiscard]] float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const MixedStores& mixed,
+                                     ChunkSpool& spool);
+
+// ---- the pack
+
+// Puts it together beside its place and renames it. Counts its bytes in the summary.
+void write_pack(const BakeContext& context, const PackHeader& header, const ChunkSpool& spool, BakeSummary& summary);
+
+} // namespace fjell::baker

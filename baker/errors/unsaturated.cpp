@@ -1,0 +1,210 @@
+#include "baker/errors/unsaturated.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "baker/errors/triangle_scan.h"
+
+namespace fjell::baker {
+
+namespace {
+
+// ---- triangles with holes, or squeezed at the rim
+
+struct TriangleScan {
+    double worst_steps = 0;
+    bool ground = false, hole = false;
+};
+
+std::int64_t floor_div(std::int64_t a, std::int64_t b) { // b > 0
+    return a >= 0 ? a / b : -((-a + b - 1) / b);
+}
+
+// The samples of row y inside the triangle, its edges included: from, to.
+std::pair<std::int32_t, std::int32_t> row_of(const Coord (&corners)[3], std::int32_t y) {
+    std::int64_t from = INT32_MIN, to = INT32_MAX;
+    for (int k = 0; k < 3; ++k) { // corners turn one way, so that inside is on the same side of all edges
+        const Coord p = corners[k], q = corners[(k + 1) % 3];
+        const std::int64_t dx = q.x - p.x, dy = q.y - p.y;
+        // dx (y - p.y) - dy (x - p.x) >= 0
+        const std::int64_t c = dx * (y - p.y);
+        if (dy > 0)
+            to = std::min(to, p.x + floor_div(c, dy));
+        else if (dy < 0)
+            from = std::max(from, p.x - floor_div(c, -dy));
+        else if (c < 0)
+            return {0, -1};
+    }
+    return {static_cast<std::int32_t>(from), static_cast<std::int32_t>(to)};
+}
+
+// What lies under a triangle whose corners stand anywhere; none where it has no area: that is never drawn.
+TriangleScan scan_triangle(const QuantisedHeights& ground, Coord a, Coord b, Coord c) {
+    TriangleScan sum;
+    std::int64_t area = std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{b.y - a.y} * (c.x - a.x);
+    if (area == 0) return sum;
+    if (area < 0) std::swap(b, c), area = -area;
+    const Coord corners[3] = {a, b, c};
+    const double ha = ground.h(a), hb = ground.h(b) - ha, hc = ground.h(c) - ha;
+    const double gx = (hb * (c.y - a.y) - hc * (b.y - a.y)) / static_cast<double>(area);
+    const double gy = (hc * (b.x - a.x) - hb * (c.x - a.x)) / static_cast<double>(area);
+    const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
+    for (std::int32_t y = y0; y <= y1; ++y) {
+        const auto [x0, x1] = row_of(corners, y);
+        const double at_row = ha + gy * (y - a.y);
+        for (std::int32_t x = x0; x <= x1; ++x) {
+            if (ground.is_void({x, y})) {
+                sum.hole = true;
+                continue;
+            }
+            sum.ground = true;
+            sum.worst_steps = std::max(sum.worst_steps, std::abs(ground.h({x, y}) - (at_row + gx * (x - a.x))));
+        }
+    }
+    // Squeezed triangles divide by odd numbers: what is left of that is no error.
+    if (sum.worst_steps < 0x1p-20) sum.worst_steps = 0;
+    return sum;
+}
+
+double longest_edge_m(const UnsaturatedInput& in, Coord a, Coord b, Coord c) {
+    const auto edge = [&](Coord p, Coord q) {
+        const double dx = std::abs(p.x - q.x) * in.spacing_m[0], dy = std::abs(p.y - q.y) * in.spacing_m[1];
+        const double dh = static_cast<double>(in.ground.h(p) - in.ground.h(q)) * in.scales.height_scale.quantum_m;
+        return std::sqrt(dx * dx + dy * dy + dh * dh) + 2 * in.scales.ground_pad_m + in.scales.height_pad_m;
+    };
+    return std::max({edge(a, b), edge(b, c), edge(c, a)}) * (1 + 0x1p-20);
+}
+
+} // namespace
+
+bool straddles_rim(const Tree& tree, Coord v) {
+    const std::int32_t s = 1 << Tree::step_log2(v);
+    return (v.x + s >= tree.columns() && tree.cut_x != 0) || (v.y + s >= tree.rows() && tree.cut_y != 0);
+}
+
+std::uint8_t unsaturated_error(const UnsaturatedInput& in, Coord v) {
+    const Tree& tree = in.ground.tree;
+    const Diamond d = diamond(tree, v);
+    const double quantum = in.scales.height_scale.quantum_m;
+    // At the finest step, and for estimate 2, twice the surface's jump when the vertex is activated: that is what a
+    // reader works out. Beside the rim triangles are squeezed, and measured whatever the estimate.
+    const bool jump = !straddles_rim(tree, v) && (Tree::step_log2(v) == 0 || in.estimate == Estimate::midpoint);
+    double error_m =
+        jump ? 0.5 * quantum * std::abs(2.0 * in.ground.h(v) - in.ground.h(d.ends[0]) - in.ground.h(d.ends[1])) : 0;
+    bool ground = false;
+    for (const Coord apex : d.apexes) {
+        if (apex.x < in.region.first.x || apex.y < in.region.first.y || apex.x > in.region.last.x ||
+            apex.y > in.region.last.y)
+            continue;
+        const Coord a = tree.sample(apex), b = tree.sample(d.ends[0]), c = tree.sample(d.ends[1]);
+        const TriangleScan sum = scan_triangle(in.ground, a, b, c);
+        ground = ground || sum.ground;
+        if (!jump) error_m = std::max(error_m, sum.worst_steps * quantum);
+        // A hole's rim is drawn to within the triangle's size.
+        if (sum.ground && sum.hole)
+            error_m = std::max({error_m, sum.worst_steps * quantum, longest_edge_m(in, a, b, c)});
+    }
+    return ground ? in.scales.errors.code_up(error_m) : std::uint8_t{0};
+}
+
+namespace {
+
+class UnsaturatedErrors {
+public:
+    UnsaturatedErrors(const UnsaturatedInput& input, Patch<std::uint8_t>& out)
+        : in(input), tree(input.ground.tree),
+          half_quantum(0.5 * static_cast<double>(input.scales.height_scale.quantum_m)), to(out),
+          worst(static_cast<std::size_t>(out.columns) + scan_slack) {}
+
+    // Even rows of a step hold sides along x; odd ones sides along y, and centres between them.
+    void run(int z) {
+        const Region& r = in.region;
+        const std::int32_t s = 1 << z, n = (r.last.x - r.first.x) / (2 * s);
+        small = z <= 2 && in.estimate == Estimate::max && !in.ground.has_voids();
+        if (small)
+            phases = DeinterleavedSamples::of(in.ground.steps.at(r.first.x, r.first.y), in.ground.steps.columns, n,
+                                              r.last.y - r.first.y + 1, 2 * s);
+        for (std::int32_t y = r.first.y; y <= r.last.y; y += s)
+            if (((y >> z) & 1) == 0) {
+                row(VertexKind::side_x, {r.first.x + s, y}, z, n);
+            } else {
+                row(VertexKind::side_y, {r.first.x, y}, z, n + 1);
+                row(VertexKind::centre, {r.first.x + s, y}, z, n);
+            }
+    }
+
+private:
+    void row(VertexKind kind, Coord first, int z, std::int32_t count) {
+        const std::int32_t s = 1 << z;
+        std::uint8_t* const codes = to.at(first.x / 2, first.y / 2);
+        std::int32_t plain = in.ground.has_voids() ? 0 : count; // vertices before the first one that stands at the rim
+        while (plain > 0 && straddles_rim(tree, {first.x + 2 * s * (plain - 1), first.y})) --plain;
+        for (std::int32_t i = plain; i < count; ++i)
+            codes[i * s] = unsaturated_error(in, {first.x + 2 * s * i, first.y});
+        if (plain == 0) return;
+        const std::int32_t* const v = in.ground.steps.at(first.x, first.y);
+        const std::ptrdiff_t stride = in.ground.steps.columns;
+        const bool root = z == tree.tile_log2 - 1;
+        const bool falling = root || ((((first.x - s) >> (z + 1)) + ((first.y - s) >> (z + 1))) & 1) == 0;
+        if (in.estimate == Estimate::midpoint) {
+            for (std::int32_t i = 0; i < plain; ++i) {
+                const std::int32_t* const h = v + std::ptrdiff_t{2} * s * i;
+                const std::ptrdiff_t down = s * stride;
+                const std::ptrdiff_t end = kind == VertexKind::side_x      ? s
+                                           : kind == VertexKind::side_y    ? down
+                                           : falling != (!root && (i & 1)) ? down + s
+                                                                           : down - s;
+                codes[i * s] = in.leaf.code(static_cast<std::uint32_t>(std::abs(2 * h[0] - h[-end] - h[end])));
+            }
+            return;
+        }
+        const bool rows = kind == VertexKind::side_x;
+        VertexRow line{v, stride, s, plain, kind};
+        line.before = !rows || first.y > in.region.first.y;
+        line.after = !rows || first.y < in.region.last.y;
+        line.falling = falling, line.alternate = !root;
+        if (small && plain == count) {
+            SmallRow side{phases, first.y - in.region.first.y, count, kind};
+            side.before = line.before, side.after = line.after;
+            side.falling = line.falling, side.alternate = line.alternate;
+            scan_small_row(side, worst.data());
+        } else if (kind == VertexKind::side_y) { // those on the region's borders are measured inside only
+            if (plain > 1) scan(line, 1, plain - (plain == count ? 2 : 1));
+            line.before = false;
+            scan(line, 0, 1);
+            if (plain == count) line.before = true, line.after = false, scan(line, count - 1, 1);
+        } else {
+            scan(line, 0, plain);
+        }
+        const double unit_m = half_quantum / s;
+        for (std::int32_t i = 0; i < plain; ++i)
+            codes[i * s] = in.scales.errors.code_up(worst[static_cast<std::size_t>(i)] * unit_m);
+    }
+
+    void scan(VertexRow line, std::int32_t from, std::int32_t count) {
+        line.first += std::ptrdiff_t{2} * line.s * from;
+        line.count = count;
+        if (count > 0) scan_row(line, worst.data() + from);
+    }
+
+    const UnsaturatedInput& in;
+    const Tree& tree;
+    const double half_quantum;
+    Patch<std::uint8_t>& to;
+    std::vector<std::int32_t> worst;
+    bool small = false; // this step's vertices go side by side
+    DeinterleavedSamples phases;
+};
+
+} // namespace
+
+void unsaturated_errors(const UnsaturatedInput& input, Patch<std::uint8_t>& out) {
+    const Region& r = input.region;
+    out = {r.first.x / 2, r.first.y / 2, (r.last.x - r.first.x) / 2 + 1, (r.last.y - r.first.y) / 2 + 1};
+    std::fill(out.values.begin(), out.values.end(), std::uint8_t{0}); // corners of tiles
+    UnsaturatedErrors stage(input, out);
+    for (int z = 1; z < input.ground.tree.tile_log2; ++z) stage.run(z);
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,83 @@
+// Regions of a terrain, which are whole tiles, and the quantised heights of one and some places around it.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "baker/work/store.h"
+#include "fjell/tree.h"
+
+namespace fjell::baker {
+
+// Whole tiles in height scale coordinates, borders included.
+struct Region {
+    Coord first, last; // multiples of the tile's side
+};
+
+// The least that a bake works on at once: one tile, or a square of small ones. Regions in rows from the north-west.
+class Regions {
+public:
+    // least_cells: a side; smaller tiles are grouped.
+    Regions(const Tree& tree, std::int32_t least_cells) : tree_(tree) {
+        while (group_ * tree.side() < least_cells) group_ *= 2;
+        across_ = (tree.tiles_x - 1) / group_ + 1;
+        down_ = (tree.tiles_y - 1) / group_ + 1;
+    }
+    [[nodiscard]] std::int64_t count() const { return std::int64_t{across_} * down_; }
+    [[nodiscard]] std::int32_t across() const { return across_; }
+    [[nodiscard]] std::int32_t down() const { return down_; }
+    [[nodiscard]] std::int32_t cells() const { return group_ * tree_.side(); } // a side, at most
+    [[nodiscard]] Region at(std::int64_t index) const {
+        const Coord first{static_cast<std::int32_t>(index % across_) * cells(),
+                          static_cast<std::int32_t>(index / across_) * cells()};
+        return {first,
+                {std::min(first.x + cells(), tree_.grid_columns() - 1),
+                 std::min(first.y + cells(), tree_.grid_rows() - 1)}};
+    }
+    // Calls visit(tile, its north-west corner).
+    template <typename Visit>
+    void for_each_tile(const Region& region, const Visit& visit) const {
+        for (std::int32_t y = region.first.y; y < region.last.y; y += tree_.side())
+            for (std::int32_t x = region.first.x; x < region.last.x; x += tree_.side())
+                visit(static_cast<std::uint32_t>(y / tree_.side() * tree_.tiles_x + x / tree_.side()), Coord{x, y});
+    }
+
+private:
+    Tree tree_;
+    std::int32_t group_ = 1, across_ = 1, down_ = 1;
+};
+
+// Places [x, x + columns) by [y, y + rows), one value each; a place beyond the terrain has the value of
+// where it stands.
+template <typename T>
+struct Patch {
+    static constexpr std::size_t slack = 64; // values past the last that may be read: loops in whole vectors
+    std::int32_t x = 0, y = 0, columns = 0, rows = 0;
+    Buffer<T> values; // not cleared
+
+    Patch() = default;
+    Patch(std::int32_t x0, std::int32_t y0, std::int32_t w, std::int32_t h)
+        : x(x0), y(y0), columns(w), rows(h), values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) + slack) {
+    }
+    [[nodiscard]] std::size_t area() const {
+        return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    }
+    [[nodiscard]] const T* at(std::int32_t px, std::int32_t py) const { return values.data() + index(px, py); }
+    [[nodiscard]] T* at(std::int32_t px, std::int32_t py) { return values.data() + index(px, py); }
+    [[nodiscard]] std::size_t index(std::int32_t px, std::int32_t py) const {
+        return static_cast<std::size_t>(py - y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(px - x);
+    }
+};
+
+struct QuantisedHeights {
+    Tree tree;
+    Patch<std::int32_t> steps;
+    Patch<std::uint8_t> voids; // 1: a hole; no values: there is none here
+
+    [[nodiscard]] std::int32_t h(Coord c) const { return *steps.at(c.x, c.y); }
+    [[nodiscard]] bool has_voids() const { return !voids.values.empty(); }
+    [[nodiscard]] bool is_void(Coord c) const { return has_voids() && *voids.at(c.x, c.y) != 0; }
+};
+
+} // namespace fjell::baker

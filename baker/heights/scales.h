@@ -1,0 +1,54 @@
+// The vertical height scale, and the scales that errors and radii are counted on. All of them follow from bounds, so
+// that a vertex can be encoded without knowing the others (docs/notes/baking.md).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "baker/heights/statistics.h"
+#include "fjell/order.h"
+#include "fjell/pack.h"
+#include "fjell/record.h"
+#include "fjell/tree.h"
+
+namespace fjell::baker {
+
+// The vertical height scale: the source's own step when 65,536 of it span every tile (lossless); otherwise the smallest
+// that does, but not less than a centimetre or a hundredth of the spacing. asked_m: 0, or the step to use; a Failure
+// says the least possible one.
+struct HeightScaleRequest {
+    double spacing_m[2] = {1, 1};
+    double native_quantum_m = 0; // 0: not known
+    double asked_m = 0;
+};
+[[nodiscard]] HeightScale choose_height_scale(const HeightStatistics& heights, const HeightScaleRequest& request);
+
+// HeightScale steps of heights, to the nearest; halves upwards.
+void quantise(const float* heights_m, std::size_t count, const HeightScale& height_scale, std::int32_t* steps);
+
+// The scales of a pack.
+struct Scales {
+    HeightScale height_scale;
+    float floor_m = 1, ratio = 1.05f; // of errors
+    std::uint32_t nesting_steps = 1;
+    ErrorScale errors;
+    RadiusScale radii = RadiusScale::make();
+    float level_radius_m[2 * max_tile_log2] = {};
+    // What a distance between two vertices may be larger by where the runtime places them, in float: along the ground
+    // and in height; and by how much heights were off before.
+    double ground_pad_m = 0, height_pad_m = 0, half_quantum_m = 0;
+};
+struct ScaleInput {
+    Tree tree;
+    double spacing_m[2] = {1, 1};
+    HeightScale height_scale;
+    HeightStatistics heights;
+    double nesting = 0.05;
+};
+[[nodiscard]] Scales choose_scales(const ScaleInput& input);
+
+// A parent's sphere is larger by this factor than containment asks for: more than the roundings of a distance in float,
+// so that spheres that touch nest in float arithmetic too.
+inline constexpr double sphere_margin = 1 + 0x1p-16;
+
+} // namespace fjell::baker

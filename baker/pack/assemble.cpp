@@ -1,0 +1,71 @@
+#include "baker/pack/assemble.h"
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+
+#include <xxhash.h>
+
+namespace fjell::baker {
+
+namespace {
+
+// Chunks that follow each other in the spool are copied in one go.
+class Copier {
+public:
+    Copier(const ChunkSpool& spool, io::AtomicFile& file) : spool_(spool), file_(file) {}
+    void add(std::uint64_t offset, std::uint64_t bytes) {
+        if (offset != from_ + bytes_ || bytes_ + bytes > most) flush(), from_ = offset;
+        bytes_ += bytes;
+    }
+    void flush() {
+        buffer_.resize(bytes_);
+        spool_.read(from_, buffer_);
+        file_.write(buffer_);
+        bytes_ = 0;
+    }
+
+private:
+    static constexpr std::uint64_t most = std::uint64_t{4} << 20;
+    const ChunkSpool& spool_;
+    io::AtomicFile& file_;
+    std::vector<std::byte> buffer_;
+    std::uint64_t from_ = 0, bytes_ = 0;
+};
+
+} // namespace
+
+std::uint64_t assemble_pack(PackHeader header, const ChunkSpool& spool, const std::vector<ChunkId>& sequence,
+                            io::AtomicFile& file, const std::function<void(std::uint64_t)>& moved) {
+    std::memcpy(header.magic, pack_magic, sizeof pack_magic);
+    header.version = pack_version;
+    header.header_bytes = sizeof(PackHeader);
+    header.layout_hash = pack_layout_hash;
+    const PackHeader empty{}; // no magic number until the pack is complete
+    file.write(std::as_bytes(std::span(&empty, 1)));
+
+    std::vector<ChunkEntry> directory = spool.entries();
+    Copier copier(spool, file);
+    std::uint64_t end = sizeof(PackHeader), done = 0;
+    for (const ChunkId& id : sequence) {
+        ChunkEntry& entry = directory.at(chunk_index(header, id));
+        if (entry.stored_bytes == 0) throw std::logic_error("a chunk is missing");
+        copier.add(entry.offset, entry.stored_bytes);
+        entry.offset = end;
+        end += entry.stored_bytes;
+        if (++done % 1024 == 0) moved(done);
+    }
+    copier.flush();
+    if (done != directory.size()) throw std::logic_error("a chunk is missing from the sequence");
+    const auto bytes = std::as_bytes(std::span(directory));
+    header.directory_offset = file.size();
+    header.directory_count = directory.size();
+    header.directory_hash = XXH3_64bits(bytes.data(), bytes.size());
+    file.write(bytes);
+    header.file_bytes = file.size();
+    header.header_hash = XXH3_64bits(&header, offsetof(PackHeader, header_hash));
+    file.write_at(0, std::as_bytes(std::span(&header, 1)));
+    return file.size();
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,19 @@
+// A pack's chunks put together in the order in which they are wanted.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "baker/pack/chunk_spool.h"
+#include "fjell/pack.h"
+#include "io/file.h"
+
+namespace fjell::baker {
+
+// Copies the spool's chunks to the file in the order given and completes header and directory. Every chunk of the pack
+// must be in the sequence once. moved(n): n chunks are there. Returns the file's size; it is not yet committed.
+std::uint64_t assemble_pack(PackHeader header, const ChunkSpool& spool, const std::vector<ChunkId>& sequence,
+                            io::AtomicFile& file, const std::function<void(std::uint64_t)>& moved);
+
+} // namespace fjell::baker

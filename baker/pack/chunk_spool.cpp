@@ -1,0 +1,91 @@
+#include "baker/pack/chunk_spool.h"
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+
+#include <fmt/format.h>
+#include <xxhash.h>
+#include <zstd.h>
+
+#include "io/failure.h"
+
+namespace fjell::baker {
+
+namespace {
+
+// One a thread, set for the kind of chunk. Residuals of heights are noise with hardly a match in them: looking for long
+// ones only takes no more bytes, and leaves the decoder fewer.
+ZSTD_CCtx* compressor(ChunkKind kind, int zstd_level) {
+    thread_local const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), ZSTD_freeCCtx);
+    if (!context) throw io::Failure(3, "cannot compress: not enough memory");
+    const bool page = kind == ChunkKind::geometry;
+    ZSTD_CCtx_reset(context.get(), ZSTD_reset_session_and_parameters);
+    ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, page ? 1 : zstd_level);
+    if (page) ZSTD_CCtx_setParameter(context.get(), ZSTD_c_minMatch, 6);
+    return context.get();
+}
+
+} // namespace
+
+void ChunkBatch::add(ChunkId id, std::span<const std::byte> raw, int zstd_level, const PageBound& bound) {
+    const std::size_t from = bytes_.size();
+    bytes_.resize(from + ZSTD_compressBound(raw.size()));
+    const std::size_t size = ZSTD_compress2(compressor(id.kind, zstd_level), bytes_.data() + from, bytes_.size() - from,
+                                            raw.data(), raw.size());
+    if (ZSTD_isError(size)) throw io::Failure(3, fmt::format("cannot compress: {}", ZSTD_getErrorName(size)));
+    bytes_.resize(from + size);
+    entries_.push_back({id,
+                        {from, XXH3_64bits(bytes_.data() + from, size), static_cast<std::uint32_t>(size),
+                         static_cast<std::uint32_t>(raw.size()), bound}});
+}
+
+ChunkSpool::ChunkSpool(const std::string& data_path, const std::string& entries_path, const PackHeader& layout,
+                       std::uint64_t bytes_so_far)
+    : layout_(layout), count_(chunk_count(layout)), entries_(entries_path, count_ * sizeof(ChunkEntry)),
+      end_(bytes_so_far), in_memory_(data_path.empty()) {
+    if (!in_memory_) data_ = WorkFile(data_path, WorkFile::grows);
+}
+
+void ChunkSpool::append(ChunkBatch batch) {
+    std::unique_lock hold(lock_);
+    const std::uint64_t at = end_;
+    end_ += batch.bytes_.size();
+    if (in_memory_) {
+        batch.bytes_.shrink_to_fit();
+        batches_.push_back(std::move(batch.bytes_));
+        begins_.push_back(at);
+    }
+    hold.unlock();
+    if (!in_memory_) data_.write(at, batch.bytes_);
+    for (const ChunkBatch::Entry& e : batch.entries_) {
+        ChunkEntry entry = e.entry;
+        entry.offset += at;
+        entries_.write(chunk_index(layout_, e.id) * sizeof entry, std::as_bytes(std::span(&entry, 1)));
+    }
+}
+
+void ChunkSpool::read(std::uint64_t offset, std::span<std::byte> to) const {
+    if (!in_memory_) return data_.read(offset, to);
+    auto batch =
+        static_cast<std::size_t>(std::upper_bound(begins_.begin(), begins_.end(), offset) - begins_.begin()) - 1;
+    for (; !to.empty(); ++batch) {
+        const std::size_t from = offset - begins_[batch], count = std::min(to.size(), batches_[batch].size() - from);
+        std::memcpy(to.data(), batches_[batch].data() + from, count);
+        to = to.subspan(count);
+        offset += count;
+    }
+}
+
+std::uint64_t ChunkSpool::bytes() {
+    const std::lock_guard hold(lock_);
+    return end_;
+}
+
+std::vector<ChunkEntry> ChunkSpool::entries() const {
+    std::vector<ChunkEntry> all(count_);
+    entries_.read(0, std::as_writable_bytes(std::span(all)));
+    return all;
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,55 @@
+// Chunks of a pack, compressed as they are made, in any order.
+#pragma once
+
+#include <cstddef>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "baker/work/store.h"
+#include "fjell/pack.h"
+
+namespace fjell::baker {
+
+// Some chunks on their way to the spool. One thread's.
+class ChunkBatch {
+public:
+    void add(ChunkId id, std::span<const std::byte> raw, int zstd_level, const PageBound& bound = {});
+
+private:
+    friend class ChunkSpool;
+    struct Entry {
+        ChunkId id;
+        ChunkEntry entry; // offset: in bytes_
+    };
+    std::vector<Entry> entries_;
+    std::vector<std::byte> bytes_;
+};
+
+// Compressed chunks in a work file, one behind the other. Any thread may append.
+class ChunkSpool {
+public:
+    // Paths: empty: in memory. bytes_so_far: of an earlier run's chunks that count; what lies behind them is
+    // overwritten.
+    ChunkSpool(const std::string& data_path, const std::string& entries_path, const PackHeader& layout,
+               std::uint64_t bytes_so_far);
+    void append(ChunkBatch batch);
+    [[nodiscard]] std::uint64_t bytes(); // of all batches so far
+    // Directory entries by chunk_index, their offsets counted in the spool.
+    [[nodiscard]] std::vector<ChunkEntry> entries() const;
+    void read(std::uint64_t offset, std::span<std::byte> to) const;
+
+private:
+    PackHeader layout_;
+    std::uint64_t count_;
+    WorkFile data_, entries_;
+    std::mutex lock_; // of what follows
+    std::uint64_t end_;
+    // In memory: batches as they came, and where each begins.
+    bool in_memory_;
+    std::vector<std::vector<std::byte>> batches_;
+    std::vector<std::uint64_t> begins_;
+};
+
+} // namespace fjell::baker

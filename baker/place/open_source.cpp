@@ -1,0 +1,275 @@
+// Heights from any raster GDAL opens (thesis 5.3.1, its DataReader for bmp and ascii). Everything that could change the
+// ground silently - units, degrees, voids, orientation - is converted, or refused with the option that decides it.
+#include "baker/place/open_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "baker/place/projection.h"
+#include "baker/place/warp.h"
+#include "baker/read/gdal_file.h"
+#include "baker/read/mosaic.h"
+#include "fjell/pack.h"
+
+namespace fjell::baker {
+
+namespace {
+
+void check_options(const std::vector<std::string>& paths, const ReadOptions& o) {
+    if (paths.empty()) throw Failure(2, "no height field given; name at least one file");
+    if (o.spacing_m && !(*o.spacing_m >= min_spacing_m && *o.spacing_m <= max_spacing_m))
+        throw Failure(2, fmt::format("--spacing {} is out of range; give metres between samples in {}..{:.0f}",
+                                     *o.spacing_m, min_spacing_m, max_spacing_m));
+    if (!(std::abs(o.zscale) >= 1e-6 && std::abs(o.zscale) <= 1e6))
+        throw Failure(2, fmt::format("--zscale {} is out of range; give a factor of size 1e-6..1e6", o.zscale));
+    if (!(std::abs(o.zoffset_m) <= 1e7))
+        throw Failure(2, fmt::format("--zoffset {} is out of range; give metres in -1e7..1e7", o.zoffset_m));
+    if (!o.bbox) return;
+    for (const double edge : *o.bbox)
+        if (!(std::abs(edge) <= 1e9))
+            throw Failure(2, fmt::format("--bbox: {} is out of range; give WEST,SOUTH,EAST,NORTH", edge));
+}
+
+// What a source and all its readers know; never changes.
+struct ReadPlan {
+    ReadOptions options;
+    MosaicLayout layout;
+    bool warped = false;
+    Placement target; // what windows are cut from: the layout's own grid, or the one it is reprojected to
+    Window crop;      // of the target: the source's extents
+    [[nodiscard]] const std::string& name() const { return layout.files.front().facts.path; }
+    [[nodiscard]] std::string names() const {
+        const std::size_t more = layout.files.size() - 1;
+        return more ? fmt::format("{} and {} more", name(), more) : name();
+    }
+};
+
+void check_spacing(const Placement& p, const std::string& path) {
+    for (const double step : p.step)
+        if (!(step * p.unit_m >= min_spacing_m && step * p.unit_m <= max_spacing_m))
+            throw Failure(1, fmt::format("{}: its samples are {} m apart; give --spacing M in {}..{:.0f}", path,
+                                         step * p.unit_m, min_spacing_m, max_spacing_m));
+}
+
+// Samples inside the box, both ends included, along one axis on which sample i stands at from + i * step. What is off
+// by rounding alone is inside.
+std::pair<std::int32_t, std::int32_t> inside(double low, double high, double from, double step, std::int32_t count) {
+    constexpr double slack = 1e-6;
+    double first = (low - from) / step, last = (high - from) / step;
+    if (step < 0) std::swap(first, last);
+    first = std::max(0.0, std::ceil(first - slack));
+    last = std::min(count - 1.0, std::floor(last + slack));
+    return first <= last ? std::pair{static_cast<std::int32_t>(first), static_cast<std::int32_t>(last)}
+                         : std::pair{0, -1};
+}
+
+Window crop_to(const ReadPlan& plan) {
+    const Placement& p = plan.target;
+    const Window all{0, 0, p.columns, p.rows};
+    if (!plan.options.bbox) return all;
+    auto [west, south, east, north] = *plan.options.bbox;
+    const bool counted = p.axes == Axes::none; // columns and rows from the north-west
+    if (!(west < east) || !(counted ? north < south : south < north))
+        throw Failure(2, fmt::format("--bbox {},{},{},{}: give WEST,SOUTH,EAST,NORTH with WEST less than EAST and {}",
+                                     west, south, east, north,
+                                     counted ? "NORTH less than SOUTH (rows from the north; there is no georeference)"
+                                             : "SOUTH less than NORTH"));
+    const auto [left, right] = inside(west, east, counted ? 0 : p.origin[0], p.step[0], p.columns);
+    const auto [top, bottom] =
+        counted ? inside(north, south, 0, 1, p.rows) : inside(south, north, p.origin[1], -p.step[1], p.rows);
+    if (right < left || bottom < top) {
+        const std::string spans =
+            counted ? fmt::format("0,{},{},0", p.rows - 1, p.columns - 1)
+                    : fmt::format("{},{},{},{}", p.origin[0], p.north(p.rows - 1), p.east(p.columns - 1), p.origin[1]);
+        throw Failure(1, fmt::format("{}: --bbox {},{},{},{} lies outside of it; it spans {}", plan.names(), west,
+                                     south, east, north, spans));
+    }
+    if (right == left || bottom == top)
+        throw Failure(1, fmt::format("{}: fewer than 2 x 2 samples lie in --bbox {},{},{},{}; give a larger one",
+                                     plan.names(), west, south, east, north));
+    return {left, top, right - left + 1, bottom - top + 1};
+}
+
+void check_order(const ReadOptions& o) {
+    if (o.bbox && !((*o.bbox)[0] < (*o.bbox)[2]))
+        throw Failure(2, fmt::format("--bbox: WEST {} is not less than EAST {}; give WEST,SOUTH,EAST,NORTH",
+                                     (*o.bbox)[0], (*o.bbox)[2]));
+}
+
+std::shared_ptr<const ReadPlan> make_plan(const std::vector<std::string>& paths, const ReadOptions& options) {
+    check_options(paths, options);
+    check_order(options);
+    auto plan = std::make_shared<ReadPlan>();
+    plan->options = options;
+    plan->layout = lay_out(paths, options);
+    plan->target = plan->layout.at;
+    const GdalMessages quiet;
+    const auto crs = target_crs(plan->layout.at, options, plan->names());
+    if (crs) {
+        if (options.bbox && !((*options.bbox)[1] < (*options.bbox)[3]))
+            throw Failure(2, fmt::format("--bbox: SOUTH {} is not less than NORTH {}; give WEST,SOUTH,EAST,NORTH",
+                                         (*options.bbox)[1], (*options.bbox)[3]));
+        PlacedDataset from(plan->layout.at, source_crs(plan->layout.at), [](const Window&, float*) {});
+        plan->warped = true;
+        plan->target = target_grid(from, *crs, options, plan->names());
+        plan->crop = {0, 0, plan->target.columns, plan->target.rows};
+    } else {
+        if (!options.spacing_m) check_spacing(plan->target, plan->name());
+        plan->crop = crop_to(*plan);
+    }
+    return plan;
+}
+
+class PlainReader final : public HeightReader {
+public:
+    explicit PlainReader(std::shared_ptr<const ReadPlan> plan)
+        : plan_(std::move(plan)), mosaic_(plan_->layout, plan_->options) {}
+    void read(const Window& window, float* to, ReadStatistics& statistics) override {
+        ReadStatistics own;
+        own.per_unit = statistics.per_unit;
+        const Window& crop = plan_->crop;
+        mosaic_.read({window.x + crop.x, window.y + crop.y, window.columns, window.rows}, to, own);
+        for (Tally* t : {&own.voids, &own.implausible}) t->column -= crop.x, t->row -= crop.y;
+        statistics.add(own);
+    }
+
+private:
+    std::shared_ptr<const ReadPlan> plan_;
+    Mosaic mosaic_;
+};
+
+class WarpedReader final : public HeightReader {
+public:
+    explicit WarpedReader(std::shared_ptr<const ReadPlan> plan)
+        : plan_(std::move(plan)), warp_(plan_->layout, plan_->target, plan_->options) {}
+    void read(const Window& window, float* to, ReadStatistics& statistics) override {
+        warp_.read(window, to);
+        statistics.per_unit = 1000; // interpolated heights have no step
+        const auto columns = static_cast<std::size_t>(window.columns);
+        for (std::size_t i = 0; i < window.area(); ++i) {
+            if (std::isnan(to[i])) {
+                statistics.voids.add(window.x + static_cast<std::int32_t>(i % columns),
+                                     window.y + static_cast<std::int32_t>(i / columns));
+                continue;
+            }
+            statistics.least_m = std::min(statistics.least_m, to[i]);
+            statistics.most_m = std::max(statistics.most_m, to[i]);
+        }
+    }
+
+private:
+    std::shared_ptr<const ReadPlan> plan_;
+    Warp warp_;
+};
+
+class FileSource final : public HeightSource {
+public:
+    explicit FileSource(std::shared_ptr<const ReadPlan> plan) : plan_(std::move(plan)) {
+        const Placement& p = plan_->target;
+        const ReadOptions& o = plan_->options;
+        columns = plan_->crop.columns;
+        rows = plan_->crop.rows;
+        for (const int axis : {0, 1}) spacing_m[axis] = o.spacing_m ? *o.spacing_m : p.step[axis] * p.unit_m;
+        if (p.axes == Axes::none) return;
+        std::copy_n(p.step, 2, crs_step);
+        origin_m[0] = p.east(plan_->crop.x);
+        origin_m[1] = p.north(plan_->crop.y);
+        crs_wkt = p.crs_wkt;
+    }
+    std::unique_ptr<HeightReader> reader() const override {
+        if (plan_->warped) return std::make_unique<WarpedReader>(plan_);
+        return std::make_unique<PlainReader>(plan_);
+    }
+    int readers(int threads) const override {
+        const auto sequential = [](const MosaicFile& f) { return f.facts.sequential; };
+        const auto& files = plan_->layout.files;
+        // Readers of a mosaic work in different files most of the time.
+        return files.size() == 1 && std::any_of(files.begin(), files.end(), sequential) ? 1 : threads;
+    }
+    std::vector<Window> windows(std::size_t most) const override;
+    SourceProperties properties(const ReadStatistics& statistics) const override;
+    std::string identity() const override;
+
+private:
+    void refuse_voids(const ReadStatistics& statistics) const;
+    std::shared_ptr<const ReadPlan> plan_;
+};
+
+std::vector<Window> FileSource::windows(std::size_t most) const {
+    const Window& crop = plan_->crop;
+    if (plan_->warped) return cut_along(crop, Blocks{warp_block, warp_block, 0, 0}, most);
+    std::vector<Window> windows = cut_along(plan_->layout, crop, most);
+    for (Window& w : windows) w.x -= crop.x, w.y -= crop.y;
+    // A format that is decoded from its start begins where the file does.
+    const FileFacts& first = plan_->layout.files.front().facts;
+    if (plan_->layout.files.size() == 1 && first.at.flip_y) std::reverse(windows.begin(), windows.end());
+    return windows;
+}
+
+// Throws for what the user has to decide about, and for files without any height.
+void FileSource::refuse_voids(const ReadStatistics& statistics) const {
+    constexpr const char* remedy =
+        "give --nodata hole to leave them open or --nodata fill to fill them from their neighbours";
+    const std::string path = plan_->names();
+    const NoData nodata = plan_->options.nodata;
+    const std::uint64_t all = plan_->crop.area();
+    const auto& voids = statistics.voids;
+    const auto& implausible = statistics.implausible;
+    if (!(statistics.least_m <= statistics.most_m))
+        throw Failure(1,
+                      fmt::format("{}: all {} samples are no-data, NaN or outside {}..{} m; give a file with heights",
+                                  path, all, lowest_m, highest_m));
+    if (implausible.count && (nodata == NoData::automatic || nodata == NoData::refuse))
+        throw Failure(1, fmt::format("{}: {} of {} heights lie outside {}..{} m, the first {} m at column {}, row {}; "
+                                     "if they are voids, {}; if the unit is another, give --zscale S",
+                                     path, implausible.count, all, lowest_m, highest_m, statistics.implausible_m,
+                                     implausible.column, implausible.row, remedy));
+    if (voids.count && nodata == NoData::refuse && !plan_->warped) // corners of what is reprojected are no one's fault
+        throw Failure(1, fmt::format("{}: {} of {} samples are no-data or NaN, the first at column {}, row {}; {}",
+                                     path, voids.count, all, voids.column, voids.row, remedy));
+}
+
+SourceProperties FileSource::properties(const ReadStatistics& statistics) const {
+    refuse_voids(statistics);
+    // Squares of heights must stay far from float's largest value, like those of extents.
+    if (statistics.least_m < -max_extent_m || statistics.most_m > max_extent_m)
+        throw Failure(2, fmt::format("{}: heights become {}..{} m; give a smaller --zscale", plan_->names(),
+                                     statistics.least_m, statistics.most_m));
+    SourceProperties s;
+    s.holes = statistics.voids.count + statistics.implausible.count > 0 && plan_->options.nodata != NoData::fill;
+    const FileFacts& first = plan_->layout.files.front().facts;
+    const Scaling& scaling = first.decoding.scaling;
+    s.anchor_m = scaling.asked_m(scaling.file_offset_m);
+    const bool alike = std::all_of(plan_->layout.files.begin(), plan_->layout.files.end(), [&](const MosaicFile& f) {
+        return f.facts.decoding.scaling == scaling && f.facts.step == first.step;
+    });
+    if (alike && statistics.per_unit <= 100 && !plan_->warped)
+        s.native_quantum_m = first.step / statistics.per_unit * std::abs(scaling.file_scale * scaling.zscale);
+    return s;
+}
+
+std::string FileSource::identity() const {
+    const ReadOptions& o = plan_->options;
+    std::string text =
+        fmt::format("crs {} spacing {} encoding {} zscale {} zoffset {} nodata {} bbox", o.crs, o.spacing_m.value_or(0),
+                    static_cast<int>(o.encoding), o.zscale, o.zoffset_m, static_cast<int>(o.nodata));
+    if (o.bbox)
+        for (const double edge : *o.bbox) text += fmt::format(" {}", edge);
+    for (const MosaicFile& f : plan_->layout.files) text += "\n" + f.facts.identity;
+    return text;
+}
+
+} // namespace
+
+std::unique_ptr<HeightSource> open_source(const std::vector<std::string>& paths, const ReadOptions& options) {
+    return std::make_unique<FileSource>(make_plan(paths, options));
+}
+
+void limit_gdal_cache(std::size_t bytes) {
+    GDALSetCacheMax64(static_cast<GIntBig>(bytes));
+}
+
+} // namespace fjell::baker

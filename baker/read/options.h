@@ -1,0 +1,38 @@
+// How files become heights in metres.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace fjell::baker {
+
+// Voids are samples that the file marks as no-data (tag or mask) or that are NaN. Odd ones are infinite, or outside
+// -12000..30000 m both as the file has them and after zscale: undeclared voids (-32767 and the like), or another unit.
+// automatic: voids become holes; implausible ones, which only the user can tell apart, are refused. hole:
+// both become holes. fill: both become ground, a smooth continuation of what surrounds them, on the source's own step
+// (fill.h). refuse: a Failure that counts them.
+enum class NoData : std::uint8_t { automatic, hole, fill, refuse };
+
+// Heights packed into the red, green and blue of a picture; no height where alpha is 0.
+// terrarium: R * 256 + G + B / 256 - 32768. terrain_rgb (Mapbox): -10000 + (R * 65536 + G * 256 + B) * 0.1.
+enum class Encoding : std::uint8_t { none, terrarium, terrain_rgb };
+
+struct ReadOptions {
+    // Overrides the file's; decides what to do with degrees (they count as a square grid) or without a georeference.
+    // With a crs that is named, the spacing to reproject to.
+    std::optional<double> spacing_m;
+    // automatic ("auto"): what is in degrees is reprojected to metres (projection.h), the rest stays as it is. "none":
+    // nothing is reprojected. Else a projected CRS as GDAL understands it ("EPSG:25832", WKT, PROJ) to reproject to.
+    std::string crs = "auto";
+    Encoding encoding = Encoding::none;
+    // West, south, east, north: only samples inside. In the units of the CRS after reprojection; columns and rows,
+    // counted from the north-west, when there is no georeference.
+    std::optional<std::array<double, 4>> bbox;
+    double zscale = 1;    // multiplies heights after the band's own scale and offset
+    double zoffset_m = 0; // added after zscale
+    NoData nodata = NoData::automatic;
+};
+
+} // namespace fjell::baker

@@ -1,0 +1,136 @@
+#include "baker/work/store.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "io/failure.h"
+#include "io/file.h"
+
+namespace fjell::baker {
+
+using io::Failure;
+
+WorkFile::WorkFile(std::string path, std::uint64_t bytes) : path_(std::move(path)) {
+    if (path_.empty()) {
+        memory_.assign(bytes, std::byte{0});
+        return;
+    }
+    fd_ = io::uninterrupted([&] { return open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666); });
+    if (fd_ < 0) io::disk_failure(path_, "open");
+    struct stat info {};
+    if (bytes == grows) return;
+    if (fstat(fd_, &info) == 0 && static_cast<std::uint64_t>(info.st_size) == bytes) return;
+    // Taken at once where the file system can, so that a disk that is too small is known before the work.
+    const bool taken =
+        bytes == 0 || io::uninterrupted([&] { return fallocate(fd_, 0, 0, static_cast<off_t>(bytes)); }) == 0;
+    if (!taken && errno != EOPNOTSUPP && errno != ENOSYS && errno != EINVAL) io::disk_failure(path_, "reserve");
+    if (io::uninterrupted([&] { return ftruncate(fd_, static_cast<off_t>(bytes)); }) != 0)
+        io::disk_failure(path_, "reserve");
+}
+
+WorkFile::~WorkFile() {
+    if (fd_ >= 0) close(fd_);
+}
+
+void WorkFile::read(std::uint64_t offset, std::span<std::byte> to) const {
+    if (fd_ >= 0)
+        io::read_all(fd_, offset, to, path_);
+    else
+        std::memcpy(to.data(), memory_.data() + offset, to.size());
+}
+
+void WorkFile::write(std::uint64_t offset, std::span<const std::byte> from) {
+    if (fd_ >= 0)
+        io::write_all(fd_, offset, from, path_);
+    else
+        std::memcpy(memory_.data() + offset, from.data(), from.size());
+}
+
+void WorkFile::remove() {
+    if (fd_ >= 0) {
+        close(fd_);
+        unlink(path_.c_str());
+    }
+    fd_ = -1;
+    memory_ = {};
+}
+
+WorkFolder::WorkFolder(const std::string& pack_path) : path_(io::where_written(pack_path) + ".work") {
+    std::error_code error;
+    if (std::filesystem::is_character_file(pack_path, error)) // beside devices is no place for anything
+        path_ = (std::filesystem::temp_directory_path() / fmt::format("fjell-bake-{}.work", getpid())).string();
+    do {
+        std::filesystem::create_directory(path_, error);
+        if (error) {
+            errno = error.value();
+            if (errno == ENOENT || errno == ENOTDIR)
+                throw Failure(
+                    1, fmt::format("{}: the output folder does not exist; create it or choose another", pack_path));
+            io::disk_failure(path_, "make the folder");
+        }
+    } while (!take_lock(pack_path));
+    for (const auto& entry : std::filesystem::directory_iterator(path_, error))
+        keep_ = keep_ || entry.path().filename() != "lock";
+}
+
+bool WorkFolder::take_lock(const std::string& pack_path) {
+    const std::string name = file("lock");
+    std::error_code ignored;
+    // Asked twice: a bake that moves in makes its lock first.
+    if (!std::filesystem::exists(name, ignored) && !std::filesystem::is_empty(path_, ignored) && !ignored &&
+        !std::filesystem::exists(name, ignored))
+        throw Failure(
+            1, fmt::format("{}: is not a bake's folder, and what is in it would be lost; move it away, or choose "
+                           "another name for {}",
+                           path_, pack_path));
+    lock_ = io::uninterrupted([&] { return open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666); });
+    if (lock_ < 0 && errno == ENOENT) return false;
+    if (lock_ < 0) {
+        const int why = errno;
+        rmdir(path_.c_str()); // only when there is nothing in it
+        errno = why;
+        io::disk_failure(path_, "open the lock in");
+    }
+    struct stat held {
+    }, there{};
+    if (io::uninterrupted([&] { return flock(lock_, LOCK_EX | LOCK_NB); }) != 0) {
+        close(lock_);
+        throw Failure(
+            1, fmt::format("{}: another bake is writing this pack; wait for it, or choose another name", pack_path));
+    }
+    // Whoever had it may have removed it between our two calls: then what is held is a lock on nothing.
+    if (fstat(lock_, &held) == 0 && stat(name.c_str(), &there) == 0 && held.st_ino == there.st_ino) return true;
+    close(lock_);
+    return false;
+}
+
+bool WorkFolder::empty() {
+    std::error_code error, first, failed;
+    std::filesystem::directory_iterator at(path_, first);
+    while (!first && at != std::filesystem::directory_iterator()) {
+        if (at->path().filename() != "lock") std::filesystem::remove_all(at->path(), error);
+        at.increment(first);
+        if (error) failed = error;
+    }
+    return !first && !failed;
+}
+
+// The lock goes last, by which the folder is known for ours, and the folder only when it is empty: another bake may
+// have moved in by then.
+WorkFolder::~WorkFolder() {
+    if (!keep_ && empty()) {
+        unlink(file("lock").c_str());
+        rmdir(path_.c_str());
+    }
+    close(lock_);
+}
+
+} // namespace fjell::baker
