@@ -32,7 +32,7 @@ public:
     [[nodiscard]] const flight::Session& session() const { return *session_; }
     [[nodiscard]] Scene scene() const;
 
-    // Makes anew what the profile's budgets ask for: the method's block, or terrain and stream too. True when it did.
+    // Recreates what the profile's budgets ask for: the method's block, or terrain and stream too. True when it did.
     bool follow(const flight::Profile& profile);
     // One update for that view, uploaded. draw_us: what the upload took.
     [[nodiscard]] flight::FrameEntry update(const View& view, const flight::Profile& profile, double now_s,
@@ -53,7 +53,7 @@ public:
 
 private:
     [[nodiscard]] flight::FlightOptions options(const flight::Profile& profile) const;
-    void ask_for_error(const State& state, gl::DrawOptions& options);
+    void set_error_options(const State& state, gl::DrawOptions& options);
     void set_renderer(std::unique_ptr<gl::Renderer> renderer);
     void remake(const flight::Profile& profile); // the method's block, and a renderer for it
 

@@ -18,7 +18,7 @@
 #include <thread>
 #include <vector>
 
-#include "editor/names.h"
+#include "editor/jobs/tune_settings.h"
 #include "flight/path.h"
 #include "flight/profile.h"
 

@@ -1,4 +1,4 @@
-// The editor's camera on a real terrain, by its commands; and the map. Needs a headless OpenGL context.
+// The editor's camera on a real terrain, by its commands; and the overview. Needs a headless OpenGL context.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -27,13 +27,13 @@ struct Place {
         state.interface.view_width_px = 640;
         state.interface.view_height_px = 360;
         engine.open(folder / "t.fjell", state.document.profile());
-        look_at_scene(desk());
+        start_at_scene(context());
         frame();
     }
     ~Place() { engine.close(); } // before its context goes
-    Desk desk() { return {state, engine, jobs}; }
-    void act(const Command& command) { apply(command, desk()); }
-    void frame() { move_camera(desk(), 1.0 / 60); }
+    HandlerContext context() { return {state, engine, jobs}; }
+    void act(const Command& command) { apply(command, context()); }
+    void frame() { move_camera(context(), 1.0 / 60); }
     [[nodiscard]] const Terrain& terrain() const { return engine.session().terrain(); }
     [[nodiscard]] double ground(double x, double z) const { return ground_height(terrain(), x, z).height_m; }
     [[nodiscard]] double above() const {
@@ -55,8 +55,8 @@ struct Place {
     Jobs jobs;
 };
 
-Move drag(Random& random) {
-    Move move;
+MoveCamera drag(Random& random) {
+    MoveCamera move;
     move.seconds = 1.0 / 60;
     move.right_rad = uniform(random, -0.5, 0.5);
     move.up_rad = uniform(random, -0.5, 0.5);
@@ -75,7 +75,7 @@ TEST_CASE("however it is dragged, the camera never sinks into the ground") {
         INFO("seed " << seed);
         for (const Navigation navigation : {Navigation::orbit, Navigation::fly}) {
             place.fly_somewhere();
-            place.act(Navigate{navigation});
+            place.act(SetNavigation{navigation});
             double least = 1e9;
             for (int i = 0; i < 400; ++i) {
                 place.act(drag(place.random));
@@ -94,7 +94,7 @@ TEST_CASE("an orbit begins without moving the camera, around the ground in the p
         Eye& eye = place.state.eye;
         const flight::Pose pose = eye.free.pose();
         const GroundHit hit = cast_ray(place.terrain(), pose.position_m, pose.direction, 1e9);
-        place.act(Navigate{Navigation::orbit});
+        place.act(SetNavigation{Navigation::orbit});
         INFO("seed " << seed << (hit.hit ? "" : ", sky"));
         CHECK(length(eye.free.position_m - pose.position_m) == 0);
         if (hit.hit) {
@@ -102,7 +102,7 @@ TEST_CASE("an orbit begins without moving the camera, around the ground in the p
             CHECK(length(eye.free.pose().direction - pose.direction) < 1e-12);
         }
         for (int i = 0; i < 100; ++i) {
-            Move move = drag(place.random);
+            MoveCamera move = drag(place.random);
             place.act(move);
             const Vec3 way = normalised(eye.orbit_centre_m - eye.free.position_m);
             // Straight over the centre pitch stops short, and there alone the two differ.
@@ -113,14 +113,14 @@ TEST_CASE("an orbit begins without moving the camera, around the ground in the p
 
 TEST_CASE("the wheel nears the orbit's centre and sets the speed of flying") {
     Place place(2);
-    place.act(LookAtAll{});
+    place.act(ViewAll{});
     const double speed = place.state.eye.free.speed_m_s;
-    Move wheel;
+    MoveCamera wheel;
     wheel.speed_steps = 1;
     place.act(wheel);
     CHECK(place.state.eye.free.speed_m_s == Approx(1.25 * speed));
     CHECK(place.state.eye.speed_shown_until_s > place.state.now_s);
-    place.act(Navigate{Navigation::orbit});
+    place.act(SetNavigation{Navigation::orbit});
     const double away = place.state.eye.orbit_radius_m;
     place.act(wheel);
     CHECK(place.state.eye.orbit_radius_m == Approx(0.85 * away));
@@ -144,7 +144,7 @@ TEST_CASE("a jump keeps the view and the height above the ground") {
             CHECK(now.heading == before.heading);
             CHECK(now.pitch == before.pitch);
         }
-        place.act(JumpTo{-1e9, 1e9}); // beside the map
+        place.act(JumpTo{-1e9, 1e9}); // beside the terrain
         CHECK(place.state.eye.free.position_m.x == 0);
         CHECK(place.state.eye.free.position_m.z == Approx(place.state.scene.depth_m()));
     }
@@ -153,14 +153,14 @@ TEST_CASE("a jump keeps the view and the height above the ground") {
 TEST_CASE("frozen, refinement stays where it was and the picture moves on") {
     Place place(4);
     const Vec3 here = place.state.eye.view.eye_m;
-    place.act(Freeze{true});
+    place.act(FreezeRefinement{true});
     place.fly_somewhere();
     place.frame();
     REQUIRE(place.state.eye.refining);
     CHECK(length(place.state.eye.refining->eye_m - here) == 0);
     CHECK(length(place.state.eye.view.eye_m - here) > 0);
     CHECK(place.state.eye.frozen);
-    place.act(Freeze{false});
+    place.act(FreezeRefinement{false});
     CHECK_FALSE(place.state.eye.refining);
     CHECK_FALSE(place.state.eye.frozen);
 }
@@ -173,15 +173,15 @@ TEST_CASE("a path is followed as it is held, until a hand moves the camera") {
         place.act(AddPoint{});
     }
     REQUIRE(place.state.route.points().size() == 4);
-    place.act(PathSeconds{4});
+    place.act(SetPathSeconds{4});
     place.act(PlayPath{true});
     CHECK(place.state.eye.navigation == Navigation::path);
     for (int i = 0; i < 60; ++i) place.frame();
     CHECK(place.state.route.share() == Approx(0.25).margin(1e-9));
     CHECK(length(place.state.eye.view.eye_m - place.state.route.pose().position_m) == 0);
-    place.act(Move{}); // of a frame in which nothing was touched
+    place.act(MoveCamera{}); // of a frame in which nothing was touched
     CHECK(place.state.route.playing());
-    Move look;
+    MoveCamera look;
     look.right_rad = 0.1;
     place.act(look);
     CHECK_FALSE(place.state.route.playing());
@@ -199,14 +199,14 @@ TEST_CASE("what cannot be done says so and changes nothing") {
     Place place(8);
     const std::size_t said = place.state.messages.all.size();
     for (const Command& command :
-         std::initializer_list<Command>{PlayPath{true}, SeekPath{0.5}, Navigate{Navigation::path}, RemovePoint{0},
+         std::initializer_list<Command>{PlayPath{true}, SeekPath{0.5}, SetNavigation{Navigation::path}, RemovePoint{0},
                                         RestorePath{}, SavePath{}, PlaceCamera{{1e9, 0, 0}, 0, 0}})
         place.act(command);
     CHECK(place.state.messages.all.size() == said + 7);
     CHECK(place.state.eye.navigation == Navigation::fly);
 }
 
-TEST_CASE("the map is painted in slices, all of it, and again while coarse terrain is still coming") {
+TEST_CASE("the overview is painted in slices, all of it, and again while coarse terrain is still coming") {
     Place place(9);
     Overview map;
     map.begin(place.terrain());
@@ -219,7 +219,7 @@ TEST_CASE("the map is painted in slices, all of it, and again while coarse terra
     CHECK(frames > 100);
     const std::set<std::uint32_t> colours(map.texels().begin(), map.texels().end());
     CHECK(colours.size() > 100);
-    Map shown;
+    OverviewImage shown;
     map.upload(shown);
     CHECK(shown.texture != 0);
     CHECK(shown.share == 1);

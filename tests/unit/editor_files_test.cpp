@@ -12,8 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "editor/files/sample.h"
 #include "editor/handlers/handlers.h"
-#include "editor/sample.h"
 #include "fjell/pack.h"
 #include "io/failure.h"
 #include "support/program.h"
@@ -89,11 +89,11 @@ std::string dem_text() {
 TEST_CASE("settings, state and cache are where XDG says, at home otherwise, and nowhere without a home") {
     const Variable home("HOME", "/home/me"), config("XDG_CONFIG_HOME", nullptr), state("XDG_STATE_HOME", "/elsewhere"),
         cache("XDG_CACHE_HOME", "relative");
-    CHECK(places().config == "/home/me/.config/fjell");
-    CHECK(places().state == "/elsewhere/fjell");
-    CHECK(places().cache == "/home/me/.cache/fjell"); // XDG: only absolute ones count
+    CHECK(standard_folders().config == "/home/me/.config/fjell");
+    CHECK(standard_folders().state == "/elsewhere/fjell");
+    CHECK(standard_folders().cache == "/home/me/.cache/fjell"); // XDG: only absolute ones count
     const Variable homeless("HOME", nullptr);
-    CHECK(places().config.empty());
+    CHECK(standard_folders().config.empty());
 }
 
 TEST_CASE("settings are read as they were written, and damaged ones are the defaults, with one line to say so") {
@@ -140,7 +140,7 @@ TEST_CASE("what a file is, its content says") {
     const TemporaryFolder folder;
     const auto kind = [&](const char* name, const std::string& text) {
         spit(folder / name, text);
-        return kind_of(folder / name);
+        return file_kind_of(folder / name);
     };
     CHECK(kind("a", std::string(pack_magic, sizeof pack_magic) + "rest") == FileKind::pack);
     CHECK(kind("damaged.fjell", "x") == FileKind::pack); // the one that reads it says what is wrong
@@ -151,9 +151,9 @@ TEST_CASE("what a file is, its content says") {
     CHECK(kind("f.json", "{\"inputs\": []}") == FileKind::heights);
     CHECK(kind("g.asc", dem_text()) == FileKind::heights);
     for (const auto& path : fs::directory_iterator(FJELL_SOURCE_DIR "/content/paths"))
-        CHECK(kind_of(path.path().string()) == FileKind::path);
+        CHECK(file_kind_of(path.path().string()) == FileKind::path);
     for (const auto& path : fs::directory_iterator(FJELL_SOURCE_DIR "/profiles"))
-        CHECK(kind_of(path.path().string()) == FileKind::profile);
+        CHECK(file_kind_of(path.path().string()) == FileKind::profile);
     spit(folder / "text.txt", "no terrain");
     spit(folder / "empty", "");
     spit(folder / "other.json", "{\"name\": 1}");
@@ -161,7 +161,7 @@ TEST_CASE("what a file is, its content says") {
     for (const char* name : {"text.txt", "empty", "other.json", "broken.json", "missing", ""}) {
         INFO(name);
         try {
-            (void)kind_of(folder / name);
+            (void)file_kind_of(folder / name);
             FAIL_CHECK("was taken");
         } catch (const io::Failure& failure) {
             CHECK(std::string(failure.what()).find('\n') == std::string::npos);
@@ -173,7 +173,7 @@ TEST_CASE("what a file is, its content says") {
 TEST_CASE("the sample is the landscape of content/, written where it is baked") {
     const TemporaryFolder folder;
     CHECK(sample_landscape() == slurp(FJELL_SOURCE_DIR "/content/terrain/mountains-small.json"));
-    const Bake bake = bake_sample(folder / "cache/fjell");
+    const BakePack bake = bake_sample(folder / "cache/fjell");
     REQUIRE(bake.inputs.size() == 1);
     CHECK(slurp(bake.inputs[0]) == sample_landscape());
     CHECK(bake.inputs[0].ends_with(".json")); // what tells a landscape from heights
@@ -183,7 +183,7 @@ TEST_CASE("the sample is the landscape of content/, written where it is baked") 
     CHECK_THROWS_AS(bake_sample(""), io::Failure);
 }
 
-TEST_CASE("a folder is listed with folders first, files of the dialogue's kinds, and the rest on demand") {
+TEST_CASE("a folder is listed with folders first, files of the dialog's kinds, and the rest on demand") {
     const TemporaryFolder folder;
     for (const char* name : {"b", "a"}) fs::create_directory(folder / name);
     spit(folder / "z.fjell", "12345");
@@ -191,7 +191,7 @@ TEST_CASE("a folder is listed with folders first, files of the dialogue's kinds,
     spit(folder / "p.toml", "");
     spit(folder / "program.exe", "");
     spit(folder / ".hidden.fjell", "");
-    Browser browser;
+    FolderListing browser;
     const auto names = [&] {
         std::vector<std::string> all;
         for (std::size_t i = 0; i < browser.size(); ++i) all.push_back(browser.entry(i).name);
@@ -226,7 +226,7 @@ TEST_CASE("a folder is listed with folders first, files of the dialogue's kinds,
 TEST_CASE("a folder that cannot be read is a problem to show, and a large one is listed whole") {
     const TemporaryFolder folder;
     spit(folder / "file", "");
-    Browser browser;
+    FolderListing browser;
     for (const char* name : {"file", "missing"}) {
         browser.look(folder / name);
         CHECK(browser.size() == 0);
@@ -246,7 +246,7 @@ TEST_CASE("changes are kept every two seconds, found when their editor is no mor
     Document document;
     const Route route;
     auto living = std::make_unique<Recovery>();
-    living->begin(where);
+    living->start(where);
     living->keep(document, route, "a.fjell", 0);
     CHECK(names_in(where).empty()); // nothing has changed
     change(document, 3);
@@ -260,18 +260,18 @@ TEST_CASE("changes are kept every two seconds, found when their editor is no mor
     CHECK(slurp(living->file()) != first);
 
     Recovery next;
-    next.look(where);
+    next.find(where);
     CHECK_FALSE(next.found()); // that editor lives
     living.reset();
-    next.look(where);
+    next.find(where);
     REQUIRE(next.found());
     CHECK(next.found()->profile.refine.error_px == 4);
     CHECK(next.found()->profile_changed);
     CHECK(next.found()->pack == "a.fjell");
     Recovery third;
-    third.look(where);
+    third.find(where);
     CHECK_FALSE(third.found()); // it is offered once
-    next.forget();
+    next.drop_found();
     CHECK_FALSE(next.found());
     CHECK(names_in(where).empty());
 }
@@ -286,13 +286,13 @@ TEST_CASE("a path that was not saved is found with the time that it takes, also 
     ground.cell_m = 30;
     for (int i = 0; i < 4; ++i) route.add({{1000.0 * i, 500, 3000}, {0, 0, -1}, {0, 1, 0}}, ground);
     auto living = std::make_unique<Recovery>();
-    living->begin(where);
+    living->start(where);
     living->keep(document, route, "a.fjell", 0);
     route.set_seconds(9.5, ground);
     living->keep(document, route, "a.fjell", 10);
     living.reset();
     Recovery next;
-    next.look(where);
+    next.find(where);
     REQUIRE(next.found());
     CHECK(next.found()->points == route.points());
     CHECK(next.found()->path_seconds == 9.5);
@@ -302,7 +302,7 @@ TEST_CASE("changes that are saved or undone are kept no longer") {
     const TemporaryFolder folder;
     Document document;
     Recovery recovery;
-    recovery.begin(folder / "state");
+    recovery.start(folder / "state");
     for (const bool save : {true, false}) {
         change(document, save ? 3 : 4);
         recovery.keep_now(document, Route(), "");
@@ -320,21 +320,21 @@ TEST_CASE("two editors keep their changes apart, and both are found, the latest 
     change(two, 4);
     {
         Recovery first, second;
-        first.begin(folder / "state");
-        second.begin(folder / "state");
+        first.start(folder / "state");
+        second.start(folder / "state");
         first.keep_now(one, Route(), "");
         second.keep_now(two, Route(), "");
         CHECK(first.file() != second.file());
         fs::last_write_time(first.file(), fs::file_time_type::clock::now() - std::chrono::hours(1));
     }
     Recovery next;
-    next.look(folder / "state");
+    next.find(folder / "state");
     REQUIRE(next.found());
     CHECK(next.found()->profile.refine.error_px == 4);
-    next.forget();
+    next.drop_found();
     REQUIRE(next.found());
     CHECK(next.found()->profile.refine.error_px == 3);
-    next.forget();
+    next.drop_found();
     CHECK_FALSE(next.found());
 }
 
@@ -348,7 +348,7 @@ TEST_CASE("changes of an editor that was killed are found") {
         Document document;
         change(document, 7);
         Recovery recovery;
-        recovery.begin(folder / "state");
+        recovery.start(folder / "state");
         recovery.keep(document, Route(), "", 1);
         (void)!write(ready[1], "x", 1);
         for (;;) pause();
@@ -356,11 +356,11 @@ TEST_CASE("changes of an editor that was killed are found") {
     char done = 0;
     REQUIRE(read(ready[0], &done, 1) == 1);
     Recovery next;
-    next.look(folder / "state");
+    next.find(folder / "state");
     CHECK_FALSE(next.found());
     kill(child, SIGKILL);
     REQUIRE(waitpid(child, nullptr, 0) == child);
-    next.look(folder / "state");
+    next.find(folder / "state");
     REQUIRE(next.found());
     CHECK(next.found()->profile.refine.error_px == 7);
     close(ready[0]);
@@ -373,7 +373,7 @@ TEST_CASE("damaged changes are set aside with a message, and those that cannot b
     for (const char* text : {"", "{}", "{\"path\": 1}"}) {
         spit(folder / "state/unsaved-1-0.json", text);
         Recovery recovery;
-        recovery.look(folder / "state");
+        recovery.find(folder / "state");
         CHECK_FALSE(recovery.found());
         CHECK(recovery.take_problem().find("damaged") != std::string::npos);
         CHECK(names_in(folder / "state") == std::vector<std::string>{"unsaved-1-0.json.damaged"});
@@ -381,7 +381,7 @@ TEST_CASE("damaged changes are set aside with a message, and those that cannot b
     spit(folder / "file", "");
     Document document;
     Recovery recovery;
-    recovery.begin(folder / "file/fjell");
+    recovery.start(folder / "file/fjell");
     int told = 0;
     for (int i = 0; i < 5; ++i) {
         change(document, 2 + i);
@@ -481,7 +481,7 @@ TEST_CASE("the keys in which a compared profile differs are listed, until theirs
     spit(folder / "theirs.toml", "[refine]\nerror_px = 5.0\nmorph = \"time\"\n");
     Editor editor;
     editor.run("compare " + folder / "theirs.toml");
-    keep_up(editor.state);
+    update_file_state(editor.state);
     const std::vector<Difference>& differences = editor.state.files.differences;
     REQUIRE(differences.size() == 2);
     CHECK(std::string(differences[0].key->name) == "error_px");
@@ -489,28 +489,28 @@ TEST_CASE("the keys in which a compared profile differs are listed, until theirs
     CHECK(differences[0].theirs == "5.0");
     CHECK(differences[1].theirs == "\"time\"");
     apply(SetKey{differences[0].key, differences[0].theirs_value, false}, {editor.state, editor.engine, editor.jobs});
-    keep_up(editor.state);
+    update_file_state(editor.state);
     CHECK(editor.error_px() == 5);
     CHECK(differences.size() == 1);
     editor.run("compare-off");
-    keep_up(editor.state);
+    update_file_state(editor.state);
     CHECK(differences.empty());
 }
 
 TEST_CASE("the title names the profile, with a star while it is not saved") {
     const TemporaryFolder folder;
     Editor editor;
-    keep_up(editor.state);
+    update_file_state(editor.state);
     CHECK(editor.state.files.title == "default profile - Fjell editor");
     editor.set(3);
-    keep_up(editor.state);
+    update_file_state(editor.state);
     CHECK(editor.state.files.title == "* default profile - Fjell editor");
     editor.run("save-profile " + folder / "p.toml");
-    keep_up(editor.state);
+    update_file_state(editor.state);
     CHECK(editor.state.files.title == "p.toml - Fjell editor");
     CHECK(editor.state.files.profile_name == "p.toml");
     editor.run("undo");
-    keep_up(editor.state);
+    update_file_state(editor.state);
     CHECK(editor.state.files.profile_name == "* p.toml");
 }
 
@@ -520,13 +520,13 @@ TEST_CASE("an editor that ended against its will leaves its changes to the next 
     for (const bool restore : {true, false}) {
         {
             Editor editor;
-            begin_keeping(editor.state, true);
+            start_persistence(editor.state, true);
             editor.run("open " + home.folder / "mine.toml");
             editor.set(3);
-            end_keeping(editor.state, false); // a signal
+            finish_persistence(editor.state, false); // a signal
         }
         Editor next;
-        begin_keeping(next.state, true);
+        start_persistence(next.state, true);
         REQUIRE(next.state.files.recovery.found());
         next.run(restore ? "recover restore" : "recover discard");
         CHECK_FALSE(next.state.files.recovery.found());
@@ -534,7 +534,7 @@ TEST_CASE("an editor that ended against its will leaves its changes to the next 
         CHECK(next.state.document.unsaved() == restore);
         CHECK(next.state.document.path() == (restore ? home.folder / "mine.toml" : std::string()));
         if (restore) CHECK(names_in(home.folder / "state/fjell").size() == 2); // kept by this one now
-        end_keeping(next.state, true);
+        finish_persistence(next.state, true);
         CHECK(names_in(home.folder / "state/fjell").empty());
     }
 }
@@ -543,21 +543,21 @@ TEST_CASE("packs that were opened are recent in the next run, and headless ones 
     const Home home;
     {
         Editor editor;
-        begin_keeping(editor.state, true);
-        opened_pack("/packs/a.fjell", editor.state);
-        opened_pack("/packs/b.fjell", editor.state);
+        start_persistence(editor.state, true);
+        remember_pack("/packs/a.fjell", editor.state);
+        remember_pack("/packs/b.fjell", editor.state);
     }
     {
         Editor script;
-        begin_keeping(script.state, false);
+        start_persistence(script.state, false);
         CHECK(script.state.interface.recent.size() == 2);
-        opened_pack("/packs/c.fjell", script.state);
+        remember_pack("/packs/c.fjell", script.state);
         script.set(3);
-        keep_up(script.state);
-        end_keeping(script.state, false);
+        update_file_state(script.state);
+        finish_persistence(script.state, false);
     }
     Editor next;
-    begin_keeping(next.state, true);
+    start_persistence(next.state, true);
     CHECK(next.state.interface.recent == std::vector<std::string>{"/packs/b.fjell", "/packs/a.fjell"});
     CHECK(names_in(home.folder / "state/fjell").empty());
     CHECK(next.state.messages.all.empty());
@@ -567,9 +567,9 @@ TEST_CASE("settings that cannot be read or written are a message, and the editor
     const Home home;
     fs::create_directories(home.folder / "config/fjell/editor.json"); // a folder in its place
     Editor editor;
-    begin_keeping(editor.state, true);
+    start_persistence(editor.state, true);
     CHECK(editor.state.messages.all.size() == 1);
-    opened_pack("/packs/a.fjell", editor.state);
+    remember_pack("/packs/a.fjell", editor.state);
     CHECK(editor.last_message().find("editor.json") != std::string::npos);
     CHECK(editor.state.interface.recent.size() == 1);
 }

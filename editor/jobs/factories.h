@@ -8,19 +8,19 @@
 #include <string>
 
 #include "editor/command.h"
-#include "editor/jobs/flight.h"
 #include "editor/jobs/jobs.h"
+#include "editor/jobs/measured_flight.h"
 
 namespace fjell::editor {
 
 // job_bake.cpp
-[[nodiscard]] Jobs::Body bake_job(Bake bake);
+[[nodiscard]] Jobs::Body bake_job(BakePack bake);
 // The pack's name beside its heights: mountains.tif becomes mountains.fjell.
 [[nodiscard]] std::string pack_beside(const std::string& input);
 
 // job_benchmark.cpp
-[[nodiscard]] Jobs::Body tune_job(FlightPlan plan, const TuneSettings& settings, const std::string& csv);
-[[nodiscard]] Jobs::Body benchmark_job(FlightPlan plan, const std::string& csv);
+[[nodiscard]] Jobs::Body tune_job(MeasuredFlightPlan plan, const TuneSettings& settings, const std::string& csv);
+[[nodiscard]] Jobs::Body benchmark_job(MeasuredFlightPlan plan, const std::string& csv);
 
 // job_export.cpp
 struct ExportPlan {

@@ -22,12 +22,12 @@
 #include <vector>
 
 #include "editor/jobs/jobs.h"
-#include "editor/names.h"
+#include "editor/jobs/tune_settings.h"
 
 namespace fjell::editor {
 
 // What one flight measured.
-struct TuneFlight {
+struct FlightCost {
     std::vector<double> times_us;     // of the frames that count, in their order; as many in every flight
     double vertices = 0, reached = 1; // as in TunePoint
 };
@@ -44,7 +44,7 @@ inline constexpr double least_reached = 0.99; // share of frames: as p99 is of t
 
 // fly: one flight at a threshold. each: after every flight, with what is known by then.
 [[nodiscard]] TuneResult find_threshold(const TuneSettings& settings,
-                                        const std::function<TuneFlight(double error_px)>& fly,
+                                        const std::function<FlightCost(double error_px)>& fly,
                                         const std::function<void(const TuneResult&)>& each);
 
 // To three digits: 1.2301 is 1.24.
@@ -53,7 +53,5 @@ inline constexpr double least_reached = 0.99; // share of frames: as p99 is of t
 [[nodiscard]] std::string tune_text(const TuneResult& result, const TuneSettings& settings);
 // threshold_px,p50_us,p99_us,max_us,vertices,frames,keeps,reached,flights: a line a threshold, falling.
 [[nodiscard]] std::string tune_csv(const std::vector<TunePoint>& curve);
-// Throws io::Failure (2) that names the setting and its range.
-void check(const TuneSettings& settings);
 
 } // namespace fjell::editor
