@@ -1,8 +1,8 @@
 // Everything that can be done in the editor, as data.
 //
-// Panels, keys, the command line and scripts make commands; apply() (editor/apply.h) is the one place that applies them
-// out. Each has a text form, one line: a verb and its words (`set refine.error_px 2`), so whatever a hand can do a
-// script can do too. Thread: the frame's. Memory: those that a steady frame makes hold no text and allocate nothing.
+// Panels, keys, the command line and scripts make commands; apply() (editor/handlers/apply.h) is the one place that
+// applies them. Each but MoveCamera has a text form, one line: a verb and its arguments (`set refine.error_px 2`), so that
+// scripts can do what a user can. Thread: the frame's. Memory: those of a steady frame hold no text: no allocation.
 #pragma once
 
 #include <cstddef>
@@ -26,11 +26,11 @@ struct OpenFile { // a pack, a profile, a camera path, or heights to be baked: t
     std::string path;
     bool discard = false; // without asking about what is not saved
 };
-struct OpenSample {}; // made and baked at its first use
+struct OpenSample {}; // baked at its first use
 struct SetKey {
     const flight::ProfileKey* key = nullptr;
     double value = 0;
-    bool dragging = false; // more of the same follows: one step of undoing, and nothing is rebuilt until the last
+    bool dragging = false; // more of the same follows: one undo step, and nothing is rebuilt before the last
 };
 struct Undo {};
 struct Redo {};
@@ -52,7 +52,7 @@ struct BrowseFolder {   // what file dialogs look at
 struct BrowseAllKinds { // files of all kinds
     bool on = false;
 };
-struct AnswerUnsaved { // with what was to be done, and asked about changes that are not saved
+struct AnswerUnsaved { // to the question about unsaved changes that a command has raised
     Answer answer = Answer::cancel;
 };
 struct RecoverChanges {   // what an earlier run did not save

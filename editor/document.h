@@ -37,8 +37,8 @@ public:
     // Grows with every change of any of this: for what is made from it and kept.
     [[nodiscard]] std::uint64_t version() const { return version_; }
 
-    // value is clamped to the key's range. dragging: the control is held; an undo meanwhile makes deaf to it until it
-    // is let go, which a call without dragging says.
+    // value is clamped to the key's range. dragging: the control is held; an undo meanwhile ignores it until it
+    // is released, which a call without dragging says.
     void set(const flight::ProfileKey& key, double value, bool dragging);
     void undo();
     void redo();

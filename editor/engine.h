@@ -42,7 +42,7 @@ public:
     // Of what the picture of the true error needs, 0..1; below 0: it cannot be had.
     [[nodiscard]] double heights_share() const { return heights_.problem().empty() ? heights_.share() : -1; }
     [[nodiscard]] const gl::DrawStats& stats() const { return renderer_->stats(); }
-    // How many were opened so far, a rebuilt one counted anew: what was made of another terrain is out of date.
+    // How many were opened so far, a rebuilt one counted again: what was made of another terrain is out of date.
     [[nodiscard]] std::uint64_t terrains() const { return terrains_; }
     // What reading has had to say since the last call; empty: nothing.
     [[nodiscard]] std::vector<std::string> take_messages();

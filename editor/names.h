@@ -44,7 +44,7 @@ inline constexpr const char* dialog_names[] = {"none",       "start", "open",   
                                                "screenshot", "keys",  "messages", "unsaved",      "recover"};
 inline constexpr int dialogs = static_cast<int>(std::size(dialog_names));
 
-// To what is asked before changes would be lost.
+// To the question about unsaved changes.
 enum class Answer : std::uint8_t { save, discard, cancel };
 inline constexpr const char* answer_names[] = {"save", "discard", "cancel"};
 

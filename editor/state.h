@@ -54,7 +54,7 @@ struct Eye {
     double orbit_radius_m = 1;
     double ground_m = 0;                 // under the camera
     double speed_shown_until_s = 0;      // in the picture's corner
-    std::optional<flight::Pose> on_path; // of the path that is played, as long as no hand has moved the camera
+    std::optional<flight::Pose> on_path; // of the path that is played, until the user moves the camera
     View view;                           // of the last frame, as drawn
     bool frozen = false;                 // refined for another view than is drawn:
     std::optional<View> refining;        // that one
@@ -82,7 +82,7 @@ struct Difference {
     std::string mine, theirs;
 };
 
-// What the editor keeps between runs, and what it is asked meanwhile.
+// Files that the editor keeps or lists, and the open question about unsaved changes.
 struct Files {
     Folders standard_folders;
     Settings settings;     // as they were written last
@@ -113,7 +113,7 @@ struct Interface {
     std::uint32_t view_x_px = 0, view_y_px = 0, view_width_px = 0, view_height_px = 0;  // of the picture in it
 };
 
-// The terrain from above (editor/overview.h), north up.
+// The terrain from above (editor/scene/overview.h), north up.
 struct OverviewImage {
     unsigned texture = 0; // GL name; 0: there is none yet
     double share = 0;     // of it that is painted, 0..1

@@ -181,9 +181,11 @@ TEST_CASE("a benchmark that is cancelled, or cannot write, leaves nothing") {
     const Place place(12);
     Jobs jobs;
     jobs.start(JobKind::benchmark, benchmark_job(place.plan(1'000'000), place.folder / "b.csv"));
-    (void)finish(jobs, [&](const JobView& view) {
-        if (view.stage == "fly") jobs.cancel();
+    const JobView view = finish(jobs, [&](const JobView& now) {
+        if (now.stage == "fly") jobs.cancel();
     });
+    CHECK(view.cancelled);
+    CHECK(view.stage == "fly");
     CHECK(place.folder.names() == std::vector<std::string>{"t.fjell"});
     CHECK_THROWS_AS(benchmark_job(place.plan(10), place.folder / "no/b.csv"), io::Failure);
     CHECK_THROWS_AS(benchmark_job(place.plan(10), place.folder / "t.fjell"), io::Failure);
