@@ -14,6 +14,7 @@
 #include <imgui.h>
 
 #include "editor/dump.h"
+#include "editor/files/persistence.h"
 #include "editor/handlers/handlers.h"
 #include "editor/panels/panels.h"
 #include "editor/panels/ui.h"
@@ -34,21 +35,21 @@ double microseconds(Clock::duration d) {
 }
 
 // A stretch of the editor's own code.
-class Own {
+class OwnCode {
 public:
-    explicit Own(void (*watch)(bool begins)) : watch_(watch) { watch_(true); }
-    ~Own() { watch_(false); }
-    Own(const Own&) = delete;
-    Own& operator=(const Own&) = delete;
+    explicit OwnCode(void (*watch)(bool begins)) : watch_(watch) { watch_(true); }
+    ~OwnCode() { watch_(false); }
+    OwnCode(const OwnCode&) = delete;
+    OwnCode& operator=(const OwnCode&) = delete;
 
 private:
     void (*watch_)(bool begins);
 };
 
-constexpr double map_us = 150; // of a frame, for painting the map
+constexpr double overview_us = 150; // of a frame, for painting the overview
 
 // SIGUSR1 asks for FJELL_EDITOR_DUMP: how tests look inside.
-volatile std::sig_atomic_t dump_asked = 0;
+volatile std::sig_atomic_t dump_requested = 0;
 const char* dump_file() {
     static const char* const file = std::getenv("FJELL_EDITOR_DUMP");
     return file;
@@ -86,6 +87,8 @@ void write_text(const std::string& path, const std::string& text) {
 
 App::App(Options options) : options_(std::move(options)) {
     script_ = read_script(options_);
+    // Before there is a window: whoever sees that may ask already.
+    if (dump_file() != nullptr) std::signal(SIGUSR1, [](int) { dump_requested = 1; });
     IMGUI_CHECKVERSION();
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
@@ -93,21 +96,20 @@ App::App(Options options) : options_(std::move(options)) {
     io.LogFilename = nullptr;
     state_.headless = options_.headless;
     make_surface_and_graphics();
-    begin_keeping(state_, !options_.headless);
+    start_persistence(state_, !options_.headless);
     double& scale = state_.interface.scale;
     scale = options_.scale;
     if (scale <= 0 && !options_.headless) scale = state_.files.settings.scale;
     if (scale <= 0) scale = std::clamp(surface_->content_scale(), 0.5, 4.0);
     ui::apply_style(scale);
     styled_ = scale;
-    if (dump_file() != nullptr) std::signal(SIGUSR1, [](int) { dump_asked = 1; });
 }
 
 App::~App() {
-    end_keeping(state_, ended_);
+    finish_persistence(state_, ended_);
     jobs_.cancel();
     target_.reset();
-    overview_.drop_graphics(state_.map);
+    overview_.drop_graphics(state_.overview);
     engine_.drop_graphics();
     engine_.close();
     surface_.reset();
@@ -129,8 +131,9 @@ void App::replace_surface() {
     options_.width = std::max(width, 320u);
     options_.height = std::max(height, 320u);
     target_.reset();
-    overview_.drop_graphics(state_.map);
+    overview_.drop_graphics(state_.overview);
     engine_.drop_graphics();
+    const InputCounts counted = surface_->input;
     surface_.reset();
     for (int left = 20;; --left) { // a driver that resets takes a while
         try {
@@ -141,31 +144,32 @@ void App::replace_surface() {
             std::this_thread::sleep_for(std::chrono::milliseconds(250));
         }
     }
+    surface_->input = counted;
     engine_.make_graphics();
-    tell(state_, Severity::warning, "the graphics driver was reset; everything on it was made anew");
+    post_message(state_, Severity::warning, "the graphics driver was reset; all GPU resources were recreated");
 }
 
 int App::run() {
-    const Desk desk{state_, engine_, jobs_};
+    const HandlerContext context{state_, engine_, jobs_};
     if (!options_.profile.empty()) state_.document.open(options_.profile); // a bad one is an error of the command line
     if (!options_.pack.empty())
-        apply(Open{options_.pack, true}, desk);
+        apply(OpenFile{options_.pack, true}, context);
     else
         state_.interface.dialog = Dialog::start;
-    if (!options_.path.empty()) apply(OpenPath{options_.path, true}, desk);
+    if (!options_.path.empty()) apply(OpenPath{options_.path, true}, context);
     if (!engine_.is_open() && state_.interface.dialog == Dialog::none) state_.interface.dialog = Dialog::start;
-    if (state_.files.keeps && state_.files.recovery.found()) state_.interface.dialog = Dialog::recover;
+    if (state_.files.persists && state_.files.recovery.found()) state_.interface.dialog = Dialog::recover;
     while (!state_.quit) {
         io::check_interrupt();
         if (surface_->lost()) replace_surface();
-        if (!script_step()) break;
+        if (!run_script()) break;
         frame();
         // Nothing else holds a headless run back; what a job measures is not to be disturbed by it.
         if (options_.headless && jobs_.running()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
         const std::uint64_t least = script_.empty() ? 1 : 2; // a script begins after the first frame
         const bool last = options_.frames != 0 && state_.frame >= std::max(options_.frames, least);
         if (last && !options_.screenshot.empty()) {
-            after_frame_.emplace_back(Screenshot{options_.screenshot, true});
+            after_frame_.emplace_back(TakeScreenshot{options_.screenshot, true});
             frame();
         }
         if (last) break;
@@ -174,7 +178,7 @@ int App::run() {
     return options_.headless ? state_.exit_code : 0;
 }
 
-bool App::there() const {
+bool App::settled() const {
     if (jobs_.running()) return false;
     if (!engine_.is_open()) return true;
     if (state_.shows(Overlay::error) && state_.heights_share >= 0 && state_.heights_share < 1) return false;
@@ -188,34 +192,34 @@ bool App::there() const {
 }
 
 // Carries on with the script where nothing waits. False: a headless run is over.
-bool App::script_step() {
+bool App::run_script() {
     if (state_.frame == 0) return true; // how large the picture is, is known after a frame
-    const Desk desk{state_, engine_, jobs_};
+    const HandlerContext context{state_, engine_, jobs_};
     while (script_at_ < script_.size()) {
         if (state_.frame < wait_until_frame_) return true;
-        if (waiting_there_) {
-            if (!there()) return true;
-            waiting_there_ = false;
+        if (waiting_settled_) {
+            if (!settled()) return true;
+            waiting_settled_ = false;
         }
         const Command& command = script_[script_at_++];
         if (const auto* wait = std::get_if<WaitFrames>(&command)) {
             wait_until_frame_ = state_.frame + wait->frames;
-        } else if (std::holds_alternative<WaitThere>(command)) {
-            waiting_there_ = true;
+        } else if (std::holds_alternative<WaitSettled>(command)) {
+            waiting_settled_ = true;
             wait_until_frame_ = state_.frame + 2; // what was just asked for shows in the frames that follow
-        } else if (std::holds_alternative<Screenshot>(command) || std::holds_alternative<DumpState>(command)) {
+        } else if (std::holds_alternative<TakeScreenshot>(command) || std::holds_alternative<DumpState>(command)) {
             after_frame_.push_back(command);
             wait_until_frame_ = state_.frame + 2; // drawn with what came before it
-        } else if (const auto* size = std::get_if<Resize>(&command)) {
+        } else if (const auto* size = std::get_if<ResizeWindow>(&command)) {
             surface_->resize(size->width, size->height);
             wait_until_frame_ = state_.frame + 3;
         } else if (std::holds_alternative<LoseGraphics>(command)) {
             replace_surface();
         } else {
-            apply(command, desk);
+            apply(command, context);
         }
     }
-    const bool waiting = state_.frame < wait_until_frame_ || (waiting_there_ && !there());
+    const bool waiting = state_.frame < wait_until_frame_ || (waiting_settled_ && !settled());
     return waiting || !options_.headless || options_.frames != 0;
 }
 
@@ -225,19 +229,19 @@ void App::frame() {
     const double frame_us = microseconds(start - std::exchange(last, start));
     state_.now_s += std::min(frame_us * 1e-6, 0.25);
     ++state_.frame;
-    dumping_ = dump_asked != 0; // asked for later, it waits for a frame that records its marks
+    dumping_ = dump_requested != 0; // asked for later, it waits for a frame that records its marks
     for (Command& command : next_frame_) after_frame_.push_back(std::move(command));
     next_frame_.clear();
     const bool recording = dumping_ || !after_frame_.empty();
     if (recording) ui::record_marks(true);
-    paint_map(); // before the panels, which show its texture
+    paint_overview(); // before the panels, which show its texture
     const double panels_us = interface();
-    const double commands_us = carry_out();
+    const double commands_us = handle_commands();
     double own_us = panels_us + commands_us;
     attempt([&] { own_us += move_and_update(); });
     draw();
     {
-        const Own own(watch_);
+        const OwnCode own(watch_);
         state_.measures.record(entry_, frame_us, draw_us_, own_us);
     }
     if (recording) ui::record_marks(false);
@@ -247,8 +251,9 @@ void App::frame() {
 
 double App::interface() {
     surface_->begin_frame();
+    state_.input = surface_->input;
     surface_->size(state_.interface.width_px, state_.interface.height_px);
-    const Own own(watch_);
+    const OwnCode own(watch_);
     const auto start = Clock::now();
     ImGui::NewFrame();
     place_view();
@@ -257,34 +262,34 @@ double App::interface() {
     return microseconds(Clock::now() - start);
 }
 
-double App::carry_out() {
-    std::optional<Own> own(watch_);
+double App::handle_commands() {
+    std::optional<OwnCode> own(watch_);
     const auto start = Clock::now();
-    const Desk desk{state_, engine_, jobs_};
-    for (const std::string& file : std::exchange(surface_->dropped, {})) apply(Open{file, false}, desk);
+    const HandlerContext context{state_, engine_, jobs_};
+    for (const std::string& file : std::exchange(surface_->dropped, {})) apply(OpenFile{file, false}, context);
     for (const Command& command : commands_.list()) {
-        // The panels of this frame are drawn already, with the dialogue that asked: the next one's are shown.
-        if (std::holds_alternative<Screenshot>(command) || std::holds_alternative<DumpState>(command))
+        // The panels of this frame are drawn already, with the dialog that asked: the next one's are shown.
+        if (std::holds_alternative<TakeScreenshot>(command) || std::holds_alternative<DumpState>(command))
             next_frame_.push_back(command);
         else
-            apply(command, desk);
+            apply(command, context);
     }
     commands_.clear();
-    if (jobs_.poll(state_.job)) take_result(desk);
+    if (jobs_.poll(state_.job)) handle_job_result(context);
     own.reset();
     const auto follow = Clock::now();
-    follow_document(desk); // making a terrain anew is not what the editor costs
+    follow_document(context); // making a terrain anew is not what the editor costs
     const auto followed = Clock::now();
     own.emplace(watch_);
-    keep_up(state_);
+    update_file_state(state_);
     if (shown_title_ != state_.files.title) {
         shown_title_ = state_.files.title;
         surface_->set_title(shown_title_.c_str());
     }
-    for (std::string& line : engine_.take_messages()) tell(state_, Severity::warning, std::move(line));
+    for (std::string& line : engine_.take_messages()) post_message(state_, Severity::warning, std::move(line));
     if (surface_->should_close()) {
         surface_->stay_open();
-        apply(Quit{}, desk);
+        apply(Quit{}, context);
     }
     return microseconds(Clock::now() - start) - microseconds(followed - follow);
 }
@@ -297,13 +302,13 @@ double App::move_and_update() {
     if (!target_) return 0;
     const auto start = Clock::now();
     {
-        const Own own(watch_);
+        const OwnCode own(watch_);
         move_camera({state_, engine_, jobs_}, std::min(static_cast<double>(ImGui::GetIO().DeltaTime), 0.25));
     }
     const auto moved = Clock::now();
     const View& refining = state_.eye.refining ? *state_.eye.refining : state_.eye.view;
     entry_ = engine_.update(refining, state_.document.profile(), state_.now_s, draw_us_);
-    const Own own(watch_);
+    const OwnCode own(watch_);
     const auto updated = Clock::now();
     const flight::Session& session = engine_.session();
     if (session.streamed) state_.reader = session.streamed->reader();
@@ -312,9 +317,9 @@ double App::move_and_update() {
 }
 
 // Its own time is bounded, and it is done soon: it does not count as what every frame costs.
-void App::paint_map() {
-    if (mapped_ != engine_.terrains()) {
-        mapped_ = engine_.terrains();
+void App::paint_overview() {
+    if (overview_of_ != engine_.terrains()) {
+        overview_of_ = engine_.terrains();
         if (engine_.is_open())
             overview_.begin(engine_.session().terrain());
         else
@@ -322,9 +327,9 @@ void App::paint_map() {
     }
     if (engine_.is_open()) {
         const flight::Session& session = engine_.session();
-        overview_.advance(session.terrain(), !session.streamed || session.streamed->report().complete, map_us);
+        overview_.advance(session.terrain(), !session.streamed || session.streamed->report().complete, overview_us);
     }
-    overview_.upload(state_.map);
+    overview_.upload(state_.overview);
 }
 
 // Commands look through it, whether a terrain is drawn already or not.
@@ -351,7 +356,7 @@ void App::attempt(const std::function<void()>& what) {
     try {
         what();
     } catch (const std::exception& failure) {
-        tell_failure(state_, failure);
+        post_failure(state_, failure);
     }
 }
 
@@ -384,12 +389,12 @@ void App::finish_requests() {
         surface_->fonts_changed();
     }
     if (dumping_ && dump_file() != nullptr) {
-        dump_asked = 0;
+        dump_requested = 0;
         attempt([&] { write_text(dump_file(), dump(state_)); });
     }
     for (const Command& command : std::exchange(after_frame_, {})) {
         attempt([&] {
-            if (const auto* shot = std::get_if<Screenshot>(&command)) {
+            if (const auto* shot = std::get_if<TakeScreenshot>(&command)) {
                 io::refuse_overwriting({shot->path}, {state_.scene.path});
                 gl::Image image;
                 if (shot->with_panels)

@@ -16,8 +16,8 @@
 #include "editor/jobs/jobs.h"
 #include "editor/options.h"
 #include "editor/scene/overview.h"
-#include "editor/scene/surface.h"
 #include "editor/state.h"
+#include "editor/surface.h"
 
 namespace fjell::editor {
 
@@ -36,15 +36,15 @@ public:
 private:
     void frame();
     double interface(); // what it took, us
-    double carry_out();
+    double handle_commands();
     double move_and_update(); // what the editor itself took of it, us
     void draw();
     void draw_terrain();
     void attempt(const std::function<void()>& what);
-    void paint_map();
+    void paint_overview();
     void finish_requests(); // screenshots and dumps of the frame that was just drawn
-    bool script_step();     // false: it is over
-    bool there() const;
+    bool run_script();      // false: it is over
+    bool settled() const;   // all that was requested is done and drawn
     void make_surface_and_graphics();
     void replace_surface();
     void place_view();
@@ -57,7 +57,7 @@ private:
     std::vector<Command> script_;
     std::size_t script_at_ = 0;
     std::uint64_t wait_until_frame_ = 0;
-    bool waiting_there_ = false;
+    bool waiting_settled_ = false;
     std::string shown_title_;
     bool dumping_ = false;     // at the end of this frame
     bool ended_ = false;       // as it should: not by a signal or a failure
@@ -71,7 +71,7 @@ private:
     std::unique_ptr<Surface> surface_;
     Engine engine_;
     Overview overview_;
-    std::uint64_t mapped_ = 0; // Engine::terrains() that the map shows
+    std::uint64_t overview_of_ = 0; // Engine::terrains() that the overview shows
     std::unique_ptr<gl::Target> target_;
 };
 

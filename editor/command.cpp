@@ -50,7 +50,7 @@ public:
             if (word == names[i]) return static_cast<E>(i);
             all += (all.empty() ? "" : ", ") + std::string(names[i]);
         }
-        throw Failure(2, fmt::format("{}: no such {}; there are {}", word, what, all));
+        throw Failure(2, fmt::format("{}: no such {}; choose one of {}", word, what, all));
     }
     // NAME=VALUE words from here on.
     void options(const std::map<std::string, std::function<void(const std::string&)>>& known) {
@@ -61,7 +61,7 @@ public:
             if (found == known.end()) {
                 std::string all;
                 for (const auto& [name, set] : known) all += (all.empty() ? "" : ", ") + name + "=";
-                throw Failure(2, fmt::format("{}: no such option; there are {}", word, all));
+                throw Failure(2, fmt::format("{}: no such option; choose from {}", word, all));
             }
             found->second(word.substr(sign + 1));
         }
@@ -72,7 +72,7 @@ public:
         return sign != std::string::npos && sign != 0 && words_[at_].find('/') > sign;
     }
     void end() const {
-        if (more()) throw Failure(2, fmt::format("{}: one word too many", words_[at_]));
+        if (more()) throw Failure(2, fmt::format("{}: unexpected extra word", words_[at_]));
     }
     [[nodiscard]] static double number_of(const std::string& word, const char* what) {
         double value = 0;
@@ -105,7 +105,7 @@ constexpr double degree = 3.14159265358979323846 / 180;
 Command set_key(Words& w) {
     const std::string name = w.text("a key, as in a profile: refine.error_px");
     const flight::ProfileKey* const key = flight::find_profile_key(name);
-    if (key == nullptr) throw Failure(2, fmt::format("{}: no such key; a profile has them all", name));
+    if (key == nullptr) throw Failure(2, fmt::format("{}: no such key; a saved profile lists them all", name));
     double value = 0;
     if (const std::string problem = flight::parse_value(*key, w.text("a value"), value); !problem.empty())
         throw Failure(2, fmt::format("{}: {}", name, problem));
@@ -121,7 +121,7 @@ Command place_camera(Words& w) {
 }
 
 Command bake(Words& w) {
-    Bake b;
+    BakePack b;
     b.inputs.push_back(w.text("a file of heights"));
     b.output = w.text("the pack to write");
     while (w.more() && !w.is_option()) { // several files of heights: the pack comes last
@@ -141,7 +141,7 @@ Command bake(Words& w) {
 }
 
 Command tune(Words& w) {
-    Tune t;
+    TuneThreshold t;
     TuneSettings& s = t.settings;
     w.options({{"measure",
                 [&](const std::string& v) {
@@ -198,77 +198,77 @@ std::function<Command(Words&)> with_point() {
 std::vector<Verb> terrain_verbs() {
     return {
         {"open", "FILE [discard]", "a pack, a profile, a camera path, or heights to bake",
-         with_path_and_discard<Open>()},
-        {"sample", "", "the sample terrain, made at its first use", plain<OpenSample>()},
+         with_path_and_discard<OpenFile>()},
+        {"sample", "", "the sample terrain, baked at its first use", plain<OpenSample>()},
         {"set", "KEY VALUE", "a value of the profile: set refine.error_px 2", set_key},
-        {"undo", "", "the last change of the profile", plain<Undo>()},
-        {"redo", "", "what was undone", plain<Redo>()},
-        {"defaults", "", "a profile of defaults", plain<DefaultProfile>()},
+        {"undo", "", "reverts the last change of the profile", plain<Undo>()},
+        {"redo", "", "repeats what was undone", plain<Redo>()},
+        {"defaults", "", "resets the profile to its defaults", plain<ResetProfile>()},
         {"open-profile", "FILE [discard]", "another profile; asks about unsaved changes, or not",
          with_path_and_discard<OpenProfile>()},
         {"save-profile", "[FILE]", "the profile, where it came from or elsewhere", with_path<SaveProfile>(false)},
-        {"compare", "[FILE]", "shows another profile's values beside; none: what was saved",
+        {"compare", "[FILE]", "shows another profile's values beside; without FILE: the saved ones",
          with_path<CompareProfile>(false)},
         {"compare-off", "", "shows the profile alone", plain<StopComparing>()},
-        {"browse", "[FOLDER]", "what file dialogues look at; none: the same once more",
-         [](Words& w) { return Browse{w.text_or("")}; }},
-        {"browse-all", "on|off", "files of all kinds in them", with_switch<BrowseAll>()},
-        {"go-on", "save|discard|cancel", "answers what is asked about unsaved changes",
-         [](Words& w) { return GoOn{w.one_of<Answer>(answer_names, "answer")}; }},
-        {"recover", "restore|discard", "what an earlier run did not save",
+        {"browse", "[FOLDER]", "the folder that file dialogs list; without FOLDER: lists it again",
+         [](Words& w) { return BrowseFolder{w.text_or("")}; }},
+        {"browse-all", "on|off", "lists files of all kinds in file dialogs", with_switch<BrowseAllKinds>()},
+        {"go-on", "save|discard|cancel", "answers the question about unsaved changes",
+         [](Words& w) { return AnswerUnsaved{w.one_of<Answer>(answer_names, "answer")}; }},
+        {"recover", "restore|discard", "unsaved changes of an earlier run",
          [](Words& w) {
              constexpr const char* ways[] = {"discard", "restore"};
-             return Recover{w.one_of<int>(ways, "way") == 1};
+             return RecoverChanges{w.one_of<int>(ways, "way") == 1};
          }},
         {"bake",
          "HEIGHTS... PACK [tile=N|auto] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S] [order=planar|hz|linear] "
          "[nodata=hole|fill|refuse] [crs=C] [memory_mb=N]",
-         "bakes and opens; several files make a mosaic, a .json is a recipe of mountains", bake},
+         "bakes a pack and opens it; several files make a mosaic, a .json file is a recipe", bake},
     };
 }
 
 std::vector<Verb> camera_verbs() {
     return {
-        {"camera", "X Y Z HEADING PITCH", "puts the camera there; metres and degrees, heading from north",
+        {"camera", "X Y Z HEADING PITCH", "places the camera; metres and degrees, heading clockwise from north",
          place_camera},
-        {"jump", "X Z", "over that place, in metres",
+        {"jump", "X Z", "moves the camera over that position, in metres",
          [](Words& w) {
              const double x = w.number("x in metres");
              return JumpTo{x, w.number("z in metres")};
          }},
-        {"home", "", "looks at the whole terrain", plain<LookAtAll>()},
-        {"speed", "M_S", "of flying, in metres a second", [](Words& w) { return SetSpeed{w.number("a speed")}; }},
+        {"home", "", "looks at the whole terrain", plain<ViewAll>()},
+        {"speed", "M_S", "flying speed in metres per second", [](Words& w) { return SetSpeed{w.number("a speed")}; }},
         {"navigate", "fly|orbit|path", "how keys and mouse move the camera",
-         [](Words& w) { return Navigate{w.one_of<Navigation>(navigation_names, "navigation")}; }},
-        {"freeze", "on|off", "keeps refining for where the camera is now", with_switch<Freeze>()},
+         [](Words& w) { return SetNavigation{w.one_of<Navigation>(navigation_names, "navigation")}; }},
+        {"freeze", "on|off", "freezes refinement and culling at the current camera", with_switch<FreezeRefinement>()},
         {"open-path", "FILE [discard]", "a camera path; asks about unsaved changes, or not",
          with_path_and_discard<OpenPath>()},
         {"save-path", "[FILE]", "the path, where it came from or elsewhere", with_path<SavePath>(false)},
-        {"record-path", "on|off", "notes where the camera flies", with_switch<RecordPath>()},
+        {"record-path", "on|off", "records the flight of the camera", with_switch<RecordPath>()},
         {"play-path", "on|off", "flies along the path", with_switch<PlayPath>()},
-        {"seek-path", "SHARE", "0..1 of the path",
+        {"seek-path", "SHARE", "moves to a fraction of the path, 0 to 1",
          [](Words& w) { return SeekPath{Words::number_in(w.text("a share"), "a share", 0, 1)}; }},
-        {"add-point", "", "where the camera is, after the selected point", plain<AddPoint>()},
-        {"replace-point", "N", "by where the camera is", with_point<ReplacePoint>()},
-        {"remove-point", "N", "from the path", with_point<RemovePoint>()},
-        {"select-point", "N", "and look from there", with_point<SelectPoint>()},
-        {"move-point", "N TO", "so that it becomes the TO-th",
+        {"add-point", "", "adds the camera's pose after the selected point", plain<AddPoint>()},
+        {"replace-point", "N", "replaces a point with the camera's pose", with_point<ReplacePoint>()},
+        {"remove-point", "N", "removes a point", with_point<RemovePoint>()},
+        {"select-point", "N", "selects a point and looks from there", with_point<SelectPoint>()},
+        {"move-point", "N TO", "moves a point to index TO",
          [](Words& w) {
              const std::size_t point = w.count("a point, from 0");
-             return MovePoint{point, w.count("its new place, from 0")};
+             return MovePoint{point, w.count("its new index, from 0")};
          }},
-        {"clear-path", "", "no path", plain<ClearPath>()},
-        {"restore-path", "", "as it was before it was last edited, cleared or replaced", plain<RestorePath>()},
-        {"path-seconds", "N", "how long its flight takes; 0: as suits the terrain",
-         [](Words& w) { return PathSeconds{w.number("seconds")}; }},
-        {"loop-path", "on|off", "begins again at its end", with_switch<LoopPath>()},
+        {"clear-path", "", "removes the path", plain<ClearPath>()},
+        {"restore-path", "", "restores the path before it was last edited, cleared or replaced", plain<RestorePath>()},
+        {"path-seconds", "N", "duration of the flight; 0: chosen from the terrain's size",
+         [](Words& w) { return SetPathSeconds{w.number("seconds")}; }},
+        {"loop-path", "on|off", "starts again at its end", with_switch<LoopPath>()},
     };
 }
 
-std::vector<Verb> show_verbs() {
+std::vector<Verb> picture_verbs() {
     return {
         {"mode", "NAME", "shaded, wire, levels, tiles, mips, residency or distance",
-         [](Words& w) { return SetMode{w.one_of<flight::PictureMode>(flight::picture_mode_names, "mode")}; }},
+         [](Words& w) { return SetPictureMode{w.one_of<flight::PictureMode>(flight::picture_mode_names, "mode")}; }},
         {"overlay", "NAME on|off", "wireframe, tile-borders, page-borders, spheres, culled, error or path",
          [](Words& w) {
              const auto overlay = w.one_of<Overlay>(overlay_names, "overlay");
@@ -276,11 +276,11 @@ std::vector<Verb> show_verbs() {
          }},
         {"panel", "NAME", "tune, camera, show, time, budgets, streaming or levels",
          [](Words& w) { return ShowPanel{w.one_of<Panel>(panel_names, "panel")}; }},
-        {"dialog", "NAME", "opens one; none closes it",
-         [](Words& w) { return ShowDialog{w.one_of<Dialog>(dialog_names, "dialogue")}; }},
-        {"scale", "S", "of the interface, 0.5 to 4",
+        {"dialog", "NAME", "opens a dialog; none closes it",
+         [](Words& w) { return ShowDialog{w.one_of<Dialog>(dialog_names, "dialog")}; }},
+        {"scale", "S", "scale of the interface, 0.5 to 4",
          [](Words& w) { return SetScale{Words::number_in(w.text("a scale"), "a scale", 0.5, 4)}; }},
-        {"dismiss", "", "the message", plain<DismissMessage>()},
+        {"dismiss", "", "hides the message", plain<DismissMessage>()},
     };
 }
 
@@ -288,33 +288,34 @@ std::vector<Verb> program_verbs() {
     return {
         {"tune", "[measure=update|frame] [budget_us=N] [frames=N] [least_px=E] [most_px=E] [apply=yes|no] [csv=FILE]",
          "the smallest threshold whose p99 keeps the budget; apply sets refine.error_px to it", tune},
-        {"benchmark", "FILE.csv [FRAMES]", "flies the path and writes a line a frame",
+        {"benchmark", "FILE.csv [FRAMES]", "flies the path and writes one line per frame",
          [](Words& w) {
              const std::string path = w.text("a file");
-             return Benchmark{path, w.more() ? w.count("frames") : 0};
+             return RunBenchmark{path, w.more() ? w.count("frames") : 0};
          }},
         {"export", "FILE.glb [ERROR_PX]", "the mesh as it is, or refined to a threshold",
          [](Words& w) {
              const std::string path = w.text("a file");
-             return Export{path, w.number_or(0, "a threshold")};
+             return ExportMesh{path, w.number_or(0, "a threshold")};
          }},
-        {"preview", "[ERROR_PX]", "how large that would be",
+        {"preview", "[ERROR_PX]", "counts and file size of an export; nothing is written",
          [](Words& w) { return PreviewExport{w.number_or(0, "a threshold")}; }},
-        {"cancel", "", "the job that runs", plain<CancelJob>()},
+        {"cancel", "", "cancels the running job", plain<CancelJob>()},
         {"screenshot", "FILE.png [terrain]", "the window, or the terrain alone",
          [](Words& w) {
              const std::string path = w.text("a file");
-             return Screenshot{path, !w.flag("terrain")};
+             return TakeScreenshot{path, !w.flag("terrain")};
          }},
-        {"resize", "WIDTH HEIGHT", "the window, in pixels",
+        {"resize", "WIDTH HEIGHT", "resizes the window, in pixels",
          [](Words& w) {
              const std::uint32_t width = Words::count_of(w.text("a width"), "a width", 320, 8192);
-             return Resize{width, Words::count_of(w.text("a height"), "a height", 320, 8192)};
+             return ResizeWindow{width, Words::count_of(w.text("a height"), "a height", 320, 8192)};
          }},
         {"dump", "FILE.json", "the editor's state", with_path<DumpState>(true)},
-        {"lose-graphics", "", "makes everything on the GPU anew, as after a reset", plain<LoseGraphics>()},
-        {"frames", "N", "waits", [](Words& w) { return WaitFrames{w.count("frames")}; }},
-        {"wait", "", "until the mesh is converged, all is streamed in and no job runs", plain<WaitThere>()},
+        {"lose-graphics", "", "recreates all GPU resources, as after a driver reset", plain<LoseGraphics>()},
+        {"frames", "N", "waits for N frames", [](Words& w) { return WaitFrames{w.count("frames")}; }},
+        {"wait", "", "waits until the mesh has converged, streaming has finished and no job runs",
+         plain<WaitSettled>()},
         {"quit", "[discard]", "asks about unsaved changes, or not", [](Words& w) { return Quit{w.flag("discard")}; }},
     };
 }
@@ -322,7 +323,7 @@ std::vector<Verb> program_verbs() {
 const std::vector<Verb>& verbs() {
     static const std::vector<Verb> all = [] {
         std::vector<Verb> list = terrain_verbs();
-        for (auto* const more : {camera_verbs, show_verbs, program_verbs})
+        for (auto* const more : {camera_verbs, picture_verbs, program_verbs})
             for (Verb& verb : more()) list.push_back(std::move(verb));
         return list;
     }();
@@ -364,7 +365,7 @@ std::optional<Command> parse_command(std::string_view line) {
             words.end();
             return command;
         } catch (const Failure& failure) {
-            throw Failure(2, fmt::format("{}: {}; it goes: {} {}", name, failure.what(), verb.name, verb.words));
+            throw Failure(2, fmt::format("{}: {}; usage: {} {}", name, failure.what(), verb.name, verb.words));
         }
     }
     throw Failure(2, fmt::format("{}: no such command; fjell-editor --help-commands lists them", name));

@@ -1,8 +1,8 @@
 // Everything that can be done in the editor, as data.
 //
-// Panels, keys, the command line and scripts make commands; apply() (editor/apply.h) is the one place that carries them
-// out. Each has a text form, one line: a verb and its words (`set refine.error_px 2`), so whatever a hand can do a
-// script can do too. Thread: the frame's. Memory: those that a steady frame makes hold no text and allocate nothing.
+// Panels, keys, the command line and scripts make commands; apply() (editor/handlers/apply.h) is the one place that
+// applies them. Each but MoveCamera has a text form, one line: a verb and its arguments (`set refine.error_px 2`), so that
+// scripts can do what a user can. Thread: the frame's. Memory: those of a steady frame hold no text: no allocation.
 #pragma once
 
 #include <cstddef>
@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "editor/jobs/tune_settings.h"
 #include "editor/names.h"
 #include "fjell/view.h"
 #include "flight/camera.h"
@@ -21,19 +22,19 @@
 namespace fjell::editor {
 
 // --- the terrain and its profile ---
-struct Open { // a pack, a profile, a camera path, or heights to be baked: told from the content
+struct OpenFile { // a pack, a profile, a camera path, or heights to be baked: told from the content
     std::string path;
     bool discard = false; // without asking about what is not saved
 };
-struct OpenSample {}; // made and baked at its first use
+struct OpenSample {}; // baked at its first use
 struct SetKey {
     const flight::ProfileKey* key = nullptr;
     double value = 0;
-    bool dragging = false; // more of the same follows: one step of undoing, and nothing is rebuilt until the last
+    bool dragging = false; // more of the same follows: one undo step, and nothing is rebuilt before the last
 };
 struct Undo {};
 struct Redo {};
-struct DefaultProfile {};
+struct ResetProfile {};
 struct OpenProfile {
     std::string path;
     bool discard = false; // without asking about what is not saved
@@ -45,21 +46,21 @@ struct CompareProfile {
     std::string path; // empty: with what was saved last
 };
 struct StopComparing {};
-struct Browse {         // what file dialogues look at
+struct BrowseFolder {   // what file dialogs look at
     std::string folder; // relative: from there on; empty: once more
 };
-struct BrowseAll { // files of all kinds
+struct BrowseAllKinds { // files of all kinds
     bool on = false;
 };
-struct GoOn { // with what was to be done, and asked about changes that are not saved
+struct AnswerUnsaved { // to the question about unsaved changes that a command has raised
     Answer answer = Answer::cancel;
 };
-struct Recover {          // what an earlier run did not save
+struct RecoverChanges {   // what an earlier run did not save
     bool restore = false; // or it is gone
 };
 
 // --- the camera ---
-struct Move { // of this frame: keys and mouse
+struct MoveCamera { // of this frame: keys and mouse
     flight::Steering steering;
     double seconds = 0;
     double right_rad = 0, up_rad = 0;   // looked, or went around the orbit's centre
@@ -73,14 +74,14 @@ struct PlaceCamera {
 struct JumpTo { // to over this place, looking as before
     double x_m = 0, z_m = 0;
 };
-struct LookAtAll {}; // from the south, all of the terrain in view
+struct ViewAll {}; // from the south, all of the terrain in view
 struct SetSpeed {
     double m_s = 1;
 };
-struct Navigate {
+struct SetNavigation {
     Navigation navigation = Navigation::fly;
 };
-struct Freeze { // the camera that refines and culls stays where it is
+struct FreezeRefinement { // the camera that refines and culls stays where it is
     bool on = false;
 };
 
@@ -116,7 +117,7 @@ struct MovePoint { // so that it becomes the to-th
 };
 struct ClearPath {};
 struct RestorePath {}; // as it was before its last edit
-struct PathSeconds {
+struct SetPathSeconds {
     double seconds = 0; // 0: at a speed that suits the terrain
 };
 struct LoopPath {
@@ -124,7 +125,7 @@ struct LoopPath {
 };
 
 // --- what is shown ---
-struct SetMode {
+struct SetPictureMode {
     flight::PictureMode mode = flight::PictureMode::shaded;
 };
 struct SetOverlay {
@@ -143,7 +144,7 @@ struct SetScale {
 struct DismissMessage {};
 
 // --- jobs beside the frame; one at a time ---
-struct Bake {
+struct BakePack {
     std::vector<std::string> inputs;
     std::string output;     // opened when it is done
     std::uint32_t tile = 0; // cells a side; 0: auto
@@ -153,15 +154,15 @@ struct Bake {
     std::uint32_t memory_mb = 512;
     double checkpoint_s = -1; // at least 0: work files even when all fits the memory (baker/bake/bake.h)
 };
-struct Tune {
+struct TuneThreshold {
     TuneSettings settings;
     std::string csv; // of the curve; empty: none
 };
-struct Benchmark {
+struct RunBenchmark {
     std::string csv;
     std::size_t frames = 0; // 0: as many as the path usually has
 };
-struct Export {
+struct ExportMesh {
     std::string path;    // .glb
     double error_px = 0; // 0: as the frame is
 };
@@ -171,17 +172,17 @@ struct PreviewExport { // size and counts of it, nothing written
 struct CancelJob {};
 
 // --- the program ---
-struct Screenshot {
+struct TakeScreenshot {
     std::string path; // .png
     bool with_panels = true;
 };
-struct Resize { // the headless window
+struct ResizeWindow { // the headless window
     std::uint32_t width = 0, height = 0;
 };
 struct DumpState {
     std::string path; // JSON, for tests and scripts
 };
-struct LoseGraphics {}; // as when the driver resets: everything on the GPU is made anew
+struct LoseGraphics {}; // as when the driver resets: everything on the GPU is recreated
 struct Quit {
     bool discard = false; // without asking about what is not saved
 };
@@ -190,15 +191,16 @@ struct Quit {
 struct WaitFrames {
     std::size_t frames = 0;
 };
-struct WaitThere {}; // until the mesh has converged, all wanted is streamed in and no job runs
+struct WaitSettled {}; // until the mesh has converged, all wanted is streamed in and no job runs
 
 using Command =
-    std::variant<Open, OpenSample, SetKey, Undo, Redo, DefaultProfile, OpenProfile, SaveProfile, CompareProfile,
-                 StopComparing, Browse, BrowseAll, GoOn, Recover, Move, PlaceCamera, JumpTo, LookAtAll, SetSpeed,
-                 Navigate, Freeze, OpenPath, SavePath, RecordPath, PlayPath, SeekPath, AddPoint, ReplacePoint,
-                 RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath, PathSeconds, LoopPath, SetMode,
-                 SetOverlay, ShowPanel, ShowDialog, SetScale, DismissMessage, Bake, Tune, Benchmark, Export,
-                 PreviewExport, CancelJob, Screenshot, Resize, DumpState, LoseGraphics, Quit, WaitFrames, WaitThere>;
+    std::variant<OpenFile, OpenSample, SetKey, Undo, Redo, ResetProfile, OpenProfile, SaveProfile, CompareProfile,
+                 StopComparing, BrowseFolder, BrowseAllKinds, AnswerUnsaved, RecoverChanges, MoveCamera, PlaceCamera,
+                 JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath,
+                 SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath,
+                 SetPathSeconds, LoopPath, SetPictureMode, SetOverlay, ShowPanel, ShowDialog, SetScale, DismissMessage,
+                 BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot,
+                 ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once.
 class Commands {

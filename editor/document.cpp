@@ -63,21 +63,21 @@ void Document::end_drag() {
     redo_ = std::exchange(redo_before_drag_, {});
 }
 
-void Document::stop_hearing() {
+void Document::ignore_rest_of_drag() {
     const flight::ProfileKey* const held = held_;
     end_drag();
     held_ = held;
-    deaf_ = held != nullptr;
+    ignoring_drag_ = held != nullptr;
 }
 
 void Document::set(const flight::ProfileKey& key, double value, bool dragging) {
-    if (held_ == &key && deaf_) {
-        if (!dragging) held_ = nullptr, deaf_ = false;
+    if (held_ == &key && ignoring_drag_) {
+        if (!dragging) held_ = nullptr, ignoring_drag_ = false;
         return;
     }
     if (held_ != nullptr && held_ != &key) { // another control, or a script, while one is held
         end_drag();
-        held_ = nullptr, deaf_ = false;
+        held_ = nullptr, ignoring_drag_ = false;
     }
     value = std::clamp(value, key.least, key.most);
     if (key.kind != flight::KeyKind::number) value = std::round(value);
@@ -100,7 +100,7 @@ void Document::set(const flight::ProfileKey& key, double value, bool dragging) {
 }
 
 void Document::undo() {
-    stop_hearing();
+    ignore_rest_of_drag();
     if (undo_.empty()) return;
     changing();
     redo_.push_back(std::exchange(profile_, undo_.back()));
@@ -108,7 +108,7 @@ void Document::undo() {
 }
 
 void Document::redo() {
-    stop_hearing();
+    ignore_rest_of_drag();
     if (redo_.empty()) return;
     changing();
     undo_.push_back(std::exchange(profile_, redo_.back()));
@@ -116,7 +116,7 @@ void Document::redo() {
 }
 
 void Document::replace(const flight::Profile& profile) {
-    stop_hearing();
+    ignore_rest_of_drag();
     if (same(profile, profile_)) return;
     changing();
     step();
@@ -129,7 +129,7 @@ void Document::accept() {
 
 bool Document::revert() {
     if (!accepted_) return false;
-    stop_hearing();
+    ignore_rest_of_drag();
     Past past = std::move(*accepted_);
     accepted_.reset();
     ++version_;

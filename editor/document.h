@@ -24,7 +24,7 @@ public:
     [[nodiscard]] const std::string& heading() const { return file_.heading; } // what its file begins with
     [[nodiscard]] bool unsaved() const;                                        // differs from what was saved
     // A control is held: more of the same follows.
-    [[nodiscard]] bool dragging() const { return held_ != nullptr && !deaf_; }
+    [[nodiscard]] bool dragging() const { return held_ != nullptr && !ignoring_drag_; }
     [[nodiscard]] const flight::ProfileKey* held() const { return held_; } // the control; null: none
     [[nodiscard]] std::size_t undo_steps() const { return undo_.size(); }
     [[nodiscard]] std::size_t redo_steps() const { return redo_.size(); }
@@ -37,8 +37,8 @@ public:
     // Grows with every change of any of this: for what is made from it and kept.
     [[nodiscard]] std::uint64_t version() const { return version_; }
 
-    // value is clamped to the key's range. dragging: the control is held; an undo meanwhile makes deaf to it until it
-    // is let go, which a call without dragging says.
+    // value is clamped to the key's range. dragging: the control is held; an undo meanwhile ignores it until it
+    // is released, which a call without dragging says.
     void set(const flight::ProfileKey& key, double value, bool dragging);
     void undo();
     void redo();
@@ -46,7 +46,7 @@ public:
 
     // The engine goes by the profile as it is now.
     void accept();
-    // The engine cannot: everything since the last accept() is taken back, whether it was set, undone, redone or
+    // The engine cannot: everything since the last accept() is reverted, whether it was set, undone, redone or
     // opened; what was saved meanwhile stays saved. False: there was nothing.
     bool revert();
 
@@ -70,7 +70,7 @@ private:
     void changing(); // before any change: what accept() and revert() go by
     void step();
     void end_drag();
-    void stop_hearing();
+    void ignore_rest_of_drag();
     void read(const std::string& path, flight::Profile& profile, File& file) const;
 
     flight::Profile profile_;
@@ -80,7 +80,7 @@ private:
     std::vector<flight::Profile> undo_, redo_;
     std::vector<flight::Profile> redo_before_drag_;
     const flight::ProfileKey* held_ = nullptr;
-    bool deaf_ = false; // what the held control says is not wanted any more
+    bool ignoring_drag_ = false; // what the held control says is not wanted any more
     std::optional<Past> accepted_;
     std::uint64_t version_ = 0;
 };

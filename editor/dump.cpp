@@ -105,6 +105,15 @@ json interface_json(const State& state) {
             {"recent", i.recent}};
 }
 
+json input_json(const InputCounts& i) {
+    return {{"keys", i.keys},
+            {"characters", i.characters},
+            {"buttons", i.buttons},
+            {"scrolls", i.scrolls},
+            {"pointer_px", {i.pointer_px[0], i.pointer_px[1]}},
+            {"focused", i.focused}};
+}
+
 json job_json(const JobView& j) {
     json curve = json::array();
     for (const TunePoint& p : j.curve)
@@ -191,10 +200,11 @@ std::string dump(const State& state) {
                       {"camera", camera_json(state.eye)},
                       {"route", route_json(state.route)},
                       {"interface", interface_json(state)},
+                      {"input", input_json(state.input)},
                       {"job", job_json(state.job)},
                       {"messages", messages_json(state)},
                       {"measures", measures_json(state)},
-                      {"map", {{"share", state.map.share}, {"there", state.map.texture != 0}}},
+                      {"map", {{"share", state.overview.share}, {"there", state.overview.texture != 0}}},
                       {"heights_share", state.heights_share},
                       {"graphics", state.graphics},
                       {"marks", marks}};

@@ -7,8 +7,8 @@
 
 namespace fjell::editor {
 
-// Keys: frame, scene, profile (by dotted key), document, camera, route, interface, job, messages, measures, marks (with
-// places in pixels; empty unless they were recorded).
+// Keys: frame, scene, profile (by dotted key), document, camera, route, interface, input, job, messages, measures,
+// marks (with places in pixels; empty unless they were recorded).
 [[nodiscard]] std::string dump(const State& state);
 
 } // namespace fjell::editor

@@ -76,8 +76,8 @@ void Engine::open(const std::string& pack, const flight::Profile& profile) {
             if (++unread_ <= most_messages)
                 messages_.push_back(line);
             else if (std::has_single_bit(unread_))
-                messages_.push_back(fmt::format("{}: {} pages or mips cannot be read; it is coarser there; check it "
-                                                "with fjell-bake verify",
+                messages_.push_back(fmt::format("{}: {} pages or mips cannot be read; the terrain is coarser there; "
+                                                "check the pack with fjell-bake verify",
                                                 pack_, unread_));
         });
     auto renderer = renderer_for(o, *session);
@@ -130,7 +130,7 @@ bool Engine::follow(const flight::Profile& profile) {
         const std::uint64_t hash = session_->loaded.pack.header.directory_hash;
         open(std::string(pack_), profile);
         if (session_->loaded.pack.header.directory_hash != hash)
-            messages_.push_back(pack_ + ": the file is another one than before; this is what it holds now");
+            messages_.push_back(pack_ + ": the file has changed; its new contents are shown");
         return true;
     }
     }
@@ -148,8 +148,8 @@ flight::FrameEntry Engine::update(const View& view, const flight::Profile& profi
 
 // Until the heights are there the picture is the usual one. Measured from the refining eye, against what it was
 // promised: pixels of that view, as a cut that has converged keeps them.
-void Engine::ask_for_error(const State& state, gl::DrawOptions& options) {
-    if (!state.shows(Overlay::error)) return heights_.excuse();
+void Engine::set_error_options(const State& state, gl::DrawOptions& options) {
+    if (!state.shows(Overlay::error)) return heights_.allow_retry();
     if (!heights_.problem().empty()) return; // said already
     heights_.read(pack_);
     if (!heights_.upload(*renderer_)) {
@@ -168,7 +168,7 @@ void Engine::draw(const State& state, const gl::Target& target) {
     options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
     options.tile_borders = state.shows(Overlay::tile_borders);
     options.page_borders = state.shows(Overlay::page_borders);
-    ask_for_error(state, options);
+    set_error_options(state, options);
     std::string error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, target);
     scene_lines_.build(state, *session_);
     if (error.empty() && !scene_lines_.empty()) {

@@ -32,7 +32,7 @@ public:
     [[nodiscard]] const flight::Session& session() const { return *session_; }
     [[nodiscard]] Scene scene() const;
 
-    // Makes anew what the profile's budgets ask for: the method's block, or terrain and stream too. True when it did.
+    // Recreates what the profile's budgets ask for: the method's block, or terrain and stream too. True when it did.
     bool follow(const flight::Profile& profile);
     // One update for that view, uploaded. draw_us: what the upload took.
     [[nodiscard]] flight::FrameEntry update(const View& view, const flight::Profile& profile, double now_s,
@@ -42,7 +42,7 @@ public:
     // Of what the picture of the true error needs, 0..1; below 0: it cannot be had.
     [[nodiscard]] double heights_share() const { return heights_.problem().empty() ? heights_.share() : -1; }
     [[nodiscard]] const gl::DrawStats& stats() const { return renderer_->stats(); }
-    // How many were opened so far, a rebuilt one counted anew: what was made of another terrain is out of date.
+    // How many were opened so far, a rebuilt one counted again: what was made of another terrain is out of date.
     [[nodiscard]] std::uint64_t terrains() const { return terrains_; }
     // What reading has had to say since the last call; empty: nothing.
     [[nodiscard]] std::vector<std::string> take_messages();
@@ -53,7 +53,7 @@ public:
 
 private:
     [[nodiscard]] flight::FlightOptions options(const flight::Profile& profile) const;
-    void ask_for_error(const State& state, gl::DrawOptions& options);
+    void set_error_options(const State& state, gl::DrawOptions& options);
     void set_renderer(std::unique_ptr<gl::Renderer> renderer);
     void remake(const flight::Profile& profile); // the method's block, and a renderer for it
 

@@ -34,7 +34,7 @@ enum class Series : std::uint8_t {
     activations,
     deactivations,
     uploaded_bytes,
-    requested, // pages and mips under way
+    requested, // pages and mips in flight
     pages_wanted,
     count
 };

@@ -44,21 +44,8 @@ inline constexpr const char* dialog_names[] = {"none",       "start", "open",   
                                                "screenshot", "keys",  "messages", "unsaved",      "recover"};
 inline constexpr int dialogs = static_cast<int>(std::size(dialog_names));
 
-// To what is asked before changes would be lost.
+// To the question about unsaved changes.
 enum class Answer : std::uint8_t { save, discard, cancel };
 inline constexpr const char* answer_names[] = {"save", "discard", "cancel"};
-
-enum class TuneMeasure : std::uint8_t { update, frame }; // update: the CPU's; frame: with upload, drawing and the GPU
-inline constexpr const char* tune_measure_names[] = {"update", "frame"};
-
-struct TuneSettings {
-    TuneMeasure measure = TuneMeasure::update;
-    double budget_us = 2000; // that p99 shall keep; 10 to 1e6
-    // Of each flight, 10 to 100,000; 0: as many as the path has at 60 a second. Fewer fly the same path faster, and a
-    // faster camera changes more in a frame.
-    std::uint32_t frames = 0;
-    double least_px = 0.25, most_px = 32; // where the threshold is looked for
-    bool apply = false;                   // sets refine.error_px to what was found
-};
 
 } // namespace fjell::editor

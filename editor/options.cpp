@@ -44,9 +44,10 @@ bool parse_options(int argc, char** argv, Options& options) {
     app.add_option("--script", options.script, "a file of commands, one a line; -: standard input");
     app.add_flag("--headless", options.headless, "no window: for scripts; quits when they are done");
     app.add_option("--size", size, "window in pixels, WIDTHxHEIGHT (default 1280x720)");
-    app.add_option("--scale", options.scale, "of the interface, 0.5 to 4; default: as last time, or the desktop's")
+    app.add_option("--scale", options.scale,
+                   "scale of the interface, 0.5 to 4; default: as last time, or the desktop's")
         ->check(CLI::Range(0.5, 4.0));
-    app.add_flag("--no-vsync", no_vsync, "frames as fast as they go");
+    app.add_flag("--no-vsync", no_vsync, "does not wait for vertical sync");
     app.add_flag("--help-commands", help_commands, "lists the commands of --do and --script");
     app.set_version_flag("--version", std::string("fjell-editor ") + FJELL_VERSION);
     try {

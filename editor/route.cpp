@@ -115,7 +115,7 @@ void Route::clear() {
     take_over({});
     share_ = 0;
     playing_ = recording_ = false;
-    taken_.clear();
+    recorded_points_.clear();
 }
 
 void Route::restore() {
@@ -137,7 +137,7 @@ void Route::seek(double share) {
 
 void Route::set_seconds(double seconds, const flight::Ground& ground) {
     if (!(seconds == 0 || (seconds >= 1 && seconds <= flight::max_path_seconds)))
-        throw Failure(2, fmt::format("a path takes from 1 to {} seconds, or 0 for a speed that suits the terrain",
+        throw Failure(2, fmt::format("a path lasts 1 to {} seconds, or 0 for a duration chosen from the terrain's size",
                                      flight::max_path_seconds));
     Content next = now_;
     next.seconds = seconds;
@@ -178,44 +178,43 @@ void Route::record(bool on, const Pose& pose, const flight::Ground& ground) {
     if (on) {
         playing_ = false;
         step_m_ = std::max(2 * ground.cell_m, ground.longer_m() / 1000);
-        taken_s_ = 0;
-        taken_.clear();
-        taken_.reserve(most_points); // here, so that no frame has to
-        note(pose);
+        recorded_s_ = 0;
+        recorded_points_.clear();
+        recorded_points_.reserve(most_points); // here, so that no frame has to
+        record_point(pose);
         return;
     }
     Content next;
-    next.points = taken_; // which stay until they are the path
+    next.points = recorded_points_; // which stay until they are the path
     const ControlPoint last = point_of(pose);
     if (!next.points.empty() && next.points.back() != last && next.points.size() < most_points)
         next.points.push_back(last);
     if (next.points.size() < 2) throw Failure(2, "nothing was recorded, because the camera did not move");
-    next.seconds = std::clamp(taken_s_, 1.0, flight::max_path_seconds);
+    next.seconds = std::clamp(recorded_s_, 1.0, flight::max_path_seconds);
     next.selected = {};
     edit(std::move(next), ground);
-    taken_.clear();
+    recorded_points_.clear();
     share_ = 0;
 }
 
-void Route::note(const Pose& pose) {
-    taken_.push_back(point_of(pose));
+void Route::record_point(const Pose& pose) {
+    recorded_points_.push_back(point_of(pose));
 }
 
 bool Route::follow(const Pose& pose, double seconds) {
     if (!recording_) return true;
-    const ControlPoint& last = taken_.back();
+    const ControlPoint& last = recorded_points_.back();
     const double moved = length(pose.position_m - Vec3{last[0], last[1], last[2]});
     const double turned =
         length(pose.direction - Vec3{last[3], last[4], last[5]}) + length(pose.up - Vec3{last[6], last[7], last[8]});
-    taken_s_ += seconds;
-    if (moved >= step_m_ || turned >= turned_rad) note(pose);
-    return taken_.size() < most_points;
+    recorded_s_ += seconds;
+    if (moved >= step_m_ || turned >= turned_rad) record_point(pose);
+    return recorded_points_.size() < most_points;
 }
 
 void Route::edit(Content next, const flight::Ground& ground) {
     if (std::ranges::adjacent_find(next.points, same_place) != next.points.end())
-        throw Failure(
-            2, "the point before or after is at this place already, looking the same way; move the camera first");
+        throw Failure(2, "an adjacent point has the same pose already; move the camera first");
     next.poses.clear();
     next.as_read.reset();
     next.unsaved = !next.points.empty() || !next.path.empty();

@@ -23,19 +23,19 @@ class Route {
 public:
     [[nodiscard]] bool empty() const { return now_.poses.empty(); }
     [[nodiscard]] const std::string& path() const { return now_.path; } // of the file; empty: never saved
-    [[nodiscard]] bool unsaved() const { return now_.unsaved || taken_.size() > 1; }
+    [[nodiscard]] bool unsaved() const { return now_.unsaved || recorded_points_.size() > 1; }
     [[nodiscard]] const std::vector<flight::ControlPoint>& points() const { return now_.points; }
     [[nodiscard]] std::optional<std::size_t> selected() const { return now_.selected; }
     [[nodiscard]] const std::vector<flight::Pose>& poses() const { return now_.poses; } // resampled, 60 a second
     [[nodiscard]] double share() const { return share_; }                               // where it is being played
     [[nodiscard]] bool playing() const { return playing_; }
     [[nodiscard]] bool recording() const { return recording_; }
-    [[nodiscard]] std::size_t recorded() const { return taken_.size(); } // points, while recording
-    [[nodiscard]] const std::vector<flight::ControlPoint>& recorded_points() const { return taken_; }
+    [[nodiscard]] std::size_t recorded() const { return recorded_points_.size(); } // points, while recording
+    [[nodiscard]] const std::vector<flight::ControlPoint>& recorded_points() const { return recorded_points_; }
     [[nodiscard]] bool loops() const { return loops_; }
     [[nodiscard]] double seconds() const { return static_cast<double>(now_.poses.size()) / poses_a_second; }
     // That it shall take; 0: as long as its way at a sixtieth of the terrain's longer extent a second.
-    [[nodiscard]] double asked_seconds() const { return now_.seconds; }
+    [[nodiscard]] double requested_seconds() const { return now_.seconds; }
     // Not points yet: an orbit, say, as it was read.
     [[nodiscard]] bool as_read() const { return now_.as_read.has_value(); }
     [[nodiscard]] bool can_restore() const { return !before_.points.empty(); }
@@ -82,14 +82,14 @@ private:
     void edit(Content next, const flight::Ground& ground);
     void take_over(Content next);
     void require(std::size_t point) const;
-    void note(const flight::Pose& pose);
+    void record_point(const flight::Pose& pose);
 
     Content now_, before_;
     double share_ = 0;
     bool playing_ = false, loops_ = true;
     bool recording_ = false; // what follows: of it
-    std::vector<flight::ControlPoint> taken_;
-    double step_m_ = 0, taken_s_ = 0;
+    std::vector<flight::ControlPoint> recorded_points_;
+    double step_m_ = 0, recorded_s_ = 0;
 };
 
 } // namespace fjell::editor

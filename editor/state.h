@@ -14,12 +14,13 @@
 
 #include "editor/command.h"
 #include "editor/document.h"
-#include "editor/files.h"
+#include "editor/files/folder_listing.h"
+#include "editor/files/recovery.h"
+#include "editor/files/settings.h"
+#include "editor/input_counts.h"
 #include "editor/jobs/jobs.h"
 #include "editor/measures.h"
 #include "editor/names.h"
-#include "editor/panels/browser.h"
-#include "editor/recovery.h"
 #include "editor/route.h"
 #include "fjell/view.h"
 #include "flight/camera.h"
@@ -53,7 +54,7 @@ struct Eye {
     double orbit_radius_m = 1;
     double ground_m = 0;                 // under the camera
     double speed_shown_until_s = 0;      // in the picture's corner
-    std::optional<flight::Pose> on_path; // of the path that is played, as long as no hand has moved the camera
+    std::optional<flight::Pose> on_path; // of the path that is played, until the user moves the camera
     View view;                           // of the last frame, as drawn
     bool frozen = false;                 // refined for another view than is drawn:
     std::optional<View> refining;        // that one
@@ -81,17 +82,17 @@ struct Difference {
     std::string mine, theirs;
 };
 
-// What the editor keeps between runs, and what it is asked meanwhile.
+// Files that the editor keeps or lists, and the open question about unsaved changes.
 struct Files {
-    Places places;
-    Settings settings;  // as they were written last
-    bool keeps = false; // settings and changes are written: it is in a window
-    Browser browser;
+    Folders standard_folders;
+    Settings settings;     // as they were written last
+    bool persists = false; // settings and changes are written: it is in a window
+    FolderListing browser;
     Recovery recovery;
     std::optional<Command> waiting; // for changes to be saved or discarded
     bool saving = false;            // and the user wants them saved
     double scale_seen = 0;          // of the interface, in the frame before
-    // Made anew when one of the three below has changed.
+    // Recreated when one of the three below has changed.
     std::string title;        // of the window
     std::string profile_name; // with a star when it is not saved
     std::vector<Difference> differences;
@@ -112,8 +113,8 @@ struct Interface {
     std::uint32_t view_x_px = 0, view_y_px = 0, view_width_px = 0, view_height_px = 0;  // of the picture in it
 };
 
-// The terrain from above (editor/overview.h), north up.
-struct Map {
+// The terrain from above (editor/scene/overview.h), north up.
+struct OverviewImage {
     unsigned texture = 0; // GL name; 0: there is none yet
     double share = 0;     // of it that is painted, 0..1
 };
@@ -124,14 +125,15 @@ struct State {
     Route route;
     Eye eye;
     Measures measures;
-    Map map;
+    OverviewImage overview;
     io::StreamReaderCounters reader; // of a streamed pack
     JobView job;
     JobView tuned; // the last tuning that was not cancelled
     Messages messages;
     Files files;
-    std::string bake_input; // heights or a recipe that were opened: for the dialogue that bakes them
+    std::string bake_input; // heights or a recipe that were opened: for the dialog that bakes them
     Interface interface;
+    InputCounts input;
     double now_s = 0;
     std::uint64_t frame = 0;
     bool quit = false;
@@ -145,8 +147,9 @@ struct State {
     [[nodiscard]] bool shows(Overlay overlay) const { return interface.overlay[static_cast<std::size_t>(overlay)]; }
 };
 
-void tell(State& state, Severity severity, std::string text);
+// Appends a message and shows it in the status line; a headless run prints it too.
+void post_message(State& state, Severity severity, std::string text);
 // What was thrown, as an error. before: the line's beginning.
-void tell_failure(State& state, const std::exception& failure, const std::string& before = "");
+void post_failure(State& state, const std::exception& failure, const std::string& before = "");
 
 } // namespace fjell::editor

@@ -5,7 +5,6 @@
 #include "editor/handlers/handlers.h"
 #include "fjell/query.h"
 #include "io/failure.h"
-#include "io/file.h"
 
 namespace fjell::editor {
 
@@ -17,22 +16,13 @@ double least_above_m(const flight::Ground& ground) {
     return 0.5 * ground.cell_m; // ten times the near plane's distance
 }
 
-const Engine& open_engine(Desk desk) {
-    if (!desk.engine.is_open()) throw Failure(2, "no terrain is open; open a pack first");
-    return desk.engine;
-}
 // The surface of triangles that the mesh approaches, as fine as it is there: the camera must not sink into that one.
-flight::Ground live_ground(Desk desk) {
-    const Terrain& terrain = open_engine(desk).session().terrain();
+flight::Ground live_ground(HandlerContext context) {
+    const Terrain& terrain = open_engine(context).session().terrain();
     flight::Ground ground = flight::ground_of(terrain);
     ground.height_m = [&terrain](double x_m, double z_m) { return ground_height(terrain, x_m, z_m).height_m; };
     return ground;
 }
-// For paths, whose flight must not depend on what has been streamed in.
-flight::Ground whole_ground(Desk desk) {
-    return open_engine(desk).session().ground();
-}
-
 // Views end at 1e8 m (fjell/view.h), and ten extents of a large terrain do not.
 void stay_in_reach(flight::FreeCamera& camera) {
     constexpr double reach_m = 9e7;
@@ -40,21 +30,13 @@ void stay_in_reach(flight::FreeCamera& camera) {
         *c = std::clamp(*c, -reach_m, reach_m);
 }
 
-View drawn_view(Desk desk) {
-    State& state = desk.state;
+View drawn_view(HandlerContext context) {
+    State& state = context.state;
     stay_in_reach(state.eye.free);
     flight::Profile profile = state.document.profile();
     profile.width_px = std::max(state.interface.view_width_px, 1u);
     profile.height_px = std::max(state.interface.view_height_px, 1u);
-    return flight::view_of(state.eye.pose(), desk.engine.session().terrain(), profile);
-}
-
-// A hand has taken the camera from the path.
-void take_from_path(State& state) {
-    state.eye.on_path.reset();
-    if (state.eye.navigation != Navigation::path) return;
-    state.route.play(false);
-    state.eye.navigation = Navigation::fly;
+    return flight::view_of(state.eye.pose(), context.engine.session().terrain(), profile);
 }
 
 void keep_above(flight::FreeCamera& camera, const flight::Ground& ground) {
@@ -67,36 +49,16 @@ void look_at(flight::FreeCamera& camera, const Vec3& place) {
     if (length(way) > 0.5) camera = flight::free_camera({camera.position_m, way, {}}, camera.speed_m_s);
 }
 
-// Around the ground in the picture's middle; where that shows the sky, around what lies ahead.
-void begin_orbit(Desk desk) {
-    Eye& eye = desk.state.eye;
-    const Terrain& terrain = desk.engine.session().terrain();
-    const flight::Ground ground = live_ground(desk);
-    const flight::Pose pose = eye.free.pose();
-    const GroundHit hit = cast_ray(terrain, pose.position_m, pose.direction, 20 * ground.longer_m());
-    if (hit.hit) {
-        eye.orbit_centre_m = hit.position_m;
-    } else {
-        const double ahead_m = ground.longer_m() / 4;
-        Vec3& c = eye.orbit_centre_m;
-        c.x = std::clamp(pose.position_m.x + ahead_m * std::sin(eye.free.heading), 0.0, ground.extent_x_m);
-        c.z = std::clamp(pose.position_m.z - ahead_m * std::cos(eye.free.heading), 0.0, ground.extent_z_m);
-        c.y = ground.height_m(c.x, c.z);
-        look_at(eye.free, c);
-    }
-    eye.orbit_radius_m = std::max(length(pose.position_m - eye.orbit_centre_m), least_above_m(ground));
-}
-
-bool moves(const Move& c) {
+bool moves(const MoveCamera& c) {
     const flight::Steering& s = c.steering;
     return s.forward != 0 || s.right != 0 || s.up != 0 || s.turn_right != 0 || s.turn_up != 0 || c.right_rad != 0 ||
            c.up_rad != 0 || c.pan_right != 0 || c.pan_back != 0;
 }
 
-void orbit(const Move& c, Desk desk) {
-    Eye& eye = desk.state.eye;
+void orbit(const MoveCamera& c, HandlerContext context) {
+    Eye& eye = context.state.eye;
     if (!moves(c) && c.speed_steps == 0) return;
-    const flight::Ground ground = live_ground(desk);
+    const flight::Ground ground = live_ground(context);
     const double least_m = 2 * least_above_m(ground), most_m = 10 * ground.longer_m();
     eye.orbit_radius_m = std::clamp(eye.orbit_radius_m * std::pow(0.85, c.speed_steps), least_m, most_m);
     flight::FreeCamera& camera = eye.free;
@@ -117,20 +79,53 @@ void orbit(const Move& c, Desk desk) {
 }
 
 // After the camera was put somewhere else.
-void settle(Desk desk) {
-    State& state = desk.state;
+void settle(HandlerContext context) {
+    State& state = context.state;
     take_from_path(state);
-    keep_above(state.eye.free, live_ground(desk));
-    if (state.eye.navigation == Navigation::orbit) begin_orbit(desk);
+    keep_above(state.eye.free, live_ground(context));
+    if (state.eye.navigation == Navigation::orbit) begin_orbit(context);
 }
 
 } // namespace
 
-void look_at_scene(Desk desk) {
-    State& state = desk.state;
-    state.scene = desk.engine.scene();
+const Engine& open_engine(HandlerContext context) {
+    if (!context.engine.is_open()) throw Failure(2, "no terrain is open; open a pack first");
+    return context.engine;
+}
+
+// A hand has taken the camera from the path.
+void take_from_path(State& state) {
+    state.eye.on_path.reset();
+    if (state.eye.navigation != Navigation::path) return;
+    state.route.play(false);
+    state.eye.navigation = Navigation::fly;
+}
+
+// Around the ground in the picture's middle; where that shows the sky, around what lies ahead.
+void begin_orbit(HandlerContext context) {
+    Eye& eye = context.state.eye;
+    const Terrain& terrain = context.engine.session().terrain();
+    const flight::Ground ground = live_ground(context);
+    const flight::Pose pose = eye.free.pose();
+    const GroundHit hit = cast_ray(terrain, pose.position_m, pose.direction, 20 * ground.longer_m());
+    if (hit.hit) {
+        eye.orbit_centre_m = hit.position_m;
+    } else {
+        const double ahead_m = ground.longer_m() / 4;
+        Vec3& c = eye.orbit_centre_m;
+        c.x = std::clamp(pose.position_m.x + ahead_m * std::sin(eye.free.heading), 0.0, ground.extent_x_m);
+        c.z = std::clamp(pose.position_m.z - ahead_m * std::cos(eye.free.heading), 0.0, ground.extent_z_m);
+        c.y = ground.height_m(c.x, c.z);
+        look_at(eye.free, c);
+    }
+    eye.orbit_radius_m = std::max(length(pose.position_m - eye.orbit_centre_m), least_above_m(ground));
+}
+
+void start_at_scene(HandlerContext context) {
+    State& state = context.state;
+    state.scene = context.engine.scene();
     state.measures.clear();
-    const flight::Ground ground = live_ground(desk);
+    const flight::Ground ground = live_ground(context);
     // From the south, over the terrain's near third, looking at its middle.
     const double w = state.scene.width_m(), d = state.scene.depth_m(), longer = std::max(w, d);
     flight::FreeCamera camera;
@@ -144,197 +139,101 @@ void look_at_scene(Desk desk) {
     state.route.play(false);
 }
 
-void move_camera(Desk desk, double seconds) {
-    State& state = desk.state;
+void move_camera(HandlerContext context, double seconds) {
+    State& state = context.state;
     Eye& eye = state.eye;
     if (const auto pose = state.route.advance(seconds)) {
         eye.on_path = *pose;
         eye.free = flight::free_camera(*pose, eye.free.speed_m_s);
     }
     if (!state.route.follow(eye.pose(), seconds)) {
-        tell(state, Severity::warning, "the recording is full and was ended; thin it out, or record another path");
-        apply(RecordPath{false}, desk);
+        post_message(state, Severity::warning,
+                     "the recording is full and has stopped; remove points, or record another path");
+        apply(RecordPath{false}, context);
     }
-    const Terrain& terrain = desk.engine.session().terrain();
+    const Terrain& terrain = context.engine.session().terrain();
     eye.ground_m = ground_height(terrain, eye.free.position_m.x, eye.free.position_m.z).height_m;
-    eye.view = drawn_view(desk);
+    eye.view = drawn_view(context);
 }
 
-void carry_out(const Move& c, Desk desk) {
-    State& state = desk.state;
+void handle(const MoveCamera& c, HandlerContext context) {
+    State& state = context.state;
     Eye& eye = state.eye;
-    if (!desk.engine.is_open()) return;
+    if (!context.engine.is_open()) return;
     if (moves(c)) take_from_path(state);
     if (eye.navigation == Navigation::orbit) {
-        orbit(c, desk);
+        orbit(c, context);
         return;
     }
-    if (c.speed_steps != 0) carry_out(SetSpeed{eye.free.speed_m_s * std::pow(1.25, c.speed_steps)}, desk);
+    if (c.speed_steps != 0) handle(SetSpeed{eye.free.speed_m_s * std::pow(1.25, c.speed_steps)}, context);
     if (!moves(c)) return;
     flight::look(eye.free, c.right_rad, c.up_rad);
-    const flight::Ground ground = live_ground(desk);
+    const flight::Ground ground = live_ground(context);
     flight::steer(eye.free, c.steering, c.seconds, ground, least_above_m(ground));
 }
 
-void carry_out(const PlaceCamera& c, Desk desk) {
-    flight::FreeCamera& free = desk.state.eye.free;
+void handle(const PlaceCamera& c, HandlerContext context) {
+    flight::FreeCamera& free = context.state.eye.free;
     const double reach_m = 1e7;
     if (!(std::abs(c.position_m.x) <= reach_m && std::abs(c.position_m.y) <= reach_m &&
           std::abs(c.position_m.z) <= reach_m))
-        throw Failure(2, "the camera's place must be within 1e7 m");
-    const flight::Ground ground = live_ground(desk);
+        throw Failure(2, "the camera's position must be within 1e7 m");
+    const flight::Ground ground = live_ground(context);
     free.position_m = c.position_m;
     free.heading = 0;
     free.pitch = 0;
     flight::look(free, c.heading_rad, c.pitch_rad);
-    settle(desk);
+    settle(context);
 }
 
-void carry_out(const JumpTo& c, Desk desk) {
-    const flight::Ground ground = live_ground(desk);
-    Vec3& at = desk.state.eye.free.position_m;
+void handle(const JumpTo& c, HandlerContext context) {
+    const flight::Ground ground = live_ground(context);
+    Vec3& at = context.state.eye.free.position_m;
     const double above_m = at.y - ground.height_m(at.x, at.z);
     at.x = std::clamp(c.x_m, 0.0, ground.extent_x_m);
     at.z = std::clamp(c.z_m, 0.0, ground.extent_z_m);
     at.y = ground.height_m(at.x, at.z) + above_m;
-    settle(desk);
+    settle(context);
 }
 
-void carry_out(const LookAtAll&, Desk desk) {
-    const flight::Ground ground = live_ground(desk);
-    const Interface& i = desk.state.interface;
+void handle(const ViewAll&, HandlerContext context) {
+    const flight::Ground ground = live_ground(context);
+    const Interface& i = context.state.interface;
     // At 45 degrees and twice as wide as high, 1.15 times the longer side away; a narrow picture takes more.
     const double aspect = i.view_height_px > 0 ? static_cast<double>(i.view_width_px) / i.view_height_px : 1.6;
     const double away_m = 1.15 * ground.longer_m() * std::max(1.0, 1.5 / std::max(aspect, 0.1));
-    flight::FreeCamera& free = desk.state.eye.free;
-    const Vec3 centre{ground.extent_x_m / 2, desk.state.scene.min_m, ground.extent_z_m / 2};
+    flight::FreeCamera& free = context.state.eye.free;
+    const Vec3 centre{ground.extent_x_m / 2, context.state.scene.min_m, ground.extent_z_m / 2};
     free.heading = 0;
     free.pitch = -0.75;
     free.position_m = centre - free.pose().direction * away_m;
-    settle(desk);
+    settle(context);
 }
 
-void carry_out(const SetSpeed& c, Desk desk) {
-    desk.state.eye.free.speed_m_s = std::clamp(c.m_s, 0.01, 1e6);
-    desk.state.eye.speed_shown_until_s = desk.state.now_s + 1.5;
+void handle(const SetSpeed& c, HandlerContext context) {
+    context.state.eye.free.speed_m_s = std::clamp(c.m_s, 0.01, 1e6);
+    context.state.eye.speed_shown_until_s = context.state.now_s + 1.5;
 }
 
-void carry_out(const Navigate& c, Desk desk) {
-    State& state = desk.state;
+void handle(const SetNavigation& c, HandlerContext context) {
+    State& state = context.state;
     if (c.navigation == Navigation::path && state.route.empty())
         throw Failure(2, "there is no camera path to follow; open one, record one or add points");
     if (c.navigation != Navigation::path) take_from_path(state);
     state.eye.navigation = c.navigation;
-    if (c.navigation == Navigation::orbit && desk.engine.is_open()) begin_orbit(desk);
-    if (c.navigation == Navigation::path) carry_out(SeekPath{state.route.share()}, desk);
+    if (c.navigation == Navigation::orbit && context.engine.is_open()) begin_orbit(context);
+    if (c.navigation == Navigation::path) handle(SeekPath{state.route.share()}, context);
 }
 
-void carry_out(const Freeze& c, Desk desk) {
-    Eye& eye = desk.state.eye;
+void handle(const FreezeRefinement& c, HandlerContext context) {
+    Eye& eye = context.state.eye;
     if (c.on) {
-        (void)open_engine(desk);
-        eye.refining = drawn_view(desk);
+        (void)open_engine(context);
+        eye.refining = drawn_view(context);
     } else {
         eye.refining.reset();
     }
     eye.frozen = c.on;
-}
-
-// What is being recorded becomes the path: then it can be saved, asked about and restored.
-void end_recording(Desk desk) {
-    if (!desk.state.route.recording()) return;
-    try {
-        carry_out(RecordPath{false}, desk);
-    } catch (const Failure&) { // the camera did not move: there is nothing to lose
-    }
-}
-
-void carry_out(const OpenPath& c, Desk desk) {
-    end_recording(desk);
-    if (!c.discard && asks_first(OpenPath{c.path, true}, desk)) return;
-    State& state = desk.state;
-    const bool lost = state.route.unsaved();
-    state.route.open(c.path, whole_ground(desk));
-    if (state.eye.navigation == Navigation::path) take_from_path(state);
-    if (lost) tell(state, Severity::warning, "the path before was not saved; Restore brings it back");
-}
-
-void carry_out(const SavePath& c, Desk desk) {
-    io::refuse_overwriting({c.path}, {desk.state.scene.path});
-    desk.state.route.save(c.path);
-    if (desk.state.interface.dialog == Dialog::save_path) desk.state.interface.dialog = Dialog::none;
-    go_on_saving(desk);
-    tell(desk.state, Severity::note, "saved the camera path to " + desk.state.route.path());
-}
-
-void carry_out(const RecordPath& c, Desk desk) {
-    State& state = desk.state;
-    if (c.on) take_from_path(state);
-    const bool lost = !c.on && state.route.recording() && state.route.unsaved();
-    state.route.record(c.on, state.eye.pose(), whole_ground(desk));
-    if (lost) tell(state, Severity::warning, "the path before was not saved; Restore brings it back");
-}
-
-void carry_out(const PlayPath& c, Desk desk) {
-    State& state = desk.state;
-    if (c.on && state.route.recording()) carry_out(RecordPath{false}, desk);
-    state.route.play(c.on);
-    if (c.on) carry_out(SeekPath{state.route.share()}, desk);
-}
-
-void carry_out(const SeekPath& c, Desk desk) {
-    State& state = desk.state;
-    if (state.route.empty()) throw Failure(2, "there is no camera path to seek in; open one, or add points");
-    state.route.seek(c.share);
-    state.eye.on_path = state.route.pose();
-    state.eye.free = flight::free_camera(*state.eye.on_path, state.eye.free.speed_m_s);
-    state.eye.navigation = Navigation::path;
-}
-
-void carry_out(const AddPoint&, Desk desk) {
-    desk.state.route.add(desk.state.eye.pose(), whole_ground(desk));
-}
-
-void carry_out(const ReplacePoint& c, Desk desk) {
-    desk.state.route.replace(c.point, desk.state.eye.pose(), whole_ground(desk));
-}
-
-void carry_out(const RemovePoint& c, Desk desk) {
-    desk.state.route.remove(c.point, whole_ground(desk));
-}
-
-void carry_out(const SelectPoint& c, Desk desk) {
-    State& state = desk.state;
-    const flight::Pose pose = state.route.select(c.point);
-    take_from_path(state);
-    state.eye.free = flight::free_camera(pose, state.eye.free.speed_m_s);
-    state.eye.on_path = pose; // with its roll, until a hand moves the camera
-    if (state.eye.navigation == Navigation::orbit && desk.engine.is_open()) begin_orbit(desk);
-}
-
-void carry_out(const MovePoint& c, Desk desk) {
-    desk.state.route.move(c.point, c.to, whole_ground(desk));
-}
-
-void carry_out(const ClearPath&, Desk desk) {
-    end_recording(desk);
-    const bool unsaved = desk.state.route.unsaved();
-    take_from_path(desk.state);
-    desk.state.route.clear();
-    if (unsaved) tell(desk.state, Severity::note, "cleared a path that was not saved; Restore brings it back");
-}
-
-void carry_out(const RestorePath&, Desk desk) {
-    take_from_path(desk.state);
-    desk.state.route.restore();
-}
-
-void carry_out(const PathSeconds& c, Desk desk) {
-    desk.state.route.set_seconds(c.seconds, whole_ground(desk));
-}
-
-void carry_out(const LoopPath& c, Desk desk) {
-    desk.state.route.loop(c.on);
 }
 
 } // namespace fjell::editor

@@ -1,95 +1,93 @@
-// One function a command; apply() finds the one. They may throw io::Failure, which becomes a message.
+// One handler per command; apply() finds it. Handlers may throw io::Failure, which becomes a message.
 #pragma once
 
 #include "editor/handlers/apply.h"
 
 namespace fjell::editor {
 
-// carry_out_profile.cpp
-void carry_out(const SetKey& c, Desk desk);
-void carry_out(const Undo& c, Desk desk);
-void carry_out(const Redo& c, Desk desk);
-void carry_out(const DefaultProfile& c, Desk desk);
-void carry_out(const OpenProfile& c, Desk desk);
-void carry_out(const SaveProfile& c, Desk desk);
-void carry_out(const CompareProfile& c, Desk desk);
-void carry_out(const StopComparing& c, Desk desk);
+// profile.cpp
+void handle(const SetKey& c, HandlerContext context);
+void handle(const Undo& c, HandlerContext context);
+void handle(const Redo& c, HandlerContext context);
+void handle(const ResetProfile& c, HandlerContext context);
+void handle(const OpenProfile& c, HandlerContext context);
+void handle(const SaveProfile& c, HandlerContext context);
+void handle(const CompareProfile& c, HandlerContext context);
+void handle(const StopComparing& c, HandlerContext context);
 
-// carry_out_files.cpp
-void carry_out(const Open& c, Desk desk);
-void carry_out(const OpenSample& c, Desk desk);
-void carry_out(const Browse& c, Desk desk);
-void carry_out(const BrowseAll& c, Desk desk);
-void carry_out(const GoOn& c, Desk desk);
-void carry_out(const Recover& c, Desk desk);
-// Before a command that would lose changes: asks about them and remembers it. again: the command as it is carried out
-// once it is answered. True: it was asked, and nothing is to be done now.
-[[nodiscard]] bool asks_first(Command again, Desk desk);
-// After something was saved: goes on with what waited for it.
-void go_on_saving(Desk desk);
-// A dialogue opens: what it looks at is read, and what waited for another one waits no longer.
-void dialog_opens(Dialog dialog, State& state);
-// A pack was opened: it is a recent one now, and the page that asked what to open goes.
-void opened_pack(const std::string& path, State& state);
-// "* laptop.toml - alps.fjell - Fjell editor"
-[[nodiscard]] std::string title(const State& state);
-// At the start: settings are read, and what an earlier run left is found. In a window both are written from now on.
-void begin_keeping(State& state, bool window);
-// Once a frame: what is made from the document, for as long as it is the same; and changes are kept from crashes.
-void keep_up(State& state);
-// At the end. wanted: the user's will, and nothing is left to recover; else changes are kept for the next run.
-void end_keeping(State& state, bool wanted);
+// files.cpp
+void handle(const OpenFile& c, HandlerContext context);
+void handle(const OpenSample& c, HandlerContext context);
+void handle(const BrowseFolder& c, HandlerContext context);
+void handle(const BrowseAllKinds& c, HandlerContext context);
 
-// carry_out_camera.cpp
-void carry_out(const Move& c, Desk desk);
-void carry_out(const PlaceCamera& c, Desk desk);
-void carry_out(const JumpTo& c, Desk desk);
-void carry_out(const LookAtAll& c, Desk desk);
-void carry_out(const SetSpeed& c, Desk desk);
-void carry_out(const Navigate& c, Desk desk);
-void carry_out(const Freeze& c, Desk desk);
-void carry_out(const OpenPath& c, Desk desk);
-void carry_out(const SavePath& c, Desk desk);
-void carry_out(const RecordPath& c, Desk desk);
-void carry_out(const PlayPath& c, Desk desk);
-void carry_out(const SeekPath& c, Desk desk);
-void carry_out(const AddPoint& c, Desk desk);
-void carry_out(const ReplacePoint& c, Desk desk);
-void carry_out(const RemovePoint& c, Desk desk);
-void carry_out(const SelectPoint& c, Desk desk);
-void carry_out(const MovePoint& c, Desk desk);
-void carry_out(const ClearPath& c, Desk desk);
-void carry_out(const RestorePath& c, Desk desk);
-void carry_out(const PathSeconds& c, Desk desk);
-void carry_out(const LoopPath& c, Desk desk);
+// unsaved.cpp
+void handle(const AnswerUnsaved& c, HandlerContext context);
+void handle(const RecoverChanges& c, HandlerContext context);
+void handle(const Quit& c, HandlerContext context);
+// Before a command that would lose changes: asks, and keeps the command as `again`, to be applied once the user has
+// answered. True: the question is open, and the command must not run now.
+[[nodiscard]] bool ask_about_unsaved(Command again, HandlerContext context);
+// After something was saved: runs the command that waited for it.
+void continue_saving(HandlerContext context);
 
-void end_recording(Desk desk);
+// camera.cpp
+void handle(const MoveCamera& c, HandlerContext context);
+void handle(const PlaceCamera& c, HandlerContext context);
+void handle(const JumpTo& c, HandlerContext context);
+void handle(const ViewAll& c, HandlerContext context);
+void handle(const SetSpeed& c, HandlerContext context);
+void handle(const SetNavigation& c, HandlerContext context);
+void handle(const FreezeRefinement& c, HandlerContext context);
+// Throws Failure (2) when no terrain is open.
+const Engine& open_engine(HandlerContext context);
+// The user has moved the camera: it leaves the path.
+void take_from_path(State& state);
+// Around the ground at the picture's centre or, where that shows the sky, around a point ahead.
+void begin_orbit(HandlerContext context);
 
-// carry_out_show.cpp
-void carry_out(const SetMode& c, Desk desk);
-void carry_out(const SetOverlay& c, Desk desk);
-void carry_out(const ShowPanel& c, Desk desk);
-void carry_out(const ShowDialog& c, Desk desk);
-void carry_out(const SetScale& c, Desk desk);
-void carry_out(const DismissMessage& c, Desk desk);
-void carry_out(const Quit& c, Desk desk);
+// path.cpp
+void handle(const OpenPath& c, HandlerContext context);
+void handle(const SavePath& c, HandlerContext context);
+void handle(const RecordPath& c, HandlerContext context);
+void handle(const PlayPath& c, HandlerContext context);
+void handle(const SeekPath& c, HandlerContext context);
+void handle(const AddPoint& c, HandlerContext context);
+void handle(const ReplacePoint& c, HandlerContext context);
+void handle(const RemovePoint& c, HandlerContext context);
+void handle(const SelectPoint& c, HandlerContext context);
+void handle(const MovePoint& c, HandlerContext context);
+void handle(const ClearPath& c, HandlerContext context);
+void handle(const RestorePath& c, HandlerContext context);
+void handle(const SetPathSeconds& c, HandlerContext context);
+void handle(const LoopPath& c, HandlerContext context);
+// Makes what is being recorded the path, so that it can be saved, asked about and restored.
+void end_recording(HandlerContext context);
 
-// carry_out_jobs.cpp
-void carry_out(const Bake& c, Desk desk);
-void carry_out(const Tune& c, Desk desk);
-void carry_out(const Benchmark& c, Desk desk);
-void carry_out(const Export& c, Desk desk);
-void carry_out(const PreviewExport& c, Desk desk);
-void carry_out(const CancelJob& c, Desk desk);
+// interface.cpp
+void handle(const SetPictureMode& c, HandlerContext context);
+void handle(const SetOverlay& c, HandlerContext context);
+void handle(const ShowPanel& c, HandlerContext context);
+void handle(const ShowDialog& c, HandlerContext context);
+void handle(const SetScale& c, HandlerContext context);
+void handle(const DismissMessage& c, HandlerContext context);
+
+// jobs.cpp
+void handle(const BakePack& c, HandlerContext context);
+void handle(const TuneThreshold& c, HandlerContext context);
+void handle(const RunBenchmark& c, HandlerContext context);
+void handle(const ExportMesh& c, HandlerContext context);
+void handle(const PreviewExport& c, HandlerContext context);
+void handle(const CancelJob& c, HandlerContext context);
 // What a job that has just ended means for the state: a baked pack is opened, a tuned threshold offered.
-void take_result(Desk desk);
+void handle_job_result(HandlerContext context);
 
-// The surface's and the script's: the app carries them out itself (editor/app.h).
-inline void carry_out(const Screenshot&, Desk) {}
-inline void carry_out(const Resize&, Desk) {}
-inline void carry_out(const DumpState&, Desk) {}
-inline void carry_out(const LoseGraphics&, Desk) {}
-inline void carry_out(const WaitFrames&, Desk) {}
-inline void carry_out(const WaitThere&, Desk) {}
+// The app handles those of the surface and of scripts itself (editor/app.h).
+inline void handle(const TakeScreenshot&, HandlerContext) {}
+inline void handle(const ResizeWindow&, HandlerContext) {}
+inline void handle(const DumpState&, HandlerContext) {}
+inline void handle(const LoseGraphics&, HandlerContext) {}
+inline void handle(const WaitFrames&, HandlerContext) {}
+inline void handle(const WaitSettled&, HandlerContext) {}
 
 } // namespace fjell::editor

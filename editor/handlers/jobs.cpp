@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "editor/handlers/handlers.h"
-#include "editor/jobs/bodies.h"
-#include "editor/jobs/tune.h"
+#include "editor/jobs/factories.h"
+#include "editor/jobs/threshold_search.h"
 #include "flight/profile_keys.h"
 #include "io/failure.h"
 
@@ -16,7 +16,7 @@ void require_scene(const State& state) {
     if (!state.scene.open()) throw io::Failure(2, "open a terrain first");
 }
 
-FlightPlan plan_of(const State& state, std::size_t frames) {
+MeasuredFlightPlan plan_of(const State& state, std::size_t frames) {
     require_scene(state);
     return {state.scene.path, state.document.profile(), state.route.poses(), frames, false};
 }
@@ -34,59 +34,61 @@ ExportPlan export_plan(const State& state, const std::string& path, double error
     return plan;
 }
 
-void take_tuned(Desk desk) {
-    State& state = desk.state;
+void apply_tuned(HandlerContext context) {
+    State& state = context.state;
     state.tuned = state.job;
     const JobView& job = state.job;
     if (!job.tuned.apply || job.best_px == 0) return;
-    apply(SetKey{flight::find_profile_key("refine.error_px"), job.best_px, false}, desk);
+    apply(SetKey{flight::find_profile_key("refine.error_px"), job.best_px, false}, context);
 }
 
 } // namespace
 
-void carry_out(const Bake& c, Desk desk) {
-    desk.jobs.start(JobKind::bake, bake_job(c));
+void handle(const BakePack& c, HandlerContext context) {
+    context.jobs.start(JobKind::bake, bake_job(c));
 }
 
-void carry_out(const Tune& c, Desk desk) {
-    desk.jobs.start(JobKind::tune, tune_job(plan_of(desk.state, c.settings.frames), c.settings, c.csv));
+void handle(const TuneThreshold& c, HandlerContext context) {
+    context.jobs.start(JobKind::tune, tune_job(plan_of(context.state, c.settings.frames), c.settings, c.csv));
 }
 
-void carry_out(const Benchmark& c, Desk desk) {
-    desk.jobs.start(JobKind::benchmark, benchmark_job(plan_of(desk.state, c.frames), c.csv));
+void handle(const RunBenchmark& c, HandlerContext context) {
+    context.jobs.start(JobKind::benchmark, benchmark_job(plan_of(context.state, c.frames), c.csv));
 }
 
-void carry_out(const Export& c, Desk desk) {
+void handle(const ExportMesh& c, HandlerContext context) {
     if (c.path.empty()) throw io::Failure(2, "give the export a file name that ends in .glb");
-    desk.jobs.start(JobKind::snapshot, export_job(export_plan(desk.state, c.path, c.error_px)));
+    context.jobs.start(JobKind::snapshot, export_job(export_plan(context.state, c.path, c.error_px)));
 }
 
-void carry_out(const PreviewExport& c, Desk desk) {
-    desk.jobs.start(JobKind::preview, export_job(export_plan(desk.state, "", c.error_px)));
+void handle(const PreviewExport& c, HandlerContext context) {
+    context.jobs.start(JobKind::preview, export_job(export_plan(context.state, "", c.error_px)));
 }
 
-void carry_out(const CancelJob&, Desk desk) {
-    desk.jobs.cancel();
+void handle(const CancelJob&, HandlerContext context) {
+    context.jobs.cancel();
 }
 
-void take_result(Desk desk) {
-    State& state = desk.state;
+void handle_job_result(HandlerContext context) {
+    State& state = context.state;
     const JobView& job = state.job;
     const char* const name = job_names[static_cast<int>(job.kind)];
     if (job.cancelled) {
-        tell(state, Severity::note, fmt::format("{} cancelled{}{}", name, job.result.empty() ? "" : "; ", job.result));
+        post_message(state, Severity::note,
+                     fmt::format("{} cancelled{}{}", name, job.result.empty() ? "" : "; ", job.result));
         return;
     }
     if (!job.problem.empty()) {
-        tell_failure(state, io::Failure(job.exit_code, job.problem), fmt::format("{}: ", name));
+        post_failure(state, io::Failure(job.exit_code, job.problem), fmt::format("{}: ", name));
         return;
     }
     const bool bare = job.kind == JobKind::tune; // figures alone, among other messages
-    if (!job.result.empty()) tell(state, Severity::note, bare ? fmt::format("{}: {}", name, job.result) : job.result);
-    if (job.kind == JobKind::tune) take_tuned(desk);
+    if (!job.result.empty())
+        post_message(state, Severity::note, bare ? fmt::format("{}: {}", name, job.result) : job.result);
+    if (job.kind == JobKind::tune) apply_tuned(context);
     if (job.kind == JobKind::bake) {
         if (state.interface.dialog == Dialog::bake) state.interface.dialog = Dialog::none;
-        apply(Open{job.output}, desk);
+        apply(OpenFile{job.output}, context);
     }
 }
 

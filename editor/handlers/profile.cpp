@@ -7,50 +7,50 @@
 
 namespace fjell::editor {
 
-void carry_out(const SetKey& c, Desk desk) {
-    Document& document = desk.state.document;
+void handle(const SetKey& c, HandlerContext context) {
+    Document& document = context.state.document;
     document.set(*c.key, c.value, c.dragging);
     if (c.dragging || (c.value >= c.key->least && c.value <= c.key->most)) return;
-    tell(desk.state, Severity::warning,
-         fmt::format("{}: {}; {} was taken", c.key->label, flight::key_refusal(*c.key),
-                     flight::value_text(*c.key, document.profile())));
+    post_message(context.state, Severity::warning,
+                 fmt::format("{}: {}; set to {}", c.key->label, flight::key_refusal(*c.key),
+                             flight::value_text(*c.key, document.profile())));
 }
 
-void carry_out(const Undo&, Desk desk) {
-    desk.state.document.undo();
+void handle(const Undo&, HandlerContext context) {
+    context.state.document.undo();
 }
 
-void carry_out(const Redo&, Desk desk) {
-    desk.state.document.redo();
+void handle(const Redo&, HandlerContext context) {
+    context.state.document.redo();
 }
 
-void carry_out(const DefaultProfile&, Desk desk) {
-    desk.state.document.replace({});
+void handle(const ResetProfile&, HandlerContext context) {
+    context.state.document.replace({});
 }
 
-void carry_out(const OpenProfile& c, Desk desk) {
-    if (!c.discard && asks_first(OpenProfile{c.path, true}, desk)) return;
-    State& state = desk.state;
+void handle(const OpenProfile& c, HandlerContext context) {
+    if (!c.discard && ask_about_unsaved(OpenProfile{c.path, true}, context)) return;
+    State& state = context.state;
     state.document.open(c.path);
     if (state.interface.dialog == Dialog::open_file) state.interface.dialog = Dialog::none;
-    tell(state, Severity::note, "opened " + c.path);
+    post_message(state, Severity::note, "opened " + c.path);
 }
 
-void carry_out(const SaveProfile& c, Desk desk) {
-    State& state = desk.state;
+void handle(const SaveProfile& c, HandlerContext context) {
+    State& state = context.state;
     io::refuse_overwriting({c.path}, {state.scene.path});
     state.document.save(c.path);
     if (state.interface.dialog == Dialog::save_profile) state.interface.dialog = Dialog::none;
-    tell(state, Severity::note, "saved " + state.document.path());
-    go_on_saving(desk);
+    post_message(state, Severity::note, "saved " + state.document.path());
+    continue_saving(context);
 }
 
-void carry_out(const CompareProfile& c, Desk desk) {
-    desk.state.document.compare(c.path);
+void handle(const CompareProfile& c, HandlerContext context) {
+    context.state.document.compare(c.path);
 }
 
-void carry_out(const StopComparing&, Desk desk) {
-    desk.state.document.stop_comparing();
+void handle(const StopComparing&, HandlerContext context) {
+    context.state.document.stop_comparing();
 }
 
 } // namespace fjell::editor

@@ -29,14 +29,14 @@ void run(const Jobs::Body& body, JobControl& control) {
     } catch (const Cancelled&) {
         cancelled = true;
     } catch (const std::bad_alloc&) {
-        problem = "memory is short; close something, or ask for less";
+        problem = "out of memory; close other programs or choose smaller settings";
     } catch (const io::Failure& failure) {
         problem = failure.what();
         exit_code = failure.exit_code;
     } catch (const std::exception& failure) {
         problem = failure.what();
     } catch (...) {
-        problem = "the job ended for a reason unknown; report it with what was asked for";
+        problem = "the job failed with an unknown error; please report it with its settings";
     }
     // What a library makes of being stopped is still a cancelled job.
     cancelled = cancelled || (!problem.empty() && control.cancelled());
@@ -95,7 +95,7 @@ void Jobs::start(JobKind kind, Body body) {
             control->done_.store(true, std::memory_order_release);
         });
     } catch (const std::system_error&) {
-        throw io::Failure(3, "the system gives no thread for the job; close other programs");
+        throw io::Failure(3, "cannot create a thread for the job; close other programs");
     }
     control_ = std::move(control);
     started_ = Clock::now();

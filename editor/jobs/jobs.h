@@ -18,7 +18,7 @@
 #include <thread>
 #include <vector>
 
-#include "editor/names.h"
+#include "editor/jobs/tune_settings.h"
 #include "flight/path.h"
 #include "flight/profile.h"
 
@@ -27,7 +27,7 @@ namespace fjell::editor {
 enum class JobKind : std::uint8_t { none, bake, tune, benchmark, snapshot, preview, heights };
 inline constexpr const char* job_names[] = {"none", "bake", "tune", "benchmark", "export", "preview", "heights"};
 
-// What flights at one threshold cost: each frame with its least time (editor/job_tune.h).
+// What flights at one threshold cost: each frame with its least time (editor/jobs/threshold_search.h).
 struct TunePoint {
     double error_px = 0;
     double p50_us = 0, p99_us = 0, max_us = 0;

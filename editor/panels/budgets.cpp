@@ -28,7 +28,7 @@ void amount(char (&text)[16], double value, Unit unit) {
 }
 
 ImU32 fullness_colour(double share, bool exhausted) {
-    return exhausted || share >= 0.97 ? ui::bad : share >= 0.8 ? ui::careful : ui::good;
+    return exhausted || share >= 0.97 ? ui::bad : share >= 0.8 ? ui::warning_colour : ui::good;
 }
 
 void draw_line(const Line& line, const State& state, Commands& commands) {
@@ -60,7 +60,7 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
         if (ImGui::SmallButton("Double")) commands.push(SetKey{key, more, false});
         ui::mark("budget.double", line.key);
         ui::tip(key->rebuild == flight::Rebuild::nothing ? "Twice as much, from the next frame on."
-                                                         : "Twice as much: memory is made anew, where the camera is.");
+                                                         : "Twice as much. Memory is reallocated; the view stays.");
         ImGui::SameLine();
     }
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::bad), "exhausted: %s", line.key);
@@ -72,7 +72,7 @@ void draw_method(const State& state, Commands& commands) {
     const Peaks& p = state.measures.peaks();
     const flight::Profile& profile = state.document.profile();
     const bool incremental = profile.method == flight::Method::incremental;
-    ui::heading("Refinement:  used | peak | of");
+    ui::heading("Refinement:  used | peak | limit");
     const double vertices_peak = std::max(e.vertex_slots.peak, p.vertices);
     draw_line({"Vertices", "budget.vertices", "Slots of the vertex buffer. Exhausted, the threshold rises.",
                static_cast<double>(e.vertex_slots.used), vertices_peak, static_cast<double>(e.vertex_slots.capacity),
@@ -86,13 +86,13 @@ void draw_method(const State& state, Commands& commands) {
         return;
     }
     draw_line({"Triangles", "budget.triangles",
-               "Slots of the index buffer, in whole chunks. Exhausted, the threshold rises.",
+               "Slots of the index buffer, in whole segments. Exhausted, the threshold rises.",
                static_cast<double>(e.triangle_slots.used), static_cast<double>(e.triangle_slots.peak),
                static_cast<double>(e.triangle_slots.capacity), flight::exhausted_triangles},
               state, commands);
     const bool limited = e.item_limit != unlimited_items;
     draw_line({"Work items", "budget.items",
-               "Vertices that an update looks at or changes. Exhausted, the mesh lags behind the camera.",
+               "Vertices that an update examines or changes. Exhausted, the mesh lags behind the camera.",
                static_cast<double>(e.items), static_cast<double>(p.items),
                limited ? static_cast<double>(e.item_limit) : 0, flight::exhausted_items},
               state, commands);
@@ -106,33 +106,34 @@ void draw_stream(const State& state, Commands& commands) {
     const StreamReport& r = state.measures.last().stream;
     const Peaks& p = state.measures.peaks();
     const flight::Profile& profile = state.document.profile();
-    ui::heading("Streaming:  used | peak | of");
-    draw_line({"Page slots", "stream.page_slots", "Pages in memory. Exhausted, far terrain is coarser than asked for.",
+    ui::heading("Streaming:  used | peak | limit");
+    draw_line({"Page slots", "stream.page_slots",
+               "Pages in memory. Exhausted, distant terrain is coarser than requested.",
                static_cast<double>(r.page_slots.used), static_cast<double>(std::max(r.page_slots.peak, p.page_slots)),
                static_cast<double>(r.page_slots.capacity), flight::exhausted_page_slots},
               state, commands);
     draw_line({"Requests", "stream.page_requests",
-               "Pages and mips under way (stream.map_requests are those of mips). Exhausted, more is wanted.",
+               "Pages and mips in flight (stream.map_requests for mips). Exhausted, further requests wait.",
                static_cast<double>(r.in_flight), static_cast<double>(p.requested),
                static_cast<double>(profile.stream_budget.page_requests + profile.stream_budget.map_requests),
                flight::exhausted_stream_requests},
               state, commands);
-    draw_line({"Pages a frame", "stream.pages",
-               "Taken over, 10 to 20 us each. Exhausted, some wait for the next frame.",
+    draw_line({"Pages per frame", "stream.pages",
+               "Accepted pages, 10 to 20 us each. Exhausted, some wait for the next frame.",
                static_cast<double>(r.pages_inserted), static_cast<double>(p.pages_inserted),
                static_cast<double>(profile.stream.pages), flight::exhausted_stream_pages},
               state, commands);
-    draw_line({"Map memory", "stream.map_mb", "Maps on the GPU. Exhausted, far maps are blurrier than asked for.",
+    draw_line({"Map memory", "stream.map_mb", "Maps on the GPU. Exhausted, distant maps are blurrier than requested.",
                static_cast<double>(r.map_bytes_used), static_cast<double>(p.map_bytes),
                static_cast<double>(r.map_bytes_capacity), flight::exhausted_map_bytes, Unit::bytes},
               state, commands);
-    draw_line({"Upload a frame", "stream.map_kb", "Of maps to the GPU; one mip may exceed it.",
+    draw_line({"Upload per frame", "stream.map_kb", "Maps uploaded to the GPU; one mip may exceed it.",
                static_cast<double>(r.map_upload_bytes), static_cast<double>(p.map_upload_bytes),
                static_cast<double>(profile.stream.map_bytes), flight::exhausted_stream_upload, Unit::bytes},
               state, commands);
     const bool tests = (state.measures.last().exhausted & flight::exhausted_stream_tests) != 0;
-    ui::row("Pages looked at", tests ? "all that it may" : "enough");
-    ui::tip("stream.tests: how many pages an update of the stream looks at. All that it may: raise it.");
+    ui::row("Pages tested", tests ? "limit reached" : "within the limit");
+    ui::tip("stream.tests: how many pages a stream update tests. Raise it when the limit is reached.");
 }
 
 void memory_row(const char* label, double bytes, const char* about, double& sum) {
@@ -150,19 +151,19 @@ void draw_memory(const State& state) {
     double host = 0, gpu = 0;
     ui::heading("Memory");
     memory_row("Terrain", static_cast<double>(s.terrain_bytes), "Page slots, page table and corners.", host);
-    memory_row("Method", static_cast<double>(s.method_bytes), "The block of vertices, indices and bookkeeping.", host);
+    memory_row("Method", static_cast<double>(s.method_bytes), "Vertices, indices and bookkeeping.", host);
     if (s.streamed)
-        memory_row("Stream", static_cast<double>(s.stream_bytes), "Requests under way and what they read.", host);
+        memory_row("Stream", static_cast<double>(s.stream_bytes), "Requests in flight and their buffers.", host);
     memory_row("GPU: mesh",
                incremental ? 28.0 * e.vertex_slots.capacity + 12.0 * e.triangle_slots.capacity
                            : 12.0 * e.vertex_slots.capacity + 4.0 * e.index_slots.capacity,
-               "Vertex and index buffers; what uploads pass through comes on top.", gpu);
+               "Vertex and index buffers, without staging buffers.", gpu);
     if (state.drawn)
         memory_row("GPU: maps", static_cast<double>(state.drawn->texture_bytes), "Textures of colours and normals.",
                    gpu);
     double sum = 0;
     ImGui::Separator();
-    memory_row("In all", host + gpu, "Host and GPU, without the program itself.", sum);
+    memory_row("Total", host + gpu, "Host and GPU, without the program itself.", sum);
 }
 
 } // namespace

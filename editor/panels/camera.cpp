@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "editor/panels/camera.h"
 #include "editor/panels/panels.h"
 
 namespace fjell::editor {
@@ -37,21 +36,21 @@ void draw_place(const State& state, Commands& commands) {
     double above = c.position_m.y - state.eye.ground_m;
     bool given = false;
     labelled("East");
-    given |= number("x", place.position_m.x, "%.1f m", "Metres east of the terrain's first sample. Enter takes it.");
+    given |= number("x", place.position_m.x, "%.1f m", "Metres east of the terrain's first sample. Enter applies it.");
     labelled("South");
-    given |= number("z", place.position_m.z, "%.1f m", "Metres south of the terrain's first sample. Enter takes it.");
+    given |= number("z", place.position_m.z, "%.1f m", "Metres south of the terrain's first sample. Enter applies it.");
     labelled("Height");
     given |= number("y", place.position_m.y, "%.1f m",
-                    "Metres above the pack's zero; never below the ground. Enter takes it.");
-    labelled("Over ground");
-    if (number("above", above, "%.1f m", "Metres above the ground under the camera. Enter takes it.")) {
+                    "Metres above zero height; never below the ground. Enter applies it.");
+    labelled("Above ground");
+    if (number("above", above, "%.1f m", "Metres above the ground under the camera. Enter applies it.")) {
         place.position_m.y = state.eye.ground_m + above;
         given = true;
     }
     labelled("Heading");
-    given |= number("heading", heading, "%.1f deg", "Degrees clockwise from north. Enter takes it.");
+    given |= number("heading", heading, "%.1f deg", "Degrees clockwise from north. Enter applies it.");
     labelled("Pitch");
-    given |= number("pitch", pitch, "%.1f deg", "Degrees up from the horizon, -86 to 86. Enter takes it.");
+    given |= number("pitch", pitch, "%.1f deg", "Degrees up from the horizon, -86 to 86. Enter applies it.");
     if (!given) return;
     place.heading_rad = heading * degree;
     place.pitch_rad = pitch * degree;
@@ -62,17 +61,17 @@ void draw_navigation(const State& state, Commands& commands) {
     constexpr const char* names[] = {"Fly", "Orbit", "Path"};
     constexpr const char* abouts[] = {
         "W S A D Q E move, dragging looks, the wheel sets the speed (1).",
-        "Dragging goes around the ground in the picture's middle, the wheel nears, right drag pans (2).",
+        "Dragging orbits the ground at the picture's centre, the wheel zooms, right drag pans (2).",
         "Follows the camera path (3)."};
     for (int i = 0; i < 3; ++i) {
         const auto navigation = static_cast<Navigation>(i);
         if (i > 0) ImGui::SameLine();
-        if (ImGui::RadioButton(names[i], state.eye.navigation == navigation)) commands.push(Navigate{navigation});
+        if (ImGui::RadioButton(names[i], state.eye.navigation == navigation)) commands.push(SetNavigation{navigation});
         ui::mark("navigate", navigation_names[i]);
         ui::tip(abouts[i]);
     }
     ImGui::SameLine();
-    if (ImGui::Button("Overview")) commands.push(LookAtAll{});
+    if (ImGui::Button("View all")) commands.push(ViewAll{});
     ui::mark("camera", "home");
     ui::tip("Look at the whole terrain from the south (Home).");
     labelled("Speed");
@@ -83,14 +82,13 @@ void draw_navigation(const State& state, Commands& commands) {
                             speed < 1000 ? "%.4g m/s" : "%.0f m/s", ImGuiSliderFlags_Logarithmic))
         commands.push(SetSpeed{speed});
     ui::mark("camera", "speed");
-    ui::tip(
-        "Of flying, metres a second; Shift is five times as fast. The wheel over the picture sets it too; Ctrl click "
-        "types it.");
+    ui::tip("Flying speed in metres per second; Shift is five times as fast. The wheel over the picture changes it "
+            "too; Ctrl click to type a value.");
     bool frozen = state.eye.frozen;
-    if (ImGui::Checkbox("Freeze refinement (F)", &frozen)) commands.push(Freeze{frozen});
+    if (ImGui::Checkbox("Freeze refinement (F)", &frozen)) commands.push(FreezeRefinement{frozen});
     ui::mark("camera", "freeze");
-    ui::tip("The mesh stays as it is refined and culled for where the camera is now; the camera may look at it from "
-            "elsewhere. The map shows both.");
+    ui::tip("The mesh stays refined and culled for the current camera while you look at it from elsewhere. The "
+            "overview shows both cameras.");
 }
 
 } // namespace
@@ -101,9 +99,9 @@ void draw_camera(const State& state, Commands& commands) {
         return;
     }
     draw_navigation(state, commands);
-    draw_map(state, commands);
+    draw_overview(state, commands);
     draw_path(state, commands);
-    ui::heading("Place");
+    ui::heading("Position");
     draw_place(state, commands);
 }
 

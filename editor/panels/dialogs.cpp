@@ -26,9 +26,9 @@ constexpr Window windows[] = {
     {"Unsaved changes", 480, 0, draw_unsaved},
     {"Recovered changes", 480, 0, draw_recover},
 };
-static_assert(std::size(windows) == dialogs, "a dialogue was added: say how it looks");
+static_assert(std::size(windows) == dialogs, "a dialog was added: add its window");
 
-// Asked before the dialogue is drawn: what is typed into takes the key for itself, and a list that is dropped down.
+// Asked before the dialog is drawn: what is typed into takes the key for itself, and a list that is dropped down.
 bool escapes() {
     return ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false) && !ImGui::IsAnyItemActive() &&
            !ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);

@@ -3,15 +3,15 @@
 #include <filesystem>
 #include <system_error>
 
-#include "editor/panels/browse.h"
+#include "editor/panels/file_browser.h"
 #include "editor/panels/panels.h"
 
 namespace fjell::editor {
 
 namespace {
 
-// One file dialogue is open at a time.
-BrowseForm form;
+// One file dialog is open at a time.
+FileBrowserForm form;
 
 // As wide as the longest of some, so that they stand in a column.
 bool wide_button(const char* label, const char* name) {
@@ -40,9 +40,9 @@ void add_extension(const char* extension) {
 // Saving under a name; own: the file it came from, which is overwritten without a word. True: at form.name, now.
 bool save_as(const State& state, Commands& commands, const std::string& own, const char* otherwise,
              const char* extension) {
-    begin_browsing(form, state, own.empty() ? otherwise : last_part(own));
+    begin_file_browser(form, state, own.empty() ? otherwise : last_part(own));
     if (form.asks) return draw_overwrite(form);
-    if (!draw_browser(state, commands, form, "Save")) return false;
+    if (!draw_file_browser(state, commands, form, "Save")) return false;
     add_extension(extension);
     const std::string path = state.files.browser.path_of(form.name);
     form.asks = exists(path) && path != own;
@@ -59,11 +59,11 @@ void draw_sample_progress(const State& state, Commands& commands) {
 }
 
 void draw_recent_packs(const State& state, Commands& commands) {
-    ui::heading("Opened before");
-    if (state.interface.recent.empty()) ImGui::TextDisabled("Nothing yet.");
+    ui::heading("Recent packs");
+    if (state.interface.recent.empty()) ImGui::TextDisabled("None yet.");
     for (const std::string& pack : state.interface.recent) {
         ImGui::PushID(&pack);
-        if (ImGui::Selectable(last_part(pack))) commands.push(Open{pack});
+        if (ImGui::Selectable(last_part(pack))) commands.push(OpenFile{pack});
         ImGui::PopID();
         ui::mark("recent", last_part(pack));
         ui::tip(pack.c_str());
@@ -71,8 +71,8 @@ void draw_recent_packs(const State& state, Commands& commands) {
 }
 
 void draw_differences(const State& state, Commands& commands) {
-    ImGui::TextWrapped("Beside %s: %zu keys differ.",
-                       state.document.compared_path().empty() ? "what was saved"
+    ImGui::TextWrapped("Compared with %s: %zu keys differ.",
+                       state.document.compared_path().empty() ? "the saved profile"
                                                               : state.document.compared_path().c_str(),
                        state.files.differences.size());
     const float below = ImGui::GetFrameHeightWithSpacing();
@@ -116,12 +116,11 @@ bool answer(const char* label, const char* name, bool first) {
 } // namespace
 
 void draw_start(const State& state, Commands& commands) {
-    ImGui::TextWrapped(
-        "Fjell draws large terrains with a bound on the error that shows. This editor tunes its thresholds "
-        "and budgets, by eye and by number.");
+    ImGui::TextWrapped("Fjell draws large terrains with a bounded screen-space error. This editor tunes its thresholds "
+                       "and budgets, by eye and by number.");
     ImGui::Spacing();
     if (wide_button("Open the sample", "sample")) commands.push(OpenSample{});
-    ui::tip("A small synthetic landscape. Baked at its first use, in some seconds.");
+    ui::tip("A small synthetic landscape. Baked at its first use, which takes some seconds.");
     if (wide_button("Open a file...", "open")) commands.push(ShowDialog{Dialog::open_file});
     ui::tip("A pack (.fjell), a profile, or heights that GDAL reads, to be baked.");
     ImGui::TextDisabled("Or drop a file onto the window.");
@@ -130,8 +129,9 @@ void draw_start(const State& state, Commands& commands) {
 }
 
 void draw_open_file(const State& state, Commands& commands) {
-    begin_browsing(form, state, "");
-    if (draw_browser(state, commands, form, "Open")) commands.push(Open{state.files.browser.path_of(form.name)});
+    begin_file_browser(form, state, "");
+    if (draw_file_browser(state, commands, form, "Open"))
+        commands.push(OpenFile{state.files.browser.path_of(form.name)});
 }
 
 void draw_save_profile(const State& state, Commands& commands) {
@@ -146,21 +146,21 @@ void draw_save_path(const State& state, Commands& commands) {
 
 void draw_compare(const State& state, Commands& commands) {
     if (state.document.compared() == nullptr) {
-        begin_browsing(form, state, "");
-        if (ImGui::Button("With what was saved")) commands.push(CompareProfile{});
+        begin_file_browser(form, state, "");
+        if (ImGui::Button("With the saved profile")) commands.push(CompareProfile{});
         ui::mark("compare", "saved");
         ImGui::SameLine();
         ImGui::TextUnformatted("or with another profile:");
-        if (draw_browser(state, commands, form, "Compare"))
+        if (draw_file_browser(state, commands, form, "Compare"))
             commands.push(CompareProfile{state.files.browser.path_of(form.name)});
         return;
     }
     draw_differences(state, commands);
-    if (ImGui::Button("Another")) commands.push(StopComparing{});
+    if (ImGui::Button("Compare another")) commands.push(StopComparing{});
     ui::mark("compare", "another");
     ui::tip("Compares with another profile.");
     ImGui::SameLine();
-    if (ImGui::Button("Compare no more")) {
+    if (ImGui::Button("Stop comparing")) {
         commands.push(StopComparing{});
         commands.push(ShowDialog{Dialog::none});
     }
@@ -168,7 +168,7 @@ void draw_compare(const State& state, Commands& commands) {
     ImGui::SameLine();
     if (ImGui::Button("Close")) commands.push(ShowDialog{Dialog::none});
     ui::mark("compare", "close");
-    ui::tip("The other profile's values stay beside ours in the panel.");
+    ui::tip("The other profile's values stay visible in the Tune panel.");
 }
 
 void draw_unsaved(const State& state, Commands& commands) {
@@ -180,8 +180,8 @@ void draw_unsaved(const State& state, Commands& commands) {
                            state.route.path().empty() ? "it has no file yet" : state.route.path().c_str());
     ImGui::Spacing();
     ImGui::BeginDisabled(!state.files.waiting);
-    if (answer("Save", "save", true)) commands.push(GoOn{Answer::save});
-    if (answer("Discard", "discard", false)) commands.push(GoOn{Answer::discard});
+    if (answer("Save", "save", true)) commands.push(AnswerUnsaved{Answer::save});
+    if (answer("Discard", "discard", false)) commands.push(AnswerUnsaved{Answer::discard});
     ImGui::EndDisabled();
     if (answer("Cancel", "cancel", false)) commands.push(ShowDialog{Dialog::none});
 }
@@ -199,10 +199,10 @@ void draw_recover(const State& state, Commands& commands) {
     if (!found->points.empty()) ImGui::BulletText("a camera path of %zu points", found->points.size());
     if (!found->pack.empty()) ImGui::BulletText("over %s", last_part(found->pack));
     ImGui::Spacing();
-    if (answer("Restore", "restore", true)) commands.push(Recover{true});
-    if (answer("Discard", "discard", false)) commands.push(Recover{false});
+    if (answer("Restore", "restore", true)) commands.push(RecoverChanges{true});
+    if (answer("Discard", "discard", false)) commands.push(RecoverChanges{false});
     ImGui::SameLine();
-    ImGui::TextDisabled("closed, it asks again next time");
+    ImGui::TextDisabled("close this dialog to be asked again next time");
 }
 
 } // namespace fjell::editor

@@ -94,14 +94,14 @@ void draw_line(ImDrawList& list, const Scale& s, const GraphLine& line) {
 void draw_budget(ImDrawList& list, const Graph& graph, const Scale& s) {
     if (!(graph.budget > 0)) return;
     const float y = s.y(graph.budget);
-    list.AddLine({s.low.x, y}, {s.high.x, y}, careful, std::max(1.0F, ImGui::GetFontSize() / 10));
+    list.AddLine({s.low.x, y}, {s.high.x, y}, warning_colour, std::max(1.0F, ImGui::GetFontSize() / 10));
     const float height = ImGui::GetFontSize(); // on the left, where the older frames are
     const bool above = y - height > s.low.y;
     const ImVec2 at{s.low.x + 0.3F * height, above ? y - height - 1 : y + 1};
     const ImVec2 size = ImGui::CalcTextSize(graph.budget_label); // lines may run under it
     list.AddRectFilled({at.x - 0.15F * height, at.y}, {at.x + size.x + 0.15F * height, at.y + height},
                        IM_COL32(25, 28, 36, 200));
-    list.AddText(at, careful, graph.budget_label);
+    list.AddText(at, warning_colour, graph.budget_label);
 }
 
 // The line above the plot: the unit on its left, what the lines are on its right.

@@ -15,15 +15,15 @@ constexpr Key keys[] = {
     {"W S, A D", "fly forwards and back, left and right; in orbit: pan"},
     {"E Q", "up and down"},
     {"Shift", "five times as fast"},
-    {"Arrows, left drag", "look around; in orbit: go around the centre"},
-    {"Wheel", "speed; in orbit: nearer and farther"},
+    {"Arrows, left drag", "look around; in orbit: turn around the centre"},
+    {"Wheel", "speed; in orbit: zoom"},
     {"Right drag, Shift drag", "in orbit: pan"},
     {"1  2  3", "fly, orbit, follow the path"},
     {"Home", "look at the whole terrain"},
-    {"Click on the map", "fly there, at the same height above the ground"},
-    {"F", "freeze refinement, and look at its mesh from elsewhere"},
+    {"Click on the overview", "fly there, at the same height above the ground"},
+    {"F", "freeze refinement, to look at the mesh from elsewhere"},
     {"Camera path", nullptr},
-    {"R", "record where the camera flies; again: end"},
+    {"R", "record the flight; again: stop"},
     {"N", "add a point where the camera is"},
     {"P", "play; again: pause"},
     {"Picture", nullptr},
@@ -35,13 +35,13 @@ constexpr Key keys[] = {
     {"Ctrl O", "open a pack, a DEM, a profile or a camera path"},
     {"Ctrl S", "save the profile"},
     {"Ctrl click on a slider", "type a value"},
-    {"F1", "this list"},
+    {"F1", "this list of keys"},
     {"Ctrl Q", "quit"},
 };
 
 ImVec4 severity_colour(Severity severity) {
     return ImGui::ColorConvertU32ToFloat4(severity == Severity::error     ? ui::bad
-                                          : severity == Severity::warning ? ui::careful
+                                          : severity == Severity::warning ? ui::warning_colour
                                                                           : ui::good);
 }
 
@@ -73,7 +73,7 @@ void draw_keys(const State&, Commands&) {
 void draw_messages(const State& state, Commands& commands) {
     const float button = ImGui::GetFrameHeightWithSpacing();
     ImGui::BeginChild("list", {0, -button});
-    if (state.messages.all.empty()) ImGui::TextUnformatted("Nothing has been said so far.");
+    if (state.messages.all.empty()) ImGui::TextUnformatted("No messages yet.");
     for (auto message = state.messages.all.rbegin(); message != state.messages.all.rend(); ++message) {
         const int seconds = static_cast<int>(message->at_s);
         char time[24];

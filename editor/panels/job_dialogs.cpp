@@ -1,4 +1,4 @@
-// Dialogues of what runs beside the frame. What is typed into one lives here, in one form each, until its button makes
+// Dialogs of what runs beside the frame. What is typed into one lives here, in one form each, until its button makes
 // it a command; the state knows nothing of it.
 #include "editor/panels/panels.h"
 
@@ -86,8 +86,7 @@ bool runs(const State& state, JobKind kind) {
 
 void cancel_button(const char* group, Commands& commands) {
     ImGui::SameLine();
-    if (button("Cancel", group, "cancel", true, "Stops the job; nothing half-written stays."))
-        commands.push(CancelJob{});
+    if (button("Cancel", group, "cancel", true, "Stops the job; no partial file remains.")) commands.push(CancelJob{});
 }
 
 void draw_bar(const JobView& job, bool with_rate) {
@@ -106,7 +105,7 @@ void draw_bar(const JobView& job, bool with_rate) {
 void draw_outcome(const State& state, JobKind kind, bool with_rate = false) {
     const JobView& job = state.job;
     if (job.running && job.kind != kind) {
-        ImGui::TextColored(ImColor(ui::careful).Value, "Another job is running; wait for it, or cancel it.");
+        ImGui::TextColored(ImColor(ui::warning_colour).Value, "Another job is running; wait for it, or cancel it.");
         return;
     }
     if (job.kind != kind) return;
@@ -138,7 +137,7 @@ void suggest(PathText& path, std::string& made_for, const State& state, const ch
 
 constexpr const char* tile_names[] = {"auto", "64", "128", "256", "512", "1024", "2048"};
 constexpr const char* order_names[] = {"planar", "hz", "linear"};
-constexpr const char* nodata_names[] = {"holes, odd ones refused", "hole", "fill", "refuse"};
+constexpr const char* nodata_names[] = {"auto: holes, suspicious values refused", "hole", "fill", "refuse"};
 
 struct BakeForm {
     std::string made_for; // State::bake_input, which begins the form anew when it changes
@@ -147,8 +146,8 @@ struct BakeForm {
     double spacing_m = 0, height_scale = 1;
 };
 
-Bake bake_of(const BakeForm& form) {
-    Bake b;
+BakePack bake_of(const BakeForm& form) {
+    BakePack b;
     b.inputs = {form.input};
     b.output = form.output;
     b.texture = form.texture;
@@ -163,27 +162,27 @@ Bake bake_of(const BakeForm& form) {
 
 void draw_bake_form(BakeForm& form) {
     path_field("Heights", "bake", "input", form.input, "a file",
-               "GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT; or a recipe of mountains (.json). Several "
-               "files make a mosaic with the command `bake`.");
+               "GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT; or a recipe (.json). Several files make a "
+               "mosaic with the command `bake`.");
     path_field("Pack", "bake", "output", form.output, "beside the heights, with .fjell",
-               "Where the baked terrain goes; what is there stays until the bake is done. A folder PACK.work beside "
-               "it takes up to 8 bytes a sample meanwhile.");
+               "Where the pack is written; an existing file is replaced only when the bake is complete. Temporary "
+               "files go to a folder PACK.work beside it.");
     choice_field("Tile", "bake", "tile", form.tile, tile_names, static_cast<int>(std::size(tile_names)),
-                 "Cells a side of a tile, the unit of drawing. Smaller ones are culled closer and cost more calls; "
-                 "auto takes 512, or what suits the extents.");
+                 "Cells along a side of a tile, the unit of drawing. Smaller tiles are culled more tightly and cost "
+                 "more draw calls; auto chooses 512, or what suits the extents.");
     number_field("Spacing, m", "bake", "spacing", form.spacing_m, "%.6g",
                  "Metres between samples; 0: the file's own. Needed where it has no coordinates.");
     number_field("Height scale", "bake", "zscale", form.height_scale, "%.6g",
-                 "Multiplies heights: 0.3048 makes metres of feet.");
+                 "Multiplies heights: 0.3048 converts feet to metres.");
     path_field("Texture", "bake", "texture", form.texture, "none",
-               "An ortho-image, placed by its coordinates or stretched over all.");
+               "An ortho-image, placed by its coordinates or stretched over the terrain.");
     path_field("Ramp", "bake", "ramp", form.ramp, "meadows to snow",
-               "Colours by height and slope where no image is (JSON, as in content/ramps).");
+               "Colours by height and slope where there is no image (JSON, as in content/ramps).");
     choice_field("Order", "bake", "order", form.order, order_names, static_cast<int>(std::size(order_names)),
-                 "How vertices lie in pages: planar for both methods, hz (hierarchical Z) too, linear as the thesis' "
-                 "first for the recursive one.");
+                 "Order of vertices in a page: planar and hz (hierarchical Z) for both methods; linear, as in the "
+                 "thesis, for the recursive method.");
     choice_field("No data", "bake", "nodata", form.nodata, nodata_names, static_cast<int>(std::size(nodata_names)),
-                 "Samples without a height: a hole, filled from what is around, or refused.");
+                 "Samples without a height: a hole, filled from their neighbours, or refused.");
 }
 
 // ---- tune
@@ -197,26 +196,25 @@ constexpr const char* measures[] = {"update: the CPU's part", "frame: with uploa
 
 void draw_tune_form(TuneForm& form) {
     number_field("Budget, us", "auto-tune", "budget_us", form.budget_us, "%.6g",
-                 "What 99 frames of 100 may take: 10 to 1,000,000 microseconds; 1000 are a millisecond, and 16,667 a "
-                 "frame at 60 a second.");
+                 "Limit for the p99 time of a frame: 10 to 1,000,000 microseconds. A frame at 60 Hz has 16,667.");
     choice_field("Measure", "auto-tune", "measure", form.measure, measures, 2,
-                 "update: what refining and streaming take of the processor. frame: all of it with drawing, in a "
-                 "picture of the profile's size; slower, and only as quick as the graphics driver.");
+                 "update: CPU time of refinement and streaming. frame: with upload and drawing at the picture size of "
+                 "the profile; slower, and dependent on the graphics driver.");
     whole_field("Frames", "auto-tune", "frames", form.frames,
-                "Of each flight, 10 to 100,000; 0: as many as the path has at 60 a second, or 840 in an orbit where "
-                "there is no path. Fewer fly the same way faster, so that more changes in a frame.");
+                "Frames per flight, 10 to 100,000; 0: as many as the path has at 60 Hz, or 840 for an orbit without a "
+                "path. Fewer frames fly the same path faster, so more changes per frame.");
     label("From, to, px");
     ImGui::PushID("range");
     float width = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
     ImGui::SetNextItemWidth(width);
     ImGui::InputDouble("##least", &form.least_px, 0, 0, "%.4g");
     ui::mark("auto-tune", "least_px");
-    ui::tip("The smallest threshold that is tried, in pixels.");
+    ui::tip("The smallest threshold to try, in pixels.");
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 0.3F);
     ImGui::InputDouble("##most", &form.most_px, 0, 0, "%.4g");
     ui::mark("auto-tune", "most_px");
-    ui::tip("The largest one, with which the search begins, in pixels.");
+    ui::tip("The largest threshold, with which the search begins, in pixels.");
     ImGui::PopID();
 }
 
@@ -227,7 +225,7 @@ void draw_tune_result(const State& state, const JobView& shown, Commands& comman
     const flight::ProfileKey* const key = flight::find_profile_key("refine.error_px");
     const bool used = key->get(state.document.profile()) == shown.best_px;
     ImGui::SameLine();
-    if (button(text, "auto-tune", "use", !used, "Makes it the profile's threshold; one step of undoing."))
+    if (button(text, "auto-tune", "use", !used, "Sets the threshold of the profile; one undo step."))
         commands.push(SetKey{key, shown.best_px, false});
 }
 
@@ -265,7 +263,8 @@ void draw_bake(const State& state, Commands& commands) {
     draw_bake_form(form);
     ImGui::Separator();
     const bool can = !state.job.running && form.input[0] != '\0';
-    if (button("Bake", "bake", "start", can, "Bakes beside the frame, in 512 MB, and opens the pack when it is done."))
+    if (button("Bake", "bake", "start", can,
+               "Bakes in the background with 512 MB of memory, and opens the pack when it is done."))
         commands.push(bake_of(form));
     if (runs(state, JobKind::bake)) cancel_button("bake", commands);
     draw_outcome(state, JobKind::bake, true);
@@ -276,9 +275,9 @@ void draw_auto_tune(const State& state, Commands& commands) {
     draw_tune_form(form);
     const bool can = !state.job.running && state.scene.open();
     if (button("Start", "auto-tune", "start", can,
-               "Flies the path, or an orbit, over a terrain of its own until the smallest threshold is found whose "
-               "p99 keeps the budget. The view is as large as the profile says.")) {
-        Tune t;
+               "Flies the path, or an orbit, over a terrain of its own until the smallest threshold is found whose p99 "
+               "keeps the budget. The view is as large as the profile says.")) {
+        TuneThreshold t;
         t.settings = {form.measure == 1 ? TuneMeasure::frame : TuneMeasure::update,
                       form.budget_us,
                       static_cast<std::uint32_t>(form.frames),
@@ -299,10 +298,10 @@ void draw_benchmark(const State& state, Commands& commands) {
     static CsvForm form;
     suggest(form.path, form.made_for, state, ".csv");
     path_field("CSV", "benchmark", "path", form.path, "a file",
-               "A line a frame, with the columns that fjell-fly --csv has.");
+               "One line per frame, with the columns of fjell-fly --csv.");
     whole_field("Frames", "benchmark", "frames", form.frames,
-                "0: as many as the path has at 60 a second, or 840 in an orbit where there is no path. Fewer fly the "
-                "same way faster.");
+                "0: as many as the path has at 60 Hz, or 840 for an orbit without a path. Fewer frames fly the same "
+                "path faster.");
     ImGui::PushTextWrapPos(0);
     ImGui::TextColored(ImColor(ui::quiet).Value,
                        "Flies %s as the profile says, over a terrain of its own, in a view of %u x %u.",
@@ -311,15 +310,15 @@ void draw_benchmark(const State& state, Commands& commands) {
     ImGui::PopTextWrapPos();
     ImGui::Separator();
     const bool can = !state.job.running && state.scene.open() && form.path[0] != '\0';
-    if (button("Run", "benchmark", "start", can, "Flies at once, as fast as it goes."))
-        commands.push(Benchmark{form.path, static_cast<std::size_t>(form.frames)});
+    if (button("Run", "benchmark", "start", can, "Starts at once and flies as fast as possible."))
+        commands.push(RunBenchmark{form.path, static_cast<std::size_t>(form.frames)});
     if (runs(state, JobKind::benchmark)) cancel_button("benchmark", commands);
     draw_outcome(state, JobKind::benchmark);
 }
 
 void draw_snapshot(const State& state, Commands& commands) {
     static ExportForm form;
-    constexpr const char* kinds[] = {"as the frame has it", "one of its own"};
+    constexpr const char* kinds[] = {"the frame's", "custom"};
     suggest(form.path, form.made_for, state, ".glb");
     path_field("glTF", "export", "path", form.path, "a file that ends in .glb",
                "Mesh, colours and camera in one file, for any viewer or modelling program.");
@@ -329,7 +328,7 @@ void draw_snapshot(const State& state, Commands& commands) {
     ImGui::BeginDisabled(form.own == 0);
     double shown = form.own == 1 ? form.error_px : state.measures.last().error_px_effective;
     number_field("Pixels", "export", "error_px", shown, "%.4g",
-                 "0.01 to 1000 pixels: a smaller one makes a larger file.");
+                 "0.01 to 1000 pixels: a smaller threshold makes a larger file.");
     if (form.own == 1) form.error_px = shown;
     ImGui::EndDisabled();
     ImGui::Separator();
@@ -339,8 +338,8 @@ void draw_snapshot(const State& state, Commands& commands) {
         commands.push(PreviewExport{error_px});
     ImGui::SameLine();
     if (button("Export", "export", "start", can && form.path[0] != '\0',
-               "Writes the file; an old one stays until then."))
-        commands.push(Export{form.path, error_px});
+               "Writes the file; an existing one is replaced only when it is complete."))
+        commands.push(ExportMesh{form.path, error_px});
     if (runs(state, JobKind::snapshot) || runs(state, JobKind::preview)) cancel_button("export", commands);
     const ExportPreview& p = state.job.preview;
     if (p.bytes != 0) {
@@ -356,11 +355,11 @@ void draw_screenshot(const State&, Commands& commands) {
     static ScreenshotForm form;
     constexpr const char* kinds[] = {"the terrain", "the window, with its panels"};
     path_field("Picture", "screenshot", "path", form.path, "a file that ends in .png", "Where the PNG goes.");
-    choice_field("Of", "screenshot", "what", form.what, kinds, 2, "In the pixels that the window has now.");
+    choice_field("Contents", "screenshot", "what", form.what, kinds, 2, "At the current size of the window.");
     ImGui::Separator();
-    if (button("Save", "screenshot", "start", form.path[0] != '\0', "Closes this dialogue and takes the next frame.")) {
+    if (button("Save", "screenshot", "start", form.path[0] != '\0', "Closes this dialog and saves the next frame.")) {
         commands.push(ShowDialog{Dialog::none});
-        commands.push(Screenshot{form.path, form.what == 1});
+        commands.push(TakeScreenshot{form.path, form.what == 1});
     }
 }
 
@@ -372,7 +371,7 @@ void draw_job_status(const State& state, Commands& commands) {
     ImGui::SameLine();
     if (ImGui::SmallButton("Cancel")) commands.push(CancelJob{});
     ui::mark("status", "cancel-job");
-    ui::tip("Stops the job; nothing half-written stays, but for a bake's folder, from which it can go on.");
+    ui::tip("Stops the job; no partial file remains. A bake may keep a folder from which it can resume.");
     ImGui::SameLine();
 }
 

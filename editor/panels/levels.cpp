@@ -58,16 +58,16 @@ void draw_levels(const State& state, Commands& commands) {
     std::uint64_t all = 0;
     for (const std::uint32_t count : levels.triangles) all += count;
     ui::heading("Triangles drawn, by level");
-    ui::tip("Level 0 are a tile's two base triangles; each level halves them once more. The length is that of a "
+    ui::tip("Level 0: the two base triangles of a tile; each level halves them again. The length is that of a "
             "triangle's two equal sides.");
     for (std::uint32_t i = 0; i < levels.levels; ++i)
         level_bar(levels, i, tile_log2, std::min(state.scene.spacing_m[0], state.scene.spacing_m[1]));
-    ui::row("All levels", "%llu", static_cast<unsigned long long>(all));
+    ui::row("Total", "%llu", static_cast<unsigned long long>(all));
     bool shown = state.interface.mode == flight::PictureMode::levels;
     if (ImGui::Checkbox("Colour the picture by level", &shown))
-        commands.push(SetMode{shown ? flight::PictureMode::levels : flight::PictureMode::shaded});
+        commands.push(SetPictureMode{shown ? flight::PictureMode::levels : flight::PictureMode::shaded});
     ui::mark("levels", "colour");
-    ui::tip("Every triangle in its level's colour, as here. Costs nothing worth a figure.");
+    ui::tip("Every triangle in its level's colour, as here. Costs almost nothing.");
 }
 
 } // namespace fjell::editor

@@ -52,7 +52,7 @@ void draw_recent(const State& state, Commands& commands) {
     const bool any = !state.interface.recent.empty();
     if (ImGui::BeginMenu("Open recent", any)) {
         for (const std::string& pack : state.interface.recent)
-            if (ImGui::MenuItem(pack.c_str())) commands.push(Open{pack});
+            if (ImGui::MenuItem(pack.c_str())) commands.push(OpenFile{pack});
         ImGui::EndMenu();
     }
     ui::mark("menu", "recent");
@@ -84,17 +84,17 @@ void draw_edit(const State& state, Commands& commands) {
     (void)std::snprintf(label, sizeof label, "Redo %s###redo", document.redo_label());
     item("redo", label, "Ctrl+Shift+Z", document.redo_steps() > 0, commands, Redo{});
     ImGui::Separator();
-    item("defaults", "All values to their defaults", "", true, commands, DefaultProfile{});
+    item("defaults", "Reset all values", "", true, commands, ResetProfile{});
     if (ImGui::MenuItem("Lower threshold", "[")) change_threshold(state, 1 / threshold_step, commands);
     ui::mark("menu", "lower");
     if (ImGui::MenuItem("Raise threshold", "]")) change_threshold(state, threshold_step, commands);
     ui::mark("menu", "raise");
 }
 
-void draw_show_menu(const State& state, Commands& commands) {
+void draw_view_menu(const State& state, Commands& commands) {
     for (int i = 0; i < flight::picture_modes; ++i) {
         const auto mode = static_cast<flight::PictureMode>(i);
-        if (ImGui::MenuItem(label_of(mode), "", state.interface.mode == mode)) commands.push(SetMode{mode});
+        if (ImGui::MenuItem(label_of(mode), "", state.interface.mode == mode)) commands.push(SetPictureMode{mode});
     }
     ImGui::Separator();
     for (int i = 0; i < overlays; ++i) {
@@ -118,7 +118,7 @@ void draw_profile_name(const State& state, Commands& commands) {
     const float at = ImGui::GetWindowWidth() - width;
     if (at > ImGui::GetCursorPosX()) ImGui::SetCursorPosX(at);
     const bool unsaved = state.document.unsaved();
-    if (unsaved) ImGui::PushStyleColor(ImGuiCol_Text, ui::careful);
+    if (unsaved) ImGui::PushStyleColor(ImGuiCol_Text, ui::warning_colour);
     ImGui::TextUnformatted(name);
     if (unsaved) ImGui::PopStyleColor();
     ui::mark("menu", "profile");
@@ -127,14 +127,14 @@ void draw_profile_name(const State& state, Commands& commands) {
         char text[700];
         const std::string& path = state.document.path();
         (void)std::snprintf(text, sizeof text, "The profile: %.500s%s",
-                            path.empty() ? "the defaults, in no file yet" : path.c_str(),
+                            path.empty() ? "the defaults, not saved to a file yet" : path.c_str(),
                             unsaved ? "\nIt has changes that are not saved; a click saves them." : "");
         ui::tip(text);
     }
 }
 
 // A control that went away while it was held, with its panel, has been let go.
-void let_go(const State& state, Commands& commands) {
+void release_held(const State& state, Commands& commands) {
     const flight::ProfileKey* const held = state.document.held();
     if (held != nullptr && !ImGui::IsAnyItemActive())
         commands.push(SetKey{held, held->get(state.document.profile()), false});
@@ -143,7 +143,7 @@ void let_go(const State& state, Commands& commands) {
 } // namespace
 
 void draw_menu(const State& state, Commands& commands) {
-    let_go(state, commands);
+    release_held(state, commands);
     shortcuts(state, commands);
     if (!ImGui::BeginMainMenuBar()) return;
     const bool open = state.scene.open();
@@ -158,7 +158,7 @@ void draw_menu(const State& state, Commands& commands) {
     }
     ui::mark("menu", "edit");
     if (ImGui::BeginMenu("View")) {
-        draw_show_menu(state, commands);
+        draw_view_menu(state, commands);
         ImGui::EndMenu();
     }
     ui::mark("menu", "view");

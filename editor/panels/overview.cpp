@@ -1,10 +1,10 @@
-// The map with the cameras and the path on it; a click flies there.
+// The overview with the cameras and the path on it; a click flies there.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 
-#include "editor/panels/camera.h"
+#include "editor/panels/panels.h"
 
 namespace fjell::editor {
 
@@ -14,8 +14,8 @@ constexpr ImU32 camera_colour = IM_COL32(255, 235, 90, 255), frozen_colour = IM_
                 path_colour = IM_COL32(255, 120, 200, 255), edge = IM_COL32(0, 0, 0, 200);
 constexpr std::size_t most_segments = 256; // of the path, however long it is
 
-// The terrain's metres to the map's pixels.
-struct Place {
+// The terrain's metres to the overview's pixels.
+struct Frame {
     ImVec2 from, size;
     double width_m = 1, depth_m = 1;
 
@@ -26,7 +26,7 @@ struct Place {
 };
 
 // As wide as the column, as high as the terrain is deep; no more than half of what the column shows.
-ImVec2 map_size(const Scene& scene) {
+ImVec2 overview_size(const Scene& scene) {
     const ImVec2 room = ImGui::GetContentRegionAvail();
     const float aspect = std::clamp(static_cast<float>(scene.depth_m() / scene.width_m()), 0.05F, 20.0F);
     const float most = std::max(0.5F * ImGui::GetWindowHeight(), 6 * ImGui::GetFontSize());
@@ -34,8 +34,8 @@ ImVec2 map_size(const Scene& scene) {
     return {width, std::max(width * aspect, 1.0F)};
 }
 
-void draw_eye(ImDrawList& list, const Place& map, const View& view, ImU32 colour) {
-    const ImVec2 at = map.at(view.eye_m.x, view.eye_m.z);
+void draw_eye(ImDrawList& list, const Frame& frame, const View& view, ImU32 colour) {
+    const ImVec2 at = frame.at(view.eye_m.x, view.eye_m.z);
     const float em = ImGui::GetFontSize(), reach = 2.2F * em;
     const double heading = std::atan2(view.forward.x, -view.forward.z);
     const double aspect = static_cast<double>(view.width_px) / std::max(view.height_px, 1u);
@@ -51,7 +51,7 @@ void draw_eye(ImDrawList& list, const Place& map, const View& view, ImU32 colour
     list.AddCircleFilled(at, 0.2F * em, colour);
 }
 
-void draw_route(ImDrawList& list, const Place& map, const Route& route) {
+void draw_route(ImDrawList& list, const Frame& frame, const Route& route) {
     const float em = ImGui::GetFontSize();
     const auto& poses = route.poses();
     if (!poses.empty()) {
@@ -59,7 +59,7 @@ void draw_route(ImDrawList& list, const Place& map, const Route& route) {
         const std::size_t n = std::min(poses.size(), line.size());
         for (std::size_t i = 0; i < n; ++i) {
             const Vec3& p = poses[i * (poses.size() - 1) / std::max<std::size_t>(n - 1, 1)].position_m;
-            line[i] = map.at(p.x, p.z);
+            line[i] = frame.at(p.x, p.z);
         }
         list.AddPolyline(line.data(), static_cast<int>(n), edge, 0, 0.26F * em);
         list.AddPolyline(line.data(), static_cast<int>(n), path_colour, 0, 0.13F * em);
@@ -67,65 +67,66 @@ void draw_route(ImDrawList& list, const Place& map, const Route& route) {
     const auto& points = route.points();
     const std::size_t step = points.size() / most_segments + 1;
     for (std::size_t i = 0; i < points.size(); i += step)
-        list.AddCircleFilled(map.at(points[i][0], points[i][2]), 0.17F * em, path_colour, 8);
+        list.AddCircleFilled(frame.at(points[i][0], points[i][2]), 0.17F * em, path_colour, 8);
     if (route.selected()) {
         const flight::ControlPoint& p = points[*route.selected()];
-        list.AddCircle(map.at(p[0], p[2]), 0.35F * em, IM_COL32_WHITE, 0, 1.5F);
+        list.AddCircle(frame.at(p[0], p[2]), 0.35F * em, IM_COL32_WHITE, 0, 1.5F);
     }
     if (poses.empty()) return;
     const Vec3 at = route.pose().position_m;
-    list.AddCircle(map.at(at.x, at.z), 0.3F * em, path_colour, 0, 1.5F);
+    list.AddCircle(frame.at(at.x, at.z), 0.3F * em, path_colour, 0, 1.5F);
 }
 
-void draw_tiles(ImDrawList& list, const Place& map, const Scene& scene) {
+void draw_tiles(ImDrawList& list, const Frame& frame, const Scene& scene) {
     const ImU32 line = IM_COL32(255, 255, 255, 60);
     if (std::max(scene.tiles_x, scene.tiles_y) > 128) return; // a grey veil
     for (std::uint32_t i = 1; i < scene.tiles_x; ++i) {
         const double x = i * scene.tile_cells * scene.spacing_m[0];
-        list.AddLine(map.at(x, 0), map.at(x, map.depth_m), line);
+        list.AddLine(frame.at(x, 0), frame.at(x, frame.depth_m), line);
     }
     for (std::uint32_t i = 1; i < scene.tiles_y; ++i) {
         const double z = i * scene.tile_cells * scene.spacing_m[1];
-        list.AddLine(map.at(0, z), map.at(map.width_m, z), line);
+        list.AddLine(frame.at(0, z), frame.at(frame.width_m, z), line);
     }
 }
 
 } // namespace
 
-void draw_map(const State& state, Commands& commands) {
+void draw_overview(const State& state, Commands& commands) {
     const Scene& scene = state.scene;
-    ui::heading("Map");
-    Place map;
-    map.size = map_size(scene);
-    map.from = ImGui::GetCursorScreenPos();
-    map.from.x += std::max(0.0F, (ImGui::GetContentRegionAvail().x - map.size.x) / 2);
-    map.width_m = scene.width_m();
-    map.depth_m = scene.depth_m();
-    ImGui::SetCursorScreenPos(map.from);
-    ImGui::InvisibleButton("map", map.size);
+    ui::heading("Overview");
+    Frame frame;
+    frame.size = overview_size(scene);
+    frame.from = ImGui::GetCursorScreenPos();
+    frame.from.x += std::max(0.0F, (ImGui::GetContentRegionAvail().x - frame.size.x) / 2);
+    frame.width_m = scene.width_m();
+    frame.depth_m = scene.depth_m();
+    ImGui::SetCursorScreenPos(frame.from);
+    ImGui::InvisibleButton("map", frame.size);
     ui::mark("map", "overview");
-    const ImVec2 high{map.from.x + map.size.x, map.from.y + map.size.y};
+    const ImVec2 high{frame.from.x + frame.size.x, frame.from.y + frame.size.y};
     ImDrawList& list = *ImGui::GetWindowDrawList();
-    if (state.map.texture != 0)
-        list.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(state.map.texture)), map.from, high);
+    if (state.overview.texture != 0)
+        list.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(state.overview.texture)), frame.from,
+                      high);
     else
-        list.AddRectFilled(map.from, high, IM_COL32(40, 44, 52, 255));
-    list.PushClipRect(map.from, high, true);
-    if (state.shows(Overlay::tile_borders)) draw_tiles(list, map, scene);
-    draw_route(list, map, state.route);
-    if (state.eye.refining) draw_eye(list, map, *state.eye.refining, frozen_colour);
-    draw_eye(list, map, state.eye.view, camera_colour);
+        list.AddRectFilled(frame.from, high, IM_COL32(40, 44, 52, 255));
+    list.PushClipRect(frame.from, high, true);
+    if (state.shows(Overlay::tile_borders)) draw_tiles(list, frame, scene);
+    draw_route(list, frame, state.route);
+    if (state.eye.refining) draw_eye(list, frame, *state.eye.refining, frozen_colour);
+    draw_eye(list, frame, state.eye.view, camera_colour);
     list.PopClipRect();
     if (ImGui::IsItemActive()) {
         const ImVec2 mouse = ImGui::GetMousePos();
-        const JumpTo jump{static_cast<double>((mouse.x - map.from.x) / map.size.x) * map.width_m,
-                          static_cast<double>((mouse.y - map.from.y) / map.size.y) * map.depth_m};
+        const JumpTo jump{static_cast<double>((mouse.x - frame.from.x) / frame.size.x) * frame.width_m,
+                          static_cast<double>((mouse.y - frame.from.y) / frame.size.y) * frame.depth_m};
         // Held still it asks for nothing.
         if (ImGui::IsItemActivated() || ImGui::GetIO().MouseDelta.x != 0 || ImGui::GetIO().MouseDelta.y != 0)
             commands.push(jump);
     } else {
-        ui::tip("Click, or drag, to fly there at the same height above the ground. Yellow: the camera; blue: the one "
-                "that refinement is frozen for; pink: the path.");
+        ui::tip("Click, or drag, to fly there at the same height above the ground. Yellow: the camera; blue: the "
+                "frozen camera; pink: the path.");
     }
 }
 

@@ -5,8 +5,8 @@ namespace fjell::editor {
 namespace {
 
 using Draw = void (*)(const State&, Commands&);
-constexpr Draw draws[] = {draw_tune, draw_camera, draw_show, draw_time, draw_budgets, draw_streaming, draw_levels};
-constexpr const char* titles[] = {"Tune", "Camera", "Show", "Time", "Budgets", "Streaming", "Levels"};
+constexpr Draw draws[] = {draw_tune, draw_camera, draw_picture, draw_time, draw_budgets, draw_streaming, draw_levels};
+constexpr const char* titles[] = {"Tune", "Camera", "View", "Time", "Budgets", "Streaming", "Levels"};
 static_assert(std::size(draws) == panels && std::size(titles) == panels, "a panel was added: draw and title it");
 
 // Tabs that the state, not ImGui, remembers, so that scripts can turn to them.

@@ -7,7 +7,7 @@
 
 namespace fjell::editor {
 
-// Everything of a frame: menu, columns, status line, the picture's area and whatever dialogue is open.
+// Everything of a frame: menu, columns, status line, the picture's area and whatever dialog is open.
 void draw_panels(const State& state, Commands& commands);
 
 void draw_menu(const State& state, Commands& commands);
@@ -20,11 +20,15 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
 // Inside a column.
 void draw_tune(const State& state, Commands& commands);
 void draw_camera(const State& state, Commands& commands);
-void draw_show(const State& state, Commands& commands);
+void draw_picture(const State& state, Commands& commands);
 void draw_time(const State& state, Commands& commands);
 void draw_budgets(const State& state, Commands& commands);
 void draw_streaming(const State& state, Commands& commands);
 void draw_levels(const State& state, Commands& commands);
+
+// Inside the camera panel.
+void draw_overview(const State& state, Commands& commands);
+void draw_path(const State& state, Commands& commands);
 
 // As panel and menu call them.
 [[nodiscard]] const char* label_of(flight::PictureMode mode);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "editor/panels/camera.h"
+#include "editor/panels/panels.h"
 
 namespace fjell::editor {
 
@@ -11,11 +11,11 @@ namespace {
 
 bool button(const char* label, const char* name, bool enabled, const char* about) {
     ImGui::BeginDisabled(!enabled);
-    const bool struck = ImGui::Button(label);
+    const bool pressed = ImGui::Button(label);
     ImGui::EndDisabled();
     ui::mark("path", name);
     ui::tip(about);
-    return struck;
+    return pressed;
 }
 
 // The next button beside the last one, where there is room for it.
@@ -31,17 +31,17 @@ void draw_name(const Route& route) {
     const char* name = path.empty() ? "not saved yet" : path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
     if (route.points().empty() && route.empty()) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextWrapped("None. Record where you fly, add points one by one, or open a file.");
+        ImGui::TextWrapped("None. Record a flight, add points one by one, or open a file.");
         ImGui::PopStyleColor();
         return;
     }
-    ImGui::PushStyleColor(ImGuiCol_Text, route.unsaved() ? ui::careful : ImGui::GetColorU32(ImGuiCol_Text));
+    ImGui::PushStyleColor(ImGuiCol_Text, route.unsaved() ? ui::warning_colour : ImGui::GetColorU32(ImGuiCol_Text));
     ImGui::TextWrapped("%s%s", route.unsaved() ? "* " : "", name);
     ImGui::PopStyleColor();
     if (!path.empty()) ui::tip(path.c_str());
     if (route.as_read()) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextUnformatted("as read; editing makes it these points");
+        ImGui::TextUnformatted("as in the file; editing converts it to these points");
         ImGui::PopStyleColor();
     }
 }
@@ -50,14 +50,14 @@ void draw_flight(const Route& route, Commands& commands) {
     const bool there = !route.empty();
     if (button(route.playing() ? "Pause" : "Play", "play", there, "Fly along the path, or pause (P)."))
         commands.push(PlayPath{!route.playing()});
-    beside("Again");
-    if (button("Again", "again", there, "Play from the beginning.")) {
+    beside("Restart");
+    if (button("Restart", "again", there, "Play from the beginning.")) {
         commands.push(SeekPath{0});
         commands.push(PlayPath{true});
     }
     beside("Record");
-    if (button(route.recording() ? "End recording" : "Record", "record", true,
-               "Note where the camera flies, as points; ended, they are the path (R)."))
+    if (button(route.recording() ? "Stop recording" : "Record", "record", true,
+               "Record the flight as points, which then become the path (R)."))
         commands.push(RecordPath{!route.recording()});
     ImGui::BeginDisabled(!there);
     auto share = static_cast<float>(route.share());
@@ -68,20 +68,20 @@ void draw_flight(const Route& route, Commands& commands) {
         commands.push(SeekPath{static_cast<double>(share)});
     ImGui::EndDisabled();
     ui::mark("path", "seek");
-    ui::tip("Where along the path; drag to go elsewhere.");
-    double seconds = route.asked_seconds();
+    ui::tip("Position along the path; drag to seek.");
+    double seconds = route.requested_seconds();
     ImGui::SetNextItemWidth(6.5F * ImGui::GetFontSize());
     if (ImGui::InputDouble("Duration", &seconds, 0, 0, seconds > 0 ? "%.1f s" : "auto",
                            ImGuiInputTextFlags_EnterReturnsTrue) &&
         std::isfinite(seconds))
-        commands.push(PathSeconds{seconds});
+        commands.push(SetPathSeconds{seconds});
     ui::mark("path", "seconds");
-    ui::tip("Seconds that the flight takes, 1 to 3600; 0: as suits the terrain's size. Enter takes it.");
+    ui::tip("Duration of the flight in seconds, 1 to 3600; 0: chosen from the terrain's size. Enter applies it.");
     ImGui::SameLine();
     bool loops = route.loops();
     if (ImGui::Checkbox("Loop", &loops)) commands.push(LoopPath{loops});
     ui::mark("path", "loop");
-    ui::tip("Begins again at its end.");
+    ui::tip("Starts again at the end.");
 }
 
 void draw_point(const Route& route, std::size_t i, Commands& commands) {
@@ -122,17 +122,17 @@ void draw_editing(const Route& route, Commands& commands) {
     beside("Remove");
     if (button("Remove", "remove", selected, "Removes the selected point.")) commands.push(RemovePoint{at});
     beside("Up");
-    if (button("Up", "up", selected && at > 0, "Exchanges the selected point with the one before."))
+    if (button("Up", "up", selected && at > 0, "Swaps the selected point with the one before."))
         commands.push(MovePoint{at, at - 1});
     beside("Down");
-    if (button("Down", "down", selected && at + 1 < n, "Exchanges the selected point with the one after."))
+    if (button("Down", "down", selected && at + 1 < n, "Swaps the selected point with the one after."))
         commands.push(MovePoint{at, at + 1});
     if (button("Open...", "open", true, "A camera path from a file.")) commands.push(ShowDialog{Dialog::open_file});
     beside("Save...");
     if (button("Save...", "save", n >= 2, "The camera path to a file, as control points in metres."))
         commands.push(ShowDialog{Dialog::save_path});
     beside("Clear");
-    if (button("Clear", "clear", n > 0, "Forgets the path; Restore brings it back.")) commands.push(ClearPath{});
+    if (button("Clear", "clear", n > 0, "Removes the path; Restore brings it back.")) commands.push(ClearPath{});
     beside("Restore");
     if (button("Restore", "restore", route.can_restore(), "The path as it was before it was last changed."))
         commands.push(RestorePath{});

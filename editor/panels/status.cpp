@@ -19,14 +19,14 @@ struct Part {
 };
 
 ImU32 severity_colour(Severity severity) {
-    return severity == Severity::error ? ui::bad : severity == Severity::warning ? ui::careful : ui::good;
+    return severity == Severity::error ? ui::bad : severity == Severity::warning ? ui::warning_colour : ui::good;
 }
 
 // Green: as asked for. Amber: it lags, or pages are missing. Red: a budget does not suffice.
 Part threshold_part(const State& state) {
     const flight::FrameEntry& e = state.measures.last();
     Part part{"", ui::good, 1, "threshold",
-              "The threshold that the mesh keeps at the moment, and why it is not the asked one."};
+              "The threshold that the mesh keeps now, and why it is not the requested one."};
     constexpr std::uint32_t lasting = flight::exhausted_vertices | flight::exhausted_indices |
                                       flight::exhausted_triangles | flight::exhausted_page_slots;
     const char* why = "";
@@ -37,17 +37,17 @@ Part threshold_part(const State& state) {
               : (e.exhausted & flight::exhausted_indices) != 0   ? "indices exhausted"
                                                                  : "page slots exhausted";
     } else if (e.streamed && !e.stream.converged) {
-        part.colour = ui::careful;
+        part.colour = ui::warning_colour;
         why = "pages missing";
     } else if (!e.converged) {
-        part.colour = ui::careful;
+        part.colour = ui::warning_colour;
         why = (e.exhausted & flight::exhausted_items) != 0  ? "lags: items exhausted"
               : (e.exhausted & flight::exhausted_time) != 0 ? "lags: time exhausted"
-              : e.morphing > 0                              ? "vertices rise"
+              : e.morphing > 0                                ? "morphing"
                                                             : "lags";
     }
     if (e.error_px_effective >= 1e6)
-        std::snprintf(part.text, sizeof part.text, "threshold open  %s", why);
+        std::snprintf(part.text, sizeof part.text, "threshold unbounded  %s", why);
     else
         std::snprintf(part.text, sizeof part.text, "threshold %.4g px%s%s", e.error_px_effective, *why ? ", " : "",
                       why);
@@ -57,11 +57,12 @@ Part threshold_part(const State& state) {
 Part stream_part(const State& state) {
     const StreamReport& r = state.measures.last().stream;
     const bool there = r.converged && r.maps_converged;
-    Part part{"", there ? ui::good : ui::careful, 4, "streaming", "Whether all that the view wants has been read."};
+    Part part{"", there ? ui::good : ui::warning_colour, 4, "streaming",
+              "Whether everything that the view needs is loaded."};
     if (there)
-        std::snprintf(part.text, sizeof part.text, "streamed: all there");
+        std::snprintf(part.text, sizeof part.text, "streaming: complete");
     else
-        std::snprintf(part.text, sizeof part.text, "streaming: %u wanted, %u under way", r.pages_wanted, r.in_flight);
+        std::snprintf(part.text, sizeof part.text, "streaming: %u wanted, %u in flight", r.pages_wanted, r.in_flight);
     return part;
 }
 
@@ -72,18 +73,18 @@ std::size_t make_parts(const State& state, Parts& parts) {
     const ImU32 plain = ImGui::GetColorU32(ImGuiCol_Text);
     std::size_t n = 0;
     if (!state.scene.open()) {
-        parts[n] = {"no terrain is open", ui::quiet, 1, "nothing", "Open a pack: File, or drop one here."};
+        parts[n] = {"no terrain is open", ui::quiet, 1, "nothing", "Use File > Open, or drop a file here."};
         return 1;
     }
     parts[n++] = threshold_part(state);
-    Part& update = parts[n++] = {"", plain, 2, "update", "99 of 100 of the last 512 updates took at most that."};
+    Part& update = parts[n++] = {"", plain, 2, "update", "99% of the last 512 updates took at most this long."};
     std::snprintf(update.text, sizeof update.text, "update p99 %.2f ms",
                   static_cast<double>(m.ring(Series::update_us).quantiles().p99) / 1000);
-    Part& fps = parts[n++] = {"", plain, 3, "fps", "Frames a second, of the median frame."};
+    Part& fps = parts[n++] = {"", plain, 3, "fps", "Frames per second, from the median frame time."};
     const float frame_us = m.ring(Series::frame_us).quantiles().p50;
     std::snprintf(fps.text, sizeof fps.text, "%.0f fps", frame_us > 0 ? 1e6 / static_cast<double>(frame_us) : 0.0);
     if (m.last().streamed) parts[n++] = stream_part(state);
-    Part& drawn = parts[n++] = {"", plain, 5, "triangles", "Triangles drawn, and those of the mesh all around."};
+    Part& drawn = parts[n++] = {"", plain, 5, "triangles", "Triangles drawn in this frame."};
     std::snprintf(drawn.text, sizeof drawn.text, "%u triangles", m.last().triangles_drawn);
     return n;
 }

@@ -52,20 +52,21 @@ void draw_table(const State& state) {
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::quiet), "ms");
     for (const char* name : {"p50", "p99", "max", "last"}) right_aligned(name);
     quantiles("Frame", state, Series::frame_us,
-              "From one swap of the picture to the next; with vertical sync, whole ticks.");
-    quantiles("Update", state, Series::update_us, "Finding the mesh: the method's update on the CPU.");
+              "From one swap of the picture to the next; with vertical sync, whole refresh intervals.");
+    quantiles("Update", state, Series::update_us, "The method's update on the CPU.");
     if (state.measures.last().prepare_us > 0 || state.measures.ring(Series::refine_us).quantiles().max > 0) {
         quantiles("  prepare", state, Series::prepare_us,
-                  "Of the update: views, pages that came, and which blocks have work.");
+                  "Part of the update: views, arrived pages, and which groups have work.");
         quantiles("  refine", state, Series::refine_us,
-                  "Of the update: evaluating, activating and deactivating vertices.");
-        quantiles("  output", state, Series::output_us, "Of the update: writing triangles, and the ranges to draw.");
+                  "Part of the update: evaluating, activating and deactivating vertices.");
+        quantiles("  output", state, Series::output_us, "Part of the update: writing triangles and draw ranges.");
     }
     if (state.scene.streamed)
-        quantiles("Stream", state, Series::stream_us, "Taking over pages and mips that came, and asking for others.");
-    quantiles("Draw", state, Series::draw_us, "Upload and drawing, the CPU's part. In software all of it is.");
+        quantiles("Stream", state, Series::stream_us, "Accepting arrived pages and mips, and requesting others.");
+    quantiles("Draw", state, Series::draw_us,
+              "Upload and drawing, the CPU's part; with a software renderer, all of it.");
     quantiles("Editor", state, Series::editor_us,
-              "The editor's own: panels, commands and measures. Meant to stay below 1 ms.");
+              "The editor's own code: panels, commands and measures. Should stay below 1 ms.");
     ImGui::EndTable();
 }
 
@@ -82,18 +83,19 @@ void draw_time(const State& state, Commands&) {
     const bool limited = state.document.profile().method == flight::Method::incremental && budget_us > 0;
     ui::graph({"update", "ms", 7, limited ? budget_us / 1000 : 0, "budget", false},
               {{ring(Series::update_us), blue, "update", 1e-3F, true}});
-    ui::graph({"frame", "ms", 7, frame_budget_ms, "16.7 ms: 60 a second", false},
+    ui::graph({"frame", "ms", 7, frame_budget_ms, "16.7 ms: 60 Hz", false},
               {{ring(Series::frame_us), teal, "frame", 1e-3F, true},
                {ring(Series::draw_us), orange, "draw", 1e-3F, false},
                {ring(Series::editor_us), violet, "editor", 1e-3F, false}});
     draw_table(state);
     ui::heading("Threshold");
     ui::graph({"threshold", "px", 6.5, 0, "", true}, {{ring(Series::effective_px), orange, "effective", 1, false},
-                                                      {ring(Series::asked_px), blue, "asked", 1, false}});
-    ui::heading("Changes a frame");
-    ui::graph({"changes", "vertices", 6.5, 0, "", false}, {{ring(Series::activations), teal, "come", 1, true},
-                                                           {ring(Series::deactivations), orange, "go", -1, true}});
-    ui::heading("Upload a frame");
+                                                      {ring(Series::asked_px), blue, "requested", 1, false}});
+    ui::heading("Changes per frame");
+    ui::graph({"changes", "vertices", 6.5, 0, "", false},
+              {{ring(Series::activations), teal, "activated", 1, true},
+               {ring(Series::deactivations), orange, "deactivated", -1, true}});
+    ui::heading("Upload per frame");
     ui::graph({"upload", "kB", 5.5, 0, "", false}, {{ring(Series::uploaded_bytes), violet, "mesh", 1e-3F, true}});
 }
 

@@ -14,11 +14,11 @@ namespace {
 constexpr float field_px = 106; // unscaled; ten digits
 
 // The field that is being typed into, and whether what is there so far is no value: it turns red.
-struct Typing {
+struct TypingField {
     const flight::ProfileKey* key = nullptr;
     bool wrong = false;
 };
-Typing typing;
+TypingField typing;
 
 struct Row {
     const flight::ProfileKey& key;
@@ -37,9 +37,9 @@ struct Row {
 
 const char* rebuilds(flight::Rebuild rebuild) {
     switch (rebuild) {
-    case flight::Rebuild::nothing: return "A change holds from the next frame on.";
-    case flight::Rebuild::method: return "A change makes the method's block anew.";
-    case flight::Rebuild::session: return "A change opens the pack anew; the view stays.";
+    case flight::Rebuild::nothing: return "A change takes effect in the next frame.";
+    case flight::Rebuild::method: return "A change reallocates the method's memory.";
+    case flight::Rebuild::session: return "A change reopens the pack; the view stays.";
     }
     return "";
 }
@@ -52,7 +52,7 @@ void tip(const Row& row) {
         (void)std::snprintf(range, sizeof range, "Range: %.10g to %.10g%s%s\n", key.least, key.most,
                             *key.unit != '\0' ? " " : "", key.unit);
     (void)std::snprintf(text, sizeof text, "%s\n\n%s%s%s%s", key.about, range, rebuilds(key.rebuild),
-                        row.idle != nullptr ? "\n\nNot used now. " : "", row.idle != nullptr ? row.idle : "");
+                        row.idle != nullptr ? "\n\nNot used now: " : "", row.idle != nullptr ? row.idle : "");
     ui::tip(text);
 }
 
@@ -61,7 +61,7 @@ void draw_label(const Row& row) {
     const double saved = row.key.get(row.state.document.saved());
     const bool changed = row.value != saved;
     ImGui::AlignTextToFramePadding();
-    if (changed) ImGui::PushStyleColor(ImGuiCol_Text, ui::careful);
+    if (changed) ImGui::PushStyleColor(ImGuiCol_Text, ui::warning_colour);
     ImGui::TextUnformatted(row.key.label);
     if (changed) ImGui::PopStyleColor();
     tip(row);
@@ -81,7 +81,7 @@ void draw_label(const Row& row) {
     char was[64], text[96];
     write_value(row.key, saved, was, sizeof was);
     const bool choice = row.key.kind == flight::KeyKind::choice;
-    (void)std::snprintf(text, sizeof text, "Back to what was saved: %s",
+    (void)std::snprintf(text, sizeof text, "Reset to the saved value: %s",
                         choice ? row.key.choices[static_cast<std::size_t>(saved)] : was);
     ui::tip(text);
 }

@@ -22,7 +22,7 @@ struct Text {
         if (bytes < 1e3)
             add("%.0f B", bytes);
         else if (bytes < 1e6)
-            add("%.0f KB", bytes / 1e3);
+            add("%.0f kB", bytes / 1e3);
         else if (bytes < 1e9)
             add(bytes < 1e8 ? "%.1f MB" : "%.0f MB", bytes / 1e6);
         else
@@ -69,7 +69,7 @@ void time(const State& state, Text& text, double) {
 
 void threshold(const State& state, Text& text, double) {
     const FrameEntry& e = state.measures.last();
-    text.add(e.error_px_effective < 100 ? "holds %.2f px, %u triangles drawn" : "holds %.0f px, %u triangles drawn",
+    text.add(e.error_px_effective < 100 ? "keeps %.2f px, %u triangles drawn" : "keeps %.0f px, %u triangles drawn",
              e.error_px_effective, e.triangles_drawn);
 }
 
@@ -82,7 +82,7 @@ void page_slots(const State& state, Text& text, double value) {
 
 void page_requests(const State& state, Text& text, double value) {
     text.bytes(value * 16e3);
-    if (state.measures.last().streamed) text.add(", under way %u with mips", state.measures.last().stream.in_flight);
+    if (state.measures.last().streamed) text.add(", in flight %u with mips", state.measures.last().stream.requested);
 }
 
 void map_requests(const State&, Text& text, double value) {
@@ -151,19 +151,17 @@ const char* why_idle(const flight::ProfileKey& key, const State& state) {
     switch (key.used_by) {
     case flight::UsedBy::any: break;
     case flight::UsedBy::incremental:
-        if (profile.method != flight::Method::incremental)
-            return "Of the incremental method, which is not the chosen one.";
+        if (profile.method != flight::Method::incremental) return "for the incremental method only.";
         break;
     case flight::UsedBy::recursive:
-        if (profile.method != flight::Method::recursive) return "Of the recursive method, which is not the chosen one.";
+        if (profile.method != flight::Method::recursive) return "for the recursive method only.";
         break;
     case flight::UsedBy::streaming: // page_slots decides whether anything is streamed: it counts always
         if (!state.scene.streamed && !is(key, "stream", "page_slots"))
-            return "Of streaming: the pack is loaded whole. It is streamed when it has more pages than page slots.";
+            return "for streaming only. A pack is streamed when it has more pages than page slots.";
         break;
     }
-    if (is(key, "refine", "morph_s") && profile.cut.morph != Morph::time)
-        return "Of morph \"time\", which is not chosen.";
+    if (is(key, "refine", "morph_s") && profile.cut.morph != Morph::time) return "for morph \"time\" only.";
     return nullptr;
 }
 

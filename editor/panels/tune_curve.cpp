@@ -119,7 +119,7 @@ void draw_hover(ImDrawList& list, const TunePoint& p, const Axes& time, const Ax
     ImGui::Text("%.3g px", p.error_px);
     ImGui::Text("p50 %.0f us, p99 %.0f us, max %.0f us", p.p50_us, p.p99_us, p.max_us);
     ImGui::Text("%.0f vertices; %u flights of %u frames", p.vertices, p.flights, p.frames);
-    if (p.reached < 0.9999) ImGui::Text("%.1f%% of the frames had what it asks for", 100 * p.reached);
+    if (p.reached < 0.9999) ImGui::Text("%.1f%% of the frames reached it", 100 * p.reached);
     ImGui::TextUnformatted(p.keeps ? "keeps the budget" : "does not keep the budget");
     ImGui::EndTooltip();
 }
@@ -133,7 +133,7 @@ void draw_tune_curve(const JobView& job, float height) {
     ui::mark("job", "curve");
     ImDrawList& list = *ImGui::GetWindowDrawList();
     if (job.curve.empty()) {
-        list.AddText({at.x, at.y + height / 2}, ui::quiet, "The curve grows here, flight by flight.");
+        list.AddText({at.x, at.y + height / 2}, ui::quiet, "The curve appears here, flight by flight.");
         return;
     }
     // From the top: a legend, the times, a legend, the vertices, labels of the thresholds, their name.

@@ -13,7 +13,7 @@ namespace {
 constexpr const char* font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr double font_px = 14;
 
-std::vector<Mark> places;
+std::vector<Mark> standard_folders;
 bool recording = false;
 
 void colours(ImGuiStyle& style) {
@@ -83,16 +83,16 @@ Layout layout(float width, float height, double scale) {
 void mark(const char* group, const char* name) {
     if (!recording) return;
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-    places.push_back({std::string(group) + "." + name, {low.x, low.y, high.x - low.x, high.y - low.y}});
+    standard_folders.push_back({std::string(group) + "." + name, {low.x, low.y, high.x - low.x, high.y - low.y}});
 }
 
 void record_marks(bool on) {
     recording = on;
-    if (on) places.clear();
+    if (on) standard_folders.clear();
 }
 
 const std::vector<Mark>& marks() {
-    return places;
+    return standard_folders;
 }
 
 void tip(const char* text) {

@@ -15,7 +15,7 @@
 
 namespace fjell::editor::ui {
 
-// Fonts and metrics for that scale, 0.5 to 4; the atlas is made anew, and with it what the back end has of it.
+// Fonts and metrics for that scale, 0.5 to 4; the atlas is recreated, and with it what the back end has of it.
 void apply_style(double scale);
 
 // Pixels.
@@ -35,21 +35,21 @@ struct Mark {
     Rect rect;
 };
 void mark(const char* group, const char* name);
-void record_marks(bool on); // begins anew
+void record_marks(bool on); // starts again
 [[nodiscard]] const std::vector<Mark>& marks();
 
 // The last item's explanation, when the mouse rests on it.
 void tip(const char* text);
 // A column's window: fixed, with a scroll bar when it needs one. Ends with ImGui::End().
 void begin_column(const char* name, const Rect& rect);
-// A dialogue in the middle, as large as given in unscaled pixels, height 0: as its content, and never beyond the
+// A dialog in the middle, as large as given in unscaled pixels, height 0: as its content, and never beyond the
 // window; `open` becomes false when it is closed. Ends with ImGui::End().
 void begin_dialog(const char* title, double width, double height, const State& state, bool& open);
 void heading(const char* text);
 // "label   value" over the width of the column, the value on its right.
 void row(const char* label, const char* format, ...) IM_FMTARGS(2);
 
-inline constexpr ImU32 good = IM_COL32(110, 200, 120, 255), careful = IM_COL32(235, 190, 80, 255),
+inline constexpr ImU32 good = IM_COL32(110, 200, 120, 255), warning_colour = IM_COL32(235, 190, 80, 255),
                        bad = IM_COL32(240, 105, 95, 255), quiet = IM_COL32(150, 158, 170, 255);
 
 } // namespace fjell::editor::ui

@@ -27,14 +27,14 @@ bool pressed(int number) {
 }
 
 // Keys that stay down: where the camera goes.
-void steer(Move& move) {
+void steer(MoveCamera& move) {
     const double speed = ImGui::GetIO().KeyShift ? fast : 1;
     move.steering = {speed * axis('W', 'S'), speed * axis('D', 'A'), speed * axis('E', 'Q'), 0, 0};
     move.steering.turn_right = axis(key::right, key::left);
     move.steering.turn_up = axis(key::up, key::down);
 }
 
-void point(const State& state, Move& move) {
+void point(const State& state, MoveCamera& move) {
     const ImGuiIO& io = ImGui::GetIO();
     move.speed_steps = static_cast<double>(io.MouseWheel);
     const bool orbit = state.eye.navigation == Navigation::orbit;
@@ -52,19 +52,19 @@ void point(const State& state, Move& move) {
 }
 
 // Keys that are struck.
-void strike(const State& state, Commands& commands) {
+void handle_key_presses(const State& state, Commands& commands) {
     for (int i = 0; i < 3; ++i)
-        if (pressed('1' + i)) commands.push(Navigate{static_cast<Navigation>(i)});
-    if (pressed('F')) commands.push(Freeze{!state.eye.frozen});
+        if (pressed('1' + i)) commands.push(SetNavigation{static_cast<Navigation>(i)});
+    if (pressed('F')) commands.push(FreezeRefinement{!state.eye.frozen});
     if (pressed('P')) commands.push(PlayPath{!state.route.playing()});
     if (pressed('R')) commands.push(RecordPath{!state.route.recording()});
     if (pressed('N')) commands.push(AddPoint{});
-    if (pressed(key::home)) commands.push(LookAtAll{});
+    if (pressed(key::home)) commands.push(ViewAll{});
     if (pressed('G')) commands.push(SetOverlay{Overlay::wireframe, !state.shows(Overlay::wireframe)});
     if (pressed('M')) {
         const int modes = flight::picture_modes, step = ImGui::GetIO().KeyShift ? modes - 1 : 1;
         commands.push(
-            SetMode{static_cast<flight::PictureMode>((static_cast<int>(state.interface.mode) + step) % modes)});
+            SetPictureMode{static_cast<flight::PictureMode>((static_cast<int>(state.interface.mode) + step) % modes)});
     }
 }
 
@@ -86,7 +86,7 @@ void write_over(const State& state, const ui::Rect& view) {
     const Eye& eye = state.eye;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
-    if (eye.frozen) plate(view, 0.5F, 0, ui::careful, "Refinement frozen - F releases");
+    if (eye.frozen) plate(view, 0.5F, 0, ui::warning_colour, "Refinement frozen (F to release)");
     if (state.now_s < eye.speed_shown_until_s) {
         if (eye.free.speed_m_s >= 10000)
             std::snprintf(text, sizeof text, "%.3g km/s", eye.free.speed_m_s / 1000);
@@ -95,14 +95,14 @@ void write_over(const State& state, const ui::Rect& view) {
         plate(view, 1, 1, IM_COL32_WHITE, text);
     }
     if (state.route.recording()) {
-        std::snprintf(text, sizeof text, "Recording: %zu points - R ends it", state.route.recorded());
+        std::snprintf(text, sizeof text, "Recording: %zu points (R to stop)", state.route.recorded());
         plate(view, 0, 1, ui::bad, text);
     } else if (state.route.playing()) {
-        std::snprintf(text, sizeof text, "Path: %.1f of %.1f s - P pauses", state.route.share() * state.route.seconds(),
-                      state.route.seconds());
+        std::snprintf(text, sizeof text, "Path: %.1f of %.1f s (P to pause)",
+                      state.route.share() * state.route.seconds(), state.route.seconds());
         plate(view, 0, 1, IM_COL32_WHITE, text);
     } else if (eye.navigation == Navigation::orbit) {
-        plate(view, 0, 1, IM_COL32_WHITE, "Orbit - 1 flies");
+        plate(view, 0, 1, IM_COL32_WHITE, "Orbit (1 to fly)");
     }
     list.PopClipRect();
 }
@@ -117,14 +117,14 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
         commands.push(ShowDialog{open ? Dialog::none : Dialog::keys});
     }
     if (!state.scene.open()) {
-        plate(layout.view, 0.5F, 0.5F, ui::quiet, "No terrain is open: see File, or drop one here");
+        plate(layout.view, 0.5F, 0.5F, ui::quiet, "No terrain is open: use File > Open, or drop a file here");
         return;
     }
-    Move move;
+    MoveCamera move;
     move.seconds = std::min(static_cast<double>(io.DeltaTime), 0.25);
     if (!typing && !io.KeyCtrl && !io.KeyAlt && !io.KeySuper && state.interface.dialog == Dialog::none) {
         steer(move);
-        strike(state, commands);
+        handle_key_presses(state, commands);
     }
     if (!io.WantCaptureMouse) point(state, move);
     commands.push(move);

@@ -27,9 +27,9 @@ public:
     FullHeights(const FullHeights&) = delete;
     FullHeights& operator=(const FullHeights&) = delete;
 
-    void read(const std::string& pack); // nothing when it is under way, done or failed
-    void forget();                      // another pack, or another renderer
-    void excuse() { problem_.clear(); } // what failed may be tried again
+    void read(const std::string& pack);      // nothing when it is under way, done or failed
+    void forget();                           // another pack, or another renderer
+    void allow_retry() { problem_.clear(); } // what failed may be tried again
     // Hands them to the renderer once they are there. True: the renderer has them.
     [[nodiscard]] bool upload(gl::Renderer& renderer);
     [[nodiscard]] double share() const { return share_.load(std::memory_order_relaxed); } // read, 0..1

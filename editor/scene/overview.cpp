@@ -136,7 +136,7 @@ std::uint32_t Overview::shade(const Terrain& terrain, std::uint32_t column, std:
     };
     const float dx = slope(column > 0, i - 1, step_ * extent_m(h.columns, h.spacing_m[0]) / columns_);
     const float dz = slope(row > 0, i - columns_, step_ * extent_m(h.rows, h.spacing_m[1]) / rows_);
-    // Slopes are drawn three times as steep, or a map of a continent would be flat.
+    // Slopes are drawn three times as steep, or an overview of a continent would be flat.
     const float sx = 3 * dx, sz = 3 * dz;
     const float light = (0.5F * (sx + sz) + 0.71F) / std::sqrt(sx * sx + sz * sz + 1);
     const float range = std::max(static_cast<float>(h.max_m - h.min_m), 1e-6F);
@@ -145,10 +145,10 @@ std::uint32_t Overview::shade(const Terrain& terrain, std::uint32_t column, std:
     return packed(c);
 }
 
-void Overview::upload(Map& map) {
-    map.share = share();
+void Overview::upload(OverviewImage& image) {
+    image.share = share();
     if (columns_ == 0) {
-        map.texture = 0;
+        image.texture = 0;
         return;
     }
     const auto w = static_cast<GLsizei>(columns_), h = static_cast<GLsizei>(rows_);
@@ -164,7 +164,7 @@ void Overview::upload(Map& map) {
         dirty_begin_ = 0;
         dirty_end_ = rows_;
     }
-    map.texture = texture_.get();
+    image.texture = texture_.get();
     if (dirty_begin_ == dirty_end_) return;
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     glTextureSubImage2D(texture_.get(), 0, 0, static_cast<GLint>(dirty_begin_), w,
@@ -173,9 +173,9 @@ void Overview::upload(Map& map) {
     dirty_begin_ = dirty_end_ = 0;
 }
 
-void Overview::drop_graphics(Map& map) {
+void Overview::drop_graphics(OverviewImage& image) {
     texture_ = {};
-    map.texture = 0;
+    image.texture = 0;
 }
 
 } // namespace fjell::editor

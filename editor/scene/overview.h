@@ -1,8 +1,8 @@
-// The map: the whole terrain from above, north up, shaded, painted a little every frame.
+// The overview: the whole terrain from above, north up, shaded, painted a little every frame.
 //
-// Heights are asked of the live terrain (fjell/query.h), so it works streamed too: the map is painted again and again
-// until the coarsest of every tile is there, and once after that. Ownership: the picture and its texture. Thread: the
-// frame's, with the graphics context current for upload() and drop_graphics(). Memory: 8 bytes a texel, made in
+// Heights are asked of the live terrain (fjell/query.h), so it works streamed too: the overview is painted again and
+// again until the coarsest of every tile is there, and once after that. Ownership: the picture and its texture. Thread:
+// the frame's, with the graphics context current for upload() and drop_graphics(). Memory: 8 bytes a texel, made in
 // begin(); advance() allocates nothing. Complexity: advance() asks for some dozen heights past its time at most.
 #pragma once
 
@@ -26,8 +26,8 @@ public:
     // Paints on for that long. complete: nothing coarse is missing any more.
     void advance(const Terrain& terrain, bool complete, double budget_us);
     // Brings the texture up to date, and makes it when there is none.
-    void upload(Map& map);
-    void drop_graphics(Map& map);
+    void upload(OverviewImage& image);
+    void drop_graphics(OverviewImage& image);
 
     [[nodiscard]] std::uint32_t columns() const { return columns_; }
     [[nodiscard]] std::uint32_t rows() const { return rows_; }

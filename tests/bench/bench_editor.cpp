@@ -1,5 +1,5 @@
 // What the editor's own code costs a frame - panels, commands, camera, measures, histogram - with each panel and
-// dialogue open, without the terrain's update, the driver and the swap. The whole program, headless.
+// dialog open, without the terrain's update, the driver and the swap. The whole program, headless.
 //
 // Names: editor/mountains/what. Counters: p50 and p99 in microseconds of 400 frames while the camera flies; the time is
 // the median.

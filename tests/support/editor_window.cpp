@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <csignal>
@@ -11,6 +12,7 @@
 #include <thread>
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -24,10 +26,11 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
-constexpr auto patience = 30s;
+constexpr auto longest_wait = 60s; // with both cores busy, a frame may take a second
 
-void rest(std::chrono::milliseconds time = 30ms) {
-    std::this_thread::sleep_for(time);
+// Between two looks at something outside this process.
+void pause_polling() {
+    std::this_thread::sleep_for(2ms);
 }
 
 bool exists(const char* program) {
@@ -40,6 +43,7 @@ pid_t start(const std::vector<std::string>& words, const std::function<void()>& 
     pointers.push_back(nullptr);
     const pid_t pid = fork();
     if (pid == 0) {
+        (void)prctl(PR_SET_PDEATHSIG, SIGKILL); // a test that is killed leaves nothing running
         in_child();
         execvp(pointers[0], pointers.data());
         _exit(127);
@@ -65,7 +69,7 @@ VirtualDisplay::VirtualDisplay(std::uint32_t width, std::uint32_t height) {
     if (pipe(pipe_fds) != 0) throw std::runtime_error("no pipe");
     const std::string screen = std::to_string(width) + "x" + std::to_string(height) + "x24";
     pid_ = start({"Xvfb", "-displayfd", std::to_string(pipe_fds[1]), "-screen", "0", screen, "-fbdir", folder_.path,
-                  "-nolisten", "tcp", "-noreset"},
+                  "-nolisten", "tcp", "-noreset", "-r"} /* no keys repeat, however slow the machine is */,
                  [&] {
                      close(pipe_fds[0]);
                      open_as(2, folder_ / "log");
@@ -125,15 +129,19 @@ EditorWindow::EditorWindow(const VirtualDisplay& display, const fs::path& home,
 void EditorWindow::find() {
     window_.clear();
     const auto start_time = Clock::now();
-    while (window_.empty() && Clock::now() - start_time < patience && runs()) {
-        rest(100ms);
+    while (window_.empty() && Clock::now() - start_time < longest_wait && runs()) {
         const Run found = run_in("/", "DISPLAY=" + display_.name() + " xdotool search --onlyvisible --name Fjell");
         window_ = found.out.substr(0, found.out.find('\n'));
+        if (window_.empty()) pause_polling();
     }
     INFO(errors());
     REQUIRE(!window_.empty());
-    rest(300ms);
-    xdotool("windowmove " + window_ + " 0 0 windowfocus " + window_);
+    xdotool("windowmove " + window_ + " 0 0");
+    until("the focus", [&](const nlohmann::json& s) {
+        const bool focused = s["input"]["focused"];
+        if (!focused) xdotool("windowfocus " + window_);
+        return focused;
+    });
 }
 
 EditorWindow::~EditorWindow() {
@@ -152,9 +160,11 @@ bool EditorWindow::runs() {
 
 int EditorWindow::exit_code() {
     const auto start_time = Clock::now();
-    while (runs() && Clock::now() - start_time < patience) rest();
-    INFO("the editor did not end");
-    REQUIRE(pid_ < 0);
+    while (runs() && Clock::now() - start_time < longest_wait) pause_polling();
+    if (std::optional<nlohmann::json> now = dump()) {
+        now->erase("marks");
+        FAIL("the editor did not end; it is\n" << now->dump(1));
+    }
     return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_);
 }
 
@@ -172,48 +182,86 @@ void EditorWindow::xdotool(const std::string& what) {
     REQUIRE(run.code == 0);
 }
 
-nlohmann::json EditorWindow::state() {
+// The request is remembered by the editor, so one signal is enough.
+std::optional<nlohmann::json> EditorWindow::dump() {
     const fs::path file = home_ / "state.json";
     fs::remove(file);
+    if (!runs()) return {};
+    kill(pid_, SIGUSR1);
     const auto start_time = Clock::now();
     while (!fs::exists(file)) { // renamed into place, so it is whole
-        if (!runs() || Clock::now() - start_time > patience) FAIL("the editor does not answer: " + errors());
-        kill(pid_, SIGUSR1);
-        for (int i = 0; i < 20 && !fs::exists(file); ++i) rest(10ms);
+        if (!runs()) return {};
+        if (Clock::now() - start_time > longest_wait) FAIL("the editor does not answer: " + errors());
+        pause_polling();
     }
-    return nlohmann::json::parse(slurp(file));
+    nlohmann::json state = nlohmann::json::parse(slurp(file));
+    frame_ = state["frame"];
+    return state;
 }
 
-nlohmann::json EditorWindow::until(const std::string& what, const std::function<bool(const nlohmann::json&)>& holds) {
+nlohmann::json EditorWindow::state() {
+    std::optional<nlohmann::json> now = dump();
+    if (!now) FAIL("the editor has ended: " + errors());
+    return *now;
+}
+
+std::optional<nlohmann::json> EditorWindow::until_or_end(const std::string& what, const Condition& holds) {
     const auto start_time = Clock::now();
     for (;;) {
-        nlohmann::json now = state();
-        if (holds(now)) return now;
-        if (Clock::now() - start_time > patience) {
-            now.erase("marks");
-            FAIL("waited for: " << what << "; it is\n" << now.dump(1));
+        std::optional<nlohmann::json> now = dump();
+        if (!now || holds(*now)) return now;
+        if (Clock::now() - start_time > longest_wait) {
+            now->erase("marks");
+            FAIL("waited for: " << what << "; it is\n" << now->dump(1));
         }
-        rest(50ms);
     }
 }
 
+nlohmann::json EditorWindow::until(const std::string& what, const Condition& holds) {
+    std::optional<nlohmann::json> now = until_or_end(what, holds);
+    if (!now) FAIL("the editor has ended; waited for: " << what << "; " << errors());
+    return *now;
+}
+
+// A dialog is laid out in its first frame and put in its place in the second.
 Place EditorWindow::place(const std::string& mark) {
-    const nlohmann::json found =
-        until("a control " + mark, [&](const nlohmann::json& s) { return s["marks"].contains(mark); })["marks"][mark];
-    return {found[0], found[1], found[2], found[3]};
+    nlohmann::json before;
+    until("a control " + mark + " at rest", [&](const nlohmann::json& s) {
+        const nlohmann::json now = s["marks"].contains(mark) ? s["marks"][mark] : nlohmann::json();
+        const bool rests = !now.is_null() && now == before;
+        before = now;
+        return rests;
+    });
+    return {before[0], before[1], before[2], before[3]};
+}
+
+void EditorWindow::settle() {
+    const std::uint64_t seen = frame_;
+    (void)until_or_end("two frames", [&](const nlohmann::json& s) { return s["frame"] >= seen + 2; });
+}
+
+void EditorWindow::send(const std::string& what, const char* counter, std::uint64_t events) {
+    const std::uint64_t before = state()["input"][counter];
+    xdotool(what);
+    (void)until_or_end(what + " to be seen",
+                       [&](const nlohmann::json& s) { return s["input"][counter] >= before + events; });
+    settle();
 }
 
 void EditorWindow::move(double x, double y) {
-    xdotool("mousemove " + std::to_string(static_cast<int>(x)) + " " + std::to_string(static_cast<int>(y)));
-    rest(150ms); // a frame or two, so that the control under the pointer knows it
+    const int column = static_cast<int>(x), row = static_cast<int>(y);
+    const std::string what = "mousemove " + std::to_string(column) + " " + std::to_string(row);
+    xdotool(what);
+    until(what + " to be seen", [&](const nlohmann::json& s) {
+        return s["input"]["pointer_px"] == nlohmann::json{column, row};
+    });
+    settle();
 }
 
 void EditorWindow::click_at(double x, double y) {
     move(x, y);
-    xdotool("mousedown 1");
-    rest(150ms);
-    xdotool("mouseup 1");
-    rest(150ms);
+    send("mousedown 1", "buttons", 1);
+    send("mouseup 1", "buttons", 1);
 }
 
 void EditorWindow::click(const std::string& mark) {
@@ -223,12 +271,10 @@ void EditorWindow::click(const std::string& mark) {
 
 void EditorWindow::drag_at(double x, double y, double to_x, double to_y) {
     move(x, y);
-    xdotool("mousedown 1");
-    rest(150ms);
-    constexpr int steps = 8;
+    send("mousedown 1", "buttons", 1);
+    constexpr int steps = 4;
     for (int i = 1; i <= steps; ++i) move(x + (to_x - x) * i / steps, y + (to_y - y) * i / steps);
-    xdotool("mouseup 1");
-    rest(150ms);
+    send("mouseup 1", "buttons", 1);
 }
 
 void EditorWindow::drag(const std::string& mark, double from, double to) {
@@ -238,32 +284,37 @@ void EditorWindow::drag(const std::string& mark, double from, double to) {
 }
 
 void EditorWindow::key(const std::string& name) {
-    xdotool("key " + name);
-    rest(150ms);
+    const auto keys = static_cast<std::uint64_t>(std::ranges::count(name, '+')) + 1; // with its modifiers
+    send("key " + name, "keys", 2 * keys);
 }
 
-void EditorWindow::hold(const std::string& name, double seconds) {
-    xdotool("keydown " + name);
-    rest(std::chrono::milliseconds(static_cast<int>(1000 * seconds)));
-    xdotool("keyup " + name);
-    rest(150ms);
+nlohmann::json EditorWindow::hold(const std::string& name, const std::string& what, const Condition& holds) {
+    send("keydown " + name, "keys", 1);
+    nlohmann::json reached = until(what, holds);
+    send("keyup " + name, "keys", 1);
+    return reached;
 }
 
+// One by one: the same letter twice within some milliseconds is a repeat to GLFW.
 void EditorWindow::type(const std::string& text) {
-    xdotool("type --delay 60 -- '" + text + "'");
-    rest(150ms);
+    for (const char c : text) {
+        const std::string name = c == '.' ? "period" : std::string(1, c);
+        const std::uint64_t before = state()["input"]["characters"];
+        send("key " + name, "keys", 2);
+        until("the character " + name, [&](const nlohmann::json& s) { return s["input"]["characters"] > before; });
+    }
 }
 
 void EditorWindow::wheel(int notches) {
-    for (int i = 0; i < std::abs(notches); ++i) {
-        xdotool(std::string("click ") + (notches > 0 ? "4" : "5"));
-        rest(100ms);
-    }
+    for (int i = 0; i < std::abs(notches); ++i) send(std::string("click ") + (notches > 0 ? "4" : "5"), "scrolls", 1);
 }
 
 void EditorWindow::resize(std::uint32_t width, std::uint32_t height) {
     xdotool("windowsize " + window_ + " " + std::to_string(width) + " " + std::to_string(height));
-    rest(300ms);
+    until("the new size", [&](const nlohmann::json& s) {
+        return s["interface"]["window_px"] == nlohmann::json{width, height};
+    });
+    settle();
 }
 
 } // namespace fjell::test

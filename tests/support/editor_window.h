@@ -1,11 +1,16 @@
-// The real editor in a real window on an X server of its own, driven as by hand: xdotool moves the pointer and presses
-// keys, the editor's JSON dump (SIGUSR1, FJELL_EDITOR_DUMP) says what came of it and where its controls are, and the
-// server's own memory is what a user would see.
+// The real editor in a real window on an X server of its own: xdotool moves the pointer and presses keys, the editor's
+// JSON dump (SIGUSR1, FJELL_EDITOR_DUMP) says what came of it and where its controls are, and the server's own memory
+// is what a user would see.
+//
+// Nothing here depends on how fast the machine is. Every input returns when the editor has counted its event (the
+// dump's "input") and two more frames have begun: then its command has been applied, the panels show it, and so does
+// the screen. Every wait ends the test after a minute, saying what it waited for.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,28 +47,30 @@ struct Place {
 
 class EditorWindow {
 public:
+    using Condition = std::function<bool(const nlohmann::json& state)>;
     // home: holds all that the editor keeps (XDG folders) and its dump; a test may look into it, or spoil it.
     EditorWindow(const VirtualDisplay& display, const std::filesystem::path& home,
                  const std::vector<std::string>& arguments);
     ~EditorWindow(); // kills what is still running
 
-    void find(); // the window anew, after it was replaced
+    void find(); // the window, again after it was replaced; it then has the focus
 
-    [[nodiscard]] nlohmann::json state();
-    // Asks again and again until it holds; fails the test after 30 s, naming what was waited for.
-    nlohmann::json until(const std::string& what, const std::function<bool(const nlohmann::json&)>& holds);
-    [[nodiscard]] Place place(const std::string& mark); // waits until there is one
+    [[nodiscard]] nlohmann::json state(); // of a frame later than that of any state before
+    // The first state in which it holds.
+    nlohmann::json until(const std::string& what, const Condition& holds);
+    [[nodiscard]] Place place(const std::string& mark); // where a control is, once it has come to rest there
 
-    void move(double x, double y);
+    void move(double x, double y); // the pointer, in pixels of the window
     void click(const std::string& mark);
     void click_at(double x, double y);
-    // Presses at one share of its width, moves in steps to another, lets go.
+    // Presses at one share of its width, moves in steps to another, releases.
     void drag(const std::string& mark, double from, double to);
     void drag_at(double x, double y, double to_x, double to_y);
     void key(const std::string& name); // as xdotool has them: "ctrl+z", "Return"
-    void hold(const std::string& name, double seconds);
-    void type(const std::string& text);
-    void wheel(int notches); // up is positive
+    // Holds a key down until that is so.
+    nlohmann::json hold(const std::string& name, const std::string& what, const Condition& holds);
+    void type(const std::string& text); // letters, digits and dots
+    void wheel(int notches);            // up is positive
     void resize(std::uint32_t width, std::uint32_t height);
 
     [[nodiscard]] bool runs();
@@ -73,12 +80,20 @@ public:
 
 private:
     void xdotool(const std::string& what);
+    // None: the editor has ended.
+    std::optional<nlohmann::json> dump();
+    std::optional<nlohmann::json> until_or_end(const std::string& what, const Condition& holds);
+    // Sends it, waits until the editor has counted so many more events of that kind, and two frames more. An editor
+    // that ends has seen it.
+    void send(const std::string& what, const char* counter, std::uint64_t events);
+    void settle(); // two frames more
 
     const VirtualDisplay& display_;
     std::filesystem::path home_;
     pid_t pid_ = -1;
     int status_ = -1;
     std::string window_;
+    std::uint64_t frame_ = 0; // of the last dump
 };
 
 } // namespace fjell::test

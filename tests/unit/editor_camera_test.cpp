@@ -1,4 +1,4 @@
-// The editor's camera on a real terrain, by its commands; and the map. Needs a headless OpenGL context.
+// The editor's camera on a real terrain, by its commands; and the overview. Needs a headless OpenGL context.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -27,13 +27,13 @@ struct Place {
         state.interface.view_width_px = 640;
         state.interface.view_height_px = 360;
         engine.open(folder / "t.fjell", state.document.profile());
-        look_at_scene(desk());
+        start_at_scene(context());
         frame();
     }
     ~Place() { engine.close(); } // before its context goes
-    Desk desk() { return {state, engine, jobs}; }
-    void act(const Command& command) { apply(command, desk()); }
-    void frame() { move_camera(desk(), 1.0 / 60); }
+    HandlerContext context() { return {state, engine, jobs}; }
+    void act(const Command& command) { apply(command, context()); }
+    void frame() { move_camera(context(), 1.0 / 60); }
     [[nodiscard]] const Terrain& terrain() const { return engine.session().terrain(); }
     [[nodiscard]] double ground(double x, double z) const { return ground_height(terrain(), x, z).height_m; }
     [[nodiscard]] double above() const {
@@ -55,8 +55,8 @@ struct Place {
     Jobs jobs;
 };
 
-Move drag(Random& random) {
-    Move move;
+MoveCamera drag(Random& random) {
+    MoveCamera move;
     move.seconds = 1.0 / 60;
     move.right_rad = uniform(random, -0.5, 0.5);
     move.up_rad = uniform(random, -0.5, 0.5);
@@ -70,12 +70,13 @@ Move drag(Random& random) {
 } // namespace
 
 TEST_CASE("however it is dragged, the camera never sinks into the ground") {
+    double nearest = 1e9; // in cells
     for (unsigned seed = 0; seed < 4; ++seed) {
         Place place(seed);
         INFO("seed " << seed);
         for (const Navigation navigation : {Navigation::orbit, Navigation::fly}) {
             place.fly_somewhere();
-            place.act(Navigate{navigation});
+            place.act(SetNavigation{navigation});
             double least = 1e9;
             for (int i = 0; i < 400; ++i) {
                 place.act(drag(place.random));
@@ -83,44 +84,52 @@ TEST_CASE("however it is dragged, the camera never sinks into the ground") {
                 least = std::min(least, place.above());
             }
             CHECK(least > 0);
+            nearest = std::min(nearest, least / place.state.scene.spacing_m[0]);
         }
     }
+    CHECK(nearest < 0.6); // it was pressed against the ground, where half a cell is left
 }
 
 TEST_CASE("an orbit begins without moving the camera, around the ground in the picture's middle, and looks at it") {
+    int on_ground = 0, looked = 0;
     for (unsigned seed = 0; seed < 6; ++seed) {
         Place place(seed);
         place.fly_somewhere();
         Eye& eye = place.state.eye;
         const flight::Pose pose = eye.free.pose();
         const GroundHit hit = cast_ray(place.terrain(), pose.position_m, pose.direction, 1e9);
-        place.act(Navigate{Navigation::orbit});
+        place.act(SetNavigation{Navigation::orbit});
         INFO("seed " << seed << (hit.hit ? "" : ", sky"));
         CHECK(length(eye.free.position_m - pose.position_m) == 0);
         if (hit.hit) {
+            ++on_ground;
             CHECK(length(eye.orbit_centre_m - hit.position_m) == 0);
             CHECK(length(eye.free.pose().direction - pose.direction) < 1e-12);
         }
         for (int i = 0; i < 100; ++i) {
-            Move move = drag(place.random);
+            MoveCamera move = drag(place.random);
             place.act(move);
             const Vec3 way = normalised(eye.orbit_centre_m - eye.free.position_m);
             // Straight over the centre pitch stops short, and there alone the two differ.
-            if (std::abs(way.y) < std::sin(1.49)) CHECK(length(way - eye.free.pose().direction) < 1e-6);
+            if (std::abs(way.y) >= std::sin(1.49)) continue;
+            ++looked;
+            CHECK(length(way - eye.free.pose().direction) < 1e-6);
         }
     }
+    CHECK(on_ground > 0);
+    CHECK(looked > 300);
 }
 
 TEST_CASE("the wheel nears the orbit's centre and sets the speed of flying") {
     Place place(2);
-    place.act(LookAtAll{});
+    place.act(ViewAll{});
     const double speed = place.state.eye.free.speed_m_s;
-    Move wheel;
+    MoveCamera wheel;
     wheel.speed_steps = 1;
     place.act(wheel);
     CHECK(place.state.eye.free.speed_m_s == Approx(1.25 * speed));
     CHECK(place.state.eye.speed_shown_until_s > place.state.now_s);
-    place.act(Navigate{Navigation::orbit});
+    place.act(SetNavigation{Navigation::orbit});
     const double away = place.state.eye.orbit_radius_m;
     place.act(wheel);
     CHECK(place.state.eye.orbit_radius_m == Approx(0.85 * away));
@@ -144,7 +153,7 @@ TEST_CASE("a jump keeps the view and the height above the ground") {
             CHECK(now.heading == before.heading);
             CHECK(now.pitch == before.pitch);
         }
-        place.act(JumpTo{-1e9, 1e9}); // beside the map
+        place.act(JumpTo{-1e9, 1e9}); // beside the terrain
         CHECK(place.state.eye.free.position_m.x == 0);
         CHECK(place.state.eye.free.position_m.z == Approx(place.state.scene.depth_m()));
     }
@@ -153,14 +162,14 @@ TEST_CASE("a jump keeps the view and the height above the ground") {
 TEST_CASE("frozen, refinement stays where it was and the picture moves on") {
     Place place(4);
     const Vec3 here = place.state.eye.view.eye_m;
-    place.act(Freeze{true});
+    place.act(FreezeRefinement{true});
     place.fly_somewhere();
     place.frame();
     REQUIRE(place.state.eye.refining);
     CHECK(length(place.state.eye.refining->eye_m - here) == 0);
     CHECK(length(place.state.eye.view.eye_m - here) > 0);
     CHECK(place.state.eye.frozen);
-    place.act(Freeze{false});
+    place.act(FreezeRefinement{false});
     CHECK_FALSE(place.state.eye.refining);
     CHECK_FALSE(place.state.eye.frozen);
 }
@@ -173,15 +182,15 @@ TEST_CASE("a path is followed as it is held, until a hand moves the camera") {
         place.act(AddPoint{});
     }
     REQUIRE(place.state.route.points().size() == 4);
-    place.act(PathSeconds{4});
+    place.act(SetPathSeconds{4});
     place.act(PlayPath{true});
     CHECK(place.state.eye.navigation == Navigation::path);
     for (int i = 0; i < 60; ++i) place.frame();
     CHECK(place.state.route.share() == Approx(0.25).margin(1e-9));
     CHECK(length(place.state.eye.view.eye_m - place.state.route.pose().position_m) == 0);
-    place.act(Move{}); // of a frame in which nothing was touched
+    place.act(MoveCamera{}); // of a frame in which nothing was touched
     CHECK(place.state.route.playing());
-    Move look;
+    MoveCamera look;
     look.right_rad = 0.1;
     place.act(look);
     CHECK_FALSE(place.state.route.playing());
@@ -198,34 +207,38 @@ TEST_CASE("a path is followed as it is held, until a hand moves the camera") {
 TEST_CASE("what cannot be done says so and changes nothing") {
     Place place(8);
     const std::size_t said = place.state.messages.all.size();
+    const flight::FreeCamera before = place.state.eye.free;
     for (const Command& command :
-         std::initializer_list<Command>{PlayPath{true}, SeekPath{0.5}, Navigate{Navigation::path}, RemovePoint{0},
+         std::initializer_list<Command>{PlayPath{true}, SeekPath{0.5}, SetNavigation{Navigation::path}, RemovePoint{0},
                                         RestorePath{}, SavePath{}, PlaceCamera{{1e9, 0, 0}, 0, 0}})
         place.act(command);
     CHECK(place.state.messages.all.size() == said + 7);
+    for (const Message& message : place.state.messages.all) CHECK(message.severity == Severity::error);
     CHECK(place.state.eye.navigation == Navigation::fly);
+    CHECK(length(place.state.eye.free.position_m - before.position_m) == 0);
+    CHECK(place.state.route.empty());
 }
 
-TEST_CASE("the map is painted in slices, all of it, and again while coarse terrain is still coming") {
+TEST_CASE("the overview is painted in slices, all of it, and again while coarse terrain is still coming") {
     Place place(9);
-    Overview map;
-    map.begin(place.terrain());
-    CHECK(map.columns() == Overview::longer_texels); // 180 samples by 140
-    CHECK(map.rows() < map.columns());
-    CHECK(map.rows() > map.columns() / 2);
+    Overview overview;
+    overview.begin(place.terrain());
+    CHECK(overview.columns() == Overview::longer_texels); // 180 samples by 140
+    CHECK(overview.rows() < overview.columns());
+    CHECK(overview.rows() > overview.columns() / 2);
     int frames = 0;
-    while (!map.done() && frames < 1'000'000) map.advance(place.terrain(), frames > 20, 0), ++frames;
-    CHECK(map.done());
+    while (!overview.done() && frames < 1'000'000) overview.advance(place.terrain(), frames > 20, 0), ++frames;
+    CHECK(overview.done());
     CHECK(frames > 100);
-    const std::set<std::uint32_t> colours(map.texels().begin(), map.texels().end());
+    const std::set<std::uint32_t> colours(overview.texels().begin(), overview.texels().end());
     CHECK(colours.size() > 100);
-    Map shown;
-    map.upload(shown);
+    OverviewImage shown;
+    overview.upload(shown);
     CHECK(shown.texture != 0);
     CHECK(shown.share == 1);
-    map.drop_graphics(shown);
+    overview.drop_graphics(shown);
     CHECK(shown.texture == 0);
-    map.upload(shown); // another context: from what was painted
+    overview.upload(shown); // another context: from what was painted
     CHECK(shown.texture != 0);
-    map.end();
+    overview.end();
 }

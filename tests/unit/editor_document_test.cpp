@@ -180,7 +180,7 @@ TEST_CASE("whatever is set, dragged, undone, redone, opened and saved, a documen
     }
 }
 
-TEST_CASE("what an engine refuses is taken back with all its steps, and what was saved meanwhile stays saved") {
+TEST_CASE("what an engine refuses is reverted with all its steps, and what was saved meanwhile stays saved") {
     for (std::uint64_t seed = 101; seed <= 120; ++seed) {
         INFO("seed " << seed);
         Hands hands(seed);

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "editor/jobs/bodies.h"
+#include "editor/jobs/factories.h"
 #include "editor/jobs/jobs.h"
 #include "flight/session.h"
 #include "io/failure.h"
@@ -47,13 +47,13 @@ struct Place {
         Random random(seed);
         (void)baker::bake(random_dem(random, 300, 260, Shape::fractal), small_bake(7), folder / "t.fjell");
     }
-    [[nodiscard]] FlightPlan plan(std::size_t frames) const {
-        FlightPlan p{folder / "t.fjell", {}, {}, frames, false};
+    [[nodiscard]] MeasuredFlightPlan plan(std::size_t frames) const {
+        MeasuredFlightPlan p{folder / "t.fjell", {}, {}, frames, false};
         p.profile.refine.error_px = 2;
         return p;
     }
-    [[nodiscard]] FlightPlan streamed(std::size_t frames) const {
-        FlightPlan p = plan(frames);
+    [[nodiscard]] MeasuredFlightPlan streamed(std::size_t frames) const {
+        MeasuredFlightPlan p = plan(frames);
         p.profile.page_slots = slots();
         flight::FlightOptions options;
         options.pack = p.pack;
@@ -107,14 +107,14 @@ TEST_CASE("a job tells of its stage and share while it runs, and of its result w
     CHECK_FALSE(jobs.running());
 }
 
-TEST_CASE("what a job throws, whatever it is, is its problem, and the next one begins anew") {
+TEST_CASE("what a job throws, whatever it is, is its problem, and the next one starts again") {
     Jobs jobs;
     const auto problem = [&](Jobs::Body body) {
         jobs.start(JobKind::bake, std::move(body));
         return finish(jobs);
     };
     CHECK(problem([](JobControl&) { throw io::Failure(1, "the disk is square"); }).problem == "the disk is square");
-    CHECK_THAT(problem([](JobControl&) { throw std::bad_alloc(); }).problem, Catch::Contains("memory is short"));
+    CHECK_THAT(problem([](JobControl&) { throw std::bad_alloc(); }).problem, Catch::Contains("out of memory"));
     CHECK_FALSE(problem([](JobControl&) { throw 7; }).problem.empty());
     const JobView well = problem([](JobControl&) {});
     CHECK(well.problem.empty());
@@ -181,9 +181,11 @@ TEST_CASE("a benchmark that is cancelled, or cannot write, leaves nothing") {
     const Place place(12);
     Jobs jobs;
     jobs.start(JobKind::benchmark, benchmark_job(place.plan(1'000'000), place.folder / "b.csv"));
-    (void)finish(jobs, [&](const JobView& view) {
-        if (view.stage == "fly") jobs.cancel();
+    const JobView view = finish(jobs, [&](const JobView& now) {
+        if (now.stage == "fly") jobs.cancel();
     });
+    CHECK(view.cancelled);
+    CHECK(view.stage == "fly");
     CHECK(place.folder.names() == std::vector<std::string>{"t.fjell"});
     CHECK_THROWS_AS(benchmark_job(place.plan(10), place.folder / "no/b.csv"), io::Failure);
     CHECK_THROWS_AS(benchmark_job(place.plan(10), place.folder / "t.fjell"), io::Failure);
@@ -264,7 +266,7 @@ TEST_CASE("a bake beside the frame writes the pack that opens, with the options 
     const TemporaryFolder folder;
     spit(folder / "hills.json", recipe);
     CHECK(pack_beside("/x/hills.tif") == "/x/hills.fjell");
-    Bake bake;
+    BakePack bake;
     bake.inputs = {folder / "hills.json"};
     bake.tile = 128;
     const JobView view = run(JobKind::bake, bake_job(bake));
@@ -279,7 +281,7 @@ TEST_CASE("a bake beside the frame writes the pack that opens, with the options 
 TEST_CASE("a bake that is cancelled leaves no pack, and one that cannot begin says why at once") {
     const TemporaryFolder folder;
     spit(folder / "hills.json", recipe);
-    Bake bake;
+    BakePack bake;
     bake.inputs = {folder / "hills.json"};
     bake.output = folder / "p.fjell";
     Jobs jobs;
@@ -288,19 +290,19 @@ TEST_CASE("a bake that is cancelled leaves no pack, and one that cannot begin sa
         if (!now.stage.empty() && now.stage != "open") jobs.cancel();
     });
     CHECK(view.cancelled);
-    CHECK(view.result == "nothing is left");
+    CHECK(view.result == "no files remain");
     CHECK(folder.names() == std::vector<std::string>{"hills.json"});
     const auto refuses = [&](auto change, const std::string& part) {
-        Bake wrong = bake;
+        BakePack wrong = bake;
         change(wrong);
         CHECK_THROWS_WITH(bake_job(wrong), Catch::Contains(part));
     };
-    refuses([](Bake& b) { b.inputs.clear(); }, "choose a file");
-    refuses([](Bake& b) { b.order = "snail"; }, "order=snail");
-    refuses([](Bake& b) { b.tile = 100; }, "100");
-    refuses([](Bake& b) { b.spacing_m = -1; }, "spacing");
-    refuses([](Bake& b) { b.memory_mb = 1; }, "memory_mb");
-    refuses([](Bake& b) { b.output = b.inputs[0]; }, "hills.json");
+    refuses([](BakePack& b) { b.inputs.clear(); }, "choose a file");
+    refuses([](BakePack& b) { b.order = "snail"; }, "order=snail");
+    refuses([](BakePack& b) { b.tile = 100; }, "100");
+    refuses([](BakePack& b) { b.spacing_m = -1; }, "spacing");
+    refuses([](BakePack& b) { b.memory_mb = 1; }, "memory_mb");
+    refuses([](BakePack& b) { b.output = b.inputs[0]; }, "hills.json");
     bake.inputs = {folder / "none.tif"};
     CHECK_THAT(run(JobKind::bake, bake_job(bake)).problem, Catch::Contains("none.tif"));
 }
@@ -308,7 +310,7 @@ TEST_CASE("a bake that is cancelled leaves no pack, and one that cannot begin sa
 TEST_CASE("a bake that is cancelled midway and keeps its folder is gone on with by the same bake") {
     const TemporaryFolder folder;
     spit(folder / "hills.json", recipe);
-    Bake bake;
+    BakePack bake;
     bake.inputs = {folder / "hills.json"};
     bake.output = folder / "p.fjell";
     bake.checkpoint_s = 0; // or all of it would fit the memory
@@ -318,9 +320,9 @@ TEST_CASE("a bake that is cancelled midway and keeps its folder is gone on with 
         if (now.stage == "vertices" || now.stage == "maps") jobs.cancel();
     });
     REQUIRE(view.cancelled);
-    CHECK_THAT(view.result, Catch::Contains("p.fjell.work stays"));
+    CHECK_THAT(view.result, Catch::Contains("p.fjell.work remains"));
     const JobView again = run(JobKind::bake, bake_job(bake));
-    CHECK_THAT(again.result, Catch::Contains("gone on from an earlier bake"));
+    CHECK_THAT(again.result, Catch::Contains("resumed from an earlier bake"));
     CHECK(folder.names() == std::vector<std::string>{"hills.json", "p.fjell"});
 }
 

@@ -329,8 +329,8 @@ View view_from(const Pose& pose) {
     return view;
 }
 
-bool one_of(const std::vector<Vec3>& places, const Vec3& place) {
-    return std::ranges::any_of(places, [&](const Vec3& p) { return length(p - place) == 0; });
+bool one_of(const std::vector<Vec3>& standard_folders, const Vec3& place) {
+    return std::ranges::any_of(standard_folders, [&](const Vec3& p) { return length(p - place) == 0; });
 }
 
 } // namespace

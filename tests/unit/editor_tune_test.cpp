@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "editor/jobs/tune.h"
+#include "editor/jobs/threshold_search.h"
 #include "io/failure.h"
 
 using namespace fjell::editor;
@@ -43,7 +43,7 @@ Tuned tune(const Cost& cost, const TuneSettings& settings) {
     Tuned t;
     const auto fly = [&](double error_px) {
         t.flown.push_back(error_px);
-        TuneFlight flight;
+        FlightCost flight;
         flight.reached = error_px >= cost.reached_from ? 1 : 0.5;
         flight.vertices = 1e5 / error_px;
         for (std::uint32_t i = 1; i <= cost.frames; ++i) {
@@ -135,7 +135,7 @@ TEST_CASE("where nothing keeps the budget the tuner says so, and where everythin
                Catch::Contains("no threshold up to 32 px") && Catch::Contains("p99 11 us of 10"));
     const Tuned all = tune({}, asked(500'000));
     CHECK(all.result.best_px == 0.25);
-    CHECK_THAT(tune_text(all.result, asked(500'000)), Catch::Contains("0.25 px, the least that was asked for"));
+    CHECK_THAT(tune_text(all.result, asked(500'000)), Catch::Contains("0.25 px, the smallest allowed"));
 }
 
 TEST_CASE("a threshold that the profile's budgets do not let it reach keeps nothing, however fast it is") {
@@ -144,7 +144,7 @@ TEST_CASE("a threshold that the profile's budgets do not let it reach keeps noth
     const Tuned t = tune(cost, asked(500'000));
     CHECK(t.result.best_px >= 3);
     CHECK(t.result.best_px <= 3 * 1.02);
-    CHECK_THAT(tune_text(t.result, asked(500'000)), Catch::Contains("a budget of the profile is in the way"));
+    CHECK_THAT(tune_text(t.result, asked(500'000)), Catch::Contains("a budget of the profile is the limit"));
     cost.reached_from = 100;
     const Tuned none = tune(cost, asked(500'000));
     CHECK(none.result.best_px == 0);
@@ -176,7 +176,7 @@ TEST_CASE("the tuner stops after a bounded number of flights, though each thresh
         [&](double error_px) {
             const bool again = std::ranges::find(flown, error_px) != flown.end();
             flown.push_back(error_px);
-            return TuneFlight{std::vector<double>(50, error_px < 0.1 || (again && error_px < 900) ? 1100.0 : 800.0), 1,
+            return FlightCost{std::vector<double>(50, error_px < 0.1 || (again && error_px < 900) ? 1100.0 : 800.0), 1,
                               1};
         },
         [](const TuneResult&) {});
@@ -195,7 +195,7 @@ TEST_CASE("a threshold that fails beside one with room to spare is flown again, 
         asked(1000),
         [&](double error_px) {
             const bool spoiled = error_px == 4 && ++at_four <= 2;
-            return TuneFlight{std::vector<double>(50, cost.p99_us(error_px) * (spoiled ? 10 : 1)), 1, 1};
+            return FlightCost{std::vector<double>(50, cost.p99_us(error_px) * (spoiled ? 10 : 1)), 1, 1};
         },
         [](const TuneResult&) {});
     CHECK(at_four > 2);

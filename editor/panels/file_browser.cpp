@@ -1,4 +1,4 @@
-#include "editor/panels/browse.h"
+#include "editor/panels/file_browser.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -11,12 +11,12 @@ namespace fjell::editor {
 
 namespace {
 
-void set_name(BrowseForm& form, const char* name) {
+void set_name(FileBrowserForm& form, const char* name) {
     (void)std::snprintf(form.name, sizeof form.name, "%s", name);
 }
 
-void go(const std::string& folder, Commands& commands, BrowseForm& form) {
-    commands.push(Browse{folder});
+void go(const std::string& folder, Commands& commands, FileBrowserForm& form) {
+    commands.push(BrowseFolder{folder});
     form.name[0] = '\0';
 }
 
@@ -31,17 +31,17 @@ void text_from_right(const char* text) {
     ImGui::TextUnformatted(text);
 }
 
-void draw_places(const State& state, Commands& commands, BrowseForm& form) {
-    const Browser& browser = state.files.browser;
+void draw_places(const State& state, Commands& commands, FileBrowserForm& form) {
+    const FolderListing& browser = state.files.browser;
     ImGui::BeginDisabled(browser.parent().empty());
     if (ImGui::Button("Up")) go(browser.parent(), commands, form);
     ui::mark("browse", "up");
     ImGui::EndDisabled();
     ImGui::SameLine();
-    if (ImGui::Button("Home")) go(state.files.places.home, commands, form);
+    if (ImGui::Button("Home")) go(state.files.standard_folders.home, commands, form);
     ui::mark("browse", "home");
     ImGui::SameLine();
-    if (ImGui::Button("Reload")) commands.push(Browse{});
+    if (ImGui::Button("Reload")) commands.push(BrowseFolder{});
     ui::mark("browse", "reload");
     ImGui::SameLine();
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
@@ -63,7 +63,7 @@ void draw_places(const State& state, Commands& commands, BrowseForm& form) {
 }
 
 // True: that file was chosen by a double click.
-bool draw_entry(const Browser::Entry& entry, const State& state, Commands& commands, BrowseForm& form) {
+bool draw_entry(const FolderListing::Entry& entry, const State& state, Commands& commands, FileBrowserForm& form) {
     char size[32] = "folder", label[300];
     if (!entry.folder) write_bytes(entry.bytes, size, sizeof size);
     (void)std::snprintf(label, sizeof label, "%.255s%s", entry.name.c_str(), entry.folder ? "/" : "");
@@ -89,8 +89,8 @@ bool draw_entry(const Browser::Entry& entry, const State& state, Commands& comma
     return twice;
 }
 
-bool draw_list(const State& state, Commands& commands, BrowseForm& form, float height) {
-    const Browser& browser = state.files.browser;
+bool draw_list(const State& state, Commands& commands, FileBrowserForm& form, float height) {
+    const FolderListing& browser = state.files.browser;
     bool chosen = false;
     if (!ImGui::BeginTable("files", 2, ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersOuter, {0, height}))
         return false;
@@ -110,7 +110,7 @@ bool draw_list(const State& state, Commands& commands, BrowseForm& form, float h
         ImGui::TableNextColumn();
         ImGui::TextUnformatted(!browser.problem().empty() ? browser.problem().c_str()
                                : browser.hidden() != 0    ? "no files of this kind here"
-                                                          : "an empty folder");
+                                                          : "this folder is empty");
     }
     ImGuiListClipper clipper;
     clipper.Begin(static_cast<int>(browser.size()));
@@ -122,7 +122,7 @@ bool draw_list(const State& state, Commands& commands, BrowseForm& form, float h
 }
 
 // What is named: a folder is gone to, all else is chosen.
-bool choose(const State& state, Commands& commands, BrowseForm& form) {
+bool choose(const State& state, Commands& commands, FileBrowserForm& form) {
     if (form.name[0] == '\0') return false;
     const std::string path = state.files.browser.path_of(form.name);
     std::error_code ignored;
@@ -134,14 +134,14 @@ bool choose(const State& state, Commands& commands, BrowseForm& form) {
 } // namespace
 
 void write_bytes(std::uint64_t bytes, char* to, std::size_t size) {
-    constexpr const char* units[] = {"B", "KB", "MB", "GB", "TB"};
+    constexpr const char* units[] = {"B", "kB", "MB", "GB", "TB"};
     auto value = static_cast<double>(bytes);
     std::size_t unit = 0;
     while (value >= 1000 && unit + 1 < std::size(units)) value /= 1000, ++unit;
     (void)std::snprintf(to, size, unit == 0 ? "%.0f %s" : "%.1f %s", value, units[unit]);
 }
 
-void begin_browsing(BrowseForm& form, const State& state, const char* name) {
+void begin_file_browser(FileBrowserForm& form, const State& state, const char* name) {
     const bool begins = form.frame + 1 != state.frame || form.of != state.interface.dialog;
     form.frame = state.frame;
     form.of = state.interface.dialog;
@@ -150,13 +150,13 @@ void begin_browsing(BrowseForm& form, const State& state, const char* name) {
     set_name(form, name);
 }
 
-bool draw_browser(const State& state, Commands& commands, BrowseForm& form, const char* button) {
+bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& form, const char* button) {
     draw_places(state, commands, form);
     const float below = 2 * ImGui::GetFrameHeightWithSpacing();
     const float least = 4 * ImGui::GetTextLineHeightWithSpacing();
     bool chosen = draw_list(state, commands, form, std::max(ImGui::GetContentRegionAvail().y - below, least));
     ImGui::SetNextItemWidth(-1);
-    chosen = ImGui::InputTextWithHint("##name", "a name, or a whole path", form.name, sizeof form.name,
+    chosen = ImGui::InputTextWithHint("##name", "a name or a full path", form.name, sizeof form.name,
                                       ImGuiInputTextFlags_EnterReturnsTrue) ||
              chosen;
     ui::mark("browse", "name");
@@ -169,16 +169,16 @@ bool draw_browser(const State& state, Commands& commands, BrowseForm& form, cons
     ui::mark("browse", "cancel");
     ImGui::SameLine();
     bool all = state.files.browser.all();
-    if (ImGui::Checkbox("All files", &all)) commands.push(BrowseAll{all});
+    if (ImGui::Checkbox("All files", &all)) commands.push(BrowseAllKinds{all});
     ui::mark("browse", "all");
-    ui::tip("Files of other kinds too.");
+    ui::tip("Lists files of other kinds too.");
     return chosen && choose(state, commands, form);
 }
 
-bool draw_overwrite(BrowseForm& form) {
+bool draw_overwrite(FileBrowserForm& form) {
     ImGui::TextWrapped("%s exists already.", form.name);
     ImGui::Spacing();
-    const bool yes = ImGui::Button("Overwrite it");
+    const bool yes = ImGui::Button("Overwrite");
     ui::mark("overwrite", "yes");
     ImGui::SameLine();
     if (ImGui::Button("Choose another name") || yes) form.asks = false;

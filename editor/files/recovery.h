@@ -34,12 +34,12 @@ public:
     Recovery& operator=(const Recovery&) = delete;
 
     // Looks for what was left, the latest first, and holds it, so that no other editor offers it too.
-    void look(const std::string& folder);
+    void find(const std::string& folder);
     [[nodiscard]] const std::optional<Unsaved>& found() const { return found_; }
     // It was restored, or shall not be: gone, and the next one is looked for.
-    void forget();
+    void drop_found();
     // From now on keep() writes there. None: it does nothing.
-    void begin(const std::string& folder) { folder_ = folder; }
+    void start(const std::string& folder) { folder_ = folder; }
     // Once a frame: writes when something has changed, at most every two seconds, and removes what is saved by now.
     void keep(const Document& document, const Route& route, const std::string& pack, double now_s);
     // At once: the program is about to end, and not of its own will.
@@ -52,7 +52,7 @@ private:
     void write(const Document& document, const Route& route, const std::string& pack);
     [[nodiscard]] bool take(const std::string& file);
     void make_file();
-    void complain(std::string problem);
+    void report_once(std::string problem);
 
     std::string folder_, file_;
     int lock_ = -1;
@@ -60,7 +60,7 @@ private:
     int found_lock_ = -1;
     std::optional<Unsaved> found_;
     std::string problem_;
-    bool complained_ = false;
+    bool reported_ = false;
     double written_s_ = -1e9;
     std::uint64_t version_ = 0, points_hash_ = 0; // of what was written
 };

@@ -1,4 +1,4 @@
-#include "editor/sample.h"
+#include "editor/files/sample.h"
 
 #include <filesystem>
 #include <iterator>
@@ -25,11 +25,11 @@ std::string sample_pack(const std::string& cache_folder) {
     return cache_folder + "/sample.fjell";
 }
 
-Bake bake_sample(const std::string& cache_folder) {
+BakePack bake_sample(const std::string& cache_folder) {
     if (cache_folder.empty()) throw io::Failure(3, "there is no folder for the sample; set XDG_CACHE_HOME or HOME");
     std::error_code ignored; // what is wrong with the folder, the file says
     std::filesystem::create_directories(cache_folder, ignored);
-    Bake bake;
+    BakePack bake;
     bake.inputs = {cache_folder + "/sample.json"};
     bake.output = sample_pack(cache_folder);
     io::AtomicFile file(bake.inputs[0]);

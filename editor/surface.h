@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "editor/input_counts.h"
 #include "gl/image.h"
 #include "gl/target.h"
 
@@ -27,7 +28,7 @@ public:
     virtual void size(std::uint32_t& width, std::uint32_t& height) const = 0;
     [[nodiscard]] virtual unsigned framebuffer() const = 0;
     void draw_interface(); // ImGui's draw data, into the bound framebuffer
-    void fonts_changed();  // the atlas was made anew
+    void fonts_changed();  // the atlas was recreated
     virtual void present() = 0;
     [[nodiscard]] virtual bool should_close() const = 0;
     virtual void stay_open() = 0; // after should_close(): the user is asked first
@@ -39,6 +40,7 @@ public:
     void read(gl::Image& image) const;                      // what is drawn so far
 
     std::vector<std::string> dropped; // files, since they were last taken
+    InputCounts input;                // so far
 };
 
 struct SurfaceOptions {

@@ -1,4 +1,4 @@
-#include "editor/jobs/tune.h"
+#include "editor/jobs/threshold_search.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "editor/jobs/text.h"
+#include "editor/number_text.h"
 #include "flight/log.h"
 #include "flight/profile.h"
 #include "io/failure.h"
@@ -29,7 +29,7 @@ struct Candidate {
 
 class Search {
 public:
-    Search(const TuneSettings& settings, const std::function<TuneFlight(double)>& fly,
+    Search(const TuneSettings& settings, const std::function<FlightCost(double)>& fly,
            const std::function<void(const TuneResult&)>& each)
         : settings_(settings), fly_(fly), each_(each) {}
 
@@ -37,7 +37,7 @@ public:
 
 private:
     Candidate& candidate(double error_px);
-    void add(Candidate& c, TuneFlight flight) const;
+    void add(Candidate& c, FlightCost flight) const;
     void fly(Candidate& c);
     bool settle(Candidate& c);
     bool keeps(double error_px) { return settle(candidate(error_px)); }
@@ -50,7 +50,7 @@ private:
     [[nodiscard]] bool may_fly() const { return result_.flights < most_flights; }
 
     const TuneSettings& settings_;
-    const std::function<TuneFlight(double)>& fly_;
+    const std::function<FlightCost(double)>& fly_;
     const std::function<void(const TuneResult&)>& each_;
     std::vector<Candidate> candidates_; // by falling threshold
     double good_px_ = 0, bad_px_ = 0;   // the ends of what is left: keeps, and does not; 0: none known
@@ -66,7 +66,7 @@ Candidate& Search::candidate(double error_px) {
     return *candidates_.insert(at, std::move(fresh));
 }
 
-void Search::add(Candidate& c, TuneFlight flight) const {
+void Search::add(Candidate& c, FlightCost flight) const {
     TunePoint& p = c.point;
     if (p.flights == 0)
         c.least_us = std::move(flight.times_us);
@@ -192,7 +192,7 @@ TuneResult Search::run() {
 
 std::string what_helps(const TunePoint& p, const TuneSettings& s) {
     if (p.reached < least_reached)
-        return fmt::format("{:.0f}% of the frames had what it asks for: more vertices, triangles, items or page slots",
+        return fmt::format("{:.0f}% of the frames reached it: raise vertices, triangles, items or page slots",
                            100 * p.reached);
     return fmt::format("p99 {} us of {}: {}", grouped(p.p99_us), grouped(s.budget_us),
                        s.measure == TuneMeasure::frame ? "a smaller picture, or a larger budget"
@@ -213,26 +213,26 @@ double rounded_up(double error_px) {
     return unit < 1 ? digits / std::round(1 / unit) : digits * unit; // the double that "1.23" reads as
 }
 
-TuneResult find_threshold(const TuneSettings& settings, const std::function<TuneFlight(double)>& fly,
+TuneResult find_threshold(const TuneSettings& settings, const std::function<FlightCost(double)>& fly,
                           const std::function<void(const TuneResult&)>& each) {
     return Search(settings, fly, each).run();
 }
 
 std::string tune_text(const TuneResult& result, const TuneSettings& settings) {
-    if (result.curve.empty()) return "nothing was flown";
+    if (result.curve.empty()) return "no flight was made";
     if (result.best_px == 0)
-        return fmt::format("no threshold up to {:.3g} px keeps it; there {}; {} flights", result.curve.front().error_px,
-                           what_helps(result.curve.front(), settings), result.flights);
+        return fmt::format("no threshold up to {:.3g} px keeps the budget; there {}; {} flights",
+                           result.curve.front().error_px, what_helps(result.curve.front(), settings), result.flights);
     const TunePoint* const best = result.at(result.best_px);
     const bool least = result.best_px == rounded_up(settings.least_px);
     std::string why;
     for (const TunePoint& p : result.curve) // what the next smaller one lacked, where it was not time
         if (p.error_px < result.best_px) {
-            if (p.reached < least_reached) why = "; below it a budget of the profile is in the way, not time";
+            if (p.reached < least_reached) why = "; below it a budget of the profile is the limit, not time";
             break;
         }
     return fmt::format("p99 {} us of {} at {:.3g} px{}{}; {} flights", grouped(best->p99_us),
-                       grouped(settings.budget_us), result.best_px, least ? ", the least that was asked for" : "", why,
+                       grouped(settings.budget_us), result.best_px, least ? ", the smallest allowed" : "", why,
                        result.flights);
 }
 

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "editor/jobs/bodies.h"
-#include "editor/jobs/text.h"
+#include "editor/jobs/factories.h"
+#include "editor/number_text.h"
 #include "flight/session.h"
 #include "gltf/snapshot.h"
 #include "io/failure.h"
@@ -66,7 +66,7 @@ void run(const ExportPlan& plan, JobControl& control) {
                                   plan.path.empty() ? "the export has " : plan.path + ": ",
                                   grouped(static_cast<double>(r.vertices)), grouped(static_cast<double>(r.triangles)),
                                   megabytes(static_cast<double>(r.file_bytes)), plan.error_px,
-                                  r.converged ? "" : ", coarser where the profile's budgets end");
+                                  r.converged ? "" : ", coarser where the profile's budgets were exhausted");
     });
 }
 

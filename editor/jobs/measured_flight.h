@@ -22,7 +22,7 @@
 
 namespace fjell::editor {
 
-struct FlightPlan {
+struct MeasuredFlightPlan {
     std::string pack;
     flight::Profile profile;
     std::vector<flight::Pose> route; // 60 a second; empty: an orbit around the terrain's middle
@@ -33,12 +33,12 @@ struct FlightPlan {
 // The route in so many frames, from its first pose to its last; directions in between are orthonormal.
 [[nodiscard]] std::vector<flight::Pose> in_frames(const std::vector<flight::Pose>& route, std::size_t frames);
 
-class Flight {
+class MeasuredFlight {
 public:
-    Flight(FlightPlan plan, JobControl& control);
-    ~Flight();
-    Flight(const Flight&) = delete;
-    Flight& operator=(const Flight&) = delete;
+    MeasuredFlight(MeasuredFlightPlan plan, JobControl& control);
+    ~MeasuredFlight();
+    MeasuredFlight(const MeasuredFlight&) = delete;
+    MeasuredFlight& operator=(const MeasuredFlight&) = delete;
 
     [[nodiscard]] std::size_t frames() const;
     [[nodiscard]] bool incremental() const;
@@ -49,8 +49,8 @@ public:
     void fly(double error_px, const Each& each);
 
 private:
-    struct State;
-    std::unique_ptr<State> state_;
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
 };
 
 } // namespace fjell::editor

@@ -1,4 +1,4 @@
-#include "editor/jobs/flight.h"
+#include "editor/jobs/measured_flight.h"
 
 #include <algorithm>
 #include <chrono>
@@ -67,8 +67,9 @@ std::vector<flight::Pose> in_frames(const std::vector<flight::Pose>& route, std:
     return poses;
 }
 
-struct Flight::State { // in the order of destruction, last first: GL objects need their context, and all the terrain
-    FlightPlan plan;
+struct MeasuredFlight::Impl { // in the order of destruction, last first: GL objects need their context, and all the
+                              // terrain
+    MeasuredFlightPlan plan;
     JobControl& control;
     std::vector<flight::Pose> poses;
     flight::Session session;
@@ -83,7 +84,7 @@ struct Flight::State { // in the order of destruction, last first: GL objects ne
     double draw(const View& view);
 };
 
-void Flight::State::open() {
+void MeasuredFlight::Impl::open() {
     control.progress("open", 0, 1);
     flight::FlightOptions options;
     options.pack = plan.pack;
@@ -96,7 +97,7 @@ void Flight::State::open() {
     if (plan.draws) make_graphics(options);
 }
 
-void Flight::State::make_graphics(const flight::FlightOptions& options) {
+void MeasuredFlight::Impl::make_graphics(const flight::FlightOptions& options) {
     std::string error;
     context = gl::Headless::create({}, error);
     require(context != nullptr, error);
@@ -106,7 +107,7 @@ void Flight::State::make_graphics(const flight::FlightOptions& options) {
     require(renderer != nullptr, error);
 }
 
-double Flight::State::update(const View& view, flight::FrameEntry& entry) {
+double MeasuredFlight::Impl::update(const View& view, flight::FrameEntry& entry) {
     double dearest_us = 0, since_us = thread_us();
     entry = flight::update_until_there(session, view, plan.profile, now_s, [&](const flight::FrameEntry& poll) {
         control.check();
@@ -123,7 +124,7 @@ double Flight::State::update(const View& view, flight::FrameEntry& entry) {
     return dearest_us;
 }
 
-double Flight::State::draw(const View& view) {
+double MeasuredFlight::Impl::draw(const View& view) {
     const auto start = Clock::now();
     const std::string error =
         renderer->draw_uploaded(session.mesh(), view, flight::draw_options(flight::PictureMode::shaded), *target);
@@ -132,27 +133,27 @@ double Flight::State::draw(const View& view) {
     return microseconds(Clock::now() - start);
 }
 
-Flight::Flight(FlightPlan plan, JobControl& control)
-    : state_(new State{std::move(plan), control, {}, {}, {}, {}, {}, 0}) {
-    state_->open();
+MeasuredFlight::MeasuredFlight(MeasuredFlightPlan plan, JobControl& control)
+    : impl_(new Impl{std::move(plan), control, {}, {}, {}, {}, {}, 0}) {
+    impl_->open();
 }
 
-Flight::~Flight() = default;
+MeasuredFlight::~MeasuredFlight() = default;
 
-std::size_t Flight::frames() const {
-    return state_->poses.size();
+std::size_t MeasuredFlight::frames() const {
+    return impl_->poses.size();
 }
 
-bool Flight::incremental() const {
-    return state_->session.incremental();
+bool MeasuredFlight::incremental() const {
+    return impl_->session.incremental();
 }
 
-double Flight::error_px() const {
-    return state_->plan.profile.refine.error_px;
+double MeasuredFlight::error_px() const {
+    return impl_->plan.profile.refine.error_px;
 }
 
-void Flight::fly(double error_px, const Each& each) {
-    State& s = *state_;
+void MeasuredFlight::fly(double error_px, const Each& each) {
+    Impl& s = *impl_;
     s.plan.profile.refine.error_px = error_px;
     s.session.begun = s.session.streamed != nullptr; // streamed, there is nothing to build from
     for (std::size_t i = 0; i < s.poses.size(); ++i) {

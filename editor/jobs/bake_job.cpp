@@ -10,8 +10,8 @@
 #include "baker/bake/recipe.h"
 #include "baker/place/open_source.h"
 #include "baker/synth/synth.h"
-#include "editor/jobs/bodies.h"
-#include "editor/jobs/text.h"
+#include "editor/jobs/factories.h"
+#include "editor/number_text.h"
 #include "io/failure.h"
 #include "io/file.h"
 
@@ -29,7 +29,7 @@ void set_word(std::optional<std::string>& word, const std::string& value, const 
     word = value;
 }
 
-baker::Recipe recipe_of(const Bake& b) {
+baker::Recipe recipe_of(const BakePack& b) {
     if (b.inputs.empty() || b.inputs.front().empty()) throw Failure(2, "choose a file of heights to bake");
     baker::Recipe recipe;
     recipe.inputs = b.inputs;
@@ -70,7 +70,7 @@ void run(const baker::Recipe& recipe, baker::BakeOptions options, JobControl& co
             view.result = fmt::format("{}: {} x {} samples, {} x {} tiles of {} cells, {} in {:.1f} s{}", output,
                                       s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(),
                                       megabytes(static_cast<double>(s.file_bytes)), s.seconds_total,
-                                      s.resumed ? ", gone on from an earlier bake" : "");
+                                      s.resumed ? ", resumed from an earlier bake" : "");
         });
     } catch (const Failure&) {
         if (!control.cancelled()) throw;
@@ -78,7 +78,7 @@ void run(const baker::Recipe& recipe, baker::BakeOptions options, JobControl& co
         const std::string work = output + ".work";
         const bool stays = std::filesystem::exists(work, ignored);
         control.publish([&](JobView& view) {
-            view.result = stays ? work + " stays: the same bake goes on from there, or delete it" : "nothing is left";
+            view.result = stays ? work + " remains: the same bake resumes from it, or delete it" : "no files remain";
         });
         throw Cancelled{};
     }
@@ -90,7 +90,7 @@ std::string pack_beside(const std::string& input) {
     return input.empty() ? "" : std::filesystem::path(input).replace_extension(".fjell").string();
 }
 
-Jobs::Body bake_job(Bake bake) {
+Jobs::Body bake_job(BakePack bake) {
     if (bake.output.empty() && !bake.inputs.empty()) bake.output = pack_beside(bake.inputs.front());
     const baker::Recipe recipe = recipe_of(bake);
     baker::BakeOptions options = baker::bake_options(recipe);

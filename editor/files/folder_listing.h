@@ -1,4 +1,4 @@
-// What a file dialogue looks at: the files of one folder, read when the folder changes and not in between.
+// What a file dialog looks at: the files of one folder, read when the folder changes and not in between.
 //
 // Thread: the frame's. Memory: some hundred bytes a file. Complexity: look() O(n log n) of the folder's files, filter()
 // O(n). Failure: none; what cannot be read is a problem to show, and the list is empty.
@@ -14,7 +14,7 @@
 
 namespace fjell::editor {
 
-class Browser {
+class FolderListing {
 public:
     struct Entry {
         std::string name;
@@ -25,7 +25,7 @@ public:
     [[nodiscard]] const std::string& folder() const { return folder_; }   // absolute; empty: not looked anywhere yet
     [[nodiscard]] const std::string& parent() const { return parent_; }   // empty: there is none above
     [[nodiscard]] const std::string& problem() const { return problem_; } // why the folder cannot be read
-    // Those that are shown: folders first, then files of the dialogue's kinds, each by name.
+    // Those that are shown: folders first, then files of the dialog's kinds, each by name.
     [[nodiscard]] std::size_t size() const { return shown_.size(); }
     [[nodiscard]] const Entry& entry(std::size_t i) const { return entries_[shown_[i]]; }
     [[nodiscard]] std::size_t hidden() const { return entries_.size() - shown_.size(); } // files of other kinds
@@ -47,7 +47,7 @@ private:
     bool all_ = false;
 };
 
-// Whether the dialogue looks at files.
-[[nodiscard]] bool browses(Dialog dialog);
+// Whether the dialog looks at files.
+[[nodiscard]] bool shows_files(Dialog dialog);
 
 } // namespace fjell::editor

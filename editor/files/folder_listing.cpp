@@ -1,4 +1,4 @@
-#include "editor/panels/browser.h"
+#include "editor/files/folder_listing.h"
 
 #include <algorithm>
 #include <cctype>
@@ -34,26 +34,26 @@ bool ends_with(std::string_view name, std::string_view end) {
     });
 }
 
-bool comes_first(const Browser::Entry& a, const Browser::Entry& b) {
+bool comes_first(const FolderListing::Entry& a, const FolderListing::Entry& b) {
     return a.folder != b.folder ? a.folder : a.name < b.name;
 }
 
 } // namespace
 
-bool browses(Dialog dialog) {
+bool shows_files(Dialog dialog) {
     return dialog == Dialog::open_file || dialog == Dialog::save_profile || dialog == Dialog::save_path ||
            dialog == Dialog::compare;
 }
 
-bool Browser::has_file(std::string_view name) const {
+bool FolderListing::has_file(std::string_view name) const {
     return std::ranges::any_of(entries_, [&](const Entry& e) { return !e.folder && e.name == name; });
 }
 
-std::string Browser::path_of(std::string_view name) const {
+std::string FolderListing::path_of(std::string_view name) const {
     return (fs::path(folder_) / name).lexically_normal().string();
 }
 
-void Browser::look(const std::string& folder) {
+void FolderListing::look(const std::string& folder) {
     std::error_code error;
     fs::path place = fs::absolute(fs::path(folder_) / folder, error).lexically_normal();
     if (error) place = folder;
@@ -75,13 +75,13 @@ void Browser::look(const std::string& folder) {
     choose_shown();
 }
 
-void Browser::filter(Dialog dialog, bool all) {
+void FolderListing::filter(Dialog dialog, bool all) {
     dialog_ = dialog;
     all_ = all;
     choose_shown();
 }
 
-void Browser::choose_shown() {
+void FolderListing::choose_shown() {
     shown_.clear();
     for (std::size_t i = 0; i < entries_.size(); ++i) {
         const Entry& e = entries_[i];

@@ -7,7 +7,7 @@
 // it. The search goes down from most_px by halves until one fails, which flies what is dear only once and gives the
 // curve its span, and bisects the last octave on a logarithmic scale down to 1.5%. Should the threshold that was found
 // have room to spare next to one that failed, the failed one is doubted, once, and flown again. Every threshold tried
-// has three digits, rounded up, so that the one that is offered is one that was flown. In the end it is flown anew, as
+// has three digits, rounded up, so that the one that is offered is one that was flown. In the end it is flown again, as
 // if for the first time, and if it fails then, a larger one is looked for.
 //
 // Rejected: a fit of a power law through all flights. It needs fewer of them, but offers thresholds never flown, and a
@@ -22,12 +22,12 @@
 #include <vector>
 
 #include "editor/jobs/jobs.h"
-#include "editor/names.h"
+#include "editor/jobs/tune_settings.h"
 
 namespace fjell::editor {
 
 // What one flight measured.
-struct TuneFlight {
+struct FlightCost {
     std::vector<double> times_us;     // of the frames that count, in their order; as many in every flight
     double vertices = 0, reached = 1; // as in TunePoint
 };
@@ -44,16 +44,14 @@ inline constexpr double least_reached = 0.99; // share of frames: as p99 is of t
 
 // fly: one flight at a threshold. each: after every flight, with what is known by then.
 [[nodiscard]] TuneResult find_threshold(const TuneSettings& settings,
-                                        const std::function<TuneFlight(double error_px)>& fly,
+                                        const std::function<FlightCost(double error_px)>& fly,
                                         const std::function<void(const TuneResult&)>& each);
 
 // To three digits: 1.2301 is 1.24.
 [[nodiscard]] double rounded_up(double error_px);
-// One line for people; settings: what was asked.
+// One line for people; settings: what was requested.
 [[nodiscard]] std::string tune_text(const TuneResult& result, const TuneSettings& settings);
 // threshold_px,p50_us,p99_us,max_us,vertices,frames,keeps,reached,flights: a line a threshold, falling.
 [[nodiscard]] std::string tune_csv(const std::vector<TunePoint>& curve);
-// Throws io::Failure (2) that names the setting and its range.
-void check(const TuneSettings& settings);
 
 } // namespace fjell::editor

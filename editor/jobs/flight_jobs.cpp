@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "editor/jobs/bodies.h"
-#include "editor/jobs/text.h"
-#include "editor/jobs/tune.h"
+#include "editor/jobs/factories.h"
+#include "editor/jobs/threshold_search.h"
+#include "editor/number_text.h"
 #include "flight/log.h"
 #include "io/failure.h"
 #include "io/file.h"
@@ -40,8 +40,8 @@ private:
 };
 
 // each: with the frame's number, to show how far it is.
-TuneFlight fly_once(Flight& flight, double error_px, const std::function<void(std::size_t)>& each) {
-    TuneFlight flown;
+FlightCost fly_once(MeasuredFlight& flight, double error_px, const std::function<void(std::size_t)>& each) {
+    FlightCost flown;
     flown.times_us.reserve(flight.frames());
     double vertices = 0, reached = 0;
     flight.fly(error_px, [&](const flight::FrameEntry& entry, double frame_us, std::size_t frame) {
@@ -52,16 +52,16 @@ TuneFlight fly_once(Flight& flight, double error_px, const std::function<void(st
         reached += entry.converged ? 1 : 0;
     });
     if (flown.times_us.empty())
-        throw io::Failure(2, "the path has one frame, which is built from nothing and says nothing; take more");
+        throw io::Failure(2, "the path has a single frame, whose mesh is built from scratch; choose more frames");
     const auto frames = static_cast<double>(flown.times_us.size());
     flown.vertices = vertices / frames;
     flown.reached = reached / frames;
     return flown;
 }
 
-void tune(FlightPlan plan, const TuneSettings& settings, io::AtomicFile* csv, JobControl& control) {
+void tune(MeasuredFlightPlan plan, const TuneSettings& settings, io::AtomicFile* csv, JobControl& control) {
     control.publish([&](JobView& view) { view.tuned = settings; });
-    Flight flight(std::move(plan), control);
+    MeasuredFlight flight(std::move(plan), control);
     const auto frames = static_cast<double>(flight.frames());
     Share share(control);
     std::uint32_t flights = 0, expected = 16;
@@ -87,8 +87,8 @@ void tune(FlightPlan plan, const TuneSettings& settings, io::AtomicFile* csv, Jo
     });
 }
 
-void benchmark(FlightPlan plan, const std::string& path, io::AtomicFile& file, JobControl& control) {
-    Flight flight(std::move(plan), control);
+void benchmark(MeasuredFlightPlan plan, const std::string& path, io::AtomicFile& file, JobControl& control) {
+    MeasuredFlight flight(std::move(plan), control);
     flight::FlightLog log;
     log.frames.reserve(flight.frames());
     const double error_px = flight.error_px();
@@ -107,7 +107,7 @@ void benchmark(FlightPlan plan, const std::string& path, io::AtomicFile& file, J
 
 } // namespace
 
-Jobs::Body tune_job(FlightPlan plan, const TuneSettings& settings, const std::string& csv) {
+Jobs::Body tune_job(MeasuredFlightPlan plan, const TuneSettings& settings, const std::string& csv) {
     check(settings);
     plan.frames = settings.frames;
     plan.draws = settings.measure == TuneMeasure::frame;
@@ -117,7 +117,7 @@ Jobs::Body tune_job(FlightPlan plan, const TuneSettings& settings, const std::st
     return [plan = std::move(plan), settings, file](JobControl& control) { tune(plan, settings, file.get(), control); };
 }
 
-Jobs::Body benchmark_job(FlightPlan plan, const std::string& csv) {
+Jobs::Body benchmark_job(MeasuredFlightPlan plan, const std::string& csv) {
     if (csv.empty()) throw io::Failure(2, "give the CSV a file name");
     if (plan.frames > 1'000'000) throw io::Failure(2, "frames must be 1 to 1000000, or 0 for the path's own");
     io::refuse_overwriting({csv}, {plan.pack});

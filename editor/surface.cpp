@@ -1,4 +1,4 @@
-#include "editor/scene/surface.h"
+#include "editor/surface.h"
 
 #include <array>
 #include <cstring>
@@ -28,8 +28,13 @@ public:
             self->dropped.assign(paths, paths + count);
         });
         glfwSetKeyCallback(handle, [](GLFWwindow* w, int key, int, int action, int mods) {
-            static_cast<WindowSurface*>(glfwGetWindowUserPointer(w))->note(key, action, mods);
+            auto* const self = static_cast<WindowSurface*>(glfwGetWindowUserPointer(w));
+            if (action != GLFW_REPEAT) ++self->input.keys;
+            self->remember_press(key, action, mods);
         });
+        glfwSetCharCallback(handle, [](GLFWwindow* w, unsigned) { ++counts_of(w).characters; });
+        glfwSetMouseButtonCallback(handle, [](GLFWwindow* w, int, int, int) { ++counts_of(w).buttons; });
+        glfwSetScrollCallback(handle, [](GLFWwindow* w, double, double) { ++counts_of(w).scrolls; });
         ImGui_ImplGlfw_InitForOpenGL(handle, true); // its callbacks call ours
         ImGui_ImplOpenGL3_Init("#version 450 core");
     }
@@ -40,18 +45,21 @@ public:
 
     void begin_frame() override {
         ImGuiIO& io = ImGui::GetIO();
-        for (std::size_t i = 0; i < struck_; ++i)
+        for (std::size_t i = 0; i < pressed_; ++i)
             if (glfwGetKey(window_->handle(), keys_[i]) != GLFW_PRESS) io.KeysDown[keys_[i]] = false;
-        struck_ = 0;
+        pressed_ = 0;
         window_->poll();
-        for (std::size_t i = 0; i < struck_; ++i) io.KeysDown[keys_[i]] = true;
-        if (struck_ != 0) {
+        for (std::size_t i = 0; i < pressed_; ++i) io.KeysDown[keys_[i]] = true;
+        if (pressed_ != 0) {
             io.KeyCtrl = (mods_ & GLFW_MOD_CONTROL) != 0;
             io.KeyShift = (mods_ & GLFW_MOD_SHIFT) != 0;
             io.KeyAlt = (mods_ & GLFW_MOD_ALT) != 0;
         }
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
+        input.pointer_px[0] = static_cast<double>(io.MousePos.x);
+        input.pointer_px[1] = static_cast<double>(io.MousePos.y);
+        input.focused = glfwGetWindowAttrib(window_->handle(), GLFW_FOCUSED) != 0;
     }
     void size(std::uint32_t& width, std::uint32_t& height) const override { window_->framebuffer_size(width, height); }
     unsigned framebuffer() const override { return 0; }
@@ -71,17 +79,20 @@ public:
     }
 
 private:
+    static InputCounts& counts_of(GLFWwindow* w) {
+        return static_cast<WindowSurface*>(glfwGetWindowUserPointer(w))->input;
+    }
     // ImGui 1.86 looks at keys once a frame: what goes down and up again between two frames would be lost. It is held
-    // down for the frame that follows, with the modifiers it was struck with.
-    void note(int key, int action, int mods) {
-        if (action != GLFW_PRESS || key < 0 || key >= GLFW_KEY_LEFT_SHIFT || struck_ == keys_.size()) return;
-        keys_[struck_++] = key;
+    // down for the frame that follows, with the modifiers it was pressed with.
+    void remember_press(int key, int action, int mods) {
+        if (action != GLFW_PRESS || key < 0 || key >= GLFW_KEY_LEFT_SHIFT || pressed_ == keys_.size()) return;
+        keys_[pressed_++] = key;
         mods_ = mods;
     }
 
     std::unique_ptr<gl::Window> window_;
     std::array<int, 16> keys_{};
-    std::size_t struck_ = 0;
+    std::size_t pressed_ = 0;
     int mods_ = 0;
 };
 

@@ -1,16 +1,11 @@
-#include "editor/files.h"
+#include "editor/files/settings.h"
 
-#include <algorithm>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "baker/read/gdal_file.h"
-#include "fjell/pack.h"
 #include "io/failure.h"
 #include "io/file.h"
 
@@ -21,8 +16,6 @@ namespace {
 using io::Failure;
 using nlohmann::json;
 namespace fs = std::filesystem;
-
-constexpr std::uintmax_t most_json_bytes = std::uintmax_t{64} << 20; // paths and recipes are far smaller
 
 std::string variable(const char* name) {
     const char* const value = std::getenv(name);
@@ -40,27 +33,10 @@ std::string settings_file(const std::string& folder) {
     return folder + "/editor.json";
 }
 
-FileKind kind_of_json(const std::string& path) {
-    std::error_code ignored;
-    if (fs::file_size(path, ignored) > most_json_bytes)
-        throw Failure(1, fmt::format("{}: too long for a camera path or a recipe", path));
-    const json object = json::parse(io::read_text(path), nullptr, false);
-    const auto has = [&](std::initializer_list<const char*> keys) {
-        return std::ranges::any_of(keys, [&](const char* key) { return object.contains(key); });
-    };
-    if (!object.is_object()) throw Failure(1, fmt::format("{}: begins like JSON, but is none", path));
-    if (has({"points", "orbit", "straight"})) return FileKind::path;
-    if (has({"inputs", "relief_m", "feature_m"})) return FileKind::heights;
-    throw Failure(1,
-                  fmt::format("{}: JSON, but no camera path (points, orbit, straight), landscape (relief_m) or recipe "
-                              "(inputs)",
-                              path));
-}
-
 } // namespace
 
-Places places() {
-    Places p;
+Folders standard_folders() {
+    Folders p;
     p.home = variable("HOME");
     p.config = folder_of("XDG_CONFIG_HOME", p.home, "/.config");
     p.state = folder_of("XDG_STATE_HOME", p.home, "/.local/state");
@@ -86,7 +62,7 @@ Settings read_settings(const std::string& config_folder, std::string& problem) {
     } catch (const Failure& failure) {
         problem = failure.what();
     } catch (const json::exception&) {
-        problem = fmt::format("{}: damaged; recent files are forgotten, and it will be written anew", file);
+        problem = fmt::format("{}: damaged; recent files are lost, and it will be rewritten", file);
     }
     return {};
 }
@@ -109,33 +85,6 @@ void remember(std::vector<std::string>& recent, const std::string& path) {
     std::erase(recent, entry);
     recent.insert(recent.begin(), std::move(entry));
     if (recent.size() > most_recent) recent.resize(most_recent);
-}
-
-FileKind kind_of(const std::string& path) {
-    std::error_code error;
-    if (baker::is_gdal_name(path)) return FileKind::heights;
-    const fs::file_status status = fs::status(path, error);
-    if (!fs::exists(status)) throw Failure(1, fmt::format("{}: there is no such file", path));
-    if (fs::is_directory(status)) throw Failure(1, fmt::format("{}: a folder; open a file in it", path));
-    if (!fs::is_regular_file(status)) throw Failure(1, fmt::format("{}: not a file", path));
-    char first[64] = {};
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw Failure(3, fmt::format("{}: cannot be read; you may lack the permission", path));
-    file.read(first, sizeof first - 1);
-    // By its name too, so that a damaged pack or profile is refused as such.
-    if (std::memcmp(first, pack_magic, sizeof pack_magic) == 0 || path.ends_with(".fjell")) return FileKind::pack;
-    if (path.ends_with(".toml")) return FileKind::profile;
-    const char* const begins = first + std::strspn(first, " \t\r\n");
-    if (*begins == '{') return kind_of_json(path);
-    if (std::strncmp(begins, "F ", 2) == 0) return FileKind::path; // a line of a recorded one
-    baker::GdalMessages messages;
-    baker::register_drivers();
-    try {
-        (void)baker::open_raster(path, "a height field", messages);
-        return FileKind::heights;
-    } catch (const Failure&) {
-        throw Failure(1, fmt::format("{}: neither a pack, a profile, a camera path nor heights that GDAL opens", path));
-    }
 }
 
 } // namespace fjell::editor

@@ -1,4 +1,4 @@
-#include "editor/recovery.h"
+#include "editor/files/recovery.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -54,7 +54,7 @@ std::uint64_t hash_of(const Route& route) {
     };
     for (const flight::ControlPoint& point : route.points())
         for (const double value : point) add(value);
-    add(route.asked_seconds());
+    add(route.requested_seconds());
     return hash;
 }
 
@@ -94,8 +94,8 @@ Recovery::~Recovery() {
     if (found_lock_ >= 0) close(found_lock_);
 }
 
-void Recovery::complain(std::string problem) {
-    if (std::exchange(complained_, true)) return;
+void Recovery::report_once(std::string problem) {
+    if (std::exchange(reported_, true)) return;
     problem_ = std::move(problem);
 }
 
@@ -116,14 +116,14 @@ bool Recovery::take(const std::string& file) {
             return true;
         } catch (const std::exception&) {
             fs::rename(file, file + ".damaged", gone);
-            complain(fmt::format("{}: changes of an earlier run, but damaged; kept as {}.damaged", file, file));
+            report_once(fmt::format("{}: damaged recovery file of an earlier run; kept as {}.damaged", file, file));
         }
     }
     unlock(found_file_, found_lock_);
     return false;
 }
 
-void Recovery::look(const std::string& folder) {
+void Recovery::find(const std::string& folder) {
     found_folder_ = folder;
     if (folder.empty()) return;
     std::vector<std::pair<fs::file_time_type, std::string>> files;
@@ -138,12 +138,12 @@ void Recovery::look(const std::string& folder) {
         if (take(file)) return;
 }
 
-void Recovery::forget() {
+void Recovery::drop_found() {
     if (!found_) return;
     found_.reset();
     unlink(found_file_.c_str());
     unlock(found_file_, found_lock_);
-    look(found_folder_);
+    find(found_folder_);
 }
 
 void Recovery::make_file() {
@@ -170,11 +170,11 @@ void Recovery::write(const Document& document, const Route& route, const std::st
                   {"points", json::array()}};
         if (route.unsaved()) {
             j["points"] = route.points();
-            j["path_seconds"] = route.asked_seconds();
+            j["path_seconds"] = route.requested_seconds();
         }
         write_quickly(file_, j.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
     } catch (const std::exception& failure) {
-        complain(std::string("changes would not survive a crash; save often: ") + failure.what());
+        report_once(std::string("changes would not survive a crash; save often: ") + failure.what());
     }
 }
 

@@ -18,24 +18,23 @@ constexpr Text modes[] = {
     {"Shaded", "Colours and light, as in a game."},
     {"Wire", "Shaded, with the edges of all triangles."},
     {"Levels", "Every triangle in its level's colour: coarse ones violet and blue, fine ones orange and red."},
-    {"Tiles", "Every tile in a colour that its neighbours do not have."},
-    {"Mips", "By the mip that is drawn: the pack's finest red, the smallest violet. Black: nothing is there yet."},
-    {"Residency", "By the finest step of geometry that is in memory, whatever is drawn of it."},
+    {"Tiles", "Every tile in a colour different from its neighbours."},
+    {"Mips", "By the mip that is drawn: the pack's finest red, the smallest violet. Black: not loaded yet."},
+    {"Residency", "By the finest geometry in memory, drawn or not."},
     {"Distance", "White at the near plane, black beyond the terrain; logarithmic."},
 };
 static_assert(std::size(modes) == flight::picture_modes, "a mode was added: say what it shows");
-constexpr Text laid_over[] = {
+constexpr Text overlay_texts[] = {
     {"Wireframe", "Edges of all triangles."},
-    {"Tile borders", "Where tiles meet, on the ground; on the map too."},
-    {"Page borders", "Of the blocks of geometry that are loaded and unloaded together."},
-    {"Bounding spheres", "Around vertices, as the refinement sees them."},
-    {"Culled", "With refinement frozen: what it left out, and its view's edges."},
-    {"True error",
-     "How far the mesh is from the finest terrain, in pixels. Instead of the picture; all heights are read "
-     "first."},
-    {"Camera path", "Where it goes, with its points, and what is being recorded; not while it is played."},
+    {"Tile borders", "Borders of tiles, on the ground and in the overview."},
+    {"Page borders", "Borders of pages, which are loaded and evicted as a whole."},
+    {"Bounding spheres", "Around vertices, as refinement uses them."},
+    {"Culled", "With refinement frozen: culled tiles, and the frustum of the frozen camera."},
+    {"True error", "Distance of the mesh from the full-resolution terrain, in pixels. Replaces the picture; all "
+                   "heights are read first."},
+    {"Camera path", "The path, its points and the recording in progress; hidden during playback."},
 };
-static_assert(std::size(laid_over) == overlays, "an overlay was added: say what it shows");
+static_assert(std::size(overlay_texts) == overlays, "an overlay was added: say what it shows");
 
 ImU32 colour(const gl::Rgb8& rgb) {
     return IM_COL32(rgb[0], rgb[1], rgb[2], 255);
@@ -99,11 +98,11 @@ void error_legend(double promised_px) {
     Legend legend;
     char text[40];
     for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-        std::snprintf(text, sizeof text, share < 1 ? "%.3g" : "%.3g px: as promised", share * promised_px);
+        std::snprintf(text, sizeof text, share < 1 ? "%.3g" : "%.3g px: the bound", share * promised_px);
         legend.entry(colour(gl::error_rgb(share)), text);
     }
-    legend.entry(colour(gl::error_stops[4]), "more than promised");
-    legend.entry(colour(gl::error_stops[5]), "nothing to compare with");
+    legend.entry(colour(gl::error_stops[4]), "above the bound");
+    legend.entry(colour(gl::error_stops[5]), "no reference");
 }
 
 void draw_legend(const State& state) {
@@ -118,9 +117,9 @@ void draw_legend(const State& state) {
 
 void explain_overlays(const State& state) {
     if (state.shows(Overlay::culled) && !state.eye.frozen)
-        note("What was culled is out of view: freeze refinement (F), and look from elsewhere.");
+        note("Culled tiles are out of view: freeze refinement (F), and look from elsewhere.");
     if (!state.shows(Overlay::error)) return;
-    if (state.heights_share < 0) return note("The heights to compare with could not be read; messages say why.");
+    if (state.heights_share < 0) return note("The reference heights could not be read; see Help > Messages.");
     if (state.heights_share < 1) {
         char text[48];
         std::snprintf(text, sizeof text, "Reading heights: %.0f%%", 100 * state.heights_share);
@@ -161,28 +160,28 @@ const char* label_of(flight::PictureMode mode) {
 }
 
 const char* label_of(Overlay overlay) {
-    return laid_over[static_cast<std::size_t>(overlay)].label;
+    return overlay_texts[static_cast<std::size_t>(overlay)].label;
 }
 
-void draw_show(const State& state, Commands& commands) {
-    ui::heading("Picture (M: the next one)");
+void draw_picture(const State& state, Commands& commands) {
+    ui::heading("Picture mode (M: next)");
     for (int i = 0; i < flight::picture_modes; ++i) {
         const auto mode = static_cast<flight::PictureMode>(i);
         second_column(i);
-        if (ImGui::RadioButton(modes[i].label, state.interface.mode == mode)) commands.push(SetMode{mode});
+        if (ImGui::RadioButton(modes[i].label, state.interface.mode == mode)) commands.push(SetPictureMode{mode});
         ui::mark("mode", flight::picture_mode_names[i]);
         ui::tip(modes[i].about);
     }
     note(modes[static_cast<int>(state.interface.mode)].about);
     const bool hidden = state.shows(Overlay::error) && state.heights_share >= 1;
     if (state.scene.open() && !hidden) draw_legend(state);
-    ui::heading("Over it");
+    ui::heading("Overlays");
     for (int i = 0; i < overlays; ++i) {
         bool on = state.interface.overlay[static_cast<std::size_t>(i)];
         second_column(i);
-        if (ImGui::Checkbox(laid_over[i].label, &on)) commands.push(SetOverlay{static_cast<Overlay>(i), on});
+        if (ImGui::Checkbox(overlay_texts[i].label, &on)) commands.push(SetOverlay{static_cast<Overlay>(i), on});
         ui::mark("overlay", overlay_names[i]);
-        ui::tip(laid_over[i].about);
+        ui::tip(overlay_texts[i].about);
     }
     if (state.scene.open()) explain_overlays(state);
     draw_scale(state, commands);

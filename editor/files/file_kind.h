@@ -1,0 +1,16 @@
+// What a file is that is to be opened: told from its content.
+//
+// Thread: the frame's, on user actions. Complexity: reads the first bytes; JSON is read whole, 64 MiB at most.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace fjell::editor {
+
+// heights: what GDAL opens as a raster, a landscape of content/terrain, or a recipe of fjell-bake.
+enum class FileKind : std::uint8_t { pack, profile, path, heights };
+// Throws io::Failure (1), one line, for anything else.
+[[nodiscard]] FileKind file_kind_of(const std::string& path);
+
+} // namespace fjell::editor

@@ -1,0 +1,42 @@
+#include "editor/state.h"
+
+#include <cstdio>
+#include <new>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "io/failure.h"
+
+namespace fjell::editor {
+
+namespace {
+
+constexpr std::size_t most_messages = 200;
+constexpr double shown_s = 8;
+
+} // namespace
+
+void post_message(State& state, Severity severity, std::string text) {
+    if (state.headless && severity == Severity::note) fmt::print("{}\n", text);
+    if (state.headless && severity != Severity::note) fmt::print(stderr, "fjell-editor: {}\n", text);
+    auto& all = state.messages.all;
+    if (!all.empty() && all.back().text == text) {
+        ++all.back().times;
+        all.back().at_s = state.now_s;
+    } else {
+        all.push_back({severity, std::move(text), state.now_s});
+        if (all.size() > most_messages) all.pop_front();
+    }
+    state.messages.shown_until_s = state.now_s + shown_s;
+}
+
+void post_failure(State& state, const std::exception& failure, const std::string& before) {
+    const auto* const own = dynamic_cast<const io::Failure*>(&failure);
+    const bool memory = dynamic_cast<const std::bad_alloc*>(&failure) != nullptr;
+    if (state.exit_code == 0) state.exit_code = own != nullptr ? own->exit_code : 3;
+    post_message(state, Severity::error,
+                 before + (memory ? "out of memory; choose smaller budgets or a smaller terrain" : failure.what()));
+}
+
+} // namespace fjell::editor
