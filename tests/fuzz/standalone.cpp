@@ -1,5 +1,6 @@
-// Runs a fuzz target without libFuzzer: every seed as it is, then ROUNDS mutations of the seeds in turn, always the
-// same ones. This is what `./dev test` runs under sanitizers; `./dev test --long` explores with libFuzzer.
+// Runs a fuzz target without libFuzzer: every seed as it is, then ROUNDS mutations of the seeds in turn (a fifth of
+// them where rounds are brief), always the same ones. This is what `./dev test` runs under sanitizers; `./dev test
+// --long` explores with libFuzzer.
 //
 // fuzz_X ROUNDS SEED... where SEED is a file, or a folder of them. What breaks is written to ./broken-input; it can be
 // given to `fuzz_X 0 broken-input`.
@@ -14,6 +15,8 @@
 #include <random>
 #include <string>
 #include <vector>
+
+#include "support/rounds.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 extern "C" void __sanitizer_set_death_callback(void (*callback)()) __attribute__((weak));
@@ -95,7 +98,8 @@ int main(int argc, char** argv) {
         }
     if (seeds.empty()) return std::fprintf(stderr, "%s: no seeds\n", argv[0]), 2;
     std::mt19937 random(1);
-    const long rounds = std::strtol(argv[1], nullptr, 10);
+    const long wanted = std::strtol(argv[1], nullptr, 10);
+    const long rounds = fjell::test::full_rounds() ? wanted : wanted / 5;
     for (long round = 0; round < rounds; ++round) {
         Bytes bytes = seeds[static_cast<std::size_t>(round) % seeds.size()];
         mutate(bytes, random);

@@ -7,6 +7,7 @@
 #include "baker/bake/work_bytes.h"
 #include "baker/check/verify.h"
 #include "support/dem.h"
+#include "support/rounds.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;
@@ -41,10 +42,11 @@ void change_bound(io::LoadedPack& pack, std::uint32_t tile, std::uint32_t page, 
 } // namespace
 
 TEST_CASE(
-    "errors and spheres nest and bound the original heights, and bounds hold pages, whatever the terrain and tiling") {
+    "errors and spheres nest and bound the original heights, and bounds hold pages, whatever the terrain and tiling",
+    "[slow]") {
     Random random(11);
     int coarse_heights = 0, holed = 0, cut_off = 0;
-    for (int round = 0; round < 300; ++round) {
+    for (int round = 0; round < rounds(75, 300); ++round) {
         const int log2 = pick(random, 1, 7);
         const std::int32_t columns = pick(random, 2, 150), rows = pick(random, 2, 150);
         const auto shape = static_cast<Shape>(round % static_cast<int>(Shape::count));
@@ -63,14 +65,14 @@ TEST_CASE(
         REQUIRE(report.true_error_checked == (options.estimate == Estimate::max));
         REQUIRE(report.vertices >= dem.heights_m.size());
     }
-    CHECK(coarse_heights > 20); // bounds of heights that count on more than one height scale step
-    CHECK(holed > 50);
-    CHECK(cut_off > 200);
+    CHECK(coarse_heights > rounds(4, 20)); // bounds of heights that count on more than one height scale step
+    CHECK(holed > rounds(12, 50));
+    CHECK(cut_off > rounds(45, 200));
 }
 
-TEST_CASE("a pack does not depend on threads, memory or how the work is cut") {
+TEST_CASE("a pack does not depend on threads, memory or how the work is cut", "[slow]") {
     Random random(12);
-    for (int round = 0; round < 40; ++round) {
+    for (int round = 0; round < rounds(10, 40); ++round) {
         const int log2 = pick(random, 1, 7);
         baker::Dem dem = random_dem(random, pick(random, 2, 300), pick(random, 2, 300),
                                     static_cast<Shape>(round % static_cast<int>(Shape::count)));
@@ -129,7 +131,7 @@ TEST_CASE("a bake has at most as much on the disk as work_bytes says, and its do
 
 TEST_CASE("a pack verified tile by tile from its file is found to be what it is when it is loaded whole") {
     Random random(17);
-    for (int round = 0; round < 40; ++round) {
+    for (int round = 0; round < rounds(10, 40); ++round) {
         const int log2 = pick(random, 1, 6);
         baker::Dem dem = random_dem(random, pick(random, 2, 150), pick(random, 2, 150),
                                     static_cast<Shape>(round % static_cast<int>(Shape::count)));

@@ -2,13 +2,14 @@
 #include <catch2/catch.hpp>
 
 #include "support/cut_scene.h"
+#include "support/rounds.h"
 
 using namespace fjell;
 using namespace fjell::test;
 
-TEST_CASE("a cut built at once is the same as one refined step by step, and lives on alike") {
+TEST_CASE("a cut built at once is the same as one refined step by step, and lives on alike", "[slow]") {
     Random random(102);
-    for (int round = 0; round < 150; ++round) {
+    for (int round = 0; round < rounds(35, 150); ++round) {
         const auto pack = random_terrain(random, round % 5 == 4 ? 300 : 140, round % 5 == 4 ? 8 : 6);
         const Terrain& terrain = pack.terrain;
         Cut cut(terrain, ample_cut(terrain));
@@ -31,7 +32,7 @@ TEST_CASE("a cut built at once is the same as one refined step by step, and live
 
 TEST_CASE("a host that copies only what was written has the mesh, from the first frame on") {
     Random random(103);
-    for (int round = 0; round < 120; ++round) {
+    for (int round = 0; round < rounds(30, 120); ++round) {
         const auto pack = random_terrain(random, 140, 6);
         const Terrain& terrain = pack.terrain;
         CutBudget budget = ample_cut(terrain);

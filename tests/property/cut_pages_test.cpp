@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "support/cut_scene.h"
+#include "support/rounds.h"
 
 using namespace fjell;
 using namespace fjell::test;
@@ -83,10 +84,10 @@ io::LoadedPack paged_terrain(Random& random, bool large) {
     return bake_and_load(std::move(dem), options);
 }
 
-void live_with(std::uint32_t seed, bool torn, int rounds, std::uint64_t least_gone) {
+void live_with(std::uint32_t seed, bool torn, int count) {
     Random random(seed);
     std::uint64_t gone = 0, incomplete = 0, refined = 0;
-    for (int round = 0; round < rounds; ++round) {
+    for (int round = 0; round < count; ++round) {
         const auto pack = paged_terrain(random, round % 8 == 7);
         TerrainBudget slots;
         if (pick(random, 0, 1))
@@ -126,19 +127,19 @@ void live_with(std::uint32_t seed, bool torn, int rounds, std::uint64_t least_go
         gone += torn ? host.torn_away : host.released;
     }
     CAPTURE(gone, incomplete, refined);
-    REQUIRE(gone > least_gone);
-    REQUIRE(incomplete > 300);
-    REQUIRE(refined > 20'000);
+    REQUIRE(gone > rounds(60, 200));
+    REQUIRE(incomplete > rounds(90, 300));
+    REQUIRE(refined > rounds(6'000, 20'000));
 }
 
 } // namespace
 
 TEST_CASE("pages asked back and waited for go without a crack, and at rest the cut is the target of what is left") {
-    live_with(121, false, 48, 200);
+    live_with(121, false, rounds(16, 48));
 }
 
-TEST_CASE("pages torn away without asking leave a whole mesh as well") {
-    live_with(122, true, 48, 200);
+TEST_CASE("pages torn away without asking leave a whole mesh as well", "[slow]") {
+    live_with(122, true, rounds(16, 48));
 }
 
 TEST_CASE("a page is released step by step, each a whole mesh, and nothing of it is active when it says so") {

@@ -3,6 +3,7 @@
 
 #include "fjell/measure.h"
 #include "support/cut_scene.h"
+#include "support/rounds.h"
 
 using namespace fjell;
 using namespace fjell::test;
@@ -16,9 +17,9 @@ bool within(double measured_px, double threshold_px) {
 
 } // namespace
 
-TEST_CASE("at rest the live cut is the recursive method's mesh, triangle for triangle") {
+TEST_CASE("at rest the live cut is the recursive method's mesh, triangle for triangle", "[slow]") {
     Random random(101);
-    for (int round = 0; round < 120; ++round) {
+    for (int round = 0; round < rounds(30, 120); ++round) {
         const auto pack = random_terrain(random, round % 10 == 9 ? 300 : 140, round % 10 == 9 ? 8 : 6);
         const Terrain& terrain = pack.terrain;
         Cut cut(terrain, ample_cut(terrain));
@@ -45,7 +46,7 @@ TEST_CASE("at rest the live cut is the recursive method's mesh, triangle for tri
 TEST_CASE("with one item a frame every single step is a whole mesh, and the steps lead to the recursive one's") {
     Random random(102);
     std::uint64_t steps = 0;
-    for (int round = 0; round < 24; ++round) {
+    for (int round = 0; round < rounds(8, 24); ++round) {
         const auto pack = random_terrain(random, 24, 4);
         const Terrain& terrain = pack.terrain;
         Cut cut(terrain, ample_cut(terrain));
@@ -70,7 +71,7 @@ TEST_CASE("with one item a frame every single step is a whole mesh, and the step
             REQUIRE((triangles_of(cut.mesh()) == recursive_triangles(terrain, view, settings.error_px)));
         }
     }
-    REQUIRE(steps > 2'000);
+    REQUIRE(steps > rounds(600, 2'000));
 }
 
 TEST_CASE("one item a frame is enough to arrive") {
@@ -93,7 +94,7 @@ TEST_CASE(
     "teleports, thresholds, lenses and item limits at random never break the mesh, and at rest it is the target") {
     Random random(104);
     std::uint64_t lagging = 0;
-    for (int round = 0; round < 50; ++round) {
+    for (int round = 0; round < rounds(12, 50); ++round) {
         const auto pack = random_terrain(random, round % 10 == 9 ? 260 : 90, round % 10 == 9 ? 8 : 6);
         const Terrain& terrain = pack.terrain;
         Cut cut(terrain, ample_cut(terrain));
@@ -138,13 +139,13 @@ TEST_CASE(
             REQUIRE(rest.vertices_changed + rest.triangles_changed == 0);
         }
     }
-    REQUIRE(lagging > 500);
+    REQUIRE(lagging > rounds(120, 500));
 }
 
 TEST_CASE("a frame that reports converged keeps the screen bound, with its corners too when asked") {
     Random random(105);
     double closest = 0;
-    for (int round = 0; round < 60; ++round) {
+    for (int round = 0; round < rounds(15, 60); ++round) {
         const auto pack = random_terrain(random, 140, 6);
         const Terrain& terrain = pack.terrain;
         if (terrain.header.estimate != Estimate::max) continue;

@@ -5,6 +5,7 @@
 
 #include "fjell/measure.h"
 #include "support/mesh_check.h"
+#include "support/rounds.h"
 #include "support/terrain_fixture.h"
 #include "view/wanted.h"
 
@@ -41,7 +42,7 @@ bool within(double measured_px, double threshold_px) {
 TEST_CASE("without culling every mesh is crack-free, covers the terrain and keeps the screen bound") {
     Random random(1);
     for (const Tiling& tiling : tilings)
-        for (int terrain_number = 0; terrain_number < 8; ++terrain_number) {
+        for (int terrain_number = 0; terrain_number < rounds(3, 8); ++terrain_number) {
             const double nesting = pick(random, 0, 2) ? 0.05 : 0.001;
             const auto pack = random_terrain(random, tiling, nesting);
             Recursive method(pack.terrain, ample_budget(pack.terrain));
@@ -64,7 +65,7 @@ TEST_CASE("without culling every mesh is crack-free, covers the terrain and keep
 TEST_CASE("with culling the mesh stays crack-free and keeps the bound inside the frustum, for both metrics") {
     Random random(2);
     for (const Tiling& tiling : tilings)
-        for (int terrain_number = 0; terrain_number < 6; ++terrain_number) {
+        for (int terrain_number = 0; terrain_number < rounds(2, 6); ++terrain_number) {
             const auto pack = random_terrain(random, tiling, 0.05);
             Recursive method(pack.terrain, ample_budget(pack.terrain));
             for (int frame = 0; frame < 8; ++frame) {
@@ -84,9 +85,9 @@ TEST_CASE("with culling the mesh stays crack-free and keeps the bound inside the
         }
 }
 
-TEST_CASE("any extents: the same holds for terrains that end inside their last tiles, strips too") {
+TEST_CASE("any extents: the same holds for terrains that end inside their last tiles, strips too", "[slow]") {
     Random random(12);
-    for (int round = 0; round < 300; ++round) {
+    for (int round = 0; round < rounds(65, 300); ++round) {
         const bool large = round % 60 == 59;
         const std::int32_t columns = pick(random, 2,
                                           large       ? 1000

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "support/cut_scene.h"
+#include "support/rounds.h"
 
 using namespace fjell;
 using namespace fjell::test;
@@ -90,9 +91,9 @@ Flight fly(const Terrain& terrain, CutSettings settings, std::uint32_t items, in
 
 } // namespace
 
-TEST_CASE("morphing by error, no sample jumps by more than a twentieth of a pixel in a hundredth of a cell") {
+TEST_CASE("morphing by error, no sample jumps by more than a twentieth of a pixel in a hundredth of a cell", "[slow]") {
     Random random(301);
-    for (int round = 0; round < 6; ++round) {
+    for (int round = 0; round < rounds(2, 6); ++round) {
         const auto pack = rich_terrain(random, 65, 6);
         CutSettings settings;
         settings.error_px = 1;
@@ -125,7 +126,7 @@ TEST_CASE("what is activated late rises with the time, and nothing jumps either"
 
 TEST_CASE("morphing switched on later starts where it would have, had it been on") {
     Random random(304);
-    for (int round = 0; round < 40; ++round) {
+    for (int round = 0; round < rounds(12, 40); ++round) {
         const auto pack = random_terrain(random, 100, 6);
         Cut later(pack.terrain, ample_cut(pack.terrain)), always(pack.terrain, ample_cut(pack.terrain));
         const View view = random_view(random, pack.terrain);
@@ -147,7 +148,7 @@ TEST_CASE("morphing switched on later starts where it would have, had it been on
 
 TEST_CASE("morphed or not, a converged frame holds the screen bound") {
     Random random(303);
-    for (int round = 0; round < 40; ++round) {
+    for (int round = 0; round < rounds(12, 40); ++round) {
         const auto pack = rich_terrain(random, pick(random, 20, 90), pick(random, 3, 6));
         const Terrain& terrain = pack.terrain;
         Cut cut(terrain, ample_cut(terrain));
@@ -179,9 +180,9 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
 }
 
 // Pages asked back: their vertices sink before they go. The eye rests, so nothing else moves.
-TEST_CASE("pages that leave do so without a step when vertices morph, and with one when they do not") {
+TEST_CASE("pages that leave do so without a step when vertices morph, and with one when they do not", "[slow]") {
     Random random(212);
-    for (int round = 0; round < 2; ++round) {
+    for (int round = 0; round < rounds(1, 2); ++round) {
         const auto pack = bake_and_load(random_dem(random, 129, 129, Shape::fractal), small_bake(7));
         const View view = view_from_above(pack.terrain, 0.05);
         double largest_px[2] = {};

@@ -6,6 +6,7 @@
 
 #include "fjell/query.h"
 #include "support/ground_truth.h"
+#include "support/rounds.h"
 
 using namespace fjell;
 using namespace fjell::test;
@@ -120,10 +121,10 @@ double reach_cells(const Terrain& t, const Ray& ray) {
 
 } // namespace
 
-TEST_CASE("with all pages a ray meets the triangle that it meets first of all") {
+TEST_CASE("with all pages a ray meets the triangle that it meets first of all", "[slow]") {
     Random random(611);
     std::size_t met = 0, missed = 0;
-    for (int round = 0; round < 250; ++round) {
+    for (int round = 0; round < rounds(60, 250); ++round) {
         const auto pack = random_ground(random, true);
         const Terrain& t = pack.terrain;
         for (int k = 0; k < 12; ++k) {
@@ -154,14 +155,15 @@ TEST_CASE("with all pages a ray meets the triangle that it meets first of all") 
                     Approx(0.5 * static_cast<double>(t.height_scale.quantum_m)).epsilon(0x1p-22));
         }
     }
-    REQUIRE(met > 500);
-    REQUIRE(missed > 300);
+    REQUIRE(met > rounds(100, 500));
+    REQUIRE(missed > rounds(60, 300));
 }
 
-TEST_CASE("whatever pages are missing, a ray's hit is within its error of the ground, and no ground is passed") {
+TEST_CASE("whatever pages are missing, a ray's hit is within its error of the ground, and no ground is passed",
+          "[slow]") {
     Random random(612);
     std::size_t met = 0, coarse = 0, marched = 0;
-    for (int round = 0; round < 500; ++round) {
+    for (int round = 0; round < rounds(100, 500); ++round) {
         const auto pack = random_ground(random, true);
         PagedTerrain paged(pack.pack, {});
         load_some_pages(random, pack.pack, paged.terrain);
@@ -203,9 +205,9 @@ TEST_CASE("whatever pages are missing, a ray's hit is within its error of the gr
             }
         }
     }
-    REQUIRE(met > 1000);
-    REQUIRE(coarse > 300);
-    REQUIRE(marched > 3000);
+    REQUIRE(met > rounds(200, 1000));
+    REQUIRE(coarse > rounds(60, 300));
+    REQUIRE(marched > rounds(600, 3000));
 }
 
 TEST_CASE("a ray that is none meets nothing, and one from the ground meets it at once") {

@@ -6,6 +6,7 @@
 
 #include "fjell/query.h"
 #include "support/ground_truth.h"
+#include "support/rounds.h"
 
 using namespace fjell;
 using namespace fjell::test;
@@ -41,7 +42,7 @@ double half_quantum(const Terrain& t) {
 TEST_CASE("with all pages a height is that of the full-resolution triangle under it, to within half a quantum") {
     Random random(601);
     std::size_t holes = 0, ground = 0;
-    for (int round = 0; round < 120; ++round) {
+    for (int round = 0; round < rounds(30, 120); ++round) {
         const auto pack = random_ground(random, true);
         const Terrain& t = pack.terrain;
         for (int k = 0; k < 200; ++k) {
@@ -65,15 +66,15 @@ TEST_CASE("with all pages a height is that of the full-resolution triangle under
                     4 * rounding_m(t) / std::min(t.header.spacing_m[0], t.header.spacing_m[1]) + 0x1p-40);
         }
     }
-    REQUIRE(holes > 500);
-    REQUIRE(ground > 5000);
+    REQUIRE(holes > rounds(100, 500));
+    REQUIRE(ground > rounds(1000, 5000));
 }
 
 TEST_CASE("whatever pages are missing, the full-resolution ground is within the error of every answer") {
     Random random(602);
     std::size_t coarse = 0, exact = 0;
     double nearest = 0; // the tightest bound met
-    for (int round = 0; round < 250; ++round) {
+    for (int round = 0; round < rounds(60, 250); ++round) {
         const auto pack = random_ground(random, true);
         PagedTerrain paged(pack.pack, {});
         load_some_pages(random, pack.pack, paged.terrain);
@@ -94,8 +95,8 @@ TEST_CASE("whatever pages are missing, the full-resolution ground is within the 
             if (bound > 0) nearest = std::max(nearest, error / bound);
         }
     }
-    REQUIRE(coarse > 10'000);
-    REQUIRE(exact > 5'000);
+    REQUIRE(coarse > rounds(2'000, 10'000));
+    REQUIRE(exact > rounds(1'000, 5'000));
     REQUIRE(nearest > 0.9); // the bounds are met, not only kept
 }
 
@@ -140,7 +141,7 @@ TEST_CASE("a position beyond the rim gets the nearest height on it, and says so"
 
 TEST_CASE("a patch holds the heights of its samples, the pack's own where their pages are there") {
     Random random(605);
-    for (int round = 0; round < 150; ++round) {
+    for (int round = 0; round < rounds(40, 150); ++round) {
         const auto pack = random_ground(random, true);
         PagedTerrain paged(pack.pack, {});
         const bool all = round % 3 == 0;

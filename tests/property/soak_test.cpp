@@ -1,12 +1,13 @@
-// A hundred thousand frames that teleport: no frame ever does more than its items, and the mesh stays whole.
+// A long flight that teleports: no frame ever does more than its items, and the mesh stays whole.
 #include <catch2/catch.hpp>
 
 #include "support/cut_scene.h"
+#include "support/rounds.h"
 
 using namespace fjell;
 using namespace fjell::test;
 
-TEST_CASE("in 100,000 frames with random teleports no frame exceeds its items, its capacities or its mesh") {
+TEST_CASE("in a long flight with random teleports no frame exceeds its items, its capacities or its mesh") {
     Random random(401);
     const auto pack = rich_terrain(random, 257, 6);
     const Terrain& terrain = pack.terrain;
@@ -16,8 +17,9 @@ TEST_CASE("in 100,000 frames with random teleports no frame exceeds its items, i
     CutSettings settings;
     settings.error_px = 2;
     View view = random_view(random, terrain);
+    const int frames = rounds(20'000, 100'000);
     std::uint64_t converged = 0, governed = 0, changes = 0;
-    for (int frame = 0; frame < 100'000; ++frame) {
+    for (int frame = 0; frame < frames; ++frame) {
         if (pick(random, 0, 60) == 0) view = random_view(random, terrain);
         if (pick(random, 0, 400) == 0) settings.items = static_cast<std::uint32_t>(pick(random, 1, 600));
         if (pick(random, 0, 900) == 0) settings.error_px = std::pow(10.0, uniform(random, -0.5, 1));
@@ -33,8 +35,8 @@ TEST_CASE("in 100,000 frames with random teleports no frame exceeds its items, i
             REQUIRE(check_mesh(terrain, cut.mesh()) == "");
         }
     }
-    CHECK(converged > 10'000); // all of it was visited: lag, rest, a governed threshold
-    CHECK(converged < 95'000);
-    CHECK(governed > 100);
-    CHECK(changes > 1'000'000);
+    CHECK(converged > frames / 10); // all of it was visited: lag, rest, a governed threshold
+    CHECK(converged < frames / 20 * 19);
+    CHECK(governed > frames / 1000);
+    CHECK(changes > 10 * frames);
 }

@@ -8,6 +8,7 @@
 #include <xxhash.h>
 
 #include "stream/requests.h"
+#include "support/rounds.h"
 #include "support/stream_scene.h"
 
 using namespace fjell;
@@ -309,9 +310,10 @@ struct Forged {
 
 } // namespace
 
-TEST_CASE("bounds that lie, wherever the pages are, make terrain late or coarse but never cracked, and no frame hang") {
+TEST_CASE("bounds that lie, wherever the pages are, make terrain late or coarse but never cracked, and no frame hang",
+          "[slow]") {
     Random random(927);
-    for (int round = 0; round < 12; ++round) {
+    for (int round = 0; round < rounds(4, 12); ++round) {
         const auto pack = wide_terrain(random, pick(random, 200, 500), pick(random, 6, 7));
         const int how = round % 4;
         const Forged forged(pack, [&](const ChunkId& id, ChunkEntry& e) {

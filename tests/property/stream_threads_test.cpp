@@ -13,6 +13,7 @@
 #include "io/stream_reader.h"
 #include "stream/requests.h"
 #include "support/ground_truth.h"
+#include "support/rounds.h"
 #include "support/stream_scene.h"
 
 using namespace fjell;
@@ -21,9 +22,9 @@ using namespace fjell::test;
 namespace {
 
 #if defined(FJELL_SANITIZED)
-constexpr int rounds = 4, checked_every = 40;
+constexpr int grounds = 4, checked_every = 40;
 #else
-constexpr int rounds = 10, checked_every = 25;
+const int grounds = rounds(4, 10), checked_every = 25;
 #endif
 
 struct Ground {
@@ -225,12 +226,12 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
 
 } // namespace
 
-TEST_CASE(
-    "reader, frames and queries at once: answers keep their bounds, meshes are whole, and all ends at any moment") {
+TEST_CASE("reader, frames and queries at once: answers keep their bounds, meshes are whole, and all ends at any moment",
+          "[slow]") {
     Random random(811);
     Seen seen;
     // How much happens in a round is the scheduler's to say: at least so many, and on until everything was seen.
-    for (int round = 0; round < rounds || (!seen.enough() && round < 10 * rounds); ++round) {
+    for (int round = 0; round < grounds || (!seen.enough() && round < 10 * grounds); ++round) {
         const Ground ground(random, round % 3 == 0 ? Order::hierarchical_z : Order::planar);
         for (int life = 0; life < 3; ++life) {
             CAPTURE(round, life);

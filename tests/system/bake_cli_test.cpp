@@ -11,6 +11,7 @@
 #include <xxhash.h>
 
 #include "support/program.h"
+#include "support/real_data.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell::test;
@@ -344,13 +345,8 @@ TEST_CASE("packs of another version, cut or damaged are refused by info and veri
 }
 
 TEST_CASE("the Grand Canyon is baked, verified and flown for 840 frames within two pixels") {
-    const char* data = std::getenv("FJELL_DATA");
-    const std::string dem =
-        std::string(data ? data : FJELL_SOURCE_DIR "/../shared/data") + "/dem/grand_canyon_60m_4097x2049_u8.png";
-    if (!std::filesystem::exists(dem)) {
-        WARN("skipped: there is no " << dem << " (set FJELL_DATA to the folder of real height fields)");
-        return;
-    }
+    const std::string dem = large_real("dem/grand_canyon_60m_4097x2049_u8.png");
+    if (dem.empty()) return;
     const TemporaryFolder folder;
     const std::string read = " --spacing 60 --zscale 14.4 --zoffset 127";
     REQUIRE(run_in(folder.path, bake + dem + read + " --tile 512 -o canyon.fjell").code == 0);

@@ -1,6 +1,7 @@
 // Bakes that are killed, starved, interrupted and misled: nothing is lost, what is said is clear, and the same command
 // comes to the same bytes.
 #include "bake_faults.h"
+#include "support/rounds.h"
 
 using namespace fjell::test;
 
@@ -59,12 +60,12 @@ TEST_CASE("short and interrupted calls change no byte") {
     }
 }
 
-TEST_CASE("a bake that is killed at any of 50 moments goes on to the same bytes") {
+TEST_CASE("a bake that is killed at any moment goes on to the same bytes", "[slow]") {
     for (const bool holes : {true, false}) {
         const Scene scene(holes);
         const long calls = scene.count("all");
         std::mt19937 random(seed + holes);
-        for (int i = 0; i < 25; ++i) {
+        for (int i = 0; i < rounds(8, 25); ++i) {
             const long n = std::uniform_int_distribution<long>(1, calls)(random);
             const Run r = scene.run({"all", "kill", std::to_string(n)});
             CAPTURE(holes, seed, i, n, calls, r.err);
@@ -83,7 +84,7 @@ TEST_CASE("a bake that is killed again and again gets there") {
     const Scene scene;
     const long calls = scene.count("all");
     std::mt19937 random(seed);
-    for (int round = 0; round < 2; ++round) {
+    for (int round = 0; round < rounds(1, 2); ++round) {
         int kills = 0, resumed = 0;
         for (Run r; kills < 200;) {
             // Sometimes far enough for the longest stage, or there would be no end to it.

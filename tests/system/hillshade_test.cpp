@@ -88,7 +88,7 @@ TEST_CASE("GDAL's hillshade of a height field and of its pack read back agree") 
          "-scale 0 65535 0 6553.5 -a_ullr 0 164000 164000 0", 160, false},
     };
     for (const Case& c : cases) {
-        const std::string dem = real(c.file);
+        const std::string dem = c.file.find("spain") == std::string::npos ? real(c.file) : large_real(c.file);
         if (dem.empty()) continue;
         const TemporaryFolder folder;
         make_both(folder, c, dem);

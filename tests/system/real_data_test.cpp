@@ -67,7 +67,7 @@ TEST_CASE("every real height field is baked whole, verified and flown within its
         {"formats/luxembourg_terra_elev_i16_nodata.tif", " --spacing 900", 95, 90, true},
     };
     for (const Case& c : cases) {
-        const std::string dem = real(c.file);
+        const std::string dem = c.columns > 4000 ? large_real(c.file) : real(c.file);
         if (dem.empty()) continue;
         const TemporaryFolder folder;
         const json summary = bake_and_verify(folder, dem, c.read);
@@ -109,7 +109,7 @@ TEST_CASE("every real image bakes onto its height field, in its own detail, is v
 }
 
 TEST_CASE("Spain and a tile inside of it, in degrees, make one field in metres that a region is cut from") {
-    const std::string spain = real("dem/spain_sierra_nevada_srtm3_3601x2401_i16.tif"),
+    const std::string spain = large_real("dem/spain_sierra_nevada_srtm3_3601x2401_i16.tif"),
                       tile = real("formats/N37W003.hgt");
     if (spain.empty() || tile.empty()) return;
     const TemporaryFolder folder;
@@ -127,7 +127,7 @@ TEST_CASE("Spain and a tile inside of it, in degrees, make one field in metres t
 
 TEST_CASE(
     "all of the Spain mosaic takes at most two bytes a sample, and 1.6 times what GeoTIFF needs for heights alone") {
-    const std::string dem = real("dem/spain_sierra_nevada_srtm3_3601x2401_i16.tif");
+    const std::string dem = large_real("dem/spain_sierra_nevada_srtm3_3601x2401_i16.tif");
     if (dem.empty()) return;
     const TemporaryFolder folder;
     const json summary = bake_and_verify(folder, dem, " --spacing 90");
