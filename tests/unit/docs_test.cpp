@@ -188,12 +188,18 @@ TEST_CASE("every link and picture of the documents leads somewhere") {
         }
 }
 
-TEST_CASE("the index of the documents lists every page, and the README is short") {
+TEST_CASE("the index of the documents lists every page, every picture is shown, and the README is short") {
     const std::string index = slurp(root / "docs/README.md");
     for (const Page& page : pages()) {
         if (!page.name.starts_with("docs/") || page.name == "docs/README.md") continue;
         INFO(page.name);
         CHECK(index.find("(" + page.name.substr(5) + ")") != std::string::npos);
+    }
+    std::string all;
+    for (const Page& page : pages()) all += page.prose;
+    for (const auto& picture : fs::directory_iterator(root / "docs/pictures")) {
+        INFO(picture.path().filename());
+        CHECK(all.find("pictures/" + picture.path().filename().string() + ")") != std::string::npos);
     }
     const std::string readme = slurp(root / "README.md");
     CHECK(std::ranges::count(readme, '\n') < 110);
