@@ -76,10 +76,10 @@ constexpr ProfileKey keys[] = {
      .label = "Method",
      .kind = choice,
      .choices = methods,
-     .about =
-         "How the mesh is updated. \"incremental\": kept from frame to frame, in all directions; costs what changes, "
-         "100 to 400 ns a work item, and next to nothing where the camera rests or turns. \"recursive\": rebuilt from "
-         "the roots every frame; 30 to 90 ns a selected vertex, and only those in view are selected, about a quarter.",
+     .about = "How the mesh is found. \"incremental\": kept from frame to frame, refined all around the eye; costs "
+              "what changes, 100 to 400 ns a work item, and next to nothing while the camera rests or turns. "
+              "\"recursive\": found anew from the roots in every frame; 30 to 90 ns a selected vertex, and only those "
+              "in view are selected, about a quarter.",
      .rebuild = Rebuild::method,
      .get = At<&Profile::method>::get,
      .set = At<&Profile::method>::set},
@@ -98,9 +98,9 @@ constexpr ProfileKey keys[] = {
      .name = "corner_safe",
      .label = "Hold in corners",
      .kind = flag,
-     .about = "Hold the threshold in pixels in the image's corners too, not only as an angle: true or false. Divides "
-              "it by 1.48 for a picture of 4:3 at 45 degrees, by 1.71 for one of 16:9: about 1.7 and 2.1 times the "
-              "vertices.",
+     .about =
+         "Hold the threshold in pixels in the image's corners too, not only as an angle: true or false. Divides it by "
+         "1.48 for a picture of 4:3 at 45 degrees, by 1.71 for one of 16:9: about 1.7 and 2.1 times the vertices.",
      .get = At<&Profile::refine, &RefineSettings::corner_safe>::get,
      .set = At<&Profile::refine, &RefineSettings::corner_safe>::set},
     {.table = "refine",
@@ -119,9 +119,9 @@ constexpr ProfileKey keys[] = {
      .kind = choice,
      .most = 2,
      .choices = morphs,
-     .about =
-         "How vertices appear and disappear. \"none\": at once. \"error\": by distance; takes a seventh more vertices. "
-         "\"time\": over morph_s seconds; the threshold holds only where nothing morphs any more. (Incremental.)",
+     .about = "How vertices appear and disappear. \"none\": at once. \"error\": they morph with the distance; takes a "
+              "seventh more vertices. \"time\": they morph over morph_s seconds; the threshold holds only where "
+              "nothing is morphing any more. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::morph>::get,
      .set = At<&Profile::cut, &CutSettings::morph>::set},
@@ -132,8 +132,8 @@ constexpr ProfileKey keys[] = {
      .least = min_morph_s,
      .most = max_morph_s,
      .logarithmic = true,
-     .about = "Time that a vertex activated late takes to reach its height. Seconds, 0.01 to 10. Costs a write and an "
-              "upload of 28 bytes such a vertex. (Incremental.)",
+     .about = "Time that a vertex activated late takes to morph. Seconds, 0.01 to 10. Costs a write and an upload of "
+              "28 bytes for each such vertex. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::morph_s>::get,
      .set = At<&Profile::cut, &CutSettings::morph_s>::set},
@@ -152,9 +152,9 @@ constexpr ProfileKey keys[] = {
      .name = "cull",
      .label = "Only in view",
      .kind = flag,
-     .about = "Leave out vertices outside the view frustum: true or false. False costs the whole surroundings, about "
-              "four times the vertices at 45 degrees, and turning the head then changes nothing. (Recursive; the "
-              "incremental method refines in all directions and draws the tiles that may be in view.)",
+     .about = "Leave out vertices outside the view frustum: true or false. False refines all around, for about four "
+              "times the vertices at 45 degrees; turning the head then changes nothing. (Recursive; the incremental "
+              "method refines all around and draws the tiles that may be seen.)",
      .used_by = UsedBy::recursive,
      .get = At<&Profile::refine, &RefineSettings::cull>::get,
      .set = At<&Profile::refine, &RefineSettings::cull>::set},
@@ -178,8 +178,8 @@ constexpr ProfileKey keys[] = {
      .most = max_vertices,
      .logarithmic = true,
      .about = "Slots of the vertex buffer. Vertices, 16 to 134217728. 57 bytes each for the incremental method, 28 on "
-              "the GPU; 20 and 12 for the recursive one, which needs a fourth to a sixth as many. When they do not "
-              "suffice, the threshold rises, the mesh stays free of cracks, and the report says \"vertices\".",
+              "the GPU; 20 and 12 for the recursive one, which needs a quarter to a sixth as many. When they do not "
+              "suffice, the threshold rises, the mesh stays crack-free, and the report says \"vertices\".",
      .rebuild = Rebuild::method,
      .get = Vertices::get,
      .set = Vertices::set},
@@ -192,8 +192,8 @@ constexpr ProfileKey keys[] = {
      .most = max_triangles,
      .logarithmic = true,
      .about = "Slots of the index buffer. Triangles, 16 to 536870912. 16 bytes each, 12 on the GPU. About two an "
-              "active vertex, and up to an eighth of them lies idle in segments that are not full. When they do not "
-              "suffice, the threshold rises and the report says \"triangles\". (Incremental.)",
+              "active vertex, and up to an eighth of them is idle in half-full segments. When they do not suffice, the "
+              "threshold rises and the report says \"triangles\". (Incremental.)",
      .rebuild = Rebuild::method,
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut_budget, &CutBudget::triangles>::get,
@@ -205,8 +205,8 @@ constexpr ProfileKey keys[] = {
      .unit = "views",
      .least = 1,
      .most = max_cut_views,
-     .about = "Views that share one mesh: split screen, shadows. Views, 1 to 8. Memory: none to speak of; each one "
-              "given costs its own distances in every evaluation. fjell-fly gives one. (Incremental.)",
+     .about = "Views that share one mesh: split screen, shadows. Views, 1 to 8. They take hardly any memory; each one "
+              "adds its distances to every evaluation. fjell-fly gives one. (Incremental.)",
      .rebuild = Rebuild::method,
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut_budget, &CutBudget::views>::get,
@@ -219,10 +219,10 @@ constexpr ProfileKey keys[] = {
      .most = max_items,
      .logarithmic = true,
      .zero = "no limit",
-     .about = "Work that a frame may do: groups evaluated, vertices activated or deactivated. Items, 0 to 4294967294; "
-              "0: no limit. An item takes 100 to 400 ns, by what the cache holds. When they do not suffice, the mesh "
-              "lags behind the camera and the report says \"items\". (Incremental; building the first frame from "
-              "scratch is not bounded.)",
+     .about =
+         "Work that a frame may do: groups evaluated, vertices activated or deactivated. Items, 0 to 4294967294; 0: no "
+         "limit. An item takes 100 to 400 ns, depending on the cache. When they do not suffice, the mesh lags behind "
+         "the camera and the report says \"items\". (Incremental; building the first frame is not bounded.)",
      .used_by = UsedBy::incremental,
      .get = Items::get,
      .set = Items::set},
@@ -233,8 +233,9 @@ constexpr ProfileKey keys[] = {
      .most = max_budget_us,
      .logarithmic = true,
      .zero = "no limit",
-     .about = "Time that an update may take. Microseconds, 0 to 1000000; 0: no limit. Read every few items: exceeded "
-              "by some microseconds at most, but no two runs are alike. The report says \"time\". (Incremental.)",
+     .about = "Time that an update may take. Microseconds, 0 to 1000000; 0: no limit. The clock is read every few "
+              "items, so it is exceeded by some microseconds at most; but no two runs are alike. The report says "
+              "\"time\". (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::budget_us>::get,
      .set = At<&Profile::cut, &CutSettings::budget_us>::set},
@@ -246,7 +247,7 @@ constexpr ProfileKey keys[] = {
      .least = min_budget,
      .most = max_indices,
      .logarithmic = true,
-     .about = "Indices of one frame. Indices, 16 to 1073741824. 4 bytes each, and as many on the GPU, uploaded again "
+     .about = "Indices of one frame. Indices, 16 to 1073741824. 4 bytes each, and as many on the GPU, all uploaded in "
               "every frame. A list needs about 6 a selected vertex, strips 3.5. When they do not suffice, the report "
               "says \"indices\". (Recursive.)",
      .rebuild = Rebuild::method,
@@ -262,9 +263,9 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = max_page_slots,
      .logarithmic = true,
-     .about = "Pages in memory at a time. Pages, 1 to 16777216; at least one a tile of the pack. 12.5 KB each. When "
-              "they do not suffice, the terrain is coarser where its error shows least, and the report says "
-              "\"page_slots\".",
+     .about =
+         "Pages in memory at a time. Pages, 1 to 16777216; at least one a tile of the pack. 12.5 KB each. When they do "
+         "not suffice, the terrain is coarser where its error shows least, and the report says \"page_slots\".",
      .rebuild = Rebuild::session,
      .used_by = UsedBy::streaming,
      .get = At<&Profile::page_slots>::get,
@@ -277,8 +278,8 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = max_page_requests,
      .logarithmic = true,
-     .about = "Pages in flight at a time. Pages, 1 to 256; some 16 KB each. Fewer follow a turn of the head sooner, "
-              "more keep a disk of long latency busy.",
+     .about = "Page requests in flight. Pages, 1 to 256; some 16 KB each. Fewer follow a turn of the head sooner, more "
+              "keep a disk of high latency busy.",
      .rebuild = Rebuild::session,
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream_budget, &StreamBudget::page_requests>::get,
@@ -291,8 +292,8 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = max_map_requests,
      .logarithmic = true,
-     .about = "Mips in flight at a time. Mips, 1 to 64. Memory: the bytes of the pack's largest mip each, 525 KB for "
-              "1024 texels of colour.",
+     .about = "Map requests in flight. Mips, 1 to 64. Each takes the bytes of the pack's largest mip, 525 KB for 1024 "
+              "texels of colour.",
      .rebuild = Rebuild::session,
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream_budget, &StreamBudget::map_requests>::get,
@@ -330,7 +331,8 @@ constexpr ProfileKey keys[] = {
      .least = min_texel_px,
      .most = max_texel_px,
      .logarithmic = true,
-     .about = "Pixels that a texel of a map may cover. Pixels, 0.1 to 100. 2 instead of 1 reads a fourth of the bytes.",
+     .about =
+         "Pixels that a texel of a map may cover. Pixels, 0.1 to 100. 2 instead of 1 reads a quarter of the bytes.",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::texel_px>::get,
      .set = At<&Profile::stream, &StreamSettings::texel_px>::set},
@@ -340,8 +342,8 @@ constexpr ProfileKey keys[] = {
      .unit = "s",
      .most = max_lookahead_s,
      .zero = "not at all",
-     .about = "How far ahead the camera's motion is extrapolated. Seconds, 0 to 10; 0: not at all. Reads what lies "
-              "ahead before it is needed, and some that never will be.",
+     .about = "How far ahead the camera's motion is predicted. Seconds, 0 to 10; 0: not at all. Prefetches what is on "
+              "the way, and some that is never wanted.",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::lookahead_s>::get,
      .set = At<&Profile::stream, &StreamSettings::lookahead_s>::set},
@@ -363,7 +365,7 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = max_stream_pages,
      .logarithmic = true,
-     .about = "Pages inserted in a frame. Pages, 1 to 4096; 10 to 20 us each. When they do not suffice, they wait "
+     .about = "Pages inserted in a frame. Pages, 1 to 4096; 10 to 20 us each. When they do not suffice, the rest waits "
               "for the next frame, and the report says \"stream_pages\".",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::pages>::get,
@@ -389,8 +391,8 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = max_map_kb,
      .logarithmic = true,
-     .about = "Maps uploaded in a frame, but always at least one mip. KB (1024 bytes), 1 to 1048576. Costs the bus, "
-              "and a hitch where it is too much. The report says \"stream_upload\" when more has arrived.",
+     .about = "Maps uploaded in a frame, but always at least one mip. KB (1024 bytes), 1 to 1048576. Too much costs a "
+              "hitch. The report says \"stream_upload\" when more has arrived.",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::map_bytes, 10>::get,
      .set = At<&Profile::stream, &StreamSettings::map_bytes, 10>::set},

@@ -1,0 +1,371 @@
+// The documents against the repository: what a page says that can be looked up is looked up.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fjell/cut.h"
+#include "fjell/pack.h"
+#include "fjell/texture.h"
+#include "flight/profile_keys.h"
+#include "support/program.h"
+
+using namespace fjell;
+using fjell::test::run_in;
+using fjell::test::slurp;
+
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path root = FJELL_SOURCE_DIR;
+
+// Every file of the repository that is written by hand, by its path from the root.
+const std::vector<std::string>& files() {
+    static const std::vector<std::string> all = [] {
+        std::vector<std::string> found{"README.md", "CHANGELOG.md", "CONTRIBUTING.md", "CMakeLists.txt", "dev"};
+        for (const char* folder : {"runtime", "baker", "editor", "content", "profiles", "tests", "docs"})
+            for (const auto& entry : fs::recursive_directory_iterator(root / folder))
+                if (entry.is_regular_file()) found.push_back(fs::relative(entry.path(), root).string());
+        return found;
+    }();
+    return all;
+}
+
+struct Page {
+    std::string name, text;        // the path from the root
+    std::string prose;             // without what stands between ``` fences
+    std::vector<std::string> code; // lines between fences, continued ones joined
+};
+
+Page read_page(const std::string& name) {
+    Page page{name, slurp(root / name), {}, {}};
+    REQUIRE(!page.text.empty());
+    bool fenced = false, continued = false;
+    std::istringstream lines(page.text);
+    for (std::string line; std::getline(lines, line);) {
+        if (line.starts_with("```")) {
+            fenced = !fenced;
+        } else if (!fenced) {
+            page.prose += line + '\n';
+        } else {
+            const bool more = line.ends_with('\\');
+            if (more) line.pop_back();
+            if (continued)
+                page.code.back() += line;
+            else
+                page.code.push_back(line);
+            continued = more;
+        }
+    }
+    return page;
+}
+
+// The change log speaks of what was: only its links must hold.
+const std::vector<Page>& pages(bool with_history = false) {
+    const auto read = [](bool history) {
+        std::vector<Page> found;
+        for (const std::string& file : files())
+            if (file.ends_with(".md") && (history || file != "CHANGELOG.md")) found.push_back(read_page(file));
+        return found;
+    };
+    static const std::vector<Page> all = read(true), present = read(false);
+    return with_history ? all : present;
+}
+
+std::vector<std::string> matches(const std::string& text, const char* pattern, std::size_t group = 1) {
+    std::vector<std::string> found;
+    const std::regex regex(pattern);
+    for (std::sregex_iterator at(text.begin(), text.end(), regex), end; at != end; ++at)
+        found.push_back((*at)[group].str());
+    return found;
+}
+
+std::vector<std::string> in_backticks(const Page& page) {
+    return matches(page.prose, "`([^`\n]+)`");
+}
+
+// The words of all sources: identifiers, keys, names of programs.
+const std::set<std::string>& words_of_sources() {
+    static const std::set<std::string> all = [] {
+        std::set<std::string> words;
+        for (const std::string& file : files()) {
+            if (file.ends_with(".md") || file.ends_with("docs_test.cpp")) continue;
+            const std::string extension = fs::path(file).extension().string();
+            static const std::set<std::string> texts{".h",   ".cpp",   ".txt", ".toml", ".json",
+                                                     ".mjs", ".cmake", ".in",  ""};
+            if (texts.count(extension) == 0) continue;
+            std::string word;
+            for (const char c : slurp(root / file) + ' ') {
+                if (std::isalnum(static_cast<unsigned char>(c)) || c == '_') {
+                    word += c;
+                } else if (!word.empty()) {
+                    words.insert(std::move(word));
+                    word.clear();
+                }
+            }
+        }
+        return words;
+    }();
+    return all;
+}
+
+// Where a path may start: at the root, at the page, or where includes do.
+bool exists(const std::string& path, const Page& page) {
+    const std::size_t star = path.find('*');
+    const std::string fixed = star == std::string::npos ? path : path.substr(0, path.rfind('/', star));
+    for (const fs::path& from : {root, (root / page.name).parent_path(), root / "runtime", root / "runtime/include",
+                                 root / "runtime/src", root / "build"})
+        if (fs::exists(from / fixed)) return true;
+    return false;
+}
+
+std::string grouped(std::uint64_t number) { // 3,136
+    std::string digits = std::to_string(number);
+    for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, ",");
+    return digits;
+}
+
+// What a program's help lists: --flags and -o.
+const std::set<std::string>& flags_of(const std::string& program) {
+    static std::map<std::string, std::set<std::string>> known;
+    const auto [at, added] = known.try_emplace(program);
+    if (added) {
+        const auto run = run_in(root, FJELL_BIN_DIR "/" + program + " --help");
+        INFO(program << ": " << run.err);
+        REQUIRE(run.code == 0);
+        for (const std::string& flag : matches(run.out, "(?:^|[\\s,])(--?[a-z][a-z-]*)")) at->second.insert(flag);
+        REQUIRE(at->second.count("--help") == 1);
+    }
+    return at->second;
+}
+
+const std::vector<std::string> subcommands{"info", "verify", "heights", "synth"};
+
+// "fjell-bake info" of "fjell-bake info PACK --json"; empty when it is no call of one of our programs.
+std::string program_of(const std::string& command) {
+    std::smatch call;
+    if (!std::regex_search(command, call, std::regex("^(?:build/release/bin/)?(fjell-[a-z]+)(?: ([a-z]+))?")))
+        return {};
+    const std::string sub = call[2].str();
+    if (call[1] == "fjell-bake" && std::ranges::find(subcommands, sub) != subcommands.end()) return "fjell-bake " + sub;
+    return call[1].str();
+}
+
+std::set<std::string> dev_commands() {
+    const auto run = run_in(root, "./dev help");
+    REQUIRE(run.code == 0);
+    const auto listed = matches(run.out, "\\./dev ([a-z]+)");
+    return {listed.begin(), listed.end()};
+}
+
+} // namespace
+
+TEST_CASE("every link and picture of the documents leads somewhere") {
+    for (const Page& page : pages(true))
+        for (const std::string& link : matches(page.prose, "\\]\\(([^)\\s]+)\\)")) {
+            if (link.starts_with("http")) continue;
+            INFO(page.name << ": " << link);
+            const std::string path = link.substr(0, link.find('#'));
+            const fs::path target = path.empty() ? root / page.name : (root / page.name).parent_path() / path;
+            CHECK(fs::exists(target));
+            if (path.size() == link.size()) continue;
+            std::string headings;
+            for (std::string heading : matches(slurp(target), "(?:^|\n)#+ ([^\n]+)")) {
+                std::erase_if(heading, [](unsigned char c) { return !std::isalnum(c) && c != ' ' && c != '-'; });
+                std::ranges::transform(heading, heading.begin(), [](unsigned char c) {
+                    return c == ' ' ? '-' : static_cast<char>(std::tolower(c));
+                });
+                headings += '#' + heading + '\n';
+            }
+            CHECK(headings.find(link.substr(path.size()) + '\n') != std::string::npos);
+        }
+}
+
+TEST_CASE("the index of the documents lists every page, every picture is shown, and the README is short") {
+    const std::string index = slurp(root / "docs/README.md");
+    for (const Page& page : pages()) {
+        if (!page.name.starts_with("docs/") || page.name == "docs/README.md") continue;
+        INFO(page.name);
+        CHECK(index.find("(" + page.name.substr(5) + ")") != std::string::npos);
+    }
+    std::string all;
+    for (const Page& page : pages()) all += page.prose;
+    for (const auto& picture : fs::directory_iterator(root / "docs/pictures")) {
+        INFO(picture.path().filename());
+        CHECK(all.find("pictures/" + picture.path().filename().string() + ")") != std::string::npos);
+    }
+    const std::string readme = slurp(root / "README.md");
+    CHECK(std::ranges::count(readme, '\n') < 110);
+}
+
+TEST_CASE("every path that the documents name exists") {
+    std::set<std::string> names;
+    for (const std::string& file : files()) names.insert(fs::path(file).filename().string());
+    const std::regex rooted("(runtime|baker|editor|content|profiles|tests|docs|fjell|io|gl|gltf|flight|fly)/[^ ]*");
+    const std::regex file_name("[a-z0-9_./-]+\\.(h|cpp|md|svg|cmake)");
+    for (const Page& page : pages()) {
+        for (const std::string& token : in_backticks(page)) {
+            INFO(page.name << ": " << token);
+            if (std::regex_match(token, rooted))
+                CHECK(exists(token, page));
+            else if (std::regex_match(token, file_name))
+                CHECK(names.count(fs::path(token).filename().string()) == 1);
+        }
+        for (const std::string& line : page.code)
+            for (const std::string& path : matches(line, "(?:^|[ \"])((?:content|profiles)/[A-Za-z0-9_./-]+)")) {
+                INFO(page.name << ": " << path);
+                CHECK(exists(path, page));
+            }
+    }
+    for (const std::string& file : files()) { // rooms in pictures
+        if (!file.ends_with(".svg")) continue;
+        for (const std::string& room : matches(slurp(root / file), ">((?:runtime|baker|editor)/[a-z/]+)")) {
+            INFO(file << ": " << room);
+            CHECK(fs::exists(root / room));
+        }
+    }
+}
+
+TEST_CASE("every name of the code that the documents use exists in it") {
+    const std::set<std::string>& words = words_of_sources();
+    const std::regex name(
+        "(?:[A-Za-z_]+::)*[a-z0-9]+(?:_[a-z0-9]+)+(?:\\(\\))?|[A-Z][A-Za-z]*(?:::[a-z_]+)?(?:\\(\\))?");
+    for (const Page& page : pages())
+        for (const std::string& token : in_backticks(page)) {
+            if (!std::regex_match(token, name) || std::ranges::all_of(token, [](char c) { return c < 'a'; })) continue;
+            const bool forbidden = page.name == "docs/glossary.md" && words.count(token) == 0;
+            if (forbidden) continue; // the glossary also names what is not to be said
+            INFO(page.name << ": " << token);
+            for (const std::string& part : matches(token, "([A-Za-z0-9_]+)")) CHECK(words.count(part) == 1);
+        }
+    for (const Page& page : pages())
+        for (const std::string& key : matches(page.prose, "`((?:refine|budget|stream|view)\\.[a-z_]+)`")) {
+            INFO(page.name << ": " << key);
+            CHECK(flight::find_profile_key(key) != nullptr);
+        }
+}
+
+TEST_CASE("every command line of the documents uses flags that its program lists") {
+    std::set<std::string> all{"--long"}; // of ./dev test
+    for (const char* program : {"fjell-bake", "fjell-fly", "fjell-editor"}) all.merge(std::set(flags_of(program)));
+    for (const std::string& sub : subcommands) all.merge(std::set(flags_of("fjell-bake " + sub)));
+    const auto check = [](const Page& page, const std::string& command) {
+        const std::string program = program_of(command);
+        if (program.empty()) return false;
+        const std::string unquoted =
+            std::regex_replace(command.substr(0, command.find(" #")), std::regex("\"[^\"]*\""), "");
+        for (const std::string& flag : matches(unquoted, " (--?[a-z][a-z-]*)")) {
+            INFO(page.name << ": " << command << ": " << flag);
+            CHECK(flags_of(program).count(flag) == 1);
+        }
+        return true;
+    };
+    int commands = 0;
+    for (const Page& page : pages()) {
+        for (const std::string& line : page.code) commands += check(page, line);
+        for (const std::string& token : in_backticks(page)) {
+            if (check(page, token) || page.name.find("notes/") != std::string::npos) continue;
+            for (const std::string& flag : matches(token, "^(--[a-z][a-z-]*)")) {
+                INFO(page.name << ": " << token);
+                CHECK(all.count(flag) == 1);
+            }
+        }
+    }
+    CHECK(commands > 40);
+}
+
+TEST_CASE("every editor command of the documents is one that the editor lists") {
+    const auto run = run_in(root, FJELL_BIN_DIR "/fjell-editor --help-commands");
+    REQUIRE(run.code == 0);
+    const std::string listed = '\n' + run.out;
+    int commands = 0;
+    for (const Page& page : pages())
+        for (const std::string& verb : matches(page.text, "--do \"?([a-z-]+)")) {
+            INFO(page.name << ": " << verb);
+            CHECK(std::regex_search(listed, std::regex("\n" + verb + "( |\n)")));
+            ++commands;
+        }
+    CHECK(commands > 5);
+}
+
+TEST_CASE("what ./dev help lists is handled and documented, and nothing else is spoken of") {
+    const std::set<std::string> listed = dev_commands();
+    const std::string script = slurp(root / "dev"), contributing = slurp(root / "CONTRIBUTING.md");
+    CHECK(listed.size() > 5);
+    for (const std::string& command : listed) {
+        INFO(command);
+        CHECK(std::regex_search(script, std::regex("\n  " + command + "(\\)| \\|)")));
+        CHECK(std::regex_search(contributing, std::regex("\n\\./dev " + command + "\\b")));
+    }
+    for (const Page& page : pages())
+        for (const std::string& command : matches(page.text, "\\./dev ([a-z]+)")) {
+            INFO(page.name << ": " << command);
+            CHECK(listed.count(command) == 1);
+        }
+}
+
+TEST_CASE("numbers in the documents are the code's") {
+    const std::string format = slurp(root / "docs/pack-format.md"), glossary = slurp(root / "docs/glossary.md"),
+                      baking = slurp(root / "docs/guides/baking.md"),
+                      bake_help = run_in(root, FJELL_BIN_DIR "/fjell-bake --help").out;
+    const auto says = [](const std::string& page, const std::string& text) {
+        INFO(text);
+        CHECK(page.find(text) != std::string::npos);
+    };
+    const std::string vertices = grouped(max_page_vertices);
+    says(format, "# The pack, version " + std::to_string(pack_version) + "\n");
+    says(format, "| " + std::to_string(sizeof(PackHeader)) + " bytes |");
+    says(format, "| " + std::to_string(sizeof(ChunkEntry)) + " bytes a chunk|");
+    says(format, "(`PageBound`, " + std::to_string(sizeof(PageBound)) + " bytes");
+    says(format, "one record of " + std::to_string(sizeof(VertexRecord)) + " bytes a vertex");
+    says(format, "| head | " + std::to_string(sizeof(PageHead)) + " |");
+    says(format, "| radii | " + std::to_string(page_radii) + ", or 1 a vertex |");
+    says(format, "pages of " + vertices + ",");
+    says(format, "BC1, " + std::to_string(colour_block_bytes) + " bytes");
+    says(format, "BC5, " + std::to_string(normal_block_bytes) + " bytes");
+    says(glossary, "one step, " + vertices + " vertices");
+    says(glossary, std::to_string(CutBudget{}.segment_triangles) + " by default");
+    says(glossary, "a vertex in memory, " + std::to_string(sizeof(VertexRecord)) + " bytes");
+    const auto memory = matches(bake_help, "whatever the height field's size \\(default ([0-9]+)\\)");
+    REQUIRE(memory.size() == 1);
+    says(baking, "`--memory` MB (" + memory[0] + " by default)");
+}
+
+TEST_CASE("words that the glossary rules out do not occur in the public headers") {
+    std::set<std::string> ruled_out;
+    for (const std::string& row : matches(slurp(root / "docs/glossary.md"), "\n(\\|[^\n]*\\|)")) {
+        const auto cells = matches(row, "\\|([^|]*)");
+        REQUIRE(cells.size() >= 3);
+        for (const std::string& word : matches(cells[2], "`([^`]+)`")) ruled_out.insert(word);
+    }
+    CHECK(ruled_out.size() > 10);
+    for (const auto& header : fs::directory_iterator(root / "runtime/include/fjell")) {
+        const std::string text = slurp(header.path());
+        for (const std::string& word : ruled_out) {
+            INFO(header.path().filename() << ": " << word);
+            CHECK_FALSE(std::regex_search(text, std::regex("\\b" + word + "s?\\b", std::regex::icase)));
+        }
+    }
+}
+
+TEST_CASE("every promise names a test that exists") {
+    std::string tests;
+    for (const std::string& file : files())
+        if (file.starts_with("tests/") && file.ends_with(".cpp")) tests += slurp(root / file);
+    tests = std::regex_replace(tests, std::regex("\"\\s*\n\\s*\""), ""); // names over two lines
+    const auto promises = matches(slurp(root / "docs/promises.md"), "\n(\\| \\*\\*[^\n]*)");
+    CHECK(promises.size() > 10);
+    for (const std::string& promise : promises) {
+        const auto quoted = matches(promise, "\\| \"([^\"]+)\" \\|");
+        INFO(promise);
+        REQUIRE(quoted.size() == 1);
+        CHECK(tests.find("\"" + quoted[0] + "\"") != std::string::npos);
+    }
+}
