@@ -43,7 +43,7 @@ Part threshold_part(const State& state) {
         part.colour = ui::warning_colour;
         why = (e.exhausted & flight::exhausted_items) != 0  ? "lags: items exhausted"
               : (e.exhausted & flight::exhausted_time) != 0 ? "lags: time exhausted"
-              : e.morphing > 0                                ? "morphing"
+              : e.morphing > 0                              ? "morphing"
                                                             : "lags";
     }
     if (e.error_px_effective >= 1e6)
