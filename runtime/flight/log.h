@@ -43,13 +43,13 @@ struct FrameEntry {
     std::uint32_t waiting = 0, blocked = 0, morphing = 0;
     std::uint32_t exhausted = 0; // ExhaustedBits
     std::uint32_t restarts = 0, buffer_clearings = 0;
-    std::uint32_t vertices_peak = 0, triangles_peak = 0; // slots in use, so far; triangles in whole chunks
-    BudgetUse vertex_slots;                              // of the method's block; the recursive one knows no peaks
-    BudgetUse triangle_slots;                            // incremental, in whole chunks
+    std::uint32_t vertices_peak = 0, triangles_peak = 0; // slots in use, so far; triangles in whole segments
+    BudgetUse vertex_slots;                              // of the method's memory; the recursive one knows no peaks
+    BudgetUse triangle_slots;                            // incremental, in whole segments
     BudgetUse index_slots;                               // recursive
     double error_px_requested = 0, error_px_effective = 0;
     bool converged = false, rebuilt = false;
-    // Nothing waits and nothing rises: the effective threshold holds. Every frame of the recursive method.
+    // Nothing waits and nothing morphs: the effective threshold holds. Every frame of the recursive method.
     bool settled = false;
     std::uint64_t upload_bytes = 0; // what a renderer must be given: written slots, or all of them when rebuilt
     std::optional<double> verified_px;
@@ -61,7 +61,7 @@ struct FrameEntry {
     double at_s = 0;         // when the frame was done, from the flight's start
     std::uint32_t polls = 1; // updates that it took; more with --wait
 };
-// What the stream's update of this frame said.
+// What the stream's update of this frame reported.
 void add_stream(FrameEntry& entry, const StreamReport& report);
 // A frame of several updates: the last one's state, and the work of all of them.
 void add_poll(FrameEntry& frame, const FrameEntry& poll);
@@ -95,9 +95,9 @@ struct StreamSummary {
     double update_us_mean = 0;
 };
 
-// Times, items, changes and bytes are of the frames that were not rebuilt: building the cut from nothing is told apart,
-// as rebuild_us and rebuild_bytes, or one first frame would outweigh hundreds that follow. (A flight that consists of
-// rebuilt frames alone counts those.)
+// Times, items, changes and bytes are of the frames that were not rebuilt. Building the cut from scratch is counted
+// apart, as rebuild_us and rebuild_bytes, or one first frame would outweigh hundreds that follow. (A flight that
+// consists of rebuilt frames alone counts those.)
 struct Summary {
     std::size_t frames = 0, converged = 0, verified = 0, rebuilt = 0;
     bool incremental = false;
@@ -125,10 +125,10 @@ struct Summary {
 // named by ExhaustedBits.
 [[nodiscard]] std::vector<std::string> budget_names(std::uint32_t exhausted);
 
-// frame,update_us,vertices,triangles,tiles,written,error_px_requested,error_px_effective,exhausted,converged,verified_px,
+// frame,update_us,vertices,triangles,tiles,written,error_px_asked,error_px_effective,exhausted,converged,verified_px,
 // then items,evaluations,activations,deactivations,waiting,blocked,rising,triangles_drawn,rebuilt,bytes_uploaded,
-// prepare_us,refine_us,output_us, then stream_us,pages_inserted,pages_left,pages_wanted,pages_draining,pages_failed,
-// page_slots,mips_uploaded,mips_left,requested,bytes_read,map_upload_bytes,missing_px,missing_mips,stream_converged,polls,
+// prepare_us,refine_us,output_us, then stream_us,pages_taken,pages_left,pages_wanted,pages_draining,pages_failed,
+// page_slots,mips_taken,mips_left,requested,bytes_read,map_upload_bytes,missing_px,missing_mips,stream_converged,polls,
 // at_s: zeros of a flight that is not streamed, but for the last two. bytes_read: so far.
 // exhausted: names joined by +, empty when none; verified_px: empty when the frame was not measured.
 [[nodiscard]] std::string csv(const FlightLog& log);

@@ -16,7 +16,7 @@ namespace fjell::flight {
 // A renderer with room for the session's mesh, whichever method makes it. Empty with an error, as Renderer::create.
 [[nodiscard]] std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const Session& session,
                                                           std::string& error);
-// Hands over what the last update wrote: once after every update, drawn or not.
+// Uploads what the last update wrote: once after every update, drawn or not.
 [[nodiscard]] std::string upload_mesh(gl::Renderer& renderer, const Session& session, const FrameEntry& entry);
 
 class Pictures {
@@ -27,7 +27,7 @@ public:
     Pictures(const Pictures&) = delete;
     Pictures& operator=(const Pictures&) = delete;
 
-    // Takes over what the last update wrote; after every update. Throws Failure 3.
+    // Uploads what the last update wrote; call it after every update. Throws Failure 3.
     void follow(const Session& session, const FrameEntry& entry);
     // Draws the mesh of the last update and writes FOLDER/frame_NNNNN.png. Throws Failure 3.
     void write(const Session& session, const View& view, std::size_t frame);

@@ -2,10 +2,10 @@
 //
 // JSON, one object a line. The first names the pack and the budget, each further one a frame: the views (eye, forward,
 // up, vertical field of view in radians, width and height in pixels, near and far in metres, lambda_px), the settings,
-// the blocks that the frame visited, and a hash of the mesh after it. Of a streamed run the first line has the page
-// slots, and a frame what became of pages before its update and the error that missing ones may hide: it is replayed
+// the groups that the frame visited, and a hash of the mesh after it. Of a streamed run the first line has the page
+// slots, and a frame what happened to pages before its update and the error that missing ones may hide: it is replayed
 // from the whole pack, and the disk of the replaying machine does not matter either. Numbers are written so that they
-// are read back exactly. A frame that its time ended is replayed by its visits, so the clock of the replaying machine
+// are read back exactly. A frame that ran out of time is replayed by its visits, so the clock of the replaying machine
 // does not matter.
 //
 // Throws io::Failure: 1 for a file that is damaged, of another version, or of another pack; 3 when it cannot be
@@ -45,11 +45,11 @@ struct Recording {
 // Of the ranges that are drawn, in their order, and of every vertex slot. O(mesh).
 [[nodiscard]] std::uint64_t mesh_hash(const MeshView& mesh);
 
-// What a frame just done has to be replayed with.
+// What is needed to replay the frame that was just updated.
 [[nodiscard]] RecordedFrame recorded(std::span<const View> views, const CutSettings& settings, const CutReport& report,
                                      const MeshView& mesh);
 
-// Does to the terrain and its cut what the frame's pages say; before its update. Fails as load_page does, with
+// Applies the frame's page events to the terrain and its cut, before its update. Fails as load_page does, with
 // out_of_range for a page that the pack does not have; then what came before it is done.
 Status replay_pages(const Pack& pack, Terrain& terrain, LiveCut cut, const RecordedFrame& frame);
 

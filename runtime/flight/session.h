@@ -1,8 +1,8 @@
 // A terrain, loaded whole or streamed, with the method that refines it - incremental or recursive - and one frame of a
 // flight over it.
 //
-// Ownership: a Session owns the file's bytes, the records, the method's block and the stream. Thread: one. Failure:
-// io::Failure, 1 for a pack, a view or a budget that does not do, 3 when memory is short.
+// Ownership: a Session owns the file's bytes, the records, the method's memory and the stream. Thread: one. Failure:
+// io::Failure, 1 for an unusable pack, view or budget, 3 when memory is short.
 #pragma once
 
 #include <chrono>
@@ -39,7 +39,7 @@ struct Session {
     Method method = Method::incremental;
     RecursiveMethod recursive; // one of the two
     LiveCut cut;
-    CutBudget cut_budget;               // the profile's, with chunks to suit the terrain
+    CutBudget cut_budget;               // the profile's, with segments to suit the terrain
     std::optional<Recording> recording; // of --record, frame by frame; or what --replay repeats
     bool begun = false;                 // a frame was updated, or the first one shall be like any other
     double load_seconds = 0;
@@ -69,12 +69,12 @@ struct Session {
 void open_session(const FlightOptions& options, Session& session);
 
 // Another method, or other budgets, for an open session: options.profile's method, cut_budget and budget, whatever they
-// were before. The terrain stays, and so does everything that points into it; a renderer was made for the old budgets
-// and has to be made anew. begun is false afterwards: the next update builds from nothing.
-// Both methods' blocks are in memory until the new one is made, so that a Failure leaves the session as it was and able
-// to go on: 1 for budgets or a pack that do not do, 3 when memory is short. Neither for a streamed session, whose
-// stream feeds the method it was begun with, nor for one that records or replays, which one budget holds for: those are
-// opened anew, and here they are a Failure (1).
+// were before. The terrain stays, and so does everything that points into it; a renderer was created for the old
+// budgets and must be recreated. begun is false afterwards: the next update builds from scratch. Both methods' memory
+// is allocated until the new one is created, so that a Failure leaves the session as it was and able to go on: 1 for
+// unusable budgets or an unusable pack, 3 when memory is short. Neither for a streamed session, whose stream feeds the
+// method it was begun with, nor for one that records or replays, which one budget holds for: those must be reopened,
+// and here they are a Failure (1).
 void remake_method(const FlightOptions& options, Session& session);
 
 // The path the options ask for: a file, a seed's, or an orbit.
@@ -84,12 +84,12 @@ void remake_method(const FlightOptions& options, Session& session);
 // and float, so their ratio costs nothing.
 [[nodiscard]] View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile);
 
-// Times one update; of a streamed pack the stream's first. The incremental method builds its first frame from nothing
+// Times one update; of a streamed pack the stream's first. The incremental method builds its first frame from scratch
 // in one go, whatever the profile allows a frame; with --items or --budget-us it starts from the coarsest mesh instead,
 // like an engine that must not miss one. now_s: for morphing.
 [[nodiscard]] FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s);
 
-// The same again and again until everything that the view wants is there, nothing is under way any more, or nothing has
+// The same again and again until everything that the view wants is there, nothing is in flight any more, or nothing has
 // come for some seconds. each: after every update, with what it did.
 [[nodiscard]] FrameEntry update_until_there(Session& session, const View& view, const Profile& profile, double now_s,
                                             const std::function<void(const FrameEntry&)>& each);
@@ -104,7 +104,7 @@ struct Verification {
     double max_px = 0, limit_px = 0;
 };
 // Measures the mesh of the last update at every sample of the whole terrain (inside the frustum, unless all was drawn)
-// against the effective threshold, which is the asked one in a converged frame. A frame that lags is measured and
+// against the effective threshold, which is the requested one in a converged frame. A frame that lags is measured and
 // promises nothing. O(samples).
 void verify_frame(const Session& session, const View& view, const Profile& profile, std::size_t frame,
                   FrameEntry& entry, Verification& verification);

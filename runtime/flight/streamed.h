@@ -1,8 +1,8 @@
 // A pack that is streamed: its file, the stream over the session's terrain, and the thread that reads.
 //
 // Ownership: all of it; the terrain and the cut are the session's and must outlive it. Thread: the frame's; the reader
-// has its own. Failure: io::Failure, 1 for a budget that does not do; what cannot be read in flight is one line each
-// to whoever listens, and coarser terrain.
+// has its own. Failure: io::Failure, 1 for an unusable budget. What cannot be read later on is one line each to
+// the listener, and coarser terrain.
 #pragma once
 
 #include <cstddef>

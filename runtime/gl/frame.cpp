@@ -88,7 +88,7 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
     set4(block.ray_y, y.x, y.y, y.z, 0);
     set4(block.line, 0.01, 0.01, 0.012, 1);
     set4(block.maps, 1u << header.colour_log2, 1u << header.normal_log2, maps.anisotropy,
-         1.0 / (1u << residency_block_log2(header)));
+         1.0 / (1u << residency_square_log2(header)));
     const std::uint32_t shown_log2 = maps.kind[0].present() ? header.colour_log2 : header.normal_log2;
     block.tile[0] = static_cast<std::int32_t>(header.tile_log2);
     block.tile[1] = static_cast<std::int32_t>(std::max(mip_count(shown_log2), 1u));

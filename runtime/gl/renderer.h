@@ -1,13 +1,13 @@
 // Draws a terrain mesh with OpenGL 4.5: textured and lit, or in a mode that shows how it is made; wireframe over any.
 //
-// One multi-draw for all tiles. What changes from frame to frame goes through memory that is mapped for good, in three
+// One multi-draw for all tiles. What changes from frame to frame goes through persistently mapped memory, in three
 // regions that the CPU fills in turn, so neither side waits for the other; docs/notes/renderer.md has the figures.
 // Positions are counted from the eye in whole samples, so coordinates far from the origin do not shake and tiles meet
 // bit for bit. Depth is reversed and float: distant ridges do not fight. Units: metres and pixels; angles in degrees
 // where the name says so. Colours in files and pictures are sRGB. Ownership: the renderer owns its buffers and
 // textures; the Pack's bytes are read only in create(), the mesh's spans and MapCommands' blocks only in upload() and
 // draw(). The terrain must outlive it: Mode::residency reads its page table. Thread: the context's; where pages are
-// loaded, also the one that does it. Memory, all at creation but for the mode residency's 1 byte a block of 64 x 64
+// loaded, also the one that does it. Memory, all at creation but for the mode residency's 1 byte a square of 64 x 64
 // samples and set_heights(): 12 bytes a vertex (28 with morph), 4 an index, the maps, and three times ring_bytes, 132
 // bytes a range and 2 KB. Complexity of an upload: a MeshView's dirty vertices and all its indices, or a CutMesh's
 // written slots and nothing else, in the same few GL calls however they lie; of a draw: the ranges, then one draw call
@@ -35,7 +35,7 @@ struct RendererOptions {
     std::uint32_t vertices = 1u << 18; // slots, as in the method's budget; 12 bytes each
     std::uint32_t indices = 1u << 20;  // 4 bytes each
     float anisotropy = 0;              // texture samples along the steep direction; 0: 8. Ignored in software: too dear
-    std::uint32_t ranges = 0;          // draw ranges a frame; a CutMesh has up to its chunks. At least one a tile
+    std::uint32_t ranges = 0;          // draw ranges a frame; a CutMesh has up to one a segment. At least one a tile
     bool morph = false;                // room for a CutMesh's morph vertices: 16 bytes a vertex
     // Uploads that a frame may write without moving on to the next of three regions, in bytes: 32 a written vertex
     // slot, 16 a triangle slot, and map blocks. 0: an eighth of all slots, 1 MB at least. More than that in a frame is
@@ -68,7 +68,7 @@ struct HeightGrid {
 struct DrawOptions {
     Mode mode = Mode::shaded;
     bool wireframe = false; // the triangles' edges over the picture
-    // Lines on the surface, over any mode: around tiles, and around blocks of 64 x 64 samples, the pages of the finest
+    // Lines on the surface, over any mode: around tiles, and around squares of 64 x 64 samples, the pages of the finest
     // step (none in linear order, whose pages are rows). Where they would lie closer than 6 pixels they fade out.
     bool tile_borders = false, page_borders = false;
     bool sky = true;             // false: black
@@ -104,7 +104,7 @@ public:
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;
 
-    // Takes over what the last update wrote. draw() does it too; call it yourself after updates that are not drawn, or
+    // Uploads what the last update wrote. draw() does it too; call it yourself after updates that are not drawn, or
     // their dirty ranges are lost. Another mesh than last time (by address or size) is uploaded whole.
     [[nodiscard]] std::string upload(const MeshView& mesh);
     // The same for the live cut, whose indices are kept on the GPU too; needs RendererOptions::morph.

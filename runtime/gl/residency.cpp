@@ -11,12 +11,12 @@ constexpr std::uint32_t finest_page_log2 = page_squares_log2 + 1; // of step 1: 
 
 } // namespace
 
-std::uint32_t residency_block_log2(const PackHeader& header) {
+std::uint32_t residency_square_log2(const PackHeader& header) {
     return std::min(header.tile_log2, finest_page_log2);
 }
 
-std::uint32_t resident_step_log2(const Terrain& terrain, std::uint32_t tile, std::uint32_t block_x,
-                                 std::uint32_t block_y) {
+std::uint32_t resident_step_log2(const Terrain& terrain, std::uint32_t tile, std::uint32_t square_x,
+                                 std::uint32_t square_y) {
     const PackHeader& h = terrain.header;
     const PageEntry* const pages = terrain.page_table + std::size_t{tile} * terrain.pages_per_tile;
     const auto loaded = [&](std::uint32_t page) { return pages[page].slot != no_index; };
@@ -27,14 +27,15 @@ std::uint32_t resident_step_log2(const Terrain& terrain, std::uint32_t tile, std
     }
     if (!loaded(0)) return h.tile_log2;
     std::uint32_t z = h.tile_log2 < finest_page_log2 ? 0 : h.tile_log2 - page_squares_log2;
-    while (z > 0 && loaded(terrain.pages.page_at(static_cast<int>(z) - 1, block_x >> (z - 1), block_y >> (z - 1)))) --z;
+    while (z > 0 && loaded(terrain.pages.page_at(static_cast<int>(z) - 1, square_x >> (z - 1), square_y >> (z - 1))))
+        --z;
     return z;
 }
 
 std::string Residency::follow(const Terrain& terrain) {
     if (texture_.get() != 0 && changes_ == terrain.changes) return {};
     const PackHeader& h = terrain.header;
-    const std::uint32_t a_side = 1u << (h.tile_log2 - residency_block_log2(h));
+    const std::uint32_t a_side = 1u << (h.tile_log2 - residency_square_log2(h));
     const std::uint32_t wide = h.tiles_x * a_side, high = h.tiles_y * a_side;
     if (texture_.get() == 0) {
         int largest = 0;

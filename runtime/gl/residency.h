@@ -1,8 +1,8 @@
 // Which step of geometry is loaded over each place, as a small texture: what the mode of that name draws.
 //
-// Made at its first use and rewritten when pages have come or gone since, so other modes pay nothing. One texel for a
-// block of 64 x 64 samples (a page of the finest step), or for a tile that is smaller: 4 KB for 4,097 x 4,097 samples.
-// Internal to runtime/gl. Thread: the context's, which must be the one that loads pages.
+// Created at its first use and rewritten when pages were loaded or unloaded since, so other modes pay nothing. One
+// texel for a square of 64 x 64 samples (a page of the finest step), or for a tile that is smaller: 4 KB for 4,097 x
+// 4,097 samples. Internal to runtime/gl. Thread: the context's, which must be the one that loads pages.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 namespace fjell::gl {
 
 // log2 of the finest step of which this place and all coarser pages over it are loaded; tile_log2: the corners alone.
-// block_x, block_y: in blocks of residency_block_log2() samples, tile-local.
-[[nodiscard]] std::uint32_t resident_step_log2(const Terrain& terrain, std::uint32_t tile, std::uint32_t block_x,
-                                               std::uint32_t block_y);
-[[nodiscard]] std::uint32_t residency_block_log2(const PackHeader& header);
+// square_x, square_y: in squares of residency_square_log2() samples, tile-local.
+[[nodiscard]] std::uint32_t resident_step_log2(const Terrain& terrain, std::uint32_t tile, std::uint32_t square_x,
+                                               std::uint32_t square_y);
+[[nodiscard]] std::uint32_t residency_square_log2(const PackHeader& header);
 
 class Residency {
 public:

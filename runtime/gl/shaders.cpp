@@ -77,14 +77,14 @@ invariant gl_Position;
 
 // morphed_height_m() of fjell/cut.h.
 float morphed_height(vec3 at) {
-    float risen = 0.0;
+    float morphed = 0.0;
     for (int i = 0; i < int(morph.x); ++i) {
         float start = a_morph.z + a_morph.y * morph_reach[i].x, full = a_morph.z + a_morph.y * morph_reach[i].y;
         float from_eye = distance(at, morph_eye[i].xyz);
-        risen = max(risen, start > full ? (start - from_eye) / (start - full) : from_eye < start ? 1.0 : 0.0);
+        morphed = max(morphed, start > full ? (start - from_eye) / (start - full) : from_eye < start ? 1.0 : 0.0);
     }
-    risen = clamp(min(risen, (morph.y - a_morph.w) * morph.z), 0.0, 1.0);
-    return a_morph.x + (a_height - a_morph.x) * risen;
+    morphed = clamp(min(morphed, (morph.y - a_morph.w) * morph.z), 0.0, 1.0);
+    return a_morph.x + (a_height - a_morph.x) * morphed;
 }
 
 void main() {

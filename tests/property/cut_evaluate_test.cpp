@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "cut/evaluate.h"
 #include "support/cut_scene.h"
 
 using namespace fjell;

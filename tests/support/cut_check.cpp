@@ -15,8 +15,8 @@ namespace fjell::test {
 
 Cut::Cut(const Terrain& terrain, const CutBudget& budget) {
     const std::size_t bytes = cut_bytes(terrain, budget);
-    group = io::make_block(bytes);
-    const Status made = create_cut(terrain, budget, {group.get(), bytes}, cut);
+    memory = io::make_block(bytes);
+    const Status made = create_cut(terrain, budget, {memory.get(), bytes}, cut);
     if (!made.ok()) throw std::runtime_error(std::string(made.field) + ": " + message(made.code));
 }
 

@@ -21,7 +21,7 @@ struct Cut {
     // All tiles, seen or not. Points into this.
     [[nodiscard]] MeshView mesh();
     [[nodiscard]] CutState& state() { return *cut.state; }
-    io::AlignedMemory group;
+    io::AlignedMemory memory;
     LiveCut cut;
     std::vector<TileRange> ranges;
 };
