@@ -113,6 +113,8 @@ bool WorkFolder::take_lock(const std::string& pack_path) {
 }
 
 bool WorkFolder::empty() {
+    // First the file that says what can be resumed: it must not outlive what it speaks of, wherever this ends.
+    unlink(file("checkpoint").c_str());
     std::error_code error, first, failed;
     std::filesystem::directory_iterator at(path_, first);
     while (!first && at != std::filesystem::directory_iterator()) {

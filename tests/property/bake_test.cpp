@@ -125,8 +125,8 @@ TEST_CASE("a bake has at most as much on the disk as work_bytes says, and its do
     const auto a_sample = [&](Order order) {
         return static_cast<double>(baker::work_bytes(tree, order, 8, 9)) / (4097.0 * 4097.0);
     };
-    CHECK(a_sample(Order::planar) == Approx(13).margin(0.5));
-    CHECK(a_sample(Order::linear) == Approx(20).margin(0.5));
+    CHECK(a_sample(Order::planar) == Approx(13.6).margin(0.1));
+    CHECK(a_sample(Order::linear) == Approx(20.6).margin(0.1));
 }
 
 TEST_CASE("a pack verified tile by tile from its file is found to be what it is when it is loaded whole") {
