@@ -278,7 +278,7 @@ double App::handle_commands() {
     if (jobs_.poll(state_.job)) handle_job_result(context);
     own.reset();
     const auto follow = Clock::now();
-    follow_document(context); // making a terrain anew is not what the editor costs
+    follow_document(context); // rebuilding a terrain is not what the editor costs
     const auto followed = Clock::now();
     own.emplace(watch_);
     update_file_state(state_);

@@ -18,9 +18,9 @@ void follow_document(HandlerContext context) {
     State& state = context.state;
     if (!context.engine.is_open() || state.document.dragging()) return;
     try {
-        const bool anew = context.engine.follow(state.document.profile());
+        const bool rebuilt = context.engine.follow(state.document.profile());
         state.document.accept();
-        if (!anew) return;
+        if (!rebuilt) return;
         state.scene = context.engine.scene();
         state.measures.clear();
     } catch (const std::exception& failure) {

@@ -1,4 +1,4 @@
-// The mesh of a frame as glTF, refined anew over a terrain of the job's own: a streamed one changes under its frame.
+// The mesh of a frame as glTF, refined again over a terrain of the job's own: a streamed one changes under its frame.
 #include <optional>
 #include <utility>
 

@@ -145,7 +145,7 @@ void Search::bisect() {
     }
 }
 
-// What was found is flown anew. Where it fails, what lies between it and the next larger one that kept the budget is
+// What was found is flown again. Where it fails, what lies between it and the next larger one that kept the budget is
 // searched again: false.
 bool Search::confirm() {
     confirming_ = true;

@@ -140,7 +140,7 @@ constexpr const char* order_names[] = {"planar", "hz", "linear"};
 constexpr const char* nodata_names[] = {"auto: holes, suspicious values refused", "hole", "fill", "refuse"};
 
 struct BakeForm {
-    std::string made_for; // State::bake_input, which begins the form anew when it changes
+    std::string made_for; // State::bake_input, which resets the form when it changes
     PathText input = "", output = "", texture = "", ramp = "";
     int tile = 0, order = 0, nodata = 0;
     double spacing_m = 0, height_scale = 1;

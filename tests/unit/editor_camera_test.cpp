@@ -27,13 +27,13 @@ struct Place {
         state.interface.view_width_px = 640;
         state.interface.view_height_px = 360;
         engine.open(folder / "t.fjell", state.document.profile());
-        start_at_scene(context());
+        start_at_scene(handlers());
         frame();
     }
     ~Place() { engine.close(); } // before its context goes
-    HandlerContext context() { return {state, engine, jobs}; }
-    void act(const Command& command) { apply(command, context()); }
-    void frame() { move_camera(context(), 1.0 / 60); }
+    HandlerContext handlers() { return {state, engine, jobs}; }
+    void act(const Command& command) { apply(command, handlers()); }
+    void frame() { move_camera(handlers(), 1.0 / 60); }
     [[nodiscard]] const Terrain& terrain() const { return engine.session().terrain(); }
     [[nodiscard]] double ground(double x, double z) const { return ground_height(terrain(), x, z).height_m; }
     [[nodiscard]] double above() const {
