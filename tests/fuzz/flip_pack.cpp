@@ -94,9 +94,9 @@ TEST_CASE("random flips of a small pack are refused or read right", "[slow]") {
     Bytes file = original.file;
     Random random(17);
     const int bits = static_cast<int>(file.size() * 8);
-    const int flips = rounds(20'000, 100'000);
+    const auto flips = rounds<std::size_t>(20'000, 100'000);
     std::size_t opened = 0, loaded = 0;
-    for (int flip = 0; flip < flips; ++flip) {
+    for (std::size_t flip = 0; flip < flips; ++flip) {
         int at[3];
         const int count = pick(random, 1, 3);
         const auto turn = [&] {

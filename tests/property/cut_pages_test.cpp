@@ -127,9 +127,9 @@ void live_with(std::uint32_t seed, bool torn, int count) {
         gone += torn ? host.torn_away : host.released;
     }
     CAPTURE(gone, incomplete, refined);
-    REQUIRE(gone > rounds(60, 200));
-    REQUIRE(incomplete > rounds(90, 300));
-    REQUIRE(refined > rounds(6'000, 20'000));
+    REQUIRE(gone > rounds<std::size_t>(60, 200));
+    REQUIRE(incomplete > rounds<std::size_t>(90, 300));
+    REQUIRE(refined > rounds<std::size_t>(6'000, 20'000));
 }
 
 } // namespace

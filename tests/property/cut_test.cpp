@@ -71,7 +71,7 @@ TEST_CASE("with one item a frame every single step is a whole mesh, and the step
             REQUIRE((triangles_of(cut.mesh()) == recursive_triangles(terrain, view, settings.error_px)));
         }
     }
-    REQUIRE(steps > rounds(600, 2'000));
+    REQUIRE(steps > rounds<std::size_t>(600, 2'000));
 }
 
 TEST_CASE("one item a frame is enough to arrive") {
@@ -139,7 +139,7 @@ TEST_CASE(
             REQUIRE(rest.vertices_changed + rest.triangles_changed == 0);
         }
     }
-    REQUIRE(lagging > rounds(120, 500));
+    REQUIRE(lagging > rounds<std::size_t>(120, 500));
 }
 
 TEST_CASE("a frame that reports converged keeps the screen bound, with its corners too when asked") {

@@ -117,8 +117,8 @@ TEST_CASE("a mesh with holes is the whole one less the triangles with a corner i
                     REQUIRE(strips.mesh().indices[range.first_index + i] < strips.mesh().vertices.size());
         }
     }
-    REQUIRE(dropped > rounds(2'000, 10'000));
-    REQUIRE(kept > rounds(2'000, 10'000));
+    REQUIRE(dropped > rounds<std::size_t>(2'000, 10'000));
+    REQUIRE(kept > rounds<std::size_t>(2'000, 10'000));
 }
 
 TEST_CASE("a terrain that is all hole but one sample draws nothing, and one cell draws two triangles") {

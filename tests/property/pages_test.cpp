@@ -172,8 +172,8 @@ TEST_CASE("missing pages make coarser terrain, exactly the target, and never a c
             REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
         }
     }
-    REQUIRE(incomplete > rounds(25, 100));
-    REQUIRE(refined > rounds(2'500, 10'000));
+    REQUIRE(incomplete > rounds<std::size_t>(25, 100));
+    REQUIRE(refined > rounds<std::size_t>(2'500, 10'000));
 }
 
 TEST_CASE("whichever single page is missing, and whatever the order, there is no crack") {

@@ -155,8 +155,8 @@ TEST_CASE("with all pages a ray meets the triangle that it meets first of all", 
                     Approx(0.5 * static_cast<double>(t.height_scale.quantum_m)).epsilon(0x1p-22));
         }
     }
-    REQUIRE(met > rounds(100, 500));
-    REQUIRE(missed > rounds(60, 300));
+    REQUIRE(met > rounds<std::size_t>(100, 500));
+    REQUIRE(missed > rounds<std::size_t>(60, 300));
 }
 
 TEST_CASE("whatever pages are missing, a ray's hit is within its error of the ground, and no ground is passed",
@@ -205,9 +205,9 @@ TEST_CASE("whatever pages are missing, a ray's hit is within its error of the gr
             }
         }
     }
-    REQUIRE(met > rounds(200, 1000));
-    REQUIRE(coarse > rounds(60, 300));
-    REQUIRE(marched > rounds(600, 3000));
+    REQUIRE(met > rounds<std::size_t>(200, 1000));
+    REQUIRE(coarse > rounds<std::size_t>(60, 300));
+    REQUIRE(marched > rounds<std::size_t>(600, 3000));
 }
 
 TEST_CASE("a ray that is none meets nothing, and one from the ground meets it at once") {

@@ -66,8 +66,8 @@ TEST_CASE("with all pages a height is that of the full-resolution triangle under
                     4 * rounding_m(t) / std::min(t.header.spacing_m[0], t.header.spacing_m[1]) + 0x1p-40);
         }
     }
-    REQUIRE(holes > rounds(100, 500));
-    REQUIRE(ground > rounds(1000, 5000));
+    REQUIRE(holes > rounds<std::size_t>(100, 500));
+    REQUIRE(ground > rounds<std::size_t>(1000, 5000));
 }
 
 TEST_CASE("whatever pages are missing, the full-resolution ground is within the error of every answer") {
@@ -95,8 +95,8 @@ TEST_CASE("whatever pages are missing, the full-resolution ground is within the 
             if (bound > 0) nearest = std::max(nearest, error / bound);
         }
     }
-    REQUIRE(coarse > rounds(2'000, 10'000));
-    REQUIRE(exact > rounds(1'000, 5'000));
+    REQUIRE(coarse > rounds<std::size_t>(2'000, 10'000));
+    REQUIRE(exact > rounds<std::size_t>(1'000, 5'000));
     REQUIRE(nearest > 0.9); // the bounds are met, not only kept
 }
 

@@ -17,7 +17,7 @@ namespace {
 #if defined(FJELL_SANITIZED)
 constexpr std::uint64_t changes_wanted = 3'000;
 #else
-const auto changes_wanted = static_cast<std::uint64_t>(rounds(20'000, 100'000));
+const auto changes_wanted = rounds<std::uint64_t>(20'000, 100'000);
 #endif
 
 struct Count {

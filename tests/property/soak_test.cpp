@@ -17,9 +17,9 @@ TEST_CASE("in a long flight with random teleports no frame exceeds its items, it
     CutSettings settings;
     settings.error_px = 2;
     View view = random_view(random, terrain);
-    const int frames = rounds(20'000, 100'000);
+    const auto frames = rounds<std::uint64_t>(20'000, 100'000);
     std::uint64_t converged = 0, governed = 0, changes = 0;
-    for (int frame = 0; frame < frames; ++frame) {
+    for (std::uint64_t frame = 0; frame < frames; ++frame) {
         if (pick(random, 0, 60) == 0) view = random_view(random, terrain);
         if (pick(random, 0, 400) == 0) settings.items = static_cast<std::uint32_t>(pick(random, 1, 600));
         if (pick(random, 0, 900) == 0) settings.error_px = std::pow(10.0, uniform(random, -0.5, 1));

@@ -314,7 +314,8 @@ TEST_CASE("an interrupted bake or synth ends soon and leaves nothing") {
     const TemporaryFolder folder;
     spit(folder / "recipe.json", R"({"columns": 8193, "rows": 8193})");
     for (const char* number : {"INT", "TERM", "HUP"}) {
-        const std::string in_the_middle = " & p=$!; sleep 0.5; kill -" + std::string(number) + " $p; wait $p";
+        const std::string in_the_middle =
+            " & p=$!; " + until_caught(0x4003) + "sleep 0.2; kill -" + number + " $p; wait $p";
         const Run r = run_in(folder.path, bake + "synth recipe.json -o dem.tif" + in_the_middle);
         CAPTURE(number, r.err);
         CHECK(r.code == 130);

@@ -65,7 +65,7 @@ Looked look(const Scene& scene, const View& view, const gl::Image& with, const g
     const Tree& tree = scene.loaded.terrain.tree;
     const double side = tree.side(), page = std::min(side, 64.0);
     Looked seen;
-    const auto every = static_cast<std::uint32_t>(test::rounds(41, 11));
+    const auto every = test::rounds<std::uint32_t>(41, 11);
     for (std::uint32_t i = 0; i < width_px * height_px; i += every) {
         const std::uint32_t x = i % width_px, y = i / width_px;
         const Place at = place_of(view, x, y), east = place_of(view, x + 0.5, y), west = place_of(view, x - 0.5, y),
@@ -125,9 +125,9 @@ TEST_CASE("borders of tiles and pages lie where they are, over every mode, and c
                     look(scene, view, with.colour, without.colour, drawing.tile_borders, drawing.page_borders);
                 CAPTURE(static_cast<int>(mode), view.eye_m.y, which, seen.on_tile, seen.on_page, seen.off);
                 CHECK(seen.wrong == 0);
-                CHECK((seen.on_tile > test::rounds(5, 20)) == drawing.tile_borders);
-                CHECK((seen.on_page > test::rounds(5, 20)) == drawing.page_borders);
-                CHECK(seen.off > test::rounds(2'500, 10'000));
+                CHECK((seen.on_tile > test::rounds<std::size_t>(5, 20)) == drawing.tile_borders);
+                CHECK((seen.on_page > test::rounds<std::size_t>(5, 20)) == drawing.page_borders);
+                CHECK(seen.off > test::rounds<std::size_t>(2'500, 10'000));
             }
         }
 }

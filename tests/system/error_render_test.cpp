@@ -72,7 +72,7 @@ Compared compare(const Scene& scene, const Picture& picture, const View& view, c
     const double lambda_px = drawing.error_lambda_px > 0 ? drawing.error_lambda_px : view.lambda_px;
     const Vec3 eye = drawing.error_eye_m.value_or(view.eye_m), right = cross(view.forward, view.up);
     Compared result;
-    const auto every = static_cast<std::uint32_t>(test::rounds(31, 7)); // pixel
+    const auto every = test::rounds<std::uint32_t>(31, 7); // pixel
     for (std::uint32_t i = 0; i < width_px * height_px; i += every) {
         const std::uint32_t x = i % width_px, y = i / width_px;
         const double d = picture.distance_m[i];
@@ -164,14 +164,13 @@ TEST_CASE("the error mode colours every pixel by the error that is drawn there",
         const Picture picture = scene.draw(mesh, view, drawing);
         const Compared seen = compare(scene, picture, view, drawing, heights);
         CAPTURE(round, log2, coarse, seen.pixels, seen.blue, seen.magenta, seen.grey);
-        CHECK(seen.pixels > static_cast<std::size_t>(test::rounds(4'500, 20'000)));
+        CHECK(seen.pixels > test::rounds<std::size_t>(4'500, 20'000));
         CHECK(seen.wrong == 0);
         if (!coarse) CHECK(seen.grey == 0);
         grey += seen.grey;
-        CHECK(seen.blue + seen.grey + static_cast<std::size_t>(test::rounds(450, 2000)) <
-              seen.pixels); // or there was little to see
+        CHECK(seen.blue + seen.grey + test::rounds<std::size_t>(450, 2000) < seen.pixels); // or there was little to see
     }
-    CHECK(grey > static_cast<std::size_t>(test::rounds(220, 1000)));
+    CHECK(grey > test::rounds<std::size_t>(220, 1000));
 }
 
 TEST_CASE("the largest error in a picture is the one that is measured", "[picture][slow]") {
@@ -194,7 +193,7 @@ TEST_CASE("the largest error in a picture is the one that is measured", "[pictur
             const double bound_px = all_px * (1 + 120 / nearest_m);
             CHECK(compare(scene, scene.draw(mesh, v, bare(bound_px)), v, bare(bound_px), heights).magenta == 0);
             CHECK(compare(scene, scene.draw(mesh, v, bare(seen_px / 4)), v, bare(seen_px / 4), heights).magenta >
-                  static_cast<std::size_t>(test::rounds(20, 100)));
+                  test::rounds<std::size_t>(20, 100));
         }
 }
 

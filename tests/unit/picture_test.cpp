@@ -348,7 +348,7 @@ TEST_CASE("the legend leaves a margin at every size, and knows of holes only whe
     const Dem solid = dem;
     dig(dem, 3, 3, 190, 100);
     const auto with = bake_and_load(std::move(dem), options), without = bake_and_load(solid, options);
-    const auto step = static_cast<std::uint32_t>(rounds(4 * 173, 173));
+    const auto step = rounds<std::uint32_t>(4 * 173, 173);
     for (std::uint32_t longest = 256 * 234 / 123; longest < 2400; longest += step) {
         const Picture picture = picture_of(with, longest);
         INFO(longest);

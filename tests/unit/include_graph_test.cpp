@@ -1,0 +1,150 @@
+// Who includes whom, read from the sources: from programs to companions to the library, and never back (DESIGN
+// section 8).
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+namespace {
+
+namespace fs = std::filesystem;
+using Sources = std::map<std::string, std::string>; // text by path from the root
+using Names = std::vector<std::string>;
+
+// Folders and the folders whose headers they may include beside their own.
+const std::map<std::string, std::set<std::string>> rooms{
+    {"runtime/include", {}},
+    {"runtime/src", {"runtime/include"}},
+    {"runtime/io", {"runtime/include", "runtime/src"}},
+    {"runtime/gl", {"runtime/include", "runtime/src", "runtime/io"}},
+    {"runtime/gltf", {"runtime/include", "runtime/src", "runtime/io"}},
+    {"runtime/flight", {"runtime/include", "runtime/src", "runtime/io", "runtime/gl", "runtime/gltf"}},
+    {"runtime/fly", {"runtime/include", "runtime/src", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/flight"}},
+    {"baker", {"runtime/include", "runtime/src", "runtime/io"}},
+    {"editor",
+     {"runtime/include", "runtime/src", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/flight", "baker"}},
+};
+
+std::string room_of(const std::string& path) {
+    for (const auto& [room, may] : rooms)
+        if (path.starts_with(room + "/")) return room;
+    return {};
+}
+
+// The file that `#include "name"` in `from` means, or nothing: made by the build.
+std::string resolve(const Sources& sources, const std::string& from, const std::string& name) {
+    for (const std::string& folder : {fs::path(from).parent_path().string(), std::string("runtime/include"),
+                                      std::string("runtime/src"), std::string("runtime"), std::string()}) {
+        const std::string path = (fs::path(folder) / name).lexically_normal().string();
+        if (sources.contains(path)) return path;
+    }
+    return {};
+}
+
+Names includes_of(const std::string& text) {
+    Names names;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+        if (const std::string start = "#include \""; line.starts_with(start))
+            names.push_back(line.substr(start.size(), line.find('"', start.size()) - start.size()));
+    return names;
+}
+
+struct Found {
+    Names wrong;         // must not be
+    Names included_once; // a header, not public, that a single source of another name includes
+};
+
+Found check(const Sources& sources) {
+    Found found;
+    std::map<std::string, std::set<std::string>> includers;
+    std::map<std::string, int> files; // in a folder
+    std::set<std::string> parents;
+    for (const auto& [path, text] : sources) {
+        const fs::path folder = fs::path(path).parent_path();
+        ++files[folder.string()];
+        for (fs::path p = folder.parent_path(); !p.empty(); p = p.parent_path()) parents.insert(p.string());
+        for (const std::string& name : includes_of(text)) {
+            if (name.ends_with(".cpp")) found.wrong.push_back(path + " includes the source " + name);
+            const std::string header = resolve(sources, path, name);
+            if (header.empty()) {
+                if (!name.ends_with(".inc")) found.wrong.push_back(path + " includes " + name + ", which is nowhere");
+                continue;
+            }
+            includers[header].insert(path);
+            const std::string from = room_of(path), to = room_of(header);
+            if (from != to && !rooms.at(from).contains(to)) found.wrong.push_back(path + " includes " + header);
+        }
+    }
+    for (const auto& [folder, count] : files)
+        if (count == 1 && !parents.contains(folder)) found.wrong.push_back(folder + " is a folder with one file");
+    for (const auto& [header, by] : includers)
+        if (by.size() == 1 && by.begin()->ends_with(".cpp") && !header.starts_with("runtime/include/") &&
+            fs::path(header).stem() != fs::path(*by.begin()).stem())
+            found.included_once.push_back(header + " is included by " + *by.begin() + " alone");
+    return found;
+}
+
+Sources read_sources() {
+    Sources sources;
+    const fs::path root = FJELL_SOURCE_DIR;
+    for (const char* top : {"runtime", "baker", "editor"})
+        for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
+            const std::string extension = entry.path().extension();
+            if (extension != ".h" && extension != ".cpp") continue;
+            std::ostringstream text;
+            text << std::ifstream(entry.path()).rdbuf();
+            sources[fs::relative(entry.path(), root).string()] = text.str();
+        }
+    return sources;
+}
+
+} // namespace
+
+TEST_CASE("programs include companions, companions the library, and nothing the other way round") {
+    const Sources sources = read_sources();
+    REQUIRE(sources.size() > 100);
+    const Found found = check(sources);
+    CHECK(found.wrong == Names{});
+    // Each is a .cpp in disguise; this list only gets shorter.
+    const std::set<std::string> known{"runtime/src/cut/emitter.h is included by runtime/src/cut/bulk.cpp alone",
+                                      "runtime/src/cut/fetch.h is included by runtime/src/cut/update.cpp alone",
+                                      "runtime/src/cut/governor.h is included by runtime/src/cut/update.cpp alone"};
+    for (const std::string& header : found.included_once) {
+        INFO(header);
+        CHECK(known.contains(header));
+    }
+}
+
+TEST_CASE("an arrow the wrong way, an included source and a folder with one file are found") {
+    const Sources sound{{"runtime/include/fjell/a.h", ""},
+                        {"runtime/include/fjell/b.h", "#include \"fjell/a.h\"\n"},
+                        {"runtime/src/a.cpp", "#include \"fjell/a.h\"\n"},
+                        {"runtime/src/b.cpp", "#include \"fjell/b.h\"\n"},
+                        {"runtime/io/file.h", "#include \"fjell/a.h\"\n"},
+                        {"runtime/io/file.cpp", "#include \"file.h\"\n"},
+                        {"baker/bake.h", ""},
+                        {"baker/bake.cpp", "#include \"bake.h\"\n#include \"io/file.h\"\n#include \"ramp.inc\"\n"}};
+    CHECK(check(sound).wrong == Names{});
+    const auto with = [&](const std::string& path, const std::string& text) {
+        Sources sources = sound;
+        sources[path] = text;
+        return check(sources).wrong;
+    };
+    CHECK(with("runtime/src/a.cpp", "#include \"io/file.h\"\n") ==
+          Names{"runtime/src/a.cpp includes runtime/io/file.h"});
+    CHECK(with("runtime/io/file.cpp", "#include \"baker/bake.h\"\n") ==
+          Names{"runtime/io/file.cpp includes baker/bake.h"});
+    CHECK(with("baker/bake.cpp", "#include \"bake.cpp\"\n") == Names{"baker/bake.cpp includes the source bake.cpp"});
+    CHECK(with("baker/bake.cpp", "#include \"gone.h\"\n") == Names{"baker/bake.cpp includes gone.h, which is nowhere"});
+    CHECK(with("editor/app.cpp", "") == Names{"editor is a folder with one file"});
+    Sources once = sound;
+    once["baker/other.cpp"] = "#include \"bake.h\"\n", once["baker/bake.cpp"] = "";
+    CHECK(check(once).included_once == Names{"baker/bake.h is included by baker/other.cpp alone"});
+}
