@@ -63,7 +63,7 @@ struct Arrays {
                 const TileMap& map = tiles[tile];
                 if (map.side_log2 == 0) continue;
                 const auto first = static_cast<float>(s.top_log2 - map.side_log2);
-                if (map.finest < first || map.finest > static_cast<float>(s.top_log2))
+                if (map.min_lod < first || map.min_lod > static_cast<float>(s.top_log2))
                     return "shows a mip that is not there";
                 for (std::uint32_t mip = 0; mip < mip_count(map.side_log2); ++mip) {
                     const auto at = there.find({kind, map.side_log2, map.layer, mip});
@@ -154,7 +154,7 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
                 const float most = settings.fade_s > 0 ? static_cast<float>(1.0 / 60 / settings.fade_s) * 1.001f : 1e9f;
                 for (std::size_t i = 0; i < before[kind].size(); ++i)
                     if (before[kind][i].side_log2 != 0)
-                        REQUIRE(std::abs(now[i].finest - before[kind][i].finest) <= most);
+                        REQUIRE(std::abs(now[i].min_lod - before[kind][i].min_lod) <= most);
                 before[kind].assign(now.begin(), now.end());
             }
         };
@@ -164,7 +164,7 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
                 step();
             }
             for (int frame = 0; frame < 600 && !report.maps_converged; ++frame) step();
-            CAPTURE(round, leg, plenty, settings.texel_px, report.missing_mips, report.requested, report.exhausted);
+            CAPTURE(round, leg, plenty, settings.texel_px, report.missing_mips, report.in_flight, report.exhausted);
             limited += (report.exhausted & stream_map_bytes) != 0;
             if (plenty && !fails) REQUIRE(report.maps_converged);
             if (report.maps_converged)
@@ -173,7 +173,7 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
                         const TileMap& map = tile_maps(on.stream, static_cast<MapKind>(kind))[tile];
                         const MapLayers& slots = arrays.slots[kind];
                         REQUIRE(map.side_log2 >= wanted_log2(on, slots, tile, view, settings.texel_px));
-                        REQUIRE(map.finest == static_cast<float>(slots.top_log2 - map.side_log2));
+                        REQUIRE(map.min_lod == static_cast<float>(slots.top_log2 - map.side_log2));
                         ++satisfied;
                     }
             view = random_view(random, pack.terrain);

@@ -95,7 +95,7 @@ struct Streamed {
         std::vector<TileMap> same[map_kinds];
         for (std::uint32_t kind = 0; kind < map_kinds; ++kind)
             for (std::uint32_t tile = 0; tile < shown[kind].size(); ++tile)
-                same[kind].push_back({tile, static_cast<std::uint8_t>(top(kind)), shown[kind][tile].finest});
+                same[kind].push_back({tile, static_cast<std::uint8_t>(top(kind)), shown[kind][tile].min_lod});
         REQUIRE(whole->show_maps(same[0], same[1]).empty());
         std::swap(whole, scene.renderer);
         Picture picture = scene.draw(mesh.view(), view, options);
@@ -158,7 +158,7 @@ TEST_CASE("a tile in a smaller array looks as its mips do in the pack's own size
     const View view = from_above(streamed.scene, 6000);
     const Picture before = streamed.scene.draw(mesh.view(), view);
     for (std::vector<TileMap>& kind : streamed.shown)
-        for (TileMap& map : kind) map.finest += 1;
+        for (TileMap& map : kind) map.min_lod += 1;
     streamed.show();
     CHECK(largest_step(before.colour, streamed.scene.draw(mesh.view(), view).colour) > 20);
 }
@@ -232,7 +232,7 @@ TEST_CASE("a mip fades in without a jump", "[picture]") {
         const auto at = [&](int i) {
             for (std::vector<TileMap>& kind : streamed.shown)
                 for (std::uint32_t tile = 0; tile < kind.size(); ++tile)
-                    kind[tile].finest = all || (tile + tile / 4) % 2 ? 2 - static_cast<float>(i) / steps : 2;
+                    kind[tile].min_lod = all || (tile + tile / 4) % 2 ? 2 - static_cast<float>(i) / steps : 2;
             streamed.show();
             return streamed.scene.draw(mesh.view(), view, {.lit = false, .haze_m = -1}).colour;
         };
@@ -326,7 +326,7 @@ TEST_CASE("the modes of tiles, mips and residency show what their legends say", 
     streamed.load_all();
     const auto mips = static_cast<int>(mip_count(streamed.top(0)));
     for (int mip = mips - 1; mip >= 2; --mip) {
-        for (TileMap& map : streamed.shown[0]) map.finest = static_cast<float>(mip);
+        for (TileMap& map : streamed.shown[0]) map.min_lod = static_cast<float>(mip);
         streamed.show();
         const Picture picture = scene.draw(mesh.view(), from_above(scene, 7000), drawing);
         CHECK(close(colour_at(picture, 40, 200), gl::mip_rgb(mip, mips)));

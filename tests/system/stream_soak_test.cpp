@@ -86,7 +86,7 @@ struct Flown {
             frame();
             const bool still =
                 page_arrivals(stream).empty() &&
-                streamed.requested + streamed.pages_left + streamed.mips_left + streamed.mips_uploaded == 0;
+                streamed.in_flight + streamed.pages_left + streamed.mips_left + streamed.mips_uploaded == 0;
             quiet = still ? quiet + 1 : 0;
             if (!still) std::this_thread::sleep_for(std::chrono::microseconds(300));
         }

@@ -119,7 +119,7 @@ void carry_out(CutState& s, std::uint32_t number, bool may_deactivate) {
     evaluate_group(s, number, group);
     CutReport& r = s.report;
     bool blocked = false, gated = false;
-    // To group again is part of the first change: with one item a frame a mesh must get somewhere, too.
+    // Evaluating the group is part of the first change: with one item a frame a mesh must get somewhere, too.
     bool looked = true;
     const auto spend = [&](std::uint32_t& changes) {
         ++changes;
@@ -163,8 +163,9 @@ void carry_out(CutState& s, std::uint32_t number, bool may_deactivate) {
 
 // Prefetching what changes will touch. What a change costs is a chain of cache misses: the parents'
 // vertex slots, the triangles at their right angles, those triangles' corners. For a batch of changes every link of the
-// chain is prefetched for all of them before the next one is followed for any. Where one change will group. Only a
-// hint: by the time it is carried out things may have changed.
+// chain is prefetched for all of them before the next one is followed for any.
+
+// What one change will touch. Only a hint: by the time it is carried out things may have changed.
 struct PlannedChange {
     std::uint32_t vertex;
     std::uint32_t triangles[4]; // keys, then slots
@@ -413,7 +414,7 @@ std::uint32_t build_group(CutState& s, std::uint32_t number) {
         for (std::size_t d = 0; d < 4; ++d) s.triangle_of[std::size_t{slot} * 4 + d] = no_index;
     }
     group.state.active = static_cast<std::uint16_t>(lanes);
-    // Of those that will have active children nobody knows yet; to group at them too is early, never late.
+    // Of those that will have active children nobody knows yet; to look at them too is early, never late.
     rest.include(group, group.inactive(), group.margins.reach_m);
     rest.include(group, lanes, group.margins.keep_m);
     schedule(s.lists, number, rest.slack_m, grade_of(rest.code));
