@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <string_view>
+#include <type_traits>
 
 namespace fjell::test {
 
@@ -13,7 +14,8 @@ namespace fjell::test {
 }
 
 // A number of rounds, frames or bytes, or of what a test must have met in them: by default the first one.
-[[nodiscard]] inline int rounds(int brief, int full) {
+template <typename Number = int>
+[[nodiscard]] Number rounds(std::type_identity_t<Number> brief, std::type_identity_t<Number> full) {
     return full_rounds() ? full : brief;
 }
 
