@@ -1,5 +1,5 @@
 // One step of the vertex tree over a region: errors and radii of its centres and sides, from their unsaturated errors
-// and from the centres of the finer step (thesis 5.3.2, leaves to root; DESIGN invariant 2).
+// and from the centres of the finer step (thesis 5.3.2, leaves to root; invariant 2).
 //
 // Squares of side 2s, s = 2^z, are counted over the whole terrain; a region has nx x ny of them from `square` on. Its
 // borders belong to it: side_x has ny + 1 rows, side_y nx + 1 columns. What a border vertex needs of the neighbours is

@@ -1,5 +1,5 @@
 // Quantise first, then measure errors on the quantised surface: what it differs from the original by is half a quantum,
-// which every bound allows for (DESIGN invariant 3, section 5).
+// which every bound allows for (invariant 3, section 5).
 #include "baker/heights/scales.h"
 
 #include <algorithm>

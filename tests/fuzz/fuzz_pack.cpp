@@ -1,4 +1,4 @@
-// Whatever the bytes, reading a pack ends in a terrain or in a Status (DESIGN invariant 10). What was accepted is then
+// Whatever the bytes, reading a pack ends in a terrain or in a Status (invariant 10). What was accepted is then
 // used: every chunk is read, the terrain is loaded as a whole and page by page into fewer slots than it has pages, and
 // frames are refined in between, so that a hostile record cannot do harm either.
 //

@@ -1,4 +1,4 @@
-// DESIGN invariant 8 on the live cut: vector and scalar decide alike, and what is done twice is done alike.
+// invariant 8 on the live cut: vector and scalar decide alike, and what is done twice is done alike.
 #include <catch2/catch.hpp>
 
 #include <cstring>

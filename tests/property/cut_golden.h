@@ -1,4 +1,4 @@
-// One fixed flight over one fixed terrain, and what it must come to on every compiler (DESIGN invariant 8).
+// One fixed flight over one fixed terrain, and what it must come to on every compiler (invariant 8).
 //
 // Without libm where decisions are made: eyes, thresholds and lambda are made of sums and products; heights of
 // integers. A hash over the triangles of every frame, sorted, and over the work done: both are part of the promise.

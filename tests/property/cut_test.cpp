@@ -1,4 +1,4 @@
-// DESIGN invariants 1, 4, 6 and 7 on the live cut: random terrains, views, thresholds and item limits.
+// invariants 1, 4, 6 and 7 on the live cut: random terrains, views, thresholds and item limits.
 #include <catch2/catch.hpp>
 
 #include "fjell/measure.h"

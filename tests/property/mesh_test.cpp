@@ -1,4 +1,4 @@
-// DESIGN invariants 1 to 4 on the recursive method, over random terrains, tilings, cameras, thresholds and budgets.
+// invariants 1 to 4 on the recursive method, over random terrains, tilings, cameras, thresholds and budgets.
 #include <catch2/catch.hpp>
 
 #include <cmath>

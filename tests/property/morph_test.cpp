@@ -1,4 +1,4 @@
-// DESIGN invariant 9: as the camera's step goes to zero, so does the largest change on screen.
+// invariant 9: as the camera's step goes to zero, so does the largest change on screen.
 #include <catch2/catch.hpp>
 
 #include <cmath>

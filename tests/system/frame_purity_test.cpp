@@ -1,4 +1,4 @@
-// DESIGN invariant 5: a frame of the live cut allocates nothing, takes no lock, enters no kernel, touches no new page
+// invariant 5: a frame of the live cut allocates nothing, takes no lock, enters no kernel, touches no new page
 // and throws nothing. Each is proved for 10,000 frames, and each proof is seen to catch one that was planted.
 //
 // Allocations, locks and exceptions: the functions themselves are interposed. System calls: Syscall User Dispatch turns

@@ -1,4 +1,4 @@
-// DESIGN invariant 5, as far as it goes for the recursive method and queries: they allocate nothing.
+// invariant 5, as far as it goes for the recursive method and queries: they allocate nothing.
 #include <catch2/catch.hpp>
 
 #include <vector>

@@ -2,7 +2,7 @@
 //
 // Heights count steps of one vertical height scale over the whole terrain from their page's base, so that samples
 // shared by two pages are equal bit for bit. Errors and radii are codes on geometric scales that the pack fixes:
-// rounded up, never to nearest, so that what they bound stays bounded (DESIGN invariant 2). Why these:
+// rounded up, never to nearest, so that what they bound stays bounded (invariant 2). Why these:
 // docs/notes/records.md.
 #pragma once
 

@@ -238,7 +238,7 @@ private:
     }
 
     // Where pages are missing, nested errors are not enough: a vertex is in the cut when it is wanted, all pages that
-    // hold it are there, and its parents are in the cut (DESIGN invariant 7). One parent is known on the way down; this
+    // hold it are there, and its parents are in the cut (invariant 7). One parent is known on the way down; this
     // asks both, across tiles.
     [[gnu::noinline]] bool parents_in(Coord v) {
         if (!copies_loaded(v)) return false;

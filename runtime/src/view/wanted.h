@@ -1,4 +1,4 @@
-// The one decision everything rests on: does a vertex belong to the mesh at this distance? (DESIGN invariants 4, 7, 8)
+// The one decision everything rests on: does a vertex belong to the mesh at this distance? (invariants 4, 7, 8)
 //
 // Thesis 5.4.1 with Lindstrom's isotropic distance: epsilon = error * lambda / (distance - radius) >= threshold, turned
 // into distance < radius + error * q with q = lambda / threshold, and squared. One fixed float expression, evaluated
