@@ -82,7 +82,7 @@ void page_slots(const State& state, Text& text, double value) {
 
 void page_requests(const State& state, Text& text, double value) {
     text.bytes(value * 16e3);
-    if (state.measures.last().streamed) text.add(", in flight %u with mips", state.measures.last().stream.requested);
+    if (state.measures.last().streamed) text.add(", in flight %u with mips", state.measures.last().stream.in_flight);
 }
 
 void map_requests(const State&, Text& text, double value) {
