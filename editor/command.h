@@ -202,16 +202,19 @@ using Command =
                  BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot,
                  ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled>;
 
-// What the panels of one frame ask for, in its order. Room for a frame's worth is made once.
+// What the panels of one frame ask for, in its order. Room for a frame's worth is made once. push() takes any Command's
+// alternative; it is compiled in commands.cpp alone, or else every panel would compile the variant's moves again.
 class Commands {
 public:
-    Commands() { list_.reserve(64); }
+    Commands();
+    ~Commands();
+    Commands(const Commands&) = delete;
+    Commands& operator=(const Commands&) = delete;
+    void push(Command command);
     template <typename C>
-    void push(C command) {
-        list_.emplace_back(std::move(command));
-    }
+    void push(C command);
     [[nodiscard]] const std::vector<Command>& list() const { return list_; }
-    void clear() { list_.clear(); }
+    void clear();
 
 private:
     std::vector<Command> list_;

@@ -76,9 +76,9 @@ constexpr ProfileKey keys[] = {
      .label = "Method",
      .kind = choice,
      .choices = methods,
-     .about = "How the mesh is found. \"incremental\": kept from frame to frame, refined all around the eye; costs "
+     .about = "How the mesh is updated. \"incremental\": kept from frame to frame, refined all around the eye; costs "
               "what changes, 100 to 400 ns a work item, and next to nothing while the camera rests or turns. "
-              "\"recursive\": found anew from the roots in every frame; 30 to 90 ns a selected vertex, and only those "
+              "\"recursive\": rebuilt from the roots in every frame; 30 to 90 ns a selected vertex, and only those "
               "in view are selected, about a quarter.",
      .rebuild = Rebuild::method,
      .get = At<&Profile::method>::get,

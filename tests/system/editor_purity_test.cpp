@@ -11,6 +11,7 @@
 #include "editor/names.h"
 #include "support/count_allocations.h"
 #include "support/editor_pack.h"
+#include "support/rounds.h"
 #include "support/temporary_folder.h"
 
 using namespace fjell;
@@ -18,7 +19,8 @@ using namespace fjell::test;
 
 namespace {
 
-constexpr std::size_t shown = 60, settling = 40; // frames: of each sight, and until it is steady
+const std::size_t shown = rounds<std::size_t>(24, 60); // frames of each sight
+constexpr std::size_t settling = 16;                   // of those, until it is steady
 
 std::vector<long> by_frame; // allocations
 const editor::App* watched = nullptr;
