@@ -1,4 +1,4 @@
-// From heights to a pack: read, fill, measure, maps, vertices step by step, assemble (thesis 5.3, DESIGN section 5).
+// From heights to a pack: read, fill, measure, maps, vertices step by step, assemble (thesis 5.3).
 // Out of core: what does not fit the memory lies in a folder beside the pack, PACK.work, and a bake that was
 // interrupted or killed goes on from the last stage that was complete.
 #pragma once

@@ -63,7 +63,7 @@ Json crs_of(const Pack& pack) {
     return wkt;
 }
 
-// Every field of DESIGN section 7, with exactly these names: checkers know nothing else about the file.
+// The fields of extras.fjell, with exactly these names: checkers know nothing else about the file.
 Json extras(const Pack& pack, const SnapshotInfo& info, const SnapshotResult& counts) {
     const PackHeader& h = pack.header;
     const View& view = info.view;

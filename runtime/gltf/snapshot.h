@@ -1,4 +1,4 @@
-// The snapshot: the mesh of one frame as binary glTF 2.0, for any viewer, DCC program or checker (DESIGN section 7).
+// The snapshot: the mesh of one frame as binary glTF 2.0, for any viewer, DCC program or checker.
 //
 // One node, mesh and material a tile; positions are metres relative to the tile's corner, the node's translation
 // (doubles in JSON) puts it in place. Axes as everywhere: x east, y up, z south. Normals come from the full-resolution

@@ -1,4 +1,5 @@
-// The snapshot, seen by two strangers: Khronos' validator and a checker that knows only DESIGN section 7 (gltf/*.mjs).
+// The snapshot, seen by two strangers: Khronos' validator and a checker that knows only the fields of extras.fjell
+// (gltf/*.mjs).
 #include <catch2/catch.hpp>
 
 #include <filesystem>

@@ -43,8 +43,8 @@ inline OwnMesh copy_of(const MeshView& mesh) {
 }
 
 // Every sample active: each cell is cut along the diagonal that longest-edge bisection ends with. Cell (x, y) of a tile
-// with x + y even: from its north-west to its south-east sample; odd: the other one (DESIGN section 3, one step below
-// the finest centres).
+// with x + y even: from its north-west to its south-east sample; odd: the other one (one step below the finest
+// centres).
 inline OwnMesh full_resolution(const Terrain& terrain) {
     OwnMesh mesh;
     const auto side = static_cast<std::uint32_t>(terrain.tree.side()), n = side + 1;

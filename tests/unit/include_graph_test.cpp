@@ -1,5 +1,5 @@
-// Who includes whom, read from the sources: from programs to companions to the library, and never back (DESIGN
-// section 8).
+// Who includes whom, read from the sources: from programs to companions to the library, and never back
+// (docs/architecture.md).
 #include <algorithm>
 #include <filesystem>
 #include <fstream>

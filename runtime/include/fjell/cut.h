@@ -1,4 +1,4 @@
-// The incremental method: a cut that lives from frame to frame and pays only for what changes (DESIGN section 6).
+// The incremental method: a cut that lives from frame to frame and pays only for what changes.
 //
 // The recursive method (fjell/recursive.h) rebuilds the mesh from the roots in every frame. This one keeps the set of
 // active vertices and, for every small group of them, its slack: how far the eye may still move before any of them
@@ -43,7 +43,7 @@ struct CutBudget {
 // terrain (TerrainBudget::page_slots).
 inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 16, cut_page_slot_bytes = 19'756;
 
-// How a vertex appears and disappears: geomorphing (DESIGN section 6, Morph; thesis 5.4.1). With error and time
+// How a vertex appears and disappears: geomorphing (thesis 5.4.1). With error and time
 // vertices are activated at error_px / (1 + nesting)^2, on the edge that they split, and reach their height at
 // error_px. The ends of that edge no longer move by then, because errors nest; so the surface is continuous and the
 // screen bound holds.

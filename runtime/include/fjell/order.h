@@ -1,4 +1,4 @@
-// Where a tile's vertices lie: which page, and at which place in it (DESIGN sections 2 and 5; thesis 4.2 and 5.3.3).
+// Where a tile's vertices lie: which page, and at which place in it (thesis 4.2 and 5.3.3).
 //
 // Planar and hierarchical Z-order divide a tile by levels. Page 0 holds all steps with at most 16 x 16 squares, and the
 // corners: the coarsest 33 x 33 samples. A finer step of n x n squares (side 2s, its centre, the middle of its north

@@ -1,4 +1,4 @@
-// Streaming: pages of geometry and mips of maps, loaded and evicted as the views need them (DESIGN section 6).
+// Streaming: pages of geometry and mips of maps, loaded and evicted as the views need them.
 //
 // The runtime opens no file. update_stream() decides on the frame's thread what is needed most; a client on another
 // thread (io::StreamReader, an engine's loader, a test) polls next_request(), reads the bytes and passes them to

@@ -1,4 +1,4 @@
-// The vertex tree of right isosceles triangles, without pointers (DESIGN section 3; thesis 2.5.1 and 3.4).
+// The vertex tree of right isosceles triangles, without pointers (thesis 2.5.1 and 3.4).
 //
 // Coordinates are whole samples. Inside a tile of side 2^l cells, x and y run 0..2^l. A vertex that is not a tile
 // corner has step s = 2^min(ctz x, ctz y) and lies in one of three planes of that step:

@@ -1,4 +1,4 @@
-// The bulk pass: the whole cut at once, from nothing, level by level (DESIGN section 6, "From nothing").
+// The bulk pass: the whole cut at once, from nothing, level by level.
 //
 // One by one an activation costs hundreds of nanoseconds, because everything it touches is somewhere else. Here a row
 // of a page is a word: which vertices are ready follows from their parents' words by spreading bits, a group is

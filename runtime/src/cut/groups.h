@@ -1,7 +1,7 @@
 // Small groups: the up to 16 vertices of one kind and step that are evaluated together, and how any vertex is found in
 // them.
 //
-// A page's planes (DESIGN section 3) are cut row by row: a row of 32 is two groups, a coarse row of 16 or fewer is one.
+// A page's planes are cut row by row: a row of 32 is two groups, a coarse row of 16 or fewer is one.
 // The column of side_y on a page's east border, which planar order keeps at the ends of its rows, is two groups of its
 // own. Groups are the same for both orders; only where a lane's record lies differs. A vertex of the cut is named by
 // group * 16 + lane, its group by page slot * max_page_groups + number in the page.

@@ -1,7 +1,7 @@
 // The mesh of the live cut, edited in place: the thesis' vertex buffer and status array, made incremental.
 //
 // A triangle's key is the vertex at its right angle and a direction: the child of that vertex on its hypotenuse
-// (DESIGN section 3). Activating a vertex replaces the triangle towards it, of each of its parents, by two of its own;
+//. Activating a vertex replaces the triangle towards it, of each of its parents, by two of its own;
 // deactivating it does the reverse. Neither needs more than the parents' vertex slots, because a triangle's indices
 // hold its other corners.
 //

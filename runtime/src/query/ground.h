@@ -1,5 +1,5 @@
 // The ground as queries see it: right isosceles triangles, split from a tile's corners downwards as far as pages are
-// there (DESIGN section 3; thesis 2.5.1).
+// there (thesis 2.5.1).
 //
 // A triangle is split at the middle of its hypotenuse, by the vertex of the diamond it is half of; that vertex' error_m
 // bounds how far any sample under the unsplit triangle is from it. Ground between samples is linear on triangles that

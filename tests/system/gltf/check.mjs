@@ -1,4 +1,4 @@
-// Checks a snapshot without a line of Fjell's code, from what the file says about itself (DESIGN section 7).
+// Checks a snapshot without a line of Fjell's code, from what the file says about itself.
 //
 //   node check.mjs FILE.glb [--heights RAW COLUMNS ROWS] [--forward X Y Z] [--up X Y Z]
 //
