@@ -38,12 +38,14 @@ inline Run run_in(const std::filesystem::path& folder, const std::string& comman
     return result;
 }
 
-// For a command line: waits until the process $p catches these signals (a bit each, from SIGHUP, 1) or has ended. One
-// that comes before its main() ends a program without a word, which on a busy machine may be seconds later.
+// For a command line: waits until the process $p is one of our programs and catches these signals (a bit each, from
+// SIGHUP, 1), or has ended. A signal that comes before that ends a program without a word, which on a busy machine may
+// be seconds later; and before exec() the mask is the shell's, which catches SIGINT itself.
 inline std::string until_caught(unsigned signals) {
     const std::string mask = std::to_string(signals);
-    return "until [ $((0x0$(sed -n 's/^SigCgt:[[:space:]]*//p' /proc/$p/status 2>/dev/null) & " + mask +
-           ")) = " + mask + " ] || ! kill -0 $p 2>/dev/null; do sleep 0.01; done; ";
+    return "until { grep -q ^fjell /proc/$p/comm 2>/dev/null && [ $((0x0$(sed -n 's/^SigCgt:[[:space:]]*//p' "
+           "/proc/$p/status 2>/dev/null) & " +
+           mask + ")) = " + mask + " ]; } || ! kill -0 $p 2>/dev/null; do sleep 0.01; done; ";
 }
 
 } // namespace fjell::test
