@@ -135,7 +135,7 @@ void live_with(std::uint32_t seed, bool torn, int count) {
 } // namespace
 
 TEST_CASE("pages asked back and waited for go without a crack, and at rest the cut is the target of what is left") {
-    live_with(121, false, rounds(16, 48));
+    live_with(121, false, rounds(36, 48));
 }
 
 TEST_CASE("pages torn away without asking leave a whole mesh as well", "[slow]") {
