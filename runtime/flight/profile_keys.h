@@ -1,4 +1,4 @@
-// A profile's keys as data: what each is, what it may be, what it costs, and what has to be made anew when it changes.
+// A profile's keys as data: what each is, what it may be, what it costs, and what has to be recreated when it changes.
 // The reader of profiles, what writes them and an editor's controls all go by this one table.
 //
 // Ownership: none, the table is constant. Thread: any. Failure: none but parse_value()'s answer; values that set() and

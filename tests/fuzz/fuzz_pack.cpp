@@ -102,7 +102,7 @@ void check_pages(const Terrain& t) {
             continue;
         }
         must(entry.slot < t.slot_count && t.slot_page[entry.slot] == page, "a loaded page's slot names it");
-        must(entry.base >= 0 && entry.base <= max_height_steps - 65535, "a page's heights lie on the lattice");
+        must(entry.base >= 0 && entry.base <= max_height_steps - 65535, "a page's heights lie on the height scale");
     }
     must(missing == t.pages_missing, "pages_missing counts the pages that are missing");
     for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
@@ -162,7 +162,7 @@ void query(const Terrain& t) {
         const Coord at{i * 37 % columns, (i * 101 + i / 8) % rows};
         const Terrain::Vertex v = t.vertex(at);
         must(v.loaded || t.pages_missing != 0, "a vertex is there when its page is");
-        must(v.steps >= 0 && v.steps <= max_height_steps, "a height lies on the lattice");
+        must(v.steps >= 0 && v.steps <= max_height_steps, "a height lies on the height scale");
         must(std::isfinite(v.height_m) && v.error_m >= 0 && v.radius_m >= 0, "a vertex' numbers are finite");
         must(std::isfinite(t.ground_m(i * t.header.spacing_m[0] - 0.3, i * 1.7 * t.header.spacing_m[1])),
              "the ground is somewhere");

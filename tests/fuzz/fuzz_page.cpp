@@ -117,7 +117,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     must(raw.size == raw_bytes(pages, page, flags), "a page is as long as its flags say");
     must(!unpacks(pages, page, input, raw.size - 1) && !unpacks(pages, page, input, raw.size + 1),
          "no page is a byte shorter or longer");
-    must(a.base >= 0 && a.base <= max_height_steps - 65535, "a page's heights lie on the lattice");
+    must(a.base >= 0 && a.base <= max_height_steps - 65535, "a page's heights lie on the height scale");
     must(!a.errors_derived || pages.page_step_log2(page) == 0, "only errors of the finest step are derived");
     must((flags & page_voids) || std::none_of(a.radii, a.radii + count, [](auto r) { return r & void_bit; }),
          "a page without holes has none");

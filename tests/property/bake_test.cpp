@@ -177,7 +177,7 @@ TEST_CASE("integer heights are stored without loss") {
         for (std::int32_t x = 0; x < 65; ++x) REQUIRE(pack.terrain.height_m({x, y}) == dem.at(x, y));
 }
 
-TEST_CASE("heights that no lattice can hold exactly are off by at most half a quantum") {
+TEST_CASE("heights that no height scale can hold exactly are off by at most half a quantum") {
     Random random(14);
     const baker::Dem dem = random_dem(random, 65, 65, Shape::noise);
     const auto pack = bake_and_load(dem, small_bake(4));

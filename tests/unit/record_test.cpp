@@ -128,7 +128,7 @@ TEST_CASE("a radius' code is the smallest that is not below it, in whatever unit
     }
 }
 
-TEST_CASE("a step of the lattice is one height, bit for bit, from whichever page's base it is counted") {
+TEST_CASE("a height step is one height, bit for bit, from whichever page's base it is counted") {
     for (const HeightScale height_scale :
          {HeightScale{0, 1}, {-431.7f, 0.1f}, {8848.86f, 0.0005f}, {-0.3f, 1e-6f}, {1e5f, 3.7f}})
         for (const std::int32_t steps :
@@ -148,7 +148,7 @@ TEST_CASE("a step of the lattice is one height, bit for bit, from whichever page
         }
 }
 
-TEST_CASE("more steps of the lattice are never less height") {
+TEST_CASE("more height steps are never less height") {
     for (const HeightScale height_scale : {HeightScale{0, 1}, {-431.7f, 0.1f}, {8848.86f, 0.0005f}}) {
         int falls = 0;
         for (std::int32_t steps = 1; steps <= max_height_steps; steps += steps < 65536 ? 1 : 4099)
