@@ -13,6 +13,7 @@
 #include <epoxy/gl.h>
 #include <imgui.h>
 
+#include "editor/clock.h"
 #include "editor/dump.h"
 #include "editor/files/persistence.h"
 #include "editor/handlers/handlers.h"
@@ -27,12 +28,7 @@ namespace fjell::editor {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using io::Failure;
-
-double microseconds(Clock::duration d) {
-    return std::chrono::duration<double, std::micro>(d).count();
-}
 
 // A stretch of the editor's own code.
 class OwnCode {

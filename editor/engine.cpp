@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "editor/clock.h"
 #include "flight/pictures.h"
 #include "io/failure.h"
 
@@ -14,12 +15,7 @@ namespace fjell::editor {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-constexpr std::uint64_t most_messages = 3; // in full: a damaged pack may have a line for every page
-
-double microseconds(Clock::duration d) {
-    return std::chrono::duration<double, std::micro>(d).count();
-}
+constexpr std::uint64_t most_read_messages = 3; // in full: a damaged pack may have a line for every page
 
 // The most that any changed key takes.
 flight::Rebuild rebuild_of(const flight::Profile& from, const flight::Profile& to) {
@@ -73,7 +69,7 @@ void Engine::open(const std::string& pack, const flight::Profile& profile) {
     unread_ = 0;
     if (session->streamed)
         session->streamed->on_failure([this](const std::string& line) {
-            if (++unread_ <= most_messages)
+            if (++unread_ <= most_read_messages)
                 messages_.push_back(line);
             else if (std::has_single_bit(unread_))
                 messages_.push_back(fmt::format("{}: {} pages or mips cannot be read; the terrain is coarser there; "

@@ -61,7 +61,7 @@ Rgb8 lined(const Rgb8& ground) {
 }
 
 // The terrain, one cell a pixel, or one a sample when the terrain has fewer.
-struct Cells {
+struct PixelSamples {
     std::int32_t columns = 0, rows = 0;
     std::vector<float> height_m, error_m;
     std::vector<std::uint8_t> hole;
@@ -97,7 +97,7 @@ public:
         rim_error_m = static_cast<float>(2 * step) * std::min(terrain.spacing_x_m, terrain.spacing_z_m) * 0.999f;
     }
 
-    Cells run(int threads) {
+    PixelSamples run(int threads) {
         parallel_for(cells.rows, threads, [&](std::int64_t y) { sample_row(static_cast<std::int32_t>(y)); });
         if (terrain.has_voids())
             parallel_for(cells.rows, threads, [&](std::int64_t y) { find_holes(static_cast<std::int32_t>(y)); });
@@ -165,7 +165,7 @@ private:
 
     const Terrain& terrain;
     const Tree tree;
-    Cells cells;
+    PixelSamples cells;
     std::int32_t step = 1; // of the vertices whose errors are shown
     float rim_error_m = 0;
 };
@@ -176,11 +176,11 @@ struct Slope {
 };
 
 struct Relief {
-    const Cells& cells;
+    const PixelSamples& cells;
     float cell_x_m, cell_z_m;
     float exaggeration = 1;
 
-    Relief(const Terrain& terrain, const Cells& of)
+    Relief(const Terrain& terrain, const PixelSamples& of)
         : cells(of),
           cell_x_m(terrain.spacing_x_m * static_cast<float>(terrain.tree.columns()) / static_cast<float>(of.columns)),
           cell_z_m(terrain.spacing_z_m * static_cast<float>(terrain.tree.rows()) / static_cast<float>(of.rows)) {
@@ -215,11 +215,11 @@ struct Relief {
 
 // The logarithmic ramp's ends, over what is seen of the terrain. Errors at the rims of holes are as large as the
 // triangles there and would leave the ground one colour: they count only when there are no others.
-struct Ramp {
+struct PictureRamp {
     float least_m = 0, largest_m = 0;
     bool some_without = false, some_larger = false; // error 0 occurs; one beyond the end does, at a rim
 
-    explicit Ramp(const Cells& cells) {
+    explicit PictureRamp(const PixelSamples& cells) {
         float rim_least_m = 0, rim_largest_m = 0;
         for (std::int32_t y = 0; y < cells.rows; ++y)
             for (std::int32_t x = 0; x < cells.columns; ++x) {
@@ -244,7 +244,7 @@ struct Ramp {
     }
     // What a vertex' error bounds ends within three steps of it, and a cell is at least two wide, or is a single sample
     // with its neighbour.
-    static bool hole_near(const Cells& cells, std::int32_t x, std::int32_t y) {
+    static bool hole_near(const PixelSamples& cells, std::int32_t x, std::int32_t y) {
         for (std::int32_t j = std::max(y - 3, 0); j <= std::min(y + 3, cells.rows - 1); ++j)
             for (std::int32_t i = std::max(x - 3, 0); i <= std::min(x + 3, cells.columns - 1); ++i)
                 if (cells.hole[cells.index(i, j)]) return true;
@@ -389,7 +389,8 @@ private:
     std::int32_t lines = 0;
 };
 
-std::vector<Item> legend_items(const Terrain& terrain, const Cells& cells, const Ramp& ramp, const TileLines& lines) {
+std::vector<Item> legend_items(const Terrain& terrain, const PixelSamples& cells, const PictureRamp& ramp,
+                               const TileLines& lines) {
     constexpr std::int32_t ramp_box = 60, box = 14;
     std::vector<Item> items;
     if (ramp.largest_m > 0)
@@ -429,9 +430,9 @@ Picture make_picture(const Terrain& terrain, const PictureOptions& options) {
                height = static_cast<std::int32_t>(picture.terrain_height);
 
     const int threads = resolve_threads(options.threads);
-    const Cells cells = Sampler(terrain, width, height).run(threads);
+    const PixelSamples cells = Sampler(terrain, width, height).run(threads);
     const Relief relief(terrain, cells);
-    const Ramp ramp(cells);
+    const PictureRamp ramp(cells);
     picture.least_error_m = ramp.least_m;
     picture.largest_error_m = ramp.largest_m;
     const std::uint32_t thickness = std::max(1u, longest / 2048);

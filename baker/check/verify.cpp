@@ -26,11 +26,11 @@ constexpr double rounding_m = 1e-6;
 constexpr double sphere_margin = 1 + 0x1p-17;
 
 // A vertex as its tile's pages have it.
-struct Stored {
+struct StoredVertex {
     std::int32_t steps = 0;
     std::uint8_t error = 0, radius = 0;
     bool seen = false;
-    friend bool operator==(const Stored&, const Stored&) = default;
+    friend bool operator==(const StoredVertex&, const StoredVertex&) = default;
 };
 
 // The original heights around a tile: rows of `stride` floats, the first of sample (x, y); NaN where there is none.
@@ -43,7 +43,7 @@ struct Original {
 
 // The vertices of a tile's border, to be compared with its neighbours'.
 struct Borders {
-    std::vector<Stored> north, south, west, east;
+    std::vector<StoredVertex> north, south, west, east;
 };
 
 // One tile, its border included. Of what neighbours share, the western and the northern tile leave it to the other;
@@ -89,8 +89,8 @@ private:
             const VertexRecord* from = terrain.records + std::size_t{entry.slot} * terrain.page_capacity;
             for (std::uint32_t i = 0; i < terrain.pages.page_vertices(page); ++i) {
                 const Coord c = nw + terrain.pages.coord({page, i});
-                const Stored stored{entry.base + from[i].height, from[i].error, from[i].radius, true};
-                Stored& to = vertices[at(c)];
+                const StoredVertex stored{entry.base + from[i].height, from[i].error, from[i].radius, true};
+                StoredVertex& to = vertices[at(c)];
                 if (to.seen && !(to == stored))
                     note(report.border_mismatches, fmt::format("sample ({}, {}) differs between two pages", c.x, c.y));
                 to = stored;
@@ -280,7 +280,7 @@ private:
     const std::uint32_t tile;
     const std::int32_t side;
     const Coord nw;
-    std::vector<Stored> vertices; // the closed tile's, row by row
+    std::vector<StoredVertex> vertices; // the closed tile's, row by row
     double allowed_m = 0;
     VerifyReport report;
 };
@@ -320,9 +320,9 @@ private:
 
 // Original heights by rows of tiles: whole where they fit or the file can only be decoded from its start, else tile by
 // tile, so that neither memory nor decoding grow with the terrain's width.
-class Heights {
+class SourceHeights {
 public:
-    Heights(const HeightSource& source, const Tree& tree, bool holes, std::size_t row_bytes)
+    SourceHeights(const HeightSource& source, const Tree& tree, bool holes, std::size_t row_bytes)
         : tree_(tree), reader_(source.reader()), holes_(holes) {
         const std::size_t row = static_cast<std::size_t>(tree.side() + 1) * static_cast<std::size_t>(tree.columns());
         whole_rows_ = row * sizeof(float) <= row_bytes || source.readers(2) == 1;
@@ -374,8 +374,8 @@ void add(VerifyReport& all, const VerifyReport& tile) {
     if (all.first.empty()) all.first = tile.first;
 }
 
-void compare(VerifyReport& all, const std::vector<Stored>& a, const std::vector<Stored>& b, const char* where,
-             std::size_t tile) {
+void compare(VerifyReport& all, const std::vector<StoredVertex>& a, const std::vector<StoredVertex>& b,
+             const char* where, std::size_t tile) {
     for (std::size_t i = 0; i < a.size(); ++i) {
         if (a[i] == b[i]) continue;
         ++all.border_mismatches;
@@ -386,7 +386,7 @@ void compare(VerifyReport& all, const std::vector<Stored>& a, const std::vector<
 
 // row_done: after every row of tiles.
 template <typename RowDone>
-VerifyReport check_tiles(const Tree& tree, Pages& pages, Heights* heights, const RowDone& row_done) {
+VerifyReport check_tiles(const Tree& tree, Pages& pages, SourceHeights* heights, const RowDone& row_done) {
     VerifyReport all;
     all.vertices = static_cast<std::uint64_t>(tree.grid_columns()) * static_cast<std::uint64_t>(tree.grid_rows());
     const auto across = static_cast<std::size_t>(tree.tiles_x);
@@ -445,7 +445,7 @@ SourceProperties properties(const HeightSource& source) {
 VerifyReport verify(const io::MappedPack& pack, const HeightSource* against, std::size_t row_bytes) {
     const Tree tree = pack.pack().tree();
     Pages pages(pack);
-    std::optional<Heights> heights;
+    std::optional<SourceHeights> heights;
     if (against) {
         check_size(tree, against->columns, against->rows);
         heights.emplace(*against, tree, properties(*against).holes, row_bytes);
@@ -455,7 +455,7 @@ VerifyReport verify(const io::MappedPack& pack, const HeightSource* against, std
 
 VerifyReport verify(const Terrain& terrain, const HeightSource* against, const Pack* bounds) {
     Pages pages(terrain, bounds);
-    std::optional<Heights> heights;
+    std::optional<SourceHeights> heights;
     if (against) {
         check_size(terrain.tree, against->columns, against->rows);
         heights.emplace(*against, terrain.tree, properties(*against).holes, std::numeric_limits<std::size_t>::max());

@@ -10,15 +10,15 @@ namespace fjell::baker {
 namespace {
 
 // A page's own extremes, the closed borders included.
-struct Extremes {
+struct PageExtremes {
     std::int64_t least = max_height_steps, most = 0;
     double error_m = 0, radius_m = 0;
 };
 
-Extremes extremes_of(const Terrain& terrain, std::uint32_t tile, std::uint32_t page) {
+PageExtremes extremes_of(const Terrain& terrain, std::uint32_t tile, std::uint32_t page) {
     const PageEntry entry = terrain.page_table[std::size_t{tile} * terrain.pages_per_tile + page];
     const VertexRecord* const records = terrain.records + std::size_t{entry.slot} * terrain.page_capacity;
-    Extremes e;
+    PageExtremes e;
     for (std::uint32_t i = 0; i < terrain.pages.page_vertices(page); ++i) {
         const std::int64_t steps = std::int64_t{entry.base} + records[i].height;
         e.least = std::min(e.least, steps);
@@ -38,7 +38,7 @@ Extremes extremes_of(const Terrain& terrain, std::uint32_t tile, std::uint32_t p
 std::string wrong_bound(const Pack& pack, const Terrain& terrain, std::uint32_t tile, std::uint32_t page) {
     const PackHeader& h = pack.header;
     const PageBound b = pack.entry(chunk_index(h, {ChunkKind::geometry, tile, page})).bound;
-    const Extremes e = extremes_of(terrain, tile, page);
+    const PageExtremes e = extremes_of(terrain, tile, page);
     const std::int64_t unit = std::int64_t{1} << bound_shift(h);
     const std::int64_t low = b.low * unit, high = (b.high + std::int64_t{1}) * unit - 1;
     const auto wrong = [&](const char* what, double said, double is) {

@@ -9,8 +9,8 @@ namespace fjell::baker {
 
 namespace {
 
-constexpr std::int32_t n = page_squares;
-constexpr std::int32_t first_side_x = n * n, first_side_y = first_side_x + n * (n + 1);
+constexpr std::int32_t squares = page_squares;
+constexpr std::int32_t first_side_x = squares * squares, first_side_y = first_side_x + squares * (squares + 1);
 
 [[gnu::always_inline]] inline std::uint16_t fold(std::uint32_t difference) {
     const auto d = static_cast<std::int16_t>(difference);
@@ -19,30 +19,31 @@ constexpr std::int32_t first_side_x = n * n, first_side_y = first_side_x + n * (
 
 // Differences from what a reader predicts, from heights it already has; all modulo 2^16.
 FJELL_CLONES void block_residuals(const std::uint16_t* h, std::uint16_t* out) {
-    for (std::int32_t j = 0; j < n; ++j) {
-        const std::uint16_t* const row = h + j * n;
-        std::uint16_t line[n]; // less the row before
-        for (std::int32_t i = 0; i < n; ++i) line[i] = static_cast<std::uint16_t>(row[i] - (j ? row[i - n] : 0));
-        std::uint16_t* const to = out + j * n;
+    for (std::int32_t j = 0; j < squares; ++j) {
+        const std::uint16_t* const row = h + j * squares;
+        std::uint16_t line[squares]; // less the row before
+        for (std::int32_t i = 0; i < squares; ++i)
+            line[i] = static_cast<std::uint16_t>(row[i] - (j ? row[i - squares] : 0));
+        std::uint16_t* const to = out + j * squares;
         to[0] = fold(line[0]);
-        for (std::int32_t i = 1; i < n; ++i) to[i] = fold(static_cast<std::uint32_t>(line[i] - line[i - 1]));
+        for (std::int32_t i = 1; i < squares; ++i) to[i] = fold(static_cast<std::uint32_t>(line[i] - line[i - 1]));
     }
-    for (std::int32_t j = 0; j <= n; ++j) {
-        const std::uint16_t* const north = h + (j == 0 ? 0 : j - 1) * n;
-        const std::uint16_t* const south = h + (j == n ? n - 1 : j) * n;
-        const std::uint16_t* const row = h + first_side_x + j * n;
-        std::uint16_t* const to = out + first_side_x + j * n;
-        for (std::int32_t i = 0; i < n; ++i)
+    for (std::int32_t j = 0; j <= squares; ++j) {
+        const std::uint16_t* const north = h + (j == 0 ? 0 : j - 1) * squares;
+        const std::uint16_t* const south = h + (j == squares ? squares - 1 : j) * squares;
+        const std::uint16_t* const row = h + first_side_x + j * squares;
+        std::uint16_t* const to = out + first_side_x + j * squares;
+        for (std::int32_t i = 0; i < squares; ++i)
             to[i] = fold(row[i] - ((static_cast<std::uint32_t>(north[i]) + south[i]) >> 1));
     }
-    for (std::int32_t j = 0; j < n; ++j) {
-        const std::uint16_t* const centre = h + j * n;
-        const std::uint16_t* const row = h + first_side_y + j * (n + 1);
-        std::uint16_t* const to = out + first_side_y + j * (n + 1);
+    for (std::int32_t j = 0; j < squares; ++j) {
+        const std::uint16_t* const centre = h + j * squares;
+        const std::uint16_t* const row = h + first_side_y + j * (squares + 1);
+        std::uint16_t* const to = out + first_side_y + j * (squares + 1);
         to[0] = fold(static_cast<std::uint32_t>(row[0]) - centre[0]);
-        for (std::int32_t i = 1; i < n; ++i)
+        for (std::int32_t i = 1; i < squares; ++i)
             to[i] = fold(row[i] - ((static_cast<std::uint32_t>(centre[i - 1]) + centre[i]) >> 1));
-        to[n] = fold(static_cast<std::uint32_t>(row[n]) - centre[n - 1]);
+        to[squares] = fold(static_cast<std::uint32_t>(row[squares]) - centre[squares - 1]);
     }
 }
 
@@ -55,7 +56,7 @@ void row_residuals(const std::uint16_t* h, std::uint32_t count, std::uint32_t ro
 }
 
 // What a page consists of, in the order in which it is stored.
-struct Stored {
+struct StoredArrays {
     std::uint32_t count = 0;
     const std::uint16_t* residuals = nullptr;
     bool errors = false, voids = false;
@@ -68,7 +69,7 @@ FJELL_CLONES std::uint32_t all_bits(const std::uint16_t* from, std::uint32_t cou
     return all;
 }
 
-std::vector<std::byte> assemble(const PageArrays& a, const Stored& s) {
+std::vector<std::byte> assemble(const PageArrays& a, const StoredArrays& s) {
     const bool wide = all_bits(s.residuals, s.count) > 0xff;
     const PageHead head{
         a.base,
@@ -123,9 +124,10 @@ float largest_radius_m(const PackHeader& header, int level, std::span<const std:
 // A block's three planes row by row: visit(kind, first vertex, row, columns).
 template <typename Visit>
 void for_each_row(const Visit& visit) {
-    for (std::int32_t j = 0; j < n; ++j) visit(VertexKind::centre, j * n, j, n);
-    for (std::int32_t j = 0; j <= n; ++j) visit(VertexKind::side_x, first_side_x + j * n, j, n);
-    for (std::int32_t j = 0; j < n; ++j) visit(VertexKind::side_y, first_side_y + j * (n + 1), j, n + 1);
+    for (std::int32_t j = 0; j < squares; ++j) visit(VertexKind::centre, j * squares, j, squares);
+    for (std::int32_t j = 0; j <= squares; ++j) visit(VertexKind::side_x, first_side_x + j * squares, j, squares);
+    for (std::int32_t j = 0; j < squares; ++j)
+        visit(VertexKind::side_y, first_side_y + j * (squares + 1), j, squares + 1);
 }
 
 template <typename T>
@@ -154,8 +156,9 @@ FJELL_CLONES void gather(const StepPageInput& in, PageArrays& a) {
 
 bool reader_knows(const StepPageInput& in, const PageArrays& a) {
     CornerSteps corners;
-    for (std::int32_t j = 0; j <= n; ++j)
-        std::copy_n(in.steps.corner.row(in.j + j) + in.i, n + 1, corners + j * static_cast<std::int32_t>(page_corners));
+    for (std::int32_t j = 0; j <= squares; ++j)
+        std::copy_n(in.steps.corner.row(in.j + j) + in.i, squares + 1,
+                    corners + j * static_cast<std::int32_t>(page_corners));
     PageArrays reader;
     reader.base = a.base;
     std::memcpy(reader.heights, a.heights, sizeof a.heights);
@@ -170,7 +173,7 @@ EncodedPage encode_step_page(const StepPageInput& input) {
     gather(input, a);
     std::uint16_t residuals[max_page_vertices];
     block_residuals(a.heights, residuals);
-    Stored s;
+    StoredArrays s;
     s.count = max_page_vertices;
     s.residuals = residuals;
     s.errors = !input.leaf || !reader_knows(input, a);
@@ -189,11 +192,11 @@ EncodedPage encode_step_page(const StepPageInput& input) {
             for (std::int32_t i = 0; i < columns; i += step)
                 s.radii.push_back(input.radii.at(kind, input.i + i, input.j + j));
     };
-    take(VertexKind::centre, n, n);
-    take(VertexKind::side_x, n, n + 1);
-    take(VertexKind::side_y, n + 1, n);
+    take(VertexKind::centre, squares, squares);
+    take(VertexKind::side_x, squares, squares + 1);
+    take(VertexKind::side_y, squares + 1, squares);
     // Centres, then sides, whose level is the next and counts on a unit of its own.
-    constexpr std::size_t centres = std::size_t{n / step} * (n / step);
+    constexpr std::size_t centres = std::size_t{squares / step} * (squares / step);
     const int level = 2 * (static_cast<int>(input.header.tile_log2) - 1 - input.z);
     const std::span codes(s.radii);
     const float radius_m = std::max(largest_radius_m(input.header, level, codes.first(centres)),
@@ -207,7 +210,7 @@ EncodedPage encode_mixed_page(const PackHeader& header, std::uint32_t page,
     const Tree tree{pages.tile_log2};
     const PageLayout canonical{pages.tile_log2, pages.order == Order::linear ? Order::linear : Order::planar};
     PageArrays a;
-    Stored s;
+    StoredArrays s;
     s.count = canonical.page_vertices(page);
     std::vector<MixedPageVertex> vertices(s.count);
     std::int32_t least = max_height_steps - 65535;

@@ -107,7 +107,7 @@ float wave(float t) {
 // The pivots of the 3 x 3 cells around a sample, from the middle cell's corner. Neighbouring samples mostly share them,
 // so a row remembers the last ones of every octave. Twelve, so that the loop over them fills whole SIMD registers; the
 // last three are out of reach.
-struct Cells {
+struct GullyCells {
     std::int32_t i = INT32_MIN, j = INT32_MIN;
     std::array<float, 12> x{}, y{};
 
@@ -131,7 +131,7 @@ struct Cells {
 
 // Waves along `across` (unit length), one phase per jittered cell, blended by compact kernels. The crests of one cell
 // are straight; the blend lets them fork and end. value in -1..1; dx, dy: gradient.
-Field steered_waves(Cells& cells, double x, double y, float across_x, float across_y, std::uint32_t salt) {
+Field steered_waves(GullyCells& cells, double x, double y, float across_x, float across_y, std::uint32_t salt) {
     const std::int32_t i = whole(x), j = whole(y);
     cells.move(i, j, salt);
     const auto fx = static_cast<float>(x - i), fy = static_cast<float>(y - j);
@@ -172,7 +172,7 @@ public:
           lowland_(static_cast<float>(recipe.lowland)), octaves_(recipe.octaves ? recipe.octaves : 32) {}
 
     static constexpr std::uint32_t gully_octaves = 5;
-    using Row = std::array<Cells, gully_octaves>; // what a row of samples remembers
+    using Row = std::array<GullyCells, gully_octaves>; // what a row of samples remembers
 
     [[nodiscard]] float height(Row& row, double x, double y) const {
         // Bending the domain turns straight ranges into arcs. Everything after it lives in the bent domain, slopes too.

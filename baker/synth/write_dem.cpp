@@ -30,7 +30,7 @@ namespace {
 constexpr std::int32_t tile = 256; // samples a side
 
 // Heights from wherever they lie: rows y and on, as many as `to` holds; NaN where there is none, if `holes`.
-struct Heights {
+struct HeightRows {
     std::int32_t columns, rows;
     const double (&spacing_m)[2], (&origin_m)[2], (&crs_step)[2];
     const std::string& crs_wkt;
@@ -43,7 +43,7 @@ struct Heights {
 
 // visit(y, rows): a row of tiles after the other, until it says no.
 template <typename Visit>
-bool each_band(const Heights& heights, std::vector<float>& rows, const Visit& visit) {
+bool each_band(const HeightRows& heights, std::vector<float>& rows, const Visit& visit) {
     for (std::int32_t y = 0; y < heights.rows; y += tile) {
         io::check_interrupt();
         const std::int32_t n = std::min(tile, heights.rows - y);
@@ -59,7 +59,7 @@ struct HeightScale16 {
     double step_m, base_m;
     [[nodiscard]] double steps(float height) const { return std::round((height - base_m) / step_m); }
 };
-std::optional<HeightScale16> height_scale_of(const Heights& heights) {
+std::optional<HeightScale16> height_scale_of(const HeightRows& heights) {
     if (!(heights.native_quantum_m > 0) || heights.form == DemForm::plain) return {};
     const double q = heights.native_quantum_m;
     // The base is itself a whole number of steps where it can be: 123.4f is not 123.4.
@@ -75,7 +75,7 @@ std::optional<HeightScale16> height_scale_of(const Heights& heights) {
     return exact ? std::optional(height_scale) : std::nullopt;
 }
 
-void set_place(GDALDataset& file, const Heights& dem) {
+void set_place(GDALDataset& file, const HeightRows& dem) {
     double step[2] = {dem.crs_step[0], dem.crs_step[1]};
     if (!(step[0] > 0 && step[1] > 0)) crs_step_of(dem.spacing_m, dem.crs_wkt, step);
     OGRSpatialReference crs;
@@ -94,7 +94,7 @@ void set_place(GDALDataset& file, const Heights& dem) {
 }
 
 // Writes the bands, or reads them back and compares.
-bool move_rows(GDALDataset& file, const Heights& heights, const std::optional<HeightScale16>& height_scale,
+bool move_rows(GDALDataset& file, const HeightRows& heights, const std::optional<HeightScale16>& height_scale,
                GDALRWFlag way) {
     GDALRasterBand& band = *file.GetRasterBand(1);
     std::vector<float> rows, found;
@@ -113,7 +113,7 @@ bool move_rows(GDALDataset& file, const Heights& heights, const std::optional<He
     });
 }
 
-GdalFile create(GDALDriver& driver, const std::string& name, const Heights& heights,
+GdalFile create(GDALDriver& driver, const std::string& name, const HeightRows& heights,
                 const std::optional<HeightScale16>& height_scale) {
     CPLStringList options;
     options.SetNameValue("TILED", "YES");
@@ -136,7 +136,7 @@ GdalFile create(GDALDriver& driver, const std::string& name, const Heights& heig
     return file;
 }
 
-void write_heights(const Heights& heights, const std::string& path, const std::string& temporary) {
+void write_heights(const HeightRows& heights, const std::string& path, const std::string& temporary) {
     io::AtomicFile out(path, temporary);
     GdalMessages messages;
     register_drivers();

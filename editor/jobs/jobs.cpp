@@ -6,13 +6,13 @@
 #include <system_error>
 #include <utility>
 
+#include "editor/clock.h"
 #include "io/failure.h"
 
 namespace fjell::editor {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds between_shown{50};
 
 double seconds(Clock::duration d) {

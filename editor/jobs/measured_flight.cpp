@@ -8,6 +8,7 @@
 
 #include <epoxy/gl.h>
 
+#include "editor/clock.h"
 #include "flight/pictures.h"
 #include "flight/session.h"
 #include "gl/context.h"
@@ -17,12 +18,6 @@
 namespace fjell::editor {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double microseconds(Clock::duration d) {
-    return std::chrono::duration<double, std::micro>(d).count();
-}
 
 // What this thread has had of the processor: what others took of it meanwhile is not the terrain's.
 double thread_us() {

@@ -11,7 +11,7 @@ namespace fjell::editor {
 namespace {
 
 // One file dialog is open at a time.
-FileBrowserForm form;
+FileBrowserForm browser_form;
 
 // As wide as the longest of some, so that they stand in a column.
 bool wide_button(const char* label, const char* name) {
@@ -32,21 +32,21 @@ bool exists(const std::string& path) {
 
 // What is opened again is told by it.
 void add_extension(const char* extension) {
-    const std::size_t length = std::strlen(form.name), added = std::strlen(extension);
-    if (length >= added && std::strcmp(form.name + length - added, extension) == 0) return;
-    if (length + added < sizeof form.name) std::memcpy(form.name + length, extension, added + 1);
+    const std::size_t length = std::strlen(browser_form.name), added = std::strlen(extension);
+    if (length >= added && std::strcmp(browser_form.name + length - added, extension) == 0) return;
+    if (length + added < sizeof browser_form.name) std::memcpy(browser_form.name + length, extension, added + 1);
 }
 
-// Saving under a name; own: the file it came from, which is overwritten without a word. True: at form.name, now.
+// Saving under a name; own: the file it came from, which is overwritten without a word. True: at that name, now.
 bool save_as(const State& state, Commands& commands, const std::string& own, const char* otherwise,
              const char* extension) {
-    begin_file_browser(form, state, own.empty() ? otherwise : last_part(own));
-    if (form.asks) return draw_overwrite(form);
-    if (!draw_file_browser(state, commands, form, "Save")) return false;
+    begin_file_browser(browser_form, state, own.empty() ? otherwise : last_part(own));
+    if (browser_form.asks) return draw_overwrite(browser_form);
+    if (!draw_file_browser(state, commands, browser_form, "Save")) return false;
     add_extension(extension);
-    const std::string path = state.files.browser.path_of(form.name);
-    form.asks = exists(path) && path != own;
-    return !form.asks;
+    const std::string path = state.files.browser.path_of(browser_form.name);
+    browser_form.asks = exists(path) && path != own;
+    return !browser_form.asks;
 }
 
 void draw_sample_progress(const State& state, Commands& commands) {
@@ -129,30 +129,30 @@ void draw_start(const State& state, Commands& commands) {
 }
 
 void draw_open_file(const State& state, Commands& commands) {
-    begin_file_browser(form, state, "");
-    if (draw_file_browser(state, commands, form, "Open"))
-        commands.push(OpenFile{state.files.browser.path_of(form.name)});
+    begin_file_browser(browser_form, state, "");
+    if (draw_file_browser(state, commands, browser_form, "Open"))
+        commands.push(OpenFile{state.files.browser.path_of(browser_form.name)});
 }
 
 void draw_save_profile(const State& state, Commands& commands) {
     if (save_as(state, commands, state.document.path(), "profile.toml", ".toml"))
-        commands.push(SaveProfile{state.files.browser.path_of(form.name)});
+        commands.push(SaveProfile{state.files.browser.path_of(browser_form.name)});
 }
 
 void draw_save_path(const State& state, Commands& commands) {
     if (save_as(state, commands, state.route.path(), "path.json", ".json"))
-        commands.push(SavePath{state.files.browser.path_of(form.name)});
+        commands.push(SavePath{state.files.browser.path_of(browser_form.name)});
 }
 
 void draw_compare(const State& state, Commands& commands) {
     if (state.document.compared() == nullptr) {
-        begin_file_browser(form, state, "");
+        begin_file_browser(browser_form, state, "");
         if (ImGui::Button("With the saved profile")) commands.push(CompareProfile{});
         ui::mark("compare", "saved");
         ImGui::SameLine();
         ImGui::TextUnformatted("or with another profile:");
-        if (draw_file_browser(state, commands, form, "Compare"))
-            commands.push(CompareProfile{state.files.browser.path_of(form.name)});
+        if (draw_file_browser(state, commands, browser_form, "Compare"))
+            commands.push(CompareProfile{state.files.browser.path_of(browser_form.name)});
         return;
     }
     draw_differences(state, commands);

@@ -10,7 +10,7 @@ namespace {
 struct Key {
     const char *keys, *what; // what null: a heading
 };
-constexpr Key keys[] = {
+constexpr Key all_keys[] = {
     {"Camera", nullptr},
     {"W S, A D", "fly forwards and back, left and right; in orbit: pan"},
     {"E Q", "up and down"},
@@ -39,12 +39,6 @@ constexpr Key keys[] = {
     {"Ctrl Q", "quit"},
 };
 
-ImVec4 severity_colour(Severity severity) {
-    return ImGui::ColorConvertU32ToFloat4(severity == Severity::error     ? ui::bad
-                                          : severity == Severity::warning ? ui::warning_colour
-                                                                          : ui::good);
-}
-
 } // namespace
 
 void draw_keys(const State&, Commands&) {
@@ -53,7 +47,7 @@ void draw_keys(const State&, Commands&) {
         ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed,
                                 ImGui::CalcTextSize("Right drag, Shift drag").x + ImGui::GetFontSize());
         ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
-        for (const Key& key : keys) {
+        for (const Key& key : all_keys) {
             ImGui::TableNextRow();
             ImGui::TableNextColumn();
             if (key.what == nullptr) {
@@ -80,7 +74,7 @@ void draw_messages(const State& state, Commands& commands) {
         std::snprintf(time, sizeof time, "%d:%02d", seconds / 60, seconds % 60);
         ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::quiet), "%s", time);
         ImGui::SameLine(4 * ImGui::GetFontSize());
-        ImGui::PushStyleColor(ImGuiCol_Text, severity_colour(message->severity));
+        ImGui::PushStyleColor(ImGuiCol_Text, ImGui::ColorConvertU32ToFloat4(ui::severity_colour(message->severity)));
         ImGui::PushTextWrapPos(0);
         ImGui::TextUnformatted(message->text.c_str());
         if (message->times > 1) ImGui::Text("(%u times)", message->times);

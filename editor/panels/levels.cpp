@@ -12,10 +12,6 @@ namespace fjell::editor {
 
 namespace {
 
-ImU32 colour(const gl::Rgb8& rgb) {
-    return IM_COL32(rgb[0], rgb[1], rgb[2], 255);
-}
-
 // "0  64 cells": a bar as long as its share of the fullest level.
 void level_bar(const LevelHistogram& levels, std::uint32_t level, int tile_log2, double cell_m) {
     const float em = ImGui::GetFontSize(), names = 6 * em, numbers = 4.2F * em;
@@ -35,7 +31,7 @@ void level_bar(const LevelHistogram& levels, std::uint32_t level, int tile_log2,
     const float share = levels.most > 0 ? static_cast<float>(count) / static_cast<float>(levels.most) : 0;
     const float x = from.x + names;
     list.AddRectFilled({x, from.y + 0.1F * em}, {x + std::max(share * room, count > 0 ? 1.0F : 0.0F), from.y + em},
-                       colour(gl::level_rgb(static_cast<int>(level), tile_log2)));
+                       ui::colour(gl::level_rgb(static_cast<int>(level), tile_log2)));
     char number[16];
     ui::short_number(number, count);
     list.AddText({from.x + width - ImGui::CalcTextSize(number).x, from.y}, ImGui::GetColorU32(ImGuiCol_Text), number);

@@ -11,10 +11,10 @@ namespace fjell::editor {
 
 namespace {
 
-struct Text {
+struct Choice {
     const char *label, *about;
 };
-constexpr Text modes[] = {
+constexpr Choice modes[] = {
     {"Shaded", "Colours and light, as in a game."},
     {"Wire", "Shaded, with the edges of all triangles."},
     {"Levels", "Every triangle in its level's colour: coarse ones violet and blue, fine ones orange and red."},
@@ -24,7 +24,7 @@ constexpr Text modes[] = {
     {"Distance", "White at the near plane, black beyond the terrain; logarithmic."},
 };
 static_assert(std::size(modes) == flight::picture_modes, "a mode was added: say what it shows");
-constexpr Text overlay_texts[] = {
+constexpr Choice overlay_choices[] = {
     {"Wireframe", "Edges of all triangles."},
     {"Tile borders", "Borders of tiles, on the ground and in the overview."},
     {"Page borders", "Borders of pages, which are loaded and evicted as a whole."},
@@ -34,11 +34,7 @@ constexpr Text overlay_texts[] = {
                    "heights are read first."},
     {"Camera path", "The path, its points and the recording in progress; hidden during playback."},
 };
-static_assert(std::size(overlay_texts) == overlays, "an overlay was added: say what it shows");
-
-ImU32 colour(const gl::Rgb8& rgb) {
-    return IM_COL32(rgb[0], rgb[1], rgb[2], 255);
-}
+static_assert(std::size(overlay_choices) == overlays, "an overlay was added: say what it shows");
 
 void note(const char* text) {
     ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
@@ -75,7 +71,7 @@ void step_legend(const Scene& scene, int tile_log2, bool levels) {
         else
             std::snprintf(text, sizeof text, step_m < 10000 ? "%.4g m" : "%.3g km",
                           step_m < 10000 ? step_m : step_m / 1000);
-        legend.entry(colour(levels ? gl::level_rgb(i, tile_log2) : gl::step_rgb(i, tile_log2)), text);
+        legend.entry(ui::colour(levels ? gl::level_rgb(i, tile_log2) : gl::step_rgb(i, tile_log2)), text);
     }
 }
 
@@ -89,7 +85,7 @@ void mip_legend(int mips) {
     char text[16];
     for (int i = 0; i < mips; ++i) {
         std::snprintf(text, sizeof text, "%d", i);
-        legend.entry(colour(gl::mip_rgb(i, mips)), text);
+        legend.entry(ui::colour(gl::mip_rgb(i, mips)), text);
     }
 }
 
@@ -99,10 +95,10 @@ void error_legend(double promised_px) {
     char text[40];
     for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
         std::snprintf(text, sizeof text, share < 1 ? "%.3g" : "%.3g px: the bound", share * promised_px);
-        legend.entry(colour(gl::error_rgb(share)), text);
+        legend.entry(ui::colour(gl::error_rgb(share)), text);
     }
-    legend.entry(colour(gl::error_stops[4]), "above the bound");
-    legend.entry(colour(gl::error_stops[5]), "no reference");
+    legend.entry(ui::colour(gl::error_stops[4]), "above the bound");
+    legend.entry(ui::colour(gl::error_stops[5]), "no reference");
 }
 
 void draw_legend(const State& state) {
@@ -160,7 +156,7 @@ const char* label_of(flight::PictureMode mode) {
 }
 
 const char* label_of(Overlay overlay) {
-    return overlay_texts[static_cast<std::size_t>(overlay)].label;
+    return overlay_choices[static_cast<std::size_t>(overlay)].label;
 }
 
 void draw_picture(const State& state, Commands& commands) {
@@ -179,9 +175,9 @@ void draw_picture(const State& state, Commands& commands) {
     for (int i = 0; i < overlays; ++i) {
         bool on = state.interface.overlay[static_cast<std::size_t>(i)];
         second_column(i);
-        if (ImGui::Checkbox(overlay_texts[i].label, &on)) commands.push(SetOverlay{static_cast<Overlay>(i), on});
+        if (ImGui::Checkbox(overlay_choices[i].label, &on)) commands.push(SetOverlay{static_cast<Overlay>(i), on});
         ui::mark("overlay", overlay_names[i]);
-        ui::tip(overlay_texts[i].about);
+        ui::tip(overlay_choices[i].about);
     }
     if (state.scene.open()) explain_overlays(state);
     draw_scale(state, commands);

@@ -18,10 +18,6 @@ struct Part {
     const char* about = "";
 };
 
-ImU32 severity_colour(Severity severity) {
-    return severity == Severity::error ? ui::bad : severity == Severity::warning ? ui::warning_colour : ui::good;
-}
-
 // Green: as asked for. Amber: it lags, or pages are missing. Red: a budget does not suffice.
 Part threshold_part(const State& state) {
     const flight::FrameEntry& e = state.measures.last();
@@ -118,7 +114,7 @@ void draw_message(const State& state, float room, Commands& commands) {
     // A UTF-8 character's later bytes are not cut from its first.
     while (long_one && end > text && (ImGui::CalcTextSize(text, end).x + dots > room || (*end & 0xC0) == 0x80)) --end;
     ImDrawList& list = *ImGui::GetWindowDrawList();
-    const ImU32 colour = severity_colour(newest.severity);
+    const ImU32 colour = ui::severity_colour(newest.severity);
     list.AddText(from, colour, text, end);
     if (long_one) list.AddText({from.x + ImGui::CalcTextSize(text, end).x, from.y}, colour, " ...");
 }

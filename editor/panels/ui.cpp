@@ -95,6 +95,14 @@ const std::vector<Mark>& marks() {
     return standard_folders;
 }
 
+ImU32 severity_colour(Severity severity) {
+    return severity == Severity::error ? bad : severity == Severity::warning ? warning_colour : good;
+}
+
+ImU32 colour(const gl::Rgb8& rgb) {
+    return IM_COL32(rgb[0], rgb[1], rgb[2], 255);
+}
+
 void tip(const char* text) {
     // While it is dragged, what it does beside it shall be seen.
     if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled) || ImGui::IsItemActive()) return;

@@ -12,6 +12,7 @@
 
 #include "editor/command.h"
 #include "editor/state.h"
+#include "gl/palette.h"
 
 namespace fjell::editor::ui {
 
@@ -51,5 +52,7 @@ void row(const char* label, const char* format, ...) IM_FMTARGS(2);
 
 inline constexpr ImU32 good = IM_COL32(110, 200, 120, 255), warning_colour = IM_COL32(235, 190, 80, 255),
                        bad = IM_COL32(240, 105, 95, 255), quiet = IM_COL32(150, 158, 170, 255);
+[[nodiscard]] ImU32 severity_colour(Severity severity);
+[[nodiscard]] ImU32 colour(const gl::Rgb8& rgb);
 
 } // namespace fjell::editor::ui

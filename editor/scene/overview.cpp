@@ -9,13 +9,13 @@
 
 #include <epoxy/gl.h>
 
+#include "editor/clock.h"
 #include "fjell/query.h"
 
 namespace fjell::editor {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t texels_a_look = 16;   // at the clock
 constexpr std::uint32_t first_step = 4;       // texels a side, of the first pass
 constexpr std::uint32_t frames_between = 30;  // passes over a terrain that is still coming

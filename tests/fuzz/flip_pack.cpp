@@ -87,7 +87,7 @@ private:
 
 } // namespace
 
-TEST_CASE("random flips of a small pack are refused or read right", "[slow]") {
+TEST_CASE("random flips of a small pack are refused or read right") {
     const io::LoadedPack original = small_pack();
     REQUIRE(original.terrain.has_voids());
     Reader reader(original);

@@ -42,8 +42,7 @@ void change_bound(io::LoadedPack& pack, std::uint32_t tile, std::uint32_t page, 
 } // namespace
 
 TEST_CASE(
-    "errors and spheres nest and bound the original heights, and bounds hold pages, whatever the terrain and tiling",
-    "[slow]") {
+    "errors and spheres nest and bound the original heights, and bounds hold pages, whatever the terrain and tiling") {
     Random random(11);
     int coarse_heights = 0, holed = 0, cut_off = 0;
     for (int round = 0; round < rounds(75, 300); ++round) {
@@ -70,7 +69,7 @@ TEST_CASE(
     CHECK(cut_off > rounds(45, 200));
 }
 
-TEST_CASE("a pack does not depend on threads, memory or how the work is cut", "[slow]") {
+TEST_CASE("a pack does not depend on threads, memory or how the work is cut") {
     Random random(12);
     for (int round = 0; round < rounds(10, 40); ++round) {
         const int log2 = pick(random, 1, 7);

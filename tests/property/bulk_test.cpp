@@ -7,7 +7,7 @@
 using namespace fjell;
 using namespace fjell::test;
 
-TEST_CASE("a cut built at once is the same as one refined step by step, and lives on alike", "[slow]") {
+TEST_CASE("a cut built at once is the same as one refined step by step, and lives on alike") {
     Random random(102);
     for (int round = 0; round < rounds(35, 150); ++round) {
         const auto pack = random_terrain(random, round % 5 == 4 ? 300 : 140, round % 5 == 4 ? 8 : 6);

@@ -138,7 +138,7 @@ TEST_CASE("pages asked back and waited for go without a crack, and at rest the c
     live_with(121, false, rounds(36, 48));
 }
 
-TEST_CASE("pages torn away without asking leave a whole mesh as well", "[slow]") {
+TEST_CASE("pages torn away without asking leave a whole mesh as well") {
     live_with(122, true, rounds(16, 48));
 }
 

@@ -17,7 +17,7 @@ bool within(double measured_px, double threshold_px) {
 
 } // namespace
 
-TEST_CASE("at rest the live cut is the recursive method's mesh, triangle for triangle", "[slow]") {
+TEST_CASE("at rest the live cut is the recursive method's mesh, triangle for triangle") {
     Random random(101);
     for (int round = 0; round < rounds(30, 120); ++round) {
         const auto pack = random_terrain(random, round % 10 == 9 ? 300 : 140, round % 10 == 9 ? 8 : 6);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fjell/measure.h"
+#include "support/cut_scene.h"
 #include "support/mesh_check.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
@@ -23,10 +24,6 @@ io::LoadedPack random_holed_terrain(Random& random, bool large) {
     options.order = static_cast<Order>(pick(random, 0, 2));
     options.estimate = pick(random, 0, 3) ? Estimate::max : Estimate::midpoint;
     return bake_and_load(std::move(dem), options);
-}
-
-double random_threshold(Random& random) {
-    return std::pow(10.0, uniform(random, -1.5, 2));
 }
 
 // Every sample in the closed triangle.
@@ -72,8 +69,7 @@ double rim_px(const Terrain& terrain, const std::vector<Triangle>& whole, const 
 
 } // namespace
 
-TEST_CASE("a mesh with holes is the whole one less the triangles with a corner in a hole, and rims keep the bound",
-          "[slow]") {
+TEST_CASE("a mesh with holes is the whole one less the triangles with a corner in a hole, and rims keep the bound") {
     Random random(41);
     std::size_t dropped = 0, kept = 0;
     for (int round = 0; round < rounds(60, 200); ++round) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fjell/measure.h"
+#include "support/cut_scene.h"
 #include "support/mesh_check.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
@@ -25,10 +26,6 @@ io::LoadedPack random_terrain(Random& random, const Tiling& t, double nesting) {
     const auto shape = static_cast<Shape>(pick(random, 0, static_cast<int>(Shape::count) - 1));
     return bake_and_load(random_dem(random, (t.tiles_x << t.tile_log2) + 1, (t.tiles_y << t.tile_log2) + 1, shape),
                          small_bake(t.tile_log2, nesting));
-}
-
-double random_threshold(Random& random) {
-    return std::pow(10.0, uniform(random, -1.5, 2));
 }
 
 // The bound a measured error must keep: the threshold, and nothing else: the mesh and the measure use the same heights.
@@ -85,7 +82,7 @@ TEST_CASE("with culling the mesh stays crack-free and keeps the bound inside the
         }
 }
 
-TEST_CASE("any extents: the same holds for terrains that end inside their last tiles, strips too", "[slow]") {
+TEST_CASE("any extents: the same holds for terrains that end inside their last tiles, strips too") {
     Random random(12);
     for (int round = 0; round < rounds(65, 300); ++round) {
         const bool large = round % 60 == 59;

@@ -91,7 +91,7 @@ Flight fly(const Terrain& terrain, CutSettings settings, std::uint32_t items, in
 
 } // namespace
 
-TEST_CASE("morphing by error, no sample jumps by more than a twentieth of a pixel in a hundredth of a cell", "[slow]") {
+TEST_CASE("morphing by error, no sample jumps by more than a twentieth of a pixel in a hundredth of a cell") {
     Random random(301);
     for (int round = 0; round < rounds(2, 6); ++round) {
         const auto pack = rich_terrain(random, 65, 6);
@@ -180,7 +180,7 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
 }
 
 // Pages asked back: their vertices sink before they go. The eye rests, so nothing else moves.
-TEST_CASE("pages that leave do so without a step when vertices morph, and with one when they do not", "[slow]") {
+TEST_CASE("pages that leave do so without a step when vertices morph, and with one when they do not") {
     Random random(212);
     for (int round = 0; round < rounds(1, 2); ++round) {
         const auto pack = bake_and_load(random_dem(random, 129, 129, Shape::fractal), small_bake(7));

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "fjell/measure.h"
+#include "support/cut_scene.h"
 #include "support/mesh_check.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
@@ -16,10 +17,6 @@ using namespace fjell;
 using namespace fjell::test;
 
 namespace {
-
-double random_threshold(Random& random) {
-    return std::pow(10.0, uniform(random, -1.5, 2));
-}
 
 // Loads a random subset, from coarse to fine as pages ask for, then takes some away again, coarse ones too.
 void load_some(Random& random, const Pack& pack, Terrain& terrain) {
@@ -121,7 +118,7 @@ TEST_CASE("the same height field gives the same mesh in every order") {
     }
 }
 
-TEST_CASE("missing pages make coarser terrain, exactly the target, and never a crack", "[slow]") {
+TEST_CASE("missing pages make coarser terrain, exactly the target, and never a crack") {
     Random random(52);
     std::size_t incomplete = 0, refined = 0;
     for (int round = 0; round < rounds(30, 120); ++round) {

@@ -121,7 +121,7 @@ double reach_cells(const Terrain& t, const Ray& ray) {
 
 } // namespace
 
-TEST_CASE("with all pages a ray meets the triangle that it meets first of all", "[slow]") {
+TEST_CASE("with all pages a ray meets the triangle that it meets first of all") {
     Random random(611);
     std::size_t met = 0, missed = 0;
     for (int round = 0; round < rounds(60, 250); ++round) {
@@ -159,8 +159,7 @@ TEST_CASE("with all pages a ray meets the triangle that it meets first of all", 
     REQUIRE(missed > rounds<std::size_t>(60, 300));
 }
 
-TEST_CASE("whatever pages are missing, a ray's hit is within its error of the ground, and no ground is passed",
-          "[slow]") {
+TEST_CASE("whatever pages are missing, a ray's hit is within its error of the ground, and no ground is passed") {
     Random random(612);
     std::size_t met = 0, coarse = 0, marched = 0;
     for (int round = 0; round < rounds(100, 500); ++round) {

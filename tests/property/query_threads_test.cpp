@@ -91,7 +91,7 @@ std::uint64_t stir(Random& random, const Pack& pack, Terrain& terrain, const std
 
 } // namespace
 
-TEST_CASE("while one thread loads and unloads pages, every answer of others keeps its bound", "[slow]") {
+TEST_CASE("while one thread loads and unloads pages, every answer of others keeps its bound") {
     Random random(621);
     for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
         baker::Dem dem = random_dem(random, 500, 400, Shape::noise); // no vertex is like its neighbours

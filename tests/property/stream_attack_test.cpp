@@ -310,8 +310,7 @@ struct Forged {
 
 } // namespace
 
-TEST_CASE("bounds that lie, wherever the pages are, make terrain late or coarse but never cracked, and no frame hang",
-          "[slow]") {
+TEST_CASE("bounds that lie, wherever the pages are, make terrain late or coarse but never cracked, and no frame hang") {
     Random random(927);
     int flown = 0;
     for (int round = 0; round < rounds(4, 12); ++round) {

@@ -131,7 +131,7 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
 
 } // namespace
 
-TEST_CASE("pages that come late and go leave a whole mesh that keeps its promise, and it converges at rest", "[slow]") {
+TEST_CASE("pages that come late and go leave a whole mesh that keeps its promise, and it converges at rest") {
     const Seen seen = fly(301, {24, 60, {.most_delay = 10, .most_taken = 4}, true});
     CAPTURE(seen.removed, seen.converged, seen.limited, seen.declined, seen.cancelled);
     REQUIRE(seen.removed > 5);

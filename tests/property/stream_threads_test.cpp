@@ -226,8 +226,8 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
 
 } // namespace
 
-TEST_CASE("reader, frames and queries at once: answers keep their bounds, meshes are whole, and all ends at any moment",
-          "[slow]") {
+TEST_CASE(
+    "reader, frames and queries at once: answers keep their bounds, meshes are whole, and all ends at any moment") {
     Random random(811);
     Seen seen;
     // How much happens in a round is the scheduler's to say: at least so many, and on until everything was seen.

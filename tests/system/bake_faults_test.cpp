@@ -65,7 +65,7 @@ TEST_CASE("short and interrupted calls change no byte") {
     }
 }
 
-TEST_CASE("a bake that is killed at any moment goes on to the same bytes", "[slow]") {
+TEST_CASE("a bake that is killed at any moment goes on to the same bytes") {
     for (const bool holes : {true, false}) {
         const Scene scene(holes);
         const long calls = scene.count("all");

@@ -107,8 +107,7 @@ View from_above(const Scene& scene, double above_m, double pitch_deg) {
 
 } // namespace
 
-TEST_CASE("borders of tiles and pages lie where they are, over every mode, and change nothing else",
-          "[picture][slow]") {
+TEST_CASE("borders of tiles and pages lie where they are, over every mode, and change nothing else", "[picture]") {
     Scene scene(ground(700, 601), 8); // neither extent is of whole tiles
     for (const gl::Mode mode :
          {gl::Mode::shaded, gl::Mode::levels, gl::Mode::distance, gl::Mode::tiles, gl::Mode::mips, gl::Mode::residency})

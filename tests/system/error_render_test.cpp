@@ -133,7 +133,7 @@ gl::DrawOptions bare(double full_px) {
 
 } // namespace
 
-TEST_CASE("the error mode colours every pixel by the error that is drawn there", "[picture][slow]") {
+TEST_CASE("the error mode colours every pixel by the error that is drawn there", "[picture]") {
     test::Random random(81);
     std::size_t grey = 0;
     for (int round = 0; round < 8; ++round) {
@@ -173,7 +173,7 @@ TEST_CASE("the error mode colours every pixel by the error that is drawn there",
     CHECK(grey > test::rounds<std::size_t>(220, 1000));
 }
 
-TEST_CASE("the largest error in a picture is the one that is measured", "[picture][slow]") {
+TEST_CASE("the largest error in a picture is the one that is measured", "[picture]") {
     Scene scene(mountains(513, 401), 7);
     const io::FullHeights heights = heights_of(scene);
     give(scene, heights);

@@ -14,7 +14,7 @@ using namespace fjell::test;
 
 namespace {
 
-double bumps(int x, int y) {
+double hills(int x, int y) {
     return (x * 7919 + y * 104729) % 97 + 0.3 * x;
 }
 
@@ -283,13 +283,13 @@ TEST_CASE("what is no image is refused with what to do") {
     check_refusal(refused(dir / "."), 1, dir / ".", {"is a folder"});
     write_text(dir / "text.jpg", "no picture");
     check_refusal(refused(dir / "text.jpg"), 1, dir / "text.jpg", {"cannot be read as an image"});
-    const std::string heights = write(raster(5, 5, bumps), dir / "a.tif");
+    const std::string heights = write(raster(5, 5, hills), dir / "a.tif");
     check_refusal(refused(heights), 1, heights, {"Float32", "gdal_translate -ot Byte"});
 }
 
 TEST_CASE("an image that is cut short is refused while it is read") {
     const TempDir dir;
-    Raster r = raster(300, 300, bumps);
+    Raster r = raster(300, 300, hills);
     r.type = GDT_Byte;
     r.geotransform.clear();
     const std::string path = write(r, dir / "a.png", "PNG");

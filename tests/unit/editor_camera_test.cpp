@@ -18,8 +18,8 @@ using namespace fjell::test;
 
 namespace {
 
-struct Place {
-    explicit Place(unsigned seed) : random(seed) {
+struct CameraPlace {
+    explicit CameraPlace(unsigned seed) : random(seed) {
         std::string error;
         context = gl::Headless::create({}, error);
         if (!context) throw std::runtime_error(error);
@@ -30,7 +30,7 @@ struct Place {
         start_at_scene(handlers());
         frame();
     }
-    ~Place() { engine.close(); } // before its context goes
+    ~CameraPlace() { engine.close(); } // before its context goes
     HandlerContext handlers() { return {state, engine, jobs}; }
     void act(const Command& command) { apply(command, handlers()); }
     void frame() { move_camera(handlers(), 1.0 / 60); }
@@ -72,7 +72,7 @@ MoveCamera drag(Random& random) {
 TEST_CASE("however it is dragged, the camera never sinks into the ground") {
     double nearest = 1e9; // in cells
     for (unsigned seed = 0; seed < 4; ++seed) {
-        Place place(seed);
+        CameraPlace place(seed);
         INFO("seed " << seed);
         for (const Navigation navigation : {Navigation::orbit, Navigation::fly}) {
             place.fly_somewhere();
@@ -93,7 +93,7 @@ TEST_CASE("however it is dragged, the camera never sinks into the ground") {
 TEST_CASE("an orbit begins without moving the camera, around the ground in the picture's middle, and looks at it") {
     int on_ground = 0, looked = 0;
     for (unsigned seed = 0; seed < 6; ++seed) {
-        Place place(seed);
+        CameraPlace place(seed);
         place.fly_somewhere();
         Eye& eye = place.state.eye;
         const flight::Pose pose = eye.free.pose();
@@ -121,7 +121,7 @@ TEST_CASE("an orbit begins without moving the camera, around the ground in the p
 }
 
 TEST_CASE("the wheel nears the orbit's centre and sets the speed of flying") {
-    Place place(2);
+    CameraPlace place(2);
     place.act(ViewAll{});
     const double speed = place.state.eye.free.speed_m_s;
     MoveCamera wheel;
@@ -138,7 +138,7 @@ TEST_CASE("the wheel nears the orbit's centre and sets the speed of flying") {
 
 TEST_CASE("a jump keeps the view and the height above the ground") {
     for (unsigned seed = 0; seed < 3; ++seed) {
-        Place place(seed);
+        CameraPlace place(seed);
         place.fly_somewhere();
         for (int i = 0; i < 50; ++i) {
             const flight::FreeCamera before = place.state.eye.free;
@@ -160,7 +160,7 @@ TEST_CASE("a jump keeps the view and the height above the ground") {
 }
 
 TEST_CASE("frozen, refinement stays where it was and the picture moves on") {
-    Place place(4);
+    CameraPlace place(4);
     const Vec3 here = place.state.eye.view.eye_m;
     place.act(FreezeRefinement{true});
     place.fly_somewhere();
@@ -175,7 +175,7 @@ TEST_CASE("frozen, refinement stays where it was and the picture moves on") {
 }
 
 TEST_CASE("a path is followed as it is held, until a hand moves the camera") {
-    Place place(6);
+    CameraPlace place(6);
     place.act(AddPoint{});
     for (int i = 0; i < 3; ++i) {
         place.act(JumpTo{30.0 * (i + 1) * place.state.scene.spacing_m[0], 40 * place.state.scene.spacing_m[1]});
@@ -205,7 +205,7 @@ TEST_CASE("a path is followed as it is held, until a hand moves the camera") {
 }
 
 TEST_CASE("what cannot be done says so and changes nothing") {
-    Place place(8);
+    CameraPlace place(8);
     const std::size_t said = place.state.messages.all.size();
     const flight::FreeCamera before = place.state.eye.free;
     for (const Command& command :
@@ -220,7 +220,7 @@ TEST_CASE("what cannot be done says so and changes nothing") {
 }
 
 TEST_CASE("the overview is painted in slices, all of it, and again while coarse terrain is still coming") {
-    Place place(9);
+    CameraPlace place(9);
     Overview overview;
     overview.begin(place.terrain());
     CHECK(overview.columns() == Overview::longer_texels); // 180 samples by 140

@@ -42,8 +42,8 @@ JobView run(JobKind kind, Jobs::Body body) {
 }
 
 // A pack of 9 tiles at most in its file.
-struct Place {
-    explicit Place(unsigned seed) {
+struct JobPlace {
+    explicit JobPlace(unsigned seed) {
         Random random(seed);
         (void)baker::bake(random_dem(random, 300, 260, Shape::fractal), small_bake(7), folder / "t.fjell");
     }
@@ -163,7 +163,7 @@ TEST_CASE("jobs that are destroyed while one runs cancel it and wait for it") {
 }
 
 TEST_CASE("a benchmark writes a line a frame, of a whole terrain and of a streamed one, which waits for its pages") {
-    const Place place(11);
+    const JobPlace place(11);
     for (const bool streamed : {false, true}) {
         const std::string csv = place.folder / (streamed ? "s.csv" : "w.csv");
         const JobView view =
@@ -178,7 +178,7 @@ TEST_CASE("a benchmark writes a line a frame, of a whole terrain and of a stream
 }
 
 TEST_CASE("a benchmark that is cancelled, or cannot write, leaves nothing") {
-    const Place place(12);
+    const JobPlace place(12);
     Jobs jobs;
     jobs.start(JobKind::benchmark, benchmark_job(place.plan(1'000'000), place.folder / "b.csv"));
     const JobView view = finish(jobs, [&](const JobView& now) {
@@ -193,7 +193,7 @@ TEST_CASE("a benchmark that is cancelled, or cannot write, leaves nothing") {
 }
 
 TEST_CASE("a tuning flies its path again and again, tells its curve and keeps to what it measured") {
-    const Place place(13);
+    const JobPlace place(13);
     for (const bool streamed : {false, true}) {
         TuneSettings settings;
         settings.frames = 40;
@@ -221,7 +221,7 @@ TEST_CASE("a tuning flies its path again and again, tells its curve and keeps to
 }
 
 TEST_CASE("a preview of an export has the counts and the size of the file that is then written") {
-    const Place place(14);
+    const JobPlace place(14);
     for (const bool streamed : {false, true}) {
         const JobView preview = run(JobKind::preview, export_job(place.snapshot("", streamed)));
         INFO(preview.problem);
@@ -240,7 +240,7 @@ TEST_CASE("a preview of an export has the counts and the size of the file that i
 }
 
 TEST_CASE("an export that is cancelled, or has no place, leaves what was there") {
-    const Place place(15);
+    const JobPlace place(15);
     const std::string path = place.folder / "m.glb";
     spit(path, "older");
     Jobs jobs;

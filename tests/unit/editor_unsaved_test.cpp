@@ -64,7 +64,7 @@ std::vector<std::string> names_in(const fs::path& folder) {
     return names;
 }
 
-std::string dem_text() {
+std::string tiny_dem() {
     return "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 30\n1 2\n3 4\n";
 }
 
@@ -300,7 +300,7 @@ TEST_CASE("what cannot be opened is a message, heights are offered to be baked")
         CHECK_FALSE(editor.state.document.unsaved());
         CHECK(editor.state.interface.recent.empty());
     }
-    spit(folder / "dem.asc", dem_text());
+    spit(folder / "dem.asc", tiny_dem());
     editor.run("open " + folder / "dem.asc");
     CHECK(editor.state.interface.dialog == Dialog::bake);
     CHECK(editor.state.bake_input == folder / "dem.asc");

@@ -41,7 +41,7 @@ Recording random_recording(std::mt19937_64& random) {
     return r;
 }
 
-std::string refusal(const std::string& text) {
+std::string recording_refusal(const std::string& text) {
     try {
         (void)parse_recording(text, "r.json");
     } catch (const io::Failure& f) {
@@ -84,28 +84,28 @@ TEST_CASE("a recording is read back bit for bit") {
 TEST_CASE("what is not a recording is refused with the line and what to do") {
     std::mt19937_64 random(2);
     const std::string text = write_recording(random_recording(random));
-    CHECK(refusal("").find("no frames") != std::string::npos);
-    CHECK(refusal("{}\n").find("r.json:1: not a recording") == 0);
-    CHECK(refusal(text.substr(0, text.size() - 1)).find("r.json:6: the recording ends in the middle") == 0);
-    CHECK(refusal(text + "[]\n").find("r.json:7: not a recording") == 0);
+    CHECK(recording_refusal("").find("no frames") != std::string::npos);
+    CHECK(recording_refusal("{}\n").find("r.json:1: not a recording") == 0);
+    CHECK(recording_refusal(text.substr(0, text.size() - 1)).find("r.json:6: the recording ends in the middle") == 0);
+    CHECK(recording_refusal(text + "[]\n").find("r.json:7: not a recording") == 0);
     std::string later = text;
     later.replace(later.find("\"version\":2"), 11, "\"version\":3");
-    CHECK(refusal(later).find("r.json:1: not a recording") == 0);
+    CHECK(recording_refusal(later).find("r.json:1: not a recording") == 0);
     std::string event = text;
     event.replace(event.find("\"pages\":["), 10, "\"pages\":[[1,2,4],");
-    CHECK(refusal(event).find("r.json:2: not a recording") == 0);
+    CHECK(recording_refusal(event).find("r.json:2: not a recording") == 0);
 }
 
 TEST_CASE("a recording cut or changed at any byte is refused or read") {
     std::mt19937_64 random(3);
     const std::string text = write_recording(random_recording(random));
-    for (std::size_t at = 0; at < text.size(); at += 7) (void)refusal(text.substr(0, at));
+    for (std::size_t at = 0; at < text.size(); at += 7) (void)recording_refusal(text.substr(0, at));
     std::size_t refused = 0;
     for (int round = 0; round < 20'000; ++round) {
         std::string other = text;
         for (int n = static_cast<int>(random() % 3); n >= 0; --n)
             other[random() % other.size()] = static_cast<char>(random());
-        refused += !refusal(other).empty();
+        refused += !recording_refusal(other).empty();
     }
     CHECK(refused > 10'000);
 }

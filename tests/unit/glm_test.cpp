@@ -9,17 +9,17 @@ using namespace fjell;
 
 namespace {
 
-using Random = std::mt19937_64;
+using Random64 = std::mt19937_64;
 
-double between(Random& random, double low, double high) {
+double between(Random64& random, double low, double high) {
     return std::uniform_real_distribution(low, high)(random);
 }
 
-Vec3 anywhere(Random& random, double reach) {
+Vec3 anywhere(Random64& random, double reach) {
     return {between(random, -reach, reach), between(random, -reach, reach), between(random, -reach, reach)};
 }
 
-View random_view(Random& random) {
+View random_view(Random64& random) {
     return make_view(anywhere(random, 1e5), anywhere(random, 1), anywhere(random, 1), between(random, 0.1, 2.5), 1600,
                      900, between(random, 0.1, 10), between(random, 1e3, 1e6));
 }
@@ -27,7 +27,7 @@ View random_view(Random& random) {
 } // namespace
 
 TEST_CASE("a point inside the frustum is seen in the picture, one outside is not, and depth falls from 1 to 0") {
-    Random random(7);
+    Random64 random(7);
     int inside = 0, outside = 0;
     for (int i = 0; i < 20000; ++i) {
         const View view = random_view(random);

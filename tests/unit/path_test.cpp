@@ -38,7 +38,7 @@ constexpr const char* four = R"({"position": [0, 500, 0], "direction": [1, 0, 0]
     {"position": [1000, 600, 1500], "direction": [0, -0.5, 3]},
     {"position": [-500, 900, 2500], "direction": [-1, 0, 0], "up": [0, 1, 0.3]})";
 
-std::string refusal(const std::string& text) {
+std::string path_refusal(const std::string& text) {
     try {
         (void)parse_path(text, "p.json");
     } catch (const io::Failure& failure) {
@@ -223,7 +223,7 @@ TEST_CASE("recorded frames are placed by the terrain's width, from its south-wes
     CHECK(distance(poses[0].direction, {1, 0, 0}) < 1e-12);  // their x is east
     CHECK(distance(poses[1].direction, {0, 0, -1}) < 1e-12); // their y is north
     CHECK(distance(poses[1].up, {0, 1, 0}) < 1e-12);
-    CHECK(refusal("F 0 1 0 0\n").find("line 1: a frame is F and 14 numbers") != std::string::npos);
+    CHECK(path_refusal("F 0 1 0 0\n").find("line 1: a frame is F and 14 numbers") != std::string::npos);
 }
 
 TEST_CASE("a seed's random path is the same every time, over the terrain and above the ground") {
@@ -245,7 +245,7 @@ TEST_CASE("a seed's random path is the same every time, over the terrain and abo
 
 TEST_CASE("a bad path is refused in one line that names the place") {
     const auto says = [](const std::string& text, const std::string& part) {
-        const std::string line = refusal(text);
+        const std::string line = path_refusal(text);
         INFO(line);
         CHECK(line.starts_with("p.json: "));
         CHECK(line.find(part) != std::string::npos);

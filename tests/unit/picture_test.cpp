@@ -336,7 +336,7 @@ TEST_CASE("the smallest terrain has a picture, each sample a quarter") {
     CHECK(different == 0);
 }
 
-TEST_CASE("the legend leaves a margin at every size, and knows of holes only where there are some", "[slow]") {
+TEST_CASE("the legend leaves a margin at every size, and knows of holes only where there are some") {
     // Words as long as they get: two spacings, tiny tiles and errors, many holes.
     Random random(8);
     Dem dem = level(200, 150);

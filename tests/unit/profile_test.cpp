@@ -14,7 +14,7 @@ using namespace fjell::flight;
 
 namespace {
 
-std::string refusal(const std::string& text) {
+std::string profile_refusal(const std::string& text) {
     try {
         (void)parse_profile(text, "p.toml");
     } catch (const io::Failure& failure) {
@@ -26,8 +26,8 @@ std::string refusal(const std::string& text) {
 }
 
 void refuses(const std::string& text, const std::string& line) {
-    INFO(refusal(text));
-    CHECK(refusal(text).starts_with(line));
+    INFO(profile_refusal(text));
+    CHECK(profile_refusal(text).starts_with(line));
 }
 
 } // namespace
