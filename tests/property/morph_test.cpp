@@ -124,6 +124,48 @@ TEST_CASE("what is activated late rises with the time, and nothing jumps either"
     }
 }
 
+TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not before the edge it splits has arrived") {
+    Random random(305);
+    for (int round = 0; round < 40; ++round) {
+        const auto pack = rich_terrain(random, 33, pick(random, 2, 5));
+        const Terrain& terrain = pack.terrain;
+        const View view = view_from_above(terrain, uniform(random, 1, 30));
+        const auto distance_m = [&](Coord c) {
+            const double height_m = static_cast<double>(terrain.vertex(c).height_m);
+            return length(Vec3{terrain.x_m(c.x), height_m, terrain.z_m(c.y)} - view.eye_m);
+        };
+        const auto reach_m = [&](Coord c, double q) {
+            const Terrain::Vertex v = terrain.vertex(c);
+            return static_cast<double>(v.radius_m) + static_cast<double>(v.error_m) * q;
+        };
+        // A threshold at which some vertex has just begun: there the edges' ends have the least to spare.
+        const Coord some{pick(random, 0, 32), pick(random, 0, 32)};
+        const double error_m = static_cast<double>(terrain.vertex(some).error_m);
+        if (terrain.tree.is_corner(some) || error_m == 0) continue;
+        const double nested = 1 + static_cast<double>(terrain.header.nesting);
+        const double start_q = 1.0001 * (distance_m(some) - reach_m(some, 0)) / error_m;
+        CutSettings settings;
+        settings.error_px = std::clamp(nested * nested * view.lambda_px / start_q, 1e-3, 1e6);
+        settings.morph = Morph::error;
+        Cut cut(terrain, ample_cut(terrain));
+        (void)cut.update({&view, 1}, settings);
+        const MorphView morph = cut_morph(cut.cut).view[0];
+        const double q_start = static_cast<double>(morph.q_start), q_full = static_cast<double>(morph.q_full);
+        CAPTURE(round, settings.error_px);
+        CHECK(std::abs(q_start / q_full / (nested * nested) - 1) < 0x1p-22); // both are rounded to floats
+        int early = 0;
+        constexpr double rounding = 1 + 0x1p-20; // of errors, radii and the eye, which are floats
+        for (std::int32_t y = 0; y < terrain.tree.rows(); ++y)
+            for (std::int32_t x = 0; x < terrain.tree.columns(); ++x) {
+                const Coord c{x, y};
+                if (terrain.tree.is_corner(c) || distance_m(c) * rounding > reach_m(c, q_start)) continue;
+                for (const Coord end : diamond(terrain.tree, c).ends)
+                    early += !terrain.tree.is_corner(end) && distance_m(end) > reach_m(end, q_full) * rounding;
+            }
+        CHECK(early == 0);
+    }
+}
+
 TEST_CASE("morphing switched on later starts where it would have, had it been on") {
     Random random(304);
     for (int round = 0; round < rounds(12, 40); ++round) {
