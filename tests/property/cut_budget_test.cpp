@@ -21,9 +21,9 @@ CutBudget least_cut(const Terrain& terrain, std::uint32_t segment_triangles = 8)
 }
 
 Status create(const Terrain& terrain, const CutBudget& budget, std::size_t bytes) {
-    const auto block = io::make_block(std::max<std::size_t>(bytes, 64));
+    const auto memory = io::allocate(std::max<std::size_t>(bytes, 64));
     LiveCut cut;
-    return create_cut(terrain, budget, {block.get(), bytes}, cut);
+    return create_cut(terrain, budget, {memory.get(), bytes}, cut);
 }
 
 // So many frames at rest; how often the effective threshold turned round, and whether it came to stand in the last
@@ -136,7 +136,7 @@ TEST_CASE("each budget that is too small alone lowers quality, names itself, bre
     REQUIRE(recovered > 30);
 }
 
-TEST_CASE("when the camera leaves, the threshold comes back to what is asked, and the cut to the target") {
+TEST_CASE("when the camera leaves, the threshold comes back to the requested one, and the cut to the target") {
     Random random(142);
     for (int round = 0; round < 16; ++round) {
         const auto pack = rich_terrain(random, 97, 4 + round % 2);
@@ -262,7 +262,7 @@ TEST_CASE("the smallest budgets that are taken give the coarsest meshes, with ho
     }
 }
 
-TEST_CASE("a budget that just holds what is asked is found to hold it, whatever came before") {
+TEST_CASE("a budget that just holds what is requested is found to hold it, whatever came before") {
     Random random(149);
     for (int round = 0; round < 30; ++round) {
         const auto pack = random_terrain(random, 70, 4);
@@ -308,7 +308,7 @@ TEST_CASE("where no threshold suffices the effective one does not run away, and 
     for (int frame = 0; frame < 10'000; ++frame) report = cut.update({&view, 1}, settings); // three minutes
     CAPTURE(report.error_px_effective);
     CHECK(report.blocked != 0);
-    CHECK(report.error_px_effective <= 1e7); // no farther than ten times what may be asked
+    CHECK(report.error_px_effective <= 1e7); // no farther than ten times what may be requested
     view.eye_m = view.eye_m + Vec3{0, middle * 1e3, 0};
     report = settle(cut, {&view, 1}, settings, 600); // ten seconds
     REQUIRE(report.vertices * 5 < budget.vertices * 4);
@@ -375,13 +375,13 @@ TEST_CASE("an absurd budget is refused by the field's name before anything is as
     REQUIRE(cut_bytes(linear.terrain, least_cut(linear.terrain)) == 0);
 }
 
-TEST_CASE("a block that is not aligned is refused") {
+TEST_CASE("memory that is not aligned is refused") {
     Random random(147);
     const auto pack = rich_terrain(random, 33, 4);
     const std::size_t bytes = cut_bytes(pack.terrain, {});
-    const auto block = io::make_block(bytes + 64);
+    const auto memory = io::allocate(bytes + 64);
     LiveCut cut;
-    const Status s = create_cut(pack.terrain, {}, {block.get() + 32, bytes}, cut);
+    const Status s = create_cut(pack.terrain, {}, {memory.get() + 32, bytes}, cut);
     REQUIRE(s.code == Code::out_of_range);
     REQUIRE(std::string(s.field) == "memory alignment");
 }

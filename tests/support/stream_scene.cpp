@@ -18,8 +18,8 @@ Streamed::Streamed(const Pack& source, const CutBudget& cut_budget, std::uint32_
                    const StreamBudget& budget)
     : pack(source), paged(source, {.page_slots = page_slots}), cut(paged.terrain, cut_budget) {
     const std::size_t bytes = stream_bytes(pack, paged.terrain, budget);
-    block = io::make_block(bytes);
-    require(create_stream(pack, paged.terrain, cut.cut, budget, {block.get(), bytes}, stream));
+    memory = io::allocate(bytes);
+    require(create_stream(pack, paged.terrain, cut.cut, budget, {memory.get(), bytes}, stream));
 }
 
 namespace {

@@ -173,9 +173,9 @@ TEST_CASE("the histogram of the live cut is the plain count, whatever lies idle 
         budget.vertices = 1u << 16;
         budget.triangles = 1u << 18;
         const std::size_t bytes = cut_bytes(loaded.terrain, budget);
-        const io::AlignedMemory block = io::make_block(bytes);
+        const io::AlignedMemory memory = io::allocate(bytes);
         LiveCut cut;
-        REQUIRE(create_cut(loaded.terrain, budget, {block.get(), bytes}, cut).ok());
+        REQUIRE(create_cut(loaded.terrain, budget, {memory.get(), bytes}, cut).ok());
         for (int frame = 0; frame < 4; ++frame) {
             const View view = random_view(random, loaded.terrain);
             CutSettings settings;
