@@ -57,7 +57,7 @@ double largest_step_px(const Terrain& terrain, const View& view, const std::vect
 
 struct Flight {
     double largest_px = 0;
-    std::uint32_t changes = 0, most_rising = 0, rising_frames = 0;
+    std::uint32_t changes = 0, most_morphing = 0, morphing_frames = 0;
 };
 
 // Hundredths of a cell, low over the ground, 60 frames a second.
@@ -79,8 +79,8 @@ Flight fly(const Terrain& terrain, CutSettings settings, std::uint32_t items, in
         const CutReport report = cut.update({&view, 1}, settings);
         REQUIRE(check_cut(cut) == "");
         flight.changes += report.activations + report.deactivations;
-        flight.most_rising = std::max(flight.most_rising, report.morphing);
-        flight.rising_frames += report.morphing != 0;
+        flight.most_morphing = std::max(flight.most_morphing, report.morphing);
+        flight.morphing_frames += report.morphing != 0;
         const std::vector<double> after = surface(terrain, cut);
         if (!before.empty())
             flight.largest_px = std::max(flight.largest_px, largest_step_px(terrain, view, before, after));
@@ -102,13 +102,13 @@ TEST_CASE("morphing by error, no sample jumps by more than a twentieth of a pixe
         CAPTURE(round, morphed.changes);
         CHECK(morphed.changes > 20); // or nothing was tested
         CHECK(morphed.largest_px < 0.05);
-        CHECK(morphed.most_rising == 0);
+        CHECK(morphed.most_morphing == 0);
         settings.morph = Morph::none;
         CHECK(fly(pack.terrain, settings, unlimited_items, 700).largest_px > 0.25); // the measure sees pops
     }
 }
 
-TEST_CASE("what is activated late rises with the time, and nothing jumps either") {
+TEST_CASE("what is activated late morphs by time, and nothing jumps either") {
     Random random(302);
     for (const Morph morph : {Morph::error, Morph::time}) {
         const auto pack = rich_terrain(random, 65, 6);
@@ -117,9 +117,9 @@ TEST_CASE("what is activated late rises with the time, and nothing jumps either"
         settings.morph = morph;
         settings.morph_s = 10; // 1/600 of a displacement a frame
         const Flight late = fly(pack.terrain, settings, 2, 900);
-        CAPTURE(static_cast<int>(morph), late.changes, late.rising_frames);
+        CAPTURE(static_cast<int>(morph), late.changes, late.morphing_frames);
         CHECK(late.changes > 20);
-        CHECK(late.most_rising > 0);
+        CHECK(late.most_morphing > 0);
         CHECK(late.largest_px < 0.05);
     }
 }
@@ -221,8 +221,8 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
     }
 }
 
-// Pages asked back: their vertices sink before they go. The eye rests, so nothing else moves.
-TEST_CASE("pages that leave do so without a step when vertices morph, and with one when they do not", "[slow]") {
+// Pages that are evicted: their vertices morph out before they are deactivated. The eye rests, so nothing else moves.
+TEST_CASE("pages are evicted without a jump when vertices morph, and with one when they do not", "[slow]") {
     Random random(212);
     for (int round = 0; round < rounds(1, 2); ++round) {
         const auto pack = bake_and_load(random_dem(random, 129, 129, Shape::fractal), small_bake(7));
@@ -238,16 +238,16 @@ TEST_CASE("pages that leave do so without a step when vertices morph, and with o
             settings.morph = morphs ? Morph::error : Morph::none;
             settings.morph_s = 0.25;
             (void)cut.rebuild({&view, 1}, settings);
-            constexpr int frames_a_rise = 100; // a step is a hundredth of the way
+            constexpr int frames_a_morph = 100; // a step is a hundredth of the way
             std::vector<double> before = surface(paged.terrain, cut);
             // The finest pages first, as a stream does.
-            std::uint32_t gone = 0, removed = 0, sinking = 0;
+            std::uint32_t gone = 0, removed = 0, morphing = 0;
             for (std::uint32_t page = paged.terrain.page_count() - 1; page >= 2; --page) {
                 bool released = false;
-                for (int frame = 0; frame < 5 * frames_a_rise && !released; ++frame) {
+                for (int frame = 0; frame < 5 * frames_a_morph && !released; ++frame) {
                     REQUIRE(release_page(cut.cut, 0, page, released).ok());
                     if (released) break;
-                    settings.now_s += settings.morph_s / frames_a_rise;
+                    settings.now_s += settings.morph_s / frames_a_morph;
                     settings.items = frame % 3 ? unlimited_items : 200;
                     const CutReport report = cut.update({&view, 1}, settings);
                     CAPTURE(round, morphs, page, frame);
@@ -255,7 +255,7 @@ TEST_CASE("pages that leave do so without a step when vertices morph, and with o
                     REQUIRE(report.items == report.evaluations + report.activations + report.deactivations);
                     REQUIRE(report.items <= settings.items);
                     removed += report.deactivations;
-                    sinking += report.morphing != 0;
+                    morphing += report.morphing != 0;
                     const std::vector<double> after = surface(paged.terrain, cut);
                     largest_px[morphs] =
                         std::max(largest_px[morphs], largest_step_px(paged.terrain, view, before, after));
@@ -267,11 +267,11 @@ TEST_CASE("pages that leave do so without a step when vertices morph, and with o
             }
             REQUIRE(gone > 3);
             REQUIRE(removed > 100);
-            REQUIRE((sinking > 100) == morphs);
+            REQUIRE((morphing > 100) == morphs);
         }
         CAPTURE(round, largest_px[0], largest_px[1]);
         REQUIRE(largest_px[0] > 1);
-        // Of two levels that sink one after the other, and of rounding, no more than a few hundredths.
+        // Of two levels that morph out one after the other, and of rounding, no more than a few hundredths.
         REQUIRE(largest_px[1] < 0.05 * largest_px[0]);
     }
 }

@@ -103,7 +103,7 @@ std::string check_stream(Streamed& streamed) {
         const Request& r = s.requests[i];
         if (phase_of(r) == Phase::vacant) continue;
         ++reserved;
-        if (s.states[r.watch] != WatchState::requested) return "a request whose page is not requested";
+        if (s.states[r.watch] != WatchState::in_flight) return "a request whose page is not in flight";
         if (r.watch < s.slots * watches_per_slot) ++below[r.watch / watches_per_slot];
     }
     if (reserved != s.reserved_slots) return "reserved slots do not add up";
