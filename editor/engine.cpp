@@ -210,8 +210,8 @@ Scene Engine::scene() const {
     std::error_code ignored;
     s.file_bytes = std::filesystem::file_size(pack_, ignored);
     s.terrain_bytes = session.terrain_bytes;
-    s.method_bytes = session.block_bytes;
-    s.stream_bytes = session.streamed ? session.streamed->block_bytes() : 0;
+    s.method_bytes = session.method_bytes;
+    s.stream_bytes = session.streamed ? session.streamed->memory_bytes() : 0;
     s.streamed = session.streamed != nullptr;
     s.load_s = session.load_seconds;
     return s;

@@ -32,7 +32,7 @@ public:
     [[nodiscard]] const flight::Session& session() const { return *session_; }
     [[nodiscard]] Scene scene() const;
 
-    // Recreates what the profile's budgets ask for: the method's block, or terrain and stream too. True when it did.
+    // Recreates what the profile's budgets ask for: the method's memory, or terrain and stream too. True when it did.
     bool follow(const flight::Profile& profile);
     // One update for that view, uploaded. draw_us: what the upload took.
     [[nodiscard]] flight::FrameEntry update(const View& view, const flight::Profile& profile, double now_s,
@@ -55,13 +55,13 @@ private:
     [[nodiscard]] flight::FlightOptions options(const flight::Profile& profile) const;
     void set_error_options(const State& state, gl::DrawOptions& options);
     void set_renderer(std::unique_ptr<gl::Renderer> renderer);
-    void remake(const flight::Profile& profile); // the method's block, and a renderer for it
+    void remake(const flight::Profile& profile); // the method's memory, and a renderer for it
 
     std::uint64_t unread_ = 0;          // pages and mips of this session
     std::vector<std::string> messages_; // of reading, until they are taken
     std::uint64_t terrains_ = 0;
     std::string pack_;
-    flight::Profile built_; // what the session's blocks were made for
+    flight::Profile built_; // what the session's memory was allocated for
     std::unique_ptr<flight::Session> session_;
     std::unique_ptr<gl::Renderer> renderer_;
     FullHeights heights_;

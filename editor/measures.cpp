@@ -61,7 +61,7 @@ void Measures::record(const flight::FrameEntry& entry, double frame_us, double d
     push(Series::output_us, entry.output_us);
     push(Series::draw_us, draw_us);
     push(Series::editor_us, editor_us);
-    push(Series::asked_px, entry.error_px_requested);
+    push(Series::requested_px, entry.error_px_requested);
     push(Series::effective_px, entry.error_px_effective);
     push(Series::vertices, entry.vertices);
     push(Series::triangles_drawn, entry.triangles_drawn);

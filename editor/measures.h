@@ -27,7 +27,7 @@ enum class Series : std::uint8_t {
     output_us,
     draw_us,   // upload and drawing, the CPU's part
     editor_us, // panels, commands, measures: the editor's own
-    asked_px,
+    requested_px,
     effective_px,
     vertices,
     triangles_drawn,

@@ -8,7 +8,7 @@
 
 #include "baker/bake/work_bytes.h"
 #include "baker/maps/colour.h"
-#include "baker/work/parallel.h"
+#include "baker/store/parallel.h"
 #include "io/file.h"
 
 namespace fjell::baker {

@@ -9,7 +9,7 @@
 #include "baker/bake/bake.h"
 #include "baker/heights/region.h"
 #include "baker/maps/image.h"
-#include "baker/work/store.h"
+#include "baker/store/store.h"
 
 namespace fjell::baker {
 

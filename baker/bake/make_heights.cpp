@@ -8,7 +8,7 @@
 #include "baker/bake/reader_pool.h"
 #include "baker/bake/stages.h"
 #include "baker/heights/fill.h"
-#include "baker/work/parallel.h"
+#include "baker/store/parallel.h"
 
 namespace fjell::baker {
 

@@ -74,21 +74,21 @@ void append_pages(const BakeContext& context, const BakePlan& plan, const StepRe
     ChunkBatch batch;
     context.regions.for_each_tile(result.region, [&](std::uint32_t tile, Coord corner) {
         const std::int32_t i0 = (corner.x >> (in.z + 1)) - in.square.x, j0 = (corner.y >> (in.z + 1)) - in.square.y;
-        const auto blocks = static_cast<std::uint32_t>(n) / page_squares;
-        for (std::uint32_t by = 0; by < blocks; ++by)
-            for (std::uint32_t bx = 0; bx < blocks; ++bx) {
-                const StepPageInput block{in.steps,
+        const auto pages = static_cast<std::uint32_t>(n) / page_squares;
+        for (std::uint32_t py = 0; py < pages; ++py)
+            for (std::uint32_t px = 0; px < pages; ++px) {
+                const StepPageInput input{in.steps,
                                           in.error,
                                           result.holes,
                                           result.radii,
-                                          i0 + static_cast<std::int32_t>(bx * page_squares),
-                                          j0 + static_cast<std::int32_t>(by * page_squares),
+                                          i0 + static_cast<std::int32_t>(px * page_squares),
+                                          j0 + static_cast<std::int32_t>(py * page_squares),
                                           in.z == 0 ? &plan.leaf : nullptr,
                                           plan.scales.errors,
                                           plan.header,
                                           in.z};
-                const EncodedPage page = encode_step_page(block);
-                batch.add({ChunkKind::geometry, tile, context.pages.page_at(in.z, bx, by)}, page.bytes,
+                const EncodedPage page = encode_step_page(input);
+                batch.add({ChunkKind::geometry, tile, context.pages.page_at(in.z, px, py)}, page.bytes,
                           context.options.compression, page.bound);
             }
     });
@@ -148,7 +148,7 @@ void make_finest_step(const BakeContext& context, const BakePlan& plan, const He
 
 void make_coarser_step(const BakeContext& context, const BakePlan& plan, const CoarserStepInput& in,
                        const CoarserStepOutput& out) {
-    context.run_units(loop_over_regions(context, "levels", in.z), [&](std::uint64_t u) {
+    context.run_units(loop_over_regions(context, "steps", in.z), [&](std::uint64_t u) {
         const auto index = static_cast<std::int64_t>(u);
         const Region region = context.regions.at(index);
         const auto [square, nx, ny] = extents_of(region, in.z);
@@ -196,7 +196,7 @@ float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const M
     const std::uint64_t place_count = static_cast<std::uint64_t>(places) * static_cast<std::uint64_t>(places);
     std::vector<std::uint8_t> worst(context.tiles(), 0);
     context.run_units(
-        {"coarsest", context.tiles(), context.workers_for(place_count * 8), static_cast<double>(place_count)},
+        {"root pages", context.tiles(), context.workers_for(place_count * 8), static_cast<double>(place_count)},
         [&](std::uint64_t tile) {
             const auto t = static_cast<std::int32_t>(tile);
             const Window w{t % tree.tiles_x * (places - 1), t / tree.tiles_x * (places - 1), places, places};

@@ -8,7 +8,7 @@
 #include "baker/bake/context.h"
 #include "baker/errors/step.h"
 #include "baker/heights/region.h"
-#include "baker/work/store.h"
+#include "baker/store/store.h"
 
 namespace fjell::baker {
 

@@ -12,7 +12,7 @@
 #include "baker/bake/region_stores.h"
 #include "baker/pack/chunk_spool.h"
 #include "baker/read/source.h"
-#include "baker/work/store.h"
+#include "baker/store/store.h"
 
 namespace fjell::baker {
 

@@ -13,7 +13,7 @@
 #include <stb_easy_font.h>
 #include <stb_image_write.h>
 
-#include "baker/work/parallel.h"
+#include "baker/store/parallel.h"
 #include "io/failure.h"
 
 namespace fjell::baker {

@@ -14,7 +14,7 @@
 
 #include "baker/check/verify_bounds.h"
 #include "baker/read/tile_pages.h"
-#include "baker/work/parallel.h"
+#include "baker/store/parallel.h"
 
 namespace fjell::baker {
 

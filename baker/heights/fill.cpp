@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "baker/work/parallel.h"
+#include "baker/store/parallel.h"
 
 namespace fjell::baker {
 

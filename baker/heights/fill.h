@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "baker/work/store.h"
+#include "baker/store/store.h"
 
 namespace fjell::baker {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "baker/work/store.h"
+#include "baker/store/store.h"
 #include "fjell/tree.h"
 
 namespace fjell::baker {

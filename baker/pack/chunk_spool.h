@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "baker/work/store.h"
+#include "baker/store/store.h"
 #include "fjell/pack.h"
 
 namespace fjell::baker {

@@ -18,7 +18,7 @@ constexpr std::int32_t first_side_x = squares * squares, first_side_y = first_si
 }
 
 // Differences from what a reader predicts, from heights it already has; all modulo 2^16.
-FJELL_CLONES void block_residuals(const std::uint16_t* h, std::uint16_t* out) {
+FJELL_CLONES void page_residuals(const std::uint16_t* h, std::uint16_t* out) {
     for (std::int32_t j = 0; j < squares; ++j) {
         const std::uint16_t* const row = h + j * squares;
         std::uint16_t line[squares]; // less the row before
@@ -121,7 +121,7 @@ float largest_radius_m(const PackHeader& header, int level, std::span<const std:
     return header.level_radius_m[level] * radii.factor[*std::max_element(codes.begin(), codes.end())];
 }
 
-// A block's three planes row by row: visit(kind, first vertex, row, columns).
+// A page's three planes row by row: visit(kind, first vertex, row, columns).
 template <typename Visit>
 void for_each_row(const Visit& visit) {
     for (std::int32_t j = 0; j < squares; ++j) visit(VertexKind::centre, j * squares, j, squares);
@@ -172,7 +172,7 @@ EncodedPage encode_step_page(const StepPageInput& input) {
     PageArrays a;
     gather(input, a);
     std::uint16_t residuals[max_page_vertices];
-    block_residuals(a.heights, residuals);
+    page_residuals(a.heights, residuals);
     StoredArrays s;
     s.count = max_page_vertices;
     s.residuals = residuals;

@@ -12,7 +12,7 @@
 
 namespace fjell::baker {
 
-// A block of page_squares squares a side, from square (i, j) of the region on. Errors are left out when a reader can
+// A page of page_squares squares a side, from square (i, j) of the region on. Errors are left out when a reader can
 // tell them from the heights.
 struct StepPageInput {
     const VertexPlanes<std::int32_t>& steps;

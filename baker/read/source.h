@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "baker/work/window.h"
+#include "baker/store/window.h"
 #include "io/failure.h"
 
 namespace fjell::baker {

@@ -7,8 +7,8 @@ namespace fjell::baker {
 TilePages::TilePages(const io::MappedPack& file) : file_(file) {
     const TerrainBudget one_tile{file.pack().pages().pages_per_tile()};
     const std::size_t bytes = terrain_bytes(file.pack().header, one_tile);
-    block_ = io::make_block(bytes);
-    check(create_terrain(file.pack(), one_tile, {block_.get(), bytes}, terrain_), 0);
+    memory_ = io::allocate(bytes);
+    check(create_terrain(file.pack(), one_tile, {memory_.get(), bytes}, terrain_), 0);
 }
 
 void TilePages::check(const Status& status, std::uint32_t tile) const {

@@ -19,7 +19,7 @@ private:
     void check(const Status& status, std::uint32_t tile) const;
 
     const io::MappedPack& file_;
-    io::AlignedMemory block_;
+    io::AlignedMemory memory_;
     Terrain terrain_;
     std::uint32_t held_ = 0;
     bool whole_ = false;

@@ -24,7 +24,7 @@
 
 #include "baker/place/open_source.h"
 #include "baker/read/windows.h"
-#include "baker/work/parallel.h"
+#include "baker/store/parallel.h"
 #include "io/file.h"
 
 namespace fjell::baker {

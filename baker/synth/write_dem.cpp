@@ -19,8 +19,8 @@
 #include "baker/place/open_source.h"
 #include "baker/read/gdal_file.h"
 #include "baker/read/placement.h"
-#include "baker/work/parallel.h"
-#include "baker/work/store.h"
+#include "baker/store/parallel.h"
+#include "baker/store/store.h"
 #include "io/file.h"
 
 namespace fjell::baker {

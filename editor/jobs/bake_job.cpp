@@ -69,7 +69,7 @@ void run(const baker::Recipe& recipe, baker::BakeOptions options, JobControl& co
             view.output = output;
             view.result = fmt::format("{}: {} x {} samples, {} x {} tiles of {} cells, {} in {:.1f} s{}", output,
                                       s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(),
-                                      megabytes(static_cast<double>(s.file_bytes)), s.seconds_total,
+                                      byte_text(static_cast<double>(s.file_bytes)).text, s.seconds_total,
                                       s.resumed ? ", resumed from an earlier bake" : "");
         });
     } catch (const Failure&) {

@@ -65,7 +65,7 @@ void run(const ExportPlan& plan, JobControl& control) {
         view.result = fmt::format("{}{} vertices, {} triangles, {} at {:.3g} px{}",
                                   plan.path.empty() ? "the export has " : plan.path + ": ",
                                   grouped(static_cast<double>(r.vertices)), grouped(static_cast<double>(r.triangles)),
-                                  megabytes(static_cast<double>(r.file_bytes)), plan.error_px,
+                                  byte_text(static_cast<double>(r.file_bytes)).text, plan.error_px,
                                   r.converged ? "" : ", coarser where the profile's budgets were exhausted");
     });
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "editor/number_text.h"
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
 
@@ -22,7 +23,7 @@ struct Line {
 
 void amount(char (&text)[16], double value, Unit unit) {
     if (unit == Unit::bytes)
-        ui::short_bytes(text, value);
+        (void)std::snprintf(text, sizeof text, "%s", byte_text(value).text);
     else
         ui::short_number(text, value);
 }
@@ -137,9 +138,7 @@ void draw_stream(const State& state, Commands& commands) {
 }
 
 void memory_row(const char* label, double bytes, const char* about, double& sum) {
-    char text[16];
-    ui::short_bytes(text, bytes);
-    ui::row(label, "%s", text);
+    ui::row(label, "%s", byte_text(bytes).text);
     ui::tip(about);
     sum += bytes;
 }

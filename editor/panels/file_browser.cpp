@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "editor/number_text.h"
 #include "editor/panels/ui.h"
 
 namespace fjell::editor {
@@ -64,8 +65,9 @@ void draw_places(const State& state, Commands& commands, FileBrowserForm& form) 
 
 // True: that file was chosen by a double click.
 bool draw_entry(const FolderListing::Entry& entry, const State& state, Commands& commands, FileBrowserForm& form) {
-    char size[32] = "folder", label[300];
-    if (!entry.folder) write_bytes(entry.bytes, size, sizeof size);
+    const ByteText bytes = byte_text(static_cast<double>(entry.bytes));
+    const char* const size = entry.folder ? "folder" : bytes.text;
+    char label[300];
     (void)std::snprintf(label, sizeof label, "%.255s%s", entry.name.c_str(), entry.folder ? "/" : "");
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
@@ -95,7 +97,7 @@ bool draw_list(const State& state, Commands& commands, FileBrowserForm& form, fl
     if (!ImGui::BeginTable("files", 2, ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersOuter, {0, height}))
         return false;
     ImGui::TableSetupColumn("Name", ImGuiTableColumnFlags_WidthStretch);
-    ImGui::TableSetupColumn("Size", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("1023.9 MB ").x);
+    ImGui::TableSetupColumn("Size", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("8.88 MB ").x);
     if (!browser.parent().empty()) {
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
@@ -132,14 +134,6 @@ bool choose(const State& state, Commands& commands, FileBrowserForm& form) {
 }
 
 } // namespace
-
-void write_bytes(std::uint64_t bytes, char* to, std::size_t size) {
-    constexpr const char* units[] = {"B", "kB", "MB", "GB", "TB"};
-    auto value = static_cast<double>(bytes);
-    std::size_t unit = 0;
-    while (value >= 1000 && unit + 1 < std::size(units)) value /= 1000, ++unit;
-    (void)std::snprintf(to, size, unit == 0 ? "%.0f %s" : "%.1f %s", value, units[unit]);
-}
 
 void begin_file_browser(FileBrowserForm& form, const State& state, const char* name) {
     const bool begins = form.frame + 1 != state.frame || form.of != state.interface.dialog;

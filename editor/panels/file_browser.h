@@ -21,6 +21,5 @@ void begin_file_browser(FileBrowserForm& form, const State& state, const char* n
 [[nodiscard]] bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& form, const char* button);
 // Instead of the browser while form.asks. True: the file may be overwritten.
 [[nodiscard]] bool draw_overwrite(FileBrowserForm& form);
-void write_bytes(std::uint64_t bytes, char* to, std::size_t size);
 
 } // namespace fjell::editor

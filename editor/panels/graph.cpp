@@ -176,17 +176,6 @@ void short_number(char (&text)[16], double value) {
         std::snprintf(text, sizeof text, "%.4g", value);
 }
 
-void short_bytes(char (&text)[16], double bytes) {
-    if (bytes >= 1e9)
-        std::snprintf(text, sizeof text, "%.3g GB", bytes / 1e9);
-    else if (bytes >= 999.5e3)
-        std::snprintf(text, sizeof text, "%.3g MB", bytes / 1e6);
-    else if (bytes >= 1e3)
-        std::snprintf(text, sizeof text, "%.3g kB", bytes / 1e3);
-    else
-        std::snprintf(text, sizeof text, "%.0f B", bytes);
-}
-
 void bar(const char* label, const char* value, double share, double mark, ImU32 colour) {
     row(label, "%s", value);
     const float em = ImGui::GetFontSize(), width = ImGui::GetContentRegionAvail().x, height = 0.45F * em;

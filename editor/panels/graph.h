@@ -33,8 +33,6 @@ void graph(const Graph& graph, std::initializer_list<GraphLine> lines);
 [[nodiscard]] double round_up(double value);
 // "12.3 M", "4,096", "0.25": up to 7 characters.
 void short_number(char (&text)[16], double value);
-// "12.3 MB".
-void short_bytes(char (&text)[16], double bytes);
 
 // A bar over the column's width under a line "label   value": share 0..1 of it full, mark 0..1 a notch (the peak;
 // below 0: none).

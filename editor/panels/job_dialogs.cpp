@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string>
 
+#include "editor/number_text.h"
 #include "editor/panels/tune_curve.h"
 #include "flight/profile_keys.h"
 
@@ -345,7 +346,7 @@ void draw_snapshot(const State& state, Commands& commands) {
     if (p.bytes != 0) {
         ui::row("Vertices", "%llu", static_cast<unsigned long long>(p.vertices));
         ui::row("Triangles", "%llu", static_cast<unsigned long long>(p.triangles));
-        ui::row("File", "%.2f MB at %.3g px", static_cast<double>(p.bytes) * 1e-6, p.error_px);
+        ui::row("File", "%s at %.3g px", byte_text(static_cast<double>(p.bytes)).text, p.error_px);
     }
     const bool counted = state.job.kind == JobKind::preview && !state.job.running && p.bytes != 0;
     if (!counted) draw_outcome(state, state.job.kind == JobKind::preview ? JobKind::preview : JobKind::snapshot);

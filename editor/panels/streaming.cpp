@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "editor/number_text.h"
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
 
@@ -17,9 +18,7 @@ void flag(const char* label, bool good, const char* yes, const char* no, const c
 }
 
 void bytes_row(const char* label, double bytes, const char* about) {
-    char text[16];
-    ui::short_bytes(text, bytes);
-    ui::row(label, "%s", text);
+    ui::row(label, "%s", byte_text(bytes).text);
     ui::tip(about);
 }
 
@@ -64,10 +63,8 @@ void draw_maps(const StreamReport& r) {
     ui::row("Accepted, left", "%u, %u", r.mips_uploaded, r.mips_left);
     ui::row("Missing mips", "%.1f", r.missing_mips);
     ui::tip("Mips that the blurriest tile in view lacks.");
-    char used[16], capacity[16];
-    ui::short_bytes(used, static_cast<double>(r.map_bytes_used));
-    ui::short_bytes(capacity, static_cast<double>(r.map_bytes_capacity));
-    ui::row("On the GPU", "%s of %s", used, capacity);
+    ui::row("On the GPU", "%s of %s", byte_text(static_cast<double>(r.map_bytes_used)).text,
+            byte_text(static_cast<double>(r.map_bytes_capacity)).text);
 }
 
 void draw_reading(const StreamReport& r, const io::StreamReaderCounters& reader) {
@@ -78,8 +75,8 @@ void draw_reading(const StreamReport& r, const io::StreamReaderCounters& reader)
             static_cast<unsigned long long>(r.mips_read));
     bytes_row("Bytes", static_cast<double>(r.bytes_read), "Compressed, in total.");
     ui::row("Reads", "%llu", static_cast<unsigned long long>(reader.reads));
-    const double mb_s = reader.read_s > 0 ? static_cast<double>(reader.bytes) / 1e6 / reader.read_s : 0;
-    ui::row("Read rate", "%.0f MB/s", mb_s);
+    const double a_second = reader.read_s > 0 ? static_cast<double>(reader.bytes) / reader.read_s : 0;
+    ui::row("Read rate", "%s/s", byte_text(a_second).text);
     ui::tip("Over the time that the reader's thread spent reading.");
     ui::row("Decompression", "%.2f s", reader.provide_s);
     ui::tip("Checking and decompressing on the reader's thread, in total.");

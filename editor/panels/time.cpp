@@ -90,7 +90,7 @@ void draw_time(const State& state, Commands&) {
     draw_table(state);
     ui::heading("Threshold");
     ui::graph({"threshold", "px", 6.5, 0, "", true}, {{ring(Series::effective_px), orange, "effective", 1, false},
-                                                      {ring(Series::asked_px), blue, "requested", 1, false}});
+                                                      {ring(Series::requested_px), blue, "requested", 1, false}});
     ui::heading("Changes per frame");
     ui::graph({"changes", "vertices", 6.5, 0, "", false},
               {{ring(Series::activations), teal, "activated", 1, true},

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include "editor/number_text.h"
+
 namespace fjell::editor {
 
 namespace {
@@ -18,16 +20,7 @@ struct Text {
         const int n = std::snprintf(to + used, size - used, format, values...);
         if (n > 0) used += static_cast<std::size_t>(n);
     }
-    void bytes(double bytes) {
-        if (bytes < 1e3)
-            add("%.0f B", bytes);
-        else if (bytes < 1e6)
-            add("%.0f kB", bytes / 1e3);
-        else if (bytes < 1e9)
-            add(bytes < 1e8 ? "%.1f MB" : "%.0f MB", bytes / 1e6);
-        else
-            add("%.1f GB", bytes / 1e9);
-    }
+    void bytes(double bytes) { add("%s", byte_text(bytes).text); }
 };
 
 // What the table above the profile's keys says of bytes, for the chosen method.

@@ -18,8 +18,8 @@ constexpr TerrainBudget slots{2 * most_pages};
 
 FileGround::FileGround(const io::PackFile& file) : file_(file) {
     const std::size_t bytes = terrain_bytes(file.pack().header, slots);
-    block_ = io::make_block(bytes);
-    const Status s = create_terrain(file.pack(), file.corners(), slots, {block_.get(), bytes}, terrain_);
+    memory_ = io::allocate(bytes);
+    const Status s = create_terrain(file.pack(), file.corners(), slots, {memory_.get(), bytes}, terrain_);
     if (!s.ok()) throw io::Failure(1, fmt::format("{}: {}: {}", file.path(), s.field, message(s.code)));
 }
 
@@ -59,11 +59,11 @@ void FileGround::fetch(Coord sample) {
             .page;
     const int z = pages.page_step_log2(page);
     if (z == 0) { // its errors follow from the heights of all pages over it
-        const Coord block = pages.page_position(page);
+        const Coord at = pages.page_position(page);
         if (!load(tile, 0)) return;
         for (int over = pages.tile_log2 - 1 - page_squares_log2; over > 0; --over)
-            if (!load(tile, pages.page_at(over, static_cast<std::uint32_t>(block.x) >> over,
-                                          static_cast<std::uint32_t>(block.y) >> over)))
+            if (!load(tile, pages.page_at(over, static_cast<std::uint32_t>(at.x) >> over,
+                                          static_cast<std::uint32_t>(at.y) >> over)))
                 return;
     }
     (void)load(tile, page);

@@ -28,7 +28,7 @@ private:
     bool load(std::uint32_t tile, std::uint32_t page);
 
     const io::PackFile& file_;
-    io::AlignedMemory block_;
+    io::AlignedMemory memory_;
     Terrain terrain_;
     std::vector<std::byte> stored_, raw_;
 };

@@ -54,7 +54,7 @@ void add_state(Summary& s, const FrameEntry& f) {
     raise(s.triangles_max, f.triangles);
     raise(s.waiting_max, f.waiting);
     raise(s.blocked_max, f.blocked);
-    raise(s.rising_max, f.morphing);
+    raise(s.morphing_max, f.morphing);
     raise(s.vertices_peak, f.vertices_peak);
     raise(s.triangles_peak, f.triangles_peak);
     if (f.rebuilt) {
@@ -77,8 +77,8 @@ void add_streaming(StreamSummary& s, const FrameEntry& f, std::size_t frame, std
     raise(s.pages_wanted_max, r.pages_wanted);
     raise(s.pages_left_max, r.pages_left);
     raise(s.mips_left_max, r.mips_left);
-    raise(s.draining_max, r.pages_evicting);
-    raise(s.requested_max, r.in_flight);
+    raise(s.pages_evicting_max, r.pages_evicting);
+    raise(s.in_flight_max, r.in_flight);
     s.map_bytes_max = std::max(s.map_bytes_max, r.map_bytes_used);
     s.missing_px_max = std::max(s.missing_px_max, f.missing_px);
     s.missing_mips_max = std::max(s.missing_mips_max, r.missing_mips);
@@ -284,7 +284,7 @@ json incremental_json(const Summary& s) {
               {"triangles_written_mean", s.triangles_written_mean},
               {"waiting_max", s.waiting_max},
               {"blocked_max", s.blocked_max},
-              {"rising_max", s.rising_max},
+              {"rising_max", s.morphing_max},
               {"vertices_peak", s.vertices_peak},
               {"triangles_peak", s.triangles_peak},
               {"prepare_us_mean", s.prepare_us_mean},
@@ -327,11 +327,11 @@ json stream_json(const StreamSummary& s) {
         {"pages_taken", s.pages_inserted},
         {"pages_wanted_max", s.pages_wanted_max},
         {"pages_left_max", s.pages_left_max},
-        {"pages_draining_max", s.draining_max},
+        {"pages_draining_max", s.pages_evicting_max},
         {"mips_read", r.mips_read},
         {"mips_taken", s.mips_uploaded},
         {"mips_left_max", s.mips_left_max},
-        {"requested_max", s.requested_max},
+        {"requested_max", s.in_flight_max},
         {"withdrawn", s.cancelled},
         {"failed", r.failed},
         {"bytes_read", r.bytes_read},

@@ -84,7 +84,8 @@ struct StreamSummary {
     bool streamed = false;
     StreamReport last; // counts so far are those of the flight
     std::uint64_t pages_inserted = 0, mips_uploaded = 0, upload_bytes = 0, cancelled = 0;
-    std::uint32_t pages_wanted_max = 0, pages_left_max = 0, mips_left_max = 0, draining_max = 0, requested_max = 0;
+    std::uint32_t pages_wanted_max = 0, pages_left_max = 0, mips_left_max = 0, pages_evicting_max = 0,
+                  in_flight_max = 0;
     std::uint64_t map_bytes_max = 0;
     double missing_px_max = 0, missing_mips_max = 0;
     std::size_t converged = 0, maps_converged = 0; // frames
@@ -105,7 +106,7 @@ struct Summary {
     double triangles_written_mean = 0, upload_mean = 0;
     std::uint32_t vertices_max = 0, triangles_max = 0;
     double items_mean = 0, evaluations_mean = 0, activations_mean = 0, deactivations_mean = 0;
-    std::uint32_t items_max = 0, waiting_max = 0, blocked_max = 0, rising_max = 0;
+    std::uint32_t items_max = 0, waiting_max = 0, blocked_max = 0, morphing_max = 0;
     std::uint32_t vertices_peak = 0, triangles_peak = 0;
     std::size_t overruns = 0; // frames with more items than their limit
     Percentiles update_us;

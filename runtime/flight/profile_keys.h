@@ -20,7 +20,7 @@ enum class KeyKind : std::uint8_t { number, whole, flag, choice };
 // What a change takes before the next update.
 enum class Rebuild : std::uint8_t {
     nothing, // the next update goes by it
-    method,  // the method's block (remake_method()) and a renderer with room for it
+    method,  // the method's memory (remake_method()) and a renderer with room for it
     session  // terrain, stream and method
 };
 

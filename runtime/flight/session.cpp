@@ -43,7 +43,7 @@ CutBudget suited(CutBudget budget, const Terrain& terrain) {
 // A method over the session's terrain, before the session has it.
 struct Made {
     Method method = Method::incremental;
-    io::AlignedMemory block;
+    io::AlignedMemory memory;
     std::size_t bytes = 0;
     CutBudget cut_budget;
     LiveCut cut;
@@ -59,8 +59,8 @@ Made make_cut(const FlightOptions& options, const Terrain& terrain, const CutBud
     Made made;
     made.cut_budget = budget;
     made.bytes = cut_bytes(terrain, budget);
-    made.block = io::make_block(made.bytes);
-    require_budget(create_cut(terrain, budget, {made.block.get(), made.bytes}, made.cut));
+    made.memory = io::allocate(made.bytes);
+    require_budget(create_cut(terrain, budget, {made.memory.get(), made.bytes}, made.cut));
     return made;
 }
 
@@ -68,8 +68,8 @@ Made make_recursive(const FlightOptions& options, const Terrain& terrain) {
     Made made;
     made.method = Method::recursive;
     made.bytes = recursive_bytes(terrain, options.profile.budget);
-    made.block = io::make_block(made.bytes);
-    require_budget(create_recursive(terrain, options.profile.budget, {made.block.get(), made.bytes}, made.recursive));
+    made.memory = io::allocate(made.bytes);
+    require_budget(create_recursive(terrain, options.profile.budget, {made.memory.get(), made.bytes}, made.recursive));
     return made;
 }
 
@@ -80,8 +80,8 @@ void make_method(const FlightOptions& options, const CutBudget* recorded, Sessio
                     ? make_recursive(options, terrain)
                     : make_cut(options, terrain, recorded ? *recorded : suited(options.profile.cut_budget, terrain));
     session.method = made.method;
-    session.block = std::move(made.block);
-    session.block_bytes = made.bytes;
+    session.method_memory = std::move(made.memory);
+    session.method_bytes = made.bytes;
     session.cut_budget = made.cut_budget;
     session.cut = made.cut;
     session.recursive = made.recursive;
@@ -100,10 +100,10 @@ void make_paged(Session& session, std::span<const std::byte> corners, std::uint3
     const Pack& pack = session.loaded.pack;
     const TerrainBudget budget{page_slots};
     session.terrain_bytes = terrain_bytes(pack.header, budget);
-    session.loaded.block = io::make_block(session.terrain_bytes);
-    const std::span block{session.loaded.block.get(), session.terrain_bytes};
-    const Status s = corners.empty() ? create_terrain(pack, budget, block, session.loaded.terrain)
-                                     : create_terrain(pack, corners, budget, block, session.loaded.terrain);
+    session.loaded.memory = io::allocate(session.terrain_bytes);
+    const std::span memory{session.loaded.memory.get(), session.terrain_bytes};
+    const Status s = corners.empty() ? create_terrain(pack, budget, memory, session.loaded.terrain)
+                                     : create_terrain(pack, corners, budget, memory, session.loaded.terrain);
     if (!s.ok()) throw Failure(1, fmt::format("{}: {}: {}", session.loaded.path, s.field, message(s.code)));
 }
 
@@ -257,7 +257,7 @@ FrameEntry update_until_there(Session& session, const View& view, const Profile&
     if (!session.streamed) return frame;
     const auto start = Clock::now();
     auto progress = start;
-    for (int quiet = 0; quiet < 2;) { // twice: what an update has asked for it may find out in the next one
+    for (int quiet = 0; quiet < 2;) { // twice: what an update has requested it may find out in the next one
         io::check_interrupt();
         const FrameEntry poll = update_frame(session, view, profile, now_s);
         each(poll);

@@ -34,8 +34,8 @@ struct Session {
     std::unique_ptr<io::LoadedPack> reference; // loaded whole to measure against, where `loaded` is not
     std::unique_ptr<io::MappedPack> mapped;    // of a streamed pack: for exports
     std::unique_ptr<FileGround> file_ground;   // the same: for camera paths
-    io::AlignedMemory block;
-    std::size_t block_bytes = 0;
+    io::AlignedMemory method_memory;
+    std::size_t method_bytes = 0;
     Method method = Method::incremental;
     RecursiveMethod recursive; // one of the two
     LiveCut cut;

@@ -12,9 +12,9 @@ using io::Failure;
 
 void StreamedPack::begin(const FlightOptions& options, Terrain& terrain, LiveCut cut) {
     const StreamBudget& budget = options.profile.stream_budget;
-    block_bytes_ = stream_bytes(file_.pack(), terrain, budget);
-    block_ = io::make_block(block_bytes_);
-    const Status s = create_stream(file_.pack(), terrain, cut, budget, {block_.get(), block_bytes_}, stream_);
+    memory_bytes_ = stream_bytes(file_.pack(), terrain, budget);
+    memory_ = io::allocate(memory_bytes_);
+    const Status s = create_stream(file_.pack(), terrain, cut, budget, {memory_.get(), memory_bytes_}, stream_);
     if (!s.ok())
         throw Failure(1, fmt::format("{}: {}: {} ([stream] of a --profile, where map_bytes is map_mb; {} tiles)",
                                      options.pack, s.field, message(s.code), file_.pack().tile_count()));

@@ -38,7 +38,7 @@ public:
     [[nodiscard]] Stream stream() const { return stream_; }
     [[nodiscard]] const StreamReport& report() const { return report_; }
     [[nodiscard]] io::StreamReaderCounters reader() const { return reader_->counters(); }
-    [[nodiscard]] std::size_t block_bytes() const { return block_bytes_; }
+    [[nodiscard]] std::size_t memory_bytes() const { return memory_bytes_; }
     // What was damaged, and what the disk did not give.
     [[nodiscard]] std::uint64_t corrupt() const { return corrupt_; }
     [[nodiscard]] std::uint64_t unreadable() const { return unreadable_; }
@@ -47,8 +47,8 @@ private:
     void tell(const StreamFailure& failure);
 
     io::PackFile file_;
-    io::AlignedMemory block_;
-    std::size_t block_bytes_ = 0;
+    io::AlignedMemory memory_;
+    std::size_t memory_bytes_ = 0;
     Stream stream_;
     StreamReport report_;
     std::uint64_t corrupt_ = 0, unreadable_ = 0;

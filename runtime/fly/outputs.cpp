@@ -95,7 +95,7 @@ json pack_json(const Session& session) {
             {"pack_hash", fmt::format("{:016x}", h.directory_hash)},
             {"load_seconds", session.load_seconds},
             {"terrain_bytes", session.terrain_bytes},
-            {"method_bytes", session.block_bytes}};
+            {"method_bytes", session.method_bytes}};
 }
 
 // What the frames do not know of streaming: where the memory is, and what the reader did.
@@ -114,8 +114,8 @@ void add_stream(json& j, const FlightOptions& o, const Session& session) {
                              {"errors", r.errors},       {"damaged", r.damaged}, {"read_s", r.read_s},
                              {"provide_s", r.provide_s}, {"mb_s", o.read_mb_s},  {"latency_ms", o.read_latency_ms}};
     j["stream"]["memory_bytes"] = {{"terrain", session.terrain_bytes},
-                                   {"method", session.block_bytes},
-                                   {"stream", session.streamed->block_bytes()},
+                                   {"method", session.method_bytes},
+                                   {"stream", session.streamed->memory_bytes()},
                                    {"maps_on_gpu", map_bytes}};
     const StreamBudget& b = o.profile.stream_budget;
     const StreamSettings& s = o.profile.stream;

@@ -40,16 +40,16 @@ SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const V
                                      std::min(capacity(vertices * 6), largest.indices)};
         const bool all = budget.vertices == largest.vertices && budget.indices == largest.indices;
         const std::size_t bytes = recursive_bytes(terrain, budget);
-        io::AlignedMemory block;
+        io::AlignedMemory memory;
         try {
-            block = io::make_block(bytes);
+            memory = io::allocate(bytes);
         } catch (const std::bad_alloc&) {
             return refused(
                 3, fmt::format("not enough memory to refine the whole terrain ({} bytes); ask for a larger error_px",
                                bytes));
         }
         RecursiveMethod method;
-        Status status = create_recursive(terrain, budget, {block.get(), bytes}, method);
+        Status status = create_recursive(terrain, budget, {memory.get(), bytes}, method);
         if (status.code == Code::budget_too_small && !all) continue;
         FrameReport report;
         if (status.ok()) status = update_recursive(method, view, settings, report);

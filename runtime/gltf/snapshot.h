@@ -5,9 +5,9 @@
 // heights, so shading does not change with the level of detail; the colour map is embedded as PNG. The camera is a
 // glTF camera.
 //
-// scenes[0].extras.fjell, for checkers: error_px (asked), error_px_effective, quantum_m, viewport [w, h], fov_y_deg,
-// eye [x, y, z], spacing_m [x, z], origin_m (of sample (0, 0), CRS axes), crs (WKT or null), size [columns, rows],
-// converged, morphed, vertices and triangles (in the file: a border vertex counts once a tile), pack_hash (16
+// scenes[0].extras.fjell, for checkers: error_px (requested), error_px_effective, quantum_m, viewport [w, h],
+// fov_y_deg, eye [x, y, z], spacing_m [x, z], origin_m (of sample (0, 0), CRS axes), crs (WKT or null), size [columns,
+// rows], converged, morphed, vertices and triangles (in the file: a border vertex counts once a tile), pack_hash (16
 // hexadecimal digits, as `fjell-bake info --json` has it).
 //
 // Tiles meet exactly: a tile's width is rounded to float once and every translation is a whole multiple of it, so a
@@ -33,9 +33,9 @@ namespace fjell::gltf {
 // What the mesh is a picture of, from the method's report.
 struct SnapshotInfo {
     View view;                     // lambda_px is taken to be height_px / (2 tan(fov_y / 2)), as make_view has it
-    double error_px = 1;           // asked, > 0
+    double error_px = 1;           // requested, > 0
     double error_px_effective = 1; // what the budgets allowed
-    bool converged = false;        // effective == asked
+    bool converged = false;        // effective == requested
     bool morphed = false;          // heights are between two levels
 };
 

@@ -93,9 +93,9 @@ std::optional<FullHeights> read(const Pack& pack, std::span<const std::byte> cor
     FullHeights grid = make_grid(pack.header, max_samples, path);
     const TerrainBudget slots{pack.pages().pages_per_tile()};
     const std::size_t bytes = terrain_bytes(pack.header, slots);
-    const AlignedMemory block = make_block(bytes);
+    const AlignedMemory memory = allocate(bytes);
     Terrain terrain;
-    require(create_terrain(pack, corners, slots, {block.get(), bytes}, terrain), path);
+    require(create_terrain(pack, corners, slots, {memory.get(), bytes}, terrain), path);
     TileReader reader(terrain, path, read_page);
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) {
         reader.load(tile, grid.step_log2);

@@ -18,9 +18,9 @@ namespace fjell::io {
 
 namespace {
 
-// Large blocks are read all over the place: on 2 MB pages a walk down the vertex tree spares a TLB miss a step.
+// Large memory is read all over the place: on 2 MB pages a walk down the vertex tree spares a TLB miss a step.
 constexpr std::size_t huge_page_bytes = std::size_t{2} << 20;
-constexpr std::align_val_t block_alignment{huge_page_bytes};
+constexpr std::align_val_t alignment{huge_page_bytes};
 
 void require(const Status& status, const std::string& path) {
     if (!status.ok()) throw Failure(1, fmt::format("{}: {}: {}", path, status.field, message(status.code)));
@@ -28,14 +28,14 @@ void require(const Status& status, const std::string& path) {
 
 } // namespace
 
-void AlignedDelete::operator()(std::byte* block) const {
-    ::operator delete[](block, block_alignment);
+void AlignedDelete::operator()(std::byte* memory) const {
+    ::operator delete[](memory, alignment);
 }
 
-AlignedMemory make_block(std::size_t bytes) {
-    AlignedMemory block(static_cast<std::byte*>(::operator new[](bytes, block_alignment)));
-    if (bytes >= huge_page_bytes) (void)madvise(block.get(), bytes, MADV_HUGEPAGE); // a wish; refusal costs speed only
-    return block;
+AlignedMemory allocate(std::size_t bytes) {
+    AlignedMemory memory(static_cast<std::byte*>(::operator new[](bytes, alignment)));
+    if (bytes >= huge_page_bytes) (void)madvise(memory.get(), bytes, MADV_HUGEPAGE); // a wish; refusal costs speed only
+    return memory;
 }
 
 LoadedPack load_pack(const std::string& path, LoadTerrain what) {
@@ -48,8 +48,8 @@ LoadedPack load_pack(const std::string& path, LoadTerrain what) {
         require(read_chunk(loaded.pack, {ChunkKind::crs, 0, 0}, std::as_writable_bytes(std::span(loaded.crs))), path);
     if (what == LoadTerrain::no) return loaded;
     const std::size_t bytes = terrain_bytes(loaded.pack.header);
-    loaded.block = make_block(bytes);
-    require(load_terrain(loaded.pack, {loaded.block.get(), bytes}, loaded.terrain), path);
+    loaded.memory = allocate(bytes);
+    require(load_terrain(loaded.pack, {loaded.memory.get(), bytes}, loaded.terrain), path);
     return loaded;
 }
 

@@ -13,18 +13,18 @@
 namespace fjell::io {
 
 struct AlignedDelete {
-    void operator()(std::byte* block) const;
+    void operator()(std::byte* memory) const;
 };
 using AlignedMemory = std::unique_ptr<std::byte[], AlignedDelete>;
-[[nodiscard]] AlignedMemory make_block(std::size_t bytes); // aligned to 2 MB, uninitialised, on huge pages if it may
+[[nodiscard]] AlignedMemory allocate(std::size_t bytes); // aligned to 2 MB, uninitialised, on huge pages if it may
 
 struct LoadedPack {
     std::string path;
     std::vector<std::byte> file;
-    Pack pack;           // points into file
-    AlignedMemory block; // records, when loaded
-    Terrain terrain;     // points into block
-    std::string crs;     // WKT; empty: none
+    Pack pack;            // points into file
+    AlignedMemory memory; // records, when loaded
+    Terrain terrain;      // points into memory
+    std::string crs;      // WKT; empty: none
 };
 
 enum class LoadTerrain : bool { no, yes };

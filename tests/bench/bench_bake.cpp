@@ -158,14 +158,14 @@ void whole_bake(benchmark::State& state, int threads) {
     state.counters["file_MB"] = static_cast<double>(pack.file.size()) / 1e6;
 }
 
-// The whole pack into one block: what a start costs. As much memory is written as the terrain takes.
+// The whole pack into memory: what a start costs. As much memory is written as the terrain takes.
 void load(benchmark::State& state) {
     const io::LoadedPack pack = io::load_pack(bake_once(0), io::LoadTerrain::no);
     const std::size_t bytes = terrain_bytes(pack.pack.header);
-    const io::AlignedMemory block = io::make_block(bytes);
+    const io::AlignedMemory memory = io::allocate(bytes);
     Terrain terrain;
     for (auto _ : state)
-        if (!load_terrain(pack.pack, {block.get(), bytes}, terrain).ok()) return state.SkipWithError("damaged");
+        if (!load_terrain(pack.pack, {memory.get(), bytes}, terrain).ok()) return state.SkipWithError("damaged");
     rate(state);
     state.counters["MB"] = static_cast<double>(bytes) / 1e6;
 }

@@ -86,9 +86,9 @@ double rank(std::vector<double> v, double share) {
 Flight fly_recursive(const Terrain& terrain, const std::vector<View>& views, double error_px) {
     const RecursiveBudget budget{1u << 21, 1u << 24};
     const std::size_t bytes = recursive_bytes(terrain, budget);
-    const io::AlignedMemory block = io::make_block(bytes);
+    const io::AlignedMemory memory = io::allocate(bytes);
     RecursiveMethod method;
-    if (!create_recursive(terrain, budget, {block.get(), bytes}, method).ok()) std::abort();
+    if (!create_recursive(terrain, budget, {memory.get(), bytes}, method).ok()) std::abort();
     RefineSettings settings;
     settings.error_px = error_px;
     FrameReport report;
@@ -110,9 +110,9 @@ const CutBudget cut_budget{1u << 21, 1u << 22, 1024, 1};
 
 Flight fly_cut(const Terrain& terrain, const std::vector<View>& views, const CutSettings& settings) {
     const std::size_t bytes = cut_bytes(terrain, cut_budget);
-    const io::AlignedMemory block = io::make_block(bytes);
+    const io::AlignedMemory memory = io::allocate(bytes);
     LiveCut cut;
-    if (!create_cut(terrain, cut_budget, {block.get(), bytes}, cut).ok()) std::abort();
+    if (!create_cut(terrain, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
     CutReport report;
     Flight f;
     std::vector<double> rebuilds;
@@ -247,9 +247,9 @@ void compare_sizes(benchmark::State& state) {
 void teleport_budget(benchmark::State& state) {
     const Terrain& t = mountains().pack.terrain;
     const std::size_t bytes = cut_bytes(t, cut_budget);
-    const io::AlignedMemory block = io::make_block(bytes);
+    const io::AlignedMemory memory = io::allocate(bytes);
     LiveCut cut;
-    if (!create_cut(t, cut_budget, {block.get(), bytes}, cut).ok()) std::abort();
+    if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
     CutSettings settings;
     settings.error_px = 2;
     settings.budget_us = 300;
@@ -286,9 +286,9 @@ public:
         : columns_(static_cast<std::size_t>(terrain.tree.columns())),
           flags_(columns_ * static_cast<std::size_t>(terrain.tree.rows())) {
         const std::size_t bytes = cut_bytes(terrain, cut_budget);
-        const io::AlignedMemory block = io::make_block(bytes);
+        const io::AlignedMemory memory = io::allocate(bytes);
         LiveCut cut;
-        if (!create_cut(terrain, cut_budget, {block.get(), bytes}, cut).ok()) std::abort();
+        if (!create_cut(terrain, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
         CutSettings settings;
         settings.error_px = error_px;
         CutReport report;
@@ -331,9 +331,9 @@ void teleport_recovery(benchmark::State& state) {
     const Scene& scene = mountains();
     const Terrain& t = scene.pack.terrain;
     const std::size_t bytes = cut_bytes(t, cut_budget);
-    const io::AlignedMemory block = io::make_block(bytes);
+    const io::AlignedMemory memory = io::allocate(bytes);
     LiveCut cut;
-    if (!create_cut(t, cut_budget, {block.get(), bytes}, cut).ok()) std::abort();
+    if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
     CutSettings settings;
     settings.error_px = scene.error_px;
     std::vector<double> frames_to_99, rebuilds_us;

@@ -55,9 +55,9 @@ void draw(benchmark::State& state, double error_px, std::uint32_t width, std::ui
     require(error);
     const CutBudget budget{1u << 21, 1u << 22, 1024, 1};
     const std::size_t bytes = cut_bytes(pack.terrain, budget);
-    const io::AlignedMemory block = io::make_block(bytes);
+    const io::AlignedMemory memory = io::allocate(bytes);
     LiveCut cut;
-    if (!create_cut(pack.terrain, budget, {block.get(), bytes}, cut).ok()) stop("the cut's budget is too small");
+    if (!create_cut(pack.terrain, budget, {memory.get(), bytes}, cut).ok()) stop("the cut's budget is too small");
     gl::RendererOptions options{budget.vertices, 3 * budget.triangles};
     options.ranges = budget.triangles / budget.segment_triangles;
     options.morph = true;

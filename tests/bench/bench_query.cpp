@@ -115,9 +115,9 @@ void patch(benchmark::State& state, std::uint32_t side, int step) {
 void insert(benchmark::State& state) {
     const Pack& pack = scene().pack;
     const std::size_t bytes = terrain_bytes(pack.header, {});
-    const io::AlignedMemory block = io::make_block(bytes);
+    const io::AlignedMemory memory = io::allocate(bytes);
     Terrain t;
-    if (!create_terrain(pack, {}, {block.get(), bytes}, t).ok()) return state.SkipWithError("terrain");
+    if (!create_terrain(pack, {}, {memory.get(), bytes}, t).ok()) return state.SkipWithError("terrain");
     std::vector<std::vector<std::byte>> pages;
     for (std::uint32_t page = 0; page < t.pages_per_tile; ++page) {
         const ChunkId id{ChunkKind::geometry, 9, page};

@@ -80,9 +80,9 @@ void recursive(benchmark::State& state, const Case& c) {
     const Scene& s = scene(c.tile_log2, c.order);
     const RecursiveBudget budget{1u << 22, 1u << 25};
     const std::size_t bytes = recursive_bytes(s.pack.terrain, budget);
-    const io::AlignedMemory block = io::make_block(bytes);
+    const io::AlignedMemory memory = io::allocate(bytes);
     RecursiveMethod method;
-    if (!create_recursive(s.pack.terrain, budget, {block.get(), bytes}, method).ok())
+    if (!create_recursive(s.pack.terrain, budget, {memory.get(), bytes}, method).ok())
         return state.SkipWithError("budget");
     RefineSettings settings;
     settings.error_px = c.error_px;

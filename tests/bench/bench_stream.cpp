@@ -225,9 +225,9 @@ void teleport(benchmark::State& state, Order order, const Disk& disk) {
 std::set<std::uint32_t> linear_pages(const Terrain& t, const View& view, double error_px) {
     const RecursiveBudget budget{1u << 21, 1u << 24};
     const std::size_t bytes = recursive_bytes(t, budget);
-    const io::AlignedMemory block = io::make_block(bytes);
+    const io::AlignedMemory memory = io::allocate(bytes);
     RecursiveMethod method;
-    require(create_recursive(t, budget, {block.get(), bytes}, method));
+    require(create_recursive(t, budget, {memory.get(), bytes}, method));
     RefineSettings settings;
     settings.error_px = error_px;
     settings.cull = false;
@@ -363,9 +363,9 @@ void memory(benchmark::State& state) {
     for (auto _ : state) {
         const std::uint32_t slots = 8192;
         const std::size_t bytes = terrain_bytes(h, {slots});
-        const io::AlignedMemory block = io::make_block(bytes);
+        const io::AlignedMemory memory = io::allocate(bytes);
         Terrain t;
-        require(create_terrain(file.pack(), file.corners(), {slots}, {block.get(), bytes}, t));
+        require(create_terrain(file.pack(), file.corners(), {slots}, {memory.get(), bytes}, t));
         const double records = 4.0 * t.page_capacity * t.slot_count,
                      table = static_cast<double>(sizeof(PageEntry)) * t.page_count();
         const double stream = static_cast<double>(stream_bytes(file.pack(), t, budget)),

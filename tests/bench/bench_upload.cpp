@@ -156,9 +156,9 @@ void fly(benchmark::State& state, Way way, double cells, bool finished) {
     budget.vertices = vertex_slots;
     budget.triangles = triangle_slots;
     const std::size_t bytes = cut_bytes(terrain, budget);
-    const io::AlignedMemory block = io::make_block(bytes);
+    const io::AlignedMemory memory = io::allocate(bytes);
     LiveCut cut;
-    if (!create_cut(terrain, budget, {block.get(), bytes}, cut).ok()) stop("the cut's budget does not do");
+    if (!create_cut(terrain, budget, {memory.get(), bytes}, cut).ok()) stop("the cut's budget does not do");
     CutSettings settings;
     settings.error_px = 4;
     CutReport report;

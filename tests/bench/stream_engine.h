@@ -75,14 +75,14 @@ struct Engine {
     Engine(const std::string& path, std::uint32_t slots, const StreamBudget& budget, bool with_cut = true)
         : pack(io::load_pack(path, io::LoadTerrain::no)) {
         terrain_size = terrain_bytes(pack.pack.header, {slots});
-        terrain_memory = io::make_block(terrain_size);
+        terrain_memory = io::allocate(terrain_size);
         require(create_terrain(pack.pack, {slots}, {terrain_memory.get(), terrain_size}, terrain));
         const CutBudget cut_budget{1u << 20, 1u << 21, 512, 1};
         cut_size = cut_bytes(terrain, cut_budget);
-        cut_memory = io::make_block(cut_size);
+        cut_memory = io::allocate(cut_size);
         require(create_cut(terrain, cut_budget, {cut_memory.get(), cut_size}, cut));
         stream_size = stream_bytes(pack.pack, terrain, budget);
-        stream_memory = io::make_block(stream_size);
+        stream_memory = io::allocate(stream_size);
         require(create_stream(pack.pack, terrain, with_cut ? cut : LiveCut{}, budget,
                               {stream_memory.get(), stream_size}, stream));
     }
@@ -115,14 +115,14 @@ struct FileEngine {
     FileEngine(const std::string& path, std::uint32_t slots, const StreamBudget& budget) : file(path) {
         const PackHeader& h = file.pack().header;
         std::size_t bytes = terrain_bytes(h, {slots});
-        terrain_memory = io::make_block(bytes);
+        terrain_memory = io::allocate(bytes);
         require(create_terrain(file.pack(), file.corners(), {slots}, {terrain_memory.get(), bytes}, terrain));
         const CutBudget cut_budget{1u << 20, 1u << 21, 512, 1};
         bytes = cut_bytes(terrain, cut_budget);
-        cut_memory = io::make_block(bytes);
+        cut_memory = io::allocate(bytes);
         require(create_cut(terrain, cut_budget, {cut_memory.get(), bytes}, cut));
         bytes = stream_bytes(file.pack(), terrain, budget);
-        stream_memory = io::make_block(bytes);
+        stream_memory = io::allocate(bytes);
         require(create_stream(file.pack(), terrain, cut, budget, {stream_memory.get(), bytes}, stream));
     }
     void frame(const View& view) {

@@ -14,7 +14,8 @@ using namespace fjell;
 using namespace fjell::test;
 using Bytes = std::vector<std::byte>;
 
-// One tile of 64 x 64 cells with a hole: a page 0 and a block whose errors are derived wherever there is no hole.
+// One tile of 64 x 64 cells with a hole: a root page and a step page whose errors are derived wherever there is no
+// hole.
 io::LoadedPack small_pack() {
     Random random(5);
     baker::Dem dem = random_dem(random, 65, 65, Shape::fractal);
@@ -54,14 +55,14 @@ enum class Outcome { refused, read_right, read_wrong };
 class Reader {
 public:
     explicit Reader(const io::LoadedPack& pack)
-        : original_(pack), chunks_(decode_chunks(pack.pack)), block_bytes_(terrain_bytes(pack.pack.header)),
-          block_(io::make_block(block_bytes_)) {}
+        : original_(pack), chunks_(decode_chunks(pack.pack)), memory_bytes_(terrain_bytes(pack.pack.header)),
+          memory_(io::allocate(memory_bytes_)) {}
 
     // Of the terrain: refused, or the same records.
     Outcome terrain(const Pack& pack) {
         Terrain terrain;
-        if (terrain_bytes(pack.header) > block_bytes_) return Outcome::read_wrong; // another header was accepted
-        if (!load_terrain(pack, {block_.get(), block_bytes_}, terrain).ok()) return Outcome::refused;
+        if (terrain_bytes(pack.header) > memory_bytes_) return Outcome::read_wrong; // another header was accepted
+        if (!load_terrain(pack, {memory_.get(), memory_bytes_}, terrain).ok()) return Outcome::refused;
         return same_records(terrain, original_.terrain) ? Outcome::read_right : Outcome::read_wrong;
     }
     // Of all chunks, also those that make no terrain: one is refused, or all are the same.
@@ -80,8 +81,8 @@ public:
 private:
     const io::LoadedPack& original_;
     const std::vector<Bytes> chunks_;
-    const std::size_t block_bytes_;
-    io::AlignedMemory block_;
+    const std::size_t memory_bytes_;
+    io::AlignedMemory memory_;
     Bytes raw_;
 };
 

@@ -28,14 +28,14 @@ using fuzz::PackScript;
 constexpr std::size_t most_bytes = std::size_t{64} << 20; // what a host would refuse to allocate is not read
 constexpr std::uint32_t steps = 48, steps_a_frame = 24;   // of the page script
 
-// Not io::make_block: its 2 MB pages cost more than all the rest, and here the end must be exact.
+// Not io::allocate: its 2 MB pages cost more than all the rest, and here the end must be exact.
 constexpr std::align_val_t alignment{64};
-struct BlockDelete {
-    void operator()(std::byte* block) const { ::operator delete[](block, alignment); }
+struct MemoryDelete {
+    void operator()(std::byte* memory) const { ::operator delete[](memory, alignment); }
 };
-using Block = std::unique_ptr<std::byte[], BlockDelete>;
-Block make_block(std::size_t bytes) {
-    return Block(static_cast<std::byte*>(::operator new[](bytes, alignment)));
+using Memory = std::unique_ptr<std::byte[], MemoryDelete>;
+Memory allocate(std::size_t bytes) {
+    return Memory(static_cast<std::byte*>(::operator new[](bytes, alignment)));
 }
 
 void repair(std::vector<std::byte>& bytes, bool directory_too) {
@@ -170,7 +170,7 @@ void query(const Terrain& t) {
     }
 }
 
-// A recursive method with its block, and frames that the script describes.
+// A recursive method with its memory, and frames that the script describes.
 struct Refiner {
     Refiner(const Terrain& the_terrain, const PackScript& the_script) : terrain(the_terrain), script(the_script) {
         const std::uint32_t tiles = terrain.tile_count();
@@ -179,12 +179,12 @@ struct Refiner {
         if (script.frame & 64) budget.indices = 9 * tiles + 2u * script.eye;
         const std::size_t bytes = recursive_bytes(terrain, budget);
         if (bytes > most_bytes) return;
-        block = make_block(bytes);
-        must(create_recursive(terrain, budget, {block.get(), bytes}, method).ok(), "a method for what was loaded");
+        memory = allocate(bytes);
+        must(create_recursive(terrain, budget, {memory.get(), bytes}, method).ok(), "a method for what was loaded");
     }
 
     void frames() {
-        if (!block) return;
+        if (!memory) return;
         RefineSettings settings;
         settings.error_px = script.frame & 2 ? 1e-3 : script.frame & 4 ? 50 : 1;
         settings.corner_safe = (script.frame & 8) != 0;
@@ -219,7 +219,7 @@ private:
 
     const Terrain& terrain;
     const PackScript& script;
-    Block block;
+    Memory memory;
     RecursiveMethod method;
     std::uint32_t number = 0;
 };
@@ -253,9 +253,9 @@ void page_by_page(const Pack& pack, const PackScript& script, const Terrain* who
     const TerrainBudget budget{1 + script.slots % std::max(pages - 1, 1u)};
     const std::size_t bytes = terrain_bytes(pack.header, budget);
     if (bytes > most_bytes) return;
-    const Block block = make_block(bytes);
+    const Memory memory = allocate(bytes);
     Terrain terrain;
-    if (!create_terrain(pack, budget, {block.get(), bytes}, terrain).ok()) {
+    if (!create_terrain(pack, budget, {memory.get(), bytes}, terrain).ok()) {
         must(!whole, "a terrain that could be created can be created with fewer slots");
         return;
     }
@@ -281,10 +281,10 @@ void use(const Pack& pack, const PackScript& script) {
     read_chunks(pack);
     const std::size_t bytes = terrain_bytes(pack.header);
     if (bytes > most_bytes) return;
-    const Block block = make_block(bytes);
+    const Memory memory = allocate(bytes);
     Terrain whole;
-    must(!load_terrain(pack, {block.get(), bytes - 64}, whole).ok(), "a block that is too small is refused");
-    const bool loaded = load_terrain(pack, {block.get(), bytes}, whole).ok();
+    must(!load_terrain(pack, {memory.get(), bytes - 64}, whole).ok(), "memory that is too small is refused");
+    const bool loaded = load_terrain(pack, {memory.get(), bytes}, whole).ok();
     if (loaded) {
         check_pages(whole);
         query(whole);

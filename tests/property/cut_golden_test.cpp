@@ -36,8 +36,8 @@ TEST_CASE("the golden flight comes to the same triangles and the same work as ev
     CHECK(golden_terrain_hash(pack.terrain) == terrain_hash);
     const std::size_t bytes = cut_bytes(pack.terrain, golden_budget(pack.terrain));
     for (const bool scalar : {false, true}) {
-        const auto block = io::make_block(bytes);
-        const Golden golden = fly_golden(pack.terrain, {block.get(), bytes}, scalar);
+        const auto memory = io::allocate(bytes);
+        const Golden golden = fly_golden(pack.terrain, {memory.get(), bytes}, scalar);
         REQUIRE(golden.ok);
         CAPTURE(scalar);
         CHECK(golden.triangles == triangles_hash);

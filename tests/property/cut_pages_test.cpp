@@ -1,4 +1,4 @@
-// Pages that come and go under a live cut: asked back and waited for, or torn away.
+// Pages that come and go under a live cut: evicted and waited for, or unloaded without warning.
 #include <catch2/catch.hpp>
 
 #include "support/cut_scene.h"
@@ -20,9 +20,9 @@ struct Host {
     const Pack& pack;
     Terrain& terrain;
     Cut& cut;
-    bool torn = false;                    // pages may go without being asked back
-    std::vector<Page> leaving, just_torn; // just_torn: asked back and gone since the last frame
-    std::uint32_t loaded = 0, released = 0, torn_away = 0;
+    bool abrupt = false;                       // pages may be unloaded without being evicted first
+    std::vector<Page> evicting, just_unloaded; // just_unloaded: in eviction until then, since the last frame
+    std::uint32_t loaded = 0, released = 0, unloaded = 0;
 
     [[nodiscard]] Page any() {
         return {static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.tile_count()) - 1)),
@@ -32,7 +32,7 @@ struct Host {
         return terrain.page_table[p.tile * terrain.pages_per_tile + p.page].slot != no_index;
     }
     void load(Page p) {
-        for (const auto& pages : {leaving, just_torn})
+        for (const auto& pages : {evicting, just_unloaded})
             if (std::find(pages.begin(), pages.end(), p) != pages.end()) return;
         const std::uint32_t missing = terrain.pages_missing;
         const Status s = load_page(pack, terrain, p.tile, p.page);
@@ -44,25 +44,25 @@ struct Host {
             for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) load({tile, page});
     }
     void act() {
-        just_torn.clear();
+        just_unloaded.clear();
         for (int n = pick(random, 0, 6); n > 0; --n) {
             if (pick(random, 0, 2)) load(any());
             const Page p = any();
             if (!is_loaded(p)) continue;
-            if (torn && pick(random, 0, 2) == 0) {
+            if (abrupt && pick(random, 0, 2) == 0) {
                 unload_page(terrain, p.tile, p.page);
-                if (std::erase(leaving, p) != 0) just_torn.push_back(p); // comes back in another frame: see below
-                ++torn_away;
-            } else if (pick(random, 0, 1) && std::find(leaving.begin(), leaving.end(), p) == leaving.end()) {
-                leaving.push_back(p);
+                if (std::erase(evicting, p) != 0) just_unloaded.push_back(p); // comes back in another frame: see below
+                ++unloaded;
+            } else if (pick(random, 0, 1) && std::find(evicting.begin(), evicting.end(), p) == evicting.end()) {
+                evicting.push_back(p);
             }
         }
         if (pick(random, 0, 9) == 0) load_all();
         collect();
     }
-    // Asks for every leaving page, and unloads those that are free.
+    // Calls release_page() for every page in eviction, and unloads those that are released.
     void collect() {
-        std::erase_if(leaving, [&](Page p) {
+        std::erase_if(evicting, [&](Page p) {
             bool free = false;
             REQUIRE(release_page(cut.cut, p.tile, p.page, free).ok());
             if (!free) return false;
@@ -84,7 +84,7 @@ io::LoadedPack paged_terrain(Random& random, bool large) {
     return bake_and_load(std::move(dem), options);
 }
 
-void live_with(std::uint32_t seed, bool torn, int count) {
+void live_with(std::uint32_t seed, bool abrupt, int count) {
     Random random(seed);
     std::uint64_t gone = 0, incomplete = 0, refined = 0;
     for (int round = 0; round < count; ++round) {
@@ -94,7 +94,7 @@ void live_with(std::uint32_t seed, bool torn, int count) {
             slots.page_slots = static_cast<std::uint32_t>(pick(random, 1, static_cast<int>(pack.terrain.page_count())));
         PagedTerrain paged(pack.pack, slots);
         Cut cut(paged.terrain, ample_cut(pack.terrain));
-        Host host{random, pack.pack, paged.terrain, cut, torn, {}, {}};
+        Host host{random, pack.pack, paged.terrain, cut, abrupt, {}, {}};
         host.load_all();
         View view = random_view(random, pack.terrain);
         CutSettings settings;
@@ -116,7 +116,7 @@ void live_with(std::uint32_t seed, bool torn, int count) {
                 host.collect();
                 report = cut.update({&view, 1}, settings);
             }
-            REQUIRE(host.leaving.empty());
+            REQUIRE(host.evicting.empty());
             CAPTURE(round, leg, settings.error_px, paged.terrain.pages_missing, paged.terrain.slot_count);
             REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
             REQUIRE(report.converged);
@@ -124,7 +124,7 @@ void live_with(std::uint32_t seed, bool torn, int count) {
                                target_set(pack.terrain, paged.terrain, {&view, 1}, settings.error_px)) == "");
             refined += report.vertices;
         }
-        gone += torn ? host.torn_away : host.released;
+        gone += abrupt ? host.unloaded : host.released;
     }
     CAPTURE(gone, incomplete, refined);
     REQUIRE(gone > rounds<std::size_t>(60, 200));
@@ -134,11 +134,11 @@ void live_with(std::uint32_t seed, bool torn, int count) {
 
 } // namespace
 
-TEST_CASE("pages asked back and waited for go without a crack, and at rest the cut is the target of what is left") {
+TEST_CASE("pages that are evicted go without a crack, and at rest the cut is the target of what is left") {
     live_with(121, false, rounds(36, 48));
 }
 
-TEST_CASE("pages torn away without asking leave a whole mesh as well") {
+TEST_CASE("pages unloaded without warning leave a whole mesh as well") {
     live_with(122, true, rounds(16, 48));
 }
 
@@ -202,7 +202,7 @@ TEST_CASE("a page that went and came back between two frames is drawn again") {
     REQUIRE(report.converged);
 }
 
-TEST_CASE("a bulk pass does not forget which pages are asked back") {
+TEST_CASE("a bulk pass does not forget which pages are being evicted") {
     Random random(125);
     const auto pack = rich_terrain(random, 65, 5);
     PagedTerrain paged(pack.pack, {});

@@ -114,16 +114,16 @@ TEST_CASE("with hysteresis the cut rests between the two targets, changes nothin
         // threshold that changes, must not undo itself: the way back finds the same set, the second time too.
         settings.items = unlimited_items;
         settings.hysteresis = 1;
-        const double asked_px = settings.error_px;
+        const double requested_px = settings.error_px;
         (void)settle(cut, views, settings);
         for (int turn = 0; turn < 3; ++turn) {
-            settings.error_px = asked_px * 1.5;
+            settings.error_px = requested_px * 1.5;
             const CutReport up = cut.update(views, settings);
             REQUIRE(up.activations == 0);
-            settings.error_px = asked_px;
+            settings.error_px = requested_px;
             const CutReport back = cut.update(views, settings);
             REQUIRE(back.activations + back.deactivations == 0);
-            REQUIRE(contains(active_set(cut), target_set(terrain, terrain, views, asked_px)));
+            REQUIRE(contains(active_set(cut), target_set(terrain, terrain, views, requested_px)));
         }
     }
     REQUIRE(hesitated > 20);

@@ -57,7 +57,7 @@ double largest_step_px(const Terrain& terrain, const View& view, const std::vect
 
 struct Flight {
     double largest_px = 0;
-    std::uint32_t changes = 0, most_rising = 0, rising_frames = 0;
+    std::uint32_t changes = 0, most_morphing = 0, morphing_frames = 0;
 };
 
 // Hundredths of a cell, low over the ground, 60 frames a second.
@@ -79,8 +79,8 @@ Flight fly(const Terrain& terrain, CutSettings settings, std::uint32_t items, in
         const CutReport report = cut.update({&view, 1}, settings);
         REQUIRE(check_cut(cut) == "");
         flight.changes += report.activations + report.deactivations;
-        flight.most_rising = std::max(flight.most_rising, report.morphing);
-        flight.rising_frames += report.morphing != 0;
+        flight.most_morphing = std::max(flight.most_morphing, report.morphing);
+        flight.morphing_frames += report.morphing != 0;
         const std::vector<double> after = surface(terrain, cut);
         if (!before.empty())
             flight.largest_px = std::max(flight.largest_px, largest_step_px(terrain, view, before, after));
@@ -102,13 +102,13 @@ TEST_CASE("morphing by error, no sample jumps by more than a twentieth of a pixe
         CAPTURE(round, morphed.changes);
         CHECK(morphed.changes > 20); // or nothing was tested
         CHECK(morphed.largest_px < 0.05);
-        CHECK(morphed.most_rising == 0);
+        CHECK(morphed.most_morphing == 0);
         settings.morph = Morph::none;
         CHECK(fly(pack.terrain, settings, unlimited_items, 700).largest_px > 0.25); // the measure sees pops
     }
 }
 
-TEST_CASE("what is activated late rises with the time, and nothing jumps either") {
+TEST_CASE("what is activated late morphs by time, and nothing jumps either") {
     Random random(302);
     for (const Morph morph : {Morph::error, Morph::time}) {
         const auto pack = rich_terrain(random, 65, 6);
@@ -117,10 +117,52 @@ TEST_CASE("what is activated late rises with the time, and nothing jumps either"
         settings.morph = morph;
         settings.morph_s = 10; // 1/600 of a displacement a frame
         const Flight late = fly(pack.terrain, settings, 2, 900);
-        CAPTURE(static_cast<int>(morph), late.changes, late.rising_frames);
+        CAPTURE(static_cast<int>(morph), late.changes, late.morphing_frames);
         CHECK(late.changes > 20);
-        CHECK(late.most_rising > 0);
+        CHECK(late.most_morphing > 0);
         CHECK(late.largest_px < 0.05);
+    }
+}
+
+TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not before the edge it splits has arrived") {
+    Random random(305);
+    for (int round = 0; round < 40; ++round) {
+        const auto pack = rich_terrain(random, 33, pick(random, 2, 5));
+        const Terrain& terrain = pack.terrain;
+        const View view = view_from_above(terrain, uniform(random, 1, 30));
+        const auto distance_m = [&](Coord c) {
+            const double height_m = static_cast<double>(terrain.vertex(c).height_m);
+            return length(Vec3{terrain.x_m(c.x), height_m, terrain.z_m(c.y)} - view.eye_m);
+        };
+        const auto reach_m = [&](Coord c, double q) {
+            const Terrain::Vertex v = terrain.vertex(c);
+            return static_cast<double>(v.radius_m) + static_cast<double>(v.error_m) * q;
+        };
+        // A threshold at which some vertex has just begun: there the edges' ends have the least to spare.
+        const Coord some{pick(random, 0, 32), pick(random, 0, 32)};
+        const double error_m = static_cast<double>(terrain.vertex(some).error_m);
+        if (terrain.tree.is_corner(some) || error_m == 0) continue;
+        const double nested = 1 + static_cast<double>(terrain.header.nesting);
+        const double start_q = 1.0001 * (distance_m(some) - reach_m(some, 0)) / error_m;
+        CutSettings settings;
+        settings.error_px = std::clamp(nested * nested * view.lambda_px / start_q, 1e-3, 1e6);
+        settings.morph = Morph::error;
+        Cut cut(terrain, ample_cut(terrain));
+        (void)cut.update({&view, 1}, settings);
+        const MorphView morph = cut_morph(cut.cut).view[0];
+        const double q_start = static_cast<double>(morph.q_start), q_full = static_cast<double>(morph.q_full);
+        CAPTURE(round, settings.error_px);
+        CHECK(std::abs(q_start / q_full / (nested * nested) - 1) < 0x1p-22); // both are rounded to floats
+        int early = 0;
+        constexpr double rounding = 1 + 0x1p-20; // of errors, radii and the eye, which are floats
+        for (std::int32_t y = 0; y < terrain.tree.rows(); ++y)
+            for (std::int32_t x = 0; x < terrain.tree.columns(); ++x) {
+                const Coord c{x, y};
+                if (terrain.tree.is_corner(c) || distance_m(c) * rounding > reach_m(c, q_start)) continue;
+                for (const Coord end : diamond(terrain.tree, c).ends)
+                    early += !terrain.tree.is_corner(end) && distance_m(end) > reach_m(end, q_full) * rounding;
+            }
+        CHECK(early == 0);
     }
 }
 
@@ -179,8 +221,8 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
     }
 }
 
-// Pages asked back: their vertices sink before they go. The eye rests, so nothing else moves.
-TEST_CASE("pages that leave do so without a step when vertices morph, and with one when they do not") {
+// Pages that are evicted: their vertices morph out before they are deactivated. The eye rests, so nothing else moves.
+TEST_CASE("pages are evicted without a jump when vertices morph, and with one when they do not") {
     Random random(212);
     for (int round = 0; round < rounds(1, 2); ++round) {
         const auto pack = bake_and_load(random_dem(random, 129, 129, Shape::fractal), small_bake(7));
@@ -196,16 +238,16 @@ TEST_CASE("pages that leave do so without a step when vertices morph, and with o
             settings.morph = morphs ? Morph::error : Morph::none;
             settings.morph_s = 0.25;
             (void)cut.rebuild({&view, 1}, settings);
-            constexpr int frames_a_rise = 100; // a step is a hundredth of the way
+            constexpr int frames_a_morph = 100; // a step is a hundredth of the way
             std::vector<double> before = surface(paged.terrain, cut);
             // The finest pages first, as a stream does.
-            std::uint32_t gone = 0, removed = 0, sinking = 0;
+            std::uint32_t gone = 0, removed = 0, morphing = 0;
             for (std::uint32_t page = paged.terrain.page_count() - 1; page >= 2; --page) {
                 bool released = false;
-                for (int frame = 0; frame < 5 * frames_a_rise && !released; ++frame) {
+                for (int frame = 0; frame < 5 * frames_a_morph && !released; ++frame) {
                     REQUIRE(release_page(cut.cut, 0, page, released).ok());
                     if (released) break;
-                    settings.now_s += settings.morph_s / frames_a_rise;
+                    settings.now_s += settings.morph_s / frames_a_morph;
                     settings.items = frame % 3 ? unlimited_items : 200;
                     const CutReport report = cut.update({&view, 1}, settings);
                     CAPTURE(round, morphs, page, frame);
@@ -213,7 +255,7 @@ TEST_CASE("pages that leave do so without a step when vertices morph, and with o
                     REQUIRE(report.items == report.evaluations + report.activations + report.deactivations);
                     REQUIRE(report.items <= settings.items);
                     removed += report.deactivations;
-                    sinking += report.morphing != 0;
+                    morphing += report.morphing != 0;
                     const std::vector<double> after = surface(paged.terrain, cut);
                     largest_px[morphs] =
                         std::max(largest_px[morphs], largest_step_px(paged.terrain, view, before, after));
@@ -225,11 +267,11 @@ TEST_CASE("pages that leave do so without a step when vertices morph, and with o
             }
             REQUIRE(gone > 3);
             REQUIRE(removed > 100);
-            REQUIRE((sinking > 100) == morphs);
+            REQUIRE((morphing > 100) == morphs);
         }
         CAPTURE(round, largest_px[0], largest_px[1]);
         REQUIRE(largest_px[0] > 1);
-        // Of two levels that sink one after the other, and of rounding, no more than a few hundredths.
+        // Of two levels that morph out one after the other, and of rounding, no more than a few hundredths.
         REQUIRE(largest_px[1] < 0.05 * largest_px[0]);
     }
 }

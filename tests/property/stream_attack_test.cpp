@@ -1,5 +1,5 @@
-// Streams that are asked for too much: too few slots for what is near, clients that answer what nobody asked, packs
-// whose directory lies, settings that change with every frame.
+// Streams that are asked for too much: too few slots for what is near, clients that answer what was not requested,
+// packs whose directory lies, settings that change with every frame.
 #include <catch2/catch.hpp>
 
 #include <cstring>
@@ -28,7 +28,7 @@ View near_ground(Random& random, const Terrain& t) {
                      {0, 1, 0}, 0.8, 1280, 720, cell / 10, 1e4 * cell);
 }
 
-// Frames until twenty in a row in which nothing came, went or was asked for; `most` when there were none.
+// Frames until twenty in a row in which nothing came, went or was requested; `most` when there were none.
 int frames_to_rest(Streamed& on, ScriptedClient& client, const View& view, const CutSettings& cut,
                    StreamSettings& settings, int most) {
     std::uint64_t read = 0;
@@ -72,7 +72,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("answers to what nobody asked change nothing: wrong tickets, second answers, another request's bytes") {
+TEST_CASE("answers to what was not requested change nothing: wrong tickets, second answers, another request's bytes") {
     Random random(922);
     std::uint64_t refused = 0, crossed = 0;
     for (int round = 0; round < 3; ++round) {
@@ -411,7 +411,7 @@ TEST_CASE("of more than a frame takes over, the coarsest of every tile come firs
     settings.map_bytes = 0; // one mip
     settings.texel_px = 0.1;
     const View view = view_from_above(pack.terrain, 0.01);
-    // Of each tile a tail of both maps, one a frame, beside its page; and a frame each to be asked for and answered.
+    // Of each tile a tail of both maps, one a frame, beside its page; and a frame each to be requested and answered.
     const int most = 2 * static_cast<int>(pack.terrain.tile_count()) + 2;
     StreamReport report;
     int frame = 0;

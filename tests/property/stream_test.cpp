@@ -102,7 +102,7 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
         StreamReport stream;
         CutReport report;
         std::uint64_t read = 0;
-        int quiet = 0; // frames in which nothing came, went or was asked for
+        int quiet = 0; // frames in which nothing came, went or was requested
         for (int frame = 0; quiet < 20 && frame < 3000; ++frame) {
             settings.now_s = stream_settings.now_s += 1.0 / 60;
             client.act();

@@ -15,7 +15,7 @@ namespace fjell::test {
 
 Cut::Cut(const Terrain& terrain, const CutBudget& budget) {
     const std::size_t bytes = cut_bytes(terrain, budget);
-    memory = io::make_block(bytes);
+    memory = io::allocate(bytes);
     const Status made = create_cut(terrain, budget, {memory.get(), bytes}, cut);
     if (!made.ok()) throw std::runtime_error(std::string(made.field) + ": " + message(made.code));
 }
@@ -119,20 +119,20 @@ std::string check_group(const CutState& s, std::uint32_t number) {
     const ParentMasks parents = parents_of(s, number, (1u << shape_of(s, number).lanes) - 1);
     if (b.parent[0] != parents.parent[0] || b.parent[1] != parents.parent[1])
         return say("a parent mask is wrong in the group of", s, number * group_lanes);
-    const bool draining = info.status == PageSlotStatus::evicting;
-    const std::uint32_t inactive = draining ? 0u : static_cast<std::uint32_t>(b.ready() & ~b.active);
+    const bool evicting = info.status == PageSlotStatus::evicting;
+    const std::uint32_t inactive = evicting ? 0u : static_cast<std::uint32_t>(b.ready() & ~b.active);
     auto childless = static_cast<std::uint32_t>(b.active & ~b.parental());
-    for (std::uint32_t lane = 0; lane < group_lanes; ++lane) // those that sink go by themselves
+    for (std::uint32_t lane = 0; lane < group_lanes; ++lane) // those that morph out go by themselves
         if ((b.active >> lane & 1) && morphs_out(s, s.vertex_slot[number * group_lanes + lane]))
             childless &= ~(1u << lane);
     const ListId list = list_of(s.lists, number);
-    if ((inactive | childless) != 0 && list == unlisted && !draining)
+    if ((inactive | childless) != 0 && list == unlisted && !evicting)
         return say("nobody will look at the group of", s, number * group_lanes);
-    if (list >= due_lists || draining) return {}; // what drains goes without being looked at
-    // Until a page has let go, what stood on it goes step by step, and is not asked whether it should.
-    bool letting_go = false;
+    if (list >= due_lists || evicting) return {}; // what is evicted goes without being evaluated
+    // Until a page is evicted, what stood on it goes step by step, whatever the decision says.
+    bool some_evicting = false;
     for (std::uint32_t i = 0; i < s.evicting_count; ++i)
-        letting_go = letting_go || s.page_slot[s.evicting[i]].active != 0;
+        some_evicting = some_evicting || s.page_slot[s.evicting[i]].active != 0;
     // In the calendar: how far may it go, and how far will it?
     const std::uint32_t grade = b.grade;
     const double left_m = list >= soon_lists
@@ -145,7 +145,7 @@ std::string check_group(const CutState& s, std::uint32_t number) {
         const Coord c = site_coord(site_of(s, vertex)), at = s.terrain->tree.sample(c);
         const Terrain::Vertex v = s.terrain->vertex(c);
         const bool on = childless >> lane & 1;
-        if (!on && letting_go) continue;
+        if (!on && some_evicting) continue;
         double margin = -1e300;
         bool in = false;
         for (std::uint32_t i = 0; i < s.view_count; ++i) {
@@ -238,7 +238,7 @@ std::string check_cut(Cut& cut) {
 
 std::string check_surface(Cut& cut, const Terrain& full) {
     MeshView drawn = cut.mesh();
-    // Vertices that sink are on their way to the edge: for the rest of this they stand where their samples do.
+    // Vertices that morph out are on their way to the edge: for the rest of this they stand where their samples do.
     std::vector<MeshVertex> standing(drawn.vertices.begin(), drawn.vertices.end());
     for (std::uint32_t slot = 0; slot < standing.size(); ++slot)
         if (morphs_out(cut.state(), slot))

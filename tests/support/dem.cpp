@@ -10,9 +10,9 @@
 #include "baker/heights/fill.h"
 #include "baker/read/placement.h"
 #include "baker/read/windows.h"
+#include "baker/store/parallel.h"
 #include "baker/synth/synth.h"
 #include "baker/synth/write_dem.h"
-#include "baker/work/parallel.h"
 
 namespace fjell::baker {
 

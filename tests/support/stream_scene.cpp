@@ -18,8 +18,8 @@ Streamed::Streamed(const Pack& source, const CutBudget& cut_budget, std::uint32_
                    const StreamBudget& budget)
     : pack(source), paged(source, {.page_slots = page_slots}), cut(paged.terrain, cut_budget) {
     const std::size_t bytes = stream_bytes(pack, paged.terrain, budget);
-    block = io::make_block(bytes);
-    require(create_stream(pack, paged.terrain, cut.cut, budget, {block.get(), bytes}, stream));
+    memory = io::allocate(bytes);
+    require(create_stream(pack, paged.terrain, cut.cut, budget, {memory.get(), bytes}, stream));
 }
 
 namespace {
@@ -103,7 +103,7 @@ std::string check_stream(Streamed& streamed) {
         const Request& r = s.requests[i];
         if (phase_of(r) == Phase::vacant) continue;
         ++reserved;
-        if (s.states[r.watch] != WatchState::requested) return "a request whose page is not requested";
+        if (s.states[r.watch] != WatchState::in_flight) return "a request whose page is not in flight";
         if (r.watch < s.slots * watches_per_slot) ++below[r.watch / watches_per_slot];
     }
     if (reserved != s.reserved_slots) return "reserved slots do not add up";

@@ -11,14 +11,14 @@
 
 namespace fjell::test {
 
-// What a client does with what it is asked for, in shares of 1; the rest is answered well.
+// What a client does with requests, in shares of 1; the rest is answered well.
 struct ClientScript {
     double fails = 0, garbage = 0, short_reads = 0, never = 0;
     int most_delay = 0; // frames
     int most_taken = 8; // requests a frame
 };
 
-// A stream with its terrain, cut and blocks over a pack in memory.
+// A stream with its terrain, cut and memory over a pack in memory.
 struct Streamed {
     Streamed(const Pack& source, std::uint32_t page_slots, const StreamBudget& budget = {}, std::uint32_t views = 1);
     Streamed(const Pack& source, const CutBudget& cut_budget, std::uint32_t page_slots, const StreamBudget& budget);
@@ -27,7 +27,7 @@ struct Streamed {
     const Pack& pack;
     PagedTerrain paged;
     Cut cut;
-    io::AlignedMemory block;
+    io::AlignedMemory memory;
     Stream stream;
 };
 

@@ -142,14 +142,14 @@ RecursiveBudget ample_budget(const Terrain& terrain) {
 }
 
 PagedTerrain::PagedTerrain(const Pack& pack, const TerrainBudget& budget)
-    : block(io::make_block(terrain_bytes(pack.header, budget))) {
-    const Status s = create_terrain(pack, budget, {block.get(), terrain_bytes(pack.header, budget)}, terrain);
+    : memory(io::allocate(terrain_bytes(pack.header, budget))) {
+    const Status s = create_terrain(pack, budget, {memory.get(), terrain_bytes(pack.header, budget)}, terrain);
     if (!s.ok()) throw std::runtime_error(std::string(s.field) + ": " + message(s.code));
 }
 
 Recursive::Recursive(const Terrain& terrain, const RecursiveBudget& budget)
-    : block(io::make_block(recursive_bytes(terrain, budget))) {
-    const Status s = create_recursive(terrain, budget, {block.get(), recursive_bytes(terrain, budget)}, method);
+    : memory(io::allocate(recursive_bytes(terrain, budget))) {
+    const Status s = create_recursive(terrain, budget, {memory.get(), recursive_bytes(terrain, budget)}, method);
     if (!s.ok()) throw std::runtime_error(std::string(s.field) + ": " + message(s.code));
 }
 

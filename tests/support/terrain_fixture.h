@@ -40,16 +40,16 @@ void add_random_holes(Random& random, baker::Dem& dem, int tile_log2);
 // A terrain that loads its pages one by one.
 struct PagedTerrain {
     PagedTerrain(const Pack& pack, const TerrainBudget& budget);
-    io::AlignedMemory block;
+    io::AlignedMemory memory;
     Terrain terrain;
 };
 
-// A recursive method with its block.
+// A recursive method with its memory.
 struct Recursive {
     Recursive(const Terrain& terrain, const RecursiveBudget& budget);
     FrameReport update(const View& view, const RefineSettings& settings);
     [[nodiscard]] MeshView mesh() const { return recursive_mesh(method); }
-    io::AlignedMemory block;
+    io::AlignedMemory memory;
     RecursiveMethod method;
 };
 [[nodiscard]] RecursiveBudget ample_budget(const Terrain& terrain);

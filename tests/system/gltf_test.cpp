@@ -61,7 +61,7 @@ baker::BakeOptions options_with(int tile_log2, std::uint32_t max_texture_log2) {
 
 } // namespace
 
-TEST_CASE("a snapshot of several textured tiles is valid, sound and within the asked error", "[gltf]") {
+TEST_CASE("a snapshot of several textured tiles is valid, sound and within the requested error", "[gltf]") {
     const Folder folder;
     // Neither spacing is a float, and the terrain ends inside its last tiles.
     const BakedTerrain baked(folder, hills(3 * 64 + 8, 2 * 64 + 5, 29.7, 31.3), options_with(6, 6));
@@ -164,7 +164,7 @@ TEST_CASE("the checker notices every way to spoil a snapshot", "[gltf]") {
     CHECK(result.exit_code == 0);
 }
 
-TEST_CASE("a frame of the Grand Canyon is valid, sound and within the asked error", "[gltf][canyon]") {
+TEST_CASE("a frame of the Grand Canyon is valid, sound and within the requested error", "[gltf][canyon]") {
     const std::string given = FJELL_DATA_DIR;
     const std::string data = given.empty() ? std::string(FJELL_SOURCE_DIR) + "/../shared/data" : given;
     const std::string dem_path = data + "/dem/grand_canyon_60m_4097x2049_u8.png";

@@ -3,8 +3,10 @@
 #include <cstdlib>
 
 #include "gl/palette.h"
+#include "gl/residency.h"
 #include "picture_scene.h"
 #include "support/dem.h"
+#include "support/terrain_fixture.h"
 
 using namespace pictures;
 
@@ -340,8 +342,41 @@ TEST_CASE("the modes of tiles, mips and residency show what their legends say", 
     const Picture some = scene.draw(mesh.view(), view, drawing);
     CHECK(close(colour_at(some, 60, 60), gl::step_rgb(1, 7)));
     CHECK(close(colour_at(some, 68, 60), gl::step_rgb(0, 7)));
+    CHECK(close(colour_at(some, 60, 68), gl::step_rgb(0, 7)));
     CHECK(close(colour_at(some, 200, 200), gl::step_rgb(7, 7)));
     CHECK(close(colour_at(some, 200, 60), gl::step_rgb(0, 7)));
+}
+
+TEST_CASE("the resident step over a place is the finest down to which all pages that cover it are loaded") {
+    test::Random random(163);
+    for (const Order order : {Order::planar, Order::hierarchical_z}) {
+        baker::BakeOptions options = test::small_bake(8);
+        options.order = order;
+        const auto pack = test::bake_and_load(test::random_dem(random, 257, 257, test::Shape::fractal), options);
+        test::PagedTerrain paged(pack.pack, {});
+        Terrain& terrain = paged.terrain;
+        const std::uint32_t square = 1u << gl::residency_square_log2(terrain.header), side = terrain.pages.side();
+        for (int round = 0; round < 30; ++round) {
+            for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page)
+                if (terrain.page_table[page].slot == no_index) REQUIRE(load_page(pack.pack, terrain, 0, page).ok());
+            for (std::uint32_t page = round == 0 ? 0 : 1; page < terrain.pages_per_tile; ++page)
+                if (test::pick(random, 0, 5) == 0) unload_page(terrain, 0, page);
+            for (std::uint32_t y = 0; y < side / square; ++y)
+                for (std::uint32_t x = 0; x < side / square; ++x) {
+                    // A centre of every step, from the same page as those in the square; coarse first.
+                    std::uint32_t finest = terrain.header.tile_log2;
+                    for (std::uint32_t z = finest; z-- > 0; finest = z) {
+                        const std::uint32_t page_side = std::min(64u << z, side);
+                        const std::uint32_t west = x * square / page_side * page_side,
+                                            north = y * square / page_side * page_side;
+                        const std::uint32_t page = terrain.pages.place(west + (1u << z), north + (1u << z)).page;
+                        if (terrain.page_table[page].slot == no_index) break;
+                    }
+                    CAPTURE(round, x, y);
+                    REQUIRE(gl::resident_step_log2(terrain, 0, x, y) == finest);
+                }
+        }
+    }
 }
 
 TEST_CASE("streamed maps that do not fit are refused with the number to change", "[picture]") {

@@ -90,7 +90,7 @@ inline gl::Headless& context() {
 // A terrain baked in this process, with a renderer large enough for its full resolution.
 struct Scene {
     io::LoadedPack loaded;
-    io::AlignedMemory block;
+    io::AlignedMemory memory;
     RecursiveMethod method;
     io::AlignedMemory cut_memory;
     LiveCut cut; // after make_cut()
@@ -115,8 +115,8 @@ struct Scene {
         const RecursiveBudget budget{terrain.tile_count() * terrain.pages.tile_vertices() + 1024,
                                      terrain.tile_count() * terrain.pages.tile_vertices() * 6 + 1024};
         const std::size_t bytes = recursive_bytes(terrain, budget);
-        block = io::make_block(bytes);
-        REQUIRE(create_recursive(terrain, budget, {block.get(), bytes}, method).ok());
+        memory = io::allocate(bytes);
+        REQUIRE(create_recursive(terrain, budget, {memory.get(), bytes}, method).ok());
         std::string error;
         target = gl::Target::create({width_px, height_px, 1}, error);
         INFO(error);
@@ -144,7 +144,7 @@ struct Scene {
         budget.triangles = chunks(terrain) * segment_triangles;
         budget.segment_triangles = segment_triangles;
         const std::size_t bytes = cut_bytes(terrain, budget);
-        cut_memory = io::make_block(bytes);
+        cut_memory = io::allocate(bytes);
         REQUIRE(create_cut(terrain, budget, {cut_memory.get(), bytes}, cut).ok());
     }
 

@@ -51,11 +51,11 @@ struct Scene {
     }
 };
 
-Terrain terrain_of(const io::PackFile& file, std::uint32_t slots, io::AlignedMemory& block) {
+Terrain terrain_of(const io::PackFile& file, std::uint32_t slots, io::AlignedMemory& memory) {
     const std::size_t bytes = terrain_bytes(file.pack().header, {slots});
-    block = io::make_block(bytes);
+    memory = io::allocate(bytes);
     Terrain terrain;
-    REQUIRE(create_terrain(file.pack(), file.corners(), {slots}, {block.get(), bytes}, terrain).ok());
+    REQUIRE(create_terrain(file.pack(), file.corners(), {slots}, {memory.get(), bytes}, terrain).ok());
     return terrain;
 }
 
@@ -65,7 +65,7 @@ struct Flown {
         : scene(of), file(path), terrain(terrain_of(file, slots, terrain_memory)),
           cut(terrain, {700'000, 1'500'000, 512, 1}) {
         const std::size_t bytes = stream_bytes(file.pack(), terrain, budget);
-        stream_memory = io::make_block(bytes);
+        stream_memory = io::allocate(bytes);
         REQUIRE(create_stream(file.pack(), terrain, cut.cut, budget, {stream_memory.get(), bytes}, stream).ok());
     }
     void frame() {
@@ -80,7 +80,7 @@ struct Flown {
         if (std::string wrong = check_cut(cut); !wrong.empty()) return wrong;
         return check_surface(cut, scene.full.terrain);
     }
-    // Until nothing is asked for and nothing comes or goes any more.
+    // Until nothing is requested and nothing comes or goes any more.
     void rest() {
         for (int quiet = 0; quiet < 5;) {
             frame();

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <string>
+#include <utility>
 
 #include "editor/measures.h"
+#include "editor/number_text.h"
 #include "fjell/cut.h"
 #include "support/terrain_fixture.h"
 
@@ -173,9 +176,9 @@ TEST_CASE("the histogram of the live cut is the plain count, whatever lies idle 
         budget.vertices = 1u << 16;
         budget.triangles = 1u << 18;
         const std::size_t bytes = cut_bytes(loaded.terrain, budget);
-        const io::AlignedMemory block = io::make_block(bytes);
+        const io::AlignedMemory memory = io::allocate(bytes);
         LiveCut cut;
-        REQUIRE(create_cut(loaded.terrain, budget, {block.get(), bytes}, cut).ok());
+        REQUIRE(create_cut(loaded.terrain, budget, {memory.get(), bytes}, cut).ok());
         for (int frame = 0; frame < 4; ++frame) {
             const View view = random_view(random, loaded.terrain);
             CutSettings settings;
@@ -186,4 +189,12 @@ TEST_CASE("the histogram of the live cut is the plain count, whatever lies idle 
             check_histogram(cut_mesh(cut).mesh, static_cast<std::uint32_t>(tile_log2));
         }
     }
+}
+
+TEST_CASE("a size in bytes has three digits, and the unit that leaves one to three before the point") {
+    const std::pair<double, const char*> sizes[] = {
+        {0, "0 B"},          {999, "999 B"},     {1000, "1.00 kB"},   {9994, "9.99 kB"},    {9996, "10.0 kB"},
+        {99'949, "99.9 kB"}, {99'960, "100 kB"}, {999'400, "999 kB"}, {999'500, "1.00 MB"}, {12.34e6, "12.3 MB"},
+        {525e6, "525 MB"},   {1.5e9, "1.50 GB"}, {2e12, "2.00 TB"},   {1e15, "1000 TB"}};
+    for (const auto& [bytes, text] : sizes) CHECK(std::string(byte_text(bytes).text) == text);
 }

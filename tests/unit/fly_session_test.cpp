@@ -77,7 +77,7 @@ TEST_CASE("a session with another method or budget draws what one opened with it
     }
 }
 
-TEST_CASE("what a changed key takes is what its table says: nothing, or the method's block") {
+TEST_CASE("what a changed key takes is what its table says: nothing, or the method's memory") {
     Place place(306);
     for (const Method method : {Method::incremental, Method::recursive}) {
         place.options.profile.method = method;
@@ -104,7 +104,7 @@ TEST_CASE("what a changed key takes is what its table says: nothing, or the meth
             CHECK(here.vertices == there.vertices);
             CHECK(here.triangles == there.triangles);
             CHECK(session.mesh().topology == fresh.mesh().topology);
-            CHECK(session.block_bytes == fresh.block_bytes);
+            CHECK(session.method_bytes == fresh.method_bytes);
             if (key.rebuild == Rebuild::method) remake_method(place.options, session);
         }
     }

@@ -86,14 +86,14 @@ std::uint32_t count_wrong_places(const PageLayout& layout, std::uint32_t stride)
     return wrong;
 }
 
-// The closed square of cells of a block page: where its block says that it lies.
+// The closed square of cells of a step page: where its position says that it lies.
 struct Square {
     std::int32_t west, north, east, south;
 };
 Square square_of(const PageLayout& layout, std::uint32_t page) {
     const std::int32_t cells = std::int32_t{32} << (layout.page_step_log2(page) + 1);
-    const Coord block = layout.page_position(page);
-    return {block.x * cells, block.y * cells, (block.x + 1) * cells, (block.y + 1) * cells};
+    const Coord at = layout.page_position(page);
+    return {at.x * cells, at.y * cells, (at.x + 1) * cells, (at.y + 1) * cells};
 }
 
 // Vertices for which the recursion's arithmetic gives another place than the layout's, or another unit of radii than
@@ -256,7 +256,7 @@ TEST_CASE("a page is the closed square of 64 x 64 cells of its step: all vertice
     });
 }
 
-TEST_CASE("pages of coarser steps come first, and a page's number, its step and its block say the same") {
+TEST_CASE("pages of coarser steps come first, and a page's number, its step and its position say the same") {
     for_each_layout(level_orders, [](const PageLayout& layout) {
         std::uint32_t pages = 1, wrong = 0;
         for (int z = layout.tile_log2 - 6; z >= 0; --z) {
@@ -272,9 +272,9 @@ TEST_CASE("pages of coarser steps come first, and a page's number, its step and 
         REQUIRE(wrong == 0);
         REQUIRE(pages == layout.pages_per_tile());
         for (std::uint32_t page = 1; page < pages; ++page) {
-            const Coord block = layout.page_position(page);
-            wrong += layout.page_at(layout.page_step_log2(page), static_cast<std::uint32_t>(block.x),
-                                    static_cast<std::uint32_t>(block.y)) != page;
+            const Coord at = layout.page_position(page);
+            wrong += layout.page_at(layout.page_step_log2(page), static_cast<std::uint32_t>(at.x),
+                                    static_cast<std::uint32_t>(at.y)) != page;
         }
         REQUIRE(wrong == 0);
     });

@@ -66,9 +66,9 @@ TEST_CASE("a pack in its file has the index, the corners, the CRS and every chun
     }
     const TerrainBudget some{3};
     const std::size_t bytes = terrain_bytes(file.pack().header, some);
-    const io::AlignedMemory block = io::make_block(bytes);
+    const io::AlignedMemory memory = io::allocate(bytes);
     Terrain terrain;
-    REQUIRE(create_terrain(file.pack(), file.corners(), some, {block.get(), bytes}, terrain).ok());
+    REQUIRE(create_terrain(file.pack(), file.corners(), some, {memory.get(), bytes}, terrain).ok());
     const std::size_t corners = std::size_t{terrain.header.tiles_x + 1} * (terrain.header.tiles_y + 1);
     CHECK(std::memcmp(terrain.corners, whole.terrain.corners, corners * sizeof *terrain.corners) == 0);
 }

@@ -35,9 +35,9 @@ Status read_all(std::span<const std::byte> bytes) {
         if (Status s = read_chunk(pack, chunk_id(pack.header, i), raw); !s.ok()) return s;
     }
     const std::size_t size = terrain_bytes(pack.header);
-    const io::AlignedMemory block = io::make_block(size);
+    const io::AlignedMemory memory = io::allocate(size);
     Terrain terrain;
-    return load_terrain(pack, {block.get(), size}, terrain);
+    return load_terrain(pack, {memory.get(), size}, terrain);
 }
 
 // Changes a header and makes its hash right again: only the cross-checks are left to notice.
@@ -227,17 +227,17 @@ TEST_CASE("every error has a message with a remedy and names its field") {
     REQUIRE(std::string(with_header(whole, [](PackHeader& h) { h.tile_log2 = 31; }).field) == "tile_log2");
 }
 
-TEST_CASE("a block that is too small or a budget below the coarsest mesh is refused before anything is written") {
+TEST_CASE("memory that is too small or a budget below the coarsest mesh is refused before anything is written") {
     Random random(24);
     const auto pack = bake_and_load(random_dem(random, 33, 33, Shape::noise), small_bake(3));
     Terrain terrain;
     const std::size_t size = terrain_bytes(pack.pack.header);
-    const io::AlignedMemory block = io::make_block(size);
-    CHECK(load_terrain(pack.pack, {block.get(), size - 1}, terrain).code == Code::memory_too_small);
+    const io::AlignedMemory memory = io::allocate(size);
+    CHECK(load_terrain(pack.pack, {memory.get(), size - 1}, terrain).code == Code::memory_too_small);
     RecursiveMethod method;
     const RecursiveBudget least{16 * 4, 16 * 9};
     const std::size_t bytes = recursive_bytes(pack.terrain, least);
-    const io::AlignedMemory room = io::make_block(bytes);
+    const io::AlignedMemory room = io::allocate(bytes);
     CHECK(create_recursive(pack.terrain, {16 * 4 - 1, 1000}, {room.get(), bytes}, method).code ==
           Code::budget_too_small);
     CHECK(create_recursive(pack.terrain, {1000, 16 * 9 - 1}, {room.get(), bytes}, method).code ==

@@ -68,8 +68,14 @@ TEST_CASE("NaN becomes a hole, infinite heights are refused, naming the first") 
 TEST_CASE("voids are filled when asked, smoothly and on the source's own step") {
     const TempDir dir;
     const auto hole = [](int x, int y) { return std::hypot(x - 20, y - 20) < 8; };
+    // Steps of a metre, from zero or from where the file's offset puts them.
+    const double offset_m = GENERATE(0.0, 0.25);
+    CAPTURE(offset_m);
     Raster r = raster(41, 41, [&](int x, int y) { return hole(x, y) ? -9999 : slope(x, y); });
-    tag(r, -9999);
+    r.more = [&](GDALDataset& file) {
+        file.GetRasterBand(1)->SetNoDataValue(-9999);
+        file.GetRasterBand(1)->SetOffset(offset_m);
+    };
     const std::string path = write(r, dir / "a.tif");
     const Dem dem = read_dem(path, filling());
     CHECK(dem.native_quantum_m == 1);
@@ -77,11 +83,12 @@ TEST_CASE("voids are filled when asked, smoothly and on the source's own step") 
     double worst = 0;
     for (int y = 0; y < 41; ++y)
         for (int x = 0; x < 41; ++x) {
-            CHECK(dem.at(x, y) == std::round(dem.at(x, y)));
+            const double steps = dem.at(x, y) - offset_m;
+            CHECK(steps == std::round(steps));
             if (hole(x, y))
-                worst = std::max(worst, std::abs(dem.at(x, y) - slope(x, y)));
+                worst = std::max(worst, std::abs(steps - slope(x, y)));
             else
-                CHECK(dem.at(x, y) == slope(x, y));
+                CHECK(steps == slope(x, y));
         }
     // A membrane over a plane is that plane. Means of coarser squares alone leave 6 m at 3 and 7 m a sample; settling
     // them at least halves that.
@@ -101,6 +108,22 @@ TEST_CASE("voids are refused when asked, naming the first and both options") {
         check_refusal(refused(path, strict), 1, path, remedies);
         check_refusal(refused(path, strict), 1, path, {"10 of 81 samples are no-data or NaN", "column 4, row 5"});
     }
+}
+
+TEST_CASE("the first void is named by its column in the terrain, however far along a row of the file it lies") {
+    const TempDir dir;
+    constexpr int columns = 1500;
+    for (const bool flip_x : {false, true})
+        for (const int column : {3, 511, 512, 700, 1499}) {
+            CAPTURE(flip_x, column);
+            const int in_file = flip_x ? columns - 1 - column : column;
+            Raster r = raster(columns, 3, [&](int x, int y) { return x == in_file && y == 1 ? -9999 : slope(0, y); });
+            tag(r, -9999);
+            if (flip_x) r.geotransform = {1000, -10, 0, 2000, 0, -10};
+            const std::string path = write(r, dir / "a.tif");
+            check_refusal(refused(path, with(NoData::refuse)), 1, path,
+                          {"1 of 4500 samples", "column " + std::to_string(column) + ", row 1;"});
+        }
 }
 
 TEST_CASE("undeclared voids are refused until the user says what they are") {

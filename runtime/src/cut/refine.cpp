@@ -114,7 +114,7 @@ void examine(CutState& s, std::uint32_t number) {
 
 // Activates and deactivates what its lanes call for, as far as this frame's items go; deactivations only if they may.
 // What is left over keeps the group in a queue; otherwise it goes to the calendar.
-void carry_out(CutState& s, std::uint32_t number, bool may_deactivate) {
+void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
     Evaluated group(s.groups[number]);
     evaluate_group(s, number, group);
     CutReport& r = s.report;
@@ -165,7 +165,7 @@ void carry_out(CutState& s, std::uint32_t number, bool may_deactivate) {
 // vertex slots, the triangles at their right angles, those triangles' corners. For a batch of changes every link of the
 // chain is prefetched for all of them before the next one is followed for any.
 
-// What one change will touch. Only a hint: by the time it is carried out things may have changed.
+// What one change will touch. Only a hint: by the time it is made things may have changed.
 struct PlannedChange {
     std::uint32_t vertex;
     std::uint32_t triangles[4]; // keys, then slots
@@ -266,7 +266,7 @@ std::uint32_t due(const CutState& s) {
     return n;
 }
 
-// Groups that are carried out together, so that what they touch can be prefetched for all of them first.
+// Groups that are changed together, so that what they touch can be prefetched for all of them first.
 constexpr std::uint32_t batch_groups = 16;
 
 bool out_of_time(CutState& s) {
@@ -294,7 +294,7 @@ void prefetch_changes(const CutState& s, std::span<const std::uint32_t> groups) 
 }
 
 // False when there was not time or items for all of them; the rest goes back to its queue.
-bool carry_out_batch(CutState& s, std::uint32_t list, bool may_deactivate) {
+bool change_batch(CutState& s, std::uint32_t list, bool may_deactivate) {
     std::uint32_t groups[batch_groups], count = 0;
     for (; count < batch_groups && size(s.lists, list) != 0; ++count) {
         groups[count] = pop_front(s.lists, list);
@@ -303,7 +303,7 @@ bool carry_out_batch(CutState& s, std::uint32_t list, bool may_deactivate) {
     prefetch_changes(s, {groups, count});
     for (std::uint32_t i = 0; i < count; ++i) {
         if (s.report.items < s.item_limit && !out_of_time(s)) {
-            carry_out(s, groups[i], may_deactivate);
+            change_group(s, groups[i], may_deactivate);
             continue;
         }
         // As they were: a frame that ends by its time must leave the same order as one that ends by its items.
@@ -376,7 +376,7 @@ void refine(CutState& s) {
         if (list == unlisted && grade == 0) return;
         if (list == unlisted) continue;
         const std::uint32_t full_before = s.full_capacities;
-        if (!carry_out_batch(s, list, list == deactivation_list || !s.lagging)) break;
+        if (!change_batch(s, list, list == deactivation_list || !s.lagging)) break;
         ++s.batches;
         if (s.full_capacities != full_before) s.deactivations_when_full = s.report.deactivations;
     }

@@ -172,7 +172,7 @@ struct CutState {
     bool lagging;                          // the frame before left work undone
     std::uint32_t full_capacities;         // CutBudgetBits of capacities at which a change has just failed
     std::uint32_t deactivations_when_full; // deactivations before it did
-    std::uint32_t batches;                 // carried out in this frame
+    std::uint32_t batches;                 // of groups, changed in this frame
     std::uint32_t examined;                // groups since the last batch, also of the frame before
     bool still;                            // no eye has moved since the frame before
     std::chrono::steady_clock::time_point started;

@@ -15,7 +15,7 @@
 //   1. entry (acquire)   2. loads[slot] (acquire) = g   3. entry again (acquire), must be the same
 //   4. the record        5. an acquire fence            6. loads[slot], must still be g
 //
-// What it gets is the record that load g of the slot wrote, and load g was of the page that was asked for. Proof:
+// What it gets is the record that load g of the slot wrote, and load g was of the page that was requested. Proof:
 // - The entry of 3 was published by load g. Say it was by load i of the slot, of this page. 3 acquires P of i, hence B
 //   of i is visible to 6, and i <= g by 6. If i < g, then U of load i comes before B of g, which 2 has acquired: 3
 //   would have found that U or something later than it. So i = g. It does not matter that 1 may have seen the same

@@ -128,7 +128,7 @@ std::uint32_t requested_log2(const MapState& m, const Request& r) {
 void end_map_request(StreamState& s, Request& r, bool failed) {
     MapState& m = map_of(s, r);
     MapTile& tile = m.tiles[r.id.tile];
-    tile.requested = false;
+    tile.in_flight = false;
     tile.failed = failed;
     give_layer(m, requested_log2(m, r), r.layer);
     s.map_tested = 0;
@@ -156,7 +156,7 @@ void show(StreamState& s, Request& r) {
     tile.size_log2 = static_cast<std::uint8_t>(log2);
     tile.excess /= 2;
     tile.layer = r.layer;
-    tile.requested = false;
+    tile.in_flight = false;
     shown.layer = tile.layer;
     shown.side_log2 = tile.size_log2;
     s.map_tested = 0;
@@ -226,7 +226,7 @@ bool make_room(StreamState& s, MapState& m, std::uint32_t log2, float score) {
     float least_score = score / 2;
     for (std::uint32_t i = 0; i < s.tiles; ++i) {
         const MapTile& tile = m.tiles[i];
-        if (tile.size_log2 != log2 || tile.requested) continue;
+        if (tile.size_log2 != log2 || tile.in_flight) continue;
         if (tile.lower_log2 != 0) return true; // one is on its way
         // How much it would lack without it.
         const float lacks = tile.wanted_log2 < log2 ? 0 : 2 * score_of(tile);
@@ -284,7 +284,7 @@ bool request_map(StreamState& s, const Candidate& c, std::uint32_t (&full)[map_k
         return true;
     }
     r->layer = tail ? c.which : m.arrays[log2].free_layers[--m.arrays[log2].free_count];
-    tile.requested = true;
+    tile.in_flight = true;
     return true;
 }
 
@@ -345,7 +345,7 @@ bool satisfied(StreamState& s, std::uint32_t kind, std::uint32_t index, float st
     if (!tail && tile.wanted_log2 <= tile.size_log2) return faded;
     const double lacks = tile.wanted_log2 - std::max<int>(tile.size_log2, 2);
     if (tile.visible) s.report.missing_mips = std::max(s.report.missing_mips, lacks);
-    if (!tile.requested && !tile.failed && tile.lower_log2 == 0) best.offer({index, kind, score_of(tile)});
+    if (!tile.in_flight && !tile.failed && tile.lower_log2 == 0) best.offer({index, kind, score_of(tile)});
     return false;
 }
 

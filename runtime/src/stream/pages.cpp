@@ -192,7 +192,7 @@ bool request_page(StreamState& s, const Candidate& c) {
     const ChunkId id = chunk_of(s, c.which);
     r->watch = c.which;
     if (!queue_request(s, *r, id, 1, score)) return false; // cannot be: one chunk
-    s.states[c.which] = WatchState::requested;
+    s.states[c.which] = WatchState::in_flight;
     if (!is_root(s, c.which)) ++s.below[slot_of(c.which)];
     ++s.reserved_slots;
     return true;

@@ -44,7 +44,7 @@ struct Watch {
 enum class WatchState : std::uint8_t {
     idle,      // there is no such page
     missing,   // not loaded, and may be requested
-    requested, // in the table
+    in_flight, // in the table
     failed,    // could not be read: not requested again
     loaded,
     evicting // released to the cut, until it has deactivated the vertices
@@ -62,11 +62,11 @@ struct WantedEye {
 
 struct MapTile {
     std::uint32_t layer;
-    std::uint32_t reserved; // layer for the size above, while it is requested
+    std::uint32_t reserved; // layer for the size above, while it is in flight
     std::uint8_t size_log2; // that is there; 0: none
     std::uint8_t wanted_log2;
     std::uint8_t lower_log2; // while it fades to a smaller size: log2 of that; otherwise 0
-    bool requested, failed, visible;
+    bool in_flight, failed, visible;
     float excess; // pixels that a texel of size_log2 covers, by those it may
 };
 struct MapArray { // one size
@@ -95,7 +95,7 @@ struct StreamState {
     std::uint8_t* wants;         // 1: by a view; 2: by a prediction
     std::uint64_t* missing_bits; // watches that are wanted and not there
     std::uint32_t* watch_page;   // page number in the terrain
-    std::uint8_t* below;         // a slot's pages below that are loaded or requested
+    std::uint8_t* below;         // a slot's pages below that are loaded or in flight
     std::uint32_t* slot_watch;   // the watch of its page in the slot above (or the tile's), for each slot
     std::uint32_t* evicting;
     std::uint32_t evicting_count;

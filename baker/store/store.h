@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "baker/work/window.h"
+#include "baker/store/window.h"
 
 namespace fjell::baker {
 

@@ -1,4 +1,4 @@
-#include "baker/work/store.h"
+#include "baker/store/store.h"
 
 #include <cerrno>
 #include <cstring>
