@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "fjell/io/failure.h"
 #include "flight/pictures.h"
-#include "io/failure.h"
 
 namespace fjell::editor {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "baker/work/window.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::baker {
 

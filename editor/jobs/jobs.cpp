@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::editor {
 
