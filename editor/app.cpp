@@ -19,9 +19,9 @@
 #include "editor/handlers/handlers.h"
 #include "editor/panels/panels.h"
 #include "editor/panels/ui.h"
+#include "fjell/gl/image.h"
+#include "fjell/io/failure.h"
 #include "flight/session.h"
-#include "gl/image.h"
-#include "io/failure.h"
 #include "io/file.h"
 
 namespace fjell::editor {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "io/file.h"
 
 namespace fjell::editor {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "editor/clock.h"
+#include "fjell/io/failure.h"
 #include "flight/pictures.h"
-#include "io/failure.h"
 
 namespace fjell::editor {
 

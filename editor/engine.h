@@ -12,10 +12,10 @@
 #include "editor/scene/full_heights.h"
 #include "editor/scene/scene_lines.h"
 #include "editor/state.h"
+#include "fjell/gl/lines.h"
+#include "fjell/gl/renderer.h"
+#include "fjell/gl/target.h"
 #include "flight/session.h"
-#include "gl/lines.h"
-#include "gl/renderer.h"
-#include "gl/target.h"
 
 namespace fjell::editor {
 

@@ -2,7 +2,7 @@
 // at fault, 2 usage, 3 the machine (disk, memory, GPU) is.
 #include "editor/app.h"
 #include "editor/options.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 int main(int argc, char** argv) {
     return fjell::io::run_tool("fjell-editor", [&] {

@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
+#include "fjell/gl/palette.h"
 #include "fjell/mesh.h"
 #include "flight/log.h"
-#include "gl/palette.h"
 
 namespace fjell::editor {
 

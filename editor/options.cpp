@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "editor/command.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::editor {
 

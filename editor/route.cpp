@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "io/file.h"
 
 namespace fjell::editor {

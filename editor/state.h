@@ -22,12 +22,12 @@
 #include "editor/measures.h"
 #include "editor/names.h"
 #include "editor/route.h"
+#include "fjell/gl/renderer.h"
+#include "fjell/io/stream_reader.h"
 #include "fjell/view.h"
 #include "flight/camera.h"
 #include "flight/log.h"
 #include "flight/options.h"
-#include "gl/renderer.h"
-#include "io/stream_reader.h"
 
 namespace fjell::editor {
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "editor/input_counts.h"
-#include "gl/image.h"
-#include "gl/target.h"
+#include "fjell/gl/image.h"
+#include "fjell/gl/target.h"
 
 namespace fjell::editor {
 

@@ -14,7 +14,7 @@
 #include <stb_image_write.h>
 
 #include "baker/store/parallel.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::baker {
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "baker/read/source.h"
+#include "fjell/io/load.h"
 #include "fjell/terrain.h"
-#include "io/load.h"
 
 namespace fjell::baker {
 

@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 
 #include "baker/maps/colour.h"
+#include "fjell/io/failure.h"
 #include "fjell/texture.h"
-#include "io/failure.h"
 
 namespace fjell::baker {
 

@@ -25,8 +25,8 @@
 #include "baker/read/pack_source.h"
 #include "baker/synth/synth.h"
 #include "baker/synth/write_dem.h"
+#include "fjell/io/load.h"
 #include "io/file.h"
-#include "io/load.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::baker {
 

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "pack/clones.h"
 
 namespace fjell::baker {

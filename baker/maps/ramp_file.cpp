@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/maps/colour.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "io/file.h"
 
 namespace fjell::baker {

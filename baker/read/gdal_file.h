@@ -7,7 +7,7 @@
 
 #include <gdal_priv.h>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::baker {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "baker/read/source.h"
-#include "io/load.h"
+#include "fjell/io/load.h"
 
 namespace fjell::baker {
 

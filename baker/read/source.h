@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "baker/store/window.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::baker {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "baker/read/source.h"
-#include "io/load.h"
+#include "fjell/io/load.h"
 
 namespace fjell::baker {
 

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::baker {
 

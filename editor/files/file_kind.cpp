@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/read/gdal_file.h"
+#include "fjell/io/failure.h"
 #include "fjell/pack.h"
-#include "io/failure.h"
 #include "io/file.h"
 
 namespace fjell::editor {

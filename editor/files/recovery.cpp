@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "io/file.h"
 
 namespace fjell::editor {

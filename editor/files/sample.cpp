@@ -4,7 +4,7 @@
 #include <iterator>
 #include <span>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "io/file.h"
 
 namespace fjell::editor {

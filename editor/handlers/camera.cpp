@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "editor/handlers/handlers.h"
+#include "fjell/io/failure.h"
 #include "fjell/query.h"
-#include "io/failure.h"
 
 namespace fjell::editor {
 

@@ -7,7 +7,7 @@
 #include "editor/files/persistence.h"
 #include "editor/files/sample.h"
 #include "editor/handlers/handlers.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::editor {
 

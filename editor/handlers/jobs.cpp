@@ -5,8 +5,8 @@
 #include "editor/handlers/handlers.h"
 #include "editor/jobs/factories.h"
 #include "editor/jobs/threshold_search.h"
+#include "fjell/io/failure.h"
 #include "flight/profile_keys.h"
-#include "io/failure.h"
 
 namespace fjell::editor {
 

@@ -1,6 +1,6 @@
 // The camera path: opened, saved, recorded, played and edited.
 #include "editor/handlers/handlers.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "io/file.h"
 
 namespace fjell::editor {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "editor/handlers/handlers.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "io/file.h"
 
 namespace fjell::editor {

@@ -12,7 +12,7 @@
 #include "baker/synth/synth.h"
 #include "editor/jobs/factories.h"
 #include "editor/number_text.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "io/file.h"
 
 namespace fjell::editor {

@@ -6,11 +6,11 @@
 
 #include "editor/jobs/factories.h"
 #include "editor/number_text.h"
+#include "fjell/gltf/snapshot.h"
+#include "fjell/io/failure.h"
+#include "fjell/io/load.h"
 #include "flight/session.h"
-#include "gltf/snapshot.h"
-#include "io/failure.h"
 #include "io/file.h"
-#include "io/load.h"
 
 namespace fjell::editor {
 

@@ -11,8 +11,8 @@
 #include "editor/jobs/factories.h"
 #include "editor/jobs/threshold_search.h"
 #include "editor/number_text.h"
+#include "fjell/io/failure.h"
 #include "flight/log.h"
-#include "io/failure.h"
 #include "io/file.h"
 
 namespace fjell::editor {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "editor/clock.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::editor {
 

@@ -9,11 +9,11 @@
 #include <epoxy/gl.h>
 
 #include "editor/clock.h"
+#include "fjell/gl/context.h"
+#include "fjell/gl/target.h"
+#include "fjell/io/failure.h"
 #include "flight/pictures.h"
 #include "flight/session.h"
-#include "gl/context.h"
-#include "gl/target.h"
-#include "io/failure.h"
 
 namespace fjell::editor {
 

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "editor/number_text.h"
+#include "fjell/io/failure.h"
 #include "flight/log.h"
 #include "flight/profile.h"
-#include "io/failure.h"
 
 namespace fjell::editor {
 

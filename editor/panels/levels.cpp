@@ -6,7 +6,7 @@
 
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
-#include "gl/palette.h"
+#include "fjell/gl/palette.h"
 
 namespace fjell::editor {
 

@@ -12,7 +12,7 @@
 
 #include "editor/command.h"
 #include "editor/state.h"
-#include "gl/palette.h"
+#include "fjell/gl/palette.h"
 
 namespace fjell::editor::ui {
 

@@ -2,7 +2,7 @@
 
 #include <exception>
 
-#include "io/pack_file.h"
+#include "fjell/io/pack_file.h"
 
 namespace fjell::editor {
 

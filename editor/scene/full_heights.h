@@ -13,8 +13,8 @@
 #include <string>
 #include <thread>
 
-#include "gl/renderer.h"
-#include "io/heights.h"
+#include "fjell/gl/renderer.h"
+#include "fjell/io/heights.h"
 
 namespace fjell::editor {
 

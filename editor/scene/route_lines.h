@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "editor/route.h"
+#include "fjell/gl/lines.h"
 #include "fjell/view.h"
-#include "gl/lines.h"
 
 namespace fjell::editor {
 

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "editor/scene/route_lines.h"
+#include "fjell/gl/palette.h"
 #include "fjell/query.h"
 #include "fjell/tree.h"
-#include "gl/palette.h"
 
 namespace fjell::editor {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "editor/state.h"
+#include "fjell/gl/lines.h"
 #include "flight/session.h"
-#include "gl/lines.h"
 
 namespace fjell::editor {
 

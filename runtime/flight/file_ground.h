@@ -7,10 +7,10 @@
 
 #include <vector>
 
+#include "fjell/io/load.h"
+#include "fjell/io/pack_file.h"
 #include "fjell/terrain.h"
 #include "flight/path.h"
-#include "io/load.h"
-#include "io/pack_file.h"
 
 namespace fjell::flight {
 

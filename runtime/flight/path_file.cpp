@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "fjell/io/failure.h"
 #include "flight/path.h"
-#include "io/failure.h"
 #include "io/file.h"
 
 namespace fjell::flight {

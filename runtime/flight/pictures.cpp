@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "gl/context.h"
-#include "gl/image.h"
-#include "gl/target.h"
-#include "io/failure.h"
+#include "fjell/gl/context.h"
+#include "fjell/gl/image.h"
+#include "fjell/gl/target.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::flight {
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
+#include "fjell/gl/renderer.h"
 #include "flight/options.h"
 #include "flight/session.h"
-#include "gl/renderer.h"
 
 namespace fjell::flight {
 

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include "fjell/io/failure.h"
 #include "flight/profile_keys.h"
-#include "io/failure.h"
 #include "io/file.h"
 
 namespace fjell::flight {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <xxhash.h>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::flight {
 

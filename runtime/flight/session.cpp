@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "io/file.h"
 
 namespace fjell::flight {

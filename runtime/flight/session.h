@@ -13,6 +13,7 @@
 #include <string>
 
 #include "fjell/cut.h"
+#include "fjell/io/load.h"
 #include "fjell/measure.h"
 #include "fjell/query.h"
 #include "fjell/recursive.h"
@@ -22,7 +23,6 @@
 #include "flight/path.h"
 #include "flight/record.h"
 #include "flight/streamed.h"
-#include "io/load.h"
 
 namespace fjell::flight {
 

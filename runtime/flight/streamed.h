@@ -13,11 +13,11 @@
 #include <string>
 #include <utility>
 
+#include "fjell/io/load.h"
+#include "fjell/io/pack_file.h"
+#include "fjell/io/stream_reader.h"
 #include "fjell/stream.h"
 #include "flight/options.h"
-#include "io/load.h"
-#include "io/pack_file.h"
-#include "io/stream_reader.h"
 
 namespace fjell::flight {
 

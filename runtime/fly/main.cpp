@@ -9,13 +9,13 @@
 
 #include <fmt/format.h>
 
+#include "fjell/gltf/snapshot.h"
+#include "fjell/io/failure.h"
 #include "flight/pictures.h"
 #include "flight/session.h"
 #include "fly/options.h"
 #include "fly/outputs.h"
 #include "fly/window.h"
-#include "gltf/snapshot.h"
-#include "io/failure.h"
 
 namespace {
 

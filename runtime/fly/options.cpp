@@ -8,9 +8,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "fjell/io/failure.h"
 #include "fjell/pack.h"
 #include "flight/path.h"
-#include "io/failure.h"
 #include "io/file.h"
 
 namespace fjell::flight {

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::flight {
 

@@ -1,4 +1,4 @@
-#include "gl/context.h"
+#include "fjell/gl/context.h"
 
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "gl/palette.h"
+#include "fjell/gl/palette.h"
 #include "gl/state.h"
 
 namespace fjell::gl {

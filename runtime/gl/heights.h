@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <string>
 
+#include "fjell/gl/renderer.h"
 #include "gl/objects.h"
-#include "gl/renderer.h"
 
 namespace fjell::gl {
 

@@ -1,4 +1,4 @@
-#include "gl/image.h"
+#include "fjell/gl/image.h"
 
 #include <memory>
 #include <span>
@@ -6,7 +6,7 @@
 #include <stb_image.h>
 #include <stb_image_write.h>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "io/file.h"
 
 namespace fjell::gl {

@@ -1,4 +1,4 @@
-#include "gl/lines.h"
+#include "fjell/gl/lines.h"
 
 #include <algorithm>
 #include <cmath>

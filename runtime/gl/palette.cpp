@@ -1,4 +1,4 @@
-#include "gl/palette.h"
+#include "fjell/gl/palette.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "gl/renderer.h"
+#include "fjell/gl/renderer.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,8 +7,8 @@
 #include <cstdint>
 
 #include "fjell/cut.h"
+#include "fjell/gl/palette.h"
 #include "fjell/stream.h"
-#include "gl/palette.h"
 
 namespace fjell::gl {
 

@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <string>
 
+#include "fjell/gl/renderer.h"
 #include "gl/heights.h"
 #include "gl/maps.h"
 #include "gl/objects.h"
-#include "gl/renderer.h"
 #include "gl/residency.h"
 #include "gl/ring.h"
 #include "gl/scatter.h"

@@ -1,4 +1,4 @@
-#include "gl/target.h"
+#include "fjell/gl/target.h"
 
 #include <cmath>
 #include <cstring>

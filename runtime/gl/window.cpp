@@ -3,7 +3,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include "gl/context.h"
+#include "fjell/gl/context.h"
 
 namespace fjell::gl {
 namespace {

@@ -1,6 +1,6 @@
 // A budget that fits is found by trying: the mesh' size is known only once it is made, a pass costs tens of nanoseconds
 // a vertex, and a capacity for every sample of a large terrain would cost more than the passes that failed.
-#include "gltf/snapshot.h"
+#include "fjell/gltf/snapshot.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "fjell/io/load.h"
 #include "fjell/recursive.h"
 #include "gltf/refused.h"
-#include "io/load.h"
 
 namespace fjell::gltf {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::gltf {
 

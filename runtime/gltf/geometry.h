@@ -34,7 +34,7 @@ public:
     // Throws io::Failure when an index or a vertex lies outside what the mesh or the tile holds.
     [[nodiscard]] TileGeometry collect(const MeshView& mesh, const TileRange& range);
 
-    // The corner of a tile in the scene: whole multiples of the tile's width as a float, see gltf/snapshot.h.
+    // The corner of a tile in the scene: whole multiples of the tile's width as a float, see fjell/gltf/snapshot.h.
     [[nodiscard]] double tile_x_m(std::uint32_t tile) const;
     [[nodiscard]] double tile_z_m(std::uint32_t tile) const;
 

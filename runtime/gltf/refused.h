@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "gltf/snapshot.h"
+#include "fjell/gltf/snapshot.h"
 
 namespace fjell::gltf {
 

@@ -8,7 +8,7 @@
 
 #include <stb_image_write.h>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::gltf {
 

@@ -1,4 +1,4 @@
-#include "gltf/snapshot.h"
+#include "fjell/gltf/snapshot.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +12,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "fjell/io/failure.h"
 #include "fjell/texture.h"
 #include "gltf/refused.h"
 #include "gltf/scene.h"
-#include "io/failure.h"
 #include "io/file.h"
 
 namespace fjell::gltf {

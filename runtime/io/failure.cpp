@@ -1,4 +1,4 @@
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 #include <csignal>
 #include <cstdio>

@@ -1,4 +1,4 @@
-#include "io/heights.h"
+#include "fjell/io/heights.h"
 
 #include <cerrno>
 #include <cmath>
@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "fjell/io/failure.h"
+#include "fjell/io/load.h"
 #include "fjell/terrain.h"
-#include "io/failure.h"
 #include "io/file.h"
-#include "io/load.h"
 
 namespace fjell::io {
 

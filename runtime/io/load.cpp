@@ -1,4 +1,4 @@
-#include "io/load.h"
+#include "fjell/io/load.h"
 
 #include <cerrno>
 #include <cstring>
@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "io/file.h"
 
 namespace fjell::io {

@@ -1,4 +1,4 @@
-#include "io/pack_file.h"
+#include "fjell/io/pack_file.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "io/file.h"
 
 namespace fjell::io {

@@ -1,4 +1,4 @@
-#include "io/stream_reader.h"
+#include "fjell/io/stream_reader.h"
 
 #include <algorithm>
 #include <chrono>

@@ -25,8 +25,8 @@
 #include "baker/pack/encode_page.h"
 #include "baker/synth/synth.h"
 #include "baker/synth/write_dem.h"
+#include "fjell/io/load.h"
 #include "fjell/terrain.h"
-#include "io/load.h"
 #include "support/dem.h"
 
 namespace {

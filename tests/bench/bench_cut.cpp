@@ -17,8 +17,8 @@
 
 #include "baker/bake/bake.h"
 #include "fjell/cut.h"
+#include "fjell/io/load.h"
 #include "fjell/recursive.h"
-#include "io/load.h"
 #include "support/dem.h"
 
 namespace {

@@ -14,10 +14,10 @@
 #include "baker/bake/bake.h"
 #include "baker/synth/synth.h"
 #include "fjell/cut.h"
-#include "gl/context.h"
-#include "gl/renderer.h"
-#include "gl/target.h"
-#include "io/load.h"
+#include "fjell/gl/context.h"
+#include "fjell/gl/renderer.h"
+#include "fjell/gl/target.h"
+#include "fjell/io/load.h"
 
 namespace {
 

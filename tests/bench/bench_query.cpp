@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "baker/bake/bake.h"
+#include "fjell/io/load.h"
 #include "fjell/query.h"
-#include "io/load.h"
 #include "support/dem.h"
 
 namespace {

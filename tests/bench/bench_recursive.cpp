@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "baker/bake/bake.h"
+#include "fjell/io/load.h"
 #include "fjell/recursive.h"
-#include "io/load.h"
 #include "support/dem.h"
 
 namespace {

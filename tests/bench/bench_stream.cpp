@@ -25,10 +25,10 @@
 
 #include "baker/synth/synth.h"
 #include "fjell/cut.h"
+#include "fjell/io/load.h"
+#include "fjell/io/stream_reader.h"
 #include "fjell/recursive.h"
 #include "fjell/stream.h"
-#include "io/load.h"
-#include "io/stream_reader.h"
 #include "support/dem.h"
 
 #include "stream_engine.h"

@@ -16,10 +16,10 @@
 #include <epoxy/gl.h>
 
 #include "baker/bake/bake.h"
-#include "gl/context.h"
+#include "fjell/gl/context.h"
+#include "fjell/gl/target.h"
+#include "fjell/io/load.h"
 #include "gl/scatter.h"
-#include "gl/target.h"
-#include "io/load.h"
 #include "support/dem.h"
 
 namespace {

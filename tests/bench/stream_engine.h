@@ -20,10 +20,10 @@
 #include "baker/bake/bake.h"
 #include "baker/synth/synth.h"
 #include "fjell/cut.h"
+#include "fjell/io/load.h"
+#include "fjell/io/stream_reader.h"
 #include "fjell/recursive.h"
 #include "fjell/stream.h"
-#include "io/load.h"
-#include "io/stream_reader.h"
 
 namespace fjell::bench {
 

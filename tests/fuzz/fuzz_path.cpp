@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <string_view>
 
+#include "fjell/io/failure.h"
 #include "flight/path.h"
 #include "input.h"
-#include "io/failure.h"
 
 using namespace fjell;
 using fuzz::must;

@@ -3,9 +3,9 @@
 #include <cstring>
 #include <string_view>
 
+#include "fjell/io/failure.h"
 #include "flight/profile_keys.h"
 #include "input.h"
-#include "io/failure.h"
 
 using namespace fjell;
 using namespace fjell::flight;

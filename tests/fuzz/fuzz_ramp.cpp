@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "baker/maps/colour.h"
+#include "fjell/io/failure.h"
 #include "input.h"
-#include "io/failure.h"
 
 namespace {
 

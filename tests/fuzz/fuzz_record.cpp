@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string_view>
 
+#include "fjell/io/failure.h"
 #include "flight/record.h"
 #include "input.h"
-#include "io/failure.h"
 #include "support/cut_scene.h"
 
 namespace {

@@ -4,8 +4,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "io/failure.h"
-#include "io/heights.h"
+#include "fjell/io/failure.h"
+#include "fjell/io/heights.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 

@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "fjell/io/stream_reader.h"
 #include "fjell/query.h"
-#include "io/stream_reader.h"
 #include "stream/requests.h"
 #include "support/ground_truth.h"
 #include "support/rounds.h"

@@ -7,7 +7,7 @@
 
 #include "cut/state.h"
 #include "fjell/cut.h"
-#include "io/load.h"
+#include "fjell/io/load.h"
 #include "support/mesh_check.h"
 #include "support/terrain_fixture.h"
 

@@ -17,7 +17,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/types.h>
 
-#include "gl/image.h"
+#include "fjell/gl/image.h"
 #include "support/temporary_folder.h"
 
 namespace fjell::test {

@@ -6,8 +6,8 @@
 #include <random>
 #include <string>
 
+#include "fjell/io/load.h"
 #include "fjell/recursive.h"
-#include "io/load.h"
 #include "support/dem.h"
 #include "support/temporary_folder.h"
 

@@ -14,7 +14,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/read/windows.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "io/file.h"
 
 namespace {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "gl/palette.h"
+#include "fjell/gl/palette.h"
 #include "picture_scene.h"
 #include "support/dem.h"
 #include "support/rounds.h"

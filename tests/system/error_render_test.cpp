@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "baker/place/open_source.h"
+#include "fjell/gl/palette.h"
+#include "fjell/io/heights.h"
 #include "fjell/measure.h"
-#include "gl/palette.h"
-#include "io/heights.h"
 #include "picture_scene.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"

@@ -10,9 +10,9 @@
 
 #include <tiny_gltf.h>
 
+#include "fjell/gltf/snapshot.h"
 #include "fjell/texture.h"
 #include "gltf/baked.h"
-#include "gltf/snapshot.h"
 #include "support/dem.h"
 
 using namespace fjell;

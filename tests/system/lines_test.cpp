@@ -3,7 +3,7 @@
 #include <random>
 #include <vector>
 
-#include "gl/lines.h"
+#include "fjell/gl/lines.h"
 #include "picture_scene.h"
 #include "support/dem.h"
 

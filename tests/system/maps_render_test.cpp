@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "gl/palette.h"
+#include "fjell/gl/palette.h"
 #include "gl/residency.h"
 #include "picture_scene.h"
 #include "support/dem.h"

@@ -10,10 +10,10 @@
 #include <unistd.h>
 
 #include "fjell/cut.h"
+#include "fjell/gl/context.h"
+#include "fjell/gl/renderer.h"
+#include "fjell/io/load.h"
 #include "fjell/recursive.h"
-#include "gl/context.h"
-#include "gl/renderer.h"
-#include "io/load.h"
 #include "support/dem.h"
 
 namespace pictures {

@@ -11,8 +11,8 @@
 
 #include <csignal>
 
-#include "gl/image.h"
-#include "gl/palette.h"
+#include "fjell/gl/image.h"
+#include "fjell/gl/palette.h"
 #include "picture_scene.h"
 #include "support/dem.h"
 

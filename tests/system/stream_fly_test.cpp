@@ -10,7 +10,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "gl/image.h"
+#include "fjell/gl/image.h"
 #include "support/program.h"
 #include "support/temporary_folder.h"
 

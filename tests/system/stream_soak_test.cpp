@@ -13,7 +13,7 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include "io/stream_reader.h"
+#include "fjell/io/stream_reader.h"
 #include "support/cut_scene.h"
 
 using namespace fjell;

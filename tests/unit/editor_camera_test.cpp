@@ -7,8 +7,8 @@
 
 #include "editor/handlers/apply.h"
 #include "editor/scene/overview.h"
+#include "fjell/gl/context.h"
 #include "fjell/query.h"
-#include "gl/context.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 

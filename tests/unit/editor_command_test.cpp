@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "editor/command.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 using namespace fjell;
 using namespace fjell::editor;

@@ -12,7 +12,7 @@
 
 #include "editor/document.h"
 #include "editor/panels/slider.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "support/program.h"
 #include "support/temporary_folder.h"
 

@@ -14,8 +14,8 @@
 
 #include "editor/jobs/factories.h"
 #include "editor/jobs/jobs.h"
+#include "fjell/io/failure.h"
 #include "flight/session.h"
-#include "io/failure.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 

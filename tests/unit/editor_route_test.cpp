@@ -8,7 +8,7 @@
 #include "editor/route.h"
 #include "editor/scene/route_lines.h"
 #include "fjell/glm.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "editor/jobs/threshold_search.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 
 using namespace fjell::editor;
 

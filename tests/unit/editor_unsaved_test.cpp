@@ -14,7 +14,7 @@
 #include "editor/files/persistence.h"
 #include "editor/files/recovery.h"
 #include "editor/handlers/handlers.h"
-#include "io/failure.h"
+#include "fjell/io/failure.h"
 #include "support/environment.h"
 #include "support/program.h"
 #include "support/temporary_folder.h"

@@ -3,8 +3,8 @@
 
 #include <random>
 
+#include "fjell/io/failure.h"
 #include "flight/record.h"
-#include "io/failure.h"
 
 using namespace fjell;
 using namespace fjell::flight;

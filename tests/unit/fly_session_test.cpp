@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
+#include "fjell/io/failure.h"
 #include "flight/profile_keys.h"
 #include "flight/session.h"
-#include "io/failure.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 

@@ -37,11 +37,17 @@ std::string room_of(const std::string& path) {
     return {};
 }
 
+// For hosts: the library's headers and those of its companions.
+bool is_public(const std::string& path) {
+    return path.find("/include/fjell") != std::string::npos;
+}
+
 // The file that `#include "name"` in `from` means, or nothing: made by the build.
 std::string resolve(const Sources& sources, const std::string& from, const std::string& name) {
-    for (const std::string& folder : {fs::path(from).parent_path().string(), std::string("runtime/include"),
-                                      std::string("runtime/src"), std::string("runtime"), std::string()}) {
-        const std::string path = (fs::path(folder) / name).lexically_normal().string();
+    for (const char* root : {".", "runtime/include", "runtime/io/include", "runtime/gl/include", "runtime/gltf/include",
+                             "runtime/src", "runtime", ""}) {
+        const fs::path folder = root == std::string_view(".") ? fs::path(from).parent_path() : fs::path(root);
+        const std::string path = (folder / name).lexically_normal().string();
         if (sources.contains(path)) return path;
     }
     return {};
@@ -83,9 +89,10 @@ Found check(const Sources& sources) {
         }
     }
     for (const auto& [folder, count] : files)
-        if (count == 1 && !parents.contains(folder)) found.wrong.push_back(folder + " is a folder with one file");
+        if (count == 1 && !parents.contains(folder) && !is_public(folder))
+            found.wrong.push_back(folder + " is a folder with one file");
     for (const auto& [header, by] : includers)
-        if (by.size() == 1 && by.begin()->ends_with(".cpp") && !header.starts_with("runtime/include/") &&
+        if (by.size() == 1 && by.begin()->ends_with(".cpp") && !is_public(header) &&
             fs::path(header).stem() != fs::path(*by.begin()).stem())
             found.included_once.push_back(header + " is included by " + *by.begin() + " alone");
     return found;

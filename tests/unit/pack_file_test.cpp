@@ -7,10 +7,10 @@
 
 #include <sys/stat.h>
 
+#include "fjell/io/failure.h"
+#include "fjell/io/pack_file.h"
 #include "fjell/terrain.h"
-#include "io/failure.h"
 #include "io/file.h"
-#include "io/pack_file.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 

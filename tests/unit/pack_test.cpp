@@ -7,8 +7,8 @@
 #include <xxhash.h>
 
 #include "baker/heights/scales.h"
+#include "fjell/io/failure.h"
 #include "fjell/terrain.h"
-#include "io/failure.h"
 #include "io/file.h"
 #include "support/terrain_fixture.h"
 

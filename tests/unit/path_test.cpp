@@ -6,8 +6,8 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include "fjell/io/failure.h"
 #include "flight/path.h"
-#include "io/failure.h"
 
 using namespace fjell;
 using namespace fjell::flight;

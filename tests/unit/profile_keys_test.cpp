@@ -12,8 +12,8 @@
 
 #include <fmt/format.h>
 
+#include "fjell/io/failure.h"
 #include "flight/profile_keys.h"
-#include "io/failure.h"
 #include "support/program.h"
 
 using namespace fjell;

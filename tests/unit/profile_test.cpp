@@ -4,9 +4,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "fjell/io/failure.h"
 #include "flight/log.h"
 #include "flight/profile.h"
-#include "io/failure.h"
 #include "io/file.h"
 
 using namespace fjell;

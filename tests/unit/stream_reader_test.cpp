@@ -7,7 +7,7 @@
 #include <optional>
 #include <thread>
 
-#include "io/stream_reader.h"
+#include "fjell/io/stream_reader.h"
 #include "support/stream_scene.h"
 
 using namespace fjell;

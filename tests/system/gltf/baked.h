@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "fjell/io/load.h"
 #include "fjell/view.h"
-#include "io/load.h"
 #include "support/dem.h"
 #include "support/temporary_folder.h"
 

@@ -9,8 +9,8 @@
 
 #include <sys/resource.h>
 
+#include "fjell/gltf/snapshot.h"
 #include "gltf/baked.h"
-#include "gltf/snapshot.h"
 
 using namespace fjell;
 using namespace fjell::test;

@@ -18,8 +18,8 @@
 #include <thread>
 #include <vector>
 
+#include "fjell/io/pack_file.h"
 #include "fjell/stream.h"
-#include "io/pack_file.h"
 
 namespace fjell::io {
 

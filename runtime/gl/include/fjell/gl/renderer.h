@@ -22,12 +22,12 @@
 #include <string>
 
 #include "fjell/cut.h"
+#include "fjell/gl/target.h"
 #include "fjell/mesh.h"
 #include "fjell/pack.h"
 #include "fjell/stream.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
-#include "gl/target.h"
 
 namespace fjell::gl {
 
@@ -49,7 +49,7 @@ struct RendererOptions {
 
 enum class Mode : std::uint8_t {
     shaded,
-    levels,    // every triangle in its level's colour (gl/palette.h)
+    levels,    // every triangle in its level's colour (fjell/gl/palette.h)
     distance,  // logarithmic: white at the near plane, black beyond the terrain
     tiles,     // every tile in a colour that its neighbours do not have
     mips,      // by the mip that colours, or else normals, are drawn from; nothing there yet: black

@@ -1,5 +1,5 @@
 // All heights of a pack, read from its file: what the renderer's error mode compares with (HeightGrid in
-// gl/renderer.h).
+// fjell/gl/renderer.h).
 //
 // The same heights as of a terrain that is loaded whole, bit for bit. Of a terrain with more samples than the caller
 // has room for, every 2^step_log2-th, with the least step that suffices; where the last one would lie beyond the rim it
@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "fjell/io/pack_file.h"
 #include "fjell/pack.h"
-#include "io/pack_file.h"
 
 namespace fjell::io {
 

@@ -17,8 +17,8 @@
 #include <span>
 #include <string>
 
+#include "fjell/gl/target.h"
 #include "fjell/view.h"
-#include "gl/target.h"
 
 namespace fjell::gl {
 

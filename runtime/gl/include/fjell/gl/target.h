@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "fjell/gl/image.h"
 #include "fjell/view.h"
-#include "gl/image.h"
 
 namespace fjell::gl {
 
