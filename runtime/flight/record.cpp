@@ -26,7 +26,7 @@ std::string hex(std::uint64_t value) {
 }
 
 // get<std::uint32_t>() would convert any number, also one that does not fit.
-std::uint32_t whole(const json& j) {
+std::uint32_t whole_number(const json& j) {
     if (!j.is_number_unsigned() || j.get<std::uint64_t>() > 0xffffffff)
         throw json::other_error::create(600, "must be a whole number below 2^32: " + j.dump(), &j);
     return static_cast<std::uint32_t>(j.get<std::uint64_t>());
@@ -47,8 +47,8 @@ View view_of(const json& j) {
     v.forward = vec(3);
     v.up = vec(6);
     v.fov_y_rad = j.at(9).get<double>();
-    v.width_px = whole(j.at(10));
-    v.height_px = whole(j.at(11));
+    v.width_px = whole_number(j.at(10));
+    v.height_px = whole_number(j.at(11));
     v.near_m = j.at(12).get<double>();
     v.far_m = j.at(13).get<double>();
     v.lambda_px = j.at(14).get<double>();
@@ -86,8 +86,8 @@ RecordedFrame frame_of(const json& j) {
     if (f.views.empty()) throw json::other_error::create(600, "a frame needs a view", &j);
     CutSettings& s = f.settings;
     f.rebuild = j.at("rebuild").get<bool>();
-    s.items = whole(j.at("items"));
-    s.visits = whole(j.at("visits"));
+    s.items = whole_number(j.at("items"));
+    s.visits = whole_number(j.at("visits"));
     s.error_px = j.at("error_px").get<double>();
     s.hysteresis = j.at("hysteresis").get<double>();
     s.corner_safe = j.at("corner_safe").get<bool>();
@@ -98,23 +98,23 @@ RecordedFrame frame_of(const json& j) {
         if (morph == morph_names[m]) s.morph = static_cast<Morph>(m);
     f.mesh_hash = from_hex(j.at("mesh"));
     for (const json& p : j.at("pages")) {
-        if (!p.is_array() || p.size() != 3 || whole(p.at(2)) >= page_events)
+        if (!p.is_array() || p.size() != 3 || whole_number(p.at(2)) >= page_events)
             throw json::other_error::create(600, "what became of a page is its tile, its number and 0 to 3", &p);
-        f.pages.push_back({whole(p.at(0)), whole(p.at(1)), static_cast<PageEvent>(whole(p.at(2)))});
+        f.pages.push_back({whole_number(p.at(0)), whole_number(p.at(1)), static_cast<PageEvent>(whole_number(p.at(2)))});
     }
     f.missing_px = j.at("missing_px").get<double>();
     return f;
 }
 
 void read_head(const json& j, Recording& r) {
-    if (j.at("fjell").get<std::string>() != "recording" || whole(j.at("version")) != version)
+    if (j.at("fjell").get<std::string>() != "recording" || whole_number(j.at("version")) != version)
         throw json::other_error::create(600, "not a recording of this version", &j);
     r.pack_hash = from_hex(j.at("pack"));
-    r.budget.vertices = whole(j.at("vertices"));
-    r.budget.triangles = whole(j.at("triangles"));
-    r.budget.segment_triangles = whole(j.at("chunk_triangles"));
-    r.budget.views = whole(j.at("views"));
-    r.page_slots = whole(j.at("page_slots"));
+    r.budget.vertices = whole_number(j.at("vertices"));
+    r.budget.triangles = whole_number(j.at("triangles"));
+    r.budget.segment_triangles = whole_number(j.at("chunk_triangles"));
+    r.budget.views = whole_number(j.at("views"));
+    r.page_slots = whole_number(j.at("page_slots"));
 }
 
 } // namespace

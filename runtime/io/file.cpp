@@ -64,6 +64,10 @@ bool counts(const std::string& path) {
 
 } // namespace
 
+void require(const Status& status, const std::string& path) {
+    if (!status.ok()) throw Failure(1, fmt::format("{}: {}: {}", path, status.field, message(status.code)));
+}
+
 void refuse_overwriting(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
     std::vector<std::string> taken;
     for (const std::string& input : inputs)

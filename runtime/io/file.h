@@ -8,11 +8,16 @@
 #include <string>
 #include <vector>
 
+#include "fjell/status.h"
+
 namespace fjell::io {
 
 // Throws Failure: 1 when there is no such file or it is not one, 3 when the disk fails.
 [[nodiscard]] std::vector<std::byte> read_file(const std::string& path);
 [[nodiscard]] std::string read_text(const std::string& path);
+
+// Throws Failure (1) that names the file and the field, unless the status is ok.
+void require(const Status& status, const std::string& path);
 
 // Throws Failure (2) when two of the outputs, or an output and an input, are the same file. Empty names, "-" and
 // devices do not count.

@@ -20,10 +20,6 @@ namespace {
 // Brings a page's bytes, decompressed.
 using ReadPage = std::function<void(ChunkId id, std::vector<std::byte>& raw)>;
 
-void require(const Status& status, const std::string& path) {
-    if (!status.ok()) throw Failure(1, fmt::format("{}: {}: {}", path, status.field, message(status.code)));
-}
-
 // Samples along an extent, the last one at the rim or beyond.
 std::int32_t samples_along(std::uint32_t extent, std::uint32_t step_log2) {
     return static_cast<std::int32_t>((extent - 1 + (1u << step_log2) - 1) >> step_log2) + 1;

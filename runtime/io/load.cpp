@@ -22,10 +22,6 @@ namespace {
 constexpr std::size_t huge_page_bytes = std::size_t{2} << 20;
 constexpr std::align_val_t alignment{huge_page_bytes};
 
-void require(const Status& status, const std::string& path) {
-    if (!status.ok()) throw Failure(1, fmt::format("{}: {}: {}", path, status.field, message(status.code)));
-}
-
 } // namespace
 
 void AlignedDelete::operator()(std::byte* memory) const {

@@ -15,14 +15,6 @@
 
 namespace fjell::io {
 
-namespace {
-
-void require(const Status& status, const std::string& path) {
-    if (!status.ok()) throw Failure(1, fmt::format("{}: {}: {}", path, status.field, message(status.code)));
-}
-
-} // namespace
-
 PackFile::PackFile(const std::string& path) : path_(path) {
     fd_ = uninterrupted([&] {
         return open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe without a writer must not hang
