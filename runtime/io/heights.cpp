@@ -6,8 +6,6 @@
 #include <limits>
 #include <span>
 
-#include <fmt/format.h>
-
 #include "fjell/io/failure.h"
 #include "fjell/io/load.h"
 #include "fjell/terrain.h"
@@ -21,7 +19,7 @@ namespace {
 using ReadPage = std::function<void(ChunkId id, std::vector<std::byte>& raw)>;
 
 void require(const Status& status, const std::string& path) {
-    if (!status.ok()) throw Failure(1, fmt::format("{}: {}: {}", path, status.field, message(status.code)));
+    if (!status.ok()) throw Failure(1, path + ": " + status.field + ": " + message(status.code));
 }
 
 // Samples along an extent, the last one at the rim or beyond.
@@ -40,9 +38,9 @@ FullHeights make_grid(const PackHeader& h, std::uint64_t max_samples, const std:
             return grid;
         }
         if (grid.step_log2 == h.tile_log2)
-            throw Failure(1, fmt::format("{}: the corners of its tiles alone are {} samples and there is room for {}; "
-                                         "give room for more",
-                                         path, samples, max_samples));
+            throw Failure(1, path + ": the corners of its tiles alone are " + std::to_string(samples) +
+                                 " samples and there is room for " + std::to_string(max_samples) +
+                                 "; give room for more");
     }
 }
 
@@ -58,8 +56,8 @@ public:
             if (finest >= 0 && finest < static_cast<int>(step_log2)) continue;
             read_({ChunkKind::geometry, tile, page}, raw_);
             if (!insert_page(terrain_, tile, page, raw_).ok())
-                throw Failure(1, fmt::format("{}: page {} of tile {} is damaged; fjell-bake verify says more", path_,
-                                             page, tile));
+                throw Failure(1, path_ + ": page " + std::to_string(page) + " of tile " + std::to_string(tile) +
+                                     " is damaged; fjell-bake verify says more");
         }
     }
     void unload(std::uint32_t tile) {
