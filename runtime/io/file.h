@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "fjell/export.h"
+
+FJELL_API_BEGIN
 namespace fjell::io {
 
 // Throws Failure: 1 when there is no such file or it is not one, 3 when the disk fails.
@@ -56,3 +59,4 @@ private:
 };
 
 } // namespace fjell::io
+FJELL_API_END
