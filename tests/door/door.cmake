@@ -1,6 +1,6 @@
 # Configures, builds and runs an outside project with nothing but a compiler and Fjell, and looks at what it got.
 #   cmake -DHOST=PROJECT -DFOLDER=BUILD -DPACK=FILE -DCOMPILER=C++ -DVERSION=V [-DSAID=FILE] [-DPREFIX=INSTALLED]
-#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON] -P door.cmake
+#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DTOOLCHAIN=FILE -DEMULATOR=PROGRAM;...] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON] -P door.cmake
 # LINK: add_subdirectory, FetchContent, find_package or pkg-config. SAID: what the first game printed; all others must
 # print the same.
 include(${CMAKE_CURRENT_LIST_DIR}/must.cmake)
@@ -31,6 +31,9 @@ else()
   endif()
   if(PREFIX)
     list(APPEND options -DCMAKE_PREFIX_PATH=${PREFIX})
+  endif()
+  if(TOOLCHAIN)
+    list(APPEND options -DCMAKE_TOOLCHAIN_FILE=${TOOLCHAIN})
   endif()
   if(SHARED)
     list(APPEND options -DBUILD_SHARED_LIBS=ON)

@@ -51,8 +51,7 @@ int load(const char* path) {
     Owner owner;
     const fjell::io::LoadedPack file = fjell::io::load_pack(path, fjell::io::LoadTerrain::no);
     fjell::Terrain terrain;
-    fjell::Status s =
-        fjell::load_terrain(file.pack, allocate(owner, fjell::terrain_bytes(file.pack.header)), terrain);
+    fjell::Status s = fjell::load_terrain(file.pack, allocate(owner, fjell::terrain_bytes(file.pack.header)), terrain);
     if (!s.ok()) return fail("terrain", s);
     const fjell::CutBudget budget{};
     fjell::LiveCut cut;
@@ -86,7 +85,8 @@ int stream(const char* path) {
     const fjell::View view = a_view();
     fjell::CutReport report;
     fjell::StreamReport streamed;
-    for (int frame = 0; frame < 30'000 && !(streamed.converged && streamed.maps_converged && report.converged); ++frame) {
+    for (int frame = 0; frame < 30'000 && !(streamed.converged && streamed.maps_converged && report.converged);
+         ++frame) {
         s = fjell::update_stream(stream, {&view, 1}, {}, {.now_s = frame / 60.0}, streamed);
         if (!s.ok()) return fail("stream", s);
         s = fjell::update_cut(cut, {&view, 1}, {}, report);

@@ -21,9 +21,10 @@ int draw(const fjell::io::LoadedPack& loaded, const fjell::View& view) {
     if (!context) return fail(error);
     const auto target = fjell::gl::Target::create({view.width_px, view.height_px}, error);
     if (!target) return fail(error);
-    const auto renderer = fjell::gl::Renderer::create(loaded.terrain, loaded.pack, {}, error);
-    if (!renderer) return fail(error);
     const fjell::CutBudget budget{.vertices = 1u << 17, .triangles = 1u << 18};
+    const auto renderer = fjell::gl::Renderer::create(
+        loaded.terrain, loaded.pack, {.ranges = budget.triangles / budget.segment_triangles, .morph = true}, error);
+    if (!renderer) return fail(error);
     const std::size_t bytes = fjell::cut_bytes(loaded.terrain, budget);
     const fjell::io::AlignedMemory block = fjell::io::make_block(bytes);
     fjell::LiveCut cut;
