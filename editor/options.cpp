@@ -9,6 +9,7 @@
 
 #include "editor/command.h"
 #include "fjell/io/failure.h"
+#include "fjell/version.h"
 
 namespace fjell::editor {
 
@@ -49,7 +50,7 @@ bool parse_options(int argc, char** argv, Options& options) {
         ->check(CLI::Range(0.5, 4.0));
     app.add_flag("--no-vsync", no_vsync, "does not wait for vertical sync");
     app.add_flag("--help-commands", help_commands, "lists the commands of --do and --script");
-    app.set_version_flag("--version", std::string("fjell-editor ") + FJELL_VERSION);
+    app.set_version_flag("--version", std::string("fjell-editor ") + FJELL_VERSION_STRING);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& done) {

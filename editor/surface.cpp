@@ -12,7 +12,7 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
-#include "fjell/gl/context.h"
+#include "gl/window.h"
 
 namespace fjell::editor {
 

@@ -11,11 +11,11 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include "fjell/gl/context.h"
 #include "fjell/gl/target.h"
 #include "fjell/io/failure.h"
 #include "flight/camera.h"
 #include "flight/pictures.h"
+#include "gl/window.h"
 
 namespace fjell::flight {
 

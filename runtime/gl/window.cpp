@@ -1,9 +1,7 @@
-#include <epoxy/gl.h>
+#include "gl/window.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
-
-#include "fjell/gl/context.h"
 
 namespace fjell::gl {
 namespace {

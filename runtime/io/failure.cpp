@@ -5,8 +5,6 @@
 #include <cstdlib>
 #include <new>
 
-#include <fmt/format.h>
-
 namespace fjell::io {
 
 namespace {
@@ -21,7 +19,7 @@ void on_signal(int) {
 int say(const char* name, int code, std::string text) {
     for (char& c : text)
         if (static_cast<unsigned char>(c) < ' ' || c == 0x7f) c = ' '; // one line, whatever a file or a library said
-    text = fmt::format("{}: {}\n", name, text);
+    text = std::string(name) + ": " + text + "\n";
     (void)std::fputs(text.c_str(), stderr); // whether anyone can hear it or not
     return code;
 }
@@ -40,7 +38,7 @@ int run_tool(const char* name, const std::function<int()>& body) {
     } catch (const std::bad_alloc&) {
         return say(name, 3, "out of memory; take a smaller height field or smaller budgets");
     } catch (const std::exception& error) {
-        return say(name, 3, fmt::format("internal error: {}", error.what()));
+        return say(name, 3, std::string("internal error: ") + error.what());
     }
 }
 

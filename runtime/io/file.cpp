@@ -10,8 +10,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <fmt/format.h>
-
 #include "fjell/io/failure.h"
 
 namespace fjell::io {
@@ -20,20 +18,19 @@ std::vector<std::byte> read_file(const std::string& path) {
     const int fd = uninterrupted([&] {
         return open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe without a writer must not hang
     });
-    if (fd < 0) throw Failure(1, fmt::format("{}: {}; give an existing file", path, std::strerror(errno)));
+    if (fd < 0) throw Failure(1, path + ": " + std::strerror(errno) + "; give an existing file");
     const struct Closer {
         int fd;
         ~Closer() { close(fd); }
     } closer{fd};
     struct stat info {};
-    if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode))
-        throw Failure(1, fmt::format("{}: not a file; give a regular file", path));
+    if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode)) throw Failure(1, path + ": not a file; give a regular file");
     std::vector<std::byte> bytes(static_cast<std::size_t>(info.st_size));
     for (std::size_t at = 0; at < bytes.size();) {
         const ssize_t n = read(fd, bytes.data() + at, bytes.size() - at);
         if (n < 0 && errno == EINTR) continue;
-        if (n < 0) throw Failure(3, fmt::format("{}: cannot read: {}; check the disk", path, std::strerror(errno)));
-        if (n == 0) throw Failure(1, fmt::format("{}: shrank while it was read; try again", path));
+        if (n < 0) throw Failure(3, path + ": cannot read: " + std::strerror(errno) + "; check the disk");
+        if (n == 0) throw Failure(1, path + ": shrank while it was read; try again");
         at += static_cast<std::size_t>(n);
     }
     return bytes;
@@ -65,7 +62,7 @@ bool counts(const std::string& path) {
 } // namespace
 
 void require(const Status& status, const std::string& path) {
-    if (!status.ok()) throw Failure(1, fmt::format("{}: {}: {}", path, status.field, message(status.code)));
+    if (!status.ok()) throw Failure(1, path + ": " + status.field + ": " + message(status.code));
 }
 
 void refuse_overwriting(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
@@ -76,8 +73,7 @@ void refuse_overwriting(const std::vector<std::string>& outputs, const std::vect
         if (!counts(output)) continue;
         const std::string place = resolved(output);
         if (std::find(taken.begin(), taken.end(), place) != taken.end())
-            throw Failure(2,
-                          fmt::format("{}: would overwrite an input or another output; choose another name", output));
+            throw Failure(2, output + ": would overwrite an input or another output; choose another name");
         taken.push_back(place);
     }
 }
@@ -88,18 +84,18 @@ std::string where_written(const std::string& path) {
 
 AtomicFile::AtomicFile(const std::string& path, const std::string& temporary)
     : path_(where_written(path)),
-      temporary_(temporary.empty() ? fmt::format("{}.{}.tmp", path_, getpid()) : temporary) {
+      temporary_(temporary.empty() ? path_ + "." + std::to_string(getpid()) + ".tmp" : temporary) {
     struct stat info {};
     if (stat(path_.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) {
         if (!S_ISCHR(info.st_mode))
-            throw Failure(1, fmt::format("{}: is a {}; give the output a file name", path,
-                                         S_ISDIR(info.st_mode) ? "folder" : "pipe or the like"));
+            throw Failure(1, path + ": is a " + (S_ISDIR(info.st_mode) ? "folder" : "pipe or the like") +
+                                 "; give the output a file name");
         temporary_ = path_; // a device such as /dev/full cannot be renamed over: it is written in place
     }
     fd_ = uninterrupted([&] { return open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666); });
     if (fd_ >= 0) return;
     if (errno == ENOENT || errno == ENOTDIR)
-        throw Failure(1, fmt::format("{}: the output folder does not exist; create it or choose another", path));
+        throw Failure(1, path + ": the output folder does not exist; create it or choose another");
     disk_failure(path_, "open");
 }
 
@@ -114,7 +110,7 @@ void disk_failure(const std::string& path, const char* doing) {
     const char* remedy = error == ENOSPC || error == EDQUOT || error == EFBIG ? "free some space or choose another disk"
                          : error == EACCES || error == EROFS                  ? "choose a folder you may write to"
                                                                               : "check the disk";
-    throw Failure(3, fmt::format("{}: cannot {}: {}; {}", path, doing, std::strerror(error), remedy));
+    throw Failure(3, path + ": cannot " + doing + ": " + std::strerror(error) + "; " + remedy);
 }
 
 void write_all(int fd, std::uint64_t offset, std::span<const std::byte> bytes, const std::string& path) {

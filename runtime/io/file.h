@@ -8,8 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "fjell/export.h"
 #include "fjell/status.h"
 
+FJELL_API_BEGIN
 namespace fjell::io {
 
 // Throws Failure: 1 when there is no such file or it is not one, 3 when the disk fails.
@@ -61,3 +63,4 @@ private:
 };
 
 } // namespace fjell::io
+FJELL_API_END

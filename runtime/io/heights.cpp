@@ -6,8 +6,6 @@
 #include <limits>
 #include <span>
 
-#include <fmt/format.h>
-
 #include "fjell/io/failure.h"
 #include "fjell/io/load.h"
 #include "fjell/terrain.h"
@@ -36,9 +34,9 @@ FullHeights make_grid(const PackHeader& h, std::uint64_t max_samples, const std:
             return grid;
         }
         if (grid.step_log2 == h.tile_log2)
-            throw Failure(1, fmt::format("{}: the corners of its tiles alone are {} samples and there is room for {}; "
-                                         "give room for more",
-                                         path, samples, max_samples));
+            throw Failure(1, path + ": the corners of its tiles alone are " + std::to_string(samples) +
+                                 " samples and there is room for " + std::to_string(max_samples) +
+                                 "; give room for more");
     }
 }
 
@@ -54,8 +52,8 @@ public:
             if (finest >= 0 && finest < static_cast<int>(step_log2)) continue;
             read_({ChunkKind::geometry, tile, page}, raw_);
             if (!insert_page(terrain_, tile, page, raw_).ok())
-                throw Failure(1, fmt::format("{}: page {} of tile {} is damaged; fjell-bake verify says more", path_,
-                                             page, tile));
+                throw Failure(1, path_ + ": page " + std::to_string(page) + " of tile " + std::to_string(tile) +
+                                     " is damaged; fjell-bake verify says more");
         }
     }
     void unload(std::uint32_t tile) {

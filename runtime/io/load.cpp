@@ -9,8 +9,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <fmt/format.h>
-
 #include "fjell/io/failure.h"
 #include "io/file.h"
 
@@ -51,17 +49,16 @@ LoadedPack load_pack(const std::string& path, LoadTerrain what) {
 
 MappedPack::MappedPack(const std::string& path) : path_(path) {
     const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe without a writer must not hang
-    if (fd < 0) throw Failure(1, fmt::format("{}: {}; give an existing file", path, std::strerror(errno)));
+    if (fd < 0) throw Failure(1, path + ": " + std::strerror(errno) + "; give an existing file");
     struct stat info {};
     const bool regular = fstat(fd, &info) == 0 && S_ISREG(info.st_mode);
     size_ = regular ? static_cast<std::size_t>(info.st_size) : 0;
     if (size_ > 0) bytes_ = mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, fd, 0);
     const int error = errno;
     close(fd);
-    if (!regular) throw Failure(1, fmt::format("{}: not a file; give a regular file", path));
+    if (!regular) throw Failure(1, path + ": not a file; give a regular file");
     if (bytes_ == MAP_FAILED)
-        throw Failure(3,
-                      fmt::format("{}: cannot be mapped: {}; check memory and the disk", path, std::strerror(error)));
+        throw Failure(3, path + ": cannot be mapped: " + std::strerror(error) + "; check memory and the disk");
     try {
         require(open_pack({static_cast<const std::byte*>(bytes_), size_}, pack_), path);
         crs_.resize(pack_.header.crs_bytes);
@@ -87,7 +84,9 @@ void check_chunk(const Pack& pack, const std::string& path, std::uint64_t i, std
     raw.resize(pack.entry(i).raw_bytes);
     const ChunkId id = chunk_id(pack.header, i);
     const Status s = read_chunk(pack, id, raw);
-    if (!s.ok()) throw Failure(1, fmt::format("{}: chunk {} of tile {}: {}", path, i, id.tile, message(s.code)));
+    if (!s.ok())
+        throw Failure(1, path + ": chunk " + std::to_string(i) + " of tile " + std::to_string(id.tile) + ": " +
+                             message(s.code));
 }
 
 } // namespace

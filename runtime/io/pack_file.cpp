@@ -8,8 +8,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <fmt/format.h>
-
 #include "fjell/io/failure.h"
 #include "io/file.h"
 
@@ -19,7 +17,7 @@ PackFile::PackFile(const std::string& path) : path_(path) {
     fd_ = uninterrupted([&] {
         return open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe without a writer must not hang
     });
-    if (fd_ < 0) throw Failure(1, fmt::format("{}: {}; give an existing file", path, std::strerror(errno)));
+    if (fd_ < 0) throw Failure(1, path + ": " + std::strerror(errno) + "; give an existing file");
     try {
         open_pack_file();
     } catch (...) {
@@ -34,8 +32,7 @@ PackFile::~PackFile() {
 
 void PackFile::open_pack_file() {
     struct stat info {};
-    if (fstat(fd_, &info) != 0 || !S_ISREG(info.st_mode))
-        throw Failure(1, fmt::format("{}: not a file; give a regular file", path_));
+    if (fstat(fd_, &info) != 0 || !S_ISREG(info.st_mode)) throw Failure(1, path_ + ": not a file; give a regular file");
     const auto file_bytes = static_cast<std::uint64_t>(info.st_size);
     std::byte head[sizeof(PackHeader)];
     const std::span header = std::span(head).first(std::min<std::uint64_t>(sizeof head, file_bytes));

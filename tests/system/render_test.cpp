@@ -13,6 +13,7 @@
 
 #include "fjell/gl/image.h"
 #include "fjell/gl/palette.h"
+#include "gl/window.h"
 #include "picture_scene.h"
 #include "support/dem.h"
 

@@ -22,11 +22,13 @@
 #include <cstdint>
 #include <span>
 
+#include "fjell/export.h"
 #include "fjell/mesh.h"
 #include "fjell/status.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 
+FJELL_API_BEGIN
 namespace fjell {
 
 inline constexpr std::uint32_t max_cut_views = 8;
@@ -184,3 +186,4 @@ void for_each_run(std::span<const std::uint64_t> bits, std::span<const std::uint
 }
 
 } // namespace fjell
+FJELL_API_END

@@ -14,8 +14,10 @@
 #include <glm/ext/vector_double3.hpp>
 #include <glm/ext/vector_double4.hpp>
 
+#include "fjell/export.h"
 #include "fjell/view.h"
 
+FJELL_API_BEGIN
 namespace fjell {
 
 [[nodiscard]] inline glm::dvec3 to_glm(const Vec3& v) {
@@ -52,3 +54,4 @@ namespace fjell {
 }
 
 } // namespace fjell
+FJELL_API_END

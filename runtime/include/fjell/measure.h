@@ -1,10 +1,12 @@
 // The true error of a mesh: every triangle against every full-resolution sample under it.
 #pragma once
 
+#include "fjell/export.h"
 #include "fjell/mesh.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 
+FJELL_API_BEGIN
 namespace fjell {
 
 struct MeasuredError {
@@ -20,3 +22,4 @@ struct MeasuredError {
                                           const Frustum* frustum = nullptr);
 
 } // namespace fjell
+FJELL_API_END

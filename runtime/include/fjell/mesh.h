@@ -9,6 +9,9 @@
 #include <cstdint>
 #include <span>
 
+#include "fjell/export.h"
+
+FJELL_API_BEGIN
 namespace fjell {
 
 struct MeshVertex {
@@ -36,3 +39,4 @@ struct MeshView {
 };
 
 } // namespace fjell
+FJELL_API_END

@@ -18,8 +18,10 @@
 #include <bit>
 #include <cstdint>
 
+#include "fjell/export.h"
 #include "fjell/tree.h"
 
+FJELL_API_BEGIN
 namespace fjell {
 
 enum class Order : std::uint32_t { planar = 0, hierarchical_z = 1, linear = 2 };
@@ -225,3 +227,4 @@ private:
 };
 
 } // namespace fjell
+FJELL_API_END

@@ -11,11 +11,13 @@
 #include <cstdint>
 #include <span>
 
+#include "fjell/export.h"
 #include "fjell/order.h"
 #include "fjell/record.h"
 #include "fjell/status.h"
 #include "fjell/tree.h"
 
+FJELL_API_BEGIN
 namespace fjell {
 
 inline constexpr char pack_magic[8] = {'F', 'J', 'E', 'L', 'L', 'P', 'K', '\n'};
@@ -177,3 +179,4 @@ Status read_chunk(const Pack& pack, ChunkId id, std::span<std::byte> out);
 Status decode_chunk(const ChunkEntry& entry, std::span<const std::byte> stored, std::span<std::byte> out);
 
 } // namespace fjell
+FJELL_API_END

@@ -14,9 +14,11 @@
 #include <cstdint>
 #include <span>
 
+#include "fjell/export.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 
+FJELL_API_BEGIN
 namespace fjell {
 
 struct GroundHeight {
@@ -58,3 +60,4 @@ GroundPatch ground_patch(const Terrain& terrain, Coord first, int step_log2, std
                          std::span<float> heights_m, std::span<bool> holes = {});
 
 } // namespace fjell
+FJELL_API_END

@@ -11,6 +11,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fjell/export.h"
+
+FJELL_API_BEGIN
 namespace fjell {
 
 struct VertexRecord {
@@ -90,3 +93,4 @@ struct RadiusScale {
 };
 
 } // namespace fjell
+FJELL_API_END

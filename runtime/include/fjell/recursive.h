@@ -16,11 +16,13 @@
 #include <cstdint>
 #include <span>
 
+#include "fjell/export.h"
 #include "fjell/mesh.h"
 #include "fjell/status.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 
+FJELL_API_BEGIN
 namespace fjell {
 
 struct RecursiveBudget {
@@ -75,3 +77,4 @@ Status update_recursive(RecursiveMethod method, const View& view, const RefineSe
 [[nodiscard]] MeshView recursive_mesh(RecursiveMethod method);
 
 } // namespace fjell
+FJELL_API_END

@@ -5,6 +5,9 @@
 
 #include <cstdint>
 
+#include "fjell/export.h"
+
+FJELL_API_BEGIN
 namespace fjell {
 
 enum class Code : std::uint8_t {
@@ -34,3 +37,4 @@ struct [[nodiscard]] Status {
 [[nodiscard]] const char* message(Code code);
 
 } // namespace fjell
+FJELL_API_END

@@ -20,11 +20,13 @@
 #include <span>
 
 #include "fjell/cut.h"
+#include "fjell/export.h"
 #include "fjell/pack.h"
 #include "fjell/status.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 
+FJELL_API_BEGIN
 namespace fjell {
 
 enum class MapKind : std::uint8_t { colour = 0, normal = 1 };
@@ -188,3 +190,4 @@ Status provide(Stream stream, std::uint32_t ticket, std::span<const std::byte> s
 void fail(Stream stream, std::uint32_t ticket, bool unwanted = false);
 
 } // namespace fjell
+FJELL_API_END

@@ -12,10 +12,12 @@
 #include <cstdint>
 #include <span>
 
+#include "fjell/export.h"
 #include "fjell/order.h"
 #include "fjell/pack.h"
 #include "fjell/record.h"
 
+FJELL_API_BEGIN
 namespace fjell {
 
 inline constexpr std::uint32_t change_log = 256; // changes that Terrain::changed_slots remembers
@@ -100,3 +102,4 @@ void unload_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page);
 Status load_terrain(const Pack& pack, std::span<std::byte> memory, Terrain& terrain);
 
 } // namespace fjell
+FJELL_API_END

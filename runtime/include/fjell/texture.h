@@ -13,6 +13,9 @@
 #include <cstdint>
 #include <span>
 
+#include "fjell/export.h"
+
+FJELL_API_BEGIN
 namespace fjell {
 
 inline constexpr std::size_t colour_block_bytes = 8, normal_block_bytes = 16;
@@ -29,3 +32,4 @@ void decode_normal(std::span<const std::byte> blocks, std::uint32_t side, std::s
 }
 
 } // namespace fjell
+FJELL_API_END

@@ -17,6 +17,9 @@
 #include <bit>
 #include <cstdint>
 
+#include "fjell/export.h"
+
+FJELL_API_BEGIN
 namespace fjell {
 
 inline constexpr std::uint32_t no_index = 0xffff'ffff; // the one index, slot or name that stands for nothing
@@ -115,3 +118,4 @@ struct Children {
 }
 
 } // namespace fjell
+FJELL_API_END

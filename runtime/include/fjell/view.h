@@ -3,8 +3,14 @@
 
 #include <cstdint>
 
+#include "fjell/export.h"
 #include "fjell/status.h"
 
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || __FINITE_MATH_ONLY__
+#error "Fjell must be compiled without -ffast-math: it would accept a NaN, and decide otherwise than elsewhere"
+#endif
+
+FJELL_API_BEGIN
 namespace fjell {
 
 struct Vec3 {
@@ -52,3 +58,4 @@ struct Frustum {
 [[nodiscard]] double corner_factor(const View& view);
 
 } // namespace fjell
+FJELL_API_END

@@ -9,6 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "fjell/export.h"
+
+FJELL_API_BEGIN
 namespace fjell::gl {
 
 struct Image {
@@ -26,3 +29,4 @@ struct Image {
 [[nodiscard]] std::string read_png(const std::string& path, Image& image);
 
 } // namespace fjell::gl
+FJELL_API_END

@@ -17,9 +17,11 @@
 #include <span>
 #include <string>
 
+#include "fjell/export.h"
 #include "fjell/gl/target.h"
 #include "fjell/view.h"
 
+FJELL_API_BEGIN
 namespace fjell::gl {
 
 using Rgba8 = std::array<std::uint8_t, 4>;
@@ -68,3 +70,4 @@ private:
 void frustum_lines(const View& of, double length_m, Rgba8 rgba, std::span<Line, 12> out);
 
 } // namespace fjell::gl
+FJELL_API_END

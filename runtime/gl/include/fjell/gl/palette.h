@@ -4,6 +4,9 @@
 #include <array>
 #include <cstdint>
 
+#include "fjell/export.h"
+
+FJELL_API_BEGIN
 namespace fjell::gl {
 
 // A tile of side 2^l cells has triangles of levels 0 (its two base triangles) to 2 l (half a cell).
@@ -41,3 +44,4 @@ inline constexpr Rgb8 error_stops[6] = {{34, 46, 140}, {28, 160, 70}, {244, 222,
 inline constexpr Rgb8 tile_border_rgb{255, 250, 240}, page_border_rgb{90, 220, 255};
 
 } // namespace fjell::gl
+FJELL_API_END

@@ -22,6 +22,7 @@
 #include <string>
 
 #include "fjell/cut.h"
+#include "fjell/export.h"
 #include "fjell/gl/target.h"
 #include "fjell/mesh.h"
 #include "fjell/pack.h"
@@ -29,6 +30,7 @@
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 
+FJELL_API_BEGIN
 namespace fjell::gl {
 
 struct RendererOptions {
@@ -138,3 +140,4 @@ private:
 };
 
 } // namespace fjell::gl
+FJELL_API_END

@@ -12,9 +12,11 @@
 #include <string>
 #include <vector>
 
+#include "fjell/export.h"
 #include "fjell/gl/image.h"
 #include "fjell/view.h"
 
+FJELL_API_BEGIN
 namespace fjell::gl {
 
 struct TargetOptions {
@@ -50,3 +52,4 @@ private:
 void depth_to_metres(std::span<float> depth, const View& view);
 
 } // namespace fjell::gl
+FJELL_API_END

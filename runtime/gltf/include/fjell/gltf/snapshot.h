@@ -23,11 +23,13 @@
 #include <functional>
 #include <string>
 
+#include "fjell/export.h"
 #include "fjell/mesh.h"
 #include "fjell/pack.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 
+FJELL_API_BEGIN
 namespace fjell::gltf {
 
 // What the mesh is a picture of, from the method's report.
@@ -70,3 +72,4 @@ SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const V
                                const std::string& path, const SnapshotOptions& options = {});
 
 } // namespace fjell::gltf
+FJELL_API_END

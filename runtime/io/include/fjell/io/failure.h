@@ -5,6 +5,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "fjell/export.h"
+
+FJELL_API_BEGIN
 namespace fjell::io {
 
 // One line for stderr, with the remedy in it, and the program's exit code: 1 the input is at fault, 2 usage, 3 the
@@ -24,3 +27,4 @@ void catch_interrupts();
 void check_interrupt();
 
 } // namespace fjell::io
+FJELL_API_END

@@ -14,9 +14,11 @@
 #include <string>
 #include <vector>
 
+#include "fjell/export.h"
 #include "fjell/io/pack_file.h"
 #include "fjell/pack.h"
 
+FJELL_API_BEGIN
 namespace fjell::io {
 
 struct FullHeights {
@@ -36,3 +38,4 @@ using GoOn = std::function<bool(double share)>;
                                                       std::uint64_t max_samples, const GoOn& go_on = {});
 
 } // namespace fjell::io
+FJELL_API_END

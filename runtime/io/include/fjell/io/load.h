@@ -7,9 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "fjell/export.h"
 #include "fjell/pack.h"
 #include "fjell/terrain.h"
 
+FJELL_API_BEGIN
 namespace fjell::io {
 
 struct AlignedDelete {
@@ -56,3 +58,4 @@ std::uint64_t check_all_chunks(const Pack& pack, const std::string& path);
 std::uint64_t check_all_chunks(const MappedPack& pack); // and little of it resident at once
 
 } // namespace fjell::io
+FJELL_API_END

@@ -12,8 +12,10 @@
 #include <string>
 #include <vector>
 
+#include "fjell/export.h"
 #include "fjell/pack.h"
 
+FJELL_API_BEGIN
 namespace fjell::io {
 
 class PackFile {
@@ -45,3 +47,4 @@ private:
 };
 
 } // namespace fjell::io
+FJELL_API_END

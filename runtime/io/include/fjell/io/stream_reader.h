@@ -18,9 +18,11 @@
 #include <thread>
 #include <vector>
 
+#include "fjell/export.h"
 #include "fjell/io/pack_file.h"
 #include "fjell/stream.h"
 
+FJELL_API_BEGIN
 namespace fjell::io {
 
 struct StreamReaderOptions {
@@ -76,3 +78,4 @@ private:
 };
 
 } // namespace fjell::io
+FJELL_API_END

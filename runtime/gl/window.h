@@ -1,0 +1,49 @@
+// A window with an OpenGL 4.5 core context, through GLFW: for our programs. A host has a window of its own.
+//
+// Ownership: the object owns its context; everything made in it (Target, Renderer) must be destroyed first, while the
+// context is current. Thread: the main one, as GLFW has it. Failure: create() returns null and fills `error` with one
+// line that says what to do; nothing aborts.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "fjell/gl/context.h"
+
+struct GLFWwindow;
+
+namespace fjell::gl {
+
+struct WindowOptions {
+    std::uint32_t width = 1280, height = 720; // in screen coordinates; the framebuffer may have more pixels
+    std::string title = "Fjell";
+    bool debug = false;
+    bool vsync = true;
+    bool robust = false; // tells of a driver that has reset (glGetGraphicsResetStatus), where it can
+};
+
+// One window at a time: GLFW is started with the first and stopped with the last.
+class Window {
+public:
+    [[nodiscard]] static std::unique_ptr<Window> create(const WindowOptions& options, std::string& error);
+    ~Window();
+    Window(const Window&) = delete;
+    Window& operator=(const Window&) = delete;
+
+    [[nodiscard]] GLFWwindow* handle() const { return window_; } // for keys, mouse and user interface back ends
+    [[nodiscard]] bool should_close() const;
+    // Pixels; 0 x 0 while minimised.
+    void framebuffer_size(std::uint32_t& width, std::uint32_t& height) const;
+    void poll();
+    void swap();
+    [[nodiscard]] std::string description() const;
+    [[nodiscard]] const DebugLog& log() const { return *log_; }
+
+private:
+    Window() = default;
+    GLFWwindow* window_ = nullptr;
+    std::unique_ptr<DebugLog> log_ = std::make_unique<DebugLog>();
+};
+
+} // namespace fjell::gl

@@ -1,0 +1,35 @@
+# What a host is refused, and how it is told.
+#   cmake -DSTATIC=PREFIX -DSHARED=PREFIX -DFOLDER=SCRATCH -DCOMPILER=C++ -DVERSION=V -P refusals.cmake
+include(${CMAKE_CURRENT_LIST_DIR}/must.cmake)
+file(REMOVE_RECURSE ${FOLDER})
+
+set(headers ${STATIC}/include)
+file(WRITE ${FOLDER}/host.cpp "#include <fjell/cut.h>\n#include <fjell/query.h>\n")
+must("a plain host" ${COMPILER} -std=c++20 -I${headers} -fsyntax-only ${FOLDER}/host.cpp)
+foreach(flag -ffast-math -ffinite-math-only)
+  must_fail(${flag} "must be compiled without -ffast-math" ${COMPILER} -std=c++20 ${flag} -I${headers} -fsyntax-only ${FOLDER}/host.cpp)
+endforeach()
+file(WRITE ${FOLDER}/small.cpp "#include <fjell/export.h>\n") # which all public headers include
+must_fail("32 bits" "Fjell needs 64 bits" ${COMPILER} -std=c++20 -m32 -I${headers} -fsyntax-only ${FOLDER}/small.cpp)
+
+# find_package(fjell ARGUMENTS) in an empty project that has PREFIX.
+function(find arguments prefix)
+  file(WRITE ${FOLDER}/find/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(find LANGUAGES CXX)\nfind_package(fjell ${arguments})\n")
+  file(REMOVE_RECURSE ${FOLDER}/find/build)
+  set(command ${CMAKE_COMMAND} -S ${FOLDER}/find -B ${FOLDER}/find/build -G Ninja -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER} ${ARGN}
+    PARENT_SCOPE)
+endfunction()
+find("${VERSION} REQUIRED" ${STATIC})
+must("this version" ${command})
+find("0.2 REQUIRED COMPONENTS runtime io gl gltf" ${STATIC})
+must("all components" ${command})
+foreach(other 0.1 0.3 1.0) # before 1.0 a minor version may break
+  find("${other} REQUIRED" ${STATIC})
+  must_fail("version ${other}" "requested version \"${other}\"" ${command})
+endforeach()
+find("0.2 REQUIRED COMPONENTS gl" ${SHARED})
+must_fail("a component that was not built" "component gl was not built: configure Fjell with -DFJELL_GL=ON" ${command})
+find("0.2 REQUIRED COMPONENTS physics" ${STATIC})
+must_fail("an unknown component" "no component physics: there are runtime, io, gl and gltf" ${command})
+find("0.2 REQUIRED" ${STATIC} -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON)
+must_fail("a library that is missing" "component runtime needs hwy: install it" ${command})
