@@ -251,7 +251,7 @@ TEST_CASE("quitting asks about unsaved changes, and a crash does not lose them")
     const std::string profile = home / "mine.toml";
     spit(profile, slurp(FJELL_SOURCE_DIR "/profiles/tiny.toml"));
     const std::string original = slurp(profile);
-    const std::vector<std::string> arguments{small_pack(), "--size", small_window, "--profile", profile};
+    const std::vector<std::string> arguments{small_pack(), "--profile", profile};
     const auto change = [](EditorWindow& editor) {
         editor.key("bracketright");
         return editor.until("a change", [](const json& s) { return s["document"]["unsaved"] == true; });
@@ -299,9 +299,9 @@ TEST_CASE("a corrupt pack, a folder that takes nothing and a lost graphics conte
     for (std::size_t i = 0; i < 64; ++i) damaged[i * 7 + 8] ^= 0x55;
     spit(home / "damaged.fjell", damaged);
     EditorWindow editor(display(), home.path,
-                        {small_pack(), "--size", small_window, "--do", "frames 80", "--do",
-                         "open " + home / "damaged.fjell", "--do", "set refine.error_px 3", "--do",
-                         "save-profile /proc/none.toml", "--do", "lose-graphics", "--do", "wait"});
+                        {small_pack(), "--do", "frames 80", "--do", "open " + home / "damaged.fjell", "--do",
+                         "set refine.error_px 3", "--do", "save-profile /proc/none.toml", "--do", "lose-graphics",
+                         "--do", "wait"});
     const json state = editor.until("the script's end", [](const json& s) {
         return s["messages"].size() >= 3 && s["measures"]["converged"] == true;
     });
