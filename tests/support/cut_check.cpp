@@ -247,8 +247,9 @@ std::string check_surface(Cut& cut, const Terrain& full) {
     const auto holes = [&](const Triangle& t) {
         return full.is_hole(t[0]) || full.is_hole(t[1]) || full.is_hole(t[2]);
     };
-    for (const Triangle& t : triangles_of(drawn))
-        if (holes(t)) return "a triangle with a corner in a hole is drawn";
+    if (full.has_voids())
+        for (const Triangle& t : triangles_of(drawn))
+            if (holes(t)) return "a triangle with a corner in a hole is drawn";
     // What is hidden, one range a triangle, in the tile that its middle lies in; less what is shrunk to nothing.
     const CutState& s = cut.state();
     std::vector<TileRange> ranges = cut.ranges;
@@ -319,19 +320,24 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
     std::vector<Reach> reaches;
     for (const View& view : views)
         reaches.push_back(make_reach(view, corner_safe ? error_px / corner_factor(view) : error_px));
+    // Of every level its own coordinates: centres at odd multiples of the step, sides where one is odd and one even.
+    // Parents first: most vertices have none in the set, and need not be looked up.
     for (int level = 0; level < 2 * full.tree.tile_log2; ++level) {
         const std::int32_t step = 1 << (full.tree.tile_log2 - 1 - level / 2);
-        for (std::int32_t y = 0; y < full.tree.grid_rows(); y += step)
-            for (std::int32_t x = 0; x < full.tree.grid_columns(); x += step) {
+        const bool sides = level % 2 != 0;
+        for (std::int32_t y = sides ? 0 : step; y < full.tree.grid_rows(); y += sides ? step : 2 * step)
+            for (std::int32_t x = sides && (y & step) ? 0 : step; x < full.tree.grid_columns(); x += 2 * step) {
                 const Coord c{x, y};
-                if (full.tree.is_corner(c) || full.tree.level(c) != level || !set[place(full, c)]) continue;
-                const Terrain::Vertex v = full.vertex(c);
-                const Coord at = full.tree.sample(c);
-                bool in = false;
-                for (const Reach& r : reaches)
-                    in = in || wanted(r, full.x_m(at.x), v.height_m, full.z_m(at.y), v.error_m, v.radius_m);
+                if (!set[place(full, c)]) continue;
+                bool parents = true, in = false;
                 for (const Coord parent : diamond(full.tree, c).apexes)
-                    in = in && (!full.tree.contains(parent) || set[place(full, parent)]);
+                    parents = parents && (!full.tree.contains(parent) || set[place(full, parent)]);
+                if (parents) {
+                    const Terrain::Vertex v = full.vertex(c);
+                    const Coord at = full.tree.sample(c);
+                    for (const Reach& r : reaches)
+                        in = in || wanted(r, full.x_m(at.x), v.height_m, full.z_m(at.y), v.error_m, v.radius_m);
+                }
                 set[place(full, c)] = in;
             }
     }

@@ -196,6 +196,7 @@ std::optional<nlohmann::json> EditorWindow::dump() {
     }
     nlohmann::json state = nlohmann::json::parse(slurp(file));
     frame_ = state["frame"];
+    input_ = state["input"];
     return state;
 }
 
@@ -240,11 +241,16 @@ void EditorWindow::settle() {
     (void)until_or_end("two frames", [&](const nlohmann::json& s) { return s["frame"] >= seen + 2; });
 }
 
-void EditorWindow::send(const std::string& what, const char* counter, std::uint64_t events) {
-    const std::uint64_t before = state()["input"][counter];
+// Counts from the last dump: every event before was waited for.
+void EditorWindow::send_unsettled(const std::string& what, const char* counter, std::uint64_t events) {
+    const std::uint64_t before = input_[counter];
     xdotool(what);
     (void)until_or_end(what + " to be seen",
                        [&](const nlohmann::json& s) { return s["input"][counter] >= before + events; });
+}
+
+void EditorWindow::send(const std::string& what, const char* counter, std::uint64_t events) {
+    send_unsettled(what, counter, events);
     settle();
 }
 
@@ -299,14 +305,17 @@ nlohmann::json EditorWindow::hold(const std::string& name, const std::string& wh
 void EditorWindow::type(const std::string& text) {
     for (const char c : text) {
         const std::string name = c == '.' ? "period" : std::string(1, c);
-        const std::uint64_t before = state()["input"]["characters"];
-        send("key " + name, "keys", 2);
+        const std::uint64_t before = input_["characters"];
+        send_unsettled("key " + name, "keys", 2);
         until("the character " + name, [&](const nlohmann::json& s) { return s["input"]["characters"] > before; });
     }
+    settle();
 }
 
 void EditorWindow::wheel(int notches) {
-    for (int i = 0; i < std::abs(notches); ++i) send(std::string("click ") + (notches > 0 ? "4" : "5"), "scrolls", 1);
+    const int count = std::abs(notches);
+    send("click --repeat " + std::to_string(count) + " --delay 1 " + (notches > 0 ? "4" : "5"), "scrolls",
+         static_cast<std::uint64_t>(count));
 }
 
 void EditorWindow::resize(std::uint32_t width, std::uint32_t height) {

@@ -86,7 +86,8 @@ private:
     // Sends it, waits until the editor has counted so many more events of that kind, and two frames more. An editor
     // that ends has seen it.
     void send(const std::string& what, const char* counter, std::uint64_t events);
-    void settle(); // two frames more
+    void send_unsettled(const std::string& what, const char* counter, std::uint64_t events); // without those two frames
+    void settle();                                                                           // two frames more
 
     const VirtualDisplay& display_;
     std::filesystem::path home_;
@@ -94,6 +95,7 @@ private:
     int status_ = -1;
     std::string window_;
     std::uint64_t frame_ = 0; // of the last dump
+    nlohmann::json input_;    // of the last dump
 };
 
 } // namespace fjell::test

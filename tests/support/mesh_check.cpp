@@ -1,8 +1,8 @@
 #include "support/mesh_check.h"
 
 #include <algorithm>
+#include <bit>
 #include <sstream>
-#include <unordered_map>
 
 namespace fjell::test {
 
@@ -74,14 +74,38 @@ bool may_be_open(const Terrain& terrain, const std::vector<bool>& drawn, Coord a
     return false;
 }
 
+// Directed edges. A flat table, because the tests look through every mesh of every frame.
+class EdgeSet {
+public:
+    explicit EdgeSet(std::size_t most) : slots_(std::bit_ceil(2 * most + 2), none) {}
+    // False: it was there.
+    bool insert(std::uint64_t edge) {
+        std::uint64_t& slot = slots_[find(edge)];
+        if (slot == edge) return false;
+        slot = edge;
+        return true;
+    }
+    [[nodiscard]] bool contains(std::uint64_t edge) const { return slots_[find(edge)] == edge; }
+
+private:
+    static constexpr std::uint64_t none = ~std::uint64_t{0};
+    std::vector<std::uint64_t> slots_;
+
+    [[nodiscard]] std::size_t find(std::uint64_t edge) const { // its slot, or the one that it would take
+        const std::size_t mask = slots_.size() - 1;
+        std::size_t i = (edge * 0x9e3779b97f4a7c15u >> 32) & mask;
+        while (slots_[i] != edge && slots_[i] != none) i = (i + 1) & mask;
+        return i;
+    }
+};
+
 std::string check_edges(const Terrain& terrain, const std::vector<bool>& drawn,
                         const std::vector<Triangle>& triangles) {
-    std::unordered_map<std::uint64_t, int> edges;
-    edges.reserve(triangles.size() * 4);
+    EdgeSet edges(triangles.size() * 3);
     const std::int32_t columns = terrain.tree.columns();
     for (const Triangle& t : triangles)
         for (std::size_t i = 0; i < 3; ++i)
-            if (++edges[key(t[i], t[(i + 1) % 3], columns)] > 1)
+            if (!edges.insert(key(t[i], t[(i + 1) % 3], columns)))
                 return say("an edge is used twice in one direction by", t);
     for (const Triangle& t : triangles)
         for (std::size_t i = 0; i < 3; ++i) {
@@ -113,6 +137,8 @@ std::vector<Triangle> triangles_of(const MeshView& mesh) {
 std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
     std::vector<bool> drawn(terrain.tile_count());
     std::vector<std::int64_t> areas(terrain.tile_count());
+    std::vector<bool> compared(mesh.vertices.size()); // with its sample: the same vertex is in about six triangles
+    std::vector<Triangle> triangles;
     for (const TileRange& range : mesh.tiles) {
         if (range.tile >= terrain.tile_count()) return "a range names no tile";
         drawn[range.tile] = true;
@@ -120,12 +146,15 @@ std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
         std::string wrong;
         std::uint32_t count = 0;
         for (std::uint32_t i = 0; i < range.index_count; ++i) {
-            const MeshVertex& v = mesh.vertices[mesh.indices[range.first_index + i]];
+            const std::uint32_t index = mesh.indices[range.first_index + i];
+            const MeshVertex& v = mesh.vertices[index];
             const Coord at{v.column, v.row}, in_tile = at - corner;
             if (in_tile.x < 0 || in_tile.y < 0 || in_tile.x > terrain.tree.side() || in_tile.y > terrain.tree.side())
                 return "a vertex lies outside its tile";
             if (at.x >= terrain.tree.columns() || at.y >= terrain.tree.rows())
                 return "a vertex lies outside the terrain";
+            if (compared[index]) continue;
+            compared[index] = true;
             if (v.height_m != terrain.height_m(at)) return "a vertex has not its sample's height";
         }
         for_each_triangle(mesh, range, [&](const Triangle& t) {
@@ -134,6 +163,7 @@ std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
             if (doubled == 0 && mesh.topology == Topology::triangles) wrong = say("degenerate:", t);
             areas[range.tile] += doubled;
             count += doubled != 0;
+            if (doubled != 0) triangles.push_back(t);
         });
         if (!wrong.empty()) return wrong;
         if (count != range.triangles) return "a range counts its triangles wrongly";
@@ -144,7 +174,7 @@ std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
         if (drawn[tile] && areas[tile] != 2 * std::int64_t{end.x - corner.x} * (end.y - corner.y))
             return "a tile is not covered exactly";
     }
-    return check_edges(terrain, drawn, triangles_of(mesh));
+    return check_edges(terrain, drawn, triangles);
 }
 
 } // namespace fjell::test

@@ -65,7 +65,7 @@ Looked look(const Scene& scene, const View& view, const gl::Image& with, const g
     const Tree& tree = scene.loaded.terrain.tree;
     const double side = tree.side(), page = std::min(side, 64.0);
     Looked seen;
-    const auto every = test::rounds<std::uint32_t>(41, 11);
+    const auto every = test::rounds<std::uint32_t>(23, 11);
     for (std::uint32_t i = 0; i < width_px * height_px; i += every) {
         const std::uint32_t x = i % width_px, y = i / width_px;
         const Place at = place_of(view, x, y), east = place_of(view, x + 0.5, y), west = place_of(view, x - 0.5, y),

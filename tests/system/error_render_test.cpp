@@ -164,7 +164,7 @@ TEST_CASE("the error mode colours every pixel by the error that is drawn there",
         const Picture picture = scene.draw(mesh, view, drawing);
         const Compared seen = compare(scene, picture, view, drawing, heights);
         CAPTURE(round, log2, coarse, seen.pixels, seen.blue, seen.magenta, seen.grey);
-        CHECK(seen.pixels > test::rounds<std::size_t>(4'500, 20'000));
+        CHECK(seen.pixels > test::rounds<std::size_t>(1'100, 20'000));
         CHECK(seen.wrong == 0);
         if (!coarse) CHECK(seen.grey == 0);
         grey += seen.grey;
@@ -240,7 +240,7 @@ TEST_CASE("a mesh of the full resolution has no error anywhere, multisampled or 
             elsewhere += !beside && !std::equal(is, is + 3, plain.colour.pixel(x, y));
         }
         CAPTURE(hole, shown);
-        CHECK(shown > 50);
+        CHECK(shown > test::rounds<std::size_t>(12, 50)); // a quarter of the pixels
         CHECK(elsewhere == 0);
     }
 }

@@ -6,6 +6,7 @@
 #include "fjell/gl/lines.h"
 #include "picture_scene.h"
 #include "support/dem.h"
+#include "support/rounds.h"
 
 using namespace pictures;
 
@@ -33,7 +34,7 @@ struct Drawer {
     // Over a picture of the mesh.
     gl::Image draw(const MeshView& mesh, const View& view, std::span<const gl::Line> some,
                    std::span<const gl::Ball> balls, const gl::LineStyle& style) {
-        (void)scene.draw(mesh, view);
+        REQUIRE(scene.renderer->draw(mesh, view, {}, *scene.target).empty());
         const std::string error = lines->draw(some, balls, view, *scene.target, style);
         INFO(error);
         REQUIRE(error.empty());
@@ -134,7 +135,11 @@ TEST_CASE("a line is drawn where it is nearer than the terrain and nowhere else,
         }
         for (std::size_t i = 0; i < points.size(); ++i) {
             Seen at = points[i];
-            const auto add = [&](std::size_t k) { // seen end on, a line crosses depths within a pixel
+            behind = behind || at.distance_m < 0;
+            seen = seen || at.visible;
+            const auto beside = [&](const Seen& end) { return std::hypot(at.x - end.x, at.y - end.y) < 2; };
+            if (!at.visible || beside(a) || beside(b)) continue; // its ends are blunt
+            const auto add = [&](std::size_t k) {                // seen end on, a line crosses depths within a pixel
                 if (std::hypot(points[k].x - at.x, points[k].y - at.y) > 2) return false;
                 at.least_m = std::min(at.least_m, points[k].distance_m);
                 at.most_m = std::max(at.most_m, points[k].distance_m);
@@ -144,10 +149,7 @@ TEST_CASE("a line is drawn where it is nearer than the terrain and nowhere else,
             }
             for (std::size_t k = i + 1; k < points.size() && add(k); ++k) {
             }
-            const auto beside = [&](const Seen& end) { return std::hypot(at.x - end.x, at.y - end.y) < 2; };
-            if (at.visible && !beside(a) && !beside(b)) check(plain, drawn, at, false, result); // its ends are blunt
-            behind = behind || at.distance_m < 0;
-            seen = seen || at.visible;
+            check(plain, drawn, at, false, result);
         }
         from_behind += behind && seen;
         // Nothing but the line: no pixel differs that is farther than 2 from it.
@@ -165,7 +167,7 @@ TEST_CASE("a line is drawn where it is nearer than the terrain and nowhere else,
     CAPTURE(result.in_front, result.behind);
     CHECK(result.wrong == 0);
     CHECK(result.in_front > 5000);
-    CHECK(result.behind > 1000);
+    CHECK(result.behind > test::rounds<std::size_t>(500, 1000));
     CHECK(from_behind >= 5);
 }
 
