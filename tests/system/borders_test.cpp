@@ -12,13 +12,13 @@ using namespace pictures;
 
 namespace {
 
-constexpr double spacing_m = 30;
+constexpr double border_spacing_m = 30;
 
 baker::Dem ground(std::int32_t columns, std::int32_t rows, double step_m = 0) {
     baker::Dem dem;
     dem.columns = columns;
     dem.rows = rows;
-    dem.spacing_m[0] = dem.spacing_m[1] = spacing_m;
+    dem.spacing_m[0] = dem.spacing_m[1] = border_spacing_m;
     for (std::int32_t y = 0; y < rows; ++y) // pyramids that repeat every 8 samples
         for (std::int32_t x = 0; x < columns; ++x)
             dem.heights_m.push_back(static_cast<float>(step_m * std::min({x & 7, 8 - (x & 7), y & 7, 8 - (y & 7)})));
@@ -34,7 +34,7 @@ Place place_of(const View& view, double x_px, double y_px) {
     const Vec3 ray = view.forward * view.lambda_px + right * (x_px + 0.5 - width_px / 2.0) +
                      view.up * (height_px / 2.0 - y_px - 0.5);
     const double t = -view.eye_m.y / ray.y;
-    return {(view.eye_m.x + t * ray.x) / spacing_m, (view.eye_m.z + t * ray.z) / spacing_m};
+    return {(view.eye_m.x + t * ray.x) / border_spacing_m, (view.eye_m.z + t * ray.z) / border_spacing_m};
 }
 
 // Pixels from a place to the nearest of the lines k * apart, and to one at `end`; and between two such lines.
@@ -158,8 +158,8 @@ TEST_CASE("borders far from the origin are bit for bit those near it", "[picture
     Scene scene(ground(8193, 129, 20), 7);
     const OwnMesh mesh = full_resolution(scene.loaded.terrain);
     const auto picture = [&](double column, bool borders) {
-        const View view = make_view({column * spacing_m, 1500, 64 * spacing_m}, {0.6, -0.8, 0}, {0.8, 0.6, 0}, pi / 8,
-                                    width_px, height_px, 1, 1e5);
+        const View view = make_view({column * border_spacing_m, 1500, 64 * border_spacing_m}, {0.6, -0.8, 0},
+                                    {0.8, 0.6, 0}, pi / 8, width_px, height_px, 1, 1e5);
         return scene.draw(mesh.view(), view, {.tile_borders = borders, .page_borders = borders, .haze_m = -1}).colour;
     };
     const gl::Image near_by = picture(100.125, true), far_away = picture(100.125 + 128 * 60, true);

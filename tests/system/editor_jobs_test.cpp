@@ -21,9 +21,9 @@ using test::Run;
 using test::slurp;
 using test::spit;
 
-class Place {
+class EditorFiles {
 public:
-    Place() {
+    EditorFiles() {
         spit(folder / "hills.json",
              R"({"columns": 513, "rows": 513, "spacing_m": 60, "seed": 7, "relief_m": 2500, "feature_m": 6000})");
         spit(folder / "small.toml", "[view]\nwidth_px = 640\nheight_px = 360\n");
@@ -55,7 +55,7 @@ public:
 private:
     [[nodiscard]] static const std::string& baked_hills() {
         static const std::string bytes = [] {
-            const Place place;
+            const EditorFiles place;
             CHECK(place.after({"bake hills.json hills.fjell tile=128", "wait"})["scene"]["path"] == "hills.fjell");
             REQUIRE(place.last_code == 0);
             return slurp(place.folder / "hills.fjell");
@@ -72,7 +72,7 @@ std::string last_message(const json& state) {
 } // namespace
 
 TEST_CASE("a bake by command writes the pack and opens it") {
-    const Place place;
+    const EditorFiles place;
     const json state = place.after({"bake hills.json hills.fjell tile=128", "wait"});
     CHECK(place.last_code == 0);
     CHECK(state["scene"]["path"] == "hills.fjell");
@@ -83,7 +83,7 @@ TEST_CASE("a bake by command writes the pack and opens it") {
 }
 
 TEST_CASE("a bake that cannot be, or is cancelled, is a message and leaves nothing") {
-    const Place place;
+    const EditorFiles place;
     CHECK_THAT(last_message(place.after({"bake none.tif x.fjell", "wait"})), Catch::Contains("none.tif"));
     CHECK_THAT(last_message(place.after({"bake hills.json x.fjell tile=100", "wait"})), Catch::Contains("100"));
     const json state = place.after({"bake hills.json x.fjell", "cancel", "wait"});
@@ -93,7 +93,7 @@ TEST_CASE("a bake that cannot be, or is cancelled, is a message and leaves nothi
 }
 
 TEST_CASE("freezing before anything was drawn freezes what is seen then") {
-    const Place place;
+    const EditorFiles place;
     place.bake();
     const json s = place.after({"freeze on", "frames 2"}, "hills.fjell");
     CHECK(s["camera"]["refining_eye_m"] == s["camera"]["view_eye_m"]);
@@ -105,7 +105,7 @@ TEST_CASE("freezing before anything was drawn freezes what is seen then") {
 }
 
 TEST_CASE("a tuning by command sets the threshold only when it shall, as one undo step, and writes its curve") {
-    const Place place;
+    const EditorFiles place;
     place.bake();
     const std::string words = "tune frames=20 budget_us=1000000 least_px=2 csv=curve.csv";
     for (const bool apply : {false, true}) {
@@ -123,7 +123,7 @@ TEST_CASE("a tuning by command sets the threshold only when it shall, as one und
 }
 
 TEST_CASE("a tuning of whole frames draws them in a context of its own") {
-    const Place place;
+    const EditorFiles place;
     place.bake();
     const auto p50_us = [&](const std::string& measure) {
         const json state = place.after({"tune frames=10 budget_us=1000000 least_px=8 measure=" + measure, "wait"},
@@ -136,7 +136,7 @@ TEST_CASE("a tuning of whole frames draws them in a context of its own") {
 }
 
 TEST_CASE("a benchmark and an export by command write their files, and a preview says how large one will be") {
-    const Place place;
+    const EditorFiles place;
     place.bake();
     const json flown = place.after({"benchmark b.csv 25", "wait"}, "hills.fjell");
     CHECK_THAT(last_message(flown), Catch::Contains("b.csv: 25 frames"));
@@ -153,7 +153,7 @@ TEST_CASE("a benchmark and an export by command write their files, and a preview
 }
 
 TEST_CASE("a disk that takes no more bytes is a message, and nothing half-written stays") {
-    const Place place;
+    const EditorFiles place;
     place.bake();
     // A limit on file sizes stands for a full disk: writing fails in the same place.
     for (const std::string command : {"export m.glb 1", "benchmark b.csv 2000"}) {
@@ -168,7 +168,7 @@ TEST_CASE("a disk that takes no more bytes is a message, and nothing half-writte
 }
 
 TEST_CASE("quitting in the middle of a job cancels it and leaves nothing") {
-    const Place place;
+    const EditorFiles place;
     place.bake();
     const auto before = place.files();
     const Run r = test::run_in(place.folder, "ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR
@@ -179,7 +179,7 @@ TEST_CASE("quitting in the middle of a job cancels it and leaves nothing") {
 }
 
 TEST_CASE("jobs without a terrain, beside another job or out of range are refused in a line") {
-    const Place place;
+    const EditorFiles place;
     for (const std::string command : {"tune", "benchmark b.csv", "export m.glb", "preview"}) {
         CHECK_THAT(last_message(place.after({command})), Catch::Contains("open a terrain first"));
         CHECK(place.last_code == 2);

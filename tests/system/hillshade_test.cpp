@@ -18,7 +18,7 @@ using nlohmann::json;
 
 namespace {
 
-const std::string bake = FJELL_BIN_DIR "/fjell-bake ";
+const std::string baker_program = FJELL_BIN_DIR "/fjell-bake ";
 
 void must(const TemporaryFolder& folder, const std::string& command) {
     const Run r = run_in(folder.path, command);
@@ -48,8 +48,8 @@ struct Case {
 
 // A height field and its pack as Float32 metres in a.tif and b.tif.
 void make_both(const TemporaryFolder& folder, const Case& c, const std::string& dem) {
-    must(folder, bake + dem + " " + c.read + " --quiet -o out.fjell");
-    must(folder, bake + "heights out.fjell -o back.tif");
+    must(folder, baker_program + dem + " " + c.read + " --quiet -o out.fjell");
+    must(folder, baker_program + "heights out.fjell -o back.tif");
     must(folder, "gdal_translate -q " + c.place + " back.tif b.tif");
     must(folder, "gdal_translate -q -ot Float32 " + c.place + " " + c.translate + " " + dem + " a.tif");
 }
@@ -102,7 +102,7 @@ TEST_CASE("GDAL's hillshade of a height field and of its pack read back agree") 
         const TemporaryFolder folder;
         make_both(folder, c, dem);
         const double apart_m = apart(folder, c.nothing);
-        const json info = json::parse(run_in(folder.path, bake + "info out.fjell --json").out);
+        const json info = json::parse(run_in(folder.path, baker_program + "info out.fjell --json").out);
         // Half a step, and two roundings of floats of this size.
         const double largest =
             std::max(std::abs(info["height_m"][0].get<double>()), std::abs(info["height_m"][1].get<double>()));

@@ -12,7 +12,7 @@ using namespace pictures;
 
 namespace {
 
-baker::Dem mountains(int samples) {
+baker::Dem line_mountains(int samples) {
     const std::string n = std::to_string(samples);
     return baker::synthesise_text(
         R"({"columns": )" + n + R"(, "rows": )" + n +
@@ -45,7 +45,7 @@ struct Drawer {
     }
 };
 
-double uniform(std::mt19937& random, double least, double most) {
+double between(std::mt19937& random, double least, double most) {
     return std::uniform_real_distribution<double>(least, most)(random);
 }
 
@@ -101,20 +101,20 @@ void check(const Picture& plain, const gl::Image& drawn, const Seen& at, bool ot
 
 TEST_CASE("a line is drawn where it is nearer than the terrain and nowhere else, from behind the eye too",
           "[picture]") {
-    Scene scene(mountains(513), 7);
+    Scene scene(line_mountains(513), 7);
     Drawer drawer(scene);
     std::mt19937 random(5);
     Checked result;
     std::size_t from_behind = 0;
     for (int round = 0; round < 40; ++round) {
-        const View view = scene.camera(uniform(random, 0.2, 0.8), uniform(random, 0.2, 0.8), uniform(random, 50, 1500),
-                                       uniform(random, 0, 360), uniform(random, -30, 5));
+        const View view = scene.camera(between(random, 0.2, 0.8), between(random, 0.2, 0.8), between(random, 50, 1500),
+                                       between(random, 0, 360), between(random, -30, 5));
         const MeshView mesh = scene.refined(view, 4);
         const Picture plain = scene.draw(mesh, view);
         const auto some_point = [&] {
-            const double far_m = std::exp(uniform(random, 2, 10));
+            const double far_m = std::exp(between(random, 2, 10));
             return view.eye_m +
-                   Vec3{uniform(random, -1, 1), uniform(random, -0.7, 0.2), uniform(random, -1, 1)} * far_m;
+                   Vec3{between(random, -1, 1), between(random, -0.7, 0.2), between(random, -1, 1)} * far_m;
         };
         const gl::Line line{some_point(), some_point(), red};
         const gl::Image drawn = drawer.draw(mesh, view, {&line, 1}, {}, {.hidden = 0});
@@ -172,7 +172,7 @@ TEST_CASE("a line is drawn where it is nearer than the terrain and nowhere else,
 }
 
 TEST_CASE("what a mountain hides of a line is dimmed and dashed when asked for", "[picture]") {
-    Scene scene(mountains(513), 7);
+    Scene scene(line_mountains(513), 7);
     Drawer drawer(scene);
     const View view = scene.camera(0.5, 0.9, 150, 0, -10);
     const MeshView mesh = scene.refined(view, 4);
@@ -201,19 +201,19 @@ TEST_CASE("what a mountain hides of a line is dimmed and dashed when asked for",
 }
 
 TEST_CASE("a ball is three great circles where they are expected", "[picture]") {
-    Scene scene(mountains(513), 7);
+    Scene scene(line_mountains(513), 7);
     Drawer drawer(scene);
     std::mt19937 random(6);
     Checked result;
     for (int round = 0; round < 20; ++round) {
-        const View view = scene.camera(uniform(random, 0.3, 0.7), uniform(random, 0.3, 0.7), uniform(random, 300, 1500),
-                                       uniform(random, 0, 360), uniform(random, -30, -5));
+        const View view = scene.camera(between(random, 0.3, 0.7), between(random, 0.3, 0.7), between(random, 300, 1500),
+                                       between(random, 0, 360), between(random, -30, -5));
         const MeshView mesh = scene.refined(view, 4);
         const Picture plain = scene.draw(mesh, view);
         // Every third around the eye: its circles pass behind.
-        const double radius_m = uniform(random, 100, 1500);
+        const double radius_m = between(random, 100, 1500);
         const Vec3 centre = round % 3 == 0 ? view.eye_m + view.forward * (radius_m / 2)
-                                           : view.eye_m + view.forward * uniform(random, 1.5, 6) * radius_m;
+                                           : view.eye_m + view.forward * between(random, 1.5, 6) * radius_m;
         const gl::Ball ball{centre, radius_m, red};
         const gl::Image drawn = drawer.draw(mesh, view, {}, {&ball, 1}, {.hidden = 0});
         const Vec3 unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -280,10 +280,10 @@ TEST_CASE("10,000 km from the origin lines and balls are bit for bit those near 
 TEST_CASE("the edges of a view lie on its frustum's planes", "[picture]") {
     std::mt19937 random(8);
     for (int round = 0; round < 50; ++round) {
-        const Vec3 forward{uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)};
-        const auto side = [&] { return static_cast<std::uint32_t>(uniform(random, 1, 2000)); };
-        const View view = make_view({uniform(random, -1e6, 1e6), 500, uniform(random, -1e6, 1e6)}, forward,
-                                    {0.1, 1, 0.3}, uniform(random, 0.2, 2), side(), side(), 2, 5000);
+        const Vec3 forward{between(random, -1, 1), between(random, -1, 1), between(random, -1, 1)};
+        const auto side = [&] { return static_cast<std::uint32_t>(between(random, 1, 2000)); };
+        const View view = make_view({between(random, -1e6, 1e6), 500, between(random, -1e6, 1e6)}, forward,
+                                    {0.1, 1, 0.3}, between(random, 0.2, 2), side(), side(), 2, 5000);
         gl::Line edges[12];
         gl::frustum_lines(view, view.far_m, red, edges);
         const Frustum frustum = make_frustum(view);
@@ -305,7 +305,7 @@ TEST_CASE("the edges of a view lie on its frustum's planes", "[picture]") {
 }
 
 TEST_CASE("more lines or balls than there is room for are refused with the number to raise", "[picture]") {
-    Scene scene(mountains(129), 5);
+    Scene scene(line_mountains(129), 5);
     Drawer drawer(scene, {.lines = 12, .balls = 1});
     View view = scene.camera(0.5, 0.9, 150, 0, -10);
     const MeshView mesh = scene.refined(view, 4);

@@ -12,12 +12,12 @@ using namespace pictures;
 
 namespace {
 
-baker::Dem ground(int samples, const char* relief) {
+baker::Dem relief_ground(int samples, const char* relief) {
     const std::string n = std::to_string(samples);
     return baker::synthesise_text(R"({"columns": )" + n + R"(, "rows": )" + n +
                                   R"(, "spacing_m": 30, "seed": 7, "base_m": 0, )" + relief + "}");
 }
-constexpr const char* mountains = R"("relief_m": 2500, "feature_m": 12000)";
+constexpr const char* mountain_relief = R"("relief_m": 2500, "feature_m": 12000)";
 
 constexpr std::uint32_t tail_log2 = 3;
 
@@ -112,13 +112,13 @@ int largest_step(const gl::Image& a, const gl::Image& b) {
     return most;
 }
 
-double linear(double code) {
+double linear_of(double code) {
     const double c = std::clamp(code, 0.0, 255.0) / 255;
     return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
 }
 
 // Looks straight down on the middle of the terrain, so that `across_m` fill the picture's height.
-View from_above(const Scene& scene, double across_m) {
+View map_from_above(const Scene& scene, double across_m) {
     View view = scene.camera(0.5, 0.5, across_m / (2 * std::tan(pi / 8)), 0, -90);
     return view;
 }
@@ -127,11 +127,11 @@ View from_above(const Scene& scene, double across_m) {
 
 TEST_CASE("streamed maps that are all resident give the picture of the whole pack", "[picture]") {
     for (const std::uint32_t ring_bytes : {0u, 1u}) { // 1: the least, so that blocks come in several regions
-        Streamed streamed(ground(257, mountains), 6, ring_bytes);
+        Streamed streamed(relief_ground(257, mountain_relief), 6, ring_bytes);
         const OwnMesh mesh = full_resolution(streamed.scene.loaded.terrain);
         streamed.load_all();
         streamed.show();
-        for (const View& view : {streamed.scene.camera(0.5, 0.9, 150, 0, -5), from_above(streamed.scene, 6000)}) {
+        for (const View& view : {streamed.scene.camera(0.5, 0.9, 150, 0, -5), map_from_above(streamed.scene, 6000)}) {
             const Picture drawn = streamed.scene.draw(mesh.view(), view), whole = streamed.reference(mesh, view);
             CHECK((drawn.depth == whole.depth));
             // The same arrays, levels and layers' contents: the same arithmetic.
@@ -141,7 +141,7 @@ TEST_CASE("streamed maps that are all resident give the picture of the whole pac
 }
 
 TEST_CASE("a tile in a smaller array looks as its mips do in the pack's own size", "[picture]") {
-    Streamed streamed(ground(257, mountains), 6);
+    Streamed streamed(relief_ground(257, mountain_relief), 6);
     const OwnMesh mesh = full_resolution(streamed.scene.loaded.terrain);
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind)
         for (std::uint32_t tile = 0; tile < streamed.shown[kind].size(); ++tile) {
@@ -149,7 +149,7 @@ TEST_CASE("a tile in a smaller array looks as its mips do in the pack's own size
             streamed.refine(kind, tile, tail_log2 + (tile * 7 + kind) % (streamed.top(kind) - tail_log2 + 1));
         }
     streamed.show();
-    for (const View& view : {streamed.scene.camera(0.5, 0.9, 150, 0, -5), from_above(streamed.scene, 6000)}) {
+    for (const View& view : {streamed.scene.camera(0.5, 0.9, 150, 0, -5), map_from_above(streamed.scene, 6000)}) {
         const Picture drawn = streamed.scene.draw(mesh.view(), view), whole = streamed.reference(mesh, view);
         // uv times another power of two rounds alike, but a level counted from another mip 0 does not: a step of the
         // weight between two mips, 1/256 of their contrast, and another for rounding the result.
@@ -157,7 +157,7 @@ TEST_CASE("a tile in a smaller array looks as its mips do in the pack's own size
         CHECK(largest_step(drawn.colour, streamed.scene.draw(mesh.view(), view, {.mode = gl::Mode::mips}).colour) > 20);
     }
     // And a map with too coarse a `finest` is another picture, or the comparison was blind.
-    const View view = from_above(streamed.scene, 6000);
+    const View view = map_from_above(streamed.scene, 6000);
     const Picture before = streamed.scene.draw(mesh.view(), view);
     for (std::vector<TileMap>& kind : streamed.shown)
         for (TileMap& map : kind) map.min_lod += 1;
@@ -191,9 +191,9 @@ struct Steps {
 } // namespace
 
 TEST_CASE("neighbours of different mips meet without a seam", "[picture]") {
-    Streamed streamed(ground(129, R"("relief_m": 300, "feature_m": 60000)"), 6); // smooth, two by two tiles
+    Streamed streamed(relief_ground(129, R"("relief_m": 300, "feature_m": 60000)"), 6); // smooth, two by two tiles
     const OwnMesh mesh = full_resolution(streamed.scene.loaded.terrain);
-    const View view = from_above(streamed.scene, 2600);
+    const View view = map_from_above(streamed.scene, 2600);
     const auto draw = [&](const gl::DrawOptions& drawing) {
         const Picture picture = streamed.scene.draw(mesh.view(), view, drawing);
         REQUIRE(std::count(picture.depth.begin(), picture.depth.end(), 0.0f) == 0);
@@ -222,10 +222,10 @@ TEST_CASE("neighbours of different mips meet without a seam", "[picture]") {
 }
 
 TEST_CASE("a mip fades in without a jump", "[picture]") {
-    Streamed streamed(ground(257, mountains), 6);
+    Streamed streamed(relief_ground(257, mountain_relief), 6);
     const OwnMesh mesh = full_resolution(streamed.scene.loaded.terrain);
     streamed.load_all();
-    const View view = from_above(streamed.scene, 3500); // a texel of mip 1 covers 8 pixels: `finest` alone decides
+    const View view = map_from_above(streamed.scene, 3500); // a texel of mip 1 covers 8 pixels: `finest` alone decides
     constexpr int steps = 32;
     std::string error;
     streamed.scene.target = gl::Target::create({320, 240, 1}, error); // 66 pictures
@@ -247,8 +247,8 @@ TEST_CASE("a mip fades in without a jump", "[picture]") {
         const double share = 2 / std::log(2.0) / steps + 2.0 / 256;
         std::vector<double> light(256), half(256); // of a code, and of half a code there
         for (int code = 0; code < 256; ++code) {
-            light[static_cast<std::size_t>(code)] = linear(code);
-            half[static_cast<std::size_t>(code)] = (linear(code + 0.5) - linear(code - 0.5)) / 2;
+            light[static_cast<std::size_t>(code)] = linear_of(code);
+            half[static_cast<std::size_t>(code)] = (linear_of(code + 0.5) - linear_of(code - 0.5)) / 2;
         }
         gl::Image before = coarse;
         double worst = 0;
@@ -268,9 +268,9 @@ TEST_CASE("a mip fades in without a jump", "[picture]") {
 }
 
 TEST_CASE("a tile whose maps have not come is drawn as rock, and its neighbours as they are", "[picture]") {
-    Streamed streamed(ground(129, mountains), 6);
+    Streamed streamed(relief_ground(129, mountain_relief), 6);
     const OwnMesh mesh = full_resolution(streamed.scene.loaded.terrain);
-    const View view = from_above(streamed.scene, 3000);
+    const View view = map_from_above(streamed.scene, 3000);
     const Picture nothing = streamed.scene.draw(mesh.view(), view); // before any call
     streamed.load_all();
     streamed.show();
@@ -292,11 +292,11 @@ TEST_CASE("a tile whose maps have not come is drawn as rock, and its neighbours 
 }
 
 TEST_CASE("the modes of tiles, mips and residency show what their legends say", "[picture]") {
-    Streamed streamed(ground(257, mountains), 7);
+    Streamed streamed(relief_ground(257, mountain_relief), 7);
     Scene& scene = streamed.scene;
     Terrain& terrain = scene.loaded.terrain;
     const OwnMesh mesh = full_resolution(terrain);
-    const View view = from_above(scene, 7000);
+    const View view = map_from_above(scene, 7000);
     const auto colour_at = [&](const Picture& picture, double column, double row) {
         const Vec3 p{column * 30 - view.eye_m.x, 0, row * 30 - view.eye_m.z};
         // The ground's height under the pixel moves it: take the pixel of this place at its own height.
@@ -330,7 +330,7 @@ TEST_CASE("the modes of tiles, mips and residency show what their legends say", 
     for (int mip = mips - 1; mip >= 2; --mip) {
         for (TileMap& map : streamed.shown[0]) map.min_lod = static_cast<float>(mip);
         streamed.show();
-        const Picture picture = scene.draw(mesh.view(), from_above(scene, 7000), drawing);
+        const Picture picture = scene.draw(mesh.view(), map_from_above(scene, 7000), drawing);
         CHECK(close(colour_at(picture, 40, 200), gl::mip_rgb(mip, mips)));
     }
 
@@ -380,7 +380,7 @@ TEST_CASE("the resident step over a place is the finest down to which all pages 
 }
 
 TEST_CASE("streamed maps that do not fit are refused with the number to change", "[picture]") {
-    Streamed streamed(ground(129, mountains), 6);
+    Streamed streamed(relief_ground(129, mountain_relief), 6);
     Scene& scene = streamed.scene;
     std::string error;
     const auto refused = [&](const MapLayers& colour) {

@@ -15,14 +15,14 @@ using nlohmann::json;
 
 namespace {
 
-const std::string bake = FJELL_BIN_DIR "/fjell-bake ", fly = FJELL_BIN_DIR "/fjell-fly ";
+const std::string bake_real = FJELL_BIN_DIR "/fjell-bake ", fly = FJELL_BIN_DIR "/fjell-fly ";
 
 json bake_and_verify(const TemporaryFolder& folder, const std::string& dem, const std::string& read,
                      const std::string& more = "") {
-    const Run baked = run_in(folder.path, bake + dem + read + more + " -o out.fjell --json bake.json");
+    const Run baked = run_in(folder.path, bake_real + dem + read + more + " -o out.fjell --json bake.json");
     CAPTURE(dem, baked.err);
     REQUIRE(baked.code == 0);
-    const Run verified = run_in(folder.path, bake + "verify out.fjell --against " + dem + read);
+    const Run verified = run_in(folder.path, bake_real + "verify out.fjell --against " + dem + read);
     CAPTURE(verified.out, verified.err);
     REQUIRE(verified.code == 0);
     REQUIRE(verified.out.find(": 0 off by more than half a quantum") != std::string::npos);
@@ -112,7 +112,7 @@ TEST_CASE("every real image bakes onto its height field, in its own detail, is v
         CHECK(summary["columns"] == c.columns);
         CHECK(summary["rows"] == c.rows);
         CHECK((summary["holes"] > 0) == c.holes);
-        const json info = json::parse(run_in(folder.path, bake + "info out.fjell --json").out);
+        const json info = json::parse(run_in(folder.path, bake_real + "info out.fjell --json").out);
         CHECK(info["colour_texels"] == c.texels);
         fly_over(folder);
     }
@@ -126,7 +126,7 @@ TEST_CASE("Spain and a tile inside of it, in degrees, make one field in metres t
     const json whole = bake_and_verify(folder, spain, "");
     CHECK(whole["columns"] == 3268);
     CHECK(whole["rows"] == 2704);
-    const json info = json::parse(run_in(folder.path, bake + "info out.fjell --json").out);
+    const json info = json::parse(run_in(folder.path, bake_real + "info out.fjell --json").out);
     CHECK(info["epsg"] == 32630);
     CHECK(info["crs_name"] == "WGS 84 / UTM zone 30N");
     CHECK(info["spacing_m"][0] == info["spacing_m"][1]);

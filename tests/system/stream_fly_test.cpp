@@ -23,9 +23,9 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 // A terrain of 4 x 4 tiles of 128 cells, 96 pages, with maps; and profiles with too few and too many slots.
-class Place {
+class StreamedPlace {
 public:
-    Place() {
+    StreamedPlace() {
         spit(folder.path / "recipe.json",
              R"({"columns": 513, "rows": 513, "spacing_m": 60, "seed": 7, "relief_m": 2500, "feature_m": 6000})");
         REQUIRE(run(FJELL_BIN_DIR "/fjell-bake synth recipe.json -o dem.tif").code == 0);
@@ -47,20 +47,20 @@ public:
     TemporaryFolder folder;
 };
 
-const Place& place() {
-    static const Place one;
+const StreamedPlace& streamed_place() {
+    static const StreamedPlace one;
     return one;
 }
 
-void refuses(const std::string& arguments, int code, const std::string& part) {
-    const auto before = place().folder.names();
-    const Run r = place().fly(arguments);
+void refuses_streamed(const std::string& arguments, int code, const std::string& part) {
+    const auto before = streamed_place().folder.names();
+    const Run r = streamed_place().fly(arguments);
     INFO(arguments << "\n" << r.err);
     CHECK(r.code == code);
     CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
     CHECK(r.err.starts_with("fjell-fly: "));
     CHECK(r.err.find(part) != std::string::npos);
-    CHECK(place().folder.names() == before);
+    CHECK(streamed_place().folder.names() == before);
 }
 
 // Rows of a CSV, of these columns.
@@ -108,15 +108,15 @@ float least_up(const std::string& glb) {
 
 gl::Image picture(const char* folder, const char* name) {
     gl::Image image;
-    REQUIRE(gl::read_png((place().folder.path / folder / name).string(), image) == "");
+    REQUIRE(gl::read_png((streamed_place().folder.path / folder / name).string(), image) == "");
     return image;
 }
 
 // A byte in the middle of a stored page or map changed.
 void damage(const std::string& from, const std::string& to, std::size_t at) {
-    std::string bytes = slurp(place().folder.path / from);
+    std::string bytes = slurp(streamed_place().folder.path / from);
     bytes[at] = static_cast<char>(bytes[at] ^ 8);
-    spit(place().folder.path / to, bytes);
+    spit(streamed_place().folder.path / to, bytes);
 }
 
 } // namespace
@@ -124,7 +124,8 @@ void damage(const std::string& from, const std::string& to, std::size_t at) {
 TEST_CASE("a streamed flight that waits draws what a flight over the whole pack draws, frame by frame") {
     for (const char* flags : {"", "--corner-safe --seed 3", "--method recursive"}) {
         const std::string flight = std::string("t.fjell --headless --frames 20 --error-px 2 --csv - ") + flags;
-        const Run whole = place().fly(flight + " --stream off"), streamed = place().fly(flight + " --stream on --wait");
+        const Run whole = streamed_place().fly(flight + " --stream off"),
+                  streamed = streamed_place().fly(flight + " --stream on --wait");
         INFO(flags << "\n" << streamed.err);
         REQUIRE(whole.code == 0);
         REQUIRE(streamed.code == 0);
@@ -136,7 +137,7 @@ TEST_CASE("a streamed flight that waits draws what a flight over the whole pack 
 }
 
 TEST_CASE("the JSON of a streamed flight says what came, how long it took and where memory went") {
-    const json j = place().flight("t.fjell --frames 30 --stream on --wait --verify 10");
+    const json j = streamed_place().flight("t.fjell --frames 30 --stream on --wait --verify 10");
     CHECK(j["streamed"] == true);
     CHECK(j["converged_frames"] == 30);
     CHECK(j["verified_ok"] == true);
@@ -162,21 +163,21 @@ TEST_CASE("the JSON of a streamed flight says what came, how long it took and wh
     for (const char* pool : {"terrain", "method", "stream", "maps_on_gpu"}) CHECK(s["memory_bytes"][pool] > 0);
     CHECK(s["memory_bytes"]["terrain"] == j["pack"]["terrain_bytes"]);
     for (const char* time : {"p50", "p99", "p9999", "max", "mean"}) CHECK(s["update_us"][time] > 0);
-    const json whole = place().flight("t.fjell --frames 3 --stream off");
+    const json whole = streamed_place().flight("t.fjell --frames 3 --stream off");
     CHECK(whole["streamed"] == false);
     CHECK(whole["stream"].is_null());
     CHECK(whole["pages_requested"] == 0);
 }
 
 TEST_CASE("auto streams exactly when the pack has more pages than there are slots") {
-    CHECK(place().flight("t.fjell --frames 2 --profile few.toml")["streamed"] == true);
-    CHECK(place().flight("t.fjell --frames 2 --profile all.toml")["streamed"] == false);
-    CHECK(place().flight("t.fjell --frames 2 --profile all.toml --stream on")["streamed"] == true);
-    CHECK(place().flight("t.fjell --frames 2 --profile few.toml --stream off")["streamed"] == false);
+    CHECK(streamed_place().flight("t.fjell --frames 2 --profile few.toml")["streamed"] == true);
+    CHECK(streamed_place().flight("t.fjell --frames 2 --profile all.toml")["streamed"] == false);
+    CHECK(streamed_place().flight("t.fjell --frames 2 --profile all.toml --stream on")["streamed"] == true);
+    CHECK(streamed_place().flight("t.fjell --frames 2 --profile few.toml --stream off")["streamed"] == false);
 }
 
 TEST_CASE("with too few slots a streamed flight names them, goes on, and keeps what it promises") {
-    const json j = place().flight("t.fjell --frames 30 --profile few.toml --wait --verify 10");
+    const json j = streamed_place().flight("t.fjell --frames 30 --profile few.toml --wait --verify 10");
     const auto names = j["exhausted"].get<std::vector<std::string>>();
     CHECK(std::find(names.begin(), names.end(), "page_slots") != names.end());
     CHECK(j["stream"]["page_slots"]["peak"] == 30);
@@ -191,31 +192,32 @@ TEST_CASE("a streamed flight is recorded with its pages and repeated bit for bit
                               "--stream on --read-mb-s 3 --read-latency-ms 1 --budget-us 60 --morph time",
                               "--profile few.toml --realtime --hz 400 --morph error --hysteresis 0.2"}) {
         const Run flown =
-            place().fly(std::string("t.fjell --headless --frames 60 --error-px 1 --record r.json ") + flags);
+            streamed_place().fly(std::string("t.fjell --headless --frames 60 --error-px 1 --record r.json ") + flags);
         INFO(flags << "\n" << flown.err);
         REQUIRE(flown.code == 0);
-        const Run again = place().fly("t.fjell --headless --replay r.json --verify 20");
+        const Run again = streamed_place().fly("t.fjell --headless --replay r.json --verify 20");
         INFO(again.err);
         CHECK(again.code == 0);
     }
     // Without one of its pages it is not the same flight.
-    std::string text = slurp(place().folder.path / "r.json");
+    std::string text = slurp(streamed_place().folder.path / "r.json");
     const std::size_t at = text.find("\"pages\":[[") + 9;
     text.erase(at, text.find(']', at) + 2 - at);
-    spit(place().folder.path / "r.json", text);
-    refuses("t.fjell --headless --replay r.json", 1, "frame ");
-    refuses("t.fjell --headless --replay r.json --stream on", 2, "leave out --stream");
-    fs::remove(place().folder.path / "r.json");
+    spit(streamed_place().folder.path / "r.json", text);
+    refuses_streamed("t.fjell --headless --replay r.json", 1, "frame ");
+    refuses_streamed("t.fjell --headless --replay r.json --stream on", 2, "leave out --stream");
+    fs::remove(streamed_place().folder.path / "r.json");
 }
 
 TEST_CASE("a damaged page is one line on stderr, coarser ground, and exit code 1 when the flight is over") {
     // The finest pages lie last of the pages; the last colour or normal chunk lies before the directory.
 
-    const std::size_t bytes = fs::file_size(place().folder.path / "t.fjell");
+    const std::size_t bytes = fs::file_size(streamed_place().folder.path / "t.fjell");
     std::size_t reported = 0;
     for (const std::size_t at : {bytes / 8, bytes / 4, bytes / 3, bytes / 2}) {
         damage("t.fjell", "bad.fjell", at);
-        const Run r = place().fly("bad.fjell --headless --frames 20 --error-px 0.5 --stream on --wait --json -");
+        const Run r =
+            streamed_place().fly("bad.fjell --headless --frames 20 --error-px 0.5 --stream on --wait --json -");
         INFO(at << "\n" << r.err);
         REQUIRE((r.code == 0 || r.code == 1)); // 0: it was never wanted
         const json j = json::parse(r.out);
@@ -230,19 +232,20 @@ TEST_CASE("a damaged page is one line on stderr, coarser ground, and exit code 1
         CHECK(r.err.find("1 damaged and 0 unreadable chunks") != std::string::npos);
     }
     CHECK(reported >= 2);
-    fs::remove(place().folder.path / "bad.fjell");
+    fs::remove(streamed_place().folder.path / "bad.fjell");
 }
 
 TEST_CASE("a disk that fails costs what it did not give, and exit code 3, and signals and short reads cost nothing") {
     const std::string preload = "LD_PRELOAD=" FJELL_FAULTS " FJELL_FAULT=";
     const std::string flight = "t.fjell --frames 20 --stream on --wait";
-    const json healthy = place().flight(flight);
+    const json healthy = streamed_place().flight(flight);
     for (const char* fault : {"'pread t.fjell EINTR %2' ", "'pread t.fjell short %2' "}) {
-        const json j = place().flight(flight, preload + fault);
+        const json j = streamed_place().flight(flight, preload + fault);
         CHECK(j["pages_loaded"] == healthy["pages_loaded"]);
         CHECK(j["converged_frames"] == 20);
     }
-    const Run r = place().fly(flight + " --headless --error-px 2 --json -", preload + "'pread t.fjell EIO %40' ");
+    const Run r =
+        streamed_place().fly(flight + " --headless --error-px 2 --json -", preload + "'pread t.fjell EIO %40' ");
     INFO(r.err);
     CHECK(r.code == 3);
     CHECK(r.err.find(": Input/output error\n") != std::string::npos);
@@ -252,44 +255,47 @@ TEST_CASE("a disk that fails costs what it did not give, and exit code 3, and si
     CHECK(j["stream"]["reader"]["errors"] == j["stream"]["failed"]);
     CHECK(std::count(r.err.begin(), r.err.end(), '\n') == j["stream"]["failed"].get<std::ptrdiff_t>() + 1);
     // Not even the header: nothing to fly over.
-    const Run none = place().fly(flight + " --headless", preload + "'pread t.fjell EIO 1' ");
+    const Run none = streamed_place().fly(flight + " --headless", preload + "'pread t.fjell EIO 1' ");
     INFO(none.err);
     CHECK(none.code == 3);
     CHECK(std::count(none.err.begin(), none.err.end(), '\n') == 1);
 }
 
 TEST_CASE("a streamed flight exports what is there") {
-    const Run r = place().fly("t.fjell --headless --frames 2 --error-px 4 --stream on --wait --export 1:s.glb");
+    const Run r =
+        streamed_place().fly("t.fjell --headless --frames 2 --error-px 4 --stream on --wait --export 1:s.glb");
     INFO(r.err);
     REQUIRE(r.code == 0);
-    REQUIRE(place().fly("t.fjell --headless --frames 2 --error-px 4 --stream off --export 1:w.glb").code == 0);
+    REQUIRE(streamed_place().fly("t.fjell --headless --frames 2 --error-px 4 --stream off --export 1:w.glb").code == 0);
     const auto scene = [&](const char* name) {
-        return json_of(slurp(place().folder.path / name))["scenes"][0]["extras"]["fjell"];
+        return json_of(slurp(streamed_place().folder.path / name))["scenes"][0]["extras"]["fjell"];
     };
     CHECK(scene("s.glb")["converged"] == true);
     CHECK(scene("s.glb")["triangles"] == scene("w.glb")["triangles"]);
     CHECK(scene("s.glb") == scene("w.glb"));
-    for (const char* name : {"s.glb", "w.glb"}) fs::remove(place().folder.path / name);
+    for (const char* name : {"s.glb", "w.glb"}) fs::remove(streamed_place().folder.path / name);
     // Nothing has come after one frame from a slow disk, and the export says so.
-    const Run early = place().fly("t.fjell --headless --frames 1 --stream on --read-latency-ms 10000 --export 0:e.glb");
+    const Run early =
+        streamed_place().fly("t.fjell --headless --frames 1 --stream on --read-latency-ms 10000 --export 0:e.glb");
     INFO(early.err);
     REQUIRE(early.code == 0);
     CHECK(scene("e.glb")["converged"] == false);
     CHECK(scene("e.glb")["triangles"] >= 32); // two a tile
     // Normals are those of the ground that is there: its relief is a third of a tile's width, so none lies flat.
-    CHECK(least_up(slurp(place().folder.path / "e.glb")) > 0.5f);
-    fs::remove(place().folder.path / "e.glb");
+    CHECK(least_up(slurp(streamed_place().folder.path / "e.glb")) > 0.5f);
+    fs::remove(streamed_place().folder.path / "e.glb");
 }
 
 TEST_CASE("pictures of a streamed flight that waits are those of the whole pack") {
     // Finer texels than any pixel asks for, so that no mip is left out that the sampler would take.
-    spit(place().folder.path / "fine.toml", "[stream]\ntexel_px = 0.1\n");
+    spit(streamed_place().folder.path / "fine.toml", "[stream]\ntexel_px = 0.1\n");
     for (const char* flags : {"", "--method recursive"}) {
         const auto pictures = [&](const char* folder, const char* how) {
-            fs::create_directory(place().folder.path / folder);
-            const Run r = place().fly(std::string("t.fjell --headless --frames 4 --size 320x240 --render-every 3 ") +
-                                          flags + " --render " + folder + " " + how,
-                                      "ASAN_OPTIONS=detect_leaks=0 ");
+            fs::create_directory(streamed_place().folder.path / folder);
+            const Run r =
+                streamed_place().fly(std::string("t.fjell --headless --frames 4 --size 320x240 --render-every 3 ") +
+                                         flags + " --render " + folder + " " + how,
+                                     "ASAN_OPTIONS=detect_leaks=0 ");
             INFO(r.err);
             REQUIRE(r.code == 0);
         };
@@ -308,26 +314,28 @@ TEST_CASE("pictures of a streamed flight that waits are those of the whole pack"
             const auto [darkest, brightest] = std::minmax_element(whole.rgb.begin(), whole.rgb.end());
             CHECK(*brightest - *darkest > 100); // there is something to see
         }
-        for (const char* folder : {"whole", "streamed"}) fs::remove_all(place().folder.path / folder);
+        for (const char* folder : {"whole", "streamed"}) fs::remove_all(streamed_place().folder.path / folder);
     }
-    fs::remove(place().folder.path / "fine.toml");
+    fs::remove(streamed_place().folder.path / "fine.toml");
 }
 
 TEST_CASE("what does not go with streaming is refused in one line") {
-    refuses("t.fjell --stream maybe --headless", 2, "--stream");
-    refuses("t.fjell --wait", 2, "--wait needs --headless");
-    refuses("t.fjell --realtime", 2, "--realtime needs --headless");
-    refuses("t.fjell --headless --wait --realtime", 2, "exclude each other");
-    refuses("t.fjell --headless --stream on --read-mb-s -1", 2, "--read-mb-s");
-    refuses("t.fjell --headless --frames 1 --stream off --cold", 2, "leave them out");
-    refuses("t.fjell --headless --frames 1 --stream off --read-mb-s 1", 2, "leave them out");
-    refuses("gone.fjell --headless --stream on", 1, "gone.fjell");
-    spit(place().folder.path / "least.toml", "[stream]\npage_slots = 15\n");
-    refuses("t.fjell --headless --frames 1 --profile least.toml", 1, "page_slots (one a tile)");
-    fs::remove(place().folder.path / "least.toml");
-    REQUIRE(place().run(FJELL_BIN_DIR "/fjell-bake dem.tif -o linear.fjell --tile 128 --order linear --quiet").code ==
-            0);
-    refuses("linear.fjell --headless --method recursive --frames 1 --stream on", 1, "linear order");
-    CHECK(place().flight("linear.fjell --method recursive --frames 1 --profile few.toml")["streamed"] == false);
-    fs::remove(place().folder.path / "linear.fjell");
+    refuses_streamed("t.fjell --stream maybe --headless", 2, "--stream");
+    refuses_streamed("t.fjell --wait", 2, "--wait needs --headless");
+    refuses_streamed("t.fjell --realtime", 2, "--realtime needs --headless");
+    refuses_streamed("t.fjell --headless --wait --realtime", 2, "exclude each other");
+    refuses_streamed("t.fjell --headless --stream on --read-mb-s -1", 2, "--read-mb-s");
+    refuses_streamed("t.fjell --headless --frames 1 --stream off --cold", 2, "leave them out");
+    refuses_streamed("t.fjell --headless --frames 1 --stream off --read-mb-s 1", 2, "leave them out");
+    refuses_streamed("gone.fjell --headless --stream on", 1, "gone.fjell");
+    spit(streamed_place().folder.path / "least.toml", "[stream]\npage_slots = 15\n");
+    refuses_streamed("t.fjell --headless --frames 1 --profile least.toml", 1, "page_slots (one a tile)");
+    fs::remove(streamed_place().folder.path / "least.toml");
+    REQUIRE(streamed_place()
+                .run(FJELL_BIN_DIR "/fjell-bake dem.tif -o linear.fjell --tile 128 --order linear --quiet")
+                .code == 0);
+    refuses_streamed("linear.fjell --headless --method recursive --frames 1 --stream on", 1, "linear order");
+    CHECK(streamed_place().flight("linear.fjell --method recursive --frames 1 --profile few.toml")["streamed"] ==
+          false);
+    fs::remove(streamed_place().folder.path / "linear.fjell");
 }
