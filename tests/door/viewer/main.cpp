@@ -26,9 +26,9 @@ int draw(const fjell::io::LoadedPack& loaded, const fjell::View& view) {
         loaded.terrain, loaded.pack, {.ranges = budget.triangles / budget.segment_triangles, .morph = true}, error);
     if (!renderer) return fail(error);
     const std::size_t bytes = fjell::cut_bytes(loaded.terrain, budget);
-    const fjell::io::AlignedMemory block = fjell::io::make_block(bytes);
+    const fjell::io::AlignedMemory memory = fjell::io::allocate(bytes);
     fjell::LiveCut cut;
-    if (!fjell::create_cut(loaded.terrain, budget, {block.get(), bytes}, cut).ok()) return fail("no cut");
+    if (!fjell::create_cut(loaded.terrain, budget, {memory.get(), bytes}, cut).ok()) return fail("no cut");
     fjell::CutReport report;
     if (!fjell::update_cut(cut, {&view, 1}, {}, report).ok()) return fail("no mesh");
     error = renderer->draw(fjell::cut_mesh(cut), view, {}, *target);
