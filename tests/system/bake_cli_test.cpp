@@ -12,6 +12,7 @@
 
 #include "support/program.h"
 #include "support/real_data.h"
+#include "support/rounds.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell::test;
@@ -225,7 +226,8 @@ TEST_CASE(
     const TemporaryFolder folder;
     spit(folder / "plain.json",
          R"({"columns": 2600, "rows": 2300, "spacing_m": 15, "gullies": 0, "octaves": 1, "warp": 0})");
-    for (const std::string tile : {"256", "1024"}) {
+    for (const std::string tile : {"1024", "256"}) {
+        if (tile == "256" && !full_rounds()) continue;
         REQUIRE(run_in(folder.path, bake + "plain.json --quiet -o a.fjell --memory 2000 --tile " + tile).code == 0);
         const Run little = run_in(folder.path, bake +
                                                    "plain.json --quiet -o b.fjell --memory 192 --threads 12 "

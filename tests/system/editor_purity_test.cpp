@@ -47,7 +47,7 @@ std::vector<long> worst_of(const std::vector<std::string>& sights, const std::ve
     options.commands = first;
     // Until all graphs have their full length: they grow, and ImGui's buffers with them. In a small window, because
     // software draws it.
-    options.commands.push_back("resize 320 200");
+    options.commands.push_back("resize 640 320");
     options.commands.push_back("frames " + std::to_string(editor::measured_frames));
     options.commands.push_back("resize 640 400");
     options.commands.push_back("frames 16");
