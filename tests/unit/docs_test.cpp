@@ -122,7 +122,8 @@ bool exists(const std::string& path, const Page& page) {
     const std::size_t star = path.find('*');
     const std::string fixed = star == std::string::npos ? path : path.substr(0, path.rfind('/', star));
     for (const fs::path& from : {root, (root / page.name).parent_path(), root / "runtime", root / "runtime/include",
-                                 root / "runtime/src", root / "build"})
+                                 root / "runtime/io/include", root / "runtime/gl/include",
+                                 root / "runtime/gltf/include", root / "runtime/src", root / "build"})
         if (fs::exists(from / fixed)) return true;
     return false;
 }
