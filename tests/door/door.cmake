@@ -1,6 +1,6 @@
 # Configures, builds and runs an outside project with nothing but a compiler and Fjell, and looks at what it got.
 #   cmake -DHOST=PROJECT -DFOLDER=BUILD -DPACK=FILE -DCOMPILER=C++ -DVERSION=V [-DSAID=FILE] [-DPREFIX=INSTALLED]
-#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DTOOLCHAIN=FILE -DEMULATOR=PROGRAM;...] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON] -P door.cmake
+#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON] -P door.cmake
 # LINK: add_subdirectory, FetchContent, find_package or pkg-config. SAID: what the first game printed; all others must
 # print the same.
 include(${CMAKE_CURRENT_LIST_DIR}/must.cmake)
@@ -105,6 +105,9 @@ if(HOST MATCHES "viewer$")
   return()
 endif()
 
+if(EMULATOR)
+  list(APPEND EMULATOR -L /usr/aarch64-linux-gnu -E LD_LIBRARY_PATH=${LIBRARIES})
+endif()
 must("running" ${EMULATOR} ${FOLDER}/game ${PACK})
 if(NOT output MATCHES "^fjell ${VERSION}\nloaded: ([1-9][0-9]* triangles, converged 1, [-0-9.]+ m high)\n")
   message(FATAL_ERROR "the game says: ${output}")

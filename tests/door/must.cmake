@@ -2,6 +2,11 @@
 function(must what)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(code)
+    string(LENGTH "${output}" length)
+    if(length GREATER 4000) # what matters comes last
+      math(EXPR from "${length} - 4000")
+      string(SUBSTRING "${output}" ${from} -1 output)
+    endif()
     message(FATAL_ERROR "${what} failed (${code}):\n${output}")
   endif()
   set(output "${output}" PARENT_SCOPE)

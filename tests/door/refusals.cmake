@@ -12,6 +12,19 @@ endforeach()
 file(WRITE ${FOLDER}/small.cpp "#include <fjell/export.h>\n") # which all public headers include
 must_fail("32 bits" "Fjell needs 64 bits" ${COMPILER} -std=c++20 -m32 -I${headers} -fsyntax-only ${FOLDER}/small.cpp)
 
+# The project's version, everywhere: as a number in the header, in the packages of CMake and of pkg-config.
+string(REGEX REPLACE "^([0-9]+)\\.([0-9]+)\\.([0-9]+)$" "\\1 * 1000000 + \\2 * 1000 + \\3" number "${VERSION}")
+file(WRITE ${FOLDER}/version.cpp "#include <fjell/version.h>\nstatic_assert(FJELL_VERSION == ${number});\n")
+must("the version as a number" ${COMPILER} -std=c++20 -I${headers} -fsyntax-only ${FOLDER}/version.cpp)
+foreach(prefix ${STATIC} ${SHARED})
+  foreach(package fjell fjell-io)
+    must("pkg-config" ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${prefix}/lib/pkgconfig pkg-config --modversion ${package})
+    if(NOT output STREQUAL "${VERSION}\n")
+      message(FATAL_ERROR "${prefix}: ${package}.pc has version ${output}")
+    endif()
+  endforeach()
+endforeach()
+
 # find_package(fjell ARGUMENTS) in an empty project that has PREFIX.
 function(find arguments prefix)
   file(WRITE ${FOLDER}/find/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(find LANGUAGES CXX)\nfind_package(fjell ${arguments})\n")

@@ -104,10 +104,14 @@ Sources read_sources() {
     for (const char* top : {"runtime", "baker", "editor"})
         for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
             const std::string extension = entry.path().extension();
-            if (extension != ".h" && extension != ".cpp") continue;
+            std::string path = fs::relative(entry.path(), root).string();
+            if (path.ends_with(".h.in"))
+                path.resize(path.size() - 3); // completed by CMake
+            else if (extension != ".h" && extension != ".cpp")
+                continue;
             std::ostringstream text;
             text << std::ifstream(entry.path()).rdbuf();
-            sources[fs::relative(entry.path(), root).string()] = text.str();
+            sources[path] = text.str();
         }
     return sources;
 }
@@ -147,4 +151,21 @@ TEST_CASE("an arrow the wrong way, an included source and a folder with one file
     Sources once = sound;
     once["baker/other.cpp"] = "#include \"bake.h\"\n", once["baker/bake.cpp"] = "";
     CHECK(check(once).included_once == Names{"baker/bake.h is included by baker/other.cpp alone"});
+}
+
+TEST_CASE("every public header shows its symbols in a shared library, and is installed") {
+    int headers = 0;
+    for (const auto& [path, text] : read_sources()) {
+        if (!is_public(path) || text.find("\nnamespace ") == std::string::npos) continue; // macros alone
+        INFO(path);
+        ++headers;
+        const std::size_t begin = text.find("\nFJELL_API_BEGIN\n"), end = text.find("\nFJELL_API_END\n");
+        REQUIRE(begin != std::string::npos);
+        CHECK(text.find("\n#include") < begin);
+        CHECK(text.rfind("\n#include") < begin); // what is included decides for itself
+        CHECK(begin < text.find("\nnamespace fjell"));
+        CHECK(end == text.size() - std::string("\nFJELL_API_END\n").size());
+        CHECK(text.find("#include \"fjell/") != std::string::npos);
+    }
+    CHECK(headers > 25);
 }
