@@ -1,5 +1,6 @@
 #include "editor/panels/tune_cost.h"
 
+#include <cstdarg>
 #include <cstdio>
 #include <cstring>
 
@@ -15,9 +16,12 @@ struct Text {
     char* to;
     std::size_t size, used = 0;
 
-    void add(const char* format, auto... values) {
+    void add(const char* format, ...) IM_FMTARGS(2) {
         if (used + 1 >= size) return;
-        const int n = std::snprintf(to + used, size - used, format, values...);
+        va_list values;
+        va_start(values, format);
+        const int n = std::vsnprintf(to + used, size - used, format, values);
+        va_end(values);
         if (n > 0) used += static_cast<std::size_t>(n);
     }
     void bytes(double bytes) { add("%s", byte_text(bytes).text); }

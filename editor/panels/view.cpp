@@ -113,8 +113,8 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
     const ImGuiIO& io = ImGui::GetIO();
     const bool typing = io.WantTextInput || io.WantCaptureKeyboard;
     if (!io.WantTextInput && pressed(key::f1)) {
-        const bool open = state.interface.dialog == Dialog::keys;
-        commands.push(ShowDialog{open ? Dialog::none : Dialog::keys});
+        const bool shown = state.interface.dialog == Dialog::keys;
+        commands.push(ShowDialog{shown ? Dialog::none : Dialog::keys});
     }
     if (!state.scene.open()) {
         plate(layout.view, 0.5F, 0.5F, ui::quiet, "No terrain is open: use File > Open, or drop a file here");
