@@ -3,6 +3,7 @@
 #     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON] -P door.cmake
 # LINK: add_subdirectory, FetchContent, find_package or pkg-config. SAID: what the first game printed; all others must
 # print the same.
+cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/must.cmake)
 file(REMOVE_RECURSE ${FOLDER})
 if("$ENV{FJELL_TEST_ROUNDS}" STREQUAL "full")

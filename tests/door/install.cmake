@@ -1,5 +1,6 @@
 # Installs the libraries: those that BUILD has built, or with SHARED=ON shared ones, built from FJELL here.
 #   cmake -DPREFIX=FOLDER -DBUILD=TREE [-DSHARED=ON -DFJELL=SOURCE -DCOMPILER=C++ [-DOPTIONS=...]] -P install.cmake
+cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/must.cmake)
 if(FJELL)
   must("configuring" ${CMAKE_COMMAND} -S ${FJELL} -B ${BUILD} -G Ninja -DCMAKE_BUILD_TYPE=Debug -DFJELL_TOOLS=OFF

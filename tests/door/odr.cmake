@@ -1,5 +1,6 @@
 # No two classes of one name: builds tests/door/odr.
 #   cmake -DFJELL=SOURCE -DFOLDER=BUILD -DCOMPILER=G++ [-DOPTIONS=...] -P odr.cmake
+cmake_minimum_required(VERSION 3.25)
 if(NOT "$ENV{FJELL_TEST_ROUNDS}" STREQUAL "full")
   message(STATUS "skipped: compiling everything for link-time optimisation (FJELL_TEST_ROUNDS=full does)")
   return()

@@ -1,5 +1,6 @@
 # What a host is refused, and how it is told.
 #   cmake -DSTATIC=PREFIX -DSHARED=PREFIX -DFOLDER=SCRATCH -DCOMPILER=C++ -DVERSION=V -P refusals.cmake
+cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/must.cmake)
 file(REMOVE_RECURSE ${FOLDER})
 
