@@ -1,10 +1,13 @@
 # Configures, builds and runs an outside project with nothing but a compiler and Fjell, and looks at what it got.
 #   cmake -DHOST=PROJECT -DFOLDER=BUILD -DPACK=FILE -DCOMPILER=C++ -DVERSION=V [-DSAID=FILE] [-DPREFIX=INSTALLED]
-#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON] -P door.cmake
+#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON] [-DFULL=ON] -P door.cmake
 # LINK: add_subdirectory, FetchContent, find_package or pkg-config. SAID: what the first game printed; all others must
 # print the same.
 cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/must.cmake)
+if(FULL)
+  full_rounds_only("one more way to link")
+endif()
 file(REMOVE_RECURSE ${FOLDER})
 if("$ENV{FJELL_TEST_ROUNDS}" STREQUAL "full")
   set(COMPILE_ONLY OFF)

@@ -20,3 +20,11 @@ function(must_fail what text)
     message(FATAL_ERROR "${what}: expected a failure that says \"${text}\", got (${code}):\n${output}")
   endif()
 endfunction()
+
+# full_rounds_only(WHAT): in brief rounds, says so and ends the script.
+macro(full_rounds_only what)
+  if(NOT "$ENV{FJELL_TEST_ROUNDS}" STREQUAL "full")
+    message(STATUS "skipped: ${what} (FJELL_TEST_ROUNDS=full does it)")
+    return()
+  endif()
+endmacro()
