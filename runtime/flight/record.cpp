@@ -100,7 +100,8 @@ RecordedFrame frame_of(const json& j) {
     for (const json& p : j.at("pages")) {
         if (!p.is_array() || p.size() != 3 || whole_number(p.at(2)) >= page_events)
             throw json::other_error::create(600, "what became of a page is its tile, its number and 0 to 3", &p);
-        f.pages.push_back({whole_number(p.at(0)), whole_number(p.at(1)), static_cast<PageEvent>(whole_number(p.at(2)))});
+        f.pages.push_back(
+            {whole_number(p.at(0)), whole_number(p.at(1)), static_cast<PageEvent>(whole_number(p.at(2)))});
     }
     f.missing_px = j.at("missing_px").get<double>();
     return f;
