@@ -20,6 +20,7 @@
 #include <unistd.h>
 
 #include "support/program.h"
+#include "support/rounds.h"
 #include "support/terrain_fixture.h"
 
 namespace fjell::test {

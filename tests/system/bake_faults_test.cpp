@@ -70,7 +70,7 @@ TEST_CASE("a bake that is killed at any moment goes on to the same bytes") {
         const Scene scene(holes);
         const long calls = scene.count("all");
         std::mt19937 random(seed + holes);
-        for (int i = 0; i < rounds(8, 25); ++i) {
+        for (int i = 0; i < rounds(5, 25); ++i) {
             const long n = std::uniform_int_distribution<long>(1, calls)(random);
             const Run r = scene.run({"all", "kill", std::to_string(n)});
             CAPTURE(holes, seed, i, n, calls, r.err);
@@ -116,7 +116,7 @@ TEST_CASE("a bake that is killed again and again gets there") {
 TEST_CASE("what is killed with two threads goes on with one, and the other way round") {
     Scene scene;
     const long calls = scene.count("all");
-    for (const long n : spread(calls, 8)) {
+    for (const long n : spread(calls, rounds(4, 8))) {
         scene.command = Scene::child(n % 2 ? 2 : 1);
         const Run r = scene.run({"all", "kill", std::to_string(n)});
         scene.command = Scene::child(n % 2 ? 1 : 3);
@@ -129,7 +129,7 @@ TEST_CASE("Ctrl-C at any call is exit code 130 and says how to go on") {
     const Scene scene;
     int anew = 0, resumed = 0;
     const long calls = scene.count("pwrite");
-    for (const long n : spread(calls, 8)) {
+    for (const long n : spread(calls, rounds(4, 8))) {
         const Run r = scene.run({"pwrite", "interrupt", std::to_string(n)});
         CAPTURE(n, calls, r.err);
         if (r.code == 0) { // in the last moment
