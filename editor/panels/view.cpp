@@ -111,7 +111,7 @@ void write_over(const State& state, const ui::Rect& view) {
 
 void draw_view(const State& state, const ui::Layout& layout, Commands& commands) {
     const ImGuiIO& io = ImGui::GetIO();
-    const bool typing = io.WantTextInput || io.WantCaptureKeyboard;
+    const bool is_typing = io.WantTextInput || io.WantCaptureKeyboard;
     if (!io.WantTextInput && pressed(key::f1)) {
         const bool shown = state.interface.dialog == Dialog::keys;
         commands.push(ShowDialog{shown ? Dialog::none : Dialog::keys});
@@ -122,7 +122,7 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
     }
     MoveCamera move;
     move.seconds = std::min(static_cast<double>(io.DeltaTime), 0.25);
-    if (!typing && !io.KeyCtrl && !io.KeyAlt && !io.KeySuper && state.interface.dialog == Dialog::none) {
+    if (!is_typing && !io.KeyCtrl && !io.KeyAlt && !io.KeySuper && state.interface.dialog == Dialog::none) {
         steer(move);
         handle_key_presses(state, commands);
     }

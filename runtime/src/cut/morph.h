@@ -64,14 +64,18 @@ inline constexpr float unseen_px = 0.01f;
     return s.morph_now.now_s - s.morph[slot].activated_s < s.morph_now.morph_s;
 }
 
+// What waited for a vertex that morphs, or for a page that is evicted, is tried again.
+inline void open_gate(CutState& s) {
+    s.gate_passes = size(s.lists, gated_lists + s.gated_turn) == 0 ? 1 : 2;
+}
+
 // Forgets vertices that have reached their height.
 inline void end_morphing_in(CutState& s) {
-    s.gate_open = s.morph_now.morph == Morph::none;
     while (s.late_count != 0 &&
            (s.morph_now.morph == Morph::none || s.morph_now.now_s - s.late_s[s.first_late] >= s.morph_now.morph_s)) {
         s.first_late = (s.first_late + 1) % s.budget.vertices;
         --s.late_count;
-        s.gate_open = true;
+        open_gate(s);
     }
 }
 

@@ -249,6 +249,7 @@ void cancel_eviction(CutState& s, std::uint32_t slot) {
     s.evicting_count =
         static_cast<std::uint32_t>(std::remove(s.evicting, s.evicting + s.evicting_count, slot) - s.evicting);
     for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) revisit(s, slot * max_page_groups + n);
+    open_gate(s); // for what its vertices are the parents of
 }
 
 namespace {
@@ -296,7 +297,7 @@ void end_morphing_out(CutState& s) {
         if (lowest != vertex) continue;
         s.first_morphing_out = (s.first_morphing_out + 1) % s.budget.vertices;
         --s.morphing_out_count;
-        s.gate_open = true;
+        open_gate(s);
     }
 }
 

@@ -337,7 +337,8 @@ std::uint32_t next_queue(CutState& s) {
     }
     if (can_deactivate) return deactivation_list;
     const std::uint32_t gated_before = gated_lists + (s.gated_turn ^ 1);
-    if (s.gate_open && size(s.lists, gated_before) != 0) return gated_before;
+    const bool open = s.gate_passes != 0 || s.morph_now.morph == Morph::none;
+    if (open && size(s.lists, gated_before) != 0) return gated_before;
     const std::uint32_t blocked_before = blocked_lists + (s.turn ^ 1);
     return size(s.lists, blocked_before) != 0 && s.full_capacities == 0 ? blocked_before : unlisted;
 }

@@ -179,7 +179,9 @@ struct CutState {
     std::uint32_t work_ranks; // which work lists may hold groups, as bits
     std::uint32_t turn;       // which of blocked_lists takes what is put back
     std::uint32_t gated_turn; // and of gated_lists
-    bool gate_open;           // some vertex has reached its height since the last frame
+    // Passes over the gated groups that are due, because a vertex has reached its height or is no longer evicted. A pass
+    // may take several frames; groups that were filed before the event may lie in either list.
+    std::uint8_t gate_passes;
     // Morphing.
     MorphFrame morph_now, morph_before;
     float* late_s; // activated_s of vertices activated late, a ring of budget.vertices: oldest first

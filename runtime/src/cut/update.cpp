@@ -209,7 +209,10 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     sync_pages(s);
     // What was blocked takes its turn again; what still is goes to the other list.
     if (size(s.lists, blocked_lists + (s.turn ^ 1)) == 0) s.turn ^= 1;
-    if (size(s.lists, gated_lists + (s.gated_turn ^ 1)) == 0) s.gated_turn ^= 1;
+    if (size(s.lists, gated_lists + (s.gated_turn ^ 1)) == 0) {
+        s.gated_turn ^= 1;
+        if (s.gate_passes != 0) --s.gate_passes;
+    }
     end_morphing_in(s);
     const auto prepared = Clock::now();
     evict_pages(s);
