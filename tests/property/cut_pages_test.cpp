@@ -138,6 +138,55 @@ TEST_CASE("pages that are evicted go without a crack, and at rest the cut is the
     live_with(121, false, rounds(36, 48));
 }
 
+TEST_CASE(
+    "what waits for morphing vertices, or for a page that is kept after all, is not forgotten when items run out") {
+    Random random(123);
+    for (int round = 0; round < rounds(40, 160); ++round) {
+        auto pack = paged_terrain(random, false);
+        Cut cut(pack.terrain, ample_cut(pack.terrain));
+        View view = random_view(random, pack.terrain);
+        CutSettings settings;
+        settings.error_px = random_threshold(random);
+        settings.morph = pick(random, 0, 1) ? Morph::error : Morph::time;
+        settings.morph_s = 0.05;
+        const auto any = [&](std::uint32_t count) {
+            return static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(count) - 1));
+        };
+        std::vector<Page> evicting;
+        CutReport report;
+        for (int frame = 0; frame < 24; ++frame) {
+            evicting.push_back({any(pack.terrain.tile_count()), any(pack.terrain.pages_per_tile)});
+            bool released = false;
+            REQUIRE(release_page(cut.cut, evicting.back().tile, evicting.back().page, released).ok());
+            if (pick(random, 0, 3) == 0) view = random_view(random, pack.terrain);
+            settings.items = static_cast<std::uint32_t>(pick(random, 0, 30));
+            settings.now_s += 1.0 / 60;
+            report = cut.update({&view, 1}, settings);
+        }
+        // At rest, with few items: what is left over when the last vertex has morphed must be tried all the same.
+        for (int frame = 0; frame < 90; ++frame) {
+            if (frame > 30 && !evicting.empty()) {
+                cancel_release(cut.cut, evicting.back().tile, evicting.back().page);
+                evicting.pop_back();
+            }
+            settings.items = static_cast<std::uint32_t>(pick(random, 1, frame < 60 ? 300 : 6));
+            settings.now_s += 1.0 / 60;
+            report = cut.update({&view, 1}, settings);
+        }
+        REQUIRE(evicting.empty());
+        settings.items = unlimited_items;
+        for (int frame = 0; frame < 90; ++frame) {
+            settings.now_s += 1.0 / 60;
+            report = cut.update({&view, 1}, settings);
+        }
+        CAPTURE(round, settings.error_px, static_cast<int>(settings.morph), report.waiting, report.morphing);
+        REQUIRE(report.converged);
+        Cut anew(pack.terrain, ample_cut(pack.terrain));
+        REQUIRE(anew.rebuild({&view, 1}, settings).converged);
+        REQUIRE(difference(active_set(cut), active_set(anew)) == "");
+    }
+}
+
 TEST_CASE("pages unloaded without warning leave a whole mesh as well") {
     live_with(122, true, rounds(16, 48));
 }
