@@ -101,33 +101,32 @@ Square square_of(const PageLayout& layout, std::uint32_t page) {
 // its level's.
 template <Order O>
 std::uint32_t count_wrong_locations(int log2, std::uint32_t stride) {
-    Terrain terrain;
-    data_of(terrain).tree = {log2, 1, 1};
-    data_of(terrain).pages = {log2, O};
-    for (int level = 0; level < 2 * log2; ++level)
-        terrain.header().level_radius_m[level] = static_cast<float>(level + 1);
+    TerrainData terrain;
+    terrain.tree = {log2, 1, 1};
+    terrain.pages = {log2, O};
+    for (int level = 0; level < 2 * log2; ++level) terrain.header.level_radius_m[level] = static_cast<float>(level + 1);
     std::array<std::array<LevelPlane, 3>, max_tile_log2> planes;
     for (int z = 0; z < log2; ++z)
         planes[static_cast<std::size_t>(z)] = {make_level_plane(terrain, z, VertexKind::centre),
                                                make_level_plane(terrain, z, VertexKind::side_x),
                                                make_level_plane(terrain, z, VertexKind::side_y)};
     // Every page in the slot of its own number, but the second one, which is not loaded.
-    const std::uint32_t capacity = data_of(terrain).pages.page_capacity();
+    const std::uint32_t capacity = terrain.pages.page_capacity();
     const auto base_of = [](std::uint32_t page) { return static_cast<std::int32_t>(7 * page); };
-    std::vector<StepPageEntry> entries(entries_per_tile(data_of(terrain).pages), StepPageEntry{no_index, -1});
-    for (std::uint32_t page = 0; page < data_of(terrain).pages.pages_per_tile(); ++page)
+    std::vector<StepPageEntry> entries(entries_per_tile(terrain.pages), StepPageEntry{no_index, -1});
+    for (std::uint32_t page = 0; page < terrain.pages.pages_per_tile(); ++page)
         set_step_page(terrain, page, {page == 1 ? no_index : page * capacity, base_of(page)}, entries.data());
     std::uint32_t wrong = 0;
-    for_each_vertex(data_of(terrain).pages, stride, [&](std::uint32_t x, std::uint32_t y) {
+    for_each_vertex(terrain.pages, stride, [&](std::uint32_t x, std::uint32_t y) {
         const Coord c = to_coord(x, y);
-        if (data_of(terrain).tree.is_corner(c)) return;
+        if (terrain.tree.is_corner(c)) return;
         const LevelPlane& plane =
             planes[static_cast<std::size_t>(Tree::step_log2(c))][static_cast<std::size_t>(Tree::kind(c))];
-        const Located found = locate<O>(plane, entries.data(), data_of(terrain).pages.side(), x, y);
-        const PagePlace place = data_of(terrain).pages.place_as<O>(x, y);
+        const Located found = locate<O>(plane, entries.data(), terrain.pages.side(), x, y);
+        const PagePlace place = terrain.pages.place_as<O>(x, y);
         wrong += found.loaded != (place.page != 1) || found.base != base_of(place.page);
         wrong += found.loaded && found.index != place.page * capacity + place.index;
-        wrong += plane.unit_m != static_cast<float>(data_of(terrain).tree.level(c) + 1);
+        wrong += plane.unit_m != static_cast<float>(terrain.tree.level(c) + 1);
     });
     return wrong;
 }

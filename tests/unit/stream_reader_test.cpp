@@ -49,13 +49,13 @@ struct Scene {
     }
     [[nodiscard]] std::uint64_t wrong_pages() const {
         std::uint64_t wrong = 0;
-        const Terrain &a = on.paged.terrain, &b = pack.terrain;
+        const TerrainData &a = data_of(on.paged.terrain), &b = data_of(pack.terrain);
         for (std::uint32_t page = 0; page < a.page_count(); ++page) {
-            const PageEntry p = data_of(a).page_table[page], q = b.page_table[page];
+            const PageEntry p = a.page_table[page], q = b.page_table[page];
             if (p.slot == no_index) continue;
-            const std::size_t bytes = data_of(a).pages.page_vertices(page % a.pages_per_tile()) * sizeof(VertexRecord);
+            const std::size_t bytes = a.pages.page_vertices(page % a.pages_per_tile) * sizeof(VertexRecord);
             wrong +=
-                p.base != q.base || std::memcmp(data_of(a).records + std::size_t{p.slot} * data_of(a).page_capacity,
+                p.base != q.base || std::memcmp(a.records + std::size_t{p.slot} * a.page_capacity,
                                                 b.records + std::size_t{q.slot} * b.page_capacity, bytes) != 0;
         }
         return wrong;
