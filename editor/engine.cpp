@@ -10,6 +10,7 @@
 #include "editor/clock.h"
 #include "fjell/io/failure.h"
 #include "flight/pictures.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::editor {
 
@@ -203,8 +204,8 @@ Scene Engine::scene() const {
     s.spacing_m[1] = h.spacing_m[1];
     s.min_m = h.min_m;
     s.max_m = h.max_m;
-    s.quantum_m = static_cast<double>(session.terrain().height_scale.quantum_m);
-    s.order = order_name(session.terrain().pages.order);
+    s.quantum_m = static_cast<double>(data_of(session.terrain()).height_scale.quantum_m);
+    s.order = order_name(data_of(session.terrain()).pages.order);
     s.maps = maps_text(h);
     s.mips = mip_count(h.colour_log2 != 0 ? h.colour_log2 : h.normal_log2);
     std::error_code ignored;

@@ -11,7 +11,7 @@
 
 #include "baker/read/source.h"
 #include "fjell/pack.h"
-#include "fjell/tree.h"
+#include "tree/tree.h"
 
 namespace fjell::baker {
 

@@ -10,6 +10,7 @@
 #include "baker/heights/region.h"
 #include "baker/maps/image.h"
 #include "baker/store/store.h"
+#include "tree/order.h"
 
 namespace fjell::baker {
 

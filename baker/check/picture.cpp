@@ -15,6 +15,7 @@
 
 #include "baker/store/parallel.h"
 #include "fjell/io/failure.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::baker {
 
@@ -84,7 +85,7 @@ std::int32_t share(std::int32_t i, std::int32_t samples, std::int32_t cells) {
 class Sampler {
 public:
     Sampler(const Terrain& the_terrain, std::int32_t width, std::int32_t height)
-        : terrain(the_terrain), tree(the_terrain.tree) {
+        : terrain(the_terrain), tree(data_of(the_terrain).tree) {
         cells.columns = std::min(width, tree.columns());
         cells.rows = std::min(height, tree.rows());
         const std::size_t count = static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows);
@@ -94,7 +95,7 @@ public:
         // The coarsest step of which every cell has a vertex: two of its places one way and one the other.
         const std::int32_t nx = tree.columns() / cells.columns, ny = tree.rows() / cells.rows;
         while (step < tree.side() / 2 && 4 * step <= std::max(nx, ny) && 2 * step <= std::min(nx, ny)) step *= 2;
-        rim_error_m = static_cast<float>(2 * step) * std::min(terrain.spacing_x_m, terrain.spacing_z_m) * 0.999f;
+        rim_error_m = static_cast<float>(2 * step) * std::min(terrain.spacing_x_m(), terrain.spacing_z_m()) * 0.999f;
     }
 
     PixelSamples run(int threads) {
@@ -117,7 +118,7 @@ private:
             const std::int32_t w = f.x1 - f.x0, h = f.y1 - f.y0;
             float sum = 0;
             for (const std::int32_t j : {h / 4, h * 3 / 4})
-                for (const std::int32_t i : {w / 4, w * 3 / 4}) sum += terrain.height_m({f.x0 + i, f.y0 + j});
+                for (const std::int32_t i : {w / 4, w * 3 / 4}) sum += data_of(terrain).height_m({f.x0 + i, f.y0 + j});
             cells.height_m[cells.index(x, y)] = sum / 4;
             cells.error_m[cells.index(x, y)] = largest_error_m(f);
         }
@@ -137,7 +138,7 @@ private:
         float largest_m = 0;
         for (std::int32_t j = (y0 + step - 1) / step; j * step < y1; ++j)
             for (std::int32_t i = (x0 + step - 1) / step; i * step < x1; ++i)
-                if ((i | j) & 1) largest_m = std::max(largest_m, terrain.vertex({i * step, j * step}).error_m);
+                if ((i | j) & 1) largest_m = std::max(largest_m, data_of(terrain).vertex({i * step, j * step}).error_m);
         return largest_m;
     }
 
@@ -147,10 +148,10 @@ private:
     void find_holes(std::int32_t y) {
         for (std::int32_t x = 0; x < cells.columns; ++x) {
             const Footprint f = footprint(x, y);
-            bool hole = terrain.is_hole({f.x0, f.y0});
+            bool hole = data_of(terrain).is_hole({f.x0, f.y0});
             if (!hole && rim_near(x, y))
                 for (std::int32_t j = f.y0; j < f.y1 && !hole; ++j)
-                    for (std::int32_t i = f.x0; i < f.x1 && !hole; ++i) hole = terrain.is_hole({i, j});
+                    for (std::int32_t i = f.x0; i < f.x1 && !hole; ++i) hole = data_of(terrain).is_hole({i, j});
             cells.hole[cells.index(x, y)] = hole;
         }
     }
@@ -181,9 +182,10 @@ struct Relief {
     float exaggeration = 1;
 
     Relief(const Terrain& terrain, const PixelSamples& of)
-        : cells(of),
-          cell_x_m(terrain.spacing_x_m * static_cast<float>(terrain.tree.columns()) / static_cast<float>(of.columns)),
-          cell_z_m(terrain.spacing_z_m * static_cast<float>(terrain.tree.rows()) / static_cast<float>(of.rows)) {
+        : cells(of), cell_x_m(terrain.spacing_x_m() * static_cast<float>(data_of(terrain).tree.columns()) /
+                              static_cast<float>(of.columns)),
+          cell_z_m(terrain.spacing_z_m() * static_cast<float>(data_of(terrain).tree.rows()) /
+                   static_cast<float>(of.rows)) {
         double sum = 0, count = 0;
         for (std::int32_t y = 0; y < cells.rows; ++y)
             for (std::int32_t x = 0; x < cells.columns; ++x) {
@@ -335,9 +337,9 @@ std::string metres(double m, int digits) {
 }
 
 std::string tile_text(const Terrain& terrain) {
-    const double cells = terrain.tree.side();
-    const std::string x = metres(cells * terrain.header.spacing_m[0], 3),
-                      z = metres(cells * terrain.header.spacing_m[1], 3);
+    const double cells = data_of(terrain).tree.side();
+    const std::string x = metres(cells * terrain.header().spacing_m[0], 3),
+                      z = metres(cells * terrain.header().spacing_m[1], 3);
     return fmt::format("tile {} cells, {}", cells, x == z ? x : x + " x " + z);
 }
 
@@ -402,7 +404,7 @@ std::vector<Item> legend_items(const Terrain& terrain, const PixelSamples& cells
         items.push_back({"", "no error", box, [](auto, auto) { return lit(flat_ground, no_error); }});
     if (cells.some_hole)
         items.push_back(
-            {"", fmt::format("hole ({} samples)", terrain.header.voids), box, [](auto, auto) { return hole_rgb; }});
+            {"", fmt::format("hole ({} samples)", terrain.header().voids), box, [](auto, auto) { return hole_rgb; }});
     // A line over light and dark ground.
     const std::int32_t tile_box = lines.any ? box : 0;
     items.push_back({"", tile_text(terrain), tile_box, [](auto bx, auto by) {
@@ -416,10 +418,10 @@ std::vector<Item> legend_items(const Terrain& terrain, const PixelSamples& cells
 } // namespace
 
 Picture make_picture(const Terrain& terrain, const PictureOptions& options) {
-    assert(terrain.pages_missing == 0);
+    assert(terrain.pages_missing() == 0);
     const std::uint32_t longest = std::clamp(options.longest_px, min_picture_px, max_picture_px);
-    const double wide_m = terrain.tree.columns() * terrain.header.spacing_m[0];
-    const double high_m = terrain.tree.rows() * terrain.header.spacing_m[1];
+    const double wide_m = data_of(terrain).tree.columns() * terrain.header().spacing_m[0];
+    const double high_m = data_of(terrain).tree.rows() * terrain.header().spacing_m[1];
     const auto pixels = [&](double m) {
         return static_cast<std::uint32_t>(std::max(std::lround(longest * m / std::max(wide_m, high_m)), 1L));
     };
@@ -436,7 +438,7 @@ Picture make_picture(const Terrain& terrain, const PictureOptions& options) {
     picture.least_error_m = ramp.least_m;
     picture.largest_error_m = ramp.largest_m;
     const std::uint32_t thickness = std::max(1u, longest / 2048);
-    const TileLines lines(terrain.tree, picture, thickness);
+    const TileLines lines(data_of(terrain).tree, picture, thickness);
 
     const Legend legend(legend_items(terrain, cells, ramp, lines), width);
     const bool legend_fits = picture.width >= legend_from_px;

@@ -15,6 +15,7 @@
 #include "baker/check/verify_bounds.h"
 #include "baker/read/tile_pages.h"
 #include "baker/store/parallel.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::baker {
 
@@ -52,16 +53,16 @@ class TileCheck {
 public:
     // bounds: the pack whose directory has them, or null.
     TileCheck(const Terrain& the_terrain, std::uint32_t the_tile, const Original& from, const Pack* bounds)
-        : terrain(the_terrain), tree(the_terrain.tree), original(from), pack(bounds), tile(the_tile),
+        : terrain(the_terrain), tree(data_of(the_terrain).tree), original(from), pack(bounds), tile(the_tile),
           side(tree.side()), nw{static_cast<std::int32_t>(the_tile) % tree.tiles_x * side,
                                 static_cast<std::int32_t>(the_tile) / tree.tiles_x * side} {
         vertices.resize(static_cast<std::size_t>(side + 1) * static_cast<std::size_t>(side + 1));
         // base + steps * quantum in float: one rounding of the product, one of the sum.
-        const double largest = std::max(std::abs(terrain.header.min_m), std::abs(terrain.header.max_m));
-        allowed_m = 0.5 * static_cast<double>(terrain.height_scale.quantum_m) + rounding_m +
-                    0x1p-23 * (largest + terrain.header.max_m - terrain.header.min_m);
+        const double largest = std::max(std::abs(terrain.header().min_m), std::abs(terrain.header().max_m));
+        allowed_m = 0.5 * static_cast<double>(data_of(terrain).height_scale.quantum_m) + rounding_m +
+                    0x1p-23 * (largest + terrain.header().max_m - terrain.header().min_m);
         // Estimate 2 promises nothing about samples; with holes their rims are still looked at.
-        report.true_error_checked = terrain.header.estimate == Estimate::max;
+        report.true_error_checked = terrain.header().estimate == Estimate::max;
     }
 
     VerifyReport run(Borders& borders) {
@@ -82,13 +83,14 @@ public:
 private:
     // A vertex of several pages must have the same bits in each.
     void gather() {
-        for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page) {
-            const PageEntry entry = terrain.page_table[std::size_t{tile} * terrain.pages_per_tile + page];
+        for (std::uint32_t page = 0; page < terrain.pages_per_tile(); ++page) {
+            const PageEntry entry = data_of(terrain).page_table[std::size_t{tile} * terrain.pages_per_tile() + page];
             if (const std::string wrong = pack ? wrong_bound(*pack, terrain, tile, page) : ""; !wrong.empty())
                 note(report.bound_violations, wrong);
-            const VertexRecord* from = terrain.records + std::size_t{entry.slot} * terrain.page_capacity;
-            for (std::uint32_t i = 0; i < terrain.pages.page_vertices(page); ++i) {
-                const Coord c = nw + terrain.pages.coord({page, i});
+            const VertexRecord* from =
+                data_of(terrain).records + std::size_t{entry.slot} * data_of(terrain).page_capacity;
+            for (std::uint32_t i = 0; i < data_of(terrain).pages.page_vertices(page); ++i) {
+                const Coord c = nw + data_of(terrain).pages.coord({page, i});
                 const StoredVertex stored{entry.base + from[i].height, from[i].error, from[i].radius, true};
                 StoredVertex& to = vertices[at(c)];
                 if (to.seen && !(to == stored))
@@ -101,7 +103,7 @@ private:
     void check_corners() {
         for (const std::int32_t y : {nw.y, nw.y + side})
             for (const std::int32_t x : {nw.x, nw.x + side}) {
-                const Terrain::Vertex corner = terrain.vertex({x, y});
+                const TerrainData::Vertex corner = data_of(terrain).vertex({x, y});
                 if (corner.steps != vertices[at({x, y})].steps || corner.hole != hole({x, y}))
                     note(report.border_mismatches, fmt::format("corner ({}, {}) differs from its page's", x, y));
             }
@@ -115,7 +117,7 @@ private:
     void check_vertex(Coord v) {
         if (own(v)) check_height(v);
         if (tree.is_corner(v)) return;
-        const double nesting = 1 + static_cast<double>(terrain.header.nesting);
+        const double nesting = 1 + static_cast<double>(terrain.header().nesting);
         const Children kids = children(v);
         for (int k = 0; k < kids.count; ++k)
             if (holds(kids.at[k])) check_child(v, kids.at[k], nesting);
@@ -259,11 +261,11 @@ private:
         const double known = original.heights_m ? static_cast<double>(given(sample)) : std::nan("");
         return std::isnan(known) ? height(sample) : known;
     }
-    [[nodiscard]] double height(Coord c) const { return terrain.height_scale.height_m(vertices[at(c)].steps); }
-    [[nodiscard]] double error(Coord c) const { return terrain.errors.metres[vertices[at(c)].error]; }
+    [[nodiscard]] double height(Coord c) const { return data_of(terrain).height_scale.height_m(vertices[at(c)].steps); }
+    [[nodiscard]] double error(Coord c) const { return data_of(terrain).errors.metres[vertices[at(c)].error]; }
     [[nodiscard]] double radius(Coord c) const {
-        return terrain.header.level_radius_m[tree.level(c)] *
-               terrain.radii.factor[vertices[at(c)].radius & (radius_codes - 1)];
+        return terrain.header().level_radius_m[tree.level(c)] *
+               data_of(terrain).radii.factor[vertices[at(c)].radius & (radius_codes - 1)];
     }
     [[nodiscard]] bool hole(Coord c) const { return (vertices[at(c)].radius & void_bit) != 0; }
     [[nodiscard]] double distance(Coord v, Coord w) const {
@@ -443,7 +445,7 @@ SourceProperties properties(const HeightSource& source) {
 } // namespace
 
 VerifyReport verify(const io::MappedPack& pack, const HeightSource* against, std::size_t row_bytes) {
-    const Tree tree = pack.pack().tree();
+    const Tree tree = tree_of(pack.pack().header);
     Pages pages(pack);
     std::optional<SourceHeights> heights;
     if (against) {
@@ -457,10 +459,11 @@ VerifyReport verify(const Terrain& terrain, const HeightSource* against, const P
     Pages pages(terrain, bounds);
     std::optional<SourceHeights> heights;
     if (against) {
-        check_size(terrain.tree, against->columns, against->rows);
-        heights.emplace(*against, terrain.tree, properties(*against).holes, std::numeric_limits<std::size_t>::max());
+        check_size(data_of(terrain).tree, against->columns, against->rows);
+        heights.emplace(*against, data_of(terrain).tree, properties(*against).holes,
+                        std::numeric_limits<std::size_t>::max());
     }
-    return check_tiles(terrain.tree, pages, heights ? &*heights : nullptr, [] {});
+    return check_tiles(data_of(terrain).tree, pages, heights ? &*heights : nullptr, [] {});
 }
 
 } // namespace fjell::baker

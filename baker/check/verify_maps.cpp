@@ -36,7 +36,7 @@ Mip decode(const Pack& pack, ChunkKind kind, std::uint32_t tile, std::uint32_t l
                                          colour ? "colour" : "normal", tile, level, message(s.code), s.field));
     mip.codes.resize(std::size_t{mip.side} * mip.side * mip.channels);
     mip.tolerance.resize(std::size_t{mip.side} * mip.side);
-    colour ? decode_colour(blocks, mip.side, mip.codes) : decode_normal(blocks, mip.side, mip.codes);
+    (void)(colour ? decode_colour(blocks, mip.side, mip.codes) : decode_normal(blocks, mip.side, mip.codes));
     for (std::uint32_t y = 0; y < mip.side; y += 4)
         for (std::uint32_t x = 0; x < mip.side; x += 4) {
             int range = 0;

@@ -27,6 +27,7 @@
 #include "baker/synth/write_dem.h"
 #include "fjell/io/load.h"
 #include "io/file.h"
+#include "tree/order.h"
 
 namespace {
 
@@ -161,7 +162,7 @@ json info_json(const LoadedPack& loaded) {
             {"height_m", {h.min_m, h.max_m}},
             {"quantum_m", h.quantum_m},
             {"holes", h.voids},
-            {"pages_per_tile", loaded.pack.pages().pages_per_tile()},
+            {"pages_per_tile", pages_of(loaded.pack.header).pages_per_tile()},
             {"max_error_m", h.max_error_m},
             {"colour_texels", h.colour_log2 ? 1u << h.colour_log2 : 0},
             {"normal_texels", h.normal_log2 ? 1u << h.normal_log2 : 0},

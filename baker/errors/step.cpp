@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "fjell/order.h"
 #include "pack/clones.h"
+#include "tree/order.h"
 
 namespace fjell::baker {
 

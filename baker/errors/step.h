@@ -11,8 +11,8 @@
 
 #include "baker/heights/region.h"
 #include "baker/heights/scales.h"
-#include "fjell/tree.h"
 #include "pack/page.h"
+#include "tree/tree.h"
 
 namespace fjell::baker {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "fjell/tree.h"
+#include "tree/tree.h"
 
 namespace fjell::baker {
 

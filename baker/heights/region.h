@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "baker/store/store.h"
-#include "fjell/tree.h"
+#include "tree/tree.h"
 
 namespace fjell::baker {
 

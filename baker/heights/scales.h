@@ -6,10 +6,10 @@
 #include <cstdint>
 
 #include "baker/heights/statistics.h"
-#include "fjell/order.h"
 #include "fjell/pack.h"
-#include "fjell/record.h"
-#include "fjell/tree.h"
+#include "pack/record.h"
+#include "tree/order.h"
+#include "tree/tree.h"
 
 namespace fjell::baker {
 

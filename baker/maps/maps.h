@@ -16,7 +16,7 @@
 
 #include "baker/maps/colour.h"
 #include "baker/read/source.h"
-#include "fjell/tree.h"
+#include "tree/tree.h"
 
 namespace fjell::baker {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "baker/errors/step.h"
-#include "fjell/order.h"
 #include "pack/page.h"
+#include "tree/order.h"
 
 namespace fjell::baker {
 

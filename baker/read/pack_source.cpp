@@ -8,6 +8,7 @@
 #include "baker/read/placement.h"
 #include "baker/read/tile_pages.h"
 #include "baker/read/windows.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::baker {
 
@@ -20,15 +21,15 @@ public:
 
     void read(const Window& window, float* to, ReadStatistics& statistics) override {
         statistics.per_unit = 1; // the height steps are the pack's own
-        const std::int32_t side = terrain_.tree.side();
+        const std::int32_t side = data_of(terrain_).tree.side();
         const auto tile_of = [&](std::int32_t at, std::int32_t tiles) { return std::min(at / side, tiles - 1); };
-        const std::int32_t tx0 = tile_of(window.x, terrain_.tree.tiles_x),
-                           tx1 = tile_of(window.x + window.columns - 1, terrain_.tree.tiles_x),
-                           ty0 = tile_of(window.y, terrain_.tree.tiles_y),
-                           ty1 = tile_of(window.y + window.rows - 1, terrain_.tree.tiles_y);
+        const std::int32_t tx0 = tile_of(window.x, data_of(terrain_).tree.tiles_x),
+                           tx1 = tile_of(window.x + window.columns - 1, data_of(terrain_).tree.tiles_x),
+                           ty0 = tile_of(window.y, data_of(terrain_).tree.tiles_y),
+                           ty1 = tile_of(window.y + window.rows - 1, data_of(terrain_).tree.tiles_y);
         for (std::int32_t ty = ty0; ty <= ty1; ++ty)
             for (std::int32_t tx = tx0; tx <= tx1; ++tx) {
-                const auto tile = static_cast<std::uint32_t>(ty * terrain_.tree.tiles_x + tx);
+                const auto tile = static_cast<std::uint32_t>(ty * data_of(terrain_).tree.tiles_x + tx);
                 pages_.load(tile);
                 copy(tile, {tx * side, ty * side}, window, to);
             }
@@ -39,16 +40,17 @@ public:
 private:
     // Border samples come from every tile that has them, and are the same.
     void copy(std::uint32_t tile, Coord corner, const Window& window, float* to) const {
-        for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page) {
-            const PageEntry entry = terrain_.page_table[std::size_t{tile} * terrain_.pages_per_tile + page];
-            const VertexRecord* const from = terrain_.records + std::size_t{entry.slot} * terrain_.page_capacity;
-            for (std::uint32_t i = 0; i < terrain_.pages.page_vertices(page); ++i) {
-                const Coord c = corner + terrain_.pages.coord({page, i}) - Coord{window.x, window.y};
+        for (std::uint32_t page = 0; page < terrain_.pages_per_tile(); ++page) {
+            const PageEntry entry = data_of(terrain_).page_table[std::size_t{tile} * terrain_.pages_per_tile() + page];
+            const VertexRecord* const from =
+                data_of(terrain_).records + std::size_t{entry.slot} * data_of(terrain_).page_capacity;
+            for (std::uint32_t i = 0; i < data_of(terrain_).pages.page_vertices(page); ++i) {
+                const Coord c = corner + data_of(terrain_).pages.coord({page, i}) - Coord{window.x, window.y};
                 if (c.x < 0 || c.y < 0 || c.x >= window.columns || c.y >= window.rows) continue;
                 to[static_cast<std::size_t>(c.y) * static_cast<std::size_t>(window.columns) +
-                   static_cast<std::size_t>(c.x)] = is_void(from[i])
-                                                        ? std::numeric_limits<float>::quiet_NaN()
-                                                        : terrain_.height_scale.height_m(entry.base + from[i].height);
+                   static_cast<std::size_t>(c.x)] =
+                    is_void(from[i]) ? std::numeric_limits<float>::quiet_NaN()
+                                     : data_of(terrain_).height_scale.height_m(entry.base + from[i].height);
             }
         }
     }
@@ -87,7 +89,7 @@ std::unique_ptr<HeightReader> PackSource::reader() const {
 }
 
 std::vector<Window> PackSource::windows(std::size_t most) const {
-    const std::int32_t side = file_->pack().tree().side();
+    const std::int32_t side = tree_of(file_->pack().header).side();
     return cut_along({0, 0, columns, rows}, {side, side, 0, 0}, most);
 }
 

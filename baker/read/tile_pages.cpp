@@ -5,7 +5,7 @@
 namespace fjell::baker {
 
 TilePages::TilePages(const io::MappedPack& file) : file_(file) {
-    const TerrainBudget one_tile{file.pack().pages().pages_per_tile()};
+    const TerrainBudget one_tile{pages_of(file.pack().header).pages_per_tile()};
     const std::size_t bytes = terrain_bytes(file.pack().header, one_tile);
     memory_ = io::allocate(bytes);
     check(create_terrain(file.pack(), one_tile, {memory_.get(), bytes}, terrain_), 0);
@@ -20,9 +20,9 @@ void TilePages::check(const Status& status, std::uint32_t tile) const {
 void TilePages::load(std::uint32_t tile) {
     if (whole_ && tile == held_) return;
     whole_ = false;
-    for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page) unload_page(terrain_, held_, page);
+    for (std::uint32_t page = 0; page < terrain_.pages_per_tile(); ++page) (void)unload_page(terrain_, held_, page);
     held_ = tile;
-    for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page)
+    for (std::uint32_t page = 0; page < terrain_.pages_per_tile(); ++page)
         check(load_page(file_.pack(), terrain_, tile, page), tile);
     whole_ = true;
 }

@@ -49,7 +49,7 @@ double extent_m(std::uint32_t samples, double spacing_m) {
 } // namespace
 
 void Overview::begin(const Terrain& terrain) {
-    const PackHeader& h = terrain.header;
+    const PackHeader& h = terrain.header();
     const double w = extent_m(h.columns, h.spacing_m[0]), d = extent_m(h.rows, h.spacing_m[1]), longer = std::max(w, d);
     const auto texels = [&](double m) {
         const auto n = static_cast<std::uint32_t>(std::lround(longer_texels * m / longer));
@@ -108,7 +108,7 @@ void Overview::advance(const Terrain& terrain, bool complete, double budget_us) 
 }
 
 void Overview::paint(const Terrain& terrain) {
-    const PackHeader& h = terrain.header;
+    const PackHeader& h = terrain.header();
     const double half = 0.5 * step_;
     const double x = (column_ + half) * extent_m(h.columns, h.spacing_m[0]) / columns_;
     const double z = (row_ + half) * extent_m(h.rows, h.spacing_m[1]) / rows_;
@@ -126,7 +126,7 @@ void Overview::paint(const Terrain& terrain) {
 
 // Lit from the north-west, by the heights to the west and to the north, which are there already.
 std::uint32_t Overview::shade(const Terrain& terrain, std::uint32_t column, std::uint32_t row) const {
-    const PackHeader& h = terrain.header;
+    const PackHeader& h = terrain.header();
     const std::size_t i = std::size_t{row} * columns_ + column;
     const float height = heights_[i];
     if (std::isnan(height)) return ground;

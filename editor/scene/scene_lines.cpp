@@ -7,7 +7,8 @@
 #include "editor/scene/route_lines.h"
 #include "fjell/gl/palette.h"
 #include "fjell/query.h"
-#include "fjell/tree.h"
+#include "pack/terrain_data.h"
+#include "tree/tree.h"
 
 namespace fjell::editor {
 
@@ -23,18 +24,18 @@ Vec3 place_of(const Terrain& terrain, Coord c, float height_m) {
 
 // A tile's corners are always loaded.
 Vec3 corner(const Terrain& terrain, std::int32_t x, std::int32_t y) {
-    const Coord c = terrain.tree.sample({x, y});
-    return place_of(terrain, c, terrain.vertex({x, y}).height_m);
+    const Coord c = data_of(terrain).tree.sample({x, y});
+    return place_of(terrain, c, data_of(terrain).vertex({x, y}).height_m);
 }
 
 Coord tile_origin(const Terrain& terrain, std::uint32_t tile) {
-    const auto tiles_x = static_cast<std::int32_t>(terrain.header.tiles_x);
+    const auto tiles_x = static_cast<std::int32_t>(terrain.header().tiles_x);
     const auto t = static_cast<std::int32_t>(tile);
-    return {t % tiles_x * terrain.tree.side(), t / tiles_x * terrain.tree.side()};
+    return {t % tiles_x * data_of(terrain).tree.side(), t / tiles_x * data_of(terrain).tree.side()};
 }
 
 gl::Rgba8 level_rgba(const Terrain& terrain, Coord v) {
-    const gl::Rgb8 rgb = gl::level_rgb(terrain.tree.level(v), static_cast<int>(terrain.header.tile_log2));
+    const gl::Rgb8 rgb = gl::level_rgb(data_of(terrain).tree.level(v), static_cast<int>(terrain.header().tile_log2));
     return {rgb[0], rgb[1], rgb[2], 220};
 }
 
@@ -69,7 +70,7 @@ void SceneLines::add_culled(const flight::Session& session) {
     drawn_.assign(terrain.tile_count(), false);
     for (const TileRange& range : session.mesh().tiles)
         if (range.index_count != 0) drawn_[range.tile] = true;
-    const std::int32_t side = terrain.tree.side();
+    const std::int32_t side = data_of(terrain).tree.side();
     for (std::uint32_t tile = 0; tile < terrain.tile_count() && lines_.size() + 6 <= most_lines; ++tile) {
         if (drawn_[tile]) continue;
         const Coord o = tile_origin(terrain, tile);
@@ -83,25 +84,25 @@ void SceneLines::add_culled(const flight::Session& session) {
 // The sphere of a tile's centre bounds all vertices inside the tile.
 void SceneLines::add_tile_spheres(const flight::Session& session, const View& view) {
     const Terrain& terrain = session.terrain();
-    const std::int32_t half = terrain.tree.side() / 2;
+    const std::int32_t half = data_of(terrain).tree.side() / 2;
     near_.clear();
     std::uint32_t last = terrain.tile_count();
     for (const TileRange& range : session.mesh().tiles) { // a tile's ranges follow each other
         if (range.index_count == 0 || range.tile == last) continue;
         last = range.tile;
         const Coord o = tile_origin(terrain, last);
-        const Coord c = terrain.tree.sample({o.x + half, o.y + half});
-        near_.push_back({length(place_of(terrain, c, terrain.header.min_m) - view.eye_m), last});
+        const Coord c = data_of(terrain).tree.sample({o.x + half, o.y + half});
+        near_.push_back({length(place_of(terrain, c, terrain.header().min_m) - view.eye_m), last});
     }
     const std::size_t count = std::min(near_.size(), shown_tiles);
     std::partial_sort(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(count), near_.end(),
                       [](const Near& a, const Near& b) { return a.distance_m < b.distance_m; });
     for (std::size_t i = 0; i < count; ++i) {
         const Coord o = tile_origin(terrain, near_[i].tile), c{o.x + half, o.y + half};
-        const Terrain::Vertex v = terrain.vertex(c);
+        const TerrainData::Vertex v = data_of(terrain).vertex(c);
         if (!v.loaded) continue;
-        balls_.push_back(
-            {place_of(terrain, terrain.tree.sample(c), v.height_m), static_cast<double>(v.radius_m), tile_rgba});
+        balls_.push_back({place_of(terrain, data_of(terrain).tree.sample(c), v.height_m),
+                          static_cast<double>(v.radius_m), tile_rgba});
     }
 }
 
@@ -113,16 +114,16 @@ void SceneLines::add_chain(const flight::Session& session, const View& view) {
     const auto sample = [](double metres, double spacing_m, std::int32_t count) {
         return std::clamp(static_cast<std::int32_t>(std::lround(metres / spacing_m)), 0, count - 1);
     };
-    Coord v{sample(hit.position_m.x, terrain.header.spacing_m[0], terrain.tree.columns()),
-            sample(hit.position_m.z, terrain.header.spacing_m[1], terrain.tree.rows())};
-    while (!terrain.tree.is_corner(v) && balls_.size() < most_balls) {
-        const Terrain::Vertex vertex = terrain.vertex(v);
+    Coord v{sample(hit.position_m.x, terrain.header().spacing_m[0], data_of(terrain).tree.columns()),
+            sample(hit.position_m.z, terrain.header().spacing_m[1], data_of(terrain).tree.rows())};
+    while (!data_of(terrain).tree.is_corner(v) && balls_.size() < most_balls) {
+        const TerrainData::Vertex vertex = data_of(terrain).vertex(v);
         if (vertex.loaded && vertex.radius_m > 0)
             balls_.push_back(
                 {place_of(terrain, v, vertex.height_m), static_cast<double>(vertex.radius_m), level_rgba(terrain, v)});
-        const Diamond d = diamond(terrain.tree, v);
-        const Coord up = terrain.tree.contains(d.apexes[0]) ? d.apexes[0] : d.apexes[1];
-        if (terrain.tree.is_corner(up)) break;
+        const Diamond d = diamond(data_of(terrain).tree, v);
+        const Coord up = data_of(terrain).tree.contains(d.apexes[0]) ? d.apexes[0] : d.apexes[1];
+        if (data_of(terrain).tree.is_corner(up)) break;
         v = up;
     }
 }

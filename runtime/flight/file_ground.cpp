@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::flight {
 
@@ -24,31 +25,31 @@ FileGround::FileGround(const io::PackFile& file) : file_(file) {
 }
 
 double FileGround::ground_m(double x_m, double z_m) {
-    const PackHeader& h = terrain_.header;
+    const PackHeader& h = terrain_.header();
     const auto first = [](double at, std::int32_t count) {
         return static_cast<std::int32_t>(std::clamp(at, 0.0, static_cast<double>(count - 2)));
     };
-    const Coord nw{first(x_m / h.spacing_m[0], terrain_.tree.columns()),
-                   first(z_m / h.spacing_m[1], terrain_.tree.rows())};
-    if (terrain_.page_count() - terrain_.pages_missing + most_pages > terrain_.slot_count)
-        for (std::uint32_t slot = 0; slot < terrain_.slot_count; ++slot)
-            if (const std::uint32_t page = terrain_.slot_page[slot]; page != no_index)
-                unload_page(terrain_, page / terrain_.pages_per_tile, page % terrain_.pages_per_tile);
+    const Coord nw{first(x_m / h.spacing_m[0], data_of(terrain_).tree.columns()),
+                   first(z_m / h.spacing_m[1], data_of(terrain_).tree.rows())};
+    if (terrain_.page_count() - terrain_.pages_missing() + most_pages > data_of(terrain_).slot_count)
+        for (std::uint32_t slot = 0; slot < data_of(terrain_).slot_count; ++slot)
+            if (const std::uint32_t page = data_of(terrain_).slot_page[slot]; page != no_index)
+                (void)unload_page(terrain_, page / terrain_.pages_per_tile(), page % terrain_.pages_per_tile());
     bool all = true;
     for (const Coord by : {Coord{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
         fetch(nw + by);
-        all = all && terrain_.vertex(nw + by).loaded;
+        all = all && data_of(terrain_).vertex(nw + by).loaded;
     }
-    if (all) return terrain_.ground_m(x_m, z_m);
+    if (all) return data_of(terrain_).ground_m(x_m, z_m);
     for (int shift = 1;; ++shift) { // ends at a tile's corner at the latest
-        const Terrain::Vertex v = terrain_.vertex({nw.x >> shift << shift, nw.y >> shift << shift});
+        const TerrainData::Vertex v = data_of(terrain_).vertex({nw.x >> shift << shift, nw.y >> shift << shift});
         if (v.loaded) return v.height_m;
     }
 }
 
 void FileGround::fetch(Coord sample) {
-    const Tree& tree = terrain_.tree;
-    const PageLayout& pages = terrain_.pages;
+    const Tree& tree = data_of(terrain_).tree;
+    const PageLayout& pages = data_of(terrain_).pages;
     if (tree.is_corner(sample)) return;
     const std::int32_t side = tree.side();
     const std::int32_t tx = std::min(sample.x / side, tree.tiles_x - 1),
@@ -70,8 +71,9 @@ void FileGround::fetch(Coord sample) {
 }
 
 bool FileGround::load(std::uint32_t tile, std::uint32_t page) {
-    if (terrain_.page_table[std::size_t{tile} * terrain_.pages_per_tile + page].slot != no_index) return true;
-    const ChunkEntry entry = file_.pack().entry(chunk_index(terrain_.header, {ChunkKind::geometry, tile, page}));
+    if (data_of(terrain_).page_table[std::size_t{tile} * terrain_.pages_per_tile() + page].slot != no_index)
+        return true;
+    const ChunkEntry entry = file_.pack().entry(chunk_index(terrain_.header(), {ChunkKind::geometry, tile, page}));
     stored_.resize(entry.stored_bytes);
     raw_.resize(entry.raw_bytes);
     return file_.read(entry.offset, stored_) == 0 && decode_chunk(entry, stored_, raw_).ok() &&

@@ -11,6 +11,7 @@
 #include "fjell/io/pack_file.h"
 #include "fjell/terrain.h"
 #include "flight/path.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::flight {
 
@@ -20,7 +21,7 @@ public:
     FileGround(const FileGround&) = delete;
     FileGround& operator=(const FileGround&) = delete;
 
-    // Terrain::ground_m, whatever is loaded.
+    // TerrainData::ground_m, whatever is loaded.
     [[nodiscard]] double ground_m(double x_m, double z_m);
 
 private:

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::flight {
 
@@ -199,12 +200,12 @@ private:
 } // namespace
 
 Ground ground_of(const Terrain& terrain) {
-    const PackHeader& h = terrain.header;
+    const PackHeader& h = terrain.header();
     Ground ground;
     ground.extent_x_m = (h.columns - 1) * h.spacing_m[0];
     ground.extent_z_m = (h.rows - 1) * h.spacing_m[1];
     ground.cell_m = std::min(h.spacing_m[0], h.spacing_m[1]);
-    ground.height_m = [&terrain](double x_m, double z_m) { return terrain.ground_m(x_m, z_m); };
+    ground.height_m = [terrain](double x_m, double z_m) { return data_of(terrain).ground_m(x_m, z_m); };
     return ground;
 }
 

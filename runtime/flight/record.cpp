@@ -7,6 +7,7 @@
 #include <xxhash.h>
 
 #include "fjell/io/failure.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::flight {
 
@@ -140,7 +141,7 @@ RecordedFrame recorded(std::span<const View> views, const CutSettings& settings,
 
 Status replay_pages(const Pack& pack, Terrain& terrain, LiveCut cut, const RecordedFrame& frame) {
     for (const PageArrival& p : frame.pages) {
-        if (p.tile >= terrain.tile_count() || p.page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
+        if (p.tile >= terrain.tile_count() || p.page >= terrain.pages_per_tile()) return {Code::out_of_range, "page"};
         bool released = false;
         switch (p.event) {
         case PageEvent::inserted:
@@ -149,11 +150,11 @@ Status replay_pages(const Pack& pack, Terrain& terrain, LiveCut cut, const Recor
         case PageEvent::released:
             if (Status s = release_page(cut, p.tile, p.page, released); !s.ok()) return s;
             break;
-        case PageEvent::kept: cancel_release(cut, p.tile, p.page); break;
-        case PageEvent::removed: unload_page(terrain, p.tile, p.page); break;
+        case PageEvent::kept: (void)cancel_release(cut, p.tile, p.page); break;
+        case PageEvent::removed: (void)unload_page(terrain, p.tile, p.page); break;
         }
     }
-    terrain.missing_px = frame.missing_px;
+    data_of(terrain).missing_px = frame.missing_px;
     return {};
 }
 

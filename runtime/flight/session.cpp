@@ -11,6 +11,7 @@
 
 #include "fjell/io/failure.h"
 #include "io/file.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::flight {
 
@@ -51,7 +52,7 @@ struct Made {
 };
 
 Made make_cut(const FlightOptions& options, const Terrain& terrain, const CutBudget& budget) {
-    if (terrain.pages.order == Order::linear)
+    if (data_of(terrain).pages.order == Order::linear)
         throw Failure(1,
                       fmt::format("{}: the pack is in linear order, which the incremental method does not read; bake "
                                   "it with --order planar, or fly it with --method recursive",
@@ -176,8 +177,8 @@ void open_session(const FlightOptions& options, Session& session) {
         throw Failure(1, fmt::format("{}: recorded over another pack than {}", options.replay, options.pack));
     make_method(options, options.replay.empty() ? nullptr : &session.recording->budget, session);
     if (!options.record.empty())
-        session.recording =
-            Recording{pack_hash, session.cut_budget, session.streamed ? session.loaded.terrain.slot_count : 0, {}};
+        session.recording = Recording{
+            pack_hash, session.cut_budget, session.streamed ? data_of(session.loaded.terrain).slot_count : 0, {}};
     session.load_seconds = microseconds(Clock::now() - start) / 1e6;
     session.started = Clock::now();
     if (session.streamed) session.streamed->begin(options, session.loaded.terrain, session.cut);
@@ -198,7 +199,7 @@ CameraPath path_of(const FlightOptions& options) {
 }
 
 View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile) {
-    const PackHeader& h = terrain.header;
+    const PackHeader& h = terrain.header();
     const double width_m = (h.columns - 1) * h.spacing_m[0], depth_m = (h.rows - 1) * h.spacing_m[1];
     const Vec3 eye = pose.position_m;
     const Vec3 farthest{std::max(std::abs(eye.x), std::abs(eye.x - width_m)),
@@ -221,7 +222,7 @@ FrameEntry update_frame(Session& session, const View& view, const Profile& profi
         session.begun = true;
         if (session.recording) {
             RecordedFrame frame = recorded(views, settings, report, cut_mesh(session.cut).mesh);
-            frame.missing_px = session.terrain().missing_px;
+            frame.missing_px = session.terrain().missing_px();
             if (session.streamed) {
                 const auto pages = page_arrivals(session.streamed->stream());
                 frame.pages.assign(pages.begin(), pages.end());
@@ -232,7 +233,7 @@ FrameEntry update_frame(Session& session, const View& view, const Profile& profi
         entry = run_recursive(session, view, profile.refine);
         entry.index_slots.capacity = profile.budget.indices;
         if (session.streamed) // which this method's report knows nothing of
-            entry.error_px_effective = std::max(entry.error_px_effective, session.terrain().missing_px);
+            entry.error_px_effective = std::max(entry.error_px_effective, session.terrain().missing_px());
     }
     if (session.streamed) add_stream(entry, session.streamed->report());
     entry.at_s = microseconds(Clock::now() - session.started) / 1e6;

@@ -147,7 +147,7 @@ TileBlock Renderer::State::make_tile(std::uint32_t tile, std::uint32_t index) co
         const TileMap& map = of.tiles[tile];
         *layers[kind] = static_cast<std::int32_t>(map.layer);
         if (map.side_log2 != 0) *arrays[kind] = of.array_of[map.side_log2];
-        min_lod_grid(of.tiles, header.tiles_x, tile, block.mip[kind]);
+        (void)min_lod_grid(of.tiles, header.tiles_x, tile, block.mip[kind]);
     }
     block.tint = packed_tint(column, row);
     return block;

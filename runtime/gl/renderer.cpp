@@ -110,13 +110,14 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
                                            std::string& error) {
     std::unique_ptr<Renderer> result(new Renderer);
     State& s = *result->state_;
-    s.terrain = &terrain;
-    s.header = terrain.header;
+    s.terrain = terrain;
+    s.header = terrain.header();
     s.options = options;
-    s.spacing_x_m = terrain.spacing_x_m;
-    s.spacing_z_m = terrain.spacing_z_m;
-    s.diagonal_m = std::hypot(s.spacing_x_m * (terrain.header.columns - 1), s.spacing_z_m * (terrain.header.rows - 1));
-    error = check_limits(options);
+    s.spacing_x_m = terrain.spacing_x_m();
+    s.spacing_z_m = terrain.spacing_z_m();
+    s.diagonal_m =
+        std::hypot(s.spacing_x_m * (terrain.header().columns - 1), s.spacing_z_m * (terrain.header().rows - 1));
+    error = terrain.valid() ? check_limits(options) : "there is no terrain behind the handle; create it first";
     // llvmpipe walks an ellipse of texels whose size it does not bound where uv is extrapolated at the rim of tiny
     // multisampled triangles: frames of half a minute were seen.
     const float anisotropy = is_software() ? 1.0f : options.anisotropy > 0 ? options.anisotropy : 8.0f;
@@ -180,11 +181,11 @@ std::string Renderer::State::prepare(const DrawOptions& now) {
         if (!(now.error_full_px > 0)) return "DrawOptions::error_full_px must be above 0";
     }
     if (std::string error = make_program_of(now); !error.empty()) return error;
-    return now.mode == Mode::residency ? residency.follow(*terrain) : std::string();
+    return now.mode == Mode::residency ? residency.follow(terrain) : std::string();
 }
 
 std::string Renderer::set_heights(const HeightGrid& grid) {
-    return state_->heights.set(grid, *state_->terrain, state_->options.texture_side);
+    return state_->heights.set(grid, state_->terrain, state_->options.texture_side);
 }
 
 void Renderer::State::set_up(const Target& target) const {

@@ -37,7 +37,7 @@ struct DrawData {
 };
 
 struct Renderer::State {
-    const Terrain* terrain = nullptr;
+    Terrain terrain;
     PackHeader header{};
     double spacing_x_m = 1, spacing_z_m = 1, diagonal_m = 1;
     RendererOptions options;

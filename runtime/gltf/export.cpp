@@ -12,6 +12,7 @@
 #include "fjell/io/load.h"
 #include "fjell/recursive.h"
 #include "gltf/refused.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::gltf {
 
@@ -23,7 +24,7 @@ constexpr std::uint32_t capacity(std::uint64_t wanted) {
 
 // What full resolution takes, and so the most that can ever be used.
 RecursiveBudget largest_budget(const Terrain& terrain) {
-    const std::uint64_t side = static_cast<std::uint64_t>(terrain.tree.side()), tiles = terrain.tile_count();
+    const std::uint64_t side = static_cast<std::uint64_t>(data_of(terrain).tree.side()), tiles = terrain.tile_count();
     return {capacity(tiles * (side + 1) * (side + 1)),
             capacity(std::max<std::uint64_t>(tiles * side * side * 6, tiles * 9))};
 }
@@ -32,6 +33,7 @@ RecursiveBudget largest_budget(const Terrain& terrain) {
 
 SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const View& view, double error_px,
                                const std::string& path, const SnapshotOptions& options) {
+    if (!terrain.valid()) return refused(2, "there is no terrain behind the handle; load it with load_terrain");
     const RecursiveBudget largest = largest_budget(terrain);
     const RefineSettings settings{
         .error_px = error_px, .metric = Metric::isotropic, .cull = false, .topology = Topology::triangles};
@@ -56,8 +58,9 @@ SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const V
         if (!status.ok()) return refused(2, fmt::format("{}: {}", status.field, message(status.code)));
         if (!report.converged && !all) continue;
         return write_snapshot(pack, terrain, recursive_mesh(method),
-                              {view, report.error_px_requested, std::max(report.error_px_effective, terrain.missing_px),
-                               report.converged && terrain.missing_px <= report.error_px_requested},
+                              {view, report.error_px_requested,
+                               std::max(report.error_px_effective, terrain.missing_px()),
+                               report.converged && terrain.missing_px() <= report.error_px_requested},
                               path, options);
     }
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "fjell/io/failure.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::gltf {
 
@@ -15,12 +16,12 @@ namespace {
 double slope_at(const Terrain& terrain, Coord sample, Coord axis, double spacing_m) {
     const auto at = [&](std::int32_t by) { return Coord{sample.x + by * axis.x, sample.y + by * axis.y}; };
     const auto inside = [&](Coord c) {
-        return c.x >= 0 && c.y >= 0 && c.x < terrain.tree.columns() && c.y < terrain.tree.rows();
+        return c.x >= 0 && c.y >= 0 && c.x < data_of(terrain).tree.columns() && c.y < data_of(terrain).tree.rows();
     };
-    for (std::int32_t step = 1; step <= terrain.tree.side(); step *= 2)
+    for (std::int32_t step = 1; step <= data_of(terrain).tree.side(); step *= 2)
         for (const auto& [from, to] : {std::pair{-step, step}, {0, step}, {-step, 0}}) {
             if (!inside(at(from)) || !inside(at(to))) continue;
-            const Terrain::Vertex a = terrain.vertex(at(from)), b = terrain.vertex(at(to));
+            const TerrainData::Vertex a = data_of(terrain).vertex(at(from)), b = data_of(terrain).vertex(at(to));
             if (!a.loaded || !b.loaded) continue;
             return (static_cast<double>(b.height_m) - static_cast<double>(a.height_m)) / ((to - from) * spacing_m);
         }
@@ -28,8 +29,8 @@ double slope_at(const Terrain& terrain, Coord sample, Coord axis, double spacing
 }
 
 void normal_at(const Terrain& terrain, Coord sample, float* normal) {
-    const double slope_x = slope_at(terrain, sample, {1, 0}, terrain.header.spacing_m[0]);
-    const double slope_z = slope_at(terrain, sample, {0, 1}, terrain.header.spacing_m[1]);
+    const double slope_x = slope_at(terrain, sample, {1, 0}, terrain.header().spacing_m[0]);
+    const double slope_z = slope_at(terrain, sample, {0, 1}, terrain.header().spacing_m[1]);
     const double scale = 1 / std::sqrt(slope_x * slope_x + slope_z * slope_z + 1);
     normal[0] = static_cast<float>(-slope_x * scale);
     normal[1] = static_cast<float>(scale);
@@ -44,7 +45,7 @@ bool is_degenerate(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c
 } // namespace
 
 TileCollector::TileCollector(const Terrain& the_terrain, std::uint32_t texture_px)
-    : terrain(the_terrain), side(static_cast<std::uint32_t>(the_terrain.tree.side())),
+    : terrain(the_terrain), side(static_cast<std::uint32_t>(data_of(the_terrain).tree.side())),
       slots(std::size_t{side + 1} * (side + 1), no_index) {
     const double texels = std::max(texture_px, 1u);
     uv_first = 0.5 / texels;
@@ -52,24 +53,25 @@ TileCollector::TileCollector(const Terrain& the_terrain, std::uint32_t texture_p
 }
 
 double TileCollector::tile_x_m(std::uint32_t tile) const {
-    return (tile % terrain.header.tiles_x) *
-           static_cast<double>(static_cast<float>(side * terrain.header.spacing_m[0]));
+    return (tile % terrain.header().tiles_x) *
+           static_cast<double>(static_cast<float>(side * terrain.header().spacing_m[0]));
 }
 
 double TileCollector::tile_z_m(std::uint32_t tile) const {
-    return (tile / terrain.header.tiles_x) *
-           static_cast<double>(static_cast<float>(side * terrain.header.spacing_m[1]));
+    return (tile / terrain.header().tiles_x) *
+           static_cast<double>(static_cast<float>(side * terrain.header().spacing_m[1]));
 }
 
 Coord TileCollector::in_tile_of(std::uint32_t tile, const MeshVertex& vertex) const {
-    const auto tx = static_cast<std::int32_t>(tile % terrain.header.tiles_x),
-               ty = static_cast<std::int32_t>(tile / terrain.header.tiles_x);
-    return Coord{vertex.column, vertex.row} - Coord{tx * terrain.tree.side(), ty * terrain.tree.side()};
+    const auto tx = static_cast<std::int32_t>(tile % terrain.header().tiles_x),
+               ty = static_cast<std::int32_t>(tile / terrain.header().tiles_x);
+    return Coord{vertex.column, vertex.row} -
+           Coord{tx * data_of(terrain).tree.side(), ty * data_of(terrain).tree.side()};
 }
 
 bool TileCollector::in_tile(std::uint32_t tile, const MeshVertex& vertex) const {
     const Coord c = in_tile_of(tile, vertex);
-    return c.x >= 0 && c.y >= 0 && c.x <= terrain.tree.side() && c.y <= terrain.tree.side();
+    return c.x >= 0 && c.y >= 0 && c.x <= data_of(terrain).tree.side() && c.y <= data_of(terrain).tree.side();
 }
 
 std::size_t TileCollector::place(std::uint32_t tile, const MeshVertex& vertex) const {
@@ -80,9 +82,9 @@ std::size_t TileCollector::place(std::uint32_t tile, const MeshVertex& vertex) c
 SnapshotVertex TileCollector::make_vertex(std::uint32_t tile, const MeshVertex& vertex) const {
     const Coord in_tile = in_tile_of(tile, vertex);
     SnapshotVertex made{};
-    made.position_m[0] = static_cast<float>(in_tile.x * terrain.header.spacing_m[0]);
+    made.position_m[0] = static_cast<float>(in_tile.x * terrain.header().spacing_m[0]);
     made.position_m[1] = vertex.height_m;
-    made.position_m[2] = static_cast<float>(in_tile.y * terrain.header.spacing_m[1]);
+    made.position_m[2] = static_cast<float>(in_tile.y * terrain.header().spacing_m[1]);
     normal_at(terrain, {vertex.column, vertex.row}, made.normal);
     made.uv[0] = static_cast<float>(uv_first + uv_step * in_tile.x);
     made.uv[1] = static_cast<float>(uv_first + uv_step * in_tile.y);

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "fjell/coord.h"
 #include "fjell/mesh.h"
 #include "fjell/terrain.h"
 

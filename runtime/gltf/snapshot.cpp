@@ -17,6 +17,7 @@
 #include "gltf/refused.h"
 #include "gltf/scene.h"
 #include "io/file.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::gltf {
 
@@ -39,7 +40,7 @@ void check(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const
         throw io::Failure(2, "SnapshotInfo::error_px and error_px_effective must be above zero and finite");
     if (mesh.topology != Topology::triangles)
         throw io::Failure(2, "the snapshot needs a triangle list; set RefineSettings::topology to Topology::triangles");
-    if (pack.header.header_hash != terrain.header.header_hash || !terrain.records)
+    if (pack.header.header_hash != terrain.header().header_hash || !terrain.valid())
         throw io::Failure(2, "the terrain was not loaded from this pack; load it with load_terrain");
 }
 
@@ -102,7 +103,7 @@ void add_tiles(const Pack& pack, const Terrain& terrain, const MeshView& mesh, c
         int texture = -1;
         if (mip.side_px) {
             require(read_chunk(pack, {ChunkKind::colour, range.tile, mip.level}, blocks), "the pack's colour chunk");
-            decode_colour(blocks, mip.side_px, rgb);
+            (void)decode_colour(blocks, mip.side_px, rgb);
             texture = scene.add_texture(name, mip.side_px, std::as_bytes(std::span(rgb)));
         }
         scene.add_tile(name, geometry, {collector.tile_x_m(range.tile), 0, collector.tile_z_m(range.tile)}, texture);

@@ -10,6 +10,7 @@
 #include "fjell/io/load.h"
 #include "fjell/terrain.h"
 #include "io/file.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::io {
 
@@ -47,8 +48,9 @@ public:
         : terrain_(terrain), path_(path), read_(read) {}
 
     void load(std::uint32_t tile, std::uint32_t step_log2) {
-        for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page) {
-            const int finest = terrain_.pages.page_step_log2(page); // -1: of all steps, or page 0, which all need
+        for (std::uint32_t page = 0; page < terrain_.pages_per_tile(); ++page) {
+            const int finest =
+                data_of(terrain_).pages.page_step_log2(page); // -1: of all steps, or page 0, which all need
             if (finest >= 0 && finest < static_cast<int>(step_log2)) continue;
             read_({ChunkKind::geometry, tile, page}, raw_);
             if (!insert_page(terrain_, tile, page, raw_).ok())
@@ -57,18 +59,18 @@ public:
         }
     }
     void unload(std::uint32_t tile) {
-        for (std::uint32_t page = 0; page < terrain_.pages_per_tile; ++page) unload_page(terrain_, tile, page);
+        for (std::uint32_t page = 0; page < terrain_.pages_per_tile(); ++page) (void)unload_page(terrain_, tile, page);
     }
     // The samples that are this tile's: those on its south and east border are its neighbours', if it has any.
     void copy(std::uint32_t tile, FullHeights& grid) const {
-        const std::int32_t a_side = terrain_.tree.side() >> grid.step_log2;
-        const auto tx = static_cast<std::int32_t>(tile % terrain_.header.tiles_x),
-                   ty = static_cast<std::int32_t>(tile / terrain_.header.tiles_x);
-        const std::int32_t end_x = tx + 1 == terrain_.tree.tiles_x ? grid.columns : (tx + 1) * a_side,
-                           end_y = ty + 1 == terrain_.tree.tiles_y ? grid.rows : (ty + 1) * a_side;
+        const std::int32_t a_side = data_of(terrain_).tree.side() >> grid.step_log2;
+        const auto tx = static_cast<std::int32_t>(tile % terrain_.header().tiles_x),
+                   ty = static_cast<std::int32_t>(tile / terrain_.header().tiles_x);
+        const std::int32_t end_x = tx + 1 == data_of(terrain_).tree.tiles_x ? grid.columns : (tx + 1) * a_side,
+                           end_y = ty + 1 == data_of(terrain_).tree.tiles_y ? grid.rows : (ty + 1) * a_side;
         for (std::int32_t y = ty * a_side; y < end_y; ++y)
             for (std::int32_t x = tx * a_side; x < end_x; ++x) {
-                const Terrain::Vertex v = terrain_.vertex({x << grid.step_log2, y << grid.step_log2});
+                const TerrainData::Vertex v = data_of(terrain_).vertex({x << grid.step_log2, y << grid.step_log2});
                 grid.heights_m[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.columns) +
                                static_cast<std::size_t>(x)] =
                     v.hole ? std::numeric_limits<float>::quiet_NaN() : v.height_m;
@@ -85,7 +87,7 @@ private:
 std::optional<FullHeights> read(const Pack& pack, std::span<const std::byte> corners, const std::string& path,
                                 std::uint64_t max_samples, const GoOn& go_on, const ReadPage& read_page) {
     FullHeights grid = make_grid(pack.header, max_samples, path);
-    const TerrainBudget slots{pack.pages().pages_per_tile()};
+    const TerrainBudget slots{pages_of(pack.header).pages_per_tile()};
     const std::size_t bytes = terrain_bytes(pack.header, slots);
     const AlignedMemory memory = allocate(bytes);
     Terrain terrain;

@@ -26,7 +26,7 @@ void StreamReader::run(const std::stop_token& stop) {
         if (!next_request(stream_, request)) {
             std::this_thread::sleep_for(idle_sleep);
         } else if (!still_wanted(stream_, request.ticket)) {
-            fail(stream_, request.ticket, true);
+            (void)fail(stream_, request.ticket, true);
             ++unwanted_;
         } else {
             serve(request, stop);
@@ -46,7 +46,7 @@ void StreamReader::serve(const StreamRequest& request, const std::stop_token& st
         ready = line_free_;
     }
     if (!wait_until(ready, stop)) {
-        fail(stream_, request.ticket, true);
+        (void)fail(stream_, request.ticket, true);
         return;
     }
     if (bytes_.size() < request.bytes) bytes_.resize(request.bytes);
@@ -55,7 +55,7 @@ void StreamReader::serve(const StreamRequest& request, const std::stop_token& st
     const auto read = Clock::now();
     read_ns_ += nanoseconds(read - start);
     if (error != 0) {
-        fail(stream_, request.ticket);
+        (void)fail(stream_, request.ticket);
         last_error_ = error;
         ++errors_;
         return;

@@ -27,6 +27,7 @@
 #include "baker/synth/write_dem.h"
 #include "fjell/io/load.h"
 #include "fjell/terrain.h"
+#include "pack/terrain_data.h"
 #include "support/dem.h"
 
 namespace {
@@ -180,14 +181,14 @@ void decode(benchmark::State& state, Order order) {
     (void)baker::bake(dem(), options, path);
     const io::LoadedPack pack = io::load_pack(path, io::LoadTerrain::yes);
     Terrain terrain = pack.terrain;
-    const std::uint32_t last = terrain.pages_per_tile - 1, first = last - 31; // of 64 pages of step 1
+    const std::uint32_t last = terrain.pages_per_tile() - 1, first = last - 31; // of 64 pages of step 1
     std::uint32_t tile = 0;
     double samples_decoded = 0;
     for (auto _ : state) {
-        for (std::uint32_t page = first; page <= last; ++page) unload_page(terrain, tile, page);
+        for (std::uint32_t page = first; page <= last; ++page) (void)unload_page(terrain, tile, page);
         for (std::uint32_t page = first; page <= last; ++page) {
             if (!load_page(pack.pack, terrain, tile, page).ok()) return state.SkipWithError("damaged");
-            samples_decoded += terrain.pages.page_vertices(page);
+            samples_decoded += data_of(terrain).pages.page_vertices(page);
         }
         tile = (tile + 1) % terrain.tile_count();
     }

@@ -19,6 +19,7 @@
 #include "fjell/cut.h"
 #include "fjell/io/load.h"
 #include "fjell/recursive.h"
+#include "pack/terrain_data.h"
 #include "support/dem.h"
 
 namespace {
@@ -51,8 +52,8 @@ std::string bake_scene(const std::string& name, const std::function<baker::Dem()
 // Straight over the middle, 400 m above ground, `cells` a frame. cells 0: turning on the spot, 17 degrees a second.
 std::vector<View> flight(const Terrain& t, double cells, std::size_t frames) {
     std::vector<View> views;
-    const double cell = t.header.spacing_m[0], width = cell * (t.tree.columns() - 1),
-                 depth = t.header.spacing_m[1] * (t.tree.rows() - 1);
+    const double cell = t.header().spacing_m[0], width = cell * (data_of(t).tree.columns() - 1),
+                 depth = t.header().spacing_m[1] * (data_of(t).tree.rows() - 1);
     const Vec3 direction{0.8, 0, -0.6};
     const double length_m = std::min(cells * cell * static_cast<double>(frames), 0.4 * std::min(width, depth));
     if (cells > 0) frames = std::min(frames, static_cast<std::size_t>(length_m / (cells * cell)));
@@ -64,7 +65,7 @@ std::vector<View> flight(const Terrain& t, double cells, std::size_t frames) {
         // Heights as a camera follows them: over a hundred cells, not every bump.
         double ground = 0;
         for (int i = -4; i <= 4; ++i)
-            ground += t.ground_m(eye.x + direction.x * i * 12 * cell, eye.z + direction.z * i * 12 * cell) / 9;
+            ground += data_of(t).ground_m(eye.x + direction.x * i * 12 * cell, eye.z + direction.z * i * 12 * cell) / 9;
         eye.y = ground + 400;
         views.push_back(make_view(eye, forward, {0, 1, 0}, 0.7853981633974483, 1280, 960, 10, 2 * (width + depth)));
         eye = eye + direction * (cells * cell);
@@ -263,7 +264,7 @@ void teleport_budget(benchmark::State& state) {
             View& view = views[0];
             if (frame % 60 == 0) {
                 view.eye_m = {random() * t.x_m(4096), 0, random() * t.z_m(4096)};
-                view.eye_m.y = t.ground_m(view.eye_m.x, view.eye_m.z) + 400;
+                view.eye_m.y = data_of(t).ground_m(view.eye_m.x, view.eye_m.z) + 400;
             }
             view.eye_m = view.eye_m + Vec3{12, 0, -9};
             CutReport report;
@@ -283,8 +284,8 @@ void teleport_budget(benchmark::State& state) {
 class Visible {
 public:
     Visible(const Terrain& terrain, const View& view, double error_px)
-        : columns_(static_cast<std::size_t>(terrain.tree.columns())),
-          flags_(columns_ * static_cast<std::size_t>(terrain.tree.rows())) {
+        : columns_(static_cast<std::size_t>(data_of(terrain).tree.columns())),
+          flags_(columns_ * static_cast<std::size_t>(data_of(terrain).tree.rows())) {
         const std::size_t bytes = cut_bytes(terrain, cut_budget);
         const io::AlignedMemory memory = io::allocate(bytes);
         LiveCut cut;
@@ -343,7 +344,7 @@ void teleport_recovery(benchmark::State& state) {
         for (int n = 0; n < teleports; ++n) {
             View view = flight(t, 0.25, 1)[0];
             view.eye_m.x = t.x_m(1024 + 2048 * (n % 2)), view.eye_m.z = t.z_m(700 + 380 * n);
-            view.eye_m.y = t.ground_m(view.eye_m.x, view.eye_m.z) + 400;
+            view.eye_m.y = data_of(t).ground_m(view.eye_m.x, view.eye_m.z) + 400;
             const Visible whole(t, view, settings.error_px);
             state.counters["visible_vertices"] = static_cast<double>(whole.count());
             settings.budget_us = 2000;

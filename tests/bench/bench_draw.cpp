@@ -18,6 +18,7 @@
 #include "fjell/gl/renderer.h"
 #include "fjell/gl/target.h"
 #include "fjell/io/load.h"
+#include "pack/terrain_data.h"
 
 namespace {
 
@@ -66,7 +67,7 @@ void draw(benchmark::State& state, double error_px, std::uint32_t width, std::ui
     CutSettings settings;
     settings.error_px = error_px;
     CutReport report;
-    const double extent = pack.terrain.x_m(pack.terrain.tree.columns() - 1);
+    const double extent = pack.terrain.x_m(data_of(pack.terrain).tree.columns() - 1);
     Vec3 eye{0.5 * extent, 3500, 0.5 * extent};
     const auto view = [&] {
         return make_view(eye, {0.8, -0.2, -0.6}, {0, 1, 0}, 0.7853981633974483, width, height, 3, 3 * extent);

@@ -1,5 +1,5 @@
-// What a height, a ray and a collider patch cost, beside the plain way to a height: Terrain::ground_m(), which reads
-// the four samples around a place and needs all their pages. And what publication costs whoever loads pages.
+// What a height, a ray and a collider patch cost, beside the plain way to a height: TerrainData::ground_m(), which
+// reads the four samples around a place and needs all their pages. And what publication costs whoever loads pages.
 //
 // Names: query/scene/what. Scene: the mountains of content/terrain (4097 x 4097, 60 m), tiles of 512 cells.
 #include <benchmark/benchmark.h>
@@ -13,6 +13,7 @@
 #include "baker/bake/bake.h"
 #include "fjell/io/load.h"
 #include "fjell/query.h"
+#include "pack/terrain_data.h"
 #include "support/dem.h"
 
 namespace {
@@ -47,7 +48,7 @@ struct Place {
 // All over the terrain, or one third of a cell after the other, as something that walks does.
 std::vector<Place> places(bool coherent) {
     const Terrain& t = scene().terrain;
-    const double cell = t.header.spacing_m[0], width = cell * (t.tree.columns() - 1);
+    const double cell = t.header().spacing_m[0], width = cell * (data_of(t).tree.columns() - 1);
     std::mt19937 random(1);
     std::uniform_real_distribution<double> any(0.05 * width, 0.95 * width);
     std::vector<Place> out(1 << 14);
@@ -74,7 +75,7 @@ void plain_height(benchmark::State& state, bool coherent) {
     const std::vector<Place> at = places(coherent);
     std::size_t i = 0;
     for (auto _ : state) {
-        benchmark::DoNotOptimize(t.ground_m(at[i].x, at[i].z));
+        benchmark::DoNotOptimize(data_of(t).ground_m(at[i].x, at[i].z));
         i = (i + 1) % at.size();
     }
 }
@@ -87,7 +88,7 @@ void ray(benchmark::State& state, double above_m, double slope) {
     std::mt19937 random(2);
     std::uniform_real_distribution<double> angle(0, 6.283);
     for (const Place& p : at) {
-        from.push_back({p.x, t.ground_m(p.x, p.z) + above_m, p.z});
+        from.push_back({p.x, data_of(t).ground_m(p.x, p.z) + above_m, p.z});
         const double a = angle(random);
         along.push_back(std::isinf(slope) ? Vec3{0, -1, 0} : Vec3{std::cos(a), slope, std::sin(a)});
     }
@@ -107,7 +108,7 @@ void patch(benchmark::State& state, std::uint32_t side, int step) {
     const Terrain& t = scene().terrain;
     std::vector<float> heights(side * side);
     std::mt19937 random(3);
-    std::uniform_int_distribution<int> any(0, t.tree.columns() - static_cast<int>(side << step));
+    std::uniform_int_distribution<int> any(0, data_of(t).tree.columns() - static_cast<int>(side << step));
     for (auto _ : state) benchmark::DoNotOptimize(ground_patch(t, {any(random), any(random)}, step, side, heights));
 }
 
@@ -119,18 +120,18 @@ void insert(benchmark::State& state) {
     Terrain t;
     if (!create_terrain(pack, {}, {memory.get(), bytes}, t).ok()) return state.SkipWithError("terrain");
     std::vector<std::vector<std::byte>> pages;
-    for (std::uint32_t page = 0; page < t.pages_per_tile; ++page) {
+    for (std::uint32_t page = 0; page < t.pages_per_tile(); ++page) {
         const ChunkId id{ChunkKind::geometry, 9, page};
         pages.emplace_back(pack.entry(chunk_index(pack.header, id)).raw_bytes);
         if (!read_chunk(pack, id, pages.back()).ok()) return state.SkipWithError("page");
     }
     for (auto _ : state) {
-        for (std::uint32_t page = 0; page < t.pages_per_tile; ++page)
+        for (std::uint32_t page = 0; page < t.pages_per_tile(); ++page)
             if (!insert_page(t, 9, page, pages[page]).ok()) return state.SkipWithError("insert");
-        for (std::uint32_t page = 0; page < t.pages_per_tile; ++page) unload_page(t, 9, page);
+        for (std::uint32_t page = 0; page < t.pages_per_tile(); ++page) (void)unload_page(t, 9, page);
     }
     state.counters["us_per_page"] =
-        benchmark::Counter(static_cast<double>(t.pages_per_tile) * 1e-6,
+        benchmark::Counter(static_cast<double>(t.pages_per_tile()) * 1e-6,
                            benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 

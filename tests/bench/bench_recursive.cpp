@@ -15,6 +15,7 @@
 #include "baker/bake/bake.h"
 #include "fjell/io/load.h"
 #include "fjell/recursive.h"
+#include "pack/terrain_data.h"
 #include "support/dem.h"
 
 namespace {
@@ -55,12 +56,12 @@ const Scene& scene(int tile_log2, Order order) {
     if (!s.views.empty()) return s;
     s.pack = io::load_pack(pack_path(tile_log2, order), io::LoadTerrain::yes);
     const Terrain& t = s.pack.terrain;
-    const double cell = t.header.spacing_m[0], width = cell * (t.tree.columns() - 1),
-                 depth = cell * (t.tree.rows() - 1);
+    const double cell = t.header().spacing_m[0], width = cell * (data_of(t).tree.columns() - 1),
+                 depth = cell * (data_of(t).tree.rows() - 1);
     const Vec3 step{cell * 0.8, 0, -cell * 0.6};
     Vec3 eye{width * 0.4, 0, depth * 0.6};
     for (int frame = 0; frame < 64; ++frame, eye = eye + step) {
-        eye.y = t.ground_m(eye.x, eye.z) + 400;
+        eye.y = data_of(t).ground_m(eye.x, eye.z) + 400;
         s.views.push_back(
             make_view(eye, step + Vec3{0, -0.15 * cell, 0}, {0, 1, 0}, 0.7853981633974483, 1280, 960, 10, 2 * width));
     }

@@ -31,6 +31,7 @@
 #include "fjell/stream.h"
 #include "support/dem.h"
 
+#include "pack/terrain_data.h"
 #include "stream_engine.h"
 
 namespace {
@@ -45,7 +46,7 @@ void frame(benchmark::State& state, double cells, bool rests = false) {
     StreamSettings stream_settings;
     StreamReport stream;
     CutReport report;
-    const double cell = e.terrain.header.spacing_m[0];
+    const double cell = e.terrain.header().spacing_m[0];
     View view = view_at(e.terrain, 0.2, 0.7, 3500);
     for (int i = 0; i < 2000; ++i) { // to rest
         stream_settings.now_s += 1.0 / 60;
@@ -134,7 +135,7 @@ void soak(benchmark::State& state) {
     e.refine.items = 4000; // what a frame may do, teleports or not
     View view = view_at(e.terrain, 0.1, 0.9, 3500);
     (void)e.rest(view, false);
-    const double cell = e.terrain.header.spacing_m[0];
+    const double cell = e.terrain.header().spacing_m[0];
     std::vector<double> stream_us, cut_us, stream_worked_us, cut_worked_us, mesh_bytes, map_bytes;
     double converged = 0, effective = 0;
     for (auto _ : state)
@@ -235,18 +236,18 @@ std::set<std::uint32_t> linear_pages(const Terrain& t, const View& view, double 
     require(update_recursive(method, view, settings, report));
     if (!report.converged) std::abort();
     const MeshView mesh = recursive_mesh(method);
-    const std::int32_t side = t.tree.side();
+    const std::int32_t side = data_of(t).tree.side();
     std::set<std::uint32_t> pages;
     for (const std::uint32_t index : mesh.indices) {
         const MeshVertex& v = mesh.vertices[index];
         if (v.column % side == 0 && v.row % side == 0) continue; // a tile's corner: always there
         // A vertex on a border is stored in both tiles.
         for (std::int32_t ty = std::max(v.row - 1, 0) / side;
-             ty <= std::min<std::int32_t>(v.row / side, t.tree.tiles_y - 1); ++ty)
+             ty <= std::min<std::int32_t>(v.row / side, data_of(t).tree.tiles_y - 1); ++ty)
             for (std::int32_t tx = std::max(v.column - 1, 0) / side;
-                 tx <= std::min<std::int32_t>(v.column / side, t.tree.tiles_x - 1); ++tx) {
+                 tx <= std::min<std::int32_t>(v.column / side, data_of(t).tree.tiles_x - 1); ++tx) {
                 const auto place = static_cast<std::uint32_t>((v.row - ty * side) * (side + 1) + v.column - tx * side);
-                pages.insert(static_cast<std::uint32_t>(ty * t.tree.tiles_x + tx) * t.pages_per_tile +
+                pages.insert(static_cast<std::uint32_t>(ty * data_of(t).tree.tiles_x + tx) * t.pages_per_tile() +
                              place / max_page_vertices);
             }
     }
@@ -264,7 +265,7 @@ void teleport_linear(benchmark::State& state) {
         {
             const io::LoadedPack full = io::load_pack(path, io::LoadTerrain::yes);
             const Terrain& t = full.terrain;
-            per_tile = t.pages_per_tile;
+            per_tile = t.pages_per_tile();
             const auto before = linear_pages(t, view_at(t, here[0], here[1], 3500), 1.5),
                        after = linear_pages(t, view_at(t, there[0], there[1], 3500), 1.5);
             std::set_difference(after.begin(), after.end(), before.begin(), before.end(), std::back_inserter(wanted));
@@ -330,7 +331,7 @@ void by_size(benchmark::State& state, const std::string& path, std::uint32_t slo
     StreamSettings stream_settings;
     StreamReport stream;
     View view = view_at(e.terrain, 0.2, 0.4, 1500);
-    view.eye_m.z = 0.4 * e.terrain.z_m(e.terrain.tree.rows() - 1);
+    view.eye_m.z = 0.4 * e.terrain.z_m(data_of(e.terrain).tree.rows() - 1);
     std::vector<double> us;
     const auto frame = [&] {
         stream_settings.now_s += 1.0 / 60;
@@ -342,7 +343,7 @@ void by_size(benchmark::State& state, const std::string& path, std::uint32_t slo
     us.clear();
     for (auto _ : state)
         for (int i = 0; i < 500; ++i) {
-            view.eye_m = view.eye_m + Vec3{0.8, 0, 0.1} * (cells * e.terrain.header.spacing_m[0]);
+            view.eye_m = view.eye_m + Vec3{0.8, 0, 0.1} * (cells * e.terrain.header().spacing_m[0]);
             frame();
         }
     state.counters["tiles"] = e.terrain.tile_count();
@@ -366,7 +367,7 @@ void memory(benchmark::State& state) {
         const io::AlignedMemory memory = io::allocate(bytes);
         Terrain t;
         require(create_terrain(file.pack(), file.corners(), {slots}, {memory.get(), bytes}, t));
-        const double records = 4.0 * t.page_capacity * t.slot_count,
+        const double records = 4.0 * data_of(t).page_capacity * data_of(t).slot_count,
                      table = static_cast<double>(sizeof(PageEntry)) * t.page_count();
         const double stream = static_cast<double>(stream_bytes(file.pack(), t, budget)),
                      least = static_cast<double>(stream_bytes(file.pack(), t, one));

@@ -24,6 +24,7 @@
 #include "fjell/io/stream_reader.h"
 #include "fjell/recursive.h"
 #include "fjell/stream.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::bench {
 
@@ -94,7 +95,7 @@ struct Engine {
 };
 
 inline View view_at(const Terrain& t, double x, double z, double height) {
-    const double width = t.x_m(t.tree.columns() - 1);
+    const double width = t.x_m(data_of(t).tree.columns() - 1);
     return make_view({x * width, height, z * width}, {0.8, -0.2, -0.6}, {0, 1, 0}, 0.7853981633974483, 1280, 960, 10,
                      3 * width);
 }

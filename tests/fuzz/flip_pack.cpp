@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "pack/terrain_data.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
 
@@ -36,14 +37,14 @@ std::vector<Bytes> decode_chunks(const Pack& pack) {
 }
 
 bool same_records(const Terrain& a, const Terrain& b) {
-    const auto corners = static_cast<std::size_t>((a.tree.tiles_x + 1) * (a.tree.tiles_y + 1));
-    if (std::memcmp(a.corners, b.corners, corners * sizeof *a.corners) != 0) return false;
+    const auto corners = static_cast<std::size_t>((data_of(a).tree.tiles_x + 1) * (data_of(a).tree.tiles_y + 1));
+    if (std::memcmp(data_of(a).corners, data_of(b).corners, corners * sizeof *data_of(a).corners) != 0) return false;
     for (std::uint32_t page = 0; page < a.page_count(); ++page) {
-        const PageEntry p = a.page_table[page], q = b.page_table[page];
+        const PageEntry p = data_of(a).page_table[page], q = data_of(b).page_table[page];
         if (p.base != q.base) return false;
-        if (std::memcmp(a.records + std::size_t{p.slot} * a.page_capacity,
-                        b.records + std::size_t{q.slot} * b.page_capacity,
-                        a.pages.page_vertices(page % a.pages_per_tile) * sizeof(VertexRecord)) != 0)
+        if (std::memcmp(data_of(a).records + std::size_t{p.slot} * data_of(a).page_capacity,
+                        data_of(b).records + std::size_t{q.slot} * data_of(b).page_capacity,
+                        data_of(a).pages.page_vertices(page % a.pages_per_tile()) * sizeof(VertexRecord)) != 0)
             return false;
     }
     return true;

@@ -18,6 +18,7 @@
 #include "fjell/measure.h"
 #include "fjell/recursive.h"
 #include "input.h"
+#include "pack/terrain_data.h"
 
 namespace {
 
@@ -96,31 +97,32 @@ void read_chunks(const Pack& pack) {
 void check_pages(const Terrain& t) {
     std::uint32_t missing = 0;
     for (std::uint32_t page = 0; page < t.page_count(); ++page) {
-        const PageEntry entry = t.page_table[page];
+        const PageEntry entry = data_of(t).page_table[page];
         if (entry.slot == no_index) {
             ++missing;
             continue;
         }
-        must(entry.slot < t.slot_count && t.slot_page[entry.slot] == page, "a loaded page's slot names it");
+        must(entry.slot < data_of(t).slot_count && data_of(t).slot_page[entry.slot] == page,
+             "a loaded page's slot names it");
         must(entry.base >= 0 && entry.base <= max_height_steps - 65535, "a page's heights lie on the height scale");
     }
-    must(missing == t.pages_missing, "pages_missing counts the pages that are missing");
-    for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
-        must(t.slot_page[slot] == no_index ||
-                 (t.slot_page[slot] < t.page_count() && t.page_table[t.slot_page[slot]].slot == slot),
+    must(missing == t.pages_missing(), "pages_missing counts the pages that are missing");
+    for (std::uint32_t slot = 0; slot < data_of(t).slot_count; ++slot)
+        must(data_of(t).slot_page[slot] == no_index || (data_of(t).slot_page[slot] < t.page_count() &&
+                                                        data_of(t).page_table[data_of(t).slot_page[slot]].slot == slot),
              "a slot's page lies there");
 }
 
 std::span<const VertexRecord> page_records(const Terrain& t, std::uint32_t page) {
-    return {t.records + std::size_t{t.page_table[page].slot} * t.page_capacity,
-            t.pages.page_vertices(page % t.pages_per_tile)};
+    return {data_of(t).records + std::size_t{data_of(t).page_table[page].slot} * data_of(t).page_capacity,
+            data_of(t).pages.page_vertices(page % t.pages_per_tile())};
 }
 
 // What a page decodes to does not depend on when it was loaded.
 void check_records(const Terrain& t, const Terrain& whole) {
     for (std::uint32_t page = 0; page < t.page_count(); ++page) {
-        if (t.page_table[page].slot == no_index) continue;
-        must(t.page_table[page].base == whole.page_table[page].base, "a page has one base");
+        if (data_of(t).page_table[page].slot == no_index) continue;
+        must(data_of(t).page_table[page].base == data_of(whole).page_table[page].base, "a page has one base");
         const auto a = page_records(t, page), b = page_records(whole, page);
         must(std::memcmp(a.data(), b.data(), a.size_bytes()) == 0, "a page has the same records whenever it is loaded");
     }
@@ -128,15 +130,15 @@ void check_records(const Terrain& t, const Terrain& whole) {
 
 // Inside a tile, where no other one has a say, a vertex of the mesh is the terrain's.
 void check_vertex(const Terrain& t, std::uint32_t tile, const MeshVertex& v) {
-    const std::int32_t side = t.tree.side(), tiles_x = t.tree.tiles_x;
+    const std::int32_t side = data_of(t).tree.side(), tiles_x = data_of(t).tree.tiles_x;
     const auto n = static_cast<std::int32_t>(tile);
     const std::int32_t x = v.column - n % tiles_x * side, y = v.row - n / tiles_x * side;
     must(x >= 0 && y >= 0 && x <= side && y <= side, "a vertex lies in its tile");
     must(std::isfinite(v.height_m), "a height is finite");
     const Coord at{v.column, v.row};
     if (x == 0 || y == 0 || x == side || y == side) return;
-    if (at.x >= t.tree.columns() - 1 || at.y >= t.tree.rows() - 1) return; // others stand there, too
-    const Terrain::Vertex vertex = t.vertex(at);
+    if (at.x >= data_of(t).tree.columns() - 1 || at.y >= data_of(t).tree.rows() - 1) return; // others stand there, too
+    const TerrainData::Vertex vertex = data_of(t).vertex(at);
     must(vertex.loaded && vertex.height_m == v.height_m, "a vertex of the mesh has the terrain's height");
 }
 
@@ -157,16 +159,16 @@ void check_mesh(const Terrain& terrain, const MeshView& mesh) {
 
 // What queries make of vertices here and there, of missing pages too.
 void query(const Terrain& t) {
-    const std::int32_t columns = t.tree.grid_columns(), rows = t.tree.grid_rows();
+    const std::int32_t columns = data_of(t).tree.grid_columns(), rows = data_of(t).tree.grid_rows();
     for (std::int32_t i = 0; i < 64; ++i) {
         const Coord at{i * 37 % columns, (i * 101 + i / 8) % rows};
-        const Terrain::Vertex v = t.vertex(at);
-        must(v.loaded || t.pages_missing != 0, "a vertex is there when its page is");
+        const TerrainData::Vertex v = data_of(t).vertex(at);
+        must(v.loaded || t.pages_missing() != 0, "a vertex is there when its page is");
         must(v.steps >= 0 && v.steps <= max_height_steps, "a height lies on the height scale");
         must(std::isfinite(v.height_m) && v.error_m >= 0 && v.radius_m >= 0, "a vertex' numbers are finite");
-        must(std::isfinite(t.ground_m(i * t.header.spacing_m[0] - 0.3, i * 1.7 * t.header.spacing_m[1])),
+        must(std::isfinite(data_of(t).ground_m(i * t.header().spacing_m[0] - 0.3, i * 1.7 * t.header().spacing_m[1])),
              "the ground is somewhere");
-        (void)t.is_hole(t.tree.sample(at));
+        (void)data_of(t).is_hole(data_of(t).tree.sample(at));
     }
 }
 
@@ -198,17 +200,18 @@ struct Refiner {
             must(update_recursive(method, view, settings, report).ok(), "a frame of what was loaded");
             const MeshView mesh = recursive_mesh(method);
             check_mesh(terrain, mesh);
-            if (terrain.pages_missing == 0)
+            if (terrain.pages_missing() == 0)
                 (void)measure_error(terrain, mesh, view, topology == Topology::strip ? &frustum : nullptr);
         }
     }
 
 private:
     [[nodiscard]] View look(std::uint32_t frame) const {
-        const double wx = terrain.x_m(terrain.tree.columns() - 1), wz = terrain.z_m(terrain.tree.rows() - 1);
+        const double wx = terrain.x_m(data_of(terrain).tree.columns() - 1),
+                     wz = terrain.z_m(data_of(terrain).tree.rows() - 1);
         const double extent = std::max(wx, wz);
         const std::uint32_t bits = script.eye + 37 * frame;
-        const double ground = terrain.height_m({0, 0});
+        const double ground = data_of(terrain).height_m({0, 0});
         const double above = extent * std::pow(10.0, bits / 5 % 5 - 4.0);
         const Vec3 eye{(bits % 5 - 0.5) / 3 * wx, ground + above, (bits / 25 % 5 - 0.5) / 3 * wz};
         const double far = length(eye) / 9e7; // no view is from further than 100,000 km
@@ -226,30 +229,30 @@ private:
 
 // One step of the page script: a page comes or goes. whole: the terrain with all of its pages, if they can be loaded.
 void move_page(const Pack& pack, Terrain& terrain, std::uint32_t bits, bool unload, bool whole) {
-    const std::uint32_t page = bits % terrain.page_count(), tile = page / terrain.pages_per_tile,
-                        item = page % terrain.pages_per_tile;
-    if (unload) return unload_page(terrain, tile, item);
-    const bool there = terrain.page_table[page].slot != no_index;
-    const std::uint64_t changes = terrain.changes;
+    const std::uint32_t page = bits % terrain.page_count(), tile = page / terrain.pages_per_tile(),
+                        item = page % terrain.pages_per_tile();
+    if (unload) return (void)unload_page(terrain, tile, item);
+    const bool there = data_of(terrain).page_table[page].slot != no_index;
+    const std::uint64_t changes = data_of(terrain).changes;
     const Status s = load_page(pack, terrain, tile, item);
     switch (s.code) {
-    case Code::ok: must(terrain.page_table[page].slot != no_index, "a page that was loaded is there"); break;
+    case Code::ok: must(data_of(terrain).page_table[page].slot != no_index, "a page that was loaded is there"); break;
     case Code::out_of_slots: {
-        const std::uint32_t leaves = terrain.slot_page[bits / 7 % terrain.slot_count];
+        const std::uint32_t leaves = data_of(terrain).slot_page[bits / 7 % data_of(terrain).slot_count];
         must(!there && leaves != no_index, "no slot is free");
-        return unload_page(terrain, leaves / terrain.pages_per_tile, leaves % terrain.pages_per_tile);
+        return (void)unload_page(terrain, leaves / terrain.pages_per_tile(), leaves % terrain.pages_per_tile());
     }
     case Code::coarser_page_first:
-        must(terrain.pages.page_step_log2(item) == 0, "only errors of the finest step are derived");
+        must(data_of(terrain).pages.page_step_log2(item) == 0, "only errors of the finest step are derived");
         break;
     case Code::corrupt: must(!whole, "a page that could be loaded can be loaded again"); break;
     default: must(false, "a page is loaded, or refused for one of three reasons");
     }
-    must(terrain.changes == changes + (s.ok() && !there ? 1 : 0), "what fails changes nothing");
+    must(data_of(terrain).changes == changes + (s.ok() && !there ? 1 : 0), "what fails changes nothing");
 }
 
 void page_by_page(const Pack& pack, const PackScript& script, const Terrain* whole) {
-    const std::uint32_t pages = pack.tile_count() * pack.pages().pages_per_tile();
+    const std::uint32_t pages = pack.tile_count() * pages_of(pack.header).pages_per_tile();
     const TerrainBudget budget{1 + script.slots % std::max(pages - 1, 1u)};
     const std::size_t bytes = terrain_bytes(pack.header, budget);
     if (bytes > most_bytes) return;
@@ -260,7 +263,7 @@ void page_by_page(const Pack& pack, const PackScript& script, const Terrain* who
         return;
     }
     must(load_page(pack, terrain, terrain.tile_count(), 0).code == Code::out_of_range &&
-             load_page(pack, terrain, 0, terrain.pages_per_tile).code == Code::out_of_range,
+             load_page(pack, terrain, 0, terrain.pages_per_tile()).code == Code::out_of_range,
          "there are no other pages");
     Refiner refiner(terrain, script);
     refiner.frames();

@@ -118,7 +118,7 @@ public:
 
     // The first page, and the first and the last one of the finest step.
     void pages(const std::string& name, const io::LoadedPack& pack) {
-        const PageLayout layout = pack.pack.pages();
+        const PageLayout layout = pages_of(pack.pack.header);
         const std::uint32_t last = layout.pages_per_tile() - 1;
         for (const std::uint32_t page : {0u, layout.tile_log2 > page_squares_log2 ? last / 4 * 3 : 0, last}) {
             PageScript script{};

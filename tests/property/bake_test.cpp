@@ -6,6 +6,7 @@
 
 #include "baker/bake/work_bytes.h"
 #include "baker/check/verify.h"
+#include "pack/terrain_data.h"
 #include "support/dem.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
@@ -17,13 +18,14 @@ namespace {
 
 VertexRecord& record_of(io::LoadedPack& pack, Coord c) {
     const Terrain& t = pack.terrain;
-    const std::int32_t side = t.tree.side(), tx = std::min(c.x / side, t.tree.tiles_x - 1),
-                       ty = std::min(c.y / side, t.tree.tiles_y - 1);
-    const PagePlace at =
-        t.pages.place(static_cast<std::uint32_t>(c.x - tx * side), static_cast<std::uint32_t>(c.y - ty * side));
+    const std::int32_t side = data_of(t).tree.side(), tx = std::min(c.x / side, data_of(t).tree.tiles_x - 1),
+                       ty = std::min(c.y / side, data_of(t).tree.tiles_y - 1);
+    const PagePlace at = data_of(t).pages.place(static_cast<std::uint32_t>(c.x - tx * side),
+                                                static_cast<std::uint32_t>(c.y - ty * side));
     const PageEntry page =
-        t.page_table[static_cast<std::uint32_t>(ty * t.tree.tiles_x + tx) * t.pages_per_tile + at.page];
-    return const_cast<VertexRecord&>(t.records[page.slot * t.page_capacity + at.index]);
+        data_of(t)
+            .page_table[static_cast<std::uint32_t>(ty * data_of(t).tree.tiles_x + tx) * t.pages_per_tile() + at.page];
+    return const_cast<VertexRecord&>(data_of(t).records[page.slot * data_of(t).page_capacity + at.index]);
 }
 
 PageBound bound_of(const io::LoadedPack& pack, std::uint32_t tile, std::uint32_t page) {
@@ -60,7 +62,7 @@ TEST_CASE(
         REQUIRE(report.ok());
         coarse_heights += bound_shift(pack.pack.header) > 0;
         holed += pack.terrain.has_voids();
-        cut_off += pack.terrain.tree.cut_x > 0 || pack.terrain.tree.cut_y > 0;
+        cut_off += data_of(pack.terrain).tree.cut_x > 0 || data_of(pack.terrain).tree.cut_y > 0;
         REQUIRE(report.true_error_checked == (options.estimate == Estimate::max));
         REQUIRE(report.vertices >= dem.heights_m.size());
     }
@@ -173,20 +175,20 @@ TEST_CASE("integer heights are stored without loss") {
     dem.native_quantum_m = 1;
     const auto pack = bake_and_load(dem, small_bake(4));
     for (std::int32_t y = 0; y < 65; ++y)
-        for (std::int32_t x = 0; x < 65; ++x) REQUIRE(pack.terrain.height_m({x, y}) == dem.at(x, y));
+        for (std::int32_t x = 0; x < 65; ++x) REQUIRE(data_of(pack.terrain).height_m({x, y}) == dem.at(x, y));
 }
 
 TEST_CASE("heights that no height scale can hold exactly are off by at most half a quantum") {
     Random random(14);
     const baker::Dem dem = random_dem(random, 65, 65, Shape::noise);
     const auto pack = bake_and_load(dem, small_bake(4));
-    const double half = pack.terrain.height_scale.quantum_m * 0.5;
+    const double half = data_of(pack.terrain).height_scale.quantum_m * 0.5;
     const auto [least, most] = std::minmax_element(dem.heights_m.begin(), dem.heights_m.end());
     // Half a quantum, and the rounding of a float of this size.
     const double ulp = std::max(std::abs(*least), std::abs(*most)) * 0x1p-23;
     for (std::int32_t y = 0; y < 65; ++y)
         for (std::int32_t x = 0; x < 65; ++x)
-            REQUIRE(std::abs(static_cast<double>(pack.terrain.height_m({x, y})) - dem.at(x, y)) <= half + ulp);
+            REQUIRE(std::abs(static_cast<double>(data_of(pack.terrain).height_m({x, y})) - dem.at(x, y)) <= half + ulp);
 }
 
 TEST_CASE("the mid-point estimate is never above the true one, and breaks the true bound somewhere") {
@@ -198,8 +200,8 @@ TEST_CASE("the mid-point estimate is never above the true one, and breaks the tr
     auto middle = bake_and_load(dem, options);
     for (std::int32_t y = 0; y < 129; ++y)
         for (std::int32_t x = 0; x < 129; ++x)
-            REQUIRE(middle.terrain.vertex({x, y}).error_m <= full.terrain.vertex({x, y}).error_m);
-    middle.terrain.header.estimate = Estimate::max; // claim what does not hold
+            REQUIRE(data_of(middle.terrain).vertex({x, y}).error_m <= data_of(full.terrain).vertex({x, y}).error_m);
+    data_of(middle.terrain).header.estimate = Estimate::max; // claim what does not hold
     REQUIRE(baker::verify(middle.terrain, nullptr).true_error_violations > 0);
 }
 
@@ -231,14 +233,14 @@ TEST_CASE("the verifier notices every kind of fault") {
         auto pack = fresh();
         VertexRecord& r = record_of(pack, {7, 7}); // ground that becomes a hole
         r.radius = static_cast<std::uint8_t>(r.radius | void_bit);
-        pack.terrain.header.voids = 1;
+        data_of(pack.terrain).header.voids = 1;
         const auto report = baker::verify(pack.terrain, &dem);
         CHECK(report.height_mismatches == 1);
         CHECK(report.rim_violations > 0);
     }
     {
         auto pack = fresh();
-        const_cast<std::uint32_t&>(pack.terrain.corners[6]) += 1;
+        const_cast<std::uint32_t&>(data_of(pack.terrain).corners[6]) += 1;
         CHECK(baker::verify(pack.terrain, nullptr).border_mismatches == 4); // as each of its tiles has it
     }
     {
@@ -258,7 +260,7 @@ TEST_CASE("the verifier notices a bound that does not hold, and one that is wide
         options.order = order;
         auto pack = bake_and_load(random_dem(random, 200, 150, Shape::fractal), options);
         REQUIRE(baker::verify(pack.terrain, nullptr, &pack.pack).ok());
-        const std::uint32_t pages = pack.terrain.pages_per_tile;
+        const std::uint32_t pages = pack.terrain.pages_per_tile();
         REQUIRE(pages > 4);
         for (const std::uint32_t page : {0u, 1u, pages - 1}) {
             const auto violations = [&](std::int32_t low, std::int32_t high, std::int32_t error, std::int32_t radius) {

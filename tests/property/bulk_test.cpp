@@ -1,6 +1,7 @@
 // The bulk pass: the whole cut at once.
 #include <catch2/catch.hpp>
 
+#include "pack/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/rounds.h"
 
@@ -21,8 +22,8 @@ TEST_CASE("a cut built at once is the same as one refined step by step, and live
             settings.error_px = random_threshold(random);
             const CutReport report =
                 frame % 2 == 0 ? cut.rebuild({&view, 1}, settings) : cut.update({&view, 1}, settings);
-            CAPTURE(round, frame, settings.error_px, terrain.tree.tile_log2, terrain.tree.columns(),
-                    terrain.tree.rows());
+            CAPTURE(round, frame, settings.error_px, data_of(terrain).tree.tile_log2, data_of(terrain).tree.columns(),
+                    data_of(terrain).tree.rows());
             REQUIRE(check_cut(cut) == "");
             REQUIRE(report.converged);
             REQUIRE(triangles_of(cut.mesh()) == recursive_triangles(terrain, view, settings.error_px));

@@ -1,6 +1,7 @@
 // Budgets of the live cut: each runs out alone, says its name, breaks nothing and is forgiven; the governor; refusals.
 #include <catch2/catch.hpp>
 
+#include "pack/terrain_data.h"
 #include "support/cut_scene.h"
 
 using namespace fjell;
@@ -9,7 +10,7 @@ using namespace fjell::test;
 namespace {
 
 std::uint32_t corners_of(const Terrain& terrain) {
-    return (terrain.header.tiles_x + 1) * (terrain.header.tiles_y + 1);
+    return (terrain.header().tiles_x + 1) * (terrain.header().tiles_y + 1);
 }
 // The smallest that create_cut() takes.
 CutBudget least_cut(const Terrain& terrain, std::uint32_t segment_triangles = 8) {
@@ -58,18 +59,19 @@ TEST_CASE("a slot costs the bytes that the headers say") {
     const auto pack = bake_and_load(random_dem(random, 300, 300, Shape::noise), small_bake(6));
     constexpr std::uint32_t more = 1u << 20; // so many that bookkeeping and rounding up weigh less than a byte each
     const auto grown = [&](std::uint32_t vertices, std::uint32_t triangles, std::uint32_t slots) {
-        Terrain terrain = pack.terrain;
-        terrain.slot_count += slots;
-        CutBudget budget = least_cut(terrain, 4096);
+        CutBudget budget = least_cut(pack.terrain, 4096);
         budget.vertices += vertices;
         budget.triangles += triangles;
-        return cut_bytes(terrain, budget);
+        data_of(pack.terrain).slot_count += slots;
+        const std::size_t bytes = cut_bytes(pack.terrain, budget);
+        data_of(pack.terrain).slot_count -= slots;
+        return bytes;
     };
     const std::size_t least = grown(0, 0, 0);
     CHECK((grown(more, 0, 0) - least) / more == cut_vertex_bytes);
     CHECK((grown(0, more, 0) - least) / more == cut_triangle_bytes);
     CHECK((grown(0, 0, 7000) - least + 500) / 7000 == cut_page_slot_bytes);
-    const auto slots = [&](std::uint32_t count) { return terrain_bytes(pack.terrain.header, {.page_slots = count}); };
+    const auto slots = [&](std::uint32_t count) { return terrain_bytes(pack.terrain.header(), {.page_slots = count}); };
     const std::uint32_t tiles = pack.terrain.tile_count(), pages = pack.terrain.page_count();
     const std::size_t page = (slots(pages) - slots(tiles)) / (pages - tiles);
     CHECK((page + cut_page_slot_bytes + 500) / 1000 == 32); // README: 32 KB each
@@ -301,7 +303,7 @@ TEST_CASE("where no threshold suffices the effective one does not run away, and 
     // On the ground, inside the spheres of more vertices than fit: those are wanted at any threshold.
     const double middle = pack.terrain.x_m(32);
     View view = view_from_above(pack.terrain, 1);
-    view.eye_m = {middle, pack.terrain.ground_m(middle, pack.terrain.z_m(32)), pack.terrain.z_m(32)};
+    view.eye_m = {middle, data_of(pack.terrain).ground_m(middle, pack.terrain.z_m(32)), pack.terrain.z_m(32)};
     CutSettings settings;
     settings.error_px = 1;
     CutReport report;

@@ -148,7 +148,7 @@ TEST_CASE("two runs alike give the same buffers and reports, and the scalar eval
         CutBudget budget = ample_cut(pack.terrain, 3);
         if (round % 3 == 0) { // the governor takes part
             const std::uint32_t tiles = pack.terrain.tile_count();
-            budget.vertices = (pack.terrain.header.tiles_x + 1) * (pack.terrain.header.tiles_y + 1) + 60;
+            budget.vertices = (pack.terrain.header().tiles_x + 1) * (pack.terrain.header().tiles_y + 1) + 60;
             budget.triangles = budget.segment_triangles * (tiles + 12);
         }
         std::vector<std::unique_ptr<PagedTerrain>> terrains;
@@ -170,18 +170,18 @@ TEST_CASE("two runs alike give the same buffers and reports, and the scalar eval
             const std::uint32_t tile = static_cast<std::uint32_t>(
                                     pick(random, 0, static_cast<int>(pack.terrain.tile_count()) - 1)),
                                 page = static_cast<std::uint32_t>(
-                                    pick(random, 0, static_cast<int>(pack.terrain.pages_per_tile) - 1));
+                                    pick(random, 0, static_cast<int>(pack.terrain.pages_per_tile()) - 1));
             const bool load = pick(random, 0, 3) != 0;
             CutReport reports[3];
             for (std::size_t run = 0; run < 3; ++run) {
                 Terrain& terrain = terrains[run]->terrain;
                 if (frame == 0)
                     for (std::uint32_t p = 0; p < terrain.page_count(); ++p)
-                        (void)load_page(pack.pack, terrain, p / terrain.pages_per_tile, p % terrain.pages_per_tile);
+                        (void)load_page(pack.pack, terrain, p / terrain.pages_per_tile(), p % terrain.pages_per_tile());
                 if (load)
                     (void)load_page(pack.pack, terrain, tile, page);
                 else
-                    unload_page(terrain, tile, page);
+                    (void)unload_page(terrain, tile, page);
                 reports[run] = cuts[run]->update(views, settings);
             }
             CAPTURE(round, frame, settings.error_px, settings.items);

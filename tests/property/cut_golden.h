@@ -11,6 +11,7 @@
 
 #include "cut/evaluate.h"
 #include "fjell/cut.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::test {
 
@@ -60,9 +61,10 @@ private:
 [[nodiscard]] inline std::uint64_t golden_terrain_hash(const Terrain& terrain) {
     Fnv hash;
     for (std::uint32_t page = 0; page < terrain.page_count(); ++page)
-        for (std::uint32_t i = 0; i < terrain.pages.page_vertices(page % terrain.pages_per_tile); ++i) {
+        for (std::uint32_t i = 0; i < data_of(terrain).pages.page_vertices(page % terrain.pages_per_tile()); ++i) {
             const VertexRecord r =
-                terrain.records[std::size_t{terrain.page_table[page].slot} * terrain.page_capacity + i];
+                data_of(terrain)
+                    .records[std::size_t{data_of(terrain).page_table[page].slot} * data_of(terrain).page_capacity + i];
             hash.add(static_cast<std::uint64_t>(r.height) << 16 | static_cast<std::uint64_t>(r.error) << 8 | r.radius);
         }
     return hash.value();
@@ -110,7 +112,7 @@ struct Golden {
     Golden result;
     LiveCut cut;
     if (!create_cut(terrain, golden_budget(terrain), block, cut).ok()) return result;
-    if (scalar) cut.state->evaluate = evaluate_scalar;
+    if (scalar) data_of(cut).evaluate = evaluate_scalar;
     Fnv triangles, work;
     Lcg random;
     View views[2];
@@ -133,7 +135,7 @@ struct Golden {
         for (const std::uint64_t count : {report.evaluations, report.activations, report.deactivations, report.waiting,
                                           report.blocked, report.triangles, report.exhausted})
             work.add(count);
-        add_triangles(triangles, *cut.state);
+        add_triangles(triangles, data_of(cut));
     }
     result.triangles = triangles.value();
     result.work = work.value();

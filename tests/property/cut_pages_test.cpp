@@ -1,6 +1,7 @@
 // Pages that come and go under a live cut: evicted and waited for, or unloaded without warning.
 #include <catch2/catch.hpp>
 
+#include "pack/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/rounds.h"
 
@@ -26,21 +27,21 @@ struct Host {
 
     [[nodiscard]] Page any() {
         return {static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.tile_count()) - 1)),
-                static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.pages_per_tile) - 1))};
+                static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.pages_per_tile()) - 1))};
     }
     [[nodiscard]] bool is_loaded(Page p) const {
-        return terrain.page_table[p.tile * terrain.pages_per_tile + p.page].slot != no_index;
+        return data_of(terrain).page_table[p.tile * terrain.pages_per_tile() + p.page].slot != no_index;
     }
     void load(Page p) {
         for (const auto& pages : {evicting, just_unloaded})
             if (std::find(pages.begin(), pages.end(), p) != pages.end()) return;
-        const std::uint32_t missing = terrain.pages_missing;
+        const std::uint32_t missing = terrain.pages_missing();
         const Status s = load_page(pack, terrain, p.tile, p.page);
         REQUIRE((s.ok() || s.code == Code::coarser_page_first || s.code == Code::out_of_slots));
-        loaded += missing - terrain.pages_missing;
+        loaded += missing - terrain.pages_missing();
     }
     void load_all() { // as far as the slots go, coarse ones first
-        for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page)
+        for (std::uint32_t page = 0; page < terrain.pages_per_tile(); ++page)
             for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) load({tile, page});
     }
     void act() {
@@ -50,7 +51,7 @@ struct Host {
             const Page p = any();
             if (!is_loaded(p)) continue;
             if (abrupt && pick(random, 0, 2) == 0) {
-                unload_page(terrain, p.tile, p.page);
+                (void)unload_page(terrain, p.tile, p.page);
                 if (std::erase(evicting, p) != 0) just_unloaded.push_back(p); // comes back in another frame: see below
                 ++unloaded;
             } else if (pick(random, 0, 1) && std::find(evicting.begin(), evicting.end(), p) == evicting.end()) {
@@ -66,7 +67,7 @@ struct Host {
             bool free = false;
             REQUIRE(release_page(cut.cut, p.tile, p.page, free).ok());
             if (!free) return false;
-            unload_page(terrain, p.tile, p.page);
+            (void)unload_page(terrain, p.tile, p.page);
             ++released;
             return true;
         });
@@ -106,9 +107,9 @@ void live_with(std::uint32_t seed, bool abrupt, int count) {
                 view = moved(random, view, random_step_m(random, pack.terrain));
                 settings.items = pick(random, 0, 2) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 0, 99));
                 const CutReport report = cut.update({&view, 1}, settings);
-                CAPTURE(round, leg, frame, settings.error_px, settings.items, paged.terrain.pages_missing);
+                CAPTURE(round, leg, frame, settings.error_px, settings.items, paged.terrain.pages_missing());
                 REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
-                incomplete += paged.terrain.pages_missing != 0;
+                incomplete += paged.terrain.pages_missing() != 0;
             }
             settings.items = unlimited_items;
             CutReport report;
@@ -117,7 +118,7 @@ void live_with(std::uint32_t seed, bool abrupt, int count) {
                 report = cut.update({&view, 1}, settings);
             }
             REQUIRE(host.evicting.empty());
-            CAPTURE(round, leg, settings.error_px, paged.terrain.pages_missing, paged.terrain.slot_count);
+            CAPTURE(round, leg, settings.error_px, paged.terrain.pages_missing(), data_of(paged.terrain).slot_count);
             REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
             REQUIRE(report.converged);
             REQUIRE(difference(active_set(cut),
@@ -209,16 +210,17 @@ TEST_CASE("a page is released step by step, each a whole mesh, and nothing of it
         int frames = 0;
         for (; !released && frames < 5000; ++frames) {
             REQUIRE(release_page(cut.cut, p.tile, p.page, released).ok());
-            view = moved(random, view, 1e-3 * paged.terrain.spacing_x_m);
+            view = moved(random, view, 1e-3 * paged.terrain.spacing_x_m());
             const CutReport report = cut.update({&view, 1}, settings);
             CAPTURE(round, frames);
             REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
         }
         REQUIRE(released);
-        REQUIRE(cut.state()
-                    .page_slot[cut.state().page_groups[p.tile * pack.terrain.pages_per_tile + p.page] / max_page_groups]
-                    .active == 0);
-        unload_page(paged.terrain, p.tile, p.page);
+        REQUIRE(
+            cut.state()
+                .page_slot[cut.state().page_groups[p.tile * pack.terrain.pages_per_tile() + p.page] / max_page_groups]
+                .active == 0);
+        (void)unload_page(paged.terrain, p.tile, p.page);
         settings.items = unlimited_items;
         REQUIRE(cut.update({&view, 1}, settings).converged);
         REQUIRE(difference(active_set(cut), target_set(pack.terrain, paged.terrain, {&view, 1}, settings.error_px)) ==
@@ -243,7 +245,7 @@ TEST_CASE("a page that went and came back between two frames is drawn again") {
     (void)cut.update({&view, 1}, settings);
     REQUIRE(release_page(cut.cut, 0, 0, released).ok());
     REQUIRE(released);
-    unload_page(paged.terrain, 0, 0);
+    (void)unload_page(paged.terrain, 0, 0);
     REQUIRE(load_page(pack.pack, paged.terrain, 0, 0).ok()); // into the same slot, most likely
     const CutReport report = settle(cut, {&view, 1}, settings, 10);
     REQUIRE(check_cut(cut) == "");
@@ -282,5 +284,5 @@ TEST_CASE("a page that is not loaded is released at once, one that does not exis
     REQUIRE(release_page(cut.cut, 0, 0, released).ok());
     REQUIRE(released);
     REQUIRE(release_page(cut.cut, pack.terrain.tile_count(), 0, released).code == Code::out_of_range);
-    REQUIRE(release_page(cut.cut, 0, pack.terrain.pages_per_tile, released).code == Code::out_of_range);
+    REQUIRE(release_page(cut.cut, 0, pack.terrain.pages_per_tile(), released).code == Code::out_of_range);
 }

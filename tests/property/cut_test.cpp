@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "fjell/measure.h"
+#include "pack/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/rounds.h"
 
@@ -33,8 +34,8 @@ TEST_CASE("at rest the live cut is the recursive method's mesh, triangle for tri
             default: view = moved(random, view, random_step_m(random, terrain));
             }
             const CutReport report = cut.update({&view, 1}, settings);
-            CAPTURE(round, frame, settings.error_px, terrain.tree.tile_log2, terrain.tree.columns(),
-                    terrain.tree.rows());
+            CAPTURE(round, frame, settings.error_px, data_of(terrain).tree.tile_log2, data_of(terrain).tree.columns(),
+                    data_of(terrain).tree.rows());
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
             REQUIRE(report.converged);
             REQUIRE((triangles_of(cut.mesh()) == recursive_triangles(terrain, view, settings.error_px)));
@@ -148,7 +149,7 @@ TEST_CASE("a frame that reports converged keeps the screen bound, with its corne
     for (int round = 0; round < rounds(15, 60); ++round) {
         const auto pack = random_terrain(random, 140, 6);
         const Terrain& terrain = pack.terrain;
-        if (terrain.header.estimate != Estimate::max) continue;
+        if (terrain.header().estimate != Estimate::max) continue;
         Cut cut(terrain, ample_cut(terrain));
         CutSettings settings;
         View view = random_view(random, terrain);

@@ -6,6 +6,7 @@
 
 #include "fjell/io/failure.h"
 #include "fjell/io/heights.h"
+#include "pack/terrain_data.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
@@ -20,10 +21,10 @@ std::size_t differences(const Terrain& whole, const io::FullHeights& grid) {
         for (std::int32_t x = 0; x < grid.columns; ++x) {
             const Coord at{x << grid.step_log2, y << grid.step_log2};
             const float is = grid.heights_m[static_cast<std::size_t>(y * grid.columns + x)];
-            if (whole.is_hole(whole.tree.sample(at)))
+            if (data_of(whole).is_hole(data_of(whole).tree.sample(at)))
                 wrong += !std::isnan(is);
             else
-                wrong += is != whole.height_m(whole.tree.sample(at));
+                wrong += is != data_of(whole).height_m(data_of(whole).tree.sample(at));
         }
     return wrong;
 }
@@ -57,9 +58,10 @@ TEST_CASE("the heights read from a pack are those of its terrain, whatever its o
         CHECK(differences(whole.terrain, *all) == 0);
 
         // With room for less: the least step that fits, and its last samples at the rim.
-        const auto most = static_cast<std::uint64_t>(
-            std::max(static_cast<double>(samples) * uniform(random, 0.01, 0.9),
-                     static_cast<double>((whole.terrain.tree.tiles_x + 1) * (whole.terrain.tree.tiles_y + 1))));
+        const auto most =
+            static_cast<std::uint64_t>(std::max(static_cast<double>(samples) * uniform(random, 0.01, 0.9),
+                                                static_cast<double>((data_of(whole.terrain).tree.tiles_x + 1) *
+                                                                    (data_of(whole.terrain).tree.tiles_y + 1))));
         const auto some = io::read_heights(whole.pack, whole.path, most);
         REQUIRE(some);
         REQUIRE(some->heights_m.size() ==

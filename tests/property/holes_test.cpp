@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fjell/measure.h"
+#include "pack/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/mesh_check.h"
 #include "support/rounds.h"
@@ -45,7 +46,7 @@ std::vector<Coord> samples_under(const Triangle& t) {
 }
 
 Vec3 position(const Terrain& t, Coord c) {
-    return {t.x_m(c.x), t.height_m(c), t.z_m(c.y)};
+    return {t.x_m(c.x), data_of(t).height_m(c), t.z_m(c.y)};
 }
 
 // How far a rim may be drawn from its place, in pixels: the size of the largest triangle that has both ground and hole
@@ -56,7 +57,7 @@ double rim_px(const Terrain& terrain, const std::vector<Triangle>& whole, const 
         const std::vector<Coord> samples = samples_under(t);
         if (samples.size() == 3) continue;
         std::size_t holes = 0;
-        for (const Coord c : samples) holes += terrain.is_hole(c);
+        for (const Coord c : samples) holes += data_of(terrain).is_hole(c);
         if (holes == 0 || holes == samples.size()) continue;
         double size = 0;
         for (std::size_t i = 0; i < 3; ++i)
@@ -76,7 +77,8 @@ TEST_CASE("a mesh with holes is the whole one less the triangles with a corner i
         const bool large = round % 40 == 39;
         const auto pack = random_holed_terrain(random, large);
         const Terrain& terrain = pack.terrain;
-        const Terrain whole_terrain = without_holes(terrain);
+        const WithoutHoles without_holes(terrain);
+        const Terrain& whole_terrain = without_holes.terrain();
         Recursive method(terrain, ample_budget(terrain)), strips(terrain, ample_budget(terrain)),
             whole(whole_terrain, ample_budget(terrain));
         for (int frame = 0; frame < (large ? 2 : 4); ++frame) {
@@ -86,20 +88,21 @@ TEST_CASE("a mesh with holes is the whole one less the triangles with a corner i
             settings.cull = frame % 2 == 1;
             const FrameReport report = method.update(view, settings);
             (void)whole.update(view, settings);
-            CAPTURE(round, frame, settings.error_px, terrain.tree.columns(), terrain.tree.rows(),
-                    terrain.tree.tile_log2);
+            CAPTURE(round, frame, settings.error_px, data_of(terrain).tree.columns(), data_of(terrain).tree.rows(),
+                    data_of(terrain).tree.tile_log2);
             REQUIRE(check_mesh(whole_terrain, whole.mesh()) == "");
             std::vector<Triangle> expected = triangles_of(whole.mesh());
             if (!settings.cull) REQUIRE(rim_px(terrain, expected, view) <= settings.error_px);
             const std::size_t all = expected.size();
             std::erase_if(expected, [&](const Triangle& t) {
-                return terrain.is_hole(t[0]) || terrain.is_hole(t[1]) || terrain.is_hole(t[2]);
+                return data_of(terrain).is_hole(t[0]) || data_of(terrain).is_hole(t[1]) ||
+                       data_of(terrain).is_hole(t[2]);
             });
             dropped += all - expected.size();
             kept += expected.size();
             REQUIRE(triangles_of(method.mesh()) == expected);
             REQUIRE(report.triangles == expected.size());
-            if (terrain.header.estimate == Estimate::max) {
+            if (terrain.header().estimate == Estimate::max) {
                 const Frustum frustum = make_frustum(view);
                 const MeasuredError error =
                     measure_error(terrain, method.mesh(), view, settings.cull ? &frustum : nullptr);
@@ -127,7 +130,7 @@ TEST_CASE("a terrain that is all hole but one sample draws nothing, and one cell
         const auto pack = bake_and_load(std::move(dem), small_bake(4));
         Recursive method(pack.terrain, ample_budget(pack.terrain));
         View view = make_view({}, {0, -1, 0.1}, {0, 1, 0}, 1, 800, 600, 0.001, 1e6);
-        view.eye_m = position(pack.terrain, {17, 12}) + Vec3{0, 0.1 * pack.terrain.spacing_x_m, 0};
+        view.eye_m = position(pack.terrain, {17, 12}) + Vec3{0, 0.1 * pack.terrain.spacing_x_m(), 0};
         RefineSettings settings;
         settings.cull = false;
         REQUIRE(method.update(view, settings).triangles == (side == 1 ? 0 : 2));
@@ -145,13 +148,13 @@ TEST_CASE("ground without holes costs nothing: the flag of a hole changes no err
     for (std::int32_t y = 0; y < 129; ++y)
         for (std::int32_t x = 0; x < 129; ++x) {
             const Coord v{x, y};
-            const auto before = solid.terrain.vertex(v), after = holed.terrain.vertex(v);
-            const std::int32_t reach = solid.terrain.tree.is_corner(v) ? 0 : 2 << Tree::step_log2(v);
+            const auto before = data_of(solid.terrain).vertex(v), after = data_of(holed.terrain).vertex(v);
+            const std::int32_t reach = data_of(solid.terrain).tree.is_corner(v) ? 0 : 2 << Tree::step_log2(v);
             // The hole's own vertex stands on what continues the ground around it.
             if (x != 100 || y != 100) REQUIRE(before.steps == after.steps);
             if (std::max(std::abs(x - 100), std::abs(y - 100)) > 2 * reach)
                 REQUIRE(std::abs(before.error_m - after.error_m) <=
                         0.051 * std::max(before.error_m, after.error_m)); // the scale may begin elsewhere
         }
-    REQUIRE(holed.terrain.vertex({99, 100}).error_m >= 2 * holed.terrain.spacing_x_m);
+    REQUIRE(data_of(holed.terrain).vertex({99, 100}).error_m >= 2 * holed.terrain.spacing_x_m());
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fjell/measure.h"
+#include "pack/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/mesh_check.h"
 #include "support/rounds.h"
@@ -129,9 +130,9 @@ TEST_CASE("no sample inside the frustum belongs to a tile that is not drawn") {
         (void)method.update(view, {});
         std::vector<bool> drawn(terrain.tile_count());
         for (const TileRange& range : method.mesh().tiles) drawn[range.tile] = true;
-        for (std::int32_t y = 0; y < terrain.tree.rows(); ++y)
-            for (std::int32_t x = 0; x < terrain.tree.columns(); ++x) {
-                const Vec3 p = Vec3{terrain.x_m(x), terrain.height_m({x, y}), terrain.z_m(y)} - view.eye_m;
+        for (std::int32_t y = 0; y < data_of(terrain).tree.rows(); ++y)
+            for (std::int32_t x = 0; x < data_of(terrain).tree.columns(); ++x) {
+                const Vec3 p = Vec3{terrain.x_m(x), data_of(terrain).height_m({x, y}), terrain.z_m(y)} - view.eye_m;
                 bool inside = true;
                 for (int i = 0; i < 6; ++i) inside = inside && dot(frustum.normal[i], p) >= frustum.offset[i];
                 if (inside) REQUIRE(drawn[static_cast<std::size_t>(std::min(y / 8, 7) * 8 + std::min(x / 8, 7))]);
@@ -167,19 +168,23 @@ TEST_CASE("spheres that touch nest: an eye on a decision surface makes no crack,
         const auto pack = random_terrain(random, {4, 3, 3}, 0.001);
         const Terrain& terrain = pack.terrain;
         Recursive method(terrain, ample_budget(terrain));
-        const auto position = [&](Coord c) { return Vec3{terrain.x_m(c.x), terrain.height_m(c), terrain.z_m(c.y)}; };
+        const auto position = [&](Coord c) {
+            return Vec3{terrain.x_m(c.x), data_of(terrain).height_m(c), terrain.z_m(c.y)};
+        };
         for (int sample = 0; sample < 60; ++sample) {
-            const Coord v{pick(random, 0, terrain.tree.columns() - 1), pick(random, 0, terrain.tree.rows() - 1)};
-            if (terrain.tree.is_corner(v)) continue;
-            const Diamond d = diamond(terrain.tree, v);
+            const Coord v{pick(random, 0, data_of(terrain).tree.columns() - 1),
+                          pick(random, 0, data_of(terrain).tree.rows() - 1)};
+            if (data_of(terrain).tree.is_corner(v)) continue;
+            const Diamond d = diamond(data_of(terrain).tree, v);
             const Coord parent = d.apexes[pick(random, 0, 1)];
-            if (!terrain.tree.contains(parent) || terrain.tree.is_corner(parent)) continue;
+            if (!data_of(terrain).tree.contains(parent) || data_of(terrain).tree.is_corner(parent)) continue;
             RefineSettings settings;
             settings.cull = false;
             settings.error_px = random_threshold(random);
             View view = make_view({}, {0, -1, 0.1}, {0, 1, 0}, 1, 1280, 720, 1, 1e6);
             const double q = view.lambda_px / settings.error_px;
-            const double reach = static_cast<double>(terrain.vertex(v).radius_m) + terrain.vertex(v).error_m * q;
+            const double reach =
+                static_cast<double>(data_of(terrain).vertex(v).radius_m) + data_of(terrain).vertex(v).error_m * q;
             // From the parent through the child to where the child is just not wanted: there the two are closest.
             const Vec3 away = normalised(position(v) - position(parent));
             if (length(away) == 0) continue;
@@ -204,20 +209,21 @@ TEST_CASE("what is selected is exactly what is wanted (invariant 7)") {
         settings.cull = false;
         (void)method.update(view, settings);
         const Reach reach = make_reach(view, settings.error_px);
-        std::vector<bool> used(static_cast<std::size_t>(terrain.tree.columns()) *
-                               static_cast<std::size_t>(terrain.tree.rows()));
+        std::vector<bool> used(static_cast<std::size_t>(data_of(terrain).tree.columns()) *
+                               static_cast<std::size_t>(data_of(terrain).tree.rows()));
         const auto at = [&](Coord c) {
-            return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(terrain.tree.columns()) +
+            return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(data_of(terrain).tree.columns()) +
                    static_cast<std::size_t>(c.x);
         };
         for (const Triangle& t : triangles_of(method.mesh()))
             for (const Coord c : t) used[at(c)] = true;
-        for (std::int32_t y = 0; y < terrain.tree.rows(); ++y)
-            for (std::int32_t x = 0; x < terrain.tree.columns(); ++x) {
+        for (std::int32_t y = 0; y < data_of(terrain).tree.rows(); ++y)
+            for (std::int32_t x = 0; x < data_of(terrain).tree.columns(); ++x) {
                 const Coord c{x, y};
-                const Terrain::Vertex r = terrain.vertex(c);
-                const bool expected = terrain.tree.is_corner(c) || wanted(reach, terrain.x_m(x), terrain.height_m(c),
-                                                                          terrain.z_m(y), r.error_m, r.radius_m);
+                const TerrainData::Vertex r = data_of(terrain).vertex(c);
+                const bool expected =
+                    data_of(terrain).tree.is_corner(c) ||
+                    wanted(reach, terrain.x_m(x), data_of(terrain).height_m(c), terrain.z_m(y), r.error_m, r.radius_m);
                 REQUIRE(used[at(c)] == expected);
             }
     }
@@ -303,8 +309,8 @@ TEST_CASE("quality comes back in full when the camera leaves") {
     Recursive method(pack.terrain, {600, 4000});
     const double extent = pack.terrain.x_m(128);
     const auto at_height = [&](double h) {
-        return make_view({extent / 2, pack.terrain.header.max_m + h, extent / 2}, {0, -1, 0.01}, {0, 1, 0}, 1, 800, 600,
-                         extent * 1e-4, extent * 1e4);
+        return make_view({extent / 2, pack.terrain.header().max_m + h, extent / 2}, {0, -1, 0.01}, {0, 1, 0}, 1, 800,
+                         600, extent * 1e-4, extent * 1e4);
     };
     REQUIRE_FALSE(method.update(at_height(extent * 0.01), {}).converged);
     FrameReport report;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pack/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/rounds.h"
 
@@ -17,8 +18,8 @@ std::vector<double> surface(const Terrain& terrain, Cut& cut) {
     const MeshView mesh = cut.mesh();
     const CutMesh live = cut_mesh(cut.cut);
     const MorphFrame frame = cut_morph(cut.cut);
-    const auto columns = static_cast<std::size_t>(terrain.tree.columns());
-    std::vector<double> heights(columns * static_cast<std::size_t>(terrain.tree.rows()),
+    const auto columns = static_cast<std::size_t>(data_of(terrain).tree.columns());
+    std::vector<double> heights(columns * static_cast<std::size_t>(data_of(terrain).tree.rows()),
                                 std::numeric_limits<double>::quiet_NaN());
     for (const TileRange& range : mesh.tiles)
         for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; i += 3) {
@@ -46,7 +47,7 @@ std::vector<double> surface(const Terrain& terrain, Cut& cut) {
 double largest_step_px(const Terrain& terrain, const View& view, const std::vector<double>& before,
                        const std::vector<double>& after) {
     double most = 0;
-    const std::int32_t columns = terrain.tree.columns();
+    const std::int32_t columns = data_of(terrain).tree.columns();
     for (std::size_t i = 0; i < after.size(); ++i) {
         const auto at = static_cast<std::int32_t>(i);
         const Vec3 p{terrain.x_m(at % columns), after[i], terrain.z_m(at / columns)};
@@ -63,9 +64,9 @@ struct Flight {
 // Hundredths of a cell, low over the ground, 60 frames a second.
 Flight fly(const Terrain& terrain, CutSettings settings, std::uint32_t items, int frames, double step_cells = 0.01) {
     Cut cut(terrain, ample_cut(terrain));
-    const double cell = terrain.spacing_x_m, x = terrain.x_m(terrain.tree.columns() - 1);
+    const double cell = terrain.spacing_x_m(), x = terrain.x_m(data_of(terrain).tree.columns() - 1);
     Vec3 eye{0.3 * x, 0, 0.4 * x};
-    eye.y = terrain.header.max_m + 3 * cell;
+    eye.y = terrain.header().max_m + 3 * cell;
     const auto look = [&] { return make_view(eye, {0.8, -0.1, 0.6}, {0, 1, 0}, 0.8, 1280, 720, 1, 1e6); };
     View view = look();
     (void)cut.rebuild({&view, 1}, settings);
@@ -131,18 +132,18 @@ TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not b
         const Terrain& terrain = pack.terrain;
         const View view = view_from_above(terrain, uniform(random, 1, 30));
         const auto distance_m = [&](Coord c) {
-            const double height_m = static_cast<double>(terrain.vertex(c).height_m);
+            const double height_m = static_cast<double>(data_of(terrain).vertex(c).height_m);
             return length(Vec3{terrain.x_m(c.x), height_m, terrain.z_m(c.y)} - view.eye_m);
         };
         const auto reach_m = [&](Coord c, double q) {
-            const Terrain::Vertex v = terrain.vertex(c);
+            const TerrainData::Vertex v = data_of(terrain).vertex(c);
             return static_cast<double>(v.radius_m) + static_cast<double>(v.error_m) * q;
         };
         // A threshold at which some vertex has just begun: there the edges' ends have the least to spare.
         const Coord some{pick(random, 0, 32), pick(random, 0, 32)};
-        const double error_m = static_cast<double>(terrain.vertex(some).error_m);
-        if (terrain.tree.is_corner(some) || error_m == 0) continue;
-        const double nested = 1 + static_cast<double>(terrain.header.nesting);
+        const double error_m = static_cast<double>(data_of(terrain).vertex(some).error_m);
+        if (data_of(terrain).tree.is_corner(some) || error_m == 0) continue;
+        const double nested = 1 + static_cast<double>(terrain.header().nesting);
         const double start_q = 1.0001 * (distance_m(some) - reach_m(some, 0)) / error_m;
         CutSettings settings;
         settings.error_px = std::clamp(nested * nested * view.lambda_px / start_q, 1e-3, 1e6);
@@ -155,12 +156,12 @@ TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not b
         CHECK(std::abs(q_start / q_full / (nested * nested) - 1) < 0x1p-22); // both are rounded to floats
         int early = 0;
         constexpr double rounding = 1 + 0x1p-20; // of errors, radii and the eye, which are floats
-        for (std::int32_t y = 0; y < terrain.tree.rows(); ++y)
-            for (std::int32_t x = 0; x < terrain.tree.columns(); ++x) {
+        for (std::int32_t y = 0; y < data_of(terrain).tree.rows(); ++y)
+            for (std::int32_t x = 0; x < data_of(terrain).tree.columns(); ++x) {
                 const Coord c{x, y};
-                if (terrain.tree.is_corner(c) || distance_m(c) * rounding > reach_m(c, q_start)) continue;
-                for (const Coord end : diamond(terrain.tree, c).ends)
-                    early += !terrain.tree.is_corner(end) && distance_m(end) > reach_m(end, q_full) * rounding;
+                if (data_of(terrain).tree.is_corner(c) || distance_m(c) * rounding > reach_m(c, q_start)) continue;
+                for (const Coord end : diamond(data_of(terrain).tree, c).ends)
+                    early += !data_of(terrain).tree.is_corner(end) && distance_m(end) > reach_m(end, q_full) * rounding;
             }
         CHECK(early == 0);
     }
@@ -184,7 +185,8 @@ TEST_CASE("morphing switched on later starts where it would have, had it been on
         for (std::size_t i = 0; i < a.size(); ++i)
             if (std::isnan(a[i]) != std::isnan(b[i]) || std::abs(a[i] - b[i]) > apart)
                 apart = std::isnan(a[i]) != std::isnan(b[i]) ? 1e9 : std::abs(a[i] - b[i]);
-        REQUIRE(apart <= 1e-12 * std::max(std::abs(pack.terrain.header.max_m), std::abs(pack.terrain.header.min_m)));
+        REQUIRE(apart <=
+                1e-12 * std::max(std::abs(pack.terrain.header().max_m), std::abs(pack.terrain.header().min_m)));
     }
 }
 
@@ -205,16 +207,16 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
             CAPTURE(round, frame, settings.error_px);
             if (!report.converged) continue;
             const std::vector<double> drawn = surface(terrain, cut);
-            const std::int32_t columns = terrain.tree.columns();
+            const std::int32_t columns = data_of(terrain).tree.columns();
             for (std::size_t i = 0; i < drawn.size(); ++i) {
                 const Coord c{static_cast<std::int32_t>(i) % columns, static_cast<std::int32_t>(i) / columns};
-                const double height = terrain.height_m(c);
+                const double height = data_of(terrain).height_m(c);
                 const Vec3 p{terrain.x_m(c.x), height, terrain.z_m(c.y)};
                 const double error_px = std::abs(height - drawn[i]) * view.lambda_px / length(p - view.eye_m);
                 // Heights are floats, and morphing rounds once more: some 2^-22 of the largest height.
-                const double rounding_px = 0x1p-21 *
-                                           std::max(std::abs(terrain.header.max_m), std::abs(terrain.header.min_m)) *
-                                           view.lambda_px / length(p - view.eye_m);
+                const double rounding_px =
+                    0x1p-21 * std::max(std::abs(terrain.header().max_m), std::abs(terrain.header().min_m)) *
+                    view.lambda_px / length(p - view.eye_m);
                 REQUIRE(error_px <= settings.error_px + rounding_px);
             }
         }
@@ -262,7 +264,7 @@ TEST_CASE("pages are evicted without a jump when vertices morph, and with one wh
                     before = after;
                 }
                 REQUIRE(released);
-                unload_page(paged.terrain, 0, page);
+                (void)unload_page(paged.terrain, 0, page);
                 ++gone;
             }
             REQUIRE(gone > 3);

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "fjell/measure.h"
+#include "pack/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/mesh_check.h"
 #include "support/rounds.h"
@@ -22,30 +23,31 @@ namespace {
 void load_some(Random& random, const Pack& pack, Terrain& terrain) {
     const double share = uniform(random, 0, 1.1), keep = uniform(random, 0.3, 1.1);
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile)
-        for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page) {
+        for (std::uint32_t page = 0; page < terrain.pages_per_tile(); ++page) {
             if (uniform(random, 0, 1) > share) continue;
             const Status s = load_page(pack, terrain, tile, page);
             if (s.code == Code::out_of_slots) return;
             REQUIRE((s.ok() || s.code == Code::coarser_page_first));
         }
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile)
-        for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page)
-            if (uniform(random, 0, 1) > keep) unload_page(terrain, tile, page);
+        for (std::uint32_t page = 0; page < terrain.pages_per_tile(); ++page)
+            if (uniform(random, 0, 1) > keep) (void)unload_page(terrain, tile, page);
 }
 
 // The target, level by level, straight from its definition: wanted, all pages that hold it loaded, parents in it.
 class Target {
 public:
     Target(const Terrain& full, const Terrain& paged, const View& view, double error_px)
-        : full_(full), columns_(full.tree.grid_columns()),
-          in_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(full.tree.grid_rows()), true) {
+        : full_(full), columns_(data_of(full).tree.grid_columns()),
+          in_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(data_of(full).tree.grid_rows()), true) {
         for (std::uint32_t tile = 0; tile < paged.tile_count(); ++tile)
-            for (std::uint32_t page = 0; page < paged.pages_per_tile; ++page)
-                if (paged.page_table[tile * paged.pages_per_tile + page].slot == no_index) absent(tile, page);
+            for (std::uint32_t page = 0; page < paged.pages_per_tile(); ++page)
+                if (data_of(paged).page_table[tile * paged.pages_per_tile() + page].slot == no_index)
+                    absent(tile, page);
         const Reach reach = make_reach(view, error_px);
-        for (int level = 0; level < 2 * full.tree.tile_log2; ++level) {
-            const std::int32_t step = 1 << (full.tree.tile_log2 - 1 - level / 2);
-            for (std::int32_t y = 0; y < full.tree.grid_rows(); y += step)
+        for (int level = 0; level < 2 * data_of(full).tree.tile_log2; ++level) {
+            const std::int32_t step = 1 << (data_of(full).tree.tile_log2 - 1 - level / 2);
+            for (std::int32_t y = 0; y < data_of(full).tree.grid_rows(); y += step)
                 for (std::int32_t x = 0; x < columns_; x += step) decide({x, y}, level, reach);
         }
     }
@@ -53,20 +55,20 @@ public:
 
 private:
     void absent(std::uint32_t tile, std::uint32_t page) {
-        const Coord corner{static_cast<std::int32_t>(tile % full_.header.tiles_x) * full_.tree.side(),
-                           static_cast<std::int32_t>(tile / full_.header.tiles_x) * full_.tree.side()};
-        for (std::uint32_t i = 0; i < full_.pages.page_vertices(page); ++i) {
-            const Coord c = corner + full_.pages.coord({page, i});
-            if (!full_.tree.is_corner(c)) in_[at(c)] = false;
+        const Coord corner{static_cast<std::int32_t>(tile % full_.header().tiles_x) * data_of(full_).tree.side(),
+                           static_cast<std::int32_t>(tile / full_.header().tiles_x) * data_of(full_).tree.side()};
+        for (std::uint32_t i = 0; i < data_of(full_).pages.page_vertices(page); ++i) {
+            const Coord c = corner + data_of(full_).pages.coord({page, i});
+            if (!data_of(full_).tree.is_corner(c)) in_[at(c)] = false;
         }
     }
     void decide(Coord c, int level, const Reach& reach) {
-        if (full_.tree.is_corner(c) || full_.tree.level(c) != level || !in_[at(c)]) return;
-        const Terrain::Vertex v = full_.vertex(c);
-        const Coord s = full_.tree.sample(c);
+        if (data_of(full_).tree.is_corner(c) || data_of(full_).tree.level(c) != level || !in_[at(c)]) return;
+        const TerrainData::Vertex v = data_of(full_).vertex(c);
+        const Coord s = data_of(full_).tree.sample(c);
         bool in = wanted(reach, full_.x_m(s.x), v.height_m, full_.z_m(s.y), v.error_m, v.radius_m);
-        for (const Coord parent : diamond(full_.tree, c).apexes)
-            in = in && (!full_.tree.contains(parent) || in_[at(parent)]);
+        for (const Coord parent : diamond(data_of(full_).tree, c).apexes)
+            in = in && (!data_of(full_).tree.contains(parent) || in_[at(parent)]);
         in_[at(c)] = in;
     }
     [[nodiscard]] std::size_t at(Coord c) const {
@@ -109,8 +111,9 @@ TEST_CASE("the same height field gives the same mesh in every order") {
         std::size_t wrong = 0;
         for (std::int32_t y = 0; y < dem.rows; y += 3)
             for (std::int32_t x = 0; x < dem.columns; ++x) {
-                const auto a = packs[0].terrain.vertex({x, y});
-                for (const auto& other : {packs[1].terrain.vertex({x, y}), packs[2].terrain.vertex({x, y})})
+                const auto a = data_of(packs[0].terrain).vertex({x, y});
+                for (const auto& other :
+                     {data_of(packs[1].terrain).vertex({x, y}), data_of(packs[2].terrain).vertex({x, y})})
                     wrong += a.steps != other.steps || a.error_m != other.error_m || a.radius_m != other.radius_m ||
                              a.hole != other.hole;
             }
@@ -137,19 +140,20 @@ TEST_CASE("missing pages make coarser terrain, exactly the target, and never a c
         Recursive method(paged.terrain, ample_budget(pack.terrain));
         for (int frame = 0; frame < 5; ++frame) {
             load_some(random, pack.pack, paged.terrain);
-            incomplete += paged.terrain.pages_missing != 0;
+            incomplete += paged.terrain.pages_missing() != 0;
             const View view = random_view(random, pack.terrain);
             RefineSettings settings;
             settings.error_px = random_threshold(random);
             settings.cull = false;
             settings.topology = pick(random, 0, 1) ? Topology::strip : Topology::triangles;
-            CAPTURE(round, frame, log2, settings.error_px, paged.terrain.pages_missing, pack.terrain.page_count());
+            CAPTURE(round, frame, log2, settings.error_px, paged.terrain.pages_missing(), pack.terrain.page_count());
             (void)method.update(view, settings);
             const std::vector<Triangle> triangles = triangles_of(method.mesh());
             if (!pack.terrain.has_voids()) REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
-            std::vector<bool> used(pack.terrain.tree.columns() * static_cast<std::size_t>(pack.terrain.tree.rows()));
+            std::vector<bool> used(data_of(pack.terrain).tree.columns() *
+                                   static_cast<std::size_t>(data_of(pack.terrain).tree.rows()));
             const auto at = [&](Coord c) {
-                return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(pack.terrain.tree.columns()) +
+                return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(data_of(pack.terrain).tree.columns()) +
                        static_cast<std::size_t>(c.x);
             };
             for (const Triangle& t : triangles)
@@ -157,8 +161,8 @@ TEST_CASE("missing pages make coarser terrain, exactly the target, and never a c
             if (pack.terrain.has_voids()) continue; // what is left out of a mesh is not looked for in it
             std::size_t wrong = 0;
             const Target target(pack.terrain, paged.terrain, view, settings.error_px);
-            for (std::int32_t y = 0; y < pack.terrain.tree.rows() - 1; ++y)
-                for (std::int32_t x = 0; x < pack.terrain.tree.columns() - 1; ++x) {
+            for (std::int32_t y = 0; y < data_of(pack.terrain).tree.rows() - 1; ++y)
+                for (std::int32_t x = 0; x < data_of(pack.terrain).tree.columns() - 1; ++x) {
                     wrong += used[at({x, y})] != target.in({x, y});
                     refined += used[at({x, y})];
                 }
@@ -182,14 +186,14 @@ TEST_CASE("whichever single page is missing, and whatever the order, there is no
         PagedTerrain paged(pack.pack, {});
         const auto load_all = [&] {
             for (std::uint32_t tile = 0; tile < pack.terrain.tile_count(); ++tile)
-                for (std::uint32_t page = 0; page < pack.terrain.pages_per_tile; ++page)
+                for (std::uint32_t page = 0; page < pack.terrain.pages_per_tile(); ++page)
                     REQUIRE(load_page(pack.pack, paged.terrain, tile, page).ok());
         };
         Recursive method(paged.terrain, ample_budget(pack.terrain));
         for (std::uint32_t tile = 0; tile < pack.terrain.tile_count(); ++tile)
-            for (std::uint32_t page = 0; page < pack.terrain.pages_per_tile; ++page) {
+            for (std::uint32_t page = 0; page < pack.terrain.pages_per_tile(); ++page) {
                 load_all();
-                unload_page(paged.terrain, tile, page);
+                (void)unload_page(paged.terrain, tile, page);
                 const View view = random_view(random, pack.terrain);
                 RefineSettings settings;
                 settings.error_px = std::pow(10.0, uniform(random, -2.5, -0.5)); // all of it, nearly
@@ -205,8 +209,8 @@ TEST_CASE("a page asks for the coarser pages over it, and slots run out by name"
     Random random(53);
     baker::Dem dem = random_dem(random, 257, 257, Shape::fractal);
     const auto pack = bake_and_load(std::move(dem), small_bake(8));
-    const std::uint32_t last = pack.terrain.pages_per_tile - 1;
-    REQUIRE(pack.terrain.pages_per_tile == 1 + 1 + 4 + 16);
+    const std::uint32_t last = pack.terrain.pages_per_tile() - 1;
+    REQUIRE(pack.terrain.pages_per_tile() == 1 + 1 + 4 + 16);
     PagedTerrain paged(pack.pack, {3});
     CHECK(load_page(pack.pack, paged.terrain, 0, last).code == Code::coarser_page_first);
     CHECK(load_page(pack.pack, paged.terrain, 0, 0).ok());
@@ -219,10 +223,10 @@ TEST_CASE("a page asks for the coarser pages over it, and slots run out by name"
     CHECK(std::string(full.field) == "TerrainBudget::page_slots");
     CHECK(load_page(pack.pack, paged.terrain, 0, last + 1).code == Code::out_of_range);
     CHECK(load_page(pack.pack, paged.terrain, 1, 0).code == Code::out_of_range);
-    CHECK(paged.terrain.pages_missing == pack.terrain.page_count() - 3);
-    unload_page(paged.terrain, 0, 0);
-    unload_page(paged.terrain, 0, 0);
-    CHECK(paged.terrain.pages_missing == pack.terrain.page_count() - 2);
+    CHECK(paged.terrain.pages_missing() == pack.terrain.page_count() - 3);
+    (void)unload_page(paged.terrain, 0, 0);
+    (void)unload_page(paged.terrain, 0, 0);
+    CHECK(paged.terrain.pages_missing() == pack.terrain.page_count() - 2);
 }
 
 TEST_CASE("pages that went and came back hold the same records") {
@@ -234,12 +238,12 @@ TEST_CASE("pages that went and came back hold the same records") {
         PagedTerrain paged(pack.pack, {});
         for (int round = 0; round < 6; ++round) load_some(random, pack.pack, paged.terrain);
         for (std::uint32_t tile = 0; tile < pack.terrain.tile_count(); ++tile)
-            for (std::uint32_t page = 0; page < pack.terrain.pages_per_tile; ++page)
+            for (std::uint32_t page = 0; page < pack.terrain.pages_per_tile(); ++page)
                 REQUIRE(load_page(pack.pack, paged.terrain, tile, page).ok());
-        REQUIRE(paged.terrain.pages_missing == 0);
+        REQUIRE(paged.terrain.pages_missing() == 0);
         for (std::int32_t y = 0; y < 150; ++y)
             for (std::int32_t x = 0; x < 200; ++x) {
-                const auto a = pack.terrain.vertex({x, y}), b = paged.terrain.vertex({x, y});
+                const auto a = data_of(pack.terrain).vertex({x, y}), b = data_of(paged.terrain).vertex({x, y});
                 REQUIRE((a.steps == b.steps && a.error_m == b.error_m && a.radius_m == b.radius_m));
             }
     }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fjell/query.h"
+#include "pack/terrain_data.h"
 #include "support/ground_truth.h"
 #include "support/rounds.h"
 
@@ -20,13 +21,14 @@ struct Ray {
 
 // From anywhere, inside, above, below or beside the terrain; along edges, straight down, level, steep, of any length.
 Ray random_ray(Random& random, const Terrain& t) {
-    const double sx = t.header.spacing_m[0], sz = t.header.spacing_m[1];
-    const double wx = (t.tree.columns() - 1) * sx, wz = (t.tree.rows() - 1) * sz, extent = std::max(wx, wz);
-    const double range = std::max(static_cast<double>(t.header.max_m - t.header.min_m), 0.01 * extent);
+    const double sx = t.header().spacing_m[0], sz = t.header().spacing_m[1];
+    const double wx = (data_of(t).tree.columns() - 1) * sx, wz = (data_of(t).tree.rows() - 1) * sz,
+                 extent = std::max(wx, wz);
+    const double range = std::max(static_cast<double>(t.header().max_m - t.header().min_m), 0.01 * extent);
     Ray ray;
-    ray.origin = {uniform(random, -0.5, 1.5) * wx, t.header.min_m + uniform(random, -1, 2) * range,
+    ray.origin = {uniform(random, -0.5, 1.5) * wx, t.header().min_m + uniform(random, -1, 2) * range,
                   uniform(random, -0.5, 1.5) * wz};
-    const Vec3 target{uniform(random, 0, 1) * wx, t.header.min_m + uniform(random, 0, 1) * range,
+    const Vec3 target{uniform(random, 0, 1) * wx, t.header().min_m + uniform(random, 0, 1) * range,
                       uniform(random, 0, 1) * wz};
     ray.direction = target - ray.origin;
     switch (pick(random, 0, 7)) {
@@ -35,15 +37,15 @@ Ray random_ray(Random& random, const Terrain& t) {
         ray.direction = {0, pick(random, 0, 1) ? 1.0 : -1.0, 0};
         break;
     case 1: // along a row of samples
-        ray.origin.z = pick(random, 0, t.tree.rows() - 1) * sz;
+        ray.origin.z = pick(random, 0, data_of(t).tree.rows() - 1) * sz;
         ray.direction.z = 0;
         break;
     case 2: // along a diagonal through samples
-        ray.origin.x = pick(random, 0, t.tree.columns() - 1) * sx;
-        ray.origin.z = pick(random, 0, t.tree.rows() - 1) * sz;
+        ray.origin.x = pick(random, 0, data_of(t).tree.columns() - 1) * sx;
+        ray.origin.z = pick(random, 0, data_of(t).tree.rows() - 1) * sz;
         ray.direction.x = pick(random, 0, 1) ? sx : -sx;
         ray.direction.z = pick(random, 0, 1) ? sz : -sz;
-        ray.direction.y = uniform(random, -1, 1) * range / std::max(t.tree.columns(), t.tree.rows());
+        ray.direction.y = uniform(random, -1, 1) * range / std::max(data_of(t).tree.columns(), data_of(t).tree.rows());
         break;
     case 3: ray.direction.y *= 0.01; break; // grazing
     default: break;
@@ -66,10 +68,10 @@ Hits brute_force(const Terrain& t, const Ray& ray, double slack_cells, double lo
     const Vec3 d =
         normalised(ray.direction *
                    (1 / std::max({std::abs(ray.direction.x), std::abs(ray.direction.y), std::abs(ray.direction.z)})));
-    const double ox = ray.origin.x / t.header.spacing_m[0], oy = ray.origin.z / t.header.spacing_m[1],
-                 dx = d.x / t.header.spacing_m[0], dy = d.z / t.header.spacing_m[1];
-    for (std::int32_t j = 0; j + 1 < t.tree.rows(); ++j)
-        for (std::int32_t i = 0; i + 1 < t.tree.columns(); ++i)
+    const double ox = ray.origin.x / t.header().spacing_m[0], oy = ray.origin.z / t.header().spacing_m[1],
+                 dx = d.x / t.header().spacing_m[0], dy = d.z / t.header().spacing_m[1];
+    for (std::int32_t j = 0; j + 1 < data_of(t).tree.rows(); ++j)
+        for (std::int32_t i = 0; i + 1 < data_of(t).tree.columns(); ++i)
             for (const auto& c : halves_of_cell(i, j)) {
                 const TruePlane plane = test::plane_of(t, c);
                 if (plane.hole) continue;
@@ -114,9 +116,9 @@ Hits brute_force(const Terrain& t, const Ray& ray, double slack_cells, double lo
 
 // Cells from the origin to the far end of the terrain: what places lose grows with it.
 double reach_cells(const Terrain& t, const Ray& ray) {
-    return std::abs(ray.origin.x / t.header.spacing_m[0]) + std::abs(ray.origin.z / t.header.spacing_m[1]) +
-           std::abs(ray.origin.y) / std::min(t.header.spacing_m[0], t.header.spacing_m[1]) + t.tree.columns() +
-           t.tree.rows();
+    return std::abs(ray.origin.x / t.header().spacing_m[0]) + std::abs(ray.origin.z / t.header().spacing_m[1]) +
+           std::abs(ray.origin.y) / std::min(t.header().spacing_m[0], t.header().spacing_m[1]) +
+           data_of(t).tree.columns() + data_of(t).tree.rows();
 }
 
 } // namespace
@@ -132,13 +134,13 @@ TEST_CASE("with all pages a ray meets the triangle that it meets first of all") 
             const GroundHit hit = cast_ray(t, ray.origin, ray.direction, ray.most);
             // Places lose some 2^-48 of the way, heights that times the slope of the ground and of the ray.
             const double cells = reach_cells(t, ray), slack = 0x1p-46 * cells;
-            const double range = t.header.height_steps * static_cast<double>(t.height_scale.quantum_m);
+            const double range = t.header().height_steps * static_cast<double>(data_of(t).height_scale.quantum_m);
             const double loss = rounding_m(t, cells) + slack * (range + std::abs(ray.origin.y)) * 4;
             const Hits hits = brute_force(t, ray, slack, loss);
-            CAPTURE(round, k, hits.sure, hits.possible, hit.distance_m, t.tree.columns(), t.tree.rows(),
-                    t.tree.tile_log2, ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y,
-                    ray.direction.z, ray.most, t.header.spacing_m[0]);
-            const double off = slack * std::max(t.header.spacing_m[0], t.header.spacing_m[1]) * 4;
+            CAPTURE(round, k, hits.sure, hits.possible, hit.distance_m, data_of(t).tree.columns(),
+                    data_of(t).tree.rows(), data_of(t).tree.tile_log2, ray.origin.x, ray.origin.y, ray.origin.z,
+                    ray.direction.x, ray.direction.y, ray.direction.z, ray.most, t.header().spacing_m[0]);
+            const double off = slack * std::max(t.header().spacing_m[0], t.header().spacing_m[1]) * 4;
             if (!hit.hit) {
                 REQUIRE(hits.sure > 1e300);
                 ++missed;
@@ -152,7 +154,7 @@ TEST_CASE("with all pages a ray meets the triangle that it meets first of all") 
             const Vec3 along = ray.origin + normalised(ray.direction * (1 / length(ray.direction))) * hit.distance_m;
             REQUIRE(length(along - hit.position_m) <= off);
             REQUIRE(static_cast<double>(hit.error_m) ==
-                    Approx(0.5 * static_cast<double>(t.height_scale.quantum_m)).epsilon(0x1p-22));
+                    Approx(0.5 * static_cast<double>(data_of(t).height_scale.quantum_m)).epsilon(0x1p-22));
         }
     }
     REQUIRE(met > rounds<std::size_t>(100, 500));
@@ -169,17 +171,18 @@ TEST_CASE("whatever pages are missing, a ray's hit is within its error of the gr
         const Terrain& t = paged.terrain;
         for (int k = 0; k < 20; ++k) {
             const Ray ray = random_ray(random, t);
-            const float accurate_m = k % 4 ? 0.0f : t.header.max_error_m * 0.1f;
+            const float accurate_m = k % 4 ? 0.0f : t.header().max_error_m * 0.1f;
             const GroundHit hit = cast_ray(t, ray.origin, ray.direction, ray.most, accurate_m);
             const double cells = reach_cells(t, ray);
-            const double range = t.header.height_steps * static_cast<double>(t.height_scale.quantum_m);
+            const double range = t.header().height_steps * static_cast<double>(data_of(t).height_scale.quantum_m);
             const double loss = rounding_m(t, cells) + 0x1p-44 * cells * (range + std::abs(ray.origin.y));
-            CAPTURE(round, k, hit.distance_m, t.tree.columns(), t.tree.rows(), t.tree.tile_log2, accurate_m);
+            CAPTURE(round, k, hit.distance_m, data_of(t).tree.columns(), data_of(t).tree.rows(),
+                    data_of(t).tree.tile_log2, accurate_m);
             if (hit.hit) {
                 ++met;
                 coarse += !hit.finest;
-                const double column = hit.position_m.x / t.header.spacing_m[0],
-                             row = hit.position_m.z / t.header.spacing_m[1];
+                const double column = hit.position_m.x / t.header().spacing_m[0],
+                             row = hit.position_m.z / t.header().spacing_m[1];
                 const TruePlane plane = true_plane(pack.terrain, column, row);
                 if (!plane.hole)
                     REQUIRE(std::abs(hit.position_m.y - at(plane, column, row)) <=
@@ -188,9 +191,9 @@ TEST_CASE("whatever pages are missing, a ray's hit is within its error of the gr
             // Up to there, or to its end, the ray stays on one side of what ground_height() says.
             if (t.has_voids()) continue;
             const Vec3 d = normalised(ray.direction * (1 / length(ray.direction)));
-            const double end = hit.hit ? hit.distance_m : std::min(ray.most, 2000.0 * cells * t.header.spacing_m[0]);
-            const double wx = (t.tree.columns() - 1) * t.header.spacing_m[0],
-                         wz = (t.tree.rows() - 1) * t.header.spacing_m[1];
+            const double end = hit.hit ? hit.distance_m : std::min(ray.most, 2000.0 * cells * t.header().spacing_m[0]);
+            const double wx = (data_of(t).tree.columns() - 1) * t.header().spacing_m[0],
+                         wz = (data_of(t).tree.rows() - 1) * t.header().spacing_m[1];
             int side = 0;
             for (int n = 0; n < 60; ++n) {
                 const Vec3 p = ray.origin + d * (end * uniform(random, 0, 1));
@@ -214,8 +217,8 @@ TEST_CASE("a ray that is none meets nothing, and one from the ground meets it at
     const double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
     const auto pack = bake_and_load(random_dem(random, 70, 50, Shape::fractal), small_bake(5));
     const Terrain& t = pack.terrain;
-    const double x = 20.25 * t.header.spacing_m[0], z = 30.5 * t.header.spacing_m[1];
-    const Vec3 above{x, t.header.max_m + 10.0, z}, down{0, -1, 0};
+    const double x = 20.25 * t.header().spacing_m[0], z = 30.5 * t.header().spacing_m[1];
+    const Vec3 above{x, t.header().max_m + 10.0, z}, down{0, -1, 0};
     REQUIRE(cast_ray(t, above, down, infinity).hit);
     REQUIRE(cast_ray(t, above, down * 1e-300, infinity).hit);
     REQUIRE(cast_ray(t, above, down * 1e300, 1e300).hit);
@@ -231,9 +234,9 @@ TEST_CASE("a ray that is none meets nothing, and one from the ground meets it at
     REQUIRE(!cast_ray(t, above, {0, 1, 0}, infinity).hit);
     REQUIRE(!cast_ray(t, {1e300, 1e300, 1e300}, {-1, -1, -1.1}, infinity).hit);
     // From below it is met as well.
-    REQUIRE(cast_ray(t, {x, t.header.min_m - 10.0, z}, {0, 1, 0}, infinity).position_m.y ==
+    REQUIRE(cast_ray(t, {x, t.header().min_m - 10.0, z}, {0, 1, 0}, infinity).position_m.y ==
             Approx(ground_height(t, x, z).height_m));
     const Coord sample{20, 30};
-    const Vec3 on{t.header.spacing_m[0] * sample.x, t.height_m(sample), t.header.spacing_m[1] * sample.y};
+    const Vec3 on{t.header().spacing_m[0] * sample.x, data_of(t).height_m(sample), t.header().spacing_m[1] * sample.y};
     REQUIRE(cast_ray(t, on, {0.3, -1, 0.2}, infinity).distance_m <= 0x1p-20 * std::abs(on.y));
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fjell/query.h"
+#include "pack/terrain_data.h"
 #include "support/ground_truth.h"
 #include "support/rounds.h"
 
@@ -21,7 +22,8 @@ struct Place {
 };
 // Inside a cell, on its edges and corners, on tiles' borders and the rim.
 Place random_place(Random& random, const Terrain& t) {
-    const std::int32_t columns = t.tree.columns(), rows = t.tree.rows(), side = t.tree.side();
+    const std::int32_t columns = data_of(t).tree.columns(), rows = data_of(t).tree.rows(),
+                       side = data_of(t).tree.side();
     const auto one = [&](std::int32_t count) -> double {
         switch (pick(random, 0, 5)) {
         case 0: return pick(random, 0, count - 1);
@@ -34,7 +36,7 @@ Place random_place(Random& random, const Terrain& t) {
 }
 
 double half_quantum(const Terrain& t) {
-    return 0.5 * static_cast<double>(t.height_scale.quantum_m);
+    return 0.5 * static_cast<double>(data_of(t).height_scale.quantum_m);
 }
 
 } // namespace
@@ -47,10 +49,11 @@ TEST_CASE("with all pages a height is that of the full-resolution triangle under
         const Terrain& t = pack.terrain;
         for (int k = 0; k < 200; ++k) {
             const Place p = random_place(random, t);
-            const double x = p.column * t.header.spacing_m[0], z = p.row * t.header.spacing_m[1];
+            const double x = p.column * t.header().spacing_m[0], z = p.row * t.header().spacing_m[1];
             const GroundHeight got = ground_height(t, x, z);
             const TruePlane plane = true_plane(t, p.column, p.row);
-            CAPTURE(round, k, p.column, p.row, t.tree.columns(), t.tree.rows(), t.tree.tile_log2, plane.hole);
+            CAPTURE(round, k, p.column, p.row, data_of(t).tree.columns(), data_of(t).tree.rows(),
+                    data_of(t).tree.tile_log2, plane.hole);
             const bool edge = std::floor(p.column) == p.column || std::floor(p.row) == p.row; // of several triangles
             if (!edge) REQUIRE(got.hole == plane.hole);
             (got.hole ? holes : ground)++;
@@ -60,10 +63,10 @@ TEST_CASE("with all pages a height is that of the full-resolution triangle under
             REQUIRE(static_cast<double>(got.error_m) == Approx(half_quantum(t)).epsilon(0x1p-22));
             REQUIRE(std::abs(length(got.normal) - 1) < 1e-12);
             if (edge) continue;
-            const Vec3 normal = normalised({-plane.x / t.header.spacing_m[0], 1, -plane.y / t.header.spacing_m[1]});
+            const Vec3 normal = normalised({-plane.x / t.header().spacing_m[0], 1, -plane.y / t.header().spacing_m[1]});
             // An angle: heights' rounding over a cell.
             REQUIRE(length(got.normal - normal) <=
-                    4 * rounding_m(t) / std::min(t.header.spacing_m[0], t.header.spacing_m[1]) + 0x1p-40);
+                    4 * rounding_m(t) / std::min(t.header().spacing_m[0], t.header().spacing_m[1]) + 0x1p-40);
         }
     }
     REQUIRE(holes > rounds<std::size_t>(100, 500));
@@ -81,14 +84,15 @@ TEST_CASE("whatever pages are missing, the full-resolution ground is within the 
         const Terrain& t = paged.terrain;
         for (int k = 0; k < 200; ++k) {
             const Place p = random_place(random, t);
-            const double x = p.column * t.header.spacing_m[0], z = p.row * t.header.spacing_m[1];
-            const float accurate_m = k % 2 ? 0.0f : static_cast<float>(t.header.max_error_m * std::pow(2.0, -k % 12));
+            const double x = p.column * t.header().spacing_m[0], z = p.row * t.header().spacing_m[1];
+            const float accurate_m = k % 2 ? 0.0f : static_cast<float>(t.header().max_error_m * std::pow(2.0, -k % 12));
             const GroundHeight got = ground_height(t, x, z, accurate_m);
             const TruePlane plane = true_plane(pack.terrain, p.column, p.row);
             if (plane.hole || got.hole) continue;
             const double error = std::abs(got.height_m - at(plane, p.column, p.row));
             const double bound = static_cast<double>(got.error_m) - half_quantum(t);
-            CAPTURE(round, k, p.column, p.row, t.tree.columns(), t.tree.rows(), t.tree.tile_log2, accurate_m);
+            CAPTURE(round, k, p.column, p.row, data_of(t).tree.columns(), data_of(t).tree.rows(),
+                    data_of(t).tree.tile_log2, accurate_m);
             REQUIRE(error <= bound + rounding_m(t) + 0x1p-23 * static_cast<double>(got.error_m));
             if (got.finest) REQUIRE(error <= rounding_m(t));
             (got.finest ? exact : coarse)++;
@@ -108,8 +112,9 @@ TEST_CASE("with all pages an answer is as accurate as it was asked to be") {
         const Terrain& t = pack.terrain;
         for (int k = 0; k < 100; ++k) {
             const Place p = random_place(random, t);
-            const double x = p.column * t.header.spacing_m[0], z = p.row * t.header.spacing_m[1];
-            const float accurate_m = static_cast<float>(half_quantum(t) + uniform(random, 0, 1) * t.header.max_error_m);
+            const double x = p.column * t.header().spacing_m[0], z = p.row * t.header().spacing_m[1];
+            const float accurate_m =
+                static_cast<float>(half_quantum(t) + uniform(random, 0, 1) * t.header().max_error_m);
             const GroundHeight got = ground_height(t, x, z, accurate_m);
             REQUIRE((got.finest || got.error_m <= accurate_m));
             coarse += !got.finest;
@@ -123,16 +128,16 @@ TEST_CASE("a position beyond the rim gets the nearest height on it, and says so"
     for (int round = 0; round < 20; ++round) {
         const auto pack = random_ground(random, false);
         const Terrain& t = pack.terrain;
-        const double wx = (t.tree.columns() - 1) * t.header.spacing_m[0],
-                     wz = (t.tree.rows() - 1) * t.header.spacing_m[1], z = uniform(random, 0, wz);
+        const double wx = (data_of(t).tree.columns() - 1) * t.header().spacing_m[0],
+                     wz = (data_of(t).tree.rows() - 1) * t.header().spacing_m[1], z = uniform(random, 0, wz);
         for (const double x : {-1e-9 * wx, -wx, -1e300, -infinity}) {
             const GroundHeight got = ground_height(t, x, z);
             REQUIRE(!got.inside);
             REQUIRE(got.height_m == ground_height(t, 0, z).height_m);
         }
-        REQUIRE(
-            ground_height(t, 2 * wx, 2 * wz).height_m ==
-            Approx(t.height_m({t.tree.columns() - 1, t.tree.rows() - 1})).margin(0x1p-22 * std::abs(t.header.max_m)));
+        REQUIRE(ground_height(t, 2 * wx, 2 * wz).height_m ==
+                Approx(data_of(t).height_m({data_of(t).tree.columns() - 1, data_of(t).tree.rows() - 1}))
+                    .margin(0x1p-22 * std::abs(t.header().max_m)));
         REQUIRE(ground_height(t, 0, 0).inside);
         REQUIRE(!ground_height(t, no_number, z).inside);
         REQUIRE(std::isfinite(ground_height(t, no_number, no_number).height_m));
@@ -149,18 +154,19 @@ TEST_CASE("a patch holds the heights of its samples, the pack's own where their 
         const Terrain& t = all ? pack.terrain : paged.terrain;
         const int step = pick(random, 0, 3);
         const auto side = static_cast<std::uint32_t>(pick(random, 2, 40));
-        const Coord first{pick(random, -20, t.tree.columns()), pick(random, -20, t.tree.rows())};
+        const Coord first{pick(random, -20, data_of(t).tree.columns()), pick(random, -20, data_of(t).tree.rows())};
         std::vector<float> heights(side * side);
         const auto holes = std::make_unique<bool[]>(side * side);
         const GroundPatch patch = ground_patch(t, first, step, side, heights, {holes.get(), side * side});
         if (all) REQUIRE(patch.finest);
         for (std::uint32_t j = 0; j < side; ++j)
             for (std::uint32_t i = 0; i < side; ++i) {
-                const Coord c{std::clamp(first.x + (static_cast<int>(i) << step), 0, t.tree.columns() - 1),
-                              std::clamp(first.y + (static_cast<int>(j) << step), 0, t.tree.rows() - 1)};
+                const Coord c{std::clamp(first.x + (static_cast<int>(i) << step), 0, data_of(t).tree.columns() - 1),
+                              std::clamp(first.y + (static_cast<int>(j) << step), 0, data_of(t).tree.rows() - 1)};
                 const float got = heights[j * side + i];
-                const Terrain::Vertex truth = pack.terrain.vertex(c);
-                const double rounding = 0x1p-22 * (std::abs(t.header.min_m) + std::abs(t.header.max_m)) + rounding_m(t);
+                const TerrainData::Vertex truth = data_of(pack.terrain).vertex(c);
+                const double rounding =
+                    0x1p-22 * (std::abs(t.header().min_m) + std::abs(t.header().max_m)) + rounding_m(t);
                 CAPTURE(round, i, j, c.x, c.y, first.x, first.y, step);
                 if (patch.finest) {
                     REQUIRE(got == Approx(truth.height_m).margin(rounding));

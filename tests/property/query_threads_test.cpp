@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "fjell/query.h"
+#include "pack/terrain_data.h"
 #include "support/ground_truth.h"
 #include "support/rounds.h"
 
@@ -28,8 +29,9 @@ struct Count {
 
 // One answer of each kind; what is wrong is counted, because Catch2 belongs to the first thread.
 void ask(Random& random, const Terrain& full, const Terrain& paged, Count& count) {
-    const PackHeader& h = full.header;
-    const double column = uniform(random, 0, full.tree.columns() - 1), row = uniform(random, 0, full.tree.rows() - 1);
+    const PackHeader& h = full.header();
+    const double column = uniform(random, 0, data_of(full).tree.columns() - 1),
+                 row = uniform(random, 0, data_of(full).tree.rows() - 1);
     const double x = column * h.spacing_m[0], z = row * h.spacing_m[1];
     const double slack = rounding_m(full) + 0x1p-22 * static_cast<double>(h.max_error_m);
     const TruePlane truth = true_plane(full, column, row);
@@ -40,15 +42,16 @@ void ask(Random& random, const Terrain& full, const Terrain& paged, Count& count
     (height.finest ? count.exact : count.coarse)++;
 
     const Vec3 origin{x, static_cast<double>(h.max_m) + 10, z};
-    const Vec3 target{uniform(random, 0, full.tree.columns() - 1) * h.spacing_m[0], static_cast<double>(h.min_m),
-                      uniform(random, 0, full.tree.rows() - 1) * h.spacing_m[1]};
+    const Vec3 target{uniform(random, 0, data_of(full).tree.columns() - 1) * h.spacing_m[0],
+                      static_cast<double>(h.min_m), uniform(random, 0, data_of(full).tree.rows() - 1) * h.spacing_m[1]};
     const GroundHit hit = cast_ray(paged, origin, target - origin, 1e9);
     if (hit.hit) {
         const double u = hit.position_m.x / h.spacing_m[0], v = hit.position_m.z / h.spacing_m[1];
         const TruePlane under = true_plane(full, u, v);
         // The place is rounded, and with it the height, by the steepest slope there may be.
-        const double loss = slack + 0x1p-40 * h.height_steps * static_cast<double>(full.height_scale.quantum_m) *
-                                        (full.tree.columns() + full.tree.rows());
+        const double loss = slack + 0x1p-40 * h.height_steps *
+                                        static_cast<double>(data_of(full).height_scale.quantum_m) *
+                                        (data_of(full).tree.columns() + data_of(full).tree.rows());
         if (!under.hole)
             count.wrong += !(std::abs(hit.position_m.y - at(under, u, v)) <= static_cast<double>(hit.error_m) + loss);
         ++count.hits;
@@ -60,9 +63,9 @@ void ask(Random& random, const Terrain& full, const Terrain& paged, Count& count
     const Coord first{static_cast<std::int32_t>(column) - 4, static_cast<std::int32_t>(row) - 4};
     const GroundPatch patch = ground_patch(paged, first, 0, side, heights, holes);
     for (std::uint32_t i = 0; i < side * side; ++i) {
-        const Coord c{std::clamp(first.x + static_cast<int>(i % side), 0, full.tree.columns() - 1),
-                      std::clamp(first.y + static_cast<int>(i / side), 0, full.tree.rows() - 1)};
-        const Terrain::Vertex v = full.vertex(c);
+        const Coord c{std::clamp(first.x + static_cast<int>(i % side), 0, data_of(full).tree.columns() - 1),
+                      std::clamp(first.y + static_cast<int>(i / side), 0, data_of(full).tree.rows() - 1)};
+        const TerrainData::Vertex v = data_of(full).vertex(c);
         const double float_m = 0x1p-22 * (std::abs(h.min_m) + std::abs(h.max_m));
         if (!v.hole && !holes[i])
             count.wrong += !(std::abs(heights[i] - v.height_m) <= patch.error_m + slack + float_m);
@@ -75,16 +78,17 @@ void ask(Random& random, const Terrain& full, const Terrain& paged, Count& count
 std::uint64_t stir(Random& random, const Pack& pack, Terrain& terrain, const std::atomic<bool>& seen) {
     std::uint64_t refused = 0;
     const std::uint32_t pages = terrain.page_count();
-    const auto tile_of = [&](std::uint32_t n) { return n / terrain.pages_per_tile; };
-    const auto page_of = [&](std::uint32_t n) { return n % terrain.pages_per_tile; };
-    while (terrain.changes < changes_wanted || (!seen && terrain.changes < 1000 * changes_wanted)) {
+    const auto tile_of = [&](std::uint32_t n) { return n / terrain.pages_per_tile(); };
+    const auto page_of = [&](std::uint32_t n) { return n % terrain.pages_per_tile(); };
+    while (data_of(terrain).changes < changes_wanted || (!seen && data_of(terrain).changes < 1000 * changes_wanted)) {
         const auto n = static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(pages) - 1));
         const Status s = load_page(pack, terrain, tile_of(n), page_of(n));
         refused += !s.ok();
         // The slot that was given back last is the next to be filled: a reader's page is replaced at once.
         if (s.code != Code::out_of_slots && pick(random, 0, 2) != 0) continue;
-        const std::uint32_t held = terrain.slot_page[pick(random, 0, static_cast<int>(terrain.slot_count) - 1)];
-        if (held != no_index) unload_page(terrain, tile_of(held), page_of(held));
+        const std::uint32_t held =
+            data_of(terrain).slot_page[pick(random, 0, static_cast<int>(data_of(terrain).slot_count) - 1)];
+        if (held != no_index) (void)unload_page(terrain, tile_of(held), page_of(held));
     }
     return refused;
 }

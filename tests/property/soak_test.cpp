@@ -23,7 +23,7 @@ TEST_CASE("in a long flight with random teleports no frame exceeds its items, it
         if (pick(random, 0, 60) == 0) view = random_view(random, terrain);
         if (pick(random, 0, 400) == 0) settings.items = static_cast<std::uint32_t>(pick(random, 1, 600));
         if (pick(random, 0, 900) == 0) settings.error_px = std::pow(10.0, uniform(random, -0.5, 1));
-        view = moved(random, view, terrain.spacing_x_m * 0.5);
+        view = moved(random, view, terrain.spacing_x_m() * 0.5);
         const CutReport report = cut.update({&view, 1}, settings);
         if (report.items > settings.items || report.vertices > budget.vertices) REQUIRE(report.items <= settings.items);
         converged += report.converged;

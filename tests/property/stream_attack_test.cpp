@@ -7,6 +7,7 @@
 
 #include <xxhash.h>
 
+#include "pack/terrain_data.h"
 #include "stream/requests.h"
 #include "support/rounds.h"
 #include "support/stream_scene.h"
@@ -22,10 +23,12 @@ io::LoadedPack wide_terrain(Random& random, int samples = 700, int tile_log2 = 7
 }
 
 View near_ground(Random& random, const Terrain& t) {
-    const double x = uniform(random, 0, t.x_m(t.tree.columns() - 1)), z = uniform(random, 0, t.z_m(t.tree.rows() - 1));
-    const double cell = t.spacing_x_m;
-    return make_view({x, t.ground_m(x, z) + 3 * cell, z}, {uniform(random, -1, 1), -0.3, uniform(random, -1, 1)},
-                     {0, 1, 0}, 0.8, 1280, 720, cell / 10, 1e4 * cell);
+    const double x = uniform(random, 0, t.x_m(data_of(t).tree.columns() - 1)),
+                 z = uniform(random, 0, t.z_m(data_of(t).tree.rows() - 1));
+    const double cell = t.spacing_x_m();
+    return make_view({x, data_of(t).ground_m(x, z) + 3 * cell, z},
+                     {uniform(random, -1, 1), -0.3, uniform(random, -1, 1)}, {0, 1, 0}, 0.8, 1280, 720, cell / 10,
+                     1e4 * cell);
 }
 
 // Frames until twenty in a row in which nothing came, went or was requested; `most` when there were none.
@@ -96,12 +99,12 @@ TEST_CASE("answers to what was not requested change nothing: wrong tickets, seco
                     continue;
                 REQUIRE_FALSE(still_wanted(on.stream, ticket));
                 REQUIRE(provide(on.stream, ticket, bytes_of({1, {}, 1, 0, 512})).code == Code::out_of_range);
-                fail(on.stream, ticket, n % 2 != 0);
+                (void)fail(on.stream, ticket, n % 2 != 0);
                 ++refused;
             }
             for (const StreamRequest& r : old) { // answered before
                 REQUIRE(provide(on.stream, r.ticket, bytes_of(r)).code == Code::out_of_range);
-                fail(on.stream, r.ticket);
+                (void)fail(on.stream, r.ticket);
                 ++refused;
             }
             old.clear();
@@ -117,7 +120,7 @@ TEST_CASE("answers to what was not requested change nothing: wrong tickets, seco
                     REQUIRE(provide(on.stream, b.ticket, bytes_of(b)).ok());
                     old.push_back(b);
                 } else {
-                    fail(on.stream, a.ticket, true);
+                    (void)fail(on.stream, a.ticket, true);
                 }
                 old.push_back(a);
             }
@@ -127,7 +130,7 @@ TEST_CASE("answers to what was not requested change nothing: wrong tickets, seco
             const CutReport report = on.cut.update({&view, 1}, cut);
             REQUIRE(check_stream(on) == "");
             if (frame % 20 == 0) REQUIRE(check_frame(on.cut, pack.terrain, report, cut) == "");
-            if (frame % 50 == 0) retry_failed(on.stream);
+            if (frame % 50 == 0) (void)retry_failed(on.stream);
         }
         REQUIRE(taken_twice == 0);
     }
@@ -179,7 +182,7 @@ TEST_CASE(
         CAPTURE(round, log2, pack.terrain.tile_count(), report.page_slots.used);
         CHECK(report.complete);
         CHECK(report.map_bytes_used <= budget.map_bytes);
-        if (pack.terrain.pages_per_tile == 1) CHECK(on.paged.terrain.pages_missing == 0);
+        if (pack.terrain.pages_per_tile() == 1) CHECK(on.paged.terrain.pages_missing() == 0);
     }
 }
 
@@ -205,7 +208,7 @@ TEST_CASE("a threshold that changes with every frame starves no page, however fe
     settings.tests = 1u << 20;
     for (int frame = 0; frame < 4; ++frame) missing = on.update({&view, 1}, cut, settings).pages_wanted;
     CHECK(missing == 0);
-    CHECK(on.paged.terrain.pages_missing < 3 * pack.terrain.page_count() / 4);
+    CHECK(on.paged.terrain.pages_missing() < 3 * pack.terrain.page_count() / 4);
 }
 
 TEST_CASE("clocks that jump and eyes that are nowhere leave a stream as good as new") {
@@ -236,7 +239,7 @@ TEST_CASE("clocks that jump and eyes that are nowhere leave a stream as good as 
     const View rest = near_ground(random, pack.terrain);
     for (int frame = 0; frame < 400; ++frame) {
         view = rest;
-        view.eye_m.x += frame % 2 ? 3e5 * pack.terrain.spacing_x_m : 0.01 * frame;
+        view.eye_m.x += frame % 2 ? 3e5 * pack.terrain.spacing_x_m() : 0.01 * frame;
         settings.now_s += 1.0 / 60;
         client.act();
         (void)on.update({&view, 1}, cut, settings);

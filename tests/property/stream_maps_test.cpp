@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "fjell/texture.h"
+#include "pack/terrain_data.h"
 #include "support/stream_scene.h"
 
 using namespace fjell;
@@ -87,12 +88,12 @@ io::LoadedPack mapped_terrain(Random& random) {
 std::uint32_t wanted_log2(const Streamed& on, const MapLayers& slots, std::uint32_t tile, const View& view,
                           double texel_px) {
     const Terrain& t = on.paged.terrain;
-    const Watch& box = on.stream.state->tile_box[tile];
+    const Watch& box = data_of(on.stream).tile_box[tile];
     const auto beyond = [](double at, double low, double high) { return std::max({low - at, at - high, 0.0}); };
     const Vec3 apart{beyond(view.eye_m.x, box.x0, box.x1), beyond(view.eye_m.y, box.y0, box.y1),
                      beyond(view.eye_m.z, box.z0, box.z1)};
     const double px_m = view.lambda_px / std::max(length(apart), 1e-3);
-    const double tile_m = static_cast<double>(std::max(t.spacing_x_m, t.spacing_z_m)) * t.tree.side();
+    const double tile_m = static_cast<double>(std::max(t.spacing_x_m(), t.spacing_z_m())) * data_of(t).tree.side();
     for (std::uint32_t log2 = slots.tail_log2; log2 < slots.top_log2; ++log2)
         if (tile_m / ((1u << log2) - 1) * px_m <= texel_px) return log2;
     return slots.top_log2;
@@ -160,7 +161,7 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
         };
         for (int leg = 0; leg < 4; ++leg) {
             for (int frame = 0; frame < 60; ++frame) {
-                view = moved(random, view, 20.0 * pack.terrain.spacing_x_m);
+                view = moved(random, view, 20.0 * pack.terrain.spacing_x_m());
                 step();
             }
             for (int frame = 0; frame < 600 && !report.maps_converged; ++frame) step();

@@ -36,7 +36,7 @@ std::string check_promise(Streamed& on, const Terrain& full, std::span<const Vie
     if (cut.waiting != 0 || cut.error_px_effective > std::max(settings.error_px, stream.missing_px)) return {};
     const VertexSet active = active_set(on.cut);
     // Vertices that morph come early: two levels of nesting (fjell/cut.h).
-    const double nested = settings.morph == Morph::none ? 1 : 1 + static_cast<double>(full.header.nesting);
+    const double nested = settings.morph == Morph::none ? 1 : 1 + static_cast<double>(full.header().nesting);
     const double early = nested * nested;
     if (stream.converged)
         return difference(active, target_set(full, full, views, settings.error_px / early, settings.corner_safe));

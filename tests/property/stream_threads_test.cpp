@@ -11,6 +11,7 @@
 
 #include "fjell/io/stream_reader.h"
 #include "fjell/query.h"
+#include "pack/terrain_data.h"
 #include "stream/requests.h"
 #include "support/ground_truth.h"
 #include "support/rounds.h"
@@ -83,9 +84,10 @@ struct Askers {
     Askers& operator=(const Askers&) = delete;
 
     void ask(Random& random) {
-        const PackHeader& h = full.header;
+        const PackHeader& h = full.header();
         const auto place = [&] {
-            return Vec3{uniform(random, 0, full.tree.columns() - 1), 0, uniform(random, 0, full.tree.rows() - 1)};
+            return Vec3{uniform(random, 0, data_of(full).tree.columns() - 1), 0,
+                        uniform(random, 0, data_of(full).tree.rows() - 1)};
         };
         // As in query_threads_test.cpp: what floats may lose of the error, and doubles of the rest.
         const double slack = rounding_m(full) + 0x1p-22 * static_cast<double>(h.max_error_m);
@@ -99,8 +101,9 @@ struct Askers {
         const GroundHit hit = cast_ray(paged, origin, target - origin, 1e9);
         if (hit.hit) {
             const double u = hit.position_m.x / h.spacing_m[0], v = hit.position_m.z / h.spacing_m[1];
-            const double loss = slack + 0x1p-40 * h.height_steps * static_cast<double>(full.height_scale.quantum_m) *
-                                            (full.tree.columns() + full.tree.rows());
+            const double loss = slack + 0x1p-40 * h.height_steps *
+                                            static_cast<double>(data_of(full).height_scale.quantum_m) *
+                                            (data_of(full).tree.columns() + data_of(full).tree.rows());
             wrong += !(std::abs(hit.position_m.y - at(true_plane(full, u, v), u, v)) <=
                        static_cast<double>(hit.error_m) + loss);
             ++hits;
@@ -112,12 +115,13 @@ struct Askers {
 std::uint64_t wrong_pages(const Terrain& is, const Terrain& should_be) {
     std::uint64_t wrong = 0;
     for (std::uint32_t page = 0; page < is.page_count(); ++page) {
-        const PageEntry p = is.page_table[page], q = should_be.page_table[page];
+        const PageEntry p = data_of(is).page_table[page], q = data_of(should_be).page_table[page];
         if (p.slot == no_index) continue;
-        const std::size_t bytes = is.pages.page_vertices(page % is.pages_per_tile) * sizeof(VertexRecord);
+        const std::size_t bytes = data_of(is).pages.page_vertices(page % is.pages_per_tile()) * sizeof(VertexRecord);
         wrong += p.base != q.base ||
-                 std::memcmp(is.records + std::size_t{p.slot} * is.page_capacity,
-                             should_be.records + std::size_t{q.slot} * should_be.page_capacity, bytes) != 0;
+                 std::memcmp(data_of(is).records + std::size_t{p.slot} * data_of(is).page_capacity,
+                             data_of(should_be).records + std::size_t{q.slot} * data_of(should_be).page_capacity,
+                             bytes) != 0;
     }
     return wrong;
 }
@@ -178,7 +182,7 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     for (int i = 0; i < frames; ++i) {
         if (pick(random, 0, 15) == 0) stop_reader();
         if (!reader && pick(random, 0, 2) == 0) start_reader(true);
-        if (pick(random, 0, 20) == 0) retry_failed(on.stream);
+        if (pick(random, 0, 20) == 0) (void)retry_failed(on.stream);
         if (pick(random, 0, 12) == 0) view = random_view(random, full);
         if (pick(random, 0, 30) == 0)
             askers.reset(), askers.emplace(full, on.paged.terrain, pick(random, 1, 2), random());
@@ -200,7 +204,7 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     start_reader(false);
     cut.items = unlimited_items;
     (void)frame(); // takes over the last failures
-    retry_failed(on.stream);
+    (void)retry_failed(on.stream);
     CutReport report;
     for (int quiet = 0; quiet < 3;) {
         const StreamReport stream = frame();

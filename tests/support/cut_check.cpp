@@ -9,6 +9,7 @@
 #include "cut/mesh.h"
 #include "cut/morph.h"
 #include "cut/pages.h"
+#include "pack/terrain_data.h"
 #include "view/wanted.h"
 
 namespace fjell::test {
@@ -51,8 +52,8 @@ MeshView Cut::mesh() {
 }
 
 CutBudget ample_cut(const Terrain& terrain, std::uint32_t views) {
-    const std::uint32_t samples =
-        static_cast<std::uint32_t>(terrain.tree.grid_columns()) * static_cast<std::uint32_t>(terrain.tree.grid_rows());
+    const std::uint32_t samples = static_cast<std::uint32_t>(data_of(terrain).tree.grid_columns()) *
+                                  static_cast<std::uint32_t>(data_of(terrain).tree.grid_rows());
     CutBudget budget;
     budget.vertices = samples + 16;
     budget.segment_triangles = 16;
@@ -143,7 +144,7 @@ std::string check_group(const CutState& s, std::uint32_t number) {
         if (!((inactive | childless) >> lane & 1)) continue;
         const std::uint32_t vertex = number * group_lanes + lane;
         const Coord c = site_coord(site_of(s, vertex)), at = s.terrain->tree.sample(c);
-        const Terrain::Vertex v = s.terrain->vertex(c);
+        const TerrainData::Vertex v = s.terrain->vertex(c);
         const bool on = childless >> lane & 1;
         if (!on && some_evicting) continue;
         double margin = -1e300;
@@ -242,10 +243,10 @@ std::string check_surface(Cut& cut, const Terrain& full) {
     std::vector<MeshVertex> standing(drawn.vertices.begin(), drawn.vertices.end());
     for (std::uint32_t slot = 0; slot < standing.size(); ++slot)
         if (morphs_out(cut.state(), slot))
-            standing[slot].height_m = full.height_m({standing[slot].column, standing[slot].row});
+            standing[slot].height_m = data_of(full).height_m({standing[slot].column, standing[slot].row});
     drawn.vertices = standing;
     const auto holes = [&](const Triangle& t) {
-        return full.is_hole(t[0]) || full.is_hole(t[1]) || full.is_hole(t[2]);
+        return data_of(full).is_hole(t[0]) || data_of(full).is_hole(t[1]) || data_of(full).is_hole(t[2]);
     };
     if (full.has_voids())
         for (const Triangle& t : triangles_of(drawn))
@@ -265,9 +266,9 @@ std::string check_surface(Cut& cut, const Terrain& full) {
             if (found.empty()) continue;
             const Triangle& t = found[0];
             if (!holes(t)) return "a triangle without a corner in a hole is hidden";
-            const std::int32_t side = 3 * full.tree.side();
+            const std::int32_t side = 3 * data_of(full).tree.side();
             const std::int32_t x = (t[0].x + t[1].x + t[2].x) / side, y = (t[0].y + t[1].y + t[2].y) / side;
-            ranges.push_back({static_cast<std::uint32_t>(y * full.tree.tiles_x + x), first, 3, 1});
+            ranges.push_back({static_cast<std::uint32_t>(y * data_of(full).tree.tiles_x + x), first, 3, 1});
         }
         count = 1u << s.segment_log2;
     }
@@ -279,13 +280,14 @@ std::string check_surface(Cut& cut, const Terrain& full) {
 namespace {
 
 std::size_t place(const Terrain& t, Coord c) {
-    return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(t.tree.grid_columns()) +
+    return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(data_of(t).tree.grid_columns()) +
            static_cast<std::size_t>(c.x);
 }
 VertexSet only_corners(const Terrain& t, bool others) {
-    VertexSet set(place(t, {0, t.tree.grid_rows()}), others);
-    for (std::int32_t y = 0; y < t.tree.grid_rows(); y += t.tree.side())
-        for (std::int32_t x = 0; x < t.tree.grid_columns(); x += t.tree.side()) set[place(t, {x, y})] = true;
+    VertexSet set(place(t, {0, data_of(t).tree.grid_rows()}), others);
+    for (std::int32_t y = 0; y < data_of(t).tree.grid_rows(); y += data_of(t).tree.side())
+        for (std::int32_t x = 0; x < data_of(t).tree.grid_columns(); x += data_of(t).tree.side())
+            set[place(t, {x, y})] = true;
     return set;
 }
 
@@ -293,12 +295,12 @@ VertexSet only_corners(const Terrain& t, bool others) {
 
 VertexSet active_set(Cut& cut) {
     const CutState& s = cut.state();
-    VertexSet set = only_corners(*s.terrain, false);
+    VertexSet set = only_corners(s.terrain_handle, false);
     for (std::uint32_t slot = 0; slot < s.terrain->slot_count; ++slot) {
         if (s.page_slot[slot].page == no_index) continue;
         for (std::uint32_t n = 0; n < s.shapes[s.page_slot[slot].shape].count * group_lanes; ++n) {
             const std::uint32_t vertex = slot * max_page_groups * group_lanes + n;
-            if (active(s, vertex)) set[place(*s.terrain, site_coord(site_of(s, vertex)))] = true;
+            if (active(s, vertex)) set[place(s.terrain_handle, site_coord(site_of(s, vertex)))] = true;
         }
     }
     return set;
@@ -308,13 +310,13 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
                      bool corner_safe) {
     VertexSet set = only_corners(full, true);
     for (std::uint32_t tile = 0; tile < paged.tile_count(); ++tile)
-        for (std::uint32_t page = 0; page < paged.pages_per_tile; ++page) {
-            if (paged.page_table[tile * paged.pages_per_tile + page].slot != no_index) continue;
-            const Coord corner{static_cast<std::int32_t>(tile % full.header.tiles_x) * full.tree.side(),
-                               static_cast<std::int32_t>(tile / full.header.tiles_x) * full.tree.side()};
-            for (std::uint32_t i = 0; i < full.pages.page_vertices(page); ++i) {
-                const Coord c = corner + full.pages.coord({page, i});
-                if (!full.tree.is_corner(c)) set[place(full, c)] = false;
+        for (std::uint32_t page = 0; page < paged.pages_per_tile(); ++page) {
+            if (data_of(paged).page_table[tile * paged.pages_per_tile() + page].slot != no_index) continue;
+            const Coord corner{static_cast<std::int32_t>(tile % full.header().tiles_x) * data_of(full).tree.side(),
+                               static_cast<std::int32_t>(tile / full.header().tiles_x) * data_of(full).tree.side()};
+            for (std::uint32_t i = 0; i < data_of(full).pages.page_vertices(page); ++i) {
+                const Coord c = corner + data_of(full).pages.coord({page, i});
+                if (!data_of(full).tree.is_corner(c)) set[place(full, c)] = false;
             }
         }
     std::vector<Reach> reaches;
@@ -322,19 +324,20 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
         reaches.push_back(make_reach(view, corner_safe ? error_px / corner_factor(view) : error_px));
     // Of every level its own coordinates: centres at odd multiples of the step, sides where one is odd and one even.
     // Parents first: most vertices have none in the set, and need not be looked up.
-    for (int level = 0; level < 2 * full.tree.tile_log2; ++level) {
-        const std::int32_t step = 1 << (full.tree.tile_log2 - 1 - level / 2);
+    for (int level = 0; level < 2 * data_of(full).tree.tile_log2; ++level) {
+        const std::int32_t step = 1 << (data_of(full).tree.tile_log2 - 1 - level / 2);
         const bool sides = level % 2 != 0;
-        for (std::int32_t y = sides ? 0 : step; y < full.tree.grid_rows(); y += sides ? step : 2 * step)
-            for (std::int32_t x = sides && (y & step) ? 0 : step; x < full.tree.grid_columns(); x += 2 * step) {
+        for (std::int32_t y = sides ? 0 : step; y < data_of(full).tree.grid_rows(); y += sides ? step : 2 * step)
+            for (std::int32_t x = sides && (y & step) ? 0 : step; x < data_of(full).tree.grid_columns();
+                 x += 2 * step) {
                 const Coord c{x, y};
                 if (!set[place(full, c)]) continue;
                 bool parents = true, in = false;
-                for (const Coord parent : diamond(full.tree, c).apexes)
-                    parents = parents && (!full.tree.contains(parent) || set[place(full, parent)]);
+                for (const Coord parent : diamond(data_of(full).tree, c).apexes)
+                    parents = parents && (!data_of(full).tree.contains(parent) || set[place(full, parent)]);
                 if (parents) {
-                    const Terrain::Vertex v = full.vertex(c);
-                    const Coord at = full.tree.sample(c);
+                    const TerrainData::Vertex v = data_of(full).vertex(c);
+                    const Coord at = data_of(full).tree.sample(c);
                     for (const Reach& r : reaches)
                         in = in || wanted(r, full.x_m(at.x), v.height_m, full.z_m(at.y), v.error_m, v.radius_m);
                 }

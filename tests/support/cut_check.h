@@ -20,7 +20,7 @@ struct Cut {
     CutReport rebuild(std::span<const View> views, const CutSettings& settings);
     // All tiles, seen or not. Points into this.
     [[nodiscard]] MeshView mesh();
-    [[nodiscard]] CutState& state() { return *cut.state; }
+    [[nodiscard]] CutState& state() { return data_of(cut); }
     io::AlignedMemory memory;
     LiveCut cut;
     std::vector<TileRange> ranges;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "pack/terrain_data.h"
 #include "support/cut_check.h"
 
 namespace fjell::test {
@@ -39,14 +40,15 @@ inline constexpr int patience_frames = 200'000;
     return view;
 }
 [[nodiscard]] inline double random_step_m(Random& random, const Terrain& terrain) {
-    return terrain.spacing_x_m * std::pow(10.0, uniform(random, -2, 1.5));
+    return terrain.spacing_x_m() * std::pow(10.0, uniform(random, -2, 1.5));
 }
 
 // Straight down from `height` extents above the middle.
 [[nodiscard]] inline View view_from_above(const Terrain& terrain, double height) {
-    const double x = terrain.x_m(terrain.tree.columns() - 1), z = terrain.z_m(terrain.tree.rows() - 1);
+    const double x = terrain.x_m(data_of(terrain).tree.columns() - 1),
+                 z = terrain.z_m(data_of(terrain).tree.rows() - 1);
     const double extent = std::max(x, z);
-    return make_view({x / 2, terrain.header.max_m + height * extent, z / 2}, {0, -1, 0.01}, {0, 1, 0}, 1, 800, 600,
+    return make_view({x / 2, terrain.header().max_m + height * extent, z / 2}, {0, -1, 0.01}, {0, 1, 0}, 1, 800, 600,
                      extent * 1e-4, extent * 1e3);
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "pack/terrain_data.h"
 #include "support/terrain_fixture.h"
 
 namespace fjell::test {
@@ -25,9 +26,9 @@ inline TruePlane plane_of(const Terrain& full, const std::array<Coord, 3>& c) {
     TruePlane out;
     double h[3];
     for (std::size_t k = 0; k < 3; ++k) {
-        const Terrain::Vertex v = full.vertex(c[k]);
-        h[k] =
-            static_cast<double>(full.height_scale.base_m) + v.steps * static_cast<double>(full.height_scale.quantum_m);
+        const TerrainData::Vertex v = data_of(full).vertex(c[k]);
+        h[k] = static_cast<double>(data_of(full).height_scale.base_m) +
+               v.steps * static_cast<double>(data_of(full).height_scale.quantum_m);
         out.hole = out.hole || (full.has_voids() && v.hole);
     }
     const double bx = c[1].x - c[0].x, by = c[1].y - c[0].y, cx = c[2].x - c[0].x, cy = c[2].y - c[0].y;
@@ -39,8 +40,9 @@ inline TruePlane plane_of(const Terrain& full, const std::array<Coord, 3>& c) {
 }
 // At a place within the terrain, in cells.
 inline TruePlane true_plane(const Terrain& full, double column, double row) {
-    const std::int32_t i = std::clamp(static_cast<std::int32_t>(std::floor(column)), 0, full.tree.columns() - 2),
-                       j = std::clamp(static_cast<std::int32_t>(std::floor(row)), 0, full.tree.rows() - 2);
+    const std::int32_t i = std::clamp(static_cast<std::int32_t>(std::floor(column)), 0,
+                                      data_of(full).tree.columns() - 2),
+                       j = std::clamp(static_cast<std::int32_t>(std::floor(row)), 0, data_of(full).tree.rows() - 2);
     const auto halves = halves_of_cell(i, j);
     const double u = column - i, v = row - j;
     const bool first = ((i + j) & 1) == 0 ? v >= u : u + v <= 1;
@@ -52,20 +54,21 @@ inline double at(const TruePlane& plane, double column, double row) {
 
 // What doubles may lose: some hundred roundings of numbers as large as heights, and of places times the steepest slope.
 inline double rounding_m(const Terrain& t, double largest_place_cells = 0) {
-    const double range = t.header.height_steps * static_cast<double>(t.height_scale.quantum_m);
-    const double cells = std::max({largest_place_cells, double(t.tree.columns()), double(t.tree.rows())});
-    return 0x1p-45 * (std::abs(static_cast<double>(t.height_scale.base_m)) + range * (1 + cells));
+    const double range = t.header().height_steps * static_cast<double>(data_of(t).height_scale.quantum_m);
+    const double cells =
+        std::max({largest_place_cells, double(data_of(t).tree.columns()), double(data_of(t).tree.rows())});
+    return 0x1p-45 * (std::abs(static_cast<double>(data_of(t).height_scale.base_m)) + range * (1 + cells));
 }
 
 // Loads a random subset, from coarse to fine as pages ask for, then takes some away again, coarse ones too.
 inline void load_some_pages(Random& random, const Pack& pack, Terrain& terrain) {
     const double share = uniform(random, 0, 1.1), keep = uniform(random, 0.3, 1.1);
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile)
-        for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page)
+        for (std::uint32_t page = 0; page < terrain.pages_per_tile(); ++page)
             if (uniform(random, 0, 1) <= share) (void)load_page(pack, terrain, tile, page);
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile)
-        for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page)
-            if (uniform(random, 0, 1) > keep) unload_page(terrain, tile, page);
+        for (std::uint32_t page = 0; page < terrain.pages_per_tile(); ++page)
+            if (uniform(random, 0, 1) > keep) (void)unload_page(terrain, tile, page);
 }
 
 // Any size, tiling, order, estimate; holes in one of three when they may be.

@@ -98,7 +98,8 @@ inline Maps all_maps(const baker::MapPlan& plan, const std::function<double(int,
 
 inline std::vector<std::uint8_t> decoded(baker::MapKind kind, const baker::MipTexels& mip, std::uint32_t side) {
     std::vector<std::uint8_t> codes(std::size_t{side} * side * baker::channels(kind));
-    kind == baker::MapKind::colour ? decode_colour(mip.blocks, side, codes) : decode_normal(mip.blocks, side, codes);
+    (void)(kind == baker::MapKind::colour ? decode_colour(mip.blocks, side, codes)
+                                          : decode_normal(mip.blocks, side, codes));
     return codes;
 }
 

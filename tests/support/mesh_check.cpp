@@ -1,4 +1,5 @@
 #include "support/mesh_check.h"
+#include "pack/terrain_data.h"
 
 #include <algorithm>
 #include <bit>
@@ -21,8 +22,8 @@ Triangle rotated(Triangle t) {
 }
 
 Coord tile_corner(const Terrain& terrain, std::uint32_t tile) {
-    return {static_cast<std::int32_t>(tile % terrain.header.tiles_x) * terrain.tree.side(),
-            static_cast<std::int32_t>(tile / terrain.header.tiles_x) * terrain.tree.side()};
+    return {static_cast<std::int32_t>(tile % terrain.header().tiles_x) * data_of(terrain).tree.side(),
+            static_cast<std::int32_t>(tile / terrain.header().tiles_x) * data_of(terrain).tree.side()};
 }
 
 // Calls visit(triangle) for every triangle of a range; strips flip every other one, as OpenGL does.
@@ -56,12 +57,12 @@ std::uint64_t key(Coord a, Coord b, std::int32_t columns) {
 
 // Is the edge on the rim of the terrain, or of the drawn part of it?
 bool may_be_open(const Terrain& terrain, const std::vector<bool>& drawn, Coord a, Coord b) {
-    const std::int32_t side = terrain.tree.side();
-    if (a.x == b.x && (a.x == 0 || a.x == terrain.tree.columns() - 1)) return true;
-    if (a.y == b.y && (a.y == 0 || a.y == terrain.tree.rows() - 1)) return true;
+    const std::int32_t side = data_of(terrain).tree.side();
+    if (a.x == b.x && (a.x == 0 || a.x == data_of(terrain).tree.columns() - 1)) return true;
+    if (a.y == b.y && (a.y == 0 || a.y == data_of(terrain).tree.rows() - 1)) return true;
     const auto is_drawn = [&](std::int32_t tx, std::int32_t ty) {
-        return tx >= 0 && ty >= 0 && tx < terrain.tree.tiles_x && ty < terrain.tree.tiles_y &&
-               drawn[static_cast<std::size_t>(ty * terrain.tree.tiles_x + tx)];
+        return tx >= 0 && ty >= 0 && tx < data_of(terrain).tree.tiles_x && ty < data_of(terrain).tree.tiles_y &&
+               drawn[static_cast<std::size_t>(ty * data_of(terrain).tree.tiles_x + tx)];
     };
     if (a.x == b.x && a.x % side == 0) {
         const std::int32_t ty = std::min(a.y, b.y) / side;
@@ -102,7 +103,7 @@ private:
 std::string check_edges(const Terrain& terrain, const std::vector<bool>& drawn,
                         const std::vector<Triangle>& triangles) {
     EdgeSet edges(triangles.size() * 3);
-    const std::int32_t columns = terrain.tree.columns();
+    const std::int32_t columns = data_of(terrain).tree.columns();
     for (const Triangle& t : triangles)
         for (std::size_t i = 0; i < 3; ++i)
             if (!edges.insert(key(t[i], t[(i + 1) % 3], columns)))
@@ -149,13 +150,14 @@ std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
             const std::uint32_t index = mesh.indices[range.first_index + i];
             const MeshVertex& v = mesh.vertices[index];
             const Coord at{v.column, v.row}, in_tile = at - corner;
-            if (in_tile.x < 0 || in_tile.y < 0 || in_tile.x > terrain.tree.side() || in_tile.y > terrain.tree.side())
+            if (in_tile.x < 0 || in_tile.y < 0 || in_tile.x > data_of(terrain).tree.side() ||
+                in_tile.y > data_of(terrain).tree.side())
                 return "a vertex lies outside its tile";
-            if (at.x >= terrain.tree.columns() || at.y >= terrain.tree.rows())
+            if (at.x >= data_of(terrain).tree.columns() || at.y >= data_of(terrain).tree.rows())
                 return "a vertex lies outside the terrain";
             if (compared[index]) continue;
             compared[index] = true;
-            if (v.height_m != terrain.height_m(at)) return "a vertex has not its sample's height";
+            if (v.height_m != data_of(terrain).height_m(at)) return "a vertex has not its sample's height";
         }
         for_each_triangle(mesh, range, [&](const Triangle& t) {
             const std::int64_t doubled = doubled_area_up(t);
@@ -170,7 +172,8 @@ std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
     }
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) {
         const Coord corner = tile_corner(terrain, tile);
-        const Coord end = terrain.tree.sample(corner + Coord{terrain.tree.side(), terrain.tree.side()});
+        const Coord end =
+            data_of(terrain).tree.sample(corner + Coord{data_of(terrain).tree.side(), data_of(terrain).tree.side()});
         if (drawn[tile] && areas[tile] != 2 * std::int64_t{end.x - corner.x} * (end.y - corner.y))
             return "a tile is not covered exactly";
     }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "fjell/coord.h"
 #include "fjell/mesh.h"
 #include "fjell/terrain.h"
 

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "pack/memory.h"
+#include "pack/terrain_data.h"
 #include "stream/requests.h"
 
 namespace fjell::test {
@@ -50,14 +51,14 @@ void ScriptedClient::act() {
         std::vector<std::byte> stored(on.pack.bytes.begin() + static_cast<std::ptrdiff_t>(r.offset),
                                       on.pack.bytes.begin() + static_cast<std::ptrdiff_t>(r.offset + r.bytes));
         if (!still_wanted(on.stream, r.ticket)) {
-            fail(on.stream, r.ticket, true);
+            (void)fail(on.stream, r.ticket, true);
             ++declined;
             return true;
         }
         double dice = uniform(random, 0, 1);
         const auto falls = [&](double share) { return (dice -= share) < 0; };
         if (falls(script.fails)) {
-            fail(on.stream, r.ticket);
+            (void)fail(on.stream, r.ticket);
             broken.push_back(r.id);
             return true;
         }
@@ -107,9 +108,9 @@ std::string check_stream(Streamed& streamed) {
         if (r.watch < s.slots * watches_per_slot) ++below[r.watch / watches_per_slot];
     }
     if (reserved != s.reserved_slots) return "reserved slots do not add up";
-    if (t.memory->free_count < reserved) return "a request without a slot";
+    if (data_of(t).memory->free_count < reserved) return "a request without a slot";
     for (std::uint32_t slot = 0; slot < s.slots; ++slot) {
-        const std::uint32_t page = t.slot_page[slot], watch = s.slot_watch[slot];
+        const std::uint32_t page = data_of(t).slot_page[slot], watch = s.slot_watch[slot];
         if ((page == no_index) != (watch == no_index)) return "a slot is taken in one place and free in another";
         if (page == no_index) continue;
         if (s.watch_page[watch] != page) return "a slot's watch speaks of another page";
@@ -117,13 +118,13 @@ std::string check_stream(Streamed& streamed) {
             return "loaded, but not so";
         if (watch < s.slots * watches_per_slot) {
             ++below[watch / watches_per_slot];
-            if (t.slot_page[watch / watches_per_slot] == no_index) return "a page without the one above it";
+            if (data_of(t).slot_page[watch / watches_per_slot] == no_index) return "a page without the one above it";
         }
     }
     for (std::uint32_t slot = 0; slot < s.slots; ++slot)
-        if (t.slot_page[slot] != no_index && below[slot] != s.below[slot]) return "pages below do not add up";
+        if (data_of(t).slot_page[slot] != no_index && below[slot] != s.below[slot]) return "pages below do not add up";
     for (std::uint32_t tile = 0; tile < s.tiles; ++tile)
-        if (const std::uint32_t slot = t.page_table[tile * t.pages_per_tile].slot;
+        if (const std::uint32_t slot = data_of(t).page_table[tile * t.pages_per_tile()].slot;
             slot != no_index && s.states[s.slots * watches_per_slot + tile] != WatchState::loaded)
             return "a coarsest page is not pinned";
     return {};

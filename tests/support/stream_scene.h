@@ -23,7 +23,7 @@ struct Streamed {
     Streamed(const Pack& source, std::uint32_t page_slots, const StreamBudget& budget = {}, std::uint32_t views = 1);
     Streamed(const Pack& source, const CutBudget& cut_budget, std::uint32_t page_slots, const StreamBudget& budget);
     StreamReport update(std::span<const View> views, const CutSettings& cut_settings, const StreamSettings& settings);
-    [[nodiscard]] StreamState& state() { return *stream.state; }
+    [[nodiscard]] StreamState& state() { return data_of(stream); }
     const Pack& pack;
     PagedTerrain paged;
     Cut cut;

@@ -1,4 +1,5 @@
 #include "support/terrain_fixture.h"
+#include "pack/terrain_data.h"
 
 #include <algorithm>
 #include <cmath>
@@ -124,12 +125,13 @@ baker::BakeOptions small_bake(int tile_log2, double nesting) {
 }
 
 View random_view(Random& random, const Terrain& terrain) {
-    const double wx = terrain.x_m(terrain.tree.columns() - 1), wz = terrain.z_m(terrain.tree.rows() - 1);
+    const double wx = terrain.x_m(data_of(terrain).tree.columns() - 1),
+                 wz = terrain.z_m(data_of(terrain).tree.rows() - 1);
     const double extent = std::max(wx, wz);
     Vec3 eye{uniform(random, -0.3, 1.3) * wx, 0, uniform(random, -0.3, 1.3) * wz};
     const double above = extent * std::pow(10.0, uniform(random, -4, 0.5));
-    eye.y = terrain.ground_m(eye.x, eye.z) + (pick(random, 0, 9) == 0 ? -above : above);
-    const Vec3 at{uniform(random, 0, 1) * wx, terrain.header.min_m, uniform(random, 0, 1) * wz};
+    eye.y = data_of(terrain).ground_m(eye.x, eye.z) + (pick(random, 0, 9) == 0 ? -above : above);
+    const Vec3 at{uniform(random, 0, 1) * wx, terrain.header().min_m, uniform(random, 0, 1) * wz};
     const double fov = uniform(random, 0.2, 2.0);
     return make_view(eye, at - eye, {uniform(random, -0.3, 0.3), 1, uniform(random, -0.3, 0.3)}, fov,
                      static_cast<std::uint32_t>(pick(random, 64, 3840)),
@@ -137,7 +139,7 @@ View random_view(Random& random, const Terrain& terrain) {
 }
 
 RecursiveBudget ample_budget(const Terrain& terrain) {
-    const std::uint32_t vertices = terrain.tile_count() * terrain.pages.tile_vertices();
+    const std::uint32_t vertices = terrain.tile_count() * data_of(terrain).pages.tile_vertices();
     return {vertices, vertices * 8 + terrain.tile_count() * 16};
 }
 

@@ -8,6 +8,7 @@
 
 #include "fjell/io/load.h"
 #include "fjell/recursive.h"
+#include "pack/terrain_data.h"
 #include "support/dem.h"
 #include "support/temporary_folder.h"
 
@@ -32,10 +33,18 @@ void add_random_holes(Random& random, baker::Dem& dem, int tile_log2);
 [[nodiscard]] View random_view(Random& random, const Terrain& terrain);
 
 // The same terrain as if nothing were missing: what is drawn of holes is what their vertices stand on.
-[[nodiscard]] inline Terrain without_holes(Terrain terrain) {
-    terrain.header.voids = 0;
-    return terrain;
-}
+class WithoutHoles {
+public:
+    explicit WithoutHoles(const Terrain& terrain) : data_(std::make_unique<TerrainData>(data_of(terrain))) {
+        data_->header.voids = 0;
+        HandleAccess::begin(*data_, terrain_);
+    }
+    [[nodiscard]] const Terrain& terrain() const { return terrain_; }
+
+private:
+    std::unique_ptr<TerrainData> data_; // its tables are the other one's
+    Terrain terrain_;
+};
 
 // A terrain that loads its pages one by one.
 struct PagedTerrain {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fjell/gl/palette.h"
+#include "pack/terrain_data.h"
 #include "picture_scene.h"
 #include "support/dem.h"
 #include "support/rounds.h"
@@ -62,7 +63,7 @@ struct Looked {
 // Some of the pixels of a picture with borders against the same without.
 Looked look(const Scene& scene, const View& view, const gl::Image& with, const gl::Image& without, bool tiles,
             bool pages) {
-    const Tree& tree = scene.loaded.terrain.tree;
+    const Tree& tree = data_of(scene.loaded.terrain).tree;
     const double side = tree.side(), page = std::min(side, 64.0);
     Looked seen;
     const auto every = test::rounds<std::uint32_t>(23, 11);

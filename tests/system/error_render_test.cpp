@@ -8,6 +8,7 @@
 #include "fjell/gl/palette.h"
 #include "fjell/io/heights.h"
 #include "fjell/measure.h"
+#include "pack/terrain_data.h"
 #include "picture_scene.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
@@ -92,8 +93,8 @@ Compared compare(const Scene& scene, const Picture& picture, const View& view, c
             for (const Vec3 beside :
                  {Vec3{}, Vec3{0.02, 0, 0}, Vec3{-0.02, 0, 0}, Vec3{0, 0, 0.02}, Vec3{0, 0, -0.02}}) {
                 const Vec3 p = view.eye_m + ray * (d * (1 + off * 0x1p-20)), q = p + beside;
-                const double full_m = surface_m(terrain.tree, heights, q.x / terrain.header.spacing_m[0],
-                                                q.z / terrain.header.spacing_m[1]);
+                const double full_m = surface_m(data_of(terrain).tree, heights, q.x / terrain.header().spacing_m[0],
+                                                q.z / terrain.header().spacing_m[1]);
                 if (std::isnan(full_m)) {
                     good = good || close(is, gl::error_stops[5]);
                     continue;
@@ -145,12 +146,13 @@ TEST_CASE("the error mode colours every pixel by the error that is drawn there",
         Scene scene(std::move(dem), log2);
         // Every third with heights for some of its samples.
         const bool coarse = round % 3 == 1;
-        const std::size_t samples = std::size_t{scene.loaded.terrain.header.columns} * scene.loaded.terrain.header.rows;
+        const std::size_t samples =
+            std::size_t{scene.loaded.terrain.header().columns} * scene.loaded.terrain.header().rows;
         const io::FullHeights heights = heights_of(scene, coarse ? samples / 5 : samples);
         REQUIRE((heights.step_log2 > 0) == coarse);
         give(scene, heights);
-        const double extent_m = std::hypot(scene.loaded.terrain.x_m(scene.loaded.terrain.tree.columns() - 1),
-                                           scene.loaded.terrain.z_m(scene.loaded.terrain.tree.rows() - 1));
+        const double extent_m = std::hypot(scene.loaded.terrain.x_m(data_of(scene.loaded.terrain).tree.columns() - 1),
+                                           scene.loaded.terrain.z_m(data_of(scene.loaded.terrain).tree.rows() - 1));
         const View view =
             scene.camera(uniform(random, 0.3, 0.7), uniform(random, 0.5, 0.9), extent_m * uniform(random, 0.02, 0.2),
                          uniform(random, -40, 40), uniform(random, -50, -10));

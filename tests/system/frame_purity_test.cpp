@@ -182,7 +182,7 @@ Seen fly(const io::LoadedPack& pack, std::uint32_t seed, int frames) {
     Terrain terrain;
     if (!create_terrain(pack.pack, {}, terrain_memory.span(), terrain).ok()) throw std::runtime_error("terrain");
     for (std::uint32_t p = 0; p < terrain.page_count(); ++p)
-        (void)load_page(pack.pack, terrain, p / terrain.pages_per_tile, p % terrain.pages_per_tile);
+        (void)load_page(pack.pack, terrain, p / terrain.pages_per_tile(), p % terrain.pages_per_tile());
     CutBudget budget;
     budget.vertices = 20'000;
     budget.segment_triangles = 64;
@@ -196,7 +196,7 @@ Seen fly(const io::LoadedPack& pack, std::uint32_t seed, int frames) {
     CutSettings settings;
     std::uint32_t leaving = no_index;
     for (int frame = 0; frame < frames; ++frame) {
-        views[0] = moved(random, views[0], terrain.spacing_x_m * (frame % 500 < 400 ? 0.3 : 8));
+        views[0] = moved(random, views[0], terrain.spacing_x_m() * (frame % 500 < 400 ? 0.3 : 8));
         if (frame % 1000 == 999) views[0] = random_view(random, terrain);
         if (frame % 700 == 699) views[1] = random_view(random, terrain);
         if (frame % 250 == 0)
@@ -213,21 +213,22 @@ Seen fly(const io::LoadedPack& pack, std::uint32_t seed, int frames) {
         Status done, asked;
         watched([&] {
             if (leaving != no_index)
-                asked = release_page(cut, leaving / terrain.pages_per_tile, leaving % terrain.pages_per_tile, released);
+                asked =
+                    release_page(cut, leaving / terrain.pages_per_tile(), leaving % terrain.pages_per_tile(), released);
             done = update_cut(cut, {views, view_count}, settings, report);
             seen.triangles += cut_mesh(cut).mesh.tiles.size();
         });
         if (!done.ok() || !asked.ok()) throw std::runtime_error(done.field);
         if (released) {
-            unload_page(terrain, leaving / terrain.pages_per_tile, leaving % terrain.pages_per_tile);
+            (void)unload_page(terrain, leaving / terrain.pages_per_tile(), leaving % terrain.pages_per_tile());
             leaving = no_index;
             ++seen.pages_released;
         }
         for (int n = 0; n < 4; ++n) {
             const auto page = static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.page_count()) - 1));
-            const std::uint32_t missing = terrain.pages_missing;
-            (void)load_page(pack.pack, terrain, page / terrain.pages_per_tile, page % terrain.pages_per_tile);
-            seen.pages_loaded += missing - terrain.pages_missing;
+            const std::uint32_t missing = terrain.pages_missing();
+            (void)load_page(pack.pack, terrain, page / terrain.pages_per_tile(), page % terrain.pages_per_tile());
+            seen.pages_loaded += missing - terrain.pages_missing();
         }
         seen.exhausted |= report.exhausted;
         seen.activations += report.activations;
@@ -273,11 +274,11 @@ SeenStream fly_streamed(const io::LoadedPack& pack, std::uint32_t seed, int fram
     CutSettings settings;
     StreamSettings stream_settings;
     for (int frame = 0; frame < frames; ++frame) {
-        views[0] = moved(random, views[0], terrain.spacing_x_m * (frame % 500 < 400 ? 0.3 : 8));
+        views[0] = moved(random, views[0], terrain.spacing_x_m() * (frame % 500 < 400 ? 0.3 : 8));
         if (frame % 300 == 299) views[0] = random_view(random, terrain);
         if (frame % 700 == 699) views[1] = random_view(random, terrain);
         if (frame % 250 == 0) settings.error_px = std::pow(10.0, uniform(random, -1, 1.5));
-        if (frame % 2000 == 1999) retry_failed(stream);
+        if (frame % 2000 == 1999) (void)retry_failed(stream);
         stream_settings.now_s += 1.0 / 60;
         stream_settings.tests = frame % 200 < 20 ? 5 : 1u << 16;
         stream_settings.map_bytes = frame % 400 < 200 ? 100 : 1u << 20;
@@ -294,7 +295,7 @@ SeenStream fly_streamed(const io::LoadedPack& pack, std::uint32_t seed, int fram
         StreamRequest request;
         for (int n = pick(random, 0, frame % 100 < 50 ? 8 : 2); n > 0 && next_request(stream, request); --n) {
             if (pick(random, 0, 100) == 0)
-                fail(stream, request.ticket);
+                (void)fail(stream, request.ticket);
             else
                 (void)provide(stream, request.ticket, pack.pack.bytes.subspan(request.offset, request.bytes));
         }

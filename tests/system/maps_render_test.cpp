@@ -4,6 +4,7 @@
 
 #include "fjell/gl/palette.h"
 #include "gl/residency.h"
+#include "pack/terrain_data.h"
 #include "picture_scene.h"
 #include "support/dem.h"
 #include "support/terrain_fixture.h"
@@ -300,7 +301,7 @@ TEST_CASE("the modes of tiles, mips and residency show what their legends say", 
     const auto colour_at = [&](const Picture& picture, double column, double row) {
         const Vec3 p{column * 30 - view.eye_m.x, 0, row * 30 - view.eye_m.z};
         // The ground's height under the pixel moves it: take the pixel of this place at its own height.
-        const double h = terrain.ground_m(column * 30, row * 30) - view.eye_m.y;
+        const double h = data_of(terrain).ground_m(column * 30, row * 30) - view.eye_m.y;
         const double x = width_px / 2.0 + view.lambda_px * p.x / -h, y = height_px / 2.0 + view.lambda_px * p.z / -h;
         const std::uint8_t* pixel = picture.colour.pixel(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
         return gl::Rgb8{pixel[0], pixel[1], pixel[2]};
@@ -337,8 +338,8 @@ TEST_CASE("the modes of tiles, mips and residency show what their legends say", 
     drawing.mode = gl::Mode::residency;
     CHECK(close(colour_at(scene.draw(mesh.view(), view, drawing), 100, 100), gl::step_rgb(0, 7)));
     // Of tile 0 the page of step 1 over its north-west goes, and all of tile 3.
-    unload_page(terrain, 0, terrain.pages.page_at(0, 0, 0));
-    for (std::uint32_t page = terrain.pages_per_tile; page-- > 0;) unload_page(terrain, 3, page);
+    (void)unload_page(terrain, 0, data_of(terrain).pages.page_at(0, 0, 0));
+    for (std::uint32_t page = terrain.pages_per_tile(); page-- > 0;) (void)unload_page(terrain, 3, page);
     const Picture some = scene.draw(mesh.view(), view, drawing);
     CHECK(close(colour_at(some, 60, 60), gl::step_rgb(1, 7)));
     CHECK(close(colour_at(some, 68, 60), gl::step_rgb(0, 7)));
@@ -355,22 +356,25 @@ TEST_CASE("the resident step over a place is the finest down to which all pages 
         const auto pack = test::bake_and_load(test::random_dem(random, 257, 257, test::Shape::fractal), options);
         test::PagedTerrain paged(pack.pack, {});
         Terrain& terrain = paged.terrain;
-        const std::uint32_t square = 1u << gl::residency_square_log2(terrain.header), side = terrain.pages.side();
+        const std::uint32_t square = 1u << gl::residency_square_log2(terrain.header()),
+                            side = data_of(terrain).pages.side();
         for (int round = 0; round < 30; ++round) {
-            for (std::uint32_t page = 0; page < terrain.pages_per_tile; ++page)
-                if (terrain.page_table[page].slot == no_index) REQUIRE(load_page(pack.pack, terrain, 0, page).ok());
-            for (std::uint32_t page = round == 0 ? 0 : 1; page < terrain.pages_per_tile; ++page)
-                if (test::pick(random, 0, 5) == 0) unload_page(terrain, 0, page);
+            for (std::uint32_t page = 0; page < terrain.pages_per_tile(); ++page)
+                if (data_of(terrain).page_table[page].slot == no_index)
+                    REQUIRE(load_page(pack.pack, terrain, 0, page).ok());
+            for (std::uint32_t page = round == 0 ? 0 : 1; page < terrain.pages_per_tile(); ++page)
+                if (test::pick(random, 0, 5) == 0) (void)unload_page(terrain, 0, page);
             for (std::uint32_t y = 0; y < side / square; ++y)
                 for (std::uint32_t x = 0; x < side / square; ++x) {
                     // A centre of every step, from the same page as those in the square; coarse first.
-                    std::uint32_t finest = terrain.header.tile_log2;
+                    std::uint32_t finest = terrain.header().tile_log2;
                     for (std::uint32_t z = finest; z-- > 0; finest = z) {
                         const std::uint32_t page_side = std::min(64u << z, side);
                         const std::uint32_t west = x * square / page_side * page_side,
                                             north = y * square / page_side * page_side;
-                        const std::uint32_t page = terrain.pages.place(west + (1u << z), north + (1u << z)).page;
-                        if (terrain.page_table[page].slot == no_index) break;
+                        const std::uint32_t page =
+                            data_of(terrain).pages.place(west + (1u << z), north + (1u << z)).page;
+                        if (data_of(terrain).page_table[page].slot == no_index) break;
                     }
                     CAPTURE(round, x, y);
                     REQUIRE(gl::resident_step_log2(terrain, 0, x, y) == finest);

@@ -14,6 +14,7 @@
 #include "fjell/gl/renderer.h"
 #include "fjell/io/load.h"
 #include "fjell/recursive.h"
+#include "pack/terrain_data.h"
 #include "support/dem.h"
 #include "support/rounds.h"
 
@@ -49,16 +50,16 @@ inline OwnMesh copy_of(const MeshView& mesh) {
 // centres).
 inline OwnMesh full_resolution(const Terrain& terrain) {
     OwnMesh mesh;
-    const auto side = static_cast<std::uint32_t>(terrain.tree.side()), n = side + 1;
+    const auto side = static_cast<std::uint32_t>(data_of(terrain).tree.side()), n = side + 1;
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) {
         const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
         const auto first_index = static_cast<std::uint32_t>(mesh.indices.size());
-        const Coord corner{static_cast<std::int32_t>(tile % terrain.header.tiles_x * side),
-                           static_cast<std::int32_t>(tile / terrain.header.tiles_x * side)};
+        const Coord corner{static_cast<std::int32_t>(tile % terrain.header().tiles_x * side),
+                           static_cast<std::int32_t>(tile / terrain.header().tiles_x * side)};
         for (std::uint32_t y = 0; y < n; ++y)
             for (std::uint32_t x = 0; x < n; ++x) {
                 const Coord at = corner + Coord{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
-                mesh.vertices.push_back({at.x, at.y, terrain.height_m(at)});
+                mesh.vertices.push_back({at.x, at.y, data_of(terrain).height_m(at)});
             }
         for (std::uint32_t y = 0; y < side; ++y)
             for (std::uint32_t x = 0; x < side; ++x) {
@@ -114,8 +115,8 @@ struct Scene {
         unlink(path);
 
         const Terrain& terrain = loaded.terrain;
-        const RecursiveBudget budget{terrain.tile_count() * terrain.pages.tile_vertices() + 1024,
-                                     terrain.tile_count() * terrain.pages.tile_vertices() * 6 + 1024};
+        const RecursiveBudget budget{terrain.tile_count() * data_of(terrain).pages.tile_vertices() + 1024,
+                                     terrain.tile_count() * data_of(terrain).pages.tile_vertices() * 6 + 1024};
         const std::size_t bytes = recursive_bytes(terrain, budget);
         memory = io::allocate(bytes);
         REQUIRE(create_recursive(terrain, budget, {memory.get(), bytes}, method).ok());
@@ -136,13 +137,13 @@ struct Scene {
     // Of a live cut that may be refined to the last sample: two triangles a cell, and a half-full chunk a tile.
     static constexpr std::uint32_t segment_triangles = 64;
     static std::uint32_t chunks(const Terrain& terrain) {
-        return terrain.tile_count() * (terrain.pages.tile_vertices() * 2 / segment_triangles + 2) + 8;
+        return terrain.tile_count() * (data_of(terrain).pages.tile_vertices() * 2 / segment_triangles + 2) + 8;
     }
 
     void make_cut() {
         const Terrain& terrain = loaded.terrain;
         CutBudget budget;
-        budget.vertices = terrain.tile_count() * terrain.pages.tile_vertices() + 1024;
+        budget.vertices = terrain.tile_count() * data_of(terrain).pages.tile_vertices() + 1024;
         budget.triangles = chunks(terrain) * segment_triangles;
         budget.segment_triangles = segment_triangles;
         const std::size_t bytes = cut_bytes(terrain, budget);
@@ -191,12 +192,13 @@ struct Scene {
     // A camera at a share of the terrain's extents, some metres above ground, heading clockwise from north.
     [[nodiscard]] View camera(double east, double south, double above_m, double heading_deg, double pitch_deg) const {
         const Terrain& terrain = loaded.terrain;
-        const double x = east * terrain.x_m(static_cast<std::int32_t>(terrain.header.columns) - 1);
-        const double z = south * terrain.z_m(static_cast<std::int32_t>(terrain.header.rows) - 1);
+        const double x = east * terrain.x_m(static_cast<std::int32_t>(terrain.header().columns) - 1);
+        const double z = south * terrain.z_m(static_cast<std::int32_t>(terrain.header().rows) - 1);
         const double h = heading_deg * pi / 180, p = pitch_deg * pi / 180;
         const Vec3 forward{std::sin(h) * std::cos(p), std::sin(p), -std::cos(h) * std::cos(p)};
         const Vec3 up{-std::sin(h) * std::sin(p), std::cos(p), std::cos(h) * std::sin(p)};
-        return make_view({x, terrain.ground_m(x, z) + above_m, z}, forward, up, pi / 4, width_px, height_px, 5, 1e6);
+        return make_view({x, data_of(terrain).ground_m(x, z) + above_m, z}, forward, up, pi / 4, width_px, height_px, 5,
+                         1e6);
     }
 };
 

@@ -14,6 +14,7 @@
 #include "fjell/gl/image.h"
 #include "fjell/gl/palette.h"
 #include "gl/window.h"
+#include "pack/terrain_data.h"
 #include "picture_scene.h"
 #include "support/dem.h"
 #include "support/rounds.h"
@@ -323,7 +324,8 @@ TEST_CASE("no background shows between or inside tiles", "[picture]") {
             if (error_px != 3.0) continue;
             // The same with one tile's border 30 m lower than its neighbours': the test must see that.
             OwnMesh cracked = copy_of(mesh);
-            const std::int32_t side = scene.loaded.terrain.tree.side(), tiles_x = scene.loaded.terrain.tree.tiles_x;
+            const std::int32_t side = data_of(scene.loaded.terrain).tree.side(),
+                               tiles_x = data_of(scene.loaded.terrain).tree.tiles_x;
             for (const TileRange& range : cracked.tiles) {
                 if (range.tile % 2) continue;
                 const std::int32_t east = (static_cast<std::int32_t>(range.tile) % tiles_x + 1) * side;
@@ -360,15 +362,15 @@ TEST_CASE("every triangle has the colour of its level", "[picture]") {
             // How often a base triangle, of half a tile's area, was halved.
             const Coord a = corner[1] - corner[0], b = corner[2] - corner[0];
             const int doubled_area = std::abs(a.x * b.y - a.y * b.x);
-            const int level =
-                2 * static_cast<int>(terrain.header.tile_log2) - static_cast<int>(std::lround(std::log2(doubled_area)));
+            const int level = 2 * static_cast<int>(terrain.header().tile_log2) -
+                              static_cast<int>(std::lround(std::log2(doubled_area)));
             const double d = dot(centre, view.forward);
             const double x = width_px / 2.0 + view.lambda_px * dot(centre, right) / d;
             const double y = height_px / 2.0 - view.lambda_px * dot(centre, view.up) / d;
             if (doubled_area < 4 || x < 1 || y < 1 || x >= width_px - 1 || y >= height_px - 1) continue;
             const std::uint8_t* pixel =
                 picture.colour.pixel(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
-            const gl::Rgb8 expected = gl::level_rgb(level, static_cast<int>(terrain.header.tile_log2));
+            const gl::Rgb8 expected = gl::level_rgb(level, static_cast<int>(terrain.header().tile_log2));
             ++looked_at;
             seen.insert(level);
             for (std::size_t k = 0; k < 3; ++k)

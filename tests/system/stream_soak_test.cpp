@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "fjell/io/stream_reader.h"
+#include "pack/terrain_data.h"
 #include "support/cut_scene.h"
 
 using namespace fjell;
@@ -46,8 +47,9 @@ struct Scene {
     }
     [[nodiscard]] View near_ground(double column, double row, double above_m) const {
         const Terrain& t = full.terrain;
-        const double x = column * t.header.spacing_m[0], z = row * t.header.spacing_m[1];
-        return make_view({x, t.ground_m(x, z) + above_m, z}, {0.8, -0.3, -0.6}, {0, 1, 0}, 0.8, 1280, 720, 10, 1e6);
+        const double x = column * t.header().spacing_m[0], z = row * t.header().spacing_m[1];
+        return make_view({x, data_of(t).ground_m(x, z) + above_m, z}, {0.8, -0.3, -0.6}, {0, 1, 0}, 0.8, 1280, 720, 10,
+                         1e6);
     }
 };
 
@@ -96,7 +98,7 @@ struct Flown {
         return difference(active_set(cut), target_set(scene.full.terrain, terrain, {&view, 1}, refine.error_px));
     }
     [[nodiscard]] bool loaded(std::uint32_t tile, std::uint32_t page) const {
-        return terrain.page_table[std::size_t{tile} * terrain.pages_per_tile + page].slot != no_index;
+        return data_of(terrain).page_table[std::size_t{tile} * terrain.pages_per_tile() + page].slot != no_index;
     }
 
     const Scene& scene;
@@ -240,7 +242,7 @@ TEST_CASE("a file cut short, overwritten or deleted in flight: what is loaded st
         overwrite(path, 0, whole);
         on.rest();
         CHECK(on.streamed.pages_read == read); // not before it is told to
-        retry_failed(on.stream);
+        (void)retry_failed(on.stream);
         on.rest();
         CHECK(on.streamed.converged);
         CHECK(on.updated.converged);
@@ -281,12 +283,12 @@ TEST_CASE("a bit flipped in one page: that page fails, once, and the rest is wha
         CHECK(on.check() == "");
         // Nothing else is missing but pages below it: outside its tile all are there.
         for (std::uint32_t other = 0; other < on.terrain.page_count(); ++other)
-            if (other / on.terrain.pages_per_tile != tile &&
-                !on.loaded(other / on.terrain.pages_per_tile, other % on.terrain.pages_per_tile))
+            if (other / on.terrain.pages_per_tile() != tile &&
+                !on.loaded(other / on.terrain.pages_per_tile(), other % on.terrain.pages_per_tile()))
                 ++elsewhere;
         CHECK(elsewhere == 0);
         overwrite(path, at, std::span(scene.full.file).subspan(at, 1));
-        retry_failed(on.stream);
+        (void)retry_failed(on.stream);
         on.rest();
         CHECK(on.streamed.converged);
         CHECK(on.at_target() == "");

@@ -16,7 +16,9 @@
 #include "fjell/pack.h"
 #include "fjell/texture.h"
 #include "flight/profile_keys.h"
+#include "pack/record.h"
 #include "support/program.h"
+#include "tree/order.h"
 
 using namespace fjell;
 using fjell::test::run_in;

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "flight/file_ground.h"
+#include "pack/terrain_data.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
@@ -25,12 +26,12 @@ TEST_CASE("the ground of a pack in its file is that of the pack loaded whole, to
         std::size_t wrong = 0;
         for (int n = 0; n < 2000; ++n) {
             const double x = uniform(random, -0.1, 1.1) * width, z = uniform(random, -0.1, 1.1) * depth;
-            wrong += ground.ground_m(x, z) != whole.terrain.ground_m(x, z);
+            wrong += ground.ground_m(x, z) != data_of(whole.terrain).ground_m(x, z);
         }
         for (const Coord corner :
              {Coord{0, 0}, {dem.columns - 1, 0}, {0, dem.rows - 1}, {dem.columns - 1, dem.rows - 1}})
             wrong += ground.ground_m(whole.terrain.x_m(corner.x), whole.terrain.z_m(corner.y)) !=
-                     whole.terrain.ground_m(whole.terrain.x_m(corner.x), whole.terrain.z_m(corner.y));
+                     data_of(whole.terrain).ground_m(whole.terrain.x_m(corner.x), whole.terrain.z_m(corner.y));
         CAPTURE(round, log2, dem.columns, dem.rows);
         REQUIRE(wrong == 0);
     }
@@ -44,8 +45,8 @@ TEST_CASE("where pages are damaged, the ground is a coarser sample's") {
     std::string bytes = slurp(folder / "pack.fjell");
     const Terrain& t = whole.terrain;
     for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile)
-        for (std::uint32_t page = tile % 3; page < t.pages_per_tile; ++page) { // of some tiles all pages
-            const ChunkEntry e = whole.pack.entry(chunk_index(t.header, {ChunkKind::geometry, tile, page}));
+        for (std::uint32_t page = tile % 3; page < t.pages_per_tile(); ++page) { // of some tiles all pages
+            const ChunkEntry e = whole.pack.entry(chunk_index(t.header(), {ChunkKind::geometry, tile, page}));
             bytes[e.offset + e.stored_bytes / 2] ^= 1;
         }
     spit(folder / "bad.fjell", bytes);
@@ -54,10 +55,10 @@ TEST_CASE("where pages are damaged, the ground is a coarser sample's") {
     for (int n = 0; n < 3000; ++n) {
         const double x = uniform(random, 0, 1) * t.x_m(299), z = uniform(random, 0, 1) * t.z_m(199);
         const double height = ground.ground_m(x, z);
-        REQUIRE(height >= static_cast<double>(t.header.min_m));
-        REQUIRE(height <= static_cast<double>(t.header.max_m));
+        REQUIRE(height >= static_cast<double>(t.header().min_m));
+        REQUIRE(height <= static_cast<double>(t.header().max_m));
     }
     // At a tile's corner it is the corner's, which does not lie in pages.
-    CHECK(ground.ground_m(128 * t.header.spacing_m[0], 128 * t.header.spacing_m[1]) ==
-          static_cast<double>(t.height_m({128, 128})));
+    CHECK(ground.ground_m(128 * t.header().spacing_m[0], 128 * t.header().spacing_m[1]) ==
+          static_cast<double>(data_of(t).height_m({128, 128})));
 }

@@ -8,6 +8,7 @@
 #include "fjell/io/failure.h"
 #include "flight/profile_keys.h"
 #include "flight/session.h"
+#include "pack/terrain_data.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
@@ -66,13 +67,13 @@ TEST_CASE("a session with another method or budget draws what one opened with it
     small.profile.cut_budget = {600, 1200, 64, 1};
     Session session;
     open_session(place.options, session);
-    const void* const records = session.terrain().records;
+    const void* const records = data_of(session.terrain()).records;
     (void)updated_hash(session, place, place.options.profile);
     for (const FlightOptions& options : {recursive, small, place.options, small, recursive, place.options}) {
         remake_method(options, session);
         CHECK_FALSE(session.begun);
         CHECK(session.method == options.profile.method);
-        CHECK(session.terrain().records == records);
+        CHECK(data_of(session.terrain()).records == records);
         CHECK(updated_hash(session, place, options.profile) == opened_hash(place, options));
     }
 }
@@ -155,7 +156,7 @@ TEST_CASE("every page that is damaged is one line to who listens, and counted wh
     const auto whole = io::load_pack(place.options.pack, io::LoadTerrain::yes);
     std::string bytes = slurp(place.options.pack);
     for (std::uint32_t tile = 0; tile < whole.terrain.tile_count(); tile += 2) {
-        const ChunkEntry e = whole.pack.entry(chunk_index(whole.terrain.header, {ChunkKind::geometry, tile, 0}));
+        const ChunkEntry e = whole.pack.entry(chunk_index(whole.terrain.header(), {ChunkKind::geometry, tile, 0}));
         bytes[e.offset + e.stored_bytes / 2] ^= 1;
     }
     spit(place.options.pack, bytes);

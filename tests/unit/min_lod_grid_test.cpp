@@ -22,7 +22,7 @@ struct Tiles {
     // As the shader does. x, y: 0 to 1 over the tile.
     [[nodiscard]] float at(std::uint32_t tile, float x, float y) const {
         float mip[9];
-        min_lod_grid(maps, wide, tile, mip);
+        (void)min_lod_grid(maps, wide, tile, mip);
         const int i = std::min(static_cast<int>(2 * x), 1), j = std::min(static_cast<int>(2 * y), 1);
         const float u = 2 * x - static_cast<float>(i), v = 2 * y - static_cast<float>(j);
         const float* const m = mip + 3 * j + i;
@@ -55,7 +55,7 @@ TEST_CASE("the least mip is continuous across every border and never below the t
 TEST_CASE("the least mip at a place is the largest of the tiles that share it, and of no other") {
     const Tiles tiles(3, 3, 9);
     float mip[9];
-    min_lod_grid(tiles.maps, 3, 4, mip);
+    (void)min_lod_grid(tiles.maps, 3, 4, mip);
     const auto min_lod = [&](std::initializer_list<std::size_t> of) {
         float most = 0;
         for (const std::size_t tile : of) most = std::max(most, tiles.maps[tile].min_lod);
@@ -65,7 +65,7 @@ TEST_CASE("the least mip at a place is the largest of the tiles that share it, a
                                min_lod({3, 4}),       min_lod({4}),    min_lod({4, 5}),
                                min_lod({3, 4, 6, 7}), min_lod({4, 7}), min_lod({4, 5, 7, 8})};
     for (int i = 0; i < 9; ++i) CHECK(mip[i] == expected[i]);
-    min_lod_grid(tiles.maps, 3, 0, mip); // the terrain's corner: nothing beyond the rim
+    (void)min_lod_grid(tiles.maps, 3, 0, mip); // the terrain's corner: nothing beyond the rim
     CHECK(mip[0] == min_lod({0}));
     CHECK(mip[2] == min_lod({0, 1}));
     CHECK(mip[8] == min_lod({0, 1, 3, 4}));

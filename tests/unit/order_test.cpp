@@ -1,4 +1,4 @@
-// Where vertices lie in pages, against what fjell/order.h promises and the thesis' own formulas; and the recursion's
+// Where vertices lie in pages, against what tree/order.h promises and the thesis' own formulas; and the recursion's
 // shortcut to the same places.
 #include <catch2/catch.hpp>
 
@@ -11,8 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "fjell/order.h"
+#include "pack/terrain_data.h"
 #include "recursive/locate.h"
+#include "tree/order.h"
 
 using namespace fjell;
 
@@ -100,7 +101,7 @@ Square square_of(const PageLayout& layout, std::uint32_t page) {
 // its level's.
 template <Order O>
 std::uint32_t count_wrong_locations(int log2, std::uint32_t stride) {
-    Terrain terrain;
+    TerrainData terrain;
     terrain.tree = {log2, 1, 1};
     terrain.pages = {log2, O};
     for (int level = 0; level < 2 * log2; ++level) terrain.header.level_radius_m[level] = static_cast<float>(level + 1);

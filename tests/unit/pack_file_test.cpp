@@ -11,6 +11,7 @@
 #include "fjell/io/pack_file.h"
 #include "fjell/terrain.h"
 #include "io/file.h"
+#include "pack/terrain_data.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
@@ -69,8 +70,9 @@ TEST_CASE("a pack in its file has the index, the corners, the CRS and every chun
     const io::AlignedMemory memory = io::allocate(bytes);
     Terrain terrain;
     REQUIRE(create_terrain(file.pack(), file.corners(), some, {memory.get(), bytes}, terrain).ok());
-    const std::size_t corners = std::size_t{terrain.header.tiles_x + 1} * (terrain.header.tiles_y + 1);
-    CHECK(std::memcmp(terrain.corners, whole.terrain.corners, corners * sizeof *terrain.corners) == 0);
+    const std::size_t corners = std::size_t{terrain.header().tiles_x + 1} * (terrain.header().tiles_y + 1);
+    CHECK(std::memcmp(data_of(terrain).corners, data_of(whole.terrain).corners,
+                      corners * sizeof *data_of(terrain).corners) == 0);
 }
 
 TEST_CASE("every truncation of a pack is refused before anything is streamed from it") {

@@ -3,6 +3,7 @@
 #include "baker/read/pack_source.h"
 #include "baker/synth/write_dem.h"
 #include "io/file.h"
+#include "pack/terrain_data.h"
 #include "source_check.h"
 #include "support/dem.h"
 #include "support/terrain_fixture.h"
@@ -32,7 +33,7 @@ TEST_CASE("a pack read back in any windows has the heights and holes that the ru
             for (int x = 0; x < dem.columns; ++x) {
                 const float height = whole.heights_m[dem.index(x, y)];
                 const bool hole = std::isnan(height);
-                wrong += hole != dem.is_void(x, y) || (!hole && height != pack.terrain.height_m({x, y}));
+                wrong += hole != dem.is_void(x, y) || (!hole && height != data_of(pack.terrain).height_m({x, y}));
             }
         REQUIRE(wrong == 0);
         REQUIRE(whole.statistics.voids.count == void_count(dem));

@@ -10,6 +10,7 @@
 #include "fjell/io/failure.h"
 #include "fjell/terrain.h"
 #include "io/file.h"
+#include "pack/terrain_data.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;
@@ -53,7 +54,7 @@ Status with_header(std::vector<std::byte> bytes, const Change& change) {
 
 std::vector<std::int32_t> steps_of(const baker::Dem& dem, const io::LoadedPack& pack) {
     std::vector<std::int32_t> steps(dem.heights_m.size());
-    baker::quantise(dem.heights_m.data(), steps.size(), pack.terrain.height_scale, steps.data());
+    baker::quantise(dem.heights_m.data(), steps.size(), data_of(pack.terrain).height_scale, steps.data());
     return steps;
 }
 
@@ -66,11 +67,11 @@ TEST_CASE("a pack that was read back holds every sample, map and the CRS") {
     dem.origin_m[0] = 432000.25;
     const auto pack = bake_and_load(dem, small_bake(3));
     REQUIRE(pack.crs == dem.crs_wkt);
-    REQUIRE(pack.terrain.header.origin_m[0] == 432000.25);
+    REQUIRE(pack.terrain.header().origin_m[0] == 432000.25);
     const auto steps = steps_of(dem, pack);
     for (std::int32_t y = 0; y < 25; ++y)
         for (std::int32_t x = 0; x < 33; ++x)
-            REQUIRE(pack.terrain.vertex({x, y}).steps == steps[static_cast<std::size_t>(y * 33 + x)]);
+            REQUIRE(data_of(pack.terrain).vertex({x, y}).steps == steps[static_cast<std::size_t>(y * 33 + x)]);
     REQUIRE(read_all(pack.file).ok());
     REQUIRE(io::check_all_chunks(pack.pack, pack.path) == pack.pack.header.directory_count);
 }
@@ -81,14 +82,14 @@ TEST_CASE("a height field of any extents is kept whole, in the fewest tiles that
          {std::tuple{2, 2, 1, 1}, {9, 9, 1, 1}, {10, 9, 2, 1}, {39, 20, 5, 3}, {2, 100, 1, 13}}) {
         const baker::Dem dem = random_dem(random, columns, rows, Shape::noise);
         const auto pack = bake_and_load(dem, small_bake(3));
-        REQUIRE(pack.terrain.tree.columns() == columns);
-        REQUIRE(pack.terrain.tree.rows() == rows);
-        REQUIRE(pack.terrain.tree.tiles_x == tiles_x);
-        REQUIRE(pack.terrain.tree.tiles_y == tiles_y);
+        REQUIRE(data_of(pack.terrain).tree.columns() == columns);
+        REQUIRE(data_of(pack.terrain).tree.rows() == rows);
+        REQUIRE(data_of(pack.terrain).tree.tiles_x == tiles_x);
+        REQUIRE(data_of(pack.terrain).tree.tiles_y == tiles_y);
         const auto steps = steps_of(dem, pack);
         for (std::int32_t y = 0; y < rows; ++y)
             for (std::int32_t x = 0; x < columns; ++x)
-                REQUIRE(pack.terrain.vertex({x, y}).steps == steps[static_cast<std::size_t>(y * columns + x)]);
+                REQUIRE(data_of(pack.terrain).vertex({x, y}).steps == steps[static_cast<std::size_t>(y * columns + x)]);
     }
 }
 
@@ -103,7 +104,7 @@ TEST_CASE("errors of the finest step are left out of the pack, but at the rim an
         baker::BakeOptions options = small_bake(8);
         options.order = order;
         const auto pack = bake_and_load(dem, options);
-        const PageLayout pages = pack.pack.pages();
+        const PageLayout pages = pages_of(pack.pack.header);
         int derived = 0;
         for (std::uint32_t page = 0; page < pages.pages_per_tile(); ++page) {
             const ChunkId id{ChunkKind::geometry, 0, page};

@@ -7,6 +7,7 @@
 #include <stb_image.h>
 
 #include "baker/check/picture.h"
+#include "pack/terrain_data.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
 
@@ -196,7 +197,7 @@ TEST_CASE("the larger an error, the nearer its colour to the ramp's red end") {
     float least_m = HUGE_VALF, largest_m = 0;
     for (std::int32_t y = 0; y < 70; ++y)
         for (std::int32_t x = 0; x < 120; ++x) {
-            const float error_m = (x | y) & 1 ? pack.terrain.vertex({x, y}).error_m : 0;
+            const float error_m = (x | y) & 1 ? data_of(pack.terrain).vertex({x, y}).error_m : 0;
             if (error_m > 0) least_m = std::min(least_m, error_m);
             largest_m = std::max(largest_m, error_m);
         }
@@ -243,7 +244,8 @@ TEST_CASE("where every vertex has an error, every pixel shows one") {
         int grey = 0;
         for (std::uint32_t y = 0; y < picture.height; ++y)
             for (std::uint32_t x = 0; x < picture.width; ++x) grey += is_grey(picture.pixel(x, y));
-        INFO("round " << round << ", " << pack.terrain.tree.columns() << " x " << pack.terrain.tree.rows());
+        INFO("round " << round << ", " << data_of(pack.terrain).tree.columns() << " x "
+                      << data_of(pack.terrain).tree.rows());
         CHECK(grey == 0);
     }
 }
@@ -256,9 +258,9 @@ TEST_CASE("the ramp's largest error is at least that of every finest vertex") {
                                         small_bake(pick(random, 1, 8)));
         const Terrain& terrain = pack.terrain;
         float largest_m = 0;
-        for (std::int32_t y = 0; y < terrain.tree.rows(); ++y)
-            for (std::int32_t x = 0; x < terrain.tree.columns(); ++x)
-                if ((x | y) & 1) largest_m = std::max(largest_m, terrain.vertex({x, y}).error_m);
+        for (std::int32_t y = 0; y < data_of(terrain).tree.rows(); ++y)
+            for (std::int32_t x = 0; x < data_of(terrain).tree.columns(); ++x)
+                if ((x | y) & 1) largest_m = std::max(largest_m, data_of(terrain).vertex({x, y}).error_m);
         CHECK(picture_of(pack, 64).largest_error_m >= largest_m);
         CHECK(picture_of(pack, 500).largest_error_m >= largest_m);
     }

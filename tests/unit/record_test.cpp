@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "fjell/record.h"
-#include "fjell/tree.h"
+#include "pack/record.h"
+#include "tree/tree.h"
 
 using namespace fjell;
 

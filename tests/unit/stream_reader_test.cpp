@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "fjell/io/stream_reader.h"
+#include "pack/terrain_data.h"
 #include "support/stream_scene.h"
 
 using namespace fjell;
@@ -48,13 +49,14 @@ struct Scene {
     }
     [[nodiscard]] std::uint64_t wrong_pages() const {
         std::uint64_t wrong = 0;
-        const Terrain &a = on.paged.terrain, &b = pack.terrain;
+        const TerrainData &a = data_of(on.paged.terrain), &b = data_of(pack.terrain);
         for (std::uint32_t page = 0; page < a.page_count(); ++page) {
             const PageEntry p = a.page_table[page], q = b.page_table[page];
             if (p.slot == no_index) continue;
             const std::size_t bytes = a.pages.page_vertices(page % a.pages_per_tile) * sizeof(VertexRecord);
-            wrong += p.base != q.base || std::memcmp(a.records + std::size_t{p.slot} * a.page_capacity,
-                                                     b.records + std::size_t{q.slot} * b.page_capacity, bytes) != 0;
+            wrong +=
+                p.base != q.base || std::memcmp(a.records + std::size_t{p.slot} * a.page_capacity,
+                                                b.records + std::size_t{q.slot} * b.page_capacity, bytes) != 0;
         }
         return wrong;
     }
@@ -75,7 +77,7 @@ TEST_CASE("what is wanted comes, as it is in the pack, and is counted") {
     const StreamReport r = scene.settle();
     CHECK(r.converged);
     CHECK(r.failed == 0);
-    CHECK(scene.on.paged.terrain.pages_missing == 0);
+    CHECK(scene.on.paged.terrain.pages_missing() == 0);
     CHECK(scene.wrong_pages() == 0);
     const io::StreamReaderCounters c = reader.counters();
     CHECK(c.pages == scene.pack.terrain.page_count());
@@ -102,14 +104,14 @@ TEST_CASE("a read that fails is told once, the rest comes, and asked again, all 
     CHECK(c.last_error == ENXIO);
     CHECK(scene.failures.size() == c.errors);
     for (const StreamFailure& f : scene.failures) CHECK(f.code == Code::unreadable);
-    CHECK(scene.on.paged.terrain.pages_missing > 0);
+    CHECK(scene.on.paged.terrain.pages_missing() > 0);
     CHECK(scene.wrong_pages() == 0);
     failing = false;
-    retry_failed(scene.on.stream);
+    (void)retry_failed(scene.on.stream);
     scene.quiet = 0;
     r = scene.settle();
     CHECK(r.converged);
-    CHECK(scene.on.paged.terrain.pages_missing == 0);
+    CHECK(scene.on.paged.terrain.pages_missing() == 0);
     CHECK(scene.wrong_pages() == 0);
 }
 
@@ -147,7 +149,7 @@ TEST_CASE("a reader stops at any moment, and the next one finds nothing lost") {
     const StreamReport r = scene.settle();
     CHECK(r.converged);
     CHECK(r.failed == 0);
-    CHECK(scene.on.paged.terrain.pages_missing == 0);
+    CHECK(scene.on.paged.terrain.pages_missing() == 0);
     CHECK(scene.wrong_pages() == 0);
 }
 

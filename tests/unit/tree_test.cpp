@@ -1,11 +1,11 @@
-// The vertex tree against explicit bisection: the arithmetic of fjell/tree.h must describe the very triangles that
+// The vertex tree against explicit bisection: the arithmetic of tree/tree.h must describe the very triangles that
 // splitting produces.
 #include <catch2/catch.hpp>
 
 #include <map>
 #include <set>
 
-#include "fjell/tree.h"
+#include "tree/tree.h"
 
 using namespace fjell;
 

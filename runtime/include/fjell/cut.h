@@ -23,6 +23,7 @@
 #include <span>
 
 #include "fjell/export.h"
+#include "fjell/handle.h"
 #include "fjell/mesh.h"
 #include "fjell/status.h"
 #include "fjell/terrain.h"
@@ -106,17 +107,17 @@ struct CutReport {
 };
 
 struct CutState; // opaque, lives in the host's memory
+using LiveCut = Handle<CutState>;
 
-struct LiveCut {
-    CutState* state = nullptr;
-};
-
+// 0 for a budget that create_cut() refuses.
 [[nodiscard]] std::size_t cut_bytes(const Terrain& terrain, const CutBudget& budget);
 
-// memory: at least cut_bytes(), aligned to 64. terrain must outlive the cut; planar and hierarchical Z-order.
-// Fails with out_of_range when a field of the budget does, with budget_too_small when not even the coarsest mesh fits,
-// with not_supported for a pack in linear order.
+// memory: at least cut_bytes(), aligned to 64. When terrain is destroyed the cut is refused; planar and hierarchical
+// Z-order. Fails with out_of_range when a field of the budget does, with budget_too_small when not even the coarsest
+// mesh fits, with not_supported for a pack in linear order.
 Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std::byte> memory, LiveCut& cut);
+// Ends the cut. Streams that were given it are refused from then on.
+Status destroy_cut(LiveCut cut);
 
 // Refines and coarsens the cut for the views, as far as the items go. views: 1 to CutBudget::views of them.
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
@@ -131,7 +132,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
 Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released);
 
 // Cancels release_page(): the page stays.
-void cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page);
+Status cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page);
 
 inline constexpr float long_active_s = -1e30f; // so long ago that any vertex has reached its height
 

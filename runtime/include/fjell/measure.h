@@ -1,6 +1,7 @@
 // The true error of a mesh: every triangle against every full-resolution sample under it.
 #pragma once
 
+#include "fjell/coord.h"
 #include "fjell/export.h"
 #include "fjell/mesh.h"
 #include "fjell/terrain.h"

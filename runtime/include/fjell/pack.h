@@ -12,10 +12,7 @@
 #include <span>
 
 #include "fjell/export.h"
-#include "fjell/order.h"
-#include "fjell/record.h"
 #include "fjell/status.h"
-#include "fjell/tree.h"
 
 FJELL_API_BEGIN
 namespace fjell {
@@ -24,11 +21,15 @@ inline constexpr char pack_magic[8] = {'F', 'J', 'E', 'L', 'L', 'P', 'K', '\n'};
 inline constexpr std::uint32_t pack_version = 4;
 // Changes with every stored layout; also detects a byte-swapped file.
 inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0004'0004'1020ull;
+inline constexpr int min_tile_log2 = 1;
+inline constexpr int max_tile_log2 = 12; // tile-local coordinates must fit 16 bits twice over
 inline constexpr std::uint32_t max_texture_log2 = 12;
 inline constexpr std::uint32_t max_columns = 1u << 20;
 inline constexpr double min_spacing_m = 1e-3, max_spacing_m = 1e6;
 inline constexpr double max_extent_m = 1e8; // squares of distances must stay far from float's largest value
 
+// How vertices lie in pages: by levels, in planes or along a Z-curve, or row by row.
+enum class Order : std::uint32_t { planar = 0, hierarchical_z = 1, linear = 2 };
 enum class Estimate : std::uint32_t { max = 0, midpoint = 1 };
 enum class ChunkKind : std::uint32_t {
     corners = 0,  // of all tiles: the mesh that is there when no page is
@@ -96,11 +97,6 @@ static_assert(sizeof(ChunkEntry) == 32 && offsetof(ChunkEntry, bound) == 24,
     const auto bits = static_cast<std::uint32_t>(std::bit_width(h.height_steps));
     return bits > 16 ? bits - 16 : 0;
 }
-// The tree level on whose radius unit (PackHeader::level_radius_m) PageBound::radius counts: the page's coarsest.
-[[nodiscard]] inline int bound_level(const PageLayout& pages, std::uint32_t page) {
-    const int z = pages.page_step_log2(page); // -1: page 0, or linear order
-    return z < 0 ? 0 : 2 * (pages.tile_log2 - 1 - z);
-}
 
 // A page's bytes after decompression: this, then the arrays that it announces (docs/pack-format.md).
 struct PageHead {
@@ -137,12 +133,8 @@ struct Pack {
     std::span<const std::byte> bytes;     // the whole file; empty for a pack that is streamed (open_index)
     const std::byte* directory = nullptr; // directory_count entries, unaligned
 
-    [[nodiscard]] Tree tree() const {
-        return Tree::covering(static_cast<std::int32_t>(header.columns), static_cast<std::int32_t>(header.rows),
-                              static_cast<int>(header.tile_log2));
-    }
-    [[nodiscard]] PageLayout pages() const { return {static_cast<int>(header.tile_log2), header.order}; }
     [[nodiscard]] std::uint32_t tile_count() const { return header.tiles_x * header.tiles_y; }
+    // Zeroes for a chunk that is not there, and of an empty pack.
     [[nodiscard]] ChunkEntry entry(std::uint64_t chunk) const;
 };
 
@@ -164,12 +156,15 @@ struct ChunkId {
     ChunkKind kind = ChunkKind::corners;
     std::uint32_t tile = 0, item = 0; // tiles row by row; 0 for chunks of the whole terrain
 };
-// Its place in the directory, a fixed order: corners; geometry, colour and normal, each tile by tile; CRS.
-// tile < tile_count(), item below pages_per_tile() or mip_count().
+inline constexpr std::uint64_t no_chunk = 0xffff'ffff'ffff'ffffull;
+// Its place in the directory, a fixed order: corners; geometry, colour and normal, each tile by tile; CRS. no_chunk
+// when the pack has no such chunk: tile < tile_count(), item below pages_per_tile() or mip_count(). O(1).
 [[nodiscard]] std::uint64_t chunk_index(const PackHeader& header, ChunkId id);
+// The way back. For a chunk that is not there an id that names none: tile and item are 0xffffffff.
 [[nodiscard]] ChunkId chunk_id(const PackHeader& header, std::uint64_t chunk);
 [[nodiscard]] std::uint64_t chunk_count(const PackHeader& header);
-// The size of a decoded chunk; for geometry the largest that its page can have.
+// The size of a decoded chunk; for geometry the largest that its page can have. 0 when there is no such
+// chunk.
 [[nodiscard]] std::size_t chunk_raw_bytes(const PackHeader& header, ChunkId id);
 
 // Checks the chunk's hash and decodes it into `out`, which must have exactly raw_bytes. zstd may allocate: not for the

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <span>
 
+#include "fjell/coord.h"
 #include "fjell/export.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"

@@ -17,6 +17,7 @@
 #include <span>
 
 #include "fjell/export.h"
+#include "fjell/handle.h"
 #include "fjell/mesh.h"
 #include "fjell/status.h"
 #include "fjell/terrain.h"
@@ -60,17 +61,16 @@ struct FrameReport {
 };
 
 struct RecursiveState; // opaque, lives in the host's memory
+using RecursiveMethod = Handle<RecursiveState>;
 
-struct RecursiveMethod {
-    RecursiveState* state = nullptr;
-};
-
+// 0 for a budget that create_recursive() refuses.
 [[nodiscard]] std::size_t recursive_bytes(const Terrain& terrain, const RecursiveBudget& budget);
 
-// memory: at least recursive_bytes(), aligned to 64. terrain must outlive the method.
+// memory: at least recursive_bytes(), aligned to 64. When terrain is destroyed the method is refused.
 // Fails with budget_too_small when 4 vertices and 9 indices a tile do not fit.
 Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, std::span<std::byte> memory,
                         RecursiveMethod& method);
+Status destroy_recursive(RecursiveMethod method);
 
 Status update_recursive(RecursiveMethod method, const View& view, const RefineSettings& settings, FrameReport& report);
 

@@ -23,7 +23,10 @@ enum class Code : std::uint8_t {
     out_of_slots,       // every page slot is taken
     coarser_page_first, // pages are loaded from coarse to fine
     not_supported,      // the method does not support this kind of pack
-    unreadable          // the client could not read the bytes
+    unreadable,         // the client could not read the bytes
+    invalid_handle,     // an empty handle, or its object has been destroyed
+    wrong_pack,         // not the pack that the terrain was made from
+    wrong_terrain       // a cut of another terrain
 };
 
 struct [[nodiscard]] Status {

@@ -21,6 +21,7 @@
 
 #include "fjell/cut.h"
 #include "fjell/export.h"
+#include "fjell/handle.h"
 #include "fjell/pack.h"
 #include "fjell/status.h"
 #include "fjell/terrain.h"
@@ -118,16 +119,16 @@ struct StreamReport {
 };
 
 struct StreamState; // opaque, lives in the host's memory
-struct Stream {
-    StreamState* state = nullptr;
-};
+using Stream = Handle<StreamState>;
 
 [[nodiscard]] std::size_t stream_bytes(const Pack& pack, const Terrain& terrain, const StreamBudget& budget);
 // pack: of open_index() or open_pack(). Its directory is read here and in updates, so it must be in memory. Pack,
 // terrain and cut must outlive the stream. cut: may be empty when the recursive method draws. memory: aligned to 64.
 // Fails with out_of_range, budget_too_small (page slots, map_bytes), memory_too_small, not_supported (linear order).
-Status create_stream(const Pack& pack, Terrain& terrain, LiveCut cut, const StreamBudget& budget,
+Status create_stream(const Pack& pack, const Terrain& terrain, LiveCut cut, const StreamBudget& budget,
                      std::span<std::byte> memory, Stream& stream);
+// Ends the stream; the pages that it has loaded stay. The client must have stopped.
+Status destroy_stream(Stream stream);
 
 // Inserts what has arrived, requests what the views want, evicts what they do not. Call it before update_cut(), with
 // the same views and settings. No allocation, lock, system call, page fault or exception.
@@ -138,7 +139,7 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
 [[nodiscard]] std::span<const StreamFailure> stream_failures(Stream stream);
 [[nodiscard]] std::span<const PageArrival> page_arrivals(Stream stream);
 // Allows what has failed to be requested again.
-void retry_failed(Stream stream);
+Status retry_failed(Stream stream);
 
 // --- maps, for the renderer ---
 
@@ -168,7 +169,8 @@ struct TileMap {
 
 // The min_lod at a tile's corners, the middles of its sides and its centre, row by row from the north-west: the largest
 // of all tiles that share the place. Interpolated bilinearly it is continuous over the whole terrain.
-void min_lod_grid(std::span<const TileMap> maps, std::uint32_t tiles_x, std::uint32_t tile, float (&out)[9]);
+// Fails with out_of_range for a tile beyond maps, or maps that are not whole rows of tiles_x.
+Status min_lod_grid(std::span<const TileMap> maps, std::uint32_t tiles_x, std::uint32_t tile, float (&out)[9]);
 
 // --- the client ---
 
@@ -187,7 +189,7 @@ struct StreamRequest {
 // damaged bytes; the stream then counts the chunk as failed.
 Status provide(Stream stream, std::uint32_t ticket, std::span<const std::byte> stored);
 // The bytes could not be read; unwanted: were not read, because the request was cancelled.
-void fail(Stream stream, std::uint32_t ticket, bool unwanted = false);
+Status fail(Stream stream, std::uint32_t ticket, bool unwanted = false);
 
 } // namespace fjell
 FJELL_API_END

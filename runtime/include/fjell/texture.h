@@ -5,8 +5,8 @@
 // the unit normal, as 128 + 127 v, so that 128 is exactly 0. Both little-endian, the texel in the north-west in the
 // lowest bits (OpenGL: EXT_texture_compression_s3tc, ARB_texture_compression_rgtc).
 //
-// side: texels a side, at least 4, a power of two. Pure, thread-safe, O(texels), allocates nothing. Any bytes decode to
-// something.
+// side: texels a side, at least 4, a power of two, 4,096 at most. Pure, thread-safe, O(texels), allocates nothing. Any
+// bytes decode to something. Failure: out_of_range for another side, or for spans of other sizes; nothing is written.
 #pragma once
 
 #include <cstddef>
@@ -14,6 +14,7 @@
 #include <span>
 
 #include "fjell/export.h"
+#include "fjell/status.h"
 
 FJELL_API_BEGIN
 namespace fjell {
@@ -24,9 +25,9 @@ inline constexpr std::size_t colour_block_bytes = 8, normal_block_bytes = 16;
 }
 
 // blocks: blocks_of(side) * colour_block_bytes. rgb: side * side * 3 bytes, sRGB.
-void decode_colour(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> rgb);
+Status decode_colour(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> rgb);
 // blocks: blocks_of(side) * normal_block_bytes. xz: side * side * 2 bytes, each 128 + 127 v; 0 counts as 1.
-void decode_normal(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> xz);
+Status decode_normal(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> xz);
 [[nodiscard]] constexpr float normal_component(std::uint8_t code) {
     return static_cast<float>(code < 1 ? -127 : static_cast<int>(code) - 128) / 127.0f;
 }

@@ -22,7 +22,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "fjell/tree.h"
+#include "tree/tree.h"
 
 namespace fjell {
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <new>
 #include <utility>
 
 #include "cut/change.h"
@@ -18,17 +19,17 @@ constexpr std::size_t aligned(std::size_t bytes) {
     return (bytes + alignment - 1) / alignment * alignment;
 }
 
-std::uint32_t corner_count(const Terrain& t) {
+std::uint32_t corner_count(const TerrainData& t) {
     return (t.header.tiles_x + 1) * (t.header.tiles_y + 1);
 }
 std::uint32_t segments_of(const CutBudget& b) {
     return b.triangles / b.segment_triangles;
 }
-bool hides_some(const Terrain& t) {
+bool hides_some(const TerrainData& t) {
     return t.has_voids() || t.tree.cut_x != 0 || t.tree.cut_y != 0;
 }
 // Every tile its base triangles; what is not drawn; and what deactivations keep back.
-std::uint32_t least_segments(const Terrain& t) {
+std::uint32_t least_segments(const TerrainData& t) {
     return t.tile_count() + 3;
 }
 
@@ -45,7 +46,7 @@ static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 *
                                              4 + max_page_groups / node_groups * sizeof(ListNode),
               "hosts size their budgets by these: change them in fjell/cut.h with layout_of()");
 
-Layout layout_of(const Terrain& t, const CutBudget& b) {
+Layout layout_of(const TerrainData& t, const CutBudget& b) {
     Layout l{};
     std::size_t at = aligned(sizeof(CutState));
     const auto place = [&](std::size_t count, std::size_t bytes) {
@@ -85,7 +86,7 @@ Layout layout_of(const Terrain& t, const CutBudget& b) {
     return l;
 }
 
-Status check_budget(const Terrain& t, const CutBudget& b) {
+Status check_budget(const TerrainData& t, const CutBudget& b) {
     if (t.pages.order == Order::linear)
         return {Code::not_supported, "terrain in linear order (bake with --order planar, or use the recursive method)"};
     if (std::uint64_t{t.slot_count} * max_page_vertices > 0xfffffff0u)
@@ -125,7 +126,7 @@ void make_hz_places(CutState& s) {
 }
 
 void make_corners(CutState& s) {
-    const Terrain& t = *s.terrain;
+    const TerrainData& t = *s.terrain;
     const auto nx = static_cast<std::uint32_t>(s.tiles_x) + 1;
     for (std::uint32_t slot = 0; slot < corner_count(t); ++slot) {
         const std::int32_t side = t.tree.side();
@@ -143,7 +144,7 @@ void make_corners(CutState& s) {
 } // namespace
 
 void reset(CutState& s) {
-    const Terrain& t = *s.terrain;
+    const TerrainData& t = *s.terrain;
     s.work_ranks = 0;
     s.late_count = s.morphing_out_count = 0;
     s.dirty_vertices.clear();
@@ -185,10 +186,14 @@ void begin_at_roots(CutState& s) {
 }
 
 std::size_t cut_bytes(const Terrain& terrain, const CutBudget& budget) {
-    return check_budget(terrain, budget).ok() ? layout_of(terrain, budget).end : 0;
+    const TerrainData* const t = find(terrain);
+    return t != nullptr && check_budget(*t, budget).ok() ? layout_of(*t, budget).end : 0;
 }
 
-Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std::byte> memory, LiveCut& cut) {
+Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std::byte> memory, LiveCut& cut) {
+    const TerrainData* const found = find(handle);
+    if (found == nullptr) return {Code::invalid_handle, "terrain"};
+    const TerrainData& terrain = *found;
     if (Status fits = check_budget(terrain, budget); !fits.ok()) return fits;
     const Layout l = layout_of(terrain, budget);
     if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
@@ -196,8 +201,9 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "memory alignment"};
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
 
-    auto& s = *reinterpret_cast<CutState*>(at);
+    auto& s = *new (at) CutState{};
     const auto part = [&]<typename T>(T*& pointer, std::size_t offset) { pointer = reinterpret_cast<T*>(at + offset); };
+    s.terrain_handle = handle;
     s.terrain = &terrain;
     s.budget = budget;
     s.pages_per_tile = terrain.pages_per_tile;
@@ -265,12 +271,18 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
     rescan_pages(s);
     reset(s);
     begin_at_roots(s);
-    cut.state = &s;
+    HandleAccess::begin(s, cut);
     return {};
 }
 
+Status destroy_cut(LiveCut cut) {
+    return HandleAccess::end(cut) ? Status{} : no_cut;
+}
+
 CutMesh cut_mesh(LiveCut cut) {
-    const CutState& s = *cut.state;
+    const CutState* const found = find_cut(cut);
+    if (found == nullptr) return {};
+    const CutState& s = *found;
     CutMesh out;
     const std::size_t triangles = std::size_t{s.segment_count} << s.segment_log2;
     out.mesh = {

@@ -12,8 +12,8 @@
 
 #include <cstdint>
 
-#include "fjell/order.h"
-#include "fjell/tree.h"
+#include "tree/order.h"
+#include "tree/tree.h"
 
 namespace fjell {
 

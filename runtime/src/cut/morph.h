@@ -23,7 +23,7 @@ namespace fjell {
     return most;
 }
 
-// A terrain that ends inside a tile: what would lie beyond the rim stands on it (fjell/tree.h), so there a vertex is
+// A terrain that ends inside a tile: what would lie beyond the rim stands on it (tree/tree.h), so there a vertex is
 // not in the middle of the edge that it splits, and where it would have to start is not on the surface. Those vertices
 // do not morph, and neither may any of their ancestors, or one could be half-way when a descendant is at its full
 // height. Derivation: a side of step s lies at most s from its parents, centres of step s; these at most s from theirs,
@@ -91,7 +91,7 @@ inline void begin_morphing_out(CutState& s, std::uint32_t vertex) {
     MeshVertex& v = s.vertices[slot];
     MorphVertex& m = s.morph[slot];
     const float edge_m = m.flat_m;
-    m.flat_m = morphed_height_m(*s.terrain, v, m, s.morph_now);
+    m.flat_m = morphed_height_m(s.terrain_handle, v, m, s.morph_now);
     v.height_m = edge_m;
     m.error_m = 1e30f; // by distance it has arrived
     m.radius_m = 0;

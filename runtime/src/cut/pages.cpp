@@ -17,7 +17,7 @@ void bound_tile(CutState& s, const PageSlot& info, bool loaded) {
     if (!loaded) return;
     const std::int32_t half = s.terrain->tree.side() / 2, side = s.terrain->tree.side();
     const Coord root{info.tile_x * side + half, info.tile_y * side + half}, at = s.terrain->tree.sample(root);
-    const Terrain::Vertex v = s.terrain->vertex(root);
+    const TerrainData::Vertex v = s.terrain->vertex(root);
     tile.centre_m[0] = s.terrain->x_m(at.x);
     tile.centre_m[1] = v.height_m;
     tile.centre_m[2] = s.terrain->z_m(at.y);
@@ -38,7 +38,7 @@ std::uint32_t outward_lanes(const PageSlot& info, const GroupShape& shape) {
 }
 
 void attach_page(CutState& s, std::uint32_t slot) {
-    const Terrain& t = *s.terrain;
+    const TerrainData& t = *s.terrain;
     const std::uint32_t page = t.slot_page[slot];
     PageSlot& info = s.page_slot[slot];
     info = {};
@@ -191,7 +191,7 @@ namespace {
 
 // Lets go of what the slot being_visited, if it holds something else by now. False: the cut had to begin again.
 bool detach_if_changed(CutState& s, std::uint32_t slot) {
-    const Terrain& t = *s.terrain;
+    const TerrainData& t = *s.terrain;
     const PageSlot& info = s.page_slot[slot];
     if (info.page == no_index || (info.page == t.slot_page[slot] && info.loads == t.slot_loads[slot])) return true;
     // The host did not call release_page, or did not wait for it: the vertices must be deactivated all the same.
@@ -218,7 +218,7 @@ void rescan_pages(CutState& s) {
 }
 
 void sync_pages(CutState& s) {
-    const Terrain& t = *s.terrain;
+    const TerrainData& t = *s.terrain;
     const std::uint64_t seen = s.seen_changes, count = t.changes - seen;
     if (count == 0) return;
     s.seen_changes = t.changes;

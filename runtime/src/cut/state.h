@@ -8,6 +8,7 @@
 #include "cut/calendar.h"
 #include "cut/groups.h"
 #include "fjell/cut.h"
+#include "pack/terrain_data.h"
 #include "view/wanted.h"
 
 namespace fjell {
@@ -59,7 +60,7 @@ struct PageSlot {
     std::int32_t i0, j0; // the page's first square in its tile; page 0: 0
     std::int32_t tile_x, tile_y;
     std::int32_t base;    // height scale steps
-    std::uint32_t loads;  // Terrain::slot_loads when the page was entered
+    std::uint32_t loads;  // TerrainData::slot_loads when the page was entered
     std::uint16_t active; // vertices
     std::uint8_t z;       // log2 of the step; page 0: 0, its groups say
     std::uint8_t shape;   // 0: page 0; 1: any other
@@ -118,7 +119,9 @@ struct Governor {
 };
 
 struct CutState {
-    const Terrain* terrain;
+    BlockHead head;
+    Terrain terrain_handle;
+    const TerrainData* terrain; // its data
     CutBudget budget;
     // Geometry of groups.
     std::uint32_t pages_per_tile, group_count;
@@ -200,6 +203,13 @@ struct CutState {
 [[nodiscard]] inline std::uint32_t take_vertex(CutState& s) { // there must be one
     return s.free_vertex_count != 0 ? s.free_vertices[--s.free_vertex_count] : s.fresh_vertex++;
 }
+
+// The cut behind a handle, or nullptr: also when its terrain is gone.
+[[nodiscard]] inline CutState* find_cut(const LiveCut& cut) {
+    CutState* const s = find(cut);
+    return s != nullptr && find(s->terrain_handle) != nullptr ? s : nullptr;
+}
+inline constexpr Status no_cut{Code::invalid_handle, "cut, or its terrain"};
 
 // No vertex active, every page that is loaded entered, all slots free; and no triangle yet.
 void reset(CutState& s);

@@ -197,7 +197,9 @@ void mark_all(CutState& s) {
 } // namespace
 
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
-    CutState& s = *cut.state;
+    CutState* const found = find_cut(cut);
+    if (found == nullptr) return no_cut;
+    CutState& s = *found;
     if (Status v = check(s, views, settings); !v.ok()) return v;
     begin_frame(s, settings);
     s.item_limit = settings.items;
@@ -227,7 +229,9 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
 }
 
 Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
-    CutState& s = *cut.state;
+    CutState* const found = find_cut(cut);
+    if (found == nullptr) return no_cut;
+    CutState& s = *found;
     if (Status v = check(s, views, settings); !v.ok()) return v;
     begin_frame(s, settings);
     s.item_limit = s.settings.visits = unlimited_items;
@@ -267,7 +271,9 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
 }
 
 Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released) {
-    CutState& s = *cut.state;
+    CutState* const found = find_cut(cut);
+    if (found == nullptr) return no_cut;
+    CutState& s = *found;
     if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return {Code::out_of_range, "tile or page"};
     const std::uint32_t first = s.page_groups[tile * s.pages_per_tile + page];
     released = first == no_index;
@@ -282,11 +288,14 @@ Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& r
     return {};
 }
 
-void cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
-    CutState& s = *cut.state;
-    if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return;
+Status cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
+    CutState* const found = find_cut(cut);
+    if (found == nullptr) return no_cut;
+    CutState& s = *found;
+    if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return {Code::out_of_range, "tile or page"};
     const std::uint32_t first = s.page_groups[tile * s.pages_per_tile + page];
     if (first != no_index) cancel_eviction(s, first / max_page_groups);
+    return {};
 }
 
 const char* budget_field(CutBudgetBit bit) {
@@ -300,12 +309,15 @@ const char* budget_field(CutBudgetBit bit) {
 }
 
 MorphFrame cut_morph(LiveCut cut) {
-    return cut.state->morph_now;
+    const CutState* const s = find_cut(cut);
+    return s != nullptr ? s->morph_now : MorphFrame{};
 }
 
 float morphed_height_m(const Terrain& terrain, const MeshVertex& v, const MorphVertex& m, const MorphFrame& frame) {
     if (frame.morph == Morph::none) return v.height_m;
-    float t = morph_fraction(frame, terrain.x_m(v.column), v.height_m, terrain.z_m(v.row), m.error_m, m.radius_m);
+    const TerrainData* const found = find(terrain);
+    if (found == nullptr) return v.height_m;
+    float t = morph_fraction(frame, found->x_m(v.column), v.height_m, found->z_m(v.row), m.error_m, m.radius_m);
     t = std::min(t, (frame.now_s - m.activated_s) / frame.morph_s);
     return m.flat_m + (v.height_m - m.flat_m) * std::clamp(t, 0.0f, 1.0f);
 }

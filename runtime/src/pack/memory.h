@@ -1,11 +1,11 @@
-// What a Terrain keeps in the host's memory for loading pages: the arrays that its const pointers show, and scratch.
+// What a terrain keeps in the host's memory for loading pages: the arrays that its const pointers show, and scratch.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-#include "fjell/terrain.h"
 #include "pack/page.h"
+#include "pack/terrain_data.h"
 
 struct ZSTD_DCtx_s;
 

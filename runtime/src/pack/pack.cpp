@@ -11,6 +11,8 @@
 #include <zstd.h>
 
 #include "fjell/texture.h"
+#include "pack/record.h"
+#include "tree/order.h"
 
 namespace fjell {
 
@@ -91,8 +93,9 @@ Status check_ranges(const PackHeader& h) {
 }
 
 ChunkEntry Pack::entry(std::uint64_t chunk) const {
-    ChunkEntry e;
-    std::memcpy(&e, directory + chunk * sizeof(ChunkEntry), sizeof e);
+    ChunkEntry e{};
+    if (directory != nullptr && chunk < header.directory_count)
+        std::memcpy(&e, directory + chunk * sizeof(ChunkEntry), sizeof e);
     return e;
 }
 
@@ -111,15 +114,37 @@ DirectoryPlan plan_directory(const PackHeader& h) {
     return {{0, 1, after_pages, after_colours, after_colours + tiles * normals}, {1, pages, colours, normals, 1}};
 }
 
+// What the directory's plan follows from can be that of a pack. check_ranges() looks at the rest too, and takes longer.
+bool has_layout(const PackHeader& h) {
+    return h.tile_log2 >= min_tile_log2 && h.tile_log2 <= max_tile_log2 && h.tiles_x != 0 && h.tiles_y != 0 &&
+           h.tiles_x <= max_columns && h.tiles_y <= max_columns && h.order <= Order::linear &&
+           h.colour_log2 <= max_texture_log2 && h.normal_log2 <= max_texture_log2;
+}
+
+bool has_chunk(const PackHeader& h, ChunkId id) {
+    if (!has_layout(h)) return false;
+    const bool in_tile = id.tile < std::uint64_t{h.tiles_x} * h.tiles_y;
+    switch (id.kind) {
+    case ChunkKind::corners: return id.tile == 0 && id.item == 0;
+    case ChunkKind::geometry: return in_tile && id.item < pages_of(h).pages_per_tile();
+    case ChunkKind::colour: return in_tile && id.item < mip_count(h.colour_log2);
+    case ChunkKind::normal: return in_tile && id.item < mip_count(h.normal_log2);
+    case ChunkKind::crs: return id.tile == 0 && id.item == 0 && h.crs_bytes != 0;
+    }
+    return false;
+}
+
 } // namespace
 
 std::uint64_t chunk_index(const PackHeader& h, ChunkId id) {
+    if (!has_chunk(h, id)) return no_chunk;
     const DirectoryPlan plan = plan_directory(h);
     const auto kind = static_cast<std::size_t>(id.kind);
     return plan.first[kind] + id.tile * plan.per_tile[kind] + id.item;
 }
 
 ChunkId chunk_id(const PackHeader& h, std::uint64_t chunk) {
+    if (!has_layout(h) || chunk >= chunk_count(h)) return {ChunkKind::corners, no_index, no_index};
     const DirectoryPlan plan = plan_directory(h);
     std::size_t kind = 4;
     while (kind > 0 && chunk < plan.first[kind]) --kind;
@@ -131,10 +156,12 @@ ChunkId chunk_id(const PackHeader& h, std::uint64_t chunk) {
 }
 
 std::uint64_t chunk_count(const PackHeader& h) {
+    if (!has_layout(h)) return 0;
     return plan_directory(h).first[static_cast<std::size_t>(ChunkKind::crs)] + (h.crs_bytes ? 1 : 0);
 }
 
 std::size_t chunk_raw_bytes(const PackHeader& h, ChunkId id) {
+    if (!has_chunk(h, id)) return 0;
     const auto blocks = [&](std::uint32_t log2_side) { return blocks_of(1u << (log2_side - id.item)); };
     switch (id.kind) {
     case ChunkKind::corners: return (std::size_t{h.tiles_x} + 1) * (std::size_t{h.tiles_y} + 1) * 4;
@@ -202,8 +229,12 @@ Status decode_chunk(const ChunkEntry& e, std::span<const std::byte> stored, std:
 }
 
 Status read_chunk(const Pack& pack, ChunkId id, std::span<std::byte> out) {
-    const ChunkEntry e = pack.entry(chunk_index(pack.header, id));
+    const std::uint64_t chunk = chunk_index(pack.header, id);
+    if (pack.directory == nullptr || chunk == no_chunk) return failed(Code::out_of_range, "chunk");
     if (pack.bytes.empty()) return failed(Code::not_supported, "chunk of a streamed pack");
+    const ChunkEntry e = pack.entry(chunk);
+    if (e.offset > pack.bytes.size() || e.stored_bytes > pack.bytes.size() - e.offset)
+        return failed(Code::truncated, "pack");
     return decode_chunk(e, pack.bytes.subspan(e.offset, e.stored_bytes), out);
 }
 

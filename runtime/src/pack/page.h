@@ -9,10 +9,10 @@
 #include <cstdint>
 #include <span>
 
-#include "fjell/order.h"
 #include "fjell/pack.h"
-#include "fjell/record.h"
 #include "fjell/status.h"
+#include "pack/record.h"
+#include "tree/order.h"
 
 namespace fjell {
 

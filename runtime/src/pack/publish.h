@@ -33,7 +33,7 @@
 #include <cstring>
 #include <span>
 
-#include "fjell/terrain.h"
+#include "pack/terrain_data.h"
 
 namespace fjell {
 
@@ -76,7 +76,7 @@ struct PublishedPage {
     std::uint32_t loads = 0;
 };
 // False: it is not loaded, or was on its way out or in.
-[[nodiscard]] inline bool find_page(const Terrain& terrain, std::size_t page, PublishedPage& found) {
+[[nodiscard]] inline bool find_page(const TerrainData& terrain, std::size_t page, PublishedPage& found) {
     PageEntry first, again;
     __atomic_load(&terrain.page_table[page], &first, __ATOMIC_ACQUIRE);
     if (first.slot == no_index) return false;
@@ -87,7 +87,7 @@ struct PublishedPage {
     return again.slot == first.slot && again.base == first.base;
 }
 // Steps 4 to 6. False: another page has come into the slot.
-[[nodiscard]] inline bool read_record(const Terrain& terrain, const PublishedPage& page, std::uint32_t index,
+[[nodiscard]] inline bool read_record(const TerrainData& terrain, const PublishedPage& page, std::uint32_t index,
                                       VertexRecord& record) {
     const VertexRecord* const from = terrain.records + std::size_t{page.slot} * terrain.page_capacity + index;
     const std::uint32_t word = __atomic_load_n(reinterpret_cast<const RecordWord*>(from), __ATOMIC_RELAXED);

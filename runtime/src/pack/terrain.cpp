@@ -31,15 +31,16 @@ std::uint32_t slots_of(const PackHeader& h, const TerrainBudget& budget, const P
 
 // One function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t page_table, records, slot_page, slot_loads, free_slots, corners, zstd, raw, end;
+    std::size_t memory, page_table, records, slot_page, slot_loads, free_slots, corners, zstd, raw, end;
 };
 
 Layout layout_of(const PackHeader& h, const TerrainBudget& budget) {
-    const PageLayout pages{static_cast<int>(h.tile_log2), h.order};
+    const PageLayout pages = pages_of(h);
     const std::size_t tiles = std::size_t{h.tiles_x} * h.tiles_y, slots = slots_of(h, budget, pages);
     Layout l{};
-    std::size_t at = aligned(sizeof(TerrainMemory));
+    std::size_t at = aligned(sizeof(TerrainData));
     const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
+    l.memory = place(sizeof(TerrainMemory));
     l.records = place(slots * pages.page_capacity() * sizeof(VertexRecord));
     l.page_table = place(tiles * pages.pages_per_tile() * sizeof(PageEntry));
     l.slot_page = place(slots * sizeof(std::uint32_t));
@@ -65,6 +66,7 @@ void permute(const PageLayout& pages, std::uint32_t page, std::uint16_t* places)
 // Checks the stored bytes and decompresses them into memory.raw.
 Status fetch(const Pack& pack, ChunkId id, TerrainMemory& memory, std::span<const std::byte>& raw) {
     if (pack.bytes.empty()) return {Code::not_supported, "page of a streamed pack (insert_page)"};
+    if (pack.directory == nullptr) return {Code::wrong_pack, "pack"};
     const ChunkEntry e = pack.entry(chunk_index(pack.header, id));
     const std::byte* const stored = pack.bytes.data() + e.offset;
     if (e.raw_bytes > memory.raw_bytes || XXH3_64bits(stored, e.stored_bytes) != e.hash)
@@ -77,7 +79,7 @@ Status fetch(const Pack& pack, ChunkId id, TerrainMemory& memory, std::span<cons
 
 // The loaded pages of one tile, as derived errors need them.
 struct TilePages {
-    const Terrain& terrain;
+    const TerrainData& terrain;
     const PageEntry* table; // of the tile
 
     [[nodiscard]] std::int32_t steps(std::uint32_t page, std::uint32_t index) const {
@@ -155,7 +157,7 @@ void gather_corners(const TilePages& tile, Coord position, CornerSteps& out) {
             out[j * w + i] = tile.steps_over(position, 2 * (x0 + i), 2 * (y0 + j));
 }
 
-FJELL_CLONES void store(const Terrain& terrain, std::uint32_t page, TerrainMemory& memory, VertexRecord* to) {
+FJELL_CLONES void store(const TerrainData& terrain, std::uint32_t page, TerrainMemory& memory, VertexRecord* to) {
     const PageArrays& from = memory.arrays;
     const std::uint32_t count = terrain.pages.page_vertices(page);
     // Put together as numbers, which the compiler does for many at a time; then handed to whoever reads meanwhile.
@@ -171,30 +173,59 @@ FJELL_CLONES void store(const Terrain& terrain, std::uint32_t page, TerrainMemor
     for (std::uint32_t i = 0; i < count; ++i) write_record(to + places[i], packed[i]);
 }
 
+Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std::span<const std::byte> raw) {
+    if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
+    TerrainMemory& m = *terrain.memory;
+    PageEntry* const table = m.page_table + std::size_t{tile} * terrain.pages_per_tile;
+    if (table[page].slot != no_index) return {};
+    if (m.free_count == 0) return {Code::out_of_slots, "TerrainBudget::page_slots"};
+    if (Status s = unpack_page(terrain.pages, page, raw, m.arrays); !s.ok()) return s;
+    if (m.arrays.errors_derived) {
+        const Coord position = terrain.pages.page_position(page);
+        if (!coarser_pages_loaded(terrain.pages, table, position)) return {Code::coarser_page_first, "geometry page"};
+        gather_corners({terrain, table}, position, m.coarse);
+        derive_errors(m.coarse, terrain.errors, m.leaf, m.arrays);
+    }
+    const std::uint32_t slot = m.free_slots[--m.free_count];
+    // The order that queries of other threads rely on: pack/publish.h.
+    begin_slot(m.slot_loads[slot]);
+    store(terrain, page, m, m.records + std::size_t{slot} * terrain.page_capacity);
+    publish_entry(table[page], {slot, m.arrays.base});
+    m.slot_page[slot] = tile * terrain.pages_per_tile + page;
+    --terrain.pages_missing;
+    m.changed_slots[terrain.changes++ % change_log] = slot;
+    return {};
+}
+
 } // namespace
 
 std::size_t terrain_bytes(const PackHeader& header, const TerrainBudget& budget) {
+    if (!check_ranges(header).ok()) return 0;
     return layout_of(header, budget).end;
 }
 
 Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<std::byte> memory, Terrain& terrain) {
     if (pack.bytes.empty()) return {Code::not_supported, "terrain of a streamed pack (give its corners)"};
     const ChunkEntry corners = pack.entry(chunk_index(pack.header, {ChunkKind::corners, 0, 0}));
+    if (corners.offset > pack.bytes.size() || corners.stored_bytes > pack.bytes.size() - corners.offset)
+        return {Code::truncated, "corners"};
     return create_terrain(pack, pack.bytes.subspan(corners.offset, corners.stored_bytes), budget, memory, terrain);
 }
 
 Status create_terrain(const Pack& pack, std::span<const std::byte> corners, const TerrainBudget& budget,
                       std::span<std::byte> memory, Terrain& terrain) {
     const PackHeader& h = pack.header;
+    if (Status s = check_ranges(h); !s.ok()) return s;
+    if (pack.directory == nullptr) return {Code::not_a_pack, "pack"};
     const Layout l = layout_of(h, budget);
     if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
     std::byte* const at = memory.data();
     if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "memory alignment"};
 
-    Terrain t;
+    TerrainData& t = *new (at) TerrainData{}; // whatever was here is refused from now on
     t.header = h;
-    t.tree = pack.tree();
-    t.pages = pack.pages();
+    t.tree = tree_of(h);
+    t.pages = pages_of(h);
     t.height_scale = {h.base_m, h.quantum_m};
     t.spacing_x_m = static_cast<float>(h.spacing_m[0]);
     t.spacing_z_m = static_cast<float>(h.spacing_m[1]);
@@ -205,7 +236,7 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     t.slot_count = slots_of(h, budget, t.pages);
     t.pages_missing = t.page_count();
 
-    auto& m = *new (at) TerrainMemory{};
+    auto& m = *new (at + l.memory) TerrainMemory{};
     m.page_table = reinterpret_cast<PageEntry*>(at + l.page_table);
     m.records = reinterpret_cast<VertexRecord*>(at + l.records);
     m.slot_page = reinterpret_cast<std::uint32_t*>(at + l.slot_page);
@@ -245,68 +276,62 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     t.corners = m.corners;
     t.changed_slots = m.changed_slots;
     t.memory = &m;
-    terrain = t;
+    HandleAccess::begin(t, terrain);
     return {};
 }
 
-Status load_page(const Pack& pack, Terrain& terrain, std::uint32_t tile, std::uint32_t page) {
+Status destroy_terrain(const Terrain& terrain) {
+    return HandleAccess::end(terrain) ? Status{} : Status{Code::invalid_handle, "terrain"};
+}
+
+Status load_page(const Pack& pack, const Terrain& handle, std::uint32_t tile, std::uint32_t page) {
+    TerrainData* const found = find(handle);
+    if (found == nullptr) return {Code::invalid_handle, "terrain"};
+    TerrainData& terrain = *found;
+    if (!same_pack(pack.header, terrain.header)) return {Code::wrong_pack, "pack"};
     if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
     TerrainMemory& m = *terrain.memory;
     if (m.page_table[std::size_t{tile} * terrain.pages_per_tile + page].slot != no_index) return {};
     if (m.free_count == 0) return {Code::out_of_slots, "TerrainBudget::page_slots"};
     std::span<const std::byte> raw;
     if (Status s = fetch(pack, {ChunkKind::geometry, tile, page}, m, raw); !s.ok()) return s;
-    return insert_page(terrain, tile, page, raw);
+    return insert(terrain, tile, page, raw);
 }
 
-Status insert_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page, std::span<const std::byte> raw) {
+Status insert_page(const Terrain& terrain, std::uint32_t tile, std::uint32_t page, std::span<const std::byte> raw) {
+    TerrainData* const found = find(terrain);
+    if (found == nullptr) return {Code::invalid_handle, "terrain"};
+    return insert(*found, tile, page, raw);
+}
+
+Status unload_page(const Terrain& handle, std::uint32_t tile, std::uint32_t page) {
+    TerrainData* const found = find(handle);
+    if (found == nullptr) return {Code::invalid_handle, "terrain"};
+    TerrainData& terrain = *found;
     if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
     TerrainMemory& m = *terrain.memory;
-    PageEntry* const table = m.page_table + std::size_t{tile} * terrain.pages_per_tile;
-    if (table[page].slot != no_index) return {};
-    if (m.free_count == 0) return {Code::out_of_slots, "TerrainBudget::page_slots"};
-    if (Status s = unpack_page(terrain.pages, page, raw, m.arrays); !s.ok()) return s;
-    if (m.arrays.errors_derived) {
-        const Coord position = terrain.pages.page_position(page);
-        if (!coarser_pages_loaded(terrain.pages, table, position)) return {Code::coarser_page_first, "geometry page"};
-        gather_corners({terrain, table}, position, m.coarse);
-        derive_errors(m.coarse, terrain.errors, m.leaf, m.arrays);
-    }
-    const std::uint32_t slot = m.free_slots[--m.free_count];
-    // The order that queries of other threads rely on: pack/publish.h.
-    begin_slot(m.slot_loads[slot]);
-    store(terrain, page, m, m.records + std::size_t{slot} * terrain.page_capacity);
-    publish_entry(table[page], {slot, m.arrays.base});
-    m.slot_page[slot] = tile * terrain.pages_per_tile + page;
-    --terrain.pages_missing;
-    m.changed_slots[terrain.changes++ % change_log] = slot;
-    return {};
-}
-
-void unload_page(Terrain& terrain, std::uint32_t tile, std::uint32_t page) {
-    if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return;
-    TerrainMemory& m = *terrain.memory;
     PageEntry& entry = m.page_table[std::size_t{tile} * terrain.pages_per_tile + page];
-    if (entry.slot == no_index) return;
+    if (entry.slot == no_index) return {};
     const std::uint32_t slot = entry.slot;
     publish_entry(entry, {no_index, 0}); // before its slot is anyone else's
     m.slot_page[slot] = no_index;
     m.free_slots[m.free_count++] = slot;
     ++terrain.pages_missing;
     m.changed_slots[terrain.changes++ % change_log] = slot;
+    return {};
 }
 
 Status load_terrain(const Pack& pack, std::span<std::byte> memory, Terrain& terrain) {
     Terrain loaded;
     if (Status s = create_terrain(pack, {}, memory, loaded); !s.ok()) return s;
     for (std::uint32_t tile = 0; tile < loaded.tile_count(); ++tile)
-        for (std::uint32_t page = 0; page < loaded.pages_per_tile; ++page)
+        for (std::uint32_t page = 0; page < loaded.pages_per_tile(); ++page)
             if (Status s = load_page(pack, loaded, tile, page); !s.ok()) return s;
     terrain = loaded;
     return {};
 }
 
-Terrain::Vertex Terrain::vertex(Coord v) const {
+TerrainData::Vertex TerrainData::vertex(Coord v) const {
     const std::int32_t side = tree.side();
     Vertex out;
     if (tree.is_corner(v)) {
@@ -335,9 +360,12 @@ Terrain::Vertex Terrain::vertex(Coord v) const {
     return out;
 }
 
-double Terrain::ground_m(double x, double z) const {
-    const double column = std::clamp(x / header.spacing_m[0], 0.0, static_cast<double>(tree.columns() - 1));
-    const double row = std::clamp(z / header.spacing_m[1], 0.0, static_cast<double>(tree.rows() - 1));
+double TerrainData::ground_m(double x, double z) const {
+    const auto clamped = [](double at, std::int32_t count) { // NaN fails every comparison
+        return at > 0 ? std::min(at, static_cast<double>(count - 1)) : 0;
+    };
+    const double column = clamped(x / header.spacing_m[0], tree.columns());
+    const double row = clamped(z / header.spacing_m[1], tree.rows());
     const auto x0 = std::min(static_cast<std::int32_t>(column), tree.columns() - 2);
     const auto y0 = std::min(static_cast<std::int32_t>(row), tree.rows() - 2);
     const double u = column - x0, v = row - y0;

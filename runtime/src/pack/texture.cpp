@@ -1,7 +1,9 @@
 #include "fjell/texture.h"
 
-#include <cassert>
+#include <bit>
 #include <cstring>
+
+#include "fjell/pack.h"
 
 namespace fjell {
 
@@ -44,10 +46,18 @@ void values_of(const std::byte* block, std::uint8_t (&palette)[8]) {
         palette[i + 1] = static_cast<std::uint8_t>((2 * ((parts - i) * a + i * b) + parts) / (2 * parts));
 }
 
+Status check(std::uint32_t side, std::size_t stored, std::size_t block_bytes, std::size_t texels,
+             std::size_t texel_bytes) {
+    if (side < 4 || side > 1u << max_texture_log2 || !std::has_single_bit(side)) return {Code::out_of_range, "side"};
+    if (stored != blocks_of(side) * block_bytes) return {Code::out_of_range, "blocks"};
+    if (texels != std::size_t{side} * side * texel_bytes) return {Code::out_of_range, "texels"};
+    return {};
+}
+
 } // namespace
 
-void decode_colour(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> rgb) {
-    assert(blocks.size() == blocks_of(side) * colour_block_bytes && rgb.size() == std::size_t{side} * side * 3);
+Status decode_colour(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> rgb) {
+    if (Status s = check(side, blocks.size(), colour_block_bytes, rgb.size(), 3); !s.ok()) return s;
     const std::byte* block = blocks.data();
     for (std::uint32_t y = 0; y < side; y += 4)
         for (std::uint32_t x = 0; x < side; x += 4, block += colour_block_bytes) {
@@ -58,10 +68,11 @@ void decode_colour(std::span<const std::byte> blocks, std::uint32_t side, std::s
                 std::memcpy(&rgb[((y + i / 4) * std::size_t{side} + x + i % 4) * 3], palette[(codes >> 2 * i) & 3].c,
                             3);
         }
+    return {};
 }
 
-void decode_normal(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> xz) {
-    assert(blocks.size() == blocks_of(side) * normal_block_bytes && xz.size() == std::size_t{side} * side * 2);
+Status decode_normal(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> xz) {
+    if (Status s = check(side, blocks.size(), normal_block_bytes, xz.size(), 2); !s.ok()) return s;
     const std::byte* block = blocks.data();
     for (std::uint32_t y = 0; y < side; y += 4)
         for (std::uint32_t x = 0; x < side; x += 4)
@@ -72,6 +83,7 @@ void decode_normal(std::span<const std::byte> blocks, std::uint32_t side, std::s
                 for (std::uint32_t i = 0; i < 16; ++i)
                     xz[((y + i / 4) * std::size_t{side} + x + i % 4) * 2 + part] = palette[(codes >> 3 * i) & 7];
             }
+    return {};
 }
 
 } // namespace fjell

@@ -19,9 +19,9 @@
 #include <cstdint>
 #include <utility>
 
-#include "fjell/terrain.h"
 #include "fjell/view.h"
 #include "pack/publish.h"
+#include "pack/terrain_data.h"
 
 namespace fjell::query {
 
@@ -64,7 +64,7 @@ struct Corner {
 // Reads vertices of one tile, from any thread. Keeps the last page, which most often holds the next vertex too.
 class Reader {
 public:
-    Reader(const Terrain& terrain, std::int32_t tile_x, std::int32_t tile_y)
+    Reader(const TerrainData& terrain, std::int32_t tile_x, std::int32_t tile_y)
         : t_(terrain), origin_{tile_x * terrain.tree.side(), tile_y * terrain.tree.side()},
           first_page_((static_cast<std::size_t>(tile_y) * terrain.header.tiles_x + static_cast<std::size_t>(tile_x)) *
                       terrain.pages_per_tile) {}
@@ -105,7 +105,7 @@ private:
         return false;
     }
 
-    const Terrain& t_;
+    const TerrainData& t_;
     Coord origin_;
     std::size_t first_page_;
     std::uint32_t page_ = no_index; // in the tile
@@ -114,11 +114,11 @@ private:
 
 // Errors go as codes of the pack's scale, so that nothing rounds and nothing is looked up on the way.
 inline constexpr std::int32_t any_error = -1; // not known: the largest of the terrain
-[[nodiscard]] inline double error_m(const Terrain& t, std::int32_t code) {
+[[nodiscard]] inline double error_m(const TerrainData& t, std::int32_t code) {
     return static_cast<double>(code == any_error ? t.header.max_error_m : t.errors.metres[code]);
 }
 // The most that a child's error can be, by nesting.
-[[nodiscard]] inline std::int32_t below(const Terrain& t, std::int32_t code) {
+[[nodiscard]] inline std::int32_t below(const TerrainData& t, std::int32_t code) {
     return std::max(code - static_cast<std::int32_t>(t.errors.nesting_steps), 0);
 }
 
@@ -204,20 +204,20 @@ struct Square {
     }
 };
 
-[[nodiscard]] inline bool cut_by_rim(const Terrain& t, Coord nw, std::int32_t side) {
+[[nodiscard]] inline bool cut_by_rim(const TerrainData& t, Coord nw, std::int32_t side) {
     return nw.x + side >= t.tree.columns() || nw.y + side >= t.tree.rows();
 }
 // The quarter that has p: never one without an area, beyond a centre that stands at the rim.
-[[nodiscard]] inline int quarter_at(const Terrain& t, Coord centre, Point p) {
+[[nodiscard]] inline int quarter_at(const TerrainData& t, Coord centre, Point p) {
     return (p.x > centre.x && centre.x < t.tree.columns() - 1 ? 1 : 0) +
            (p.y > centre.y && centre.y < t.tree.rows() - 1 ? 2 : 0);
 }
-[[nodiscard]] inline Corner corner_of(const Terrain& t, Coord v, const Sample& sample) {
+[[nodiscard]] inline Corner corner_of(const TerrainData& t, Coord v, const Sample& sample) {
     return {t.tree.sample(v), sample.steps, sample.hole};
 }
 
 // The tile's own square, as it is without any page.
-[[nodiscard]] inline Square root_square(const Terrain& t, Reader& reader) {
+[[nodiscard]] inline Square root_square(const TerrainData& t, Reader& reader) {
     Square s;
     s.nw = reader.origin();
     s.side = t.tree.side();
@@ -248,13 +248,13 @@ struct Quarter {
     Coord side_of_first;
 };
 
-[[nodiscard]] inline double spread_m(const Terrain& t, const Square& s, const Corner& centre) {
+[[nodiscard]] inline double spread_m(const TerrainData& t, const Square& s, const Corner& centre) {
     Spread spread;
     for (const auto& [a, b] : {std::pair{0, 1}, {1, 3}, {3, 2}, {2, 0}})
         spread.add(plane_of(centre, s.corners[a], s.corners[b]));
     return spread.steps() * static_cast<double>(t.height_scale.quantum_m);
 }
-[[nodiscard]] inline double spread_m(const Terrain& t, const Square& s) {
+[[nodiscard]] inline double spread_m(const TerrainData& t, const Square& s) {
     Spread spread;
     for (const int k : {0, 1}) {
         const Triangle half = s.half(k);
@@ -264,7 +264,7 @@ struct Quarter {
 }
 
 // One quarter of a square whose centre is `centre`, a vertex with error code `code`.
-[[nodiscard]] inline Quarter quarter_of(const Terrain& t, Reader& reader, const Square& s, const Corner& centre,
+[[nodiscard]] inline Quarter quarter_of(const TerrainData& t, Reader& reader, const Square& s, const Corner& centre,
                                         std::int32_t code, int k) {
     const std::int32_t half = s.side / 2;
     const Coord at = s.centre(), nw{s.nw.x + (k & 1) * half, s.nw.y + (k >> 1) * half};
@@ -304,13 +304,13 @@ struct Quarter {
 // --- what answers say
 
 // The bound as answers report it: with half a quantum for the original, rounded up.
-[[nodiscard]] inline float reported_m(const Terrain& t, double error_m) {
+[[nodiscard]] inline float reported_m(const TerrainData& t, double error_m) {
     const double whole = error_m + 0.5 * static_cast<double>(t.height_scale.quantum_m);
     const auto rounded = static_cast<float>(whole);
     return static_cast<double>(rounded) < whole ? std::nextafter(rounded, INFINITY) : rounded;
 }
 // The largest code whose error is good enough; any_error: none is.
-[[nodiscard]] inline std::int32_t accurate_code(const Terrain& t, float accurate_m) {
+[[nodiscard]] inline std::int32_t accurate_code(const TerrainData& t, float accurate_m) {
     const double most_m = static_cast<double>(accurate_m) - 0.5 * static_cast<double>(t.height_scale.quantum_m);
     if (!(most_m >= 0)) return any_error;
     std::int32_t enough = 0; // how many codes are
@@ -322,7 +322,7 @@ struct Quarter {
 [[nodiscard]] inline bool suffices(std::int32_t code, std::int32_t accurate, bool hole) {
     return code <= accurate || (code == 0 && !hole);
 }
-[[nodiscard]] inline Vec3 normal_of(const Terrain& t, const Plane& plane) {
+[[nodiscard]] inline Vec3 normal_of(const TerrainData& t, const Plane& plane) {
     const double quantum = t.height_scale.quantum_m;
     return normalised({-plane.x * quantum / t.header.spacing_m[0], 1, -plane.y * quantum / t.header.spacing_m[1]});
 }
@@ -336,7 +336,7 @@ struct Found {
 
 // The same from any triangle downwards. Places and heights in plain variables: triangles that are copied at every level
 // cost twice the time.
-[[nodiscard]] inline Found find_below(const Terrain& t, Reader& reader, const Triangle& from, Point p,
+[[nodiscard]] inline Found find_below(const TerrainData& t, Reader& reader, const Triangle& from, Point p,
                                       std::int32_t accurate) {
     Corner a = from.apex, b = from.ends[0], c = from.ends[1];
     std::int32_t bound = from.bound;
@@ -360,7 +360,7 @@ struct Found {
 }
 
 // p: in the tile, within the terrain. O(levels).
-[[nodiscard]] inline Found find_ground(const Terrain& t, Reader& reader, Point p, std::int32_t accurate) {
+[[nodiscard]] inline Found find_ground(const TerrainData& t, Reader& reader, Point p, std::int32_t accurate) {
     Square s = root_square(t, reader);
     if (!cut_by_rim(t, s.nw, s.side)) return find_below(t, reader, s.half(s.half_of(p)), p, accurate);
     for (;;) { // never satisfied in a square that is cut: its halves do not nest
@@ -385,13 +385,13 @@ struct Found {
 }
 
 // The tile over a point of the terrain.
-[[nodiscard]] inline Coord tile_of(const Terrain& t, Point p) {
+[[nodiscard]] inline Coord tile_of(const TerrainData& t, Point p) {
     const std::int32_t side = t.tree.side();
     return {std::min(static_cast<std::int32_t>(p.x) / side, t.tree.tiles_x - 1),
             std::min(static_cast<std::int32_t>(p.y) / side, t.tree.tiles_y - 1)};
 }
 
-[[nodiscard]] inline double height_m(const Terrain& t, double steps) {
+[[nodiscard]] inline double height_m(const TerrainData& t, double steps) {
     return static_cast<double>(t.height_scale.base_m) + steps * static_cast<double>(t.height_scale.quantum_m);
 }
 

@@ -18,7 +18,10 @@ double onto(double value, double last) {
 
 } // namespace
 
-GroundHeight ground_height(const Terrain& terrain, double x_m, double z_m, float accurate_m) {
+GroundHeight ground_height(const Terrain& handle, double x_m, double z_m, float accurate_m) {
+    const TerrainData* const data = find(handle);
+    if (data == nullptr) return {};
+    const TerrainData& terrain = *data;
     const double column = x_m / terrain.header.spacing_m[0], row = z_m / terrain.header.spacing_m[1];
     const Point p{onto(column, terrain.tree.columns() - 1), onto(row, terrain.tree.rows() - 1)};
     const Coord tile = tile_of(terrain, p);
@@ -38,7 +41,7 @@ namespace {
 
 // One row of a patch: reads of neighbouring samples mostly stay in one page of each step.
 struct PatchRow {
-    const Terrain& t;
+    const TerrainData& t;
     double worst_m = 0;
     bool finest = true;
 
@@ -64,12 +67,15 @@ std::int32_t place(std::int32_t first, std::uint32_t i, int step_log2, std::int3
 
 } // namespace
 
-GroundPatch ground_patch(const Terrain& terrain, Coord first, int step_log2, std::uint32_t side,
+GroundPatch ground_patch(const Terrain& handle, Coord first, int step_log2, std::uint32_t side,
                          std::span<float> heights_m, std::span<bool> holes) {
     const std::size_t count = std::size_t{side} * side;
     if (side < 2 || side > max_patch_side || step_log2 < 0 || step_log2 > max_tile_log2 || heights_m.size() < count ||
         (!holes.empty() && holes.size() < count))
         return {INFINITY, false};
+    const TerrainData* const data = find(handle);
+    if (data == nullptr) return {INFINITY, false};
+    const TerrainData& terrain = *data;
     const Tree& tree = terrain.tree;
     PatchRow row{terrain};
     for (std::uint32_t j = 0; j < side; ++j) {

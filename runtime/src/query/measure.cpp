@@ -3,19 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pack/terrain_data.h"
+
 namespace fjell {
 
 namespace {
 
 struct Accumulator {
-    const Terrain& terrain;
+    const TerrainData& terrain;
     const View& view;
     const Frustum* frustum;
     double rounding_m; // what float heights may differ by from the height scale, at the sample and at the surface
     MeasuredError result;
 
     void sample(Coord at, double surface_m) {
-        const Terrain::Vertex vertex = terrain.vertex(at);
+        const TerrainData::Vertex vertex = terrain.vertex(at);
         if (vertex.hole) return;
         const double height = vertex.height_m;
         const Vec3 eye_to_sample =
@@ -59,14 +61,32 @@ void triangle(Accumulator& accumulate, const Point& a, const Point& b, const Poi
         }
 }
 
+// Every index and every vertex that is drawn exists.
+bool is_of(const MeshView& mesh, const TerrainData& terrain) {
+    for (const TileRange& range : mesh.tiles) {
+        if (std::uint64_t{range.first_index} + range.index_count > mesh.indices.size()) return false;
+        for (const std::uint32_t index : mesh.indices.subspan(range.first_index, range.index_count)) {
+            if (index >= mesh.vertices.size()) return false;
+            const MeshVertex& v = mesh.vertices[index];
+            if (v.column < 0 || v.row < 0 || v.column >= terrain.tree.columns() || v.row >= terrain.tree.rows())
+                return false;
+        }
+    }
+    return true;
+}
+
 } // namespace
 
-MeasuredError measure_error(const Terrain& terrain, const MeshView& mesh, const View& view, const Frustum* frustum) {
+MeasuredError measure_error(const Terrain& handle, const MeshView& mesh, const View& view, const Frustum* frustum) {
+    const TerrainData* const data = find(handle);
+    if (data == nullptr) return {};
+    const TerrainData& terrain = *data;
     // base + steps * quantum: one rounding of the product, one of the sum; twice.
     const PackHeader& h = terrain.header;
     const double largest = std::max(std::abs(static_cast<double>(h.min_m)), std::abs(static_cast<double>(h.max_m)));
     const double rounding_m = 0x1p-23 * (largest + h.max_m - h.min_m);
     Accumulator accumulate{terrain, view, frustum, rounding_m, {}};
+    if (!is_of(mesh, terrain)) return {};
     for (const TileRange& range : mesh.tiles) {
         const auto point = [&](std::uint32_t index) -> Point {
             const MeshVertex& v = mesh.vertices[mesh.indices[index]];

@@ -58,7 +58,7 @@ static_assert(std::is_trivially_copyable_v<Node>);
 
 class RayWalk {
 public:
-    RayWalk(const Terrain& terrain, const Line& ray, float accurate_m)
+    RayWalk(const TerrainData& terrain, const Line& ray, float accurate_m)
         : t(terrain), line(ray), accurate(accurate_code(terrain, accurate_m)),
           quantum_m(terrain.height_scale.quantum_m) {}
 
@@ -98,7 +98,7 @@ private:
     static constexpr int stack_size = 2 + 2 * max_tile_log2 + 5 * max_tile_log2;
     Node stack[stack_size];
     int count = 0;
-    const Terrain& t;
+    const TerrainData& t;
     const Line line;
     const std::int32_t accurate; // code
     const double quantum_m;
@@ -251,7 +251,7 @@ void clip(double at, double slope, double low, double high, Part& part) {
 }
 
 // The tiles under the line, one after the other.
-bool walk_tiles(const Terrain& t, const Line& line, Part whole, RayWalk& walk) {
+bool walk_tiles(const TerrainData& t, const Line& line, Part whole, RayWalk& walk) {
     const double side = t.tree.side();
     const auto tile_at = [&](double at, std::int32_t tiles) {
         return static_cast<std::int32_t>(std::clamp(std::floor(at / side), 0.0, static_cast<double>(tiles - 1)));
@@ -282,7 +282,10 @@ bool finite(Vec3 v) {
 
 } // namespace
 
-GroundHit cast_ray(const Terrain& terrain, Vec3 origin_m, Vec3 direction, double most_m, float accurate_m) {
+GroundHit cast_ray(const Terrain& handle, Vec3 origin_m, Vec3 direction, double most_m, float accurate_m) {
+    const TerrainData* const data = find(handle);
+    if (data == nullptr) return {};
+    const TerrainData& terrain = *data;
     const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
     if (!finite(origin_m) || !finite(direction) || !(largest > 0) || !(most_m >= 0)) return {};
     // Scaled first: squares of very long or short ones would not be numbers.

@@ -1,5 +1,6 @@
 // The recursive method's memory: how large, how laid out, how it begins, and what a renderer sees of it.
 #include <cstring>
+#include <new>
 #include <utility>
 
 #include "recursive/emit.h"
@@ -16,7 +17,7 @@ constexpr std::size_t aligned(std::size_t bytes) {
     return (bytes + alignment - 1) / alignment * alignment;
 }
 
-std::size_t state_count(const Terrain& terrain) {
+std::size_t state_count(const TerrainData& terrain) {
     return std::size_t{terrain.slot_count} * terrain.page_capacity + std::size_t{terrain.tile_count()} * 4;
 }
 
@@ -28,7 +29,7 @@ struct Layout {
 static_assert(recursive_vertex_bytes == sizeof(MeshVertex) + 2 * 4,
               "hosts size their budgets by this: change it in fjell/recursive.h with layout_of()");
 
-Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
+Layout layout_of(const TerrainData& terrain, const RecursiveBudget& budget) {
     Layout l{};
     std::size_t at = aligned(sizeof(RecursiveState));
     const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
@@ -46,7 +47,7 @@ Layout layout_of(const Terrain& terrain, const RecursiveBudget& budget) {
 
 // Enters what a page slot holds now into the table of step pages. Answers whether its vertices were known.
 bool move_page(RecursiveState& s, std::uint32_t slot) {
-    const Terrain& terrain = *s.terrain;
+    const TerrainData& terrain = *s.terrain;
     const auto set = [&](std::uint32_t page, bool loaded) {
         if (page == no_index) return;
         // The page may have moved to another slot, which then says so itself, sooner or later.
@@ -62,26 +63,37 @@ bool move_page(RecursiveState& s, std::uint32_t slot) {
     return before != no_index;
 }
 
-} // namespace
-
-std::size_t recursive_bytes(const Terrain& terrain, const RecursiveBudget& budget) {
-    return layout_of(terrain, budget).end;
-}
-
-Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, std::span<std::byte> memory,
-                        RecursiveMethod& method) {
-    const std::uint64_t tiles = terrain.tile_count(), count = state_count(terrain);
-    if (count >= no_index) return {Code::out_of_range, "terrain: more than 4,294,967,294 vertices"};
+Status check_budget(const TerrainData& terrain, const RecursiveBudget& budget) {
+    const std::uint64_t tiles = terrain.tile_count();
+    if (state_count(terrain) >= no_index) return {Code::out_of_range, "terrain: more than 4,294,967,294 vertices"};
     if (budget.vertices > max_vertices) return {Code::out_of_range, "RecursiveBudget::vertices (at most 2^31 - 2)"};
     if (budget.vertices < tiles * 4) return {Code::budget_too_small, "RecursiveBudget::vertices (4 a tile)"};
     if (budget.indices < tiles * 9) return {Code::budget_too_small, "RecursiveBudget::indices (9 a tile)"};
+    return {};
+}
+
+} // namespace
+
+std::size_t recursive_bytes(const Terrain& terrain, const RecursiveBudget& budget) {
+    const TerrainData* const t = find(terrain);
+    return t != nullptr && check_budget(*t, budget).ok() ? layout_of(*t, budget).end : 0;
+}
+
+Status create_recursive(const Terrain& handle, const RecursiveBudget& budget, std::span<std::byte> memory,
+                        RecursiveMethod& method) {
+    const TerrainData* const found = find(handle);
+    if (found == nullptr) return {Code::invalid_handle, "terrain"};
+    const TerrainData& terrain = *found;
+    if (Status fits = check_budget(terrain, budget); !fits.ok()) return fits;
+    const std::uint64_t tiles = terrain.tile_count(), count = state_count(terrain);
     const Layout l = layout_of(terrain, budget);
     if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
     std::byte* at = memory.data();
     if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "memory alignment"};
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
 
-    auto& s = *reinterpret_cast<RecursiveState*>(at);
+    auto& s = *new (at) RecursiveState{};
+    s.terrain_handle = handle;
     s.terrain = &terrain;
     s.budget = budget;
     s.states = reinterpret_cast<VertexState*>(at + l.states);
@@ -104,12 +116,16 @@ Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, s
     }
     s.free_count = budget.vertices;
     sync_pages(s);
-    method.state = &s;
+    HandleAccess::begin(s, method);
     return {};
 }
 
+Status destroy_recursive(RecursiveMethod method) {
+    return HandleAccess::end(method) ? Status{} : no_recursive;
+}
+
 void sync_pages(RecursiveState& s) {
-    const Terrain& terrain = *s.terrain;
+    const TerrainData& terrain = *s.terrain;
     if (s.seen_changes == terrain.changes) return;
     s.seen_changes = terrain.changes;
     for (std::uint32_t slot = 0; slot < terrain.slot_count; ++slot) {
@@ -128,7 +144,9 @@ void sync_pages(RecursiveState& s) {
 }
 
 MeshView recursive_mesh(RecursiveMethod method) {
-    const RecursiveState& s = *method.state;
+    const RecursiveState* const found = find_recursive(method);
+    if (found == nullptr) return {};
+    const RecursiveState& s = *found;
     return {s.topology,
             {s.vertices, s.budget.vertices},
             {s.indices, s.index_count},

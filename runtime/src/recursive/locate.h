@@ -9,7 +9,7 @@
 #include <array>
 #include <cstdint>
 
-#include "fjell/terrain.h"
+#include "pack/terrain_data.h"
 
 namespace fjell {
 
@@ -45,7 +45,7 @@ inline std::uint32_t entries_per_tile(const PageLayout& pages) {
     return pages.order == Order::linear ? pages.pages_per_tile() : first_entry(pages, -1);
 }
 
-inline LevelPlane make_level_plane(const Terrain& terrain, int z, VertexKind kind) {
+inline LevelPlane make_level_plane(const TerrainData& terrain, int z, VertexKind kind) {
     const int level = 2 * (terrain.tree.tile_log2 - 1 - z) + (kind == VertexKind::centre ? 0 : 1);
     LevelPlane p{};
     p.shift = static_cast<std::uint32_t>(z + 1);
@@ -64,7 +64,7 @@ inline LevelPlane make_level_plane(const Terrain& terrain, int z, VertexKind kin
 }
 
 // Writes what the table says of one page, loaded or not.
-inline void set_step_page(const Terrain& terrain, std::uint32_t page, StepPageEntry entry,
+inline void set_step_page(const TerrainData& terrain, std::uint32_t page, StepPageEntry entry,
                           StepPageEntry* tile_entries) {
     const int z = terrain.pages.page_step_log2(page);
     if (z < 0) {

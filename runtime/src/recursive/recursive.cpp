@@ -371,7 +371,7 @@ private:
     }
 
     RecursiveState& s;
-    const Terrain& terrain;
+    const TerrainData& terrain;
     const View& view;
     Frustum frustum;
     Reach reach;
@@ -433,13 +433,15 @@ double first_threshold(const RecursiveState& s, double requested_px) {
 } // namespace
 
 Status update_recursive(RecursiveMethod method, const View& view, const RefineSettings& settings, FrameReport& report) {
+    RecursiveState* const found = find_recursive(method);
+    if (found == nullptr) return no_recursive;
+    RecursiveState& s = *found;
     if (Status v = validate(view); !v.ok()) return v;
     if (!(settings.error_px >= 1e-3 && settings.error_px <= 1e6))
         return {Code::out_of_range, "RefineSettings::error_px"};
     if (settings.metric == Metric::depth && !settings.cull)
         return {Code::out_of_range,
                 "RefineSettings::cull (the depth metric needs it: behind the eye depth means nothing)"};
-    RecursiveState& s = *method.state;
     sync_pages(s);
     s.topology = settings.topology;
     s.dirty_begin = s.budget.vertices;

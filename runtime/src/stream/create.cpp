@@ -20,7 +20,7 @@ constexpr std::size_t aligned(std::size_t bytes) {
     return (bytes + alignment - 1) / alignment * alignment;
 }
 
-std::uint32_t watch_count(const Terrain& t) {
+std::uint32_t watch_count(const TerrainData& t) {
     return t.slot_count * watches_per_slot + t.tile_count();
 }
 
@@ -41,7 +41,7 @@ std::size_t map_room(const PackHeader& h, const StreamBudget& budget) {
     return aligned(most);
 }
 
-std::size_t page_room(const Terrain& t) {
+std::size_t page_room(const TerrainData& t) {
     return aligned(max_page_raw_bytes(t.page_capacity));
 }
 
@@ -52,7 +52,7 @@ struct Layout {
         page_rooms, map_rooms, zstd, failures, arrivals, end;
 };
 
-Layout layout_of(const Pack& pack, const Terrain& t, const StreamBudget& budget) {
+Layout layout_of(const Pack& pack, const TerrainData& t, const StreamBudget& budget) {
     Layout l{};
     std::size_t at = aligned(sizeof(StreamState));
     const auto place = [&](std::size_t count, std::size_t bytes) {
@@ -93,7 +93,8 @@ Layout layout_of(const Pack& pack, const Terrain& t, const StreamBudget& budget)
     return l;
 }
 
-Status check_budget(const Pack& pack, const Terrain& t, const StreamBudget& b) {
+Status check_budget(const Pack& pack, const TerrainData& t, const StreamBudget& b) {
+    if (!same_pack(pack.header, t.header) || pack.directory == nullptr) return {Code::wrong_pack, "pack"};
     if (t.pages.order == Order::linear)
         return {Code::not_supported,
                 "terrain in linear order (bake with --order planar): coarse vertices lie in all pages"};
@@ -117,11 +118,21 @@ Status check_budget(const Pack& pack, const Terrain& t, const StreamBudget& b) {
 } // namespace
 
 std::size_t stream_bytes(const Pack& pack, const Terrain& terrain, const StreamBudget& budget) {
-    return check_budget(pack, terrain, budget).ok() ? layout_of(pack, terrain, budget).end : 0;
+    const TerrainData* const t = find(terrain);
+    return t != nullptr && check_budget(pack, *t, budget).ok() ? layout_of(pack, *t, budget).end : 0;
 }
 
-Status create_stream(const Pack& pack, Terrain& terrain, LiveCut cut, const StreamBudget& budget,
+Status create_stream(const Pack& pack, const Terrain& handle, LiveCut cut, const StreamBudget& budget,
                      std::span<std::byte> memory, Stream& stream) {
+    TerrainData* const found = find(handle);
+    if (found == nullptr) return {Code::invalid_handle, "terrain"};
+    TerrainData& terrain = *found;
+    CutState* cut_state = nullptr;
+    if (cut != LiveCut{}) {
+        cut_state = find_cut(cut);
+        if (cut_state == nullptr) return no_cut;
+        if (cut_state->terrain != &terrain) return {Code::wrong_terrain, "cut"};
+    }
     if (Status fits = check_budget(pack, terrain, budget); !fits.ok()) return fits;
     const Layout l = layout_of(pack, terrain, budget);
     if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
@@ -130,9 +141,12 @@ Status create_stream(const Pack& pack, Terrain& terrain, LiveCut cut, const Stre
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
     auto& s = *new (at) StreamState{};
     const auto part = [&]<typename T>(T*& pointer, std::size_t offset) { pointer = reinterpret_cast<T*>(at + offset); };
-    s.pack = &pack;
+    s.own_pack = pack;
+    s.pack = &s.own_pack;
+    s.terrain_handle = handle;
     s.terrain = &terrain;
     s.cut = cut;
+    s.cut_state = cut_state;
     s.budget = budget;
     s.tiles = terrain.tile_count();
     s.slots = terrain.slot_count;
@@ -178,8 +192,12 @@ Status create_stream(const Pack& pack, Terrain& terrain, LiveCut cut, const Stre
     for (std::uint32_t i = s.watch_count; i < padded; ++i) s.due[i] = 3e38f;
     begin_pages(s);
     begin_maps(s);
-    stream.state = &s;
+    HandleAccess::begin(s, stream);
     return {};
+}
+
+Status destroy_stream(Stream stream) {
+    return HandleAccess::end(stream) ? Status{} : no_stream;
 }
 
 } // namespace fjell

@@ -70,6 +70,9 @@ std::uint64_t share_of(const PackHeader& h, const StreamBudget& budget, MapKind 
 
 MapLayers map_layers(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
     MapLayers sizes;
+    const auto usable = [&](MapKind k) { return top_log2(h, k) != 1 && top_log2(h, k) <= max_texture_log2; };
+    if (!usable(MapKind::colour) || !usable(MapKind::normal) || static_cast<std::uint32_t>(kind) >= map_kinds)
+        return sizes;
     sizes.top_log2 = top_log2(h, kind);
     if (sizes.top_log2 == 0) return sizes;
     sizes.tail_log2 = tail_of(h, budget, kind);
@@ -203,7 +206,7 @@ void test_tile(StreamState& s, std::uint32_t index) {
     double px_m = 0;
     for (std::uint32_t i = 0; i < s.view_count; ++i)
         px_m = std::max(px_m, s.views[i].lambda_px / std::max(distance_m(box, s.views[i].eye_m), 1e-3));
-    const Terrain& t = *s.terrain;
+    const TerrainData& t = *s.terrain;
     const double tile_m = static_cast<double>(std::max(t.spacing_x_m, t.spacing_z_m)) * t.tree.side();
     const bool visible = may_be_seen(s, box);
     for (MapState& m : s.maps) {

@@ -28,8 +28,8 @@ void end_request(StreamState& s, Request& r, WatchState state) {
 }
 
 void insert(StreamState& s, Request& r) {
-    Terrain& t = *s.terrain;
-    const Status status = insert_page(t, r.id.tile, r.id.item, {r.raw, r.raw_bytes});
+    TerrainData& t = *s.terrain;
+    const Status status = insert_page(s.terrain_handle, r.id.tile, r.id.item, {r.raw, r.raw_bytes});
     if (!status.ok()) {
         note_failure(s, r.id, r.first_chunk, Code::corrupt);
         return end_request(s, r, WatchState::failed);
@@ -65,7 +65,7 @@ void remove(StreamState& s, std::uint32_t slot) {
     const std::uint32_t watch = s.slot_watch[slot];
     const ChunkId id = chunk_of(s, watch);
     record(s, watch, PageEvent::removed);
-    unload_page(*s.terrain, id.tile, id.item);
+    (void)unload_page(s.terrain_handle, id.tile, id.item);
     for (std::uint32_t k = 0; k < watches_per_slot; ++k) forget_watch(s, slot * watches_per_slot + k);
     s.slot_watch[slot] = no_index;
     s.states[watch] = WatchState::missing;
@@ -217,7 +217,7 @@ void evict(StreamState& s, std::uint32_t slot) {
     record(s, watch, PageEvent::released);
     bool released = false; // evict_pages() calls again; the cut must be called in the order that is recorded
     const ChunkId id = chunk_of(s, watch);
-    if (s.cut.state) (void)release_page(s.cut, id.tile, id.item, released);
+    if (s.cut_state) (void)release_page(s.cut, id.tile, id.item, released);
     s.states[slot * watches_per_slot] = s.states[watch] = WatchState::evicting;
     s.evicting[s.evicting_count++] = slot;
     test(s, watch);
@@ -237,9 +237,9 @@ void evict_pages(StreamState& s) {
     for (std::uint32_t i = 0; i < s.evicting_count;) {
         const std::uint32_t slot = s.evicting[i], watch = s.slot_watch[slot];
         const ChunkId id = chunk_of(s, watch);
-        bool released = s.cut.state == nullptr;
+        bool released = s.cut_state == nullptr;
         if ((s.wants[watch] & 1) && free_slots(s) != 0 && !s.contended) { // after all
-            if (s.cut.state) cancel_release(s.cut, id.tile, id.item);
+            if (s.cut_state) (void)cancel_release(s.cut, id.tile, id.item);
             record(s, watch, PageEvent::kept);
             s.states[slot * watches_per_slot] = s.states[watch] = WatchState::loaded;
             test(s, watch);

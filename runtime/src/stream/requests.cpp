@@ -58,8 +58,7 @@ std::uint32_t ticket_of(std::uint32_t index, std::uint32_t state) {
 }
 
 // The entry that the client holds, or nullptr.
-Request* taken(Stream stream, std::uint32_t ticket) {
-    StreamState& s = *stream.state;
+Request* taken(StreamState& s, std::uint32_t ticket) {
     const std::uint32_t index = (ticket & ((1u << ticket_bits) - 1)) - 1;
     if (index >= s.request_count) return nullptr;
     Request& r = s.requests[index];
@@ -72,7 +71,9 @@ Request* taken(Stream stream, std::uint32_t ticket) {
 } // namespace
 
 bool next_request(Stream stream, StreamRequest& request) {
-    StreamState& s = *stream.state;
+    StreamState* const found = find_stream(stream);
+    if (found == nullptr) return false;
+    StreamState& s = *found;
     for (;;) {
         std::uint32_t best = no_index;
         float most = -1;
@@ -90,13 +91,16 @@ bool next_request(Stream stream, StreamRequest& request) {
 }
 
 bool still_wanted(Stream stream, std::uint32_t ticket) {
-    const Request* const r = taken(stream, ticket);
+    StreamState* const s = find_stream(stream);
+    const Request* const r = s != nullptr ? taken(*s, ticket) : nullptr;
     return r != nullptr && !r->cancelled.load(std::memory_order_relaxed);
 }
 
 Status provide(Stream stream, std::uint32_t ticket, std::span<const std::byte> stored) {
-    StreamState& s = *stream.state;
-    Request* const r = taken(stream, ticket);
+    StreamState* const found = find_stream(stream);
+    if (found == nullptr) return no_stream;
+    StreamState& s = *found;
+    Request* const r = taken(s, ticket);
     if (r == nullptr) return {Code::out_of_range, "ticket"};
     const auto damaged = [&] {
         const bool page = r->id.kind == ChunkKind::geometry; // before the entry is given away
@@ -119,9 +123,13 @@ Status provide(Stream stream, std::uint32_t ticket, std::span<const std::byte> s
     return {};
 }
 
-void fail(Stream stream, std::uint32_t ticket, bool unwanted) {
-    Request* const r = taken(stream, ticket);
-    if (r != nullptr) set_phase(*r, unwanted ? Phase::unwanted : Phase::unreadable);
+Status fail(Stream stream, std::uint32_t ticket, bool unwanted) {
+    StreamState* const s = find_stream(stream);
+    if (s == nullptr) return no_stream;
+    Request* const r = taken(*s, ticket);
+    if (r == nullptr) return {Code::out_of_range, "ticket"};
+    set_phase(*r, unwanted ? Phase::unwanted : Phase::unreadable);
+    return {};
 }
 
 } // namespace fjell

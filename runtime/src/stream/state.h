@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "cut/state.h"
 #include "fjell/stream.h"
 
 struct ZSTD_DCtx_s;
@@ -82,9 +83,13 @@ struct MapState {
 };
 
 struct StreamState {
+    BlockHead head;
+    Pack own_pack; // the host's may move
     const Pack* pack;
-    Terrain* terrain;
+    Terrain terrain_handle;
+    TerrainData* terrain; // its data
     LiveCut cut;
+    CutState* cut_state; // its data, or nullptr
     StreamBudget budget;
     std::uint32_t tiles, slots, watch_count;
     // Pages.
@@ -137,6 +142,14 @@ struct StreamState {
     std::uint64_t frame;
 };
 inline constexpr std::uint32_t max_arrivals = 4096, max_evictions = 64;
+
+// The stream behind a handle, or nullptr: also when its terrain or its cut is gone.
+[[nodiscard]] inline StreamState* find_stream(const Stream& stream) {
+    StreamState* const s = find(stream);
+    if (s == nullptr || find(s->terrain_handle) == nullptr) return nullptr;
+    return s->cut_state == nullptr || find(s->cut) != nullptr ? s : nullptr;
+}
+inline constexpr Status no_stream{Code::invalid_handle, "stream, or its terrain or cut"};
 
 [[nodiscard]] inline bool has_failed(const StreamState& s, std::uint64_t chunk) {
     return (s.failed_bits[chunk / 64] >> chunk % 64 & 1) != 0;

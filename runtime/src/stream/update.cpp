@@ -30,7 +30,7 @@ Status check(std::span<const View> views, const CutSettings& cut, const StreamSe
 
 void finish(StreamState& s) {
     StreamReport& r = s.report;
-    const Terrain& t = *s.terrain;
+    const TerrainData& t = *s.terrain;
     bool complete = true;
     for (std::uint32_t tile = 0; tile < s.tiles; ++tile)
         complete = complete && t.page_table[std::size_t{tile} * t.pages_per_tile].slot != no_index;
@@ -68,7 +68,9 @@ void note_failure(StreamState& s, const ChunkId& id, std::uint64_t chunk, Code c
 
 Status update_stream(Stream stream, std::span<const View> views, const CutSettings& cut, const StreamSettings& settings,
                      StreamReport& report) {
-    StreamState& s = *stream.state;
+    StreamState* const found = find_stream(stream);
+    if (found == nullptr) return no_stream;
+    StreamState& s = *found;
     if (Status v = check(views, cut, settings); !v.ok()) return v;
     const auto started = Clock::now();
     const double seconds = s.frame == 0 ? 0 : settings.now_s - s.now_s;
@@ -78,7 +80,7 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
     s.failure_count = s.arrival_count = s.command_count = 0;
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i)
         if (phase_of(s.requests[i]) == Phase::shown) set_phase(s.requests[i], Phase::vacant);
-    set_views(s, views, cut, s.cut.state ? s.cut.state->governor.effective_px : 0);
+    set_views(s, views, cut, s.cut_state ? s.cut_state->governor.effective_px : 0);
     insert_pages(s);
     upload_maps(s);
     request_pages(s);
@@ -90,27 +92,49 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
 }
 
 std::span<const StreamFailure> stream_failures(Stream stream) {
-    return {stream.state->failures, stream.state->failure_count};
+    const StreamState* const s = find_stream(stream);
+    if (s == nullptr) return {};
+    return {s->failures, s->failure_count};
 }
 std::span<const PageArrival> page_arrivals(Stream stream) {
-    return {stream.state->arrivals, stream.state->arrival_count};
+    const StreamState* const s = find_stream(stream);
+    if (s == nullptr) return {};
+    return {s->arrivals, s->arrival_count};
 }
 std::span<const MapCommand> map_commands(Stream stream) {
-    return {stream.state->commands, stream.state->command_count};
-}
-std::span<const TileMap> tile_maps(Stream stream, MapKind kind) {
-    const MapState& m = stream.state->maps[static_cast<std::uint32_t>(kind)];
-    return {m.shown, m.sizes.top_log2 ? stream.state->tiles : 0};
-}
-MapLayers stream_map_layers(Stream stream, MapKind kind) {
-    return stream.state->maps[static_cast<std::uint32_t>(kind)].sizes;
+    const StreamState* const s = find_stream(stream);
+    if (s == nullptr) return {};
+    return {s->commands, s->command_count};
 }
 
-void retry_failed(Stream stream) {
-    StreamState& s = *stream.state;
+namespace {
+
+const MapState* map_state(const Stream& stream, MapKind kind) {
+    const StreamState* const s = find_stream(stream);
+    const auto index = static_cast<std::uint32_t>(kind);
+    return s != nullptr && index < map_kinds ? &s->maps[index] : nullptr;
+}
+
+} // namespace
+
+std::span<const TileMap> tile_maps(Stream stream, MapKind kind) {
+    const MapState* const m = map_state(stream, kind);
+    if (m == nullptr || m->sizes.top_log2 == 0) return {};
+    return {m->shown, data_of(stream).tiles};
+}
+MapLayers stream_map_layers(Stream stream, MapKind kind) {
+    const MapState* const m = map_state(stream, kind);
+    return m != nullptr ? m->sizes : MapLayers{};
+}
+
+Status retry_failed(Stream stream) {
+    StreamState* const found = find_stream(stream);
+    if (found == nullptr) return no_stream;
+    StreamState& s = *found;
     for (std::uint64_t i = 0; i <= s.pack->header.directory_count / 64; ++i) s.failed_bits[i] = 0;
     forget_failed_pages(s);
     forget_failed_maps(s);
+    return {};
 }
 
 const char* budget_field(StreamBudgetBit bit) {

@@ -22,7 +22,7 @@ constexpr double grow = 1 + 0x1p-16; // more than all roundings of wanted() toge
 constexpr double sooner = 0.95;      // share of the threshold at which a page will be wanted soon
 
 Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
-    const Terrain& t = *s.terrain;
+    const TerrainData& t = *s.terrain;
     const PageBound bound = s.pack->entry(chunk_index(t.header, {ChunkKind::geometry, tile, page})).bound;
     const auto tile_x = static_cast<std::int32_t>(tile % t.header.tiles_x),
                tile_y = static_cast<std::int32_t>(tile / t.header.tiles_x);

@@ -13,8 +13,8 @@
 
 #include <cmath>
 
-#include "fjell/record.h"
 #include "fjell/view.h"
+#include "pack/record.h"
 
 namespace fjell {
 

@@ -7,15 +7,11 @@
 #include <thread>
 #include <vector>
 
-#include <fjell/cut.h>
+#include <fjell/fjell.h>
 #include <fjell/io/failure.h>
 #include <fjell/io/load.h>
 #include <fjell/io/pack_file.h>
 #include <fjell/io/stream_reader.h>
-#include <fjell/query.h>
-#include <fjell/stream.h>
-#include <fjell/terrain.h>
-#include <fjell/version.h>
 
 static_assert(FJELL_VERSION >= FJELL_MAKE_VERSION(0, 2, 0));
 

@@ -1,4 +1,5 @@
 #include "gltf/baked.h"
+#include "pack/terrain_data.h"
 
 #include <algorithm>
 #include <array>
@@ -55,9 +56,9 @@ baker::Dem hills(std::int32_t columns, std::int32_t rows, double spacing_x_m, do
 }
 
 View view_of(const Terrain& terrain) {
-    const double width = (terrain.tree.columns() - 1) * terrain.header.spacing_m[0];
-    const double depth = (terrain.tree.rows() - 1) * terrain.header.spacing_m[1];
-    const Vec3 eye{0.4 * width, terrain.header.max_m + 0.03 * width, 0.97 * depth};
+    const double width = (data_of(terrain).tree.columns() - 1) * terrain.header().spacing_m[0];
+    const double depth = (data_of(terrain).tree.rows() - 1) * terrain.header().spacing_m[1];
+    const Vec3 eye{0.4 * width, terrain.header().max_m + 0.03 * width, 0.97 * depth};
     return make_view(eye, {0.3, -0.4, -1}, {0, 1, 0}, 0.8, 1280, 720, 1, 4 * (width + depth));
 }
 

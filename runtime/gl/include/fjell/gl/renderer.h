@@ -6,7 +6,7 @@
 // bit for bit. Depth is reversed and float: distant ridges do not fight. Units: metres and pixels; angles in degrees
 // where the name says so. Colours in files and pictures are sRGB. Ownership: the renderer owns its buffers and
 // textures; the Pack's bytes are read only in create(), the mesh's spans and MapCommands' blocks only in upload() and
-// draw(). The terrain must outlive it: Mode::residency reads its page table. Thread: the context's; where pages are
+// draw(). Mode::residency reads the terrain's page table, and is refused once that is destroyed. Thread: the context's; where pages are
 // loaded, also the one that does it. Memory, all at creation but for the mode residency's 1 byte a square of 64 x 64
 // samples and set_heights(): 12 bytes a vertex (28 with morph), 4 an index, the maps, and three times ring_bytes, 132
 // bytes a range and 2 KB. Complexity of an upload: a MeshView's dirty vertices and all its indices, or a CutMesh's
@@ -60,7 +60,7 @@ enum class Mode : std::uint8_t {
 };
 
 // The terrain's heights, every 2^step_log2-th sample of each row and column; a last one that would lie beyond the rim
-// stands there (fjell/tree.h). io::read_heights() reads them from a pack.
+// stands there. io::read_heights() reads them from a pack.
 struct HeightGrid {
     std::int32_t columns = 0, rows = 0;
     std::uint32_t step_log2 = 0;

@@ -3,7 +3,7 @@
 //
 // The same heights as of a terrain that is loaded whole, bit for bit. Of a terrain with more samples than the caller
 // has room for, every 2^step_log2-th, with the least step that suffices; where the last one would lie beyond the rim it
-// stands at the rim (fjell/tree.h). Memory: 4 bytes a sample, and the pages of one tile, 4 bytes a vertex. Thread: any;
+// stands at the rim. Memory: 4 bytes a sample, and the pages of one tile, 4 bytes a vertex. Thread: any;
 // it reads the file, so not the frame's. O(samples), some 0.04 us each. Throws Failure with exit code 1 for a pack that
 // is damaged or has more tiles than fit, 3 for a disk that fails.
 #pragma once

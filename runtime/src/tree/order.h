@@ -18,13 +18,10 @@
 #include <bit>
 #include <cstdint>
 
-#include "fjell/export.h"
-#include "fjell/tree.h"
+#include "fjell/pack.h"
+#include "tree/tree.h"
 
-FJELL_API_BEGIN
 namespace fjell {
-
-enum class Order : std::uint32_t { planar = 0, hierarchical_z = 1, linear = 2 };
 
 inline constexpr int page_squares_log2 = 5;
 inline constexpr std::uint32_t page_squares = 1u << page_squares_log2; // a side
@@ -226,5 +223,17 @@ private:
     }
 };
 
+[[nodiscard]] inline PageLayout pages_of(const PackHeader& header) {
+    return {static_cast<int>(header.tile_log2), header.order};
+}
+[[nodiscard]] inline Tree tree_of(const PackHeader& header) {
+    return Tree::covering(static_cast<std::int32_t>(header.columns), static_cast<std::int32_t>(header.rows),
+                          static_cast<int>(header.tile_log2));
+}
+// The tree level on whose radius unit (PackHeader::level_radius_m) PageBound::radius counts: the page's coarsest.
+[[nodiscard]] inline int bound_level(const PageLayout& pages, std::uint32_t page) {
+    const int z = pages.page_step_log2(page); // -1: page 0, or linear order
+    return z < 0 ? 0 : 2 * (pages.tile_log2 - 1 - z);
+}
+
 } // namespace fjell
-FJELL_API_END

@@ -17,22 +17,12 @@
 #include <bit>
 #include <cstdint>
 
-#include "fjell/export.h"
+#include "fjell/coord.h"
+#include "fjell/pack.h"
 
-FJELL_API_BEGIN
 namespace fjell {
 
 inline constexpr std::uint32_t no_index = 0xffff'ffff; // the one index, slot or name that stands for nothing
-
-inline constexpr int min_tile_log2 = 1;
-inline constexpr int max_tile_log2 = 12; // tile-local coordinates must fit 16 bits twice over
-
-struct Coord {
-    std::int32_t x = 0, y = 0;
-    friend constexpr bool operator==(Coord, Coord) = default;
-    friend constexpr Coord operator+(Coord a, Coord b) { return {a.x + b.x, a.y + b.y}; }
-    friend constexpr Coord operator-(Coord a, Coord b) { return {a.x - b.x, a.y - b.y}; }
-};
 
 enum class VertexKind : std::uint8_t { centre, side_x, side_y };
 
@@ -118,4 +108,3 @@ struct Children {
 }
 
 } // namespace fjell
-FJELL_API_END

@@ -11,9 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "fjell/export.h"
-
-FJELL_API_BEGIN
 namespace fjell {
 
 struct VertexRecord {
@@ -93,4 +90,3 @@ struct RadiusScale {
 };
 
 } // namespace fjell
-FJELL_API_END

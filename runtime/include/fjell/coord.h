@@ -1,0 +1,19 @@
+// Where a sample is: column and row of the height field, counted from its north-west.
+#pragma once
+
+#include <cstdint>
+
+#include "fjell/export.h"
+
+FJELL_API_BEGIN
+namespace fjell {
+
+struct Coord {
+    std::int32_t x = 0, y = 0; // column, row
+    friend constexpr bool operator==(Coord, Coord) = default;
+    friend constexpr Coord operator+(Coord a, Coord b) { return {a.x + b.x, a.y + b.y}; }
+    friend constexpr Coord operator-(Coord a, Coord b) { return {a.x - b.x, a.y - b.y}; }
+};
+
+} // namespace fjell
+FJELL_API_END

@@ -1,0 +1,19 @@
+// The whole library in one include: packs, terrains, both methods, streaming and queries. Companions have headers of
+// their own (fjell/io, fjell/gl, fjell/gltf), and so has GLM (fjell/glm.h), which the library does without.
+#pragma once
+
+#include "fjell/coord.h"
+#include "fjell/cut.h"
+#include "fjell/export.h"
+#include "fjell/handle.h"
+#include "fjell/measure.h"
+#include "fjell/mesh.h"
+#include "fjell/pack.h"
+#include "fjell/query.h"
+#include "fjell/recursive.h"
+#include "fjell/status.h"
+#include "fjell/stream.h"
+#include "fjell/terrain.h"
+#include "fjell/texture.h"
+#include "fjell/version.h"
+#include "fjell/view.h"

@@ -1,0 +1,83 @@
+// A terrain as it lies in the host's block: the tables that every method and query reads.
+//
+// Decoded pages lie in slots of page_capacity records, 4 bytes a vertex; the page table says which slot holds a page.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "fjell/terrain.h"
+#include "handle.h"
+#include "pack/record.h"
+#include "tree/order.h"
+
+namespace fjell {
+
+inline constexpr std::uint32_t change_log = 256; // changes that TerrainData::changed_slots remembers
+
+struct alignas(8) PageEntry { // read at once by queries of other threads
+    std::uint32_t slot;       // no_index: not loaded
+    std::int32_t base;        // height scale steps its heights are counted from
+};
+
+FJELL_API_BEGIN // companions are libraries of their own, and read vertices
+
+    struct TerrainMemory; // what loading needs (pack/memory.h)
+
+struct TerrainData {
+    BlockHead head;
+    PackHeader header{};
+    Tree tree;
+    PageLayout pages;
+    HeightScale height_scale;
+    float spacing_x_m = 1, spacing_z_m = 1;
+    ErrorScale errors;
+    RadiusScale radii;
+    std::uint32_t pages_per_tile = 0, page_capacity = 0;
+    std::uint32_t slot_count = 0;
+    const PageEntry* page_table = nullptr;     // tile_count * pages_per_tile
+    const VertexRecord* records = nullptr;     // slot_count * page_capacity
+    const std::uint32_t* slot_page = nullptr;  // what each slot holds (tile * pages_per_tile + page), or no_index
+    const std::uint32_t* slot_loads = nullptr; // how often a page was loaded into each slot
+    const std::uint32_t* corners = nullptr;    // (tiles_x + 1) * (tiles_y + 1), as stored (corner_void_bit)
+    std::uint32_t pages_missing = 0;
+    std::uint64_t changes = 0; // pages loaded or unloaded so far; the n-th one in slot changed_slots[n % change_log]
+    const std::uint32_t* changed_slots = nullptr;
+    double missing_px = 0; // Terrain::missing_px()
+    TerrainMemory* memory = nullptr;
+
+    [[nodiscard]] std::uint32_t tile_count() const { return header.tiles_x * header.tiles_y; }
+    [[nodiscard]] std::uint32_t page_count() const { return tile_count() * pages_per_tile; }
+    [[nodiscard]] bool has_voids() const { return header.voids != 0; }
+
+    // Position of a sample, one fixed float expression: the baker measures radii with the very same one.
+    [[nodiscard]] float x_m(std::int32_t column) const { return static_cast<float>(column) * spacing_x_m; }
+    [[nodiscard]] float z_m(std::int32_t row) const { return static_cast<float>(row) * spacing_z_m; }
+
+    // One vertex with its numbers decoded; slow and convenient. Any vertex of the grid, also beyond the
+    // terrain's rim. Tile corners have neither error nor radius. `loaded` false: its page is missing, and nothing else
+    // is set.
+    struct Vertex {
+        bool loaded = false, hole = false;
+        std::int32_t steps = 0; // on the height scale
+        std::uint8_t error_code = 0;
+        float height_m = 0, error_m = 0, radius_m = 0;
+    };
+    [[nodiscard]] Vertex vertex(Coord v) const;
+    [[nodiscard]] float height_m(Coord sample) const { return vertex(sample).height_m; }
+    // A sample without a height. Its vertex stands on a smooth continuation of the ground around the hole.
+    [[nodiscard]] bool is_hole(Coord sample) const { return has_voids() && vertex(sample).hole; }
+    // Bilinear height of the full-resolution grid; positions outside are clamped to the rim, NaN to its beginning.
+    // Needs their pages.
+    [[nodiscard]] double ground_m(double x, double z) const;
+};
+
+FJELL_API_END
+
+// Of one bake: the header holds the hash of the directory, and that one of every chunk.
+[[nodiscard]] inline bool same_pack(const PackHeader& a, const PackHeader& b) {
+    return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+} // namespace fjell
