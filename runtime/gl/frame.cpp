@@ -95,7 +95,7 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
     block.tile[2] = static_cast<std::int32_t>(cell.column);
     block.tile[3] = static_cast<std::int32_t>(cell.row);
     const MorphFrame& m = morph_frame;
-    if (m.morph != Morph::none) set4(block.morph, m.views, m.now_s, 1 / m.morph_s, 0);
+    if (m.morph != Morph::none) set4(block.morph, m.views, m.now_s, 1 / m.morph_s, morph_clock_s);
     for (std::uint32_t i = 0; i < m.views; ++i) {
         const MorphView& v = m.view[i];
         set4(block.morph_eye[i], v.eye_x - view.eye_m.x, v.eye_y - view.eye_m.y, v.eye_z - view.eye_m.z, 0);

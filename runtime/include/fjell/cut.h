@@ -66,7 +66,9 @@ struct CutSettings {
     double budget_us = 0;                   // time that it may take; 0: no limit
     Morph morph = Morph::none;
     double morph_s = 0.25; // time that a vertex activated late takes to reach its height; 0.01 to 10
-    double now_s = 0;      // the host's clock, for timed morphing only; must not run backwards
+    // The host's clock, for timed morphing only: any finite number, years of uptime and Unix time too. While it runs
+    // backwards, the cut's clock stands.
+    double now_s = 0;
 };
 
 enum CutBudgetBit : std::uint32_t {
@@ -134,19 +136,22 @@ Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& r
 void cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page);
 
 inline constexpr float long_active_s = -1e30f; // so long ago that any vertex has reached its height
+// The cut's own clock, of activated_s and MorphFrame::now_s, counts from its first update and starts again at 0 after
+// so many seconds: floats hold its steps of 2^-14 s exactly. An age is morph_age_s().
+inline constexpr float morph_clock_s = 1024;
 
 // Vertices of the cut for morphing, one for one with MeshView::vertices.
 struct MorphVertex {
     float flat_m;      // height on the hypotenuse it splits: where it starts
     float error_m;     // its own
     float radius_m;    // of its sphere
-    float activated_s; // when it was activated, if late; otherwise long_active_s
+    float activated_s; // on the cut's clock, when it was activated, if late; otherwise long_active_s
 };
 static_assert(sizeof(MorphVertex) == 16, "MorphVertex is uploaded: change the renderer's vertex format with it");
 
 // What the vertex shader needs beside them. A vertex has morphed in by t = (start - d) / (start - full), t from 0 to 1,
 // where d is the distance from the eye to its full height, start = radius_m + error_m * q_start, full = radius_m +
-// error_m * q_full. Of several views the largest t counts. By time t is at most (now_s - activated_s) / morph_s.
+// error_m * q_full. Of several views the largest t counts. By time t is at most morph_age_s() / morph_s.
 struct MorphView {
     float eye_x, eye_y, eye_z; // scene axes, metres
     float q_start, q_full;
@@ -155,8 +160,14 @@ struct MorphFrame {
     Morph morph = Morph::none;
     std::uint32_t views = 0;
     MorphView view[max_cut_views] = {};
-    float now_s = 0, morph_s = 1;
+    float now_s = 0, morph_s = 1; // now_s: on the cut's clock
 };
+// How long ago something was on the cut's clock. What was activated more than half a turn of the clock ago is
+// long_active_s.
+[[nodiscard]] constexpr float morph_age_s(float now_s, float then_s) {
+    const float age_s = now_s - then_s;
+    return age_s < 0 ? age_s + morph_clock_s : age_s;
+}
 // Of the last update.
 [[nodiscard]] MorphFrame cut_morph(LiveCut cut);
 // The height that the shader gives a vertex: the same expression, for tests, exports and queries.

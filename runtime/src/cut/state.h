@@ -117,6 +117,22 @@ struct Governor {
     std::uint32_t cause; // CutBudgetBits that keep the effective threshold above the requested one
 };
 
+// The clock of morphing: the host's, in whole ticks that floats hold, however large its numbers are. Only what passes
+// from one update to the next counts; of a gap no more than any morph takes.
+inline constexpr std::int32_t ticks_a_second = 1 << 14;
+inline constexpr std::int64_t clock_ticks = std::int64_t{ticks_a_second} * static_cast<std::int64_t>(morph_clock_s);
+inline constexpr std::int64_t longest_gap_ticks = 16 * ticks_a_second; // CutSettings::morph_s is 10 at most
+static_assert(clock_ticks <= 1 << 24, "floats hold 24 bits");
+
+struct MorphClock {
+    std::int64_t host_ticks;  // of the last update
+    std::int64_t ticks;       // since the first update; an int64 lasts 17 million years
+    std::int64_t timed_ticks; // when a vertex last began to morph by time
+    [[nodiscard]] float now_s() const {
+        return static_cast<float>(ticks % clock_ticks) / static_cast<float>(ticks_a_second);
+    }
+};
+
 struct CutState {
     const Terrain* terrain;
     CutBudget budget;
@@ -181,6 +197,7 @@ struct CutState {
     std::uint32_t gated_turn; // and of gated_lists
     bool gate_open;           // some vertex has reached its height since the last frame
     // Morphing.
+    MorphClock clock;
     MorphFrame morph_now, morph_before;
     float* late_s; // activated_s of vertices activated late, a ring of budget.vertices: oldest first
     std::uint32_t first_late, late_count;

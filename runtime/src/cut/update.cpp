@@ -51,7 +51,7 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     s.morph_before = s.morph_now;
     s.morph_now.morph = s.settings.morph;
     s.morph_now.views = static_cast<std::uint32_t>(views.size());
-    s.morph_now.now_s = static_cast<float>(s.settings.now_s);
+    s.morph_now.now_s = s.clock.now_s();
     s.morph_now.morph_s = static_cast<float>(s.settings.morph_s);
     double way_m = 0, zoom = 0; // the longest way of an eye; the largest change of q
     for (std::size_t i = 0; i < views.size(); ++i) {
@@ -186,6 +186,9 @@ void begin_frame(CutState& s, const CutSettings& settings) {
     s.report.frame = ++s.frame;
     s.report.error_px_requested = settings.error_px;
     s.full_capacities = s.batches = s.deactivations_when_full = 0;
+    const std::int64_t ticks_before = s.clock.ticks;
+    advance_clock(s, s.frame == 1);
+    retire_times(s, ticks_before);
 }
 
 // Every slot that is in use: after a rebuild they are the first ones.
@@ -303,7 +306,7 @@ MorphFrame cut_morph(LiveCut cut) {
 float morphed_height_m(const Terrain& terrain, const MeshVertex& v, const MorphVertex& m, const MorphFrame& frame) {
     if (frame.morph == Morph::none) return v.height_m;
     float t = morph_fraction(frame, terrain.x_m(v.column), v.height_m, terrain.z_m(v.row), m.error_m, m.radius_m);
-    t = std::min(t, (frame.now_s - m.activated_s) / frame.morph_s);
+    t = std::min(t, morph_age_s(frame.now_s, m.activated_s) / frame.morph_s);
     return m.flat_m + (v.height_m - m.flat_m) * std::clamp(t, 0.0f, 1.0f);
 }
 
