@@ -27,7 +27,8 @@ struct Host {
     void update(const View& view, const CutSettings& settings) {
         report = cut.update({&view, 1}, settings);
         const CutMesh mesh = cut_mesh(cut.cut);
-        for_each_run(mesh.vertex_bits, mesh.vertex_words, [&](std::uint32_t first, std::uint32_t count) {
+        const CutChanges changes = take_changes(cut.cut);
+        for_each_run(changes.vertex_bits, changes.vertex_words, [&](std::uint32_t first, std::uint32_t count) {
             std::copy_n(mesh.morph.begin() + first, count, copy.begin() + first);
         });
     }

@@ -41,7 +41,7 @@ struct CutBudget {
     std::uint32_t segment_triangles = 512;
     std::uint32_t views = 1; // 1 to max_cut_views
 };
-// Bytes of cut_bytes() for a slot of each buffer (two bits of bookkeeping not counted), and for each page slot of the
+// Bytes of cut_bytes() for a slot of each buffer (some bits of bookkeeping not counted), and for each page slot of the
 // terrain (TerrainBudget::page_slots).
 inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 16, cut_page_slot_bytes = 19'756;
 
@@ -103,7 +103,7 @@ struct CutReport {
     bool converged = false;                 // nothing waits or morphs, effective == requested: the screen bound holds
     bool rebuilt = false;                   // by the bulk pass
     BudgetUse vertex_slots, triangle_slots; // triangle slots in whole segments
-    std::uint32_t vertices_changed = 0, triangles_changed = 0; // slots to upload
+    std::uint32_t vertices_changed = 0, triangles_changed = 0; // slots that this update has written
     double prepare_us = 0, refine_us = 0, output_us = 0;
 };
 
@@ -178,11 +178,19 @@ struct CutMesh {
     MeshView mesh;                      // all slots; ranges of the tiles that some view may see
     std::span<const MorphVertex> morph; // one a vertex slot
     MorphFrame frame;                   // the shader's other inputs
-    // Slots written since the previous update, 64 to a word; only the words listed hold any.
+};
+[[nodiscard]] CutMesh cut_mesh(LiveCut cut);
+
+// Slots that were written, 64 to a word; only the words listed hold any.
+struct CutChanges {
     std::span<const std::uint64_t> vertex_bits, triangle_bits;
     std::span<const std::uint32_t> vertex_words, triangle_words;
 };
-[[nodiscard]] CutMesh cut_mesh(LiveCut cut);
+// Takes all slots that were written since the last call, however many updates and rebuilds ago that was: whoever
+// uploads them has the buffers of CutMesh, those that are not in use included. Once for all renderers of a cut: one
+// that draws later than others keeps the slots that it has not uploaded. Valid until the next update, rebuild or call.
+// O(words listed).
+[[nodiscard]] CutChanges take_changes(LiveCut cut);
 
 // Calls visit(first, count) for every run of written slots.
 template <typename Visit>

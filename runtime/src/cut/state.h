@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "cut/calendar.h"
 #include "cut/groups.h"
@@ -103,6 +104,14 @@ struct DirtyBits {
         for (std::uint32_t i = 0; i < word_count; ++i) bits[words[i]] = 0;
         word_count = slots = 0;
     }
+    void move_to(DirtyBits& other) { // other.slots is not kept up to date
+        for (std::uint32_t i = 0; i < word_count; ++i) {
+            const std::uint32_t word = words[i];
+            if (other.bits[word] == 0) other.words[other.word_count++] = word;
+            other.bits[word] |= std::exchange(bits[word], 0);
+        }
+        word_count = slots = 0;
+    }
 };
 
 // Of CutState::hole.
@@ -170,8 +179,10 @@ struct CutState {
     std::uint32_t free_segment_count, segment_count, segment_peak;
     std::byte* bulk_grids; // scratch of the bulk pass: bulk_grid_bytes a step
     std::uint32_t segment_log2;
-    bool some_hidden; // the terrain has holes or ends inside tiles
-    DirtyBits dirty_vertices, dirty_triangles;
+    bool some_hidden;                              // the terrain has holes or ends inside tiles
+    DirtyBits dirty_vertices, dirty_triangles;     // slots written by this update
+    DirtyBits untaken_vertices, untaken_triangles; // and by those before, when the host had not taken them
+    bool dirty_taken, untaken_taken;               // by take_changes()
     TileRange* ranges;
     std::uint32_t range_count;
     // The views of the last update, and what follows from them.

@@ -175,25 +175,35 @@ void finish(CutState& s) {
     r.converged = r.converged && s.terrain->missing_px <= r.error_px_requested;
 }
 
+// What the host has not taken is kept for it.
+void begin_changes(CutState& s) {
+    if (std::exchange(s.untaken_taken, false)) {
+        s.untaken_vertices.clear();
+        s.untaken_triangles.clear();
+    }
+    if (std::exchange(s.dirty_taken, false)) {
+        s.dirty_vertices.clear();
+        s.dirty_triangles.clear();
+    } else if (s.frame != 0) { // what create_cut() has written belongs to the first frame
+        s.dirty_vertices.move_to(s.untaken_vertices);
+        s.dirty_triangles.move_to(s.untaken_triangles);
+    }
+}
+
 void begin_frame(CutState& s, const CutSettings& settings) {
     s.started = Clock::now();
     s.settings = settings;
-    if (s.frame != 0) { // what create_cut() has written belongs to the first frame
-        s.dirty_vertices.clear();
-        s.dirty_triangles.clear();
-    }
+    begin_changes(s);
     s.report = {};
     s.report.frame = ++s.frame;
     s.report.error_px_requested = settings.error_px;
     s.full_capacities = s.batches = s.deactivations_when_full = 0;
-    const std::int64_t ticks_before = s.clock.ticks;
     advance_clock(s, s.frame == 1);
-    retire_times(s, ticks_before);
 }
 
-// Every slot that is in use: after a rebuild they are the first ones.
-void mark_all(CutState& s) {
-    s.dirty_vertices.mark_first(s.fresh_vertex);
+// Every slot that is in use: after a rebuild they are the first ones. written: so many vertices were, at most.
+void mark_all(CutState& s, std::uint32_t written) {
+    s.dirty_vertices.mark_first(std::max(s.fresh_vertex, written));
     s.dirty_triangles.mark_first((s.segment_count - s.free_segment_count) << s.segment_log2);
 }
 
@@ -202,7 +212,9 @@ void mark_all(CutState& s) {
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
     CutState& s = *cut.state;
     if (Status v = check(s, views, settings); !v.ok()) return v;
+    const std::int64_t ticks_before = s.clock.ticks;
     begin_frame(s, settings);
+    retire_times(s, ticks_before);
     s.item_limit = settings.items;
     CutReport& r = s.report;
     s.governor.effective_px = std::max(s.governor.effective_px, settings.error_px);
@@ -238,10 +250,12 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     // allow.
     s.governor = {settings.error_px, 0, governor_full, false, 0};
     bool complete = true;
+    std::uint32_t written = 0; // vertex slots, by attempts that failed
     for (;;) {
         reset(s);
         set_views(s, views, s.governor.effective_px);
         if (build_all(s)) break;
+        written = std::max(written, s.fresh_vertex);
         s.governor.cause |= std::exchange(s.full_capacities, 0u);
         r.evaluations = 0;
         s.governor.failed_px = s.governor.effective_px;
@@ -255,7 +269,8 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         break;
     }
     r.error_px_effective = s.governor.effective_px;
-    if (complete) mark_all(s); // otherwise refine() has marked what it wrote
+    if (complete) mark_all(s, written); // otherwise refine() has marked what it wrote
+    for (std::uint32_t slot = 0; !complete && slot < written; ++slot) s.dirty_vertices.mark(slot);
     r.activations = s.budget.vertices - free_vertices(s) - corner_slots(s);
     r.items = r.evaluations + r.activations;
     const auto built = Clock::now();
