@@ -66,7 +66,7 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
         c.reach[i] = reach;
         c.keep[i] = keep;
         s.morph_now.view[i] = {reach.eye_x, reach.eye_y, reach.eye_z, reach.q,
-                               static_cast<float>(views[i].lambda_px / full_px)};
+                               static_cast<float>(lambda_px(views[i]) / full_px)};
         s.views[i] = views[i];
         s.frustums[i] = make_frustum(views[i]);
     }
