@@ -157,7 +157,7 @@ void Engine::set_error_options(const State& state, gl::DrawOptions& options) {
     options.mode = gl::Mode::error;
     options.error_full_px = static_cast<float>(state.document.profile().refine.error_px);
     options.error_eye_m = refining.eye_m;
-    options.error_lambda_px = refining.lambda_px;
+    options.error_lambda_px = lambda_px(refining);
 }
 
 void Engine::draw(const State& state, const gl::Target& target) {

@@ -52,7 +52,7 @@ void write_pack(const BakeContext& context, const PackHeader& header, const Chun
     const std::vector<ChunkEntry> entries = spool.entries();
     const std::uint64_t tiles = std::uint64_t{header.tiles_x} * header.tiles_y;
     const std::uint64_t maps = 1 + tiles * context.pages.pages_per_tile(), // the corners before them
-                        end = entries.size() - (header.crs_bytes ? 1 : 0);
+        end = entries.size() - (header.crs_bytes ? 1 : 0);
     for (std::uint64_t i = 0; i < end; ++i)
         (i < maps ? summary.geometry_bytes : summary.texture_bytes) += entries[i].stored_bytes;
     summary.directory_bytes = maps * sizeof(ChunkEntry) + sizeof(PackHeader);

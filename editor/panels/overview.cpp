@@ -38,13 +38,11 @@ void draw_eye(ImDrawList& list, const Frame& frame, const View& view, ImU32 colo
     const ImVec2 at = frame.at(view.eye_m.x, view.eye_m.z);
     const float em = ImGui::GetFontSize(), reach = 2.2F * em;
     const double heading = std::atan2(view.forward.x, -view.forward.z);
-    const double aspect = static_cast<double>(view.width_px) / std::max(view.height_px, 1u);
-    const double half = std::atan(std::tan(view.fov_y_rad / 2) * aspect);
     const auto rim = [&](double angle) {
         return ImVec2{at.x + reach * static_cast<float>(std::sin(angle)),
                       at.y - reach * static_cast<float>(std::cos(angle))};
     };
-    const ImVec2 a = rim(heading - half), b = rim(heading + half);
+    const ImVec2 a = rim(heading + std::atan(view.left)), b = rim(heading + std::atan(view.right));
     list.AddTriangleFilled(at, a, b, (colour & ~IM_COL32_A_MASK) | (90u << IM_COL32_A_SHIFT));
     list.AddTriangle(at, a, b, colour);
     list.AddCircleFilled(at, 0.28F * em, edge);

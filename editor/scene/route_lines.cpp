@@ -30,7 +30,7 @@ void add_way(std::size_t n, const Place& place, gl::Rgba8 rgba, std::vector<gl::
 void add_square(const Vec3& centre, const View& view, double side_px, gl::Rgba8 rgba, std::vector<gl::Line>& to) {
     const double ahead_m = dot(centre - view.eye_m, view.forward);
     if (ahead_m <= view.near_m) return;
-    const double half_m = side_px / view.height_px * ahead_m * std::tan(view.fov_y_rad / 2);
+    const double half_m = side_px / (2 * lambda_px(view)) * ahead_m;
     const Vec3 up = view.up * half_m, right = cross(view.forward, view.up) * half_m;
     const Vec3 corners[] = {centre - right - up, centre + right - up, centre + right + up, centre - right + up};
     for (std::size_t i = 0; i < 4; ++i) to.push_back({corners[i], corners[(i + 1) % 4], rgba});

@@ -79,7 +79,8 @@ std::string upload_mesh(gl::Renderer& renderer, const Session& session, const Fr
             error = renderer.show_maps(tile_maps(stream, MapKind::colour), tile_maps(stream, MapKind::normal));
         if (!error.empty()) return error;
     }
-    return session.incremental() ? renderer.upload(cut_mesh(session.cut)) : renderer.upload(session.mesh());
+    return session.incremental() ? renderer.upload(cut_mesh(session.cut), take_changes(session.cut))
+                                 : renderer.upload(session.mesh());
 }
 
 Pictures::Pictures(const FlightOptions& options, const Session& session) : state_(std::make_unique<State>()) {

@@ -16,7 +16,7 @@ namespace {
 using io::Failure;
 using nlohmann::json;
 
-constexpr std::uint32_t version = 2;
+constexpr std::uint32_t version = 3, oldest_version = 2;
 constexpr const char* morph_names[] = {"none", "error", "time"};
 constexpr std::uint32_t page_events = 4; // PageEvent's values, as they are written
 static_assert(static_cast<std::uint32_t>(PageEvent::removed) == page_events - 1,
@@ -34,12 +34,27 @@ std::uint32_t whole_number(const json& j) {
 }
 
 json view_json(const View& v) {
-    return {v.eye_m.x, v.eye_m.y,   v.eye_m.z,  v.forward.x, v.forward.y, v.forward.z, v.up.x,     v.up.y,
-            v.up.z,    v.fov_y_rad, v.width_px, v.height_px, v.near_m,    v.far_m,     v.lambda_px};
+    return {v.eye_m.x, v.eye_m.y, v.eye_m.z, v.forward.x, v.forward.y, v.forward.z, v.up.x,   v.up.y, v.up.z,
+            v.left,    v.right,   v.bottom,  v.top,       v.width_px,  v.height_px, v.near_m, v.far_m};
+}
+
+// The sides of version 2, which had lambda_px instead: those that give the same frustum and, to the last bit, the same
+// lambda. (There are such sides for every view of make_view(), which had computed lambda from one of them.)
+void set_sides(View& v, double lambda) {
+    const double middle = v.height_px / (2 * lambda);
+    double top = middle;
+    for (const double other : {std::nextafter(middle, 0.0), std::nextafter(middle, 1e300)})
+        if (v.height_px / (2 * top) != lambda) top = other;
+    if (v.height_px / (2 * top) != lambda) top = middle;
+    v.top = top;
+    v.bottom = -top;
+    v.right = top * v.width_px / v.height_px;
+    v.left = -v.right;
 }
 
 View view_of(const json& j) {
-    if (!j.is_array() || j.size() != 15) throw json::other_error::create(600, "a view has 15 numbers", &j);
+    if (!j.is_array() || (j.size() != 17 && j.size() != 15))
+        throw json::other_error::create(600, "a view has 17 numbers, or 15 in version 2", &j);
     View v;
     const auto vec = [&](std::size_t i) {
         return Vec3{j.at(i).get<double>(), j.at(i + 1).get<double>(), j.at(i + 2).get<double>()};
@@ -47,12 +62,18 @@ View view_of(const json& j) {
     v.eye_m = vec(0);
     v.forward = vec(3);
     v.up = vec(6);
-    v.fov_y_rad = j.at(9).get<double>();
-    v.width_px = whole_number(j.at(10));
-    v.height_px = whole_number(j.at(11));
-    v.near_m = j.at(12).get<double>();
-    v.far_m = j.at(13).get<double>();
-    v.lambda_px = j.at(14).get<double>();
+    if (j.size() == 17) {
+        v.left = j.at(9).get<double>();
+        v.right = j.at(10).get<double>();
+        v.bottom = j.at(11).get<double>();
+        v.top = j.at(12).get<double>();
+    }
+    const std::size_t next = j.size() == 17 ? 13 : 10;
+    v.width_px = whole_number(j.at(next));
+    v.height_px = whole_number(j.at(next + 1));
+    v.near_m = j.at(next + 2).get<double>();
+    v.far_m = j.at(next + 3).get<double>();
+    if (j.size() == 15) set_sides(v, j.at(14).get<double>());
     return v;
 }
 
@@ -109,7 +130,8 @@ RecordedFrame frame_of(const json& j) {
 }
 
 void read_head(const json& j, Recording& r) {
-    if (j.at("fjell").get<std::string>() != "recording" || whole_number(j.at("version")) != version)
+    const std::uint32_t is = j.at("fjell").get<std::string>() == "recording" ? whole_number(j.at("version")) : 0;
+    if (is < oldest_version || is > version)
         throw json::other_error::create(600, "not a recording of this version", &j);
     r.pack_hash = from_hex(j.at("pack"));
     r.budget.vertices = whole_number(j.at("vertices"));

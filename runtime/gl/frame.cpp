@@ -20,14 +20,14 @@ void set_colour(float (&to)[4], const Rgb8& srgb, double opacity) {
 // Camera-relative scene to clip space. w = d, the distance along forward; z = near (far - d) / (far - near), so that
 // z / w is 1 at near and 0 at far: reversed, because a float's precision lies near 0, where perspective crowds depths.
 void view_projection(const View& view, float (&columns)[16]) {
-    const Vec3 right = cross(view.forward, view.up);
-    const double tangent = std::tan(view.fov_y_rad / 2), aspect = static_cast<double>(view.width_px) / view.height_px;
-    const double range = view.far_m - view.near_m;
-    const double r[3] = {right.x, right.y, right.z}, u[3] = {view.up.x, view.up.y, view.up.z};
+    const double wide = view.right - view.left, high = view.top - view.bottom, range = view.far_m - view.near_m;
+    const Vec3 right = (cross(view.forward, view.up) * 2 - view.forward * (view.right + view.left)) * (1 / wide);
+    const Vec3 up = (view.up * 2 - view.forward * (view.top + view.bottom)) * (1 / high);
+    const double r[3] = {right.x, right.y, right.z}, u[3] = {up.x, up.y, up.z};
     const double f[3] = {view.forward.x, view.forward.y, view.forward.z};
     for (int j = 0; j < 3; ++j) {
-        columns[4 * j] = static_cast<float>(r[j] / (tangent * aspect));
-        columns[4 * j + 1] = static_cast<float>(u[j] / tangent);
+        columns[4 * j] = static_cast<float>(r[j]);
+        columns[4 * j + 1] = static_cast<float>(u[j]);
         columns[4 * j + 2] = static_cast<float>(-view.near_m / range * f[j]);
         columns[4 * j + 3] = static_cast<float>(f[j]);
     }
@@ -81,9 +81,11 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
          -std::cos(azimuth) * std::cos(elevation), now.lit ? 1 : 0);
     // A legend's colours must reach the eye as they are.
     const double haze_m = now.haze_m != 0 ? now.haze_m : now.mode == Mode::shaded ? 2.5 * diagonal_m : -1;
-    set4(block.haze, haze_m > 0 ? 1 / haze_m : 0, view.forward.x, view.forward.y, view.forward.z);
-    const double tangent = std::tan(view.fov_y_rad / 2), aspect = static_cast<double>(view.width_px) / view.height_px;
-    const Vec3 x = cross(view.forward, view.up) * (tangent * aspect), y = view.up * tangent;
+    const Vec3 right = cross(view.forward, view.up);
+    const Vec3 middle =
+        view.forward + right * ((view.right + view.left) / 2) + view.up * ((view.top + view.bottom) / 2);
+    set4(block.haze, haze_m > 0 ? 1 / haze_m : 0, middle.x, middle.y, middle.z);
+    const Vec3 x = right * ((view.right - view.left) / 2), y = view.up * ((view.top - view.bottom) / 2);
     set4(block.ray_x, x.x, x.y, x.z, 0);
     set4(block.ray_y, y.x, y.y, y.z, 0);
     set4(block.line, 0.01, 0.01, 0.012, 1);
@@ -95,7 +97,7 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
     block.tile[2] = static_cast<std::int32_t>(cell.column);
     block.tile[3] = static_cast<std::int32_t>(cell.row);
     const MorphFrame& m = morph_frame;
-    if (m.morph != Morph::none) set4(block.morph, m.views, m.now_s, 1 / m.morph_s, 0);
+    if (m.morph != Morph::none) set4(block.morph, m.views, m.now_s, 1 / m.morph_s, morph_clock_s);
     for (std::uint32_t i = 0; i < m.views; ++i) {
         const MorphView& v = m.view[i];
         set4(block.morph_eye[i], v.eye_x - view.eye_m.x, v.eye_y - view.eye_m.y, v.eye_z - view.eye_m.z, 0);
@@ -114,8 +116,8 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
 
 void Renderer::State::set_error(const View& view, const DrawOptions& now, FrameBlock& block) const {
     const Vec3 eye = now.error_eye_m.value_or(view.eye_m) - view.eye_m;
-    const double lambda_px = now.error_lambda_px > 0 ? now.error_lambda_px : view.lambda_px;
-    set4(block.error_eye, eye.x, eye.y, eye.z, lambda_px / now.error_full_px);
+    const double lambda = now.error_lambda_px > 0 ? now.error_lambda_px : lambda_px(view);
+    set4(block.error_eye, eye.x, eye.y, eye.z, lambda / now.error_full_px);
     block.last[2] = heights.columns;
     block.last[3] = heights.rows;
     block.heights[0] = heights.step_log2;

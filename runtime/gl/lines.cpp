@@ -140,9 +140,9 @@ void main() {
 class Projector {
 public:
     explicit Projector(const View& view) : view_(view) {
-        const double tangent = std::tan(view.fov_y_rad / 2);
-        x_ = cross(view.forward, view.up) * (view.height_px / (tangent * view.width_px));
-        y_ = view.up * (1 / tangent);
+        x_ = (cross(view.forward, view.up) * 2 - view.forward * (view.right + view.left)) *
+             (1 / (view.right - view.left));
+        y_ = (view.up * 2 - view.forward * (view.top + view.bottom)) * (1 / (view.top - view.bottom));
     }
     // A direction: x and y of clip space, and w in z.
     [[nodiscard]] Vec3 direction(Vec3 d) const { return {dot(x_, d), dot(y_, d), dot(view_.forward, d)}; }
@@ -350,12 +350,11 @@ std::string Lines::draw(std::span<const Line> lines, std::span<const Ball> balls
 }
 
 void frustum_lines(const View& of, double length_m, Rgba8 rgba, std::span<Line, 12> out) {
-    const double tangent = std::tan(of.fov_y_rad / 2), aspect = static_cast<double>(of.width_px) / of.height_px;
-    const Vec3 right = cross(of.forward, of.up) * (tangent * aspect), up = of.up * tangent;
-    constexpr int sign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    const Vec3 right = cross(of.forward, of.up);
+    const double tangents[4][2] = {{of.left, of.bottom}, {of.right, of.bottom}, {of.right, of.top}, {of.left, of.top}};
     Vec3 corner[2][4]; // near, far
     for (std::size_t k = 0; k < 4; ++k) {
-        const Vec3 ray = of.forward + right * sign[k][0] + up * sign[k][1];
+        const Vec3 ray = of.forward + right * tangents[k][0] + of.up * tangents[k][1];
         corner[0][k] = of.eye_m + ray * of.near_m;
         corner[1][k] = of.eye_m + ray * std::max(length_m, of.near_m);
     }

@@ -247,9 +247,10 @@ std::string Renderer::draw(const MeshView& mesh, const View& view, const DrawOpt
     return draw_uploaded(mesh, view, options, target);
 }
 
-std::string Renderer::draw(const CutMesh& mesh, const View& view, const DrawOptions& options, const Target& target) {
+std::string Renderer::draw(const CutMesh& mesh, const CutChanges& changes, const View& view, const DrawOptions& options,
+                           const Target& target) {
     if (std::string error = state_->check(mesh.mesh, view); !error.empty()) return error;
-    if (std::string error = upload(mesh); !error.empty()) return error;
+    if (std::string error = upload(mesh, changes); !error.empty()) return error;
     return draw_uploaded(mesh.mesh, view, options, target);
 }
 

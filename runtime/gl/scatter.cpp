@@ -107,23 +107,24 @@ std::string Scatter::create() {
     return error;
 }
 
-std::uint64_t scatter(const Scatter& shaders, Ring& ring, const CutMesh& cut, const MeshBuffers& to) {
-    const std::uint32_t vertex_count = written(cut.vertex_bits, cut.vertex_words);
-    const std::uint32_t triangle_count = written(cut.triangle_bits, cut.triangle_words);
+std::uint64_t scatter(const Scatter& shaders, Ring& ring, const CutMesh& cut, const CutChanges& changes,
+                      const MeshBuffers& to) {
+    const std::uint32_t vertex_count = written(changes.vertex_bits, changes.vertex_words);
+    const std::uint32_t triangle_count = written(changes.triangle_bits, changes.triangle_words);
     if (vertex_count + triangle_count == 0) return 0;
     // Stores wait for the draws that still fetch, and for stores of an upload before this one to the same slots.
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     Sender<VertexSlotRecord> vertices(shaders.vertices, shaders.lanes, ring, vertex_count);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, first_binding, to.vertices.get());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, second_binding, to.morph.get());
-    for_each_run(cut.vertex_bits, cut.vertex_words, [&](std::uint32_t first, std::uint32_t count) {
+    for_each_run(changes.vertex_bits, changes.vertex_words, [&](std::uint32_t first, std::uint32_t count) {
         for (std::uint32_t slot = first; slot < first + count; ++slot)
             vertices.put({slot, cut.mesh.vertices[slot], cut.morph[slot]});
     });
     vertices.send();
     Sender<TriangleSlotRecord> triangles(shaders.triangles, shaders.lanes, ring, triangle_count);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, first_binding, to.indices.get());
-    for_each_run(cut.triangle_bits, cut.triangle_words, [&](std::uint32_t first, std::uint32_t count) {
+    for_each_run(changes.triangle_bits, changes.triangle_words, [&](std::uint32_t first, std::uint32_t count) {
         for (std::uint32_t slot = first; slot < first + count; ++slot) {
             const std::uint32_t* index = &cut.mesh.indices[std::size_t{3} * slot];
             triangles.put({slot, {index[0], index[1], index[2]}});

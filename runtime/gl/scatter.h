@@ -42,6 +42,7 @@ struct MeshBuffers {
 
 // Uploads the written slots; returns the bytes of their records. Pieces that outgrow a region of the ring go on in the
 // next one. Draws given before see the old mesh, draws given after it the new one.
-std::uint64_t scatter(const Scatter& shaders, Ring& ring, const CutMesh& cut, const MeshBuffers& to);
+std::uint64_t scatter(const Scatter& shaders, Ring& ring, const CutMesh& cut, const CutChanges& changes,
+                      const MeshBuffers& to);
 
 } // namespace fjell::gl

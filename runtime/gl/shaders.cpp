@@ -83,7 +83,9 @@ float morphed_height(vec3 at) {
         float from_eye = distance(at, morph_eye[i].xyz);
         morphed = max(morphed, start > full ? (start - from_eye) / (start - full) : from_eye < start ? 1.0 : 0.0);
     }
-    morphed = clamp(min(morphed, (morph.y - a_morph.w) * morph.z), 0.0, 1.0);
+    float age = morph.y - a_morph.w;
+    if (age < 0.0) age += morph.w; // the cut's clock has started again
+    morphed = clamp(min(morphed, age * morph.z), 0.0, 1.0);
     return a_morph.x + (a_height - a_morph.x) * morphed;
 }
 

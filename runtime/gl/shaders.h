@@ -25,7 +25,7 @@ struct FrameBlock {
     float maps[4];             // texels a side of mip 0: colour, normal; anisotropy; residency: texels a sample
     std::int32_t tile[4];      // log2 cells a side; mips of the map that Mode::mips shows; the eye's cell
     float legend[max_triangle_levels][4]; // linear rgb of levels, mips or steps, whichever the mode shows
-    float morph[4];                       // views, 0: nothing morphs; now [s]; 1 / time to rise [1/s]
+    float morph[4];                       // views, 0: nothing morphs; now [s]; 1 / time to rise [1/s]; morph_clock_s
     float morph_eye[max_cut_views][4];    // metres from the eye that the picture is drawn for
     float morph_reach[max_cut_views][4];  // q_start, q_full
     float tile_border[4], page_border[4]; // linear rgb, opacity

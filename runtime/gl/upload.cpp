@@ -61,7 +61,7 @@ std::string Renderer::upload(const MeshView& mesh) {
     return {};
 }
 
-std::string Renderer::upload(const CutMesh& cut) {
+std::string Renderer::upload(const CutMesh& cut, const CutChanges& changes) {
     State& s = *state_;
     const MeshView& mesh = cut.mesh;
     if (!s.options.morph) return "a live cut needs RendererOptions::morph";
@@ -79,7 +79,7 @@ std::string Renderer::upload(const CutMesh& cut) {
         write_buffer(s.mesh.indices, 0, mesh.indices.size_bytes(), mesh.indices.data());
         s.stats.bytes_uploaded += mesh.vertices.size_bytes() + cut.morph.size_bytes() + mesh.indices.size_bytes();
     } else {
-        s.stats.bytes_uploaded += scatter(s.scatter, s.ring, cut, s.mesh);
+        s.stats.bytes_uploaded += scatter(s.scatter, s.ring, cut, changes, s.mesh);
     }
     s.stats.ring_waits = s.ring.waits();
     return {};

@@ -197,8 +197,10 @@ void SceneBuilder::add_camera(const View& view) {
     tinygltf::Camera camera;
     camera.name = "camera";
     camera.type = "perspective";
-    camera.perspective.yfov = view.fov_y_rad;
-    camera.perspective.aspectRatio = static_cast<double>(view.width_px) / view.height_px;
+    // glTF has no off-centre cameras: the one that shows all of this one's picture.
+    const double ty = std::max(view.top, -view.bottom), tx = std::max(view.right, -view.left);
+    camera.perspective.yfov = 2 * std::atan(ty);
+    camera.perspective.aspectRatio = tx / ty;
     camera.perspective.znear = view.near_m;
     camera.perspective.zfar = view.far_m;
     model_.cameras.push_back(std::move(camera));

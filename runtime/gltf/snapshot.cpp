@@ -72,7 +72,7 @@ Json extras(const Pack& pack, const SnapshotInfo& info, const SnapshotResult& co
             {"error_px_effective", info.error_px_effective},
             {"quantum_m", static_cast<double>(h.quantum_m)},
             {"viewport", {view.width_px, view.height_px}},
-            {"fov_y_deg", view.fov_y_rad * 180 / std::numbers::pi},
+            {"fov_y_deg", 2 * std::atan(std::max(view.top, -view.bottom)) * 180 / std::numbers::pi},
             {"eye", {view.eye_m.x, view.eye_m.y, view.eye_m.z}},
             {"spacing_m", {h.spacing_m[0], h.spacing_m[1]}},
             {"origin_m", {h.origin_m[0], h.origin_m[1]}},

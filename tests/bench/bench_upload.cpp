@@ -104,7 +104,7 @@ struct Device {
         write(mesh.indices, cut.mesh.indices);
     }
     // A call for every run, of the driver's own copy or of one from the ring.
-    std::size_t by_runs(const CutMesh& cut, bool from_ring) {
+    std::size_t by_runs(const CutMesh& cut, const CutChanges& changes, bool from_ring) {
         std::size_t calls = 0;
         const auto put = [&](const gl::Buffer& to, const auto* all, std::size_t first, std::size_t count) {
             const std::size_t size = sizeof(*all), bytes = count * size;
@@ -120,19 +120,19 @@ struct Device {
             glCopyNamedBufferSubData(ring.buffer(), to.get(), static_cast<GLintptr>(slice.offset),
                                      static_cast<GLintptr>(first * size), static_cast<GLsizeiptr>(bytes));
         };
-        for_each_run(cut.vertex_bits, cut.vertex_words, [&](std::size_t first, std::size_t count) {
+        for_each_run(changes.vertex_bits, changes.vertex_words, [&](std::size_t first, std::size_t count) {
             put(mesh.vertices, cut.mesh.vertices.data(), first, count);
             put(mesh.morph, cut.morph.data(), first, count);
         });
-        for_each_run(cut.triangle_bits, cut.triangle_words, [&](std::size_t first, std::size_t count) {
+        for_each_run(changes.triangle_bits, changes.triangle_words, [&](std::size_t first, std::size_t count) {
             put(mesh.indices, cut.mesh.indices.data(), 3 * first, 3 * count);
         });
         return calls;
     }
-    std::size_t upload(const CutMesh& cut, Way way) {
+    std::size_t upload(const CutMesh& cut, const CutChanges& changes, Way way) {
         ring.next();
-        if (way != Way::scatter) return by_runs(cut, way == Way::copies);
-        (void)gl::scatter(scatter, ring, cut, mesh);
+        if (way != Way::scatter) return by_runs(cut, changes, way == Way::copies);
+        (void)gl::scatter(scatter, ring, cut, changes, mesh);
         return 14;
     }
     void draw(const MeshView& view) const {
@@ -172,12 +172,13 @@ void fly(benchmark::State& state, Way way, double cells, bool finished) {
             const View view = make_view({x, 2500, z}, {0.8, -0.15, -0.6}, {0, 1, 0}, 0.785, 1280, 960, 10, 3e5);
             if (!(frame == 0 ? rebuild_cut : update_cut)(cut, {&view, 1}, settings, report).ok()) stop("no update");
             const CutMesh mesh = cut_mesh(cut);
+            const CutChanges changes = take_changes(cut);
             if (finished) glFinish();
             const auto start = Clock::now();
             if (frame == 0)
                 device.whole(mesh);
             else
-                calls += static_cast<double>(device.upload(mesh, way));
+                calls += static_cast<double>(device.upload(mesh, changes, way));
             const double took = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
             if (frame != 0) us.push_back(took);
             if (frame != 0) changed += report.vertices_changed + report.triangles_changed;

@@ -56,13 +56,14 @@ TEST_CASE("a host that copies only what was written has the mesh, from the first
             settings.items = pick(random, 0, 1) ? unlimited_items : 200;
             pick(random, 0, 3) == 0 ? cut.rebuild({&view, 1}, settings) : cut.update({&view, 1}, settings);
             const CutMesh live = cut_mesh(cut.cut);
-            for_each_run(live.vertex_bits, live.vertex_words, [&](std::uint32_t first, std::uint32_t count) {
+            const CutChanges changes = take_changes(cut.cut);
+            for_each_run(changes.vertex_bits, changes.vertex_words, [&](std::uint32_t first, std::uint32_t count) {
                 for (std::uint32_t i = first; i < first + count; ++i) {
                     REQUIRE(i < budget.vertices);
                     vertices[i] = live.mesh.vertices[i], morph[i] = live.morph[i];
                 }
             });
-            for_each_run(live.triangle_bits, live.triangle_words, [&](std::uint32_t first, std::uint32_t count) {
+            for_each_run(changes.triangle_bits, changes.triangle_words, [&](std::uint32_t first, std::uint32_t count) {
                 REQUIRE(3 * (first + count) <= indices.size());
                 std::copy_n(live.mesh.indices.begin() + 3 * first, 3 * count, indices.begin() + 3 * first);
             });

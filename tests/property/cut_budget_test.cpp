@@ -230,7 +230,7 @@ TEST_CASE("where half of the vertices come in one step of the threshold, the one
     const View view = view_from_above(pack.terrain, 50);
     Cut free(pack.terrain, ample_cut(pack.terrain));
     CutSettings settings;
-    settings.error_px = view.lambda_px * 10 / (50 * 64) / 2; // half of what a bump measures on screen
+    settings.error_px = lambda_px(view) * 10 / (50 * 64) / 2; // half of what a bump measures on screen
     const CutReport wish = free.update({&view, 1}, settings);
     CutBudget budget = ample_cut(pack.terrain);
     budget.vertices = wish.vertices / 2;
@@ -421,8 +421,11 @@ TEST_CASE("a bad view or setting is refused by name and changes nothing") {
         refused(bad, {}, "View::up");
     }
     bad = good;
-    bad.lambda_px = 0;
-    refused(bad, {}, "View::lambda_px");
+    bad.top = bad.bottom;
+    refused(bad, {}, "View::bottom, top");
+    bad = good;
+    bad.right = std::nan("");
+    refused(bad, {}, "View::left, right");
     const auto setting = [&](auto field, std::initializer_list<double> values, const std::string& name) {
         for (const double value : values) {
             CutSettings settings;

@@ -182,7 +182,7 @@ TEST_CASE("spheres that touch nest: an eye on a decision surface makes no crack,
             settings.cull = false;
             settings.error_px = random_threshold(random);
             View view = make_view({}, {0, -1, 0.1}, {0, 1, 0}, 1, 1280, 720, 1, 1e6);
-            const double q = view.lambda_px / settings.error_px;
+            const double q = lambda_px(view) / settings.error_px;
             const double reach =
                 static_cast<double>(data_of(terrain).vertex(v).radius_m) + data_of(terrain).vertex(v).error_m * q;
             // From the parent through the child to where the child is just not wanted: there the two are closest.
@@ -256,17 +256,17 @@ TEST_CASE("a vertical error at the image's corner is never larger in pixels than
         const View view = make_view({}, {uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)},
                                     {0.1, 1, 0.2}, uniform(random, 0.2, 2), 1600, 900, 1, 1e5);
         const Vec3 right = cross(view.forward, view.up);
-        const double ty = std::tan(view.fov_y_rad / 2), tx = ty * 1600 / 900;
+        const double ty = view.top, tx = view.right;
         const double u = uniform(random, -1, 1) * tx, v = uniform(random, -1, 1) * ty,
                      depth = uniform(random, 10, 1000);
         const Vec3 p = (view.forward + right * u + view.up * v) * depth;
         const double error_m = 1e-4 * depth; // small: the factor is the derivative's bound
         const auto pixel = [&](Vec3 q) {
             const double d = dot(q, view.forward);
-            return Vec3{view.lambda_px * dot(q, right) / d, view.lambda_px * dot(q, view.up) / d, 0};
+            return Vec3{lambda_px(view) * dot(q, right) / d, lambda_px(view) * dot(q, view.up) / d, 0};
         };
         const double moved = length(pixel(p + Vec3{0, error_m, 0}) - pixel(p));
-        const double angular = error_m * view.lambda_px / length(p);
+        const double angular = error_m * lambda_px(view) / length(p);
         REQUIRE(moved <= angular * corner_factor(view) * 1.001); // second order in error / depth
     }
 }
@@ -369,8 +369,8 @@ TEST_CASE("a bad view or setting is refused by name and leaves the mesh as it wa
     bad.near_m = bad.far_m;
     refused(bad, {}, "View::near_m");
     bad = good;
-    bad.lambda_px = 0;
-    refused(bad, {}, "View::lambda_px");
+    bad.top = bad.bottom;
+    refused(bad, {}, "View::bottom, top");
     RefineSettings settings;
     settings.error_px = 0;
     refused(good, settings, "RefineSettings::error_px");

@@ -51,7 +51,7 @@ double largest_step_px(const Terrain& terrain, const View& view, const std::vect
     for (std::size_t i = 0; i < after.size(); ++i) {
         const auto at = static_cast<std::int32_t>(i);
         const Vec3 p{terrain.x_m(at % columns), after[i], terrain.z_m(at / columns)};
-        most = std::max(most, std::abs(after[i] - before[i]) * view.lambda_px / length(p - view.eye_m));
+        most = std::max(most, std::abs(after[i] - before[i]) * lambda_px(view) / length(p - view.eye_m));
     }
     return most;
 }
@@ -146,7 +146,7 @@ TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not b
         const double nested = 1 + static_cast<double>(terrain.header().nesting);
         const double start_q = 1.0001 * (distance_m(some) - reach_m(some, 0)) / error_m;
         CutSettings settings;
-        settings.error_px = std::clamp(nested * nested * view.lambda_px / start_q, 1e-3, 1e6);
+        settings.error_px = std::clamp(nested * nested * lambda_px(view) / start_q, 1e-3, 1e6);
         settings.morph = Morph::error;
         Cut cut(terrain, ample_cut(terrain));
         (void)cut.update({&view, 1}, settings);
@@ -212,11 +212,11 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
                 const Coord c{static_cast<std::int32_t>(i) % columns, static_cast<std::int32_t>(i) / columns};
                 const double height = data_of(terrain).height_m(c);
                 const Vec3 p{terrain.x_m(c.x), height, terrain.z_m(c.y)};
-                const double error_px = std::abs(height - drawn[i]) * view.lambda_px / length(p - view.eye_m);
+                const double error_px = std::abs(height - drawn[i]) * lambda_px(view) / length(p - view.eye_m);
                 // Heights are floats, and morphing rounds once more: some 2^-22 of the largest height.
                 const double rounding_px =
                     0x1p-21 * std::max(std::abs(terrain.header().max_m), std::abs(terrain.header().min_m)) *
-                    view.lambda_px / length(p - view.eye_m);
+                    lambda_px(view) / length(p - view.eye_m);
                 REQUIRE(error_px <= settings.error_px + rounding_px);
             }
         }

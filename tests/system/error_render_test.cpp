@@ -70,7 +70,7 @@ struct Compared {
 Compared compare(const Scene& scene, const Picture& picture, const View& view, const gl::DrawOptions& drawing,
                  const io::FullHeights& heights) {
     const Terrain& terrain = scene.loaded.terrain;
-    const double lambda_px = drawing.error_lambda_px > 0 ? drawing.error_lambda_px : view.lambda_px;
+    const double lambda = drawing.error_lambda_px > 0 ? drawing.error_lambda_px : lambda_px(view);
     const Vec3 eye = drawing.error_eye_m.value_or(view.eye_m), right = cross(view.forward, view.up);
     Compared result;
     const auto every = test::rounds<std::uint32_t>(31, 7); // pixel
@@ -79,8 +79,8 @@ Compared compare(const Scene& scene, const Picture& picture, const View& view, c
         const double d = picture.distance_m[i];
         if (std::isinf(d)) continue;
         const std::uint8_t* const is = picture.colour.pixel(x, y);
-        const Vec3 ray = view.forward + right * ((x + 0.5 - width_px / 2.0) / view.lambda_px) +
-                         view.up * ((height_px / 2.0 - y - 0.5) / view.lambda_px);
+        const Vec3 ray = view.forward + right * ((x + 0.5 - width_px / 2.0) / lambda_px(view)) +
+                         view.up * ((height_px / 2.0 - y - 0.5) / lambda_px(view));
         ++result.pixels;
         result.blue += close(is, gl::error_rgb(0));
         result.magenta += close(is, gl::error_rgb(2));
@@ -100,12 +100,12 @@ Compared compare(const Scene& scene, const Picture& picture, const View& view, c
                     continue;
                 }
                 const double share =
-                    std::abs(p.y - full_m) * lambda_px / length(Vec3{p.x, full_m, p.z} - eye) / drawing.error_full_px;
+                    std::abs(p.y - full_m) * lambda / length(Vec3{p.x, full_m, p.z} - eye) / drawing.error_full_px;
                 least = std::min(least, share);
                 most = std::max(most, share);
             }
         // What is subtracted for rounding is 2^-20 of heights and ranges below 20,000 m in all.
-        const double slack = 0.02 * lambda_px / length(view.eye_m + ray * d - eye) / drawing.error_full_px;
+        const double slack = 0.02 * lambda / length(view.eye_m + ray * d - eye) / drawing.error_full_px;
         least = std::max(least - slack, 0.0);
         for (int k = 0; k <= 1024 && !good && most >= least; ++k)
             good = close(is, gl::error_rgb(least + (most - least) * k / 1024));
@@ -233,8 +233,8 @@ TEST_CASE("a mesh of the full resolution has no error anywhere, multisampled or 
         std::size_t shown = 0, elsewhere = 0;
         for (std::uint32_t i = 0; i < width_px * height_px; ++i) {
             const std::uint32_t x = i % width_px, y = i / width_px;
-            const Vec3 ray = view.forward + right * ((x + 0.5 - width_px / 2.0) / view.lambda_px) +
-                             view.up * ((height_px / 2.0 - y - 0.5) / view.lambda_px);
+            const Vec3 ray = view.forward + right * ((x + 0.5 - width_px / 2.0) / lambda_px(view)) +
+                             view.up * ((height_px / 2.0 - y - 0.5) / lambda_px(view));
             const Vec3 at = view.eye_m + ray * static_cast<double>(plain.distance_m[i]);
             const bool beside = std::abs(at.x / 30 - planted.x) <= 1.01 && std::abs(at.z / 30 - planted.y) <= 1.01;
             const std::uint8_t* const is = wrong.pixel(x, y);

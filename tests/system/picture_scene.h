@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -175,7 +176,11 @@ struct Scene {
 
     template <typename Mesh> // MeshView or CutMesh
     Picture draw(const Mesh& mesh, const View& view, const gl::DrawOptions& options = {}) {
-        const std::string error = renderer->draw(mesh, view, options, *target);
+        std::string error;
+        if constexpr (std::is_same_v<Mesh, CutMesh>)
+            error = renderer->draw(mesh, take_changes(cut), view, options, *target);
+        else
+            error = renderer->draw(mesh, view, options, *target);
         INFO(error);
         REQUIRE(error.empty());
         Picture picture;

@@ -321,7 +321,8 @@ View view_from(const Pose& pose) {
     view.eye_m = pose.position_m;
     view.forward = pose.direction;
     view.up = pose.up;
-    view.fov_y_rad = 0.8;
+    view.top = std::tan(0.4), view.bottom = -view.top;
+    view.right = view.top * 800 / 500, view.left = -view.right;
     view.near_m = 1;
     view.far_m = 1e6;
     view.width_px = 800;

@@ -1,7 +1,9 @@
 // Recordings as files: what is written is read back, and what is not a recording is refused with the line.
 #include <catch2/catch.hpp>
 
+#include <cmath>
 #include <random>
+#include <sstream>
 
 #include "fjell/io/failure.h"
 #include "flight/record.h"
@@ -23,7 +25,7 @@ Recording random_recording(std::mt19937_64& random) {
         for (View& v : f.views) {
             v.eye_m = {real(), real(), real()};
             v.forward = {real(), real(), real()};
-            v.lambda_px = real();
+            v.left = real(), v.right = real(), v.bottom = real(), v.top = real();
         }
         f.settings.error_px = real();
         f.settings.items = static_cast<std::uint32_t>(random());
@@ -76,9 +78,43 @@ TEST_CASE("a recording is read back bit for bit") {
             }
             REQUIRE(back.frames[i].views.size() == r.frames[i].views.size());
             CHECK(back.frames[i].views.back().eye_m.y == r.frames[i].views.back().eye_m.y);
-            CHECK(back.frames[i].views.back().lambda_px == r.frames[i].views.back().lambda_px);
+            for (const auto side : {&View::left, &View::right, &View::bottom, &View::top})
+                CHECK(back.frames[i].views.back().*side == r.frames[i].views.back().*side);
         }
     }
+}
+
+TEST_CASE(
+    "a recording of version 2, which had lambda instead of sides, gives the same lambda and frustum, bit for bit") {
+    std::mt19937_64 random(3);
+    const auto between = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
+    Recording r;
+    r.frames.resize(1);
+    r.frames[0].views.resize(1);
+    const std::string now = write_recording(r);
+    int other_frustum = 0;
+    for (int round = 0; round < 3000; ++round) {
+        const auto width = static_cast<std::uint32_t>(random() % 4000 + 1),
+                   height = static_cast<std::uint32_t>(random() % 4000 + 1);
+        const double fov = between(0.01, 3), lambda = height / (2 * std::tan(fov / 2));
+        std::ostringstream view;
+        view.precision(17);
+        view << "\"views\":[[1.0,2.0,3.0,0.0,0.0,-1.0,0.0,1.0,0.0," << fov << ',' << width << ',' << height
+             << ",1.0,1000000.0," << lambda << "]]";
+        std::string text = now;
+        text.replace(text.find("\"version\":3"), 11, "\"version\":2");
+        const std::size_t views = text.rfind("\"views\":[[");
+        text.replace(views, text.find("]]", views) + 2 - views, view.str());
+        const View back = parse_recording(text, "r.json").frames[0].views[0];
+        REQUIRE(lambda_px(back) == lambda);
+        REQUIRE((back.width_px == width && back.far_m == 1e6));
+        const double half_height = height / (2 * lambda); // as version 2 had it
+        REQUIRE((back.bottom == -back.top && back.left == -back.right));
+        REQUIRE(back.right == back.top * width / height);
+        other_frustum += back.top != half_height;
+        REQUIRE(std::abs(back.top - half_height) <= half_height * 0x1p-52);
+    }
+    CHECK(other_frustum < 600); // by one bit, where no number gives both
 }
 
 TEST_CASE("what is not a recording is refused with the line and what to do") {
@@ -89,7 +125,7 @@ TEST_CASE("what is not a recording is refused with the line and what to do") {
     CHECK(recording_refusal(text.substr(0, text.size() - 1)).find("r.json:6: the recording ends in the middle") == 0);
     CHECK(recording_refusal(text + "[]\n").find("r.json:7: not a recording") == 0);
     std::string later = text;
-    later.replace(later.find("\"version\":2"), 11, "\"version\":3");
+    later.replace(later.find("\"version\":3"), 11, "\"version\":4");
     CHECK(recording_refusal(later).find("r.json:1: not a recording") == 0);
     std::string event = text;
     event.replace(event.find("\"pages\":["), 10, "\"pages\":[[1,2,4],");

@@ -20,8 +20,14 @@ Vec3 anywhere(Random64& random, double reach) {
 }
 
 View random_view(Random64& random) {
-    return make_view(anywhere(random, 1e5), anywhere(random, 1), anywhere(random, 1), between(random, 0.1, 2.5), 1600,
-                     900, between(random, 0.1, 10), between(random, 1e3, 1e6));
+    View view = make_view(anywhere(random, 1e5), anywhere(random, 1), anywhere(random, 1), between(random, 0.1, 2.5),
+                          1600, 900, between(random, 0.1, 10), between(random, 1e3, 1e6));
+    if (random() % 2 == 0) { // off the centre
+        const double wide = view.right - view.left, high = view.top - view.bottom;
+        view.left = between(random, -1.2, 0.2) * wide, view.right = view.left + wide;
+        view.bottom = between(random, -1.2, 0.2) * high, view.top = view.bottom + high;
+    }
+    return view;
 }
 
 } // namespace
@@ -56,8 +62,8 @@ TEST_CASE("up is up in the picture, and right is right") {
     REQUIRE((middle && up && east));
     CHECK(middle->x == Approx(400));
     CHECK(middle->y == Approx(300));
-    CHECK(up->y == Approx(300 - view.lambda_px / 10));
-    CHECK(east->x == Approx(400 + view.lambda_px / 10));
+    CHECK(up->y == Approx(300 - lambda_px(view) / 10));
+    CHECK(east->x == Approx(400 + lambda_px(view) / 10));
     CHECK_FALSE(project(view, {0, 0, 10}));
     CHECK(from_glm(to_glm({1, 2, 3})).y == 2);
 }

@@ -54,9 +54,8 @@ struct Scene {
             const PageEntry p = a.page_table[page], q = b.page_table[page];
             if (p.slot == no_index) continue;
             const std::size_t bytes = a.pages.page_vertices(page % a.pages_per_tile) * sizeof(VertexRecord);
-            wrong +=
-                p.base != q.base || std::memcmp(a.records + std::size_t{p.slot} * a.page_capacity,
-                                                b.records + std::size_t{q.slot} * b.page_capacity, bytes) != 0;
+            wrong += p.base != q.base || std::memcmp(a.records + std::size_t{p.slot} * a.page_capacity,
+                                                     b.records + std::size_t{q.slot} * b.page_capacity, bytes) != 0;
         }
         return wrong;
     }

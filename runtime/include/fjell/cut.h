@@ -42,7 +42,7 @@ struct CutBudget {
     std::uint32_t segment_triangles = 512;
     std::uint32_t views = 1; // 1 to max_cut_views
 };
-// Bytes of cut_bytes() for a slot of each buffer (two bits of bookkeeping not counted), and for each page slot of the
+// Bytes of cut_bytes() for a slot of each buffer (some bits of bookkeeping not counted), and for each page slot of the
 // terrain (TerrainBudget::page_slots).
 inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 16, cut_page_slot_bytes = 19'756;
 
@@ -67,7 +67,9 @@ struct CutSettings {
     double budget_us = 0;                   // time that it may take; 0: no limit
     Morph morph = Morph::none;
     double morph_s = 0.25; // time that a vertex activated late takes to reach its height; 0.01 to 10
-    double now_s = 0;      // the host's clock, for timed morphing only; must not run backwards
+    // The host's clock, for timed morphing only: any finite number, years of uptime and Unix time too. While it runs
+    // backwards, the cut's clock stands.
+    double now_s = 0;
 };
 
 enum CutBudgetBit : std::uint32_t {
@@ -102,7 +104,7 @@ struct CutReport {
     bool converged = false;                 // nothing waits or morphs, effective == requested: the screen bound holds
     bool rebuilt = false;                   // by the bulk pass
     BudgetUse vertex_slots, triangle_slots; // triangle slots in whole segments
-    std::uint32_t vertices_changed = 0, triangles_changed = 0; // slots to upload
+    std::uint32_t vertices_changed = 0, triangles_changed = 0; // slots that this update has written
     double prepare_us = 0, refine_us = 0, output_us = 0;
 };
 
@@ -135,19 +137,22 @@ Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& r
 Status cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page);
 
 inline constexpr float long_active_s = -1e30f; // so long ago that any vertex has reached its height
+// The cut's own clock, of activated_s and MorphFrame::now_s, counts from its first update and starts again at 0 after
+// so many seconds: floats hold its steps of 2^-14 s exactly. An age is morph_age_s().
+inline constexpr float morph_clock_s = 1024;
 
 // Vertices of the cut for morphing, one for one with MeshView::vertices.
 struct MorphVertex {
     float flat_m;      // height on the hypotenuse it splits: where it starts
     float error_m;     // its own
     float radius_m;    // of its sphere
-    float activated_s; // when it was activated, if late; otherwise long_active_s
+    float activated_s; // on the cut's clock, when it was activated, if late; otherwise long_active_s
 };
 static_assert(sizeof(MorphVertex) == 16, "MorphVertex is uploaded: change the renderer's vertex format with it");
 
 // What the vertex shader needs beside them. A vertex has morphed in by t = (start - d) / (start - full), t from 0 to 1,
 // where d is the distance from the eye to its full height, start = radius_m + error_m * q_start, full = radius_m +
-// error_m * q_full. Of several views the largest t counts. By time t is at most (now_s - activated_s) / morph_s.
+// error_m * q_full. Of several views the largest t counts. By time t is at most morph_age_s() / morph_s.
 struct MorphView {
     float eye_x, eye_y, eye_z; // scene axes, metres
     float q_start, q_full;
@@ -156,8 +161,14 @@ struct MorphFrame {
     Morph morph = Morph::none;
     std::uint32_t views = 0;
     MorphView view[max_cut_views] = {};
-    float now_s = 0, morph_s = 1;
+    float now_s = 0, morph_s = 1; // now_s: on the cut's clock
 };
+// How long ago something was on the cut's clock. What was activated more than half a turn of the clock ago is
+// long_active_s.
+[[nodiscard]] constexpr float morph_age_s(float now_s, float then_s) {
+    const float age_s = now_s - then_s;
+    return age_s < 0 ? age_s + morph_clock_s : age_s;
+}
 // Of the last update.
 [[nodiscard]] MorphFrame cut_morph(LiveCut cut);
 // The height that the shader gives a vertex: the same expression, for tests, exports and queries.
@@ -168,11 +179,19 @@ struct CutMesh {
     MeshView mesh;                      // all slots; ranges of the tiles that some view may see
     std::span<const MorphVertex> morph; // one a vertex slot
     MorphFrame frame;                   // the shader's other inputs
-    // Slots written since the previous update, 64 to a word; only the words listed hold any.
+};
+[[nodiscard]] CutMesh cut_mesh(LiveCut cut);
+
+// Slots that were written, 64 to a word; only the words listed hold any.
+struct CutChanges {
     std::span<const std::uint64_t> vertex_bits, triangle_bits;
     std::span<const std::uint32_t> vertex_words, triangle_words;
 };
-[[nodiscard]] CutMesh cut_mesh(LiveCut cut);
+// Takes all slots that were written since the last call, however many updates and rebuilds ago that was: whoever
+// uploads them has the buffers of CutMesh, those that are not in use included. Once for all renderers of a cut: one
+// that draws later than others keeps the slots that it has not uploaded. Valid until the next update, rebuild or call.
+// O(words listed).
+[[nodiscard]] CutChanges take_changes(LiveCut cut);
 
 // Calls visit(first, count) for every run of written slots.
 template <typename Visit>

@@ -5,7 +5,6 @@
 // column vectors. Everything is double: subtract the eye before a position becomes float. Thread: any.
 #pragma once
 
-#include <cmath>
 #include <optional>
 
 #include <glm/ext/matrix_double4x4.hpp>
@@ -35,11 +34,12 @@ namespace fjell {
 // Camera to clip space with reversed depth, as our renderer has it: 1 at the near plane, 0 at the far one, for a clip
 // space whose depths are 0..1 (glClipControl(..., GL_ZERO_TO_ONE), Vulkan, Direct3D) and a float depth buffer.
 [[nodiscard]] inline glm::dmat4 reversed_projection(const View& view) {
-    const double tangent = std::tan(view.fov_y_rad / 2), range = view.far_m - view.near_m;
-    const double aspect = static_cast<double>(view.width_px) / view.height_px;
+    const double wide = view.right - view.left, high = view.top - view.bottom, range = view.far_m - view.near_m;
     glm::dmat4 m(0.0);
-    m[0][0] = 1 / (tangent * aspect);
-    m[1][1] = 1 / tangent;
+    m[0][0] = 2 / wide;
+    m[1][1] = 2 / high;
+    m[2][0] = (view.right + view.left) / wide;
+    m[2][1] = (view.top + view.bottom) / high;
     m[2][2] = view.near_m / range;
     m[2][3] = -1;
     m[3][2] = view.near_m * view.far_m / range;

@@ -28,23 +28,34 @@ struct Vec3 {
 [[nodiscard]] double length(Vec3 v);
 [[nodiscard]] Vec3 normalised(Vec3 v); // (0, 0, 0) stays
 
+// The picture's four sides are given by the tangents of their angles from the direction of sight, so that off-centre
+// projections exist: a tile of a larger picture, an eye of a headset. Numbers and not angles, because a replay on
+// another machine must decide alike, and a tangent may differ there. Orthographic views do not exist: every decision,
+// its slack and every bound of a page is a distance to the eye. An eye that is far away comes as near to one as is
+// wanted: at n times the terrain's extent the scale differs by 1 / n over the picture.
 struct View {
     Vec3 eye_m;             // scene axes: x east, y up, z south
     Vec3 forward{0, 0, -1}; // unit length
     Vec3 up{0, 1, 0};       // unit length, orthogonal to forward
-    double fov_y_rad = 0.7853981633974483;
+    // Tangents, -1000 to 1000: left < right, bottom < top.
+    double left = -0.7363796664410578, right = 0.7363796664410578;
+    double bottom = -0.41421356237309503, top = 0.41421356237309503;
     std::uint32_t width_px = 1280, height_px = 720;
     double near_m = 1, far_m = 1e6;
-    // Pixels a unit of tangent: height / (2 tan(fov_y / 2)). Given, not computed in update(), so that a replay on
-    // another machine decides alike.
-    double lambda_px = 869.1168824543142;
 };
 
-// Makes forward and up orthonormal, keeps forward; fills lambda_px. forward and up must not be parallel or zero.
+// Pixels a unit of tangent: height_px / (top - bottom); where pixels are narrower than high, those of the width.
+[[nodiscard]] constexpr double lambda_px(const View& view) {
+    const double high = view.height_px / (view.top - view.bottom), wide = view.width_px / (view.right - view.left);
+    return wide > high * (1 + 1e-12) ? wide : high; // as square as rounding lets them be: one number, not two
+}
+
+// A view with its direction of sight in the middle of the picture and square pixels. Makes forward and up orthonormal,
+// keeps forward. forward and up must not be parallel or zero.
 [[nodiscard]] View make_view(Vec3 eye_m, Vec3 forward, Vec3 up, double fov_y_rad, std::uint32_t width_px,
                              std::uint32_t height_px, double near_m, double far_m);
 
-// Every number finite, unit and orthogonal vectors, 0 < fov < pi, 0 < near < far, viewport at least 1x1.
+// Every number finite, unit and orthogonal vectors, sides in order, 0 < near < far, viewport at least 1x1.
 Status validate(const View& view);
 
 // Plane i holds points p with dot(normal, p - eye) >= offset inside. Order: near, far, left, right, bottom, top.
@@ -54,7 +65,7 @@ struct Frustum {
 };
 [[nodiscard]] Frustum make_frustum(const View& view);
 
-// How much larger than its angular measure an error at the corner of the image can be: 1 / cos^2 of the half diagonal.
+// How much larger than its angular measure an error at a corner of the image can be: 1 / cos^2 of the corner's angle.
 [[nodiscard]] double corner_factor(const View& view);
 
 } // namespace fjell

@@ -37,7 +37,8 @@ std::uint32_t least_segments(const TerrainData& t) {
 struct Layout {
     std::size_t page_groups, groups, vertex_slot, page_slot, evicting, queues, buckets, nodes, vertices, morph,
         triangle_of, hole, free_vertices, indices, key_of, tiles, segment_tile, segment_below, free_segments,
-        vertex_bits, vertex_words, triangle_bits, triangle_words, ranges, hz_places, grids, late_s, morphing_out, end;
+        vertex_bits[2], vertex_words[2], triangle_bits[2], triangle_words[2], ranges, hz_places, grids, late_s,
+        morphing_out, end;
 };
 
 static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 * 4 + 1 + 3 * 4 &&
@@ -73,10 +74,12 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
     l.segment_tile = place(segments, 4);
     l.segment_below = place(segments, 4);
     l.free_segments = place(segments, 4);
-    l.vertex_bits = place(b.vertices / 64 + 1, 8);
-    l.vertex_words = place(b.vertices / 64 + 1, 4);
-    l.triangle_bits = place(triangles / 64 + 1, 8);
-    l.triangle_words = place(triangles / 64 + 1, 4);
+    for (int i = 0; i < 2; ++i) {
+        l.vertex_bits[i] = place(b.vertices / 64 + 1, 8);
+        l.vertex_words[i] = place(b.vertices / 64 + 1, 4);
+        l.triangle_bits[i] = place(triangles / 64 + 1, 8);
+        l.triangle_words[i] = place(triangles / 64 + 1, 4);
+    }
     l.ranges = place(segments, sizeof(TileRange));
     l.hz_places = place(t.pages.order == Order::hierarchical_z ? 2 * max_page_vertices : 0, 2);
     l.grids = place(static_cast<std::size_t>(t.tree.tile_log2), bulk_grid_bytes);
@@ -219,6 +222,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
         s.level_unit_m[2 * z + 1] = terrain.header.level_radius_m[level + 1];
     }
     s.evaluate = evaluate;
+    s.clock.timed_ticks = -clock_ticks; // never
     part(s.page_groups, l.page_groups);
     part(s.groups, l.groups);
     part(s.vertex_slot, l.vertex_slot);
@@ -244,10 +248,14 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     s.segment_count = segments_of(budget);
     s.segment_log2 = static_cast<std::uint32_t>(std::countr_zero(budget.segment_triangles));
     s.some_hidden = hides_some(terrain);
-    part(s.dirty_vertices.bits, l.vertex_bits);
-    part(s.dirty_vertices.words, l.vertex_words);
-    part(s.dirty_triangles.bits, l.triangle_bits);
-    part(s.dirty_triangles.words, l.triangle_words);
+    const auto bits_part = [&](DirtyBits& dirty, std::size_t bits, std::size_t words) {
+        part(dirty.bits, bits);
+        part(dirty.words, words);
+    };
+    bits_part(s.dirty_vertices, l.vertex_bits[0], l.vertex_words[0]);
+    bits_part(s.dirty_triangles, l.triangle_bits[0], l.triangle_words[0]);
+    bits_part(s.untaken_vertices, l.vertex_bits[1], l.vertex_words[1]);
+    bits_part(s.untaken_triangles, l.triangle_bits[1], l.triangle_words[1]);
     part(s.ranges, l.ranges);
     part(s.bulk_grids, l.grids);
     part(s.late_s, l.late_s);
@@ -290,11 +298,26 @@ CutMesh cut_mesh(LiveCut cut) {
         s.budget.vertices};
     out.morph = {s.morph, s.budget.vertices};
     out.frame = s.morph_now;
-    out.vertex_bits = {s.dirty_vertices.bits, s.budget.vertices / 64 + 1};
-    out.vertex_words = {s.dirty_vertices.words, s.dirty_vertices.word_count};
-    out.triangle_bits = {s.dirty_triangles.bits, triangles / 64 + 1};
-    out.triangle_words = {s.dirty_triangles.words, s.dirty_triangles.word_count};
     return out;
+}
+
+CutChanges take_changes(LiveCut cut) {
+    CutState& s = *cut.state;
+    if (s.dirty_taken) return {};
+    const bool earlier = !s.untaken_taken && s.untaken_vertices.word_count + s.untaken_triangles.word_count != 0;
+    if (earlier) {
+        s.dirty_vertices.move_to(s.untaken_vertices);
+        s.dirty_triangles.move_to(s.untaken_triangles);
+        s.untaken_taken = true;
+    }
+    s.dirty_taken = true;
+    const DirtyBits& v = earlier ? s.untaken_vertices : s.dirty_vertices;
+    const DirtyBits& t = earlier ? s.untaken_triangles : s.dirty_triangles;
+    const std::size_t triangles = std::size_t{s.segment_count} << s.segment_log2;
+    return {{v.bits, s.budget.vertices / 64 + 1},
+            {t.bits, triangles / 64 + 1},
+            {v.words, v.word_count},
+            {t.words, t.word_count}};
 }
 
 } // namespace fjell

@@ -56,12 +56,13 @@ inline constexpr float unseen_px = 0.01f;
     }
     if (s.late_count == s.budget.vertices) return long_active_s; // cannot be: a slot each; but no reason to fail
     s.late_s[(s.first_late + s.late_count++) % s.budget.vertices] = now.now_s;
+    s.clock.timed_ticks = s.clock.ticks;
     return now.now_s;
 }
 
 // While an edge's ends still morph, the edge is not where their full heights say: what would split it has to wait.
 [[nodiscard]] inline bool is_morphing(const CutState& s, std::uint32_t slot) {
-    return s.morph_now.now_s - s.morph[slot].activated_s < s.morph_now.morph_s;
+    return morph_age_s(s.morph_now.now_s, s.morph[slot].activated_s) < s.morph_now.morph_s;
 }
 
 // What waited for a vertex that morphs, or for a page that is evicted, is tried again.
@@ -71,12 +72,48 @@ inline void open_gate(CutState& s) {
 
 // Forgets vertices that have reached their height.
 inline void end_morphing_in(CutState& s) {
-    while (s.late_count != 0 &&
-           (s.morph_now.morph == Morph::none || s.morph_now.now_s - s.late_s[s.first_late] >= s.morph_now.morph_s)) {
+    while (s.late_count != 0 && (s.morph_now.morph == Morph::none ||
+                                 morph_age_s(s.morph_now.now_s, s.late_s[s.first_late]) >= s.morph_now.morph_s)) {
         s.first_late = (s.first_late + 1) % s.budget.vertices;
         --s.late_count;
         open_gate(s);
     }
+}
+
+// Moves the clock on to the host's time.
+inline void advance_clock(CutState& s, bool first) {
+    MorphClock& c = s.clock;
+    constexpr double most = 0x1p62; // so that a difference of two fits an int64
+    const double exact = std::clamp(s.settings.now_s * static_cast<double>(ticks_a_second), -most, most);
+    const auto host = static_cast<std::int64_t>(std::floor(exact + 0.5));
+    if (!first) c.ticks += std::clamp<std::int64_t>(host - c.host_ticks, 0, longest_gap_ticks);
+    c.host_ticks = host;
+}
+
+// Before the clock's numbers return, what was activated the last time round becomes long_active_s: a cursor passes over
+// all slots in half a turn of the clock, a few in a frame. It leaves alone what any morph_s could still show.
+inline void retire_times(CutState& s, std::int64_t ticks_before) {
+    constexpr std::int64_t round = clock_ticks / 2;
+    const std::int64_t now = s.clock.ticks;
+    if (now == ticks_before || ticks_before - s.clock.timed_ticks > round + longest_gap_ticks) return;
+    const auto cursor = [&](std::int64_t ticks) {
+        return static_cast<std::uint32_t>(ticks % round * static_cast<std::int64_t>(s.budget.vertices) / round);
+    };
+    const auto pass = [&](std::uint32_t first, std::uint32_t end) {
+        for (std::uint32_t slot = first; slot < std::min(end, s.fresh_vertex); ++slot) {
+            MorphVertex& m = s.morph[slot];
+            if (m.activated_s == long_active_s ||
+                morph_age_s(s.clock.now_s(), m.activated_s) * static_cast<float>(ticks_a_second) <
+                    static_cast<float>(longest_gap_ticks))
+                continue;
+            m.activated_s = long_active_s;
+            s.dirty_vertices.mark(slot);
+        }
+    };
+    const std::uint32_t first = cursor(ticks_before), end = cursor(now);
+    if (first <= end) return pass(first, end);
+    pass(first, s.budget.vertices);
+    pass(0, end);
 }
 
 // Vertices of pages that are being evicted morph out: back to the edge that they split, in morph_s.
@@ -96,6 +133,7 @@ inline void begin_morphing_out(CutState& s, std::uint32_t vertex) {
     m.error_m = 1e30f; // by distance it has arrived
     m.radius_m = 0;
     m.activated_s = s.morph_now.now_s;
+    s.clock.timed_ticks = s.clock.ticks;
     s.hole[slot] |= morphs_out_bit;
     s.dirty_vertices.mark(slot);
     s.morphing_out[(s.first_morphing_out + s.morphing_out_count++) % s.budget.vertices] = vertex;

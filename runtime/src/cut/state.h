@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "cut/calendar.h"
 #include "cut/groups.h"
@@ -104,6 +105,14 @@ struct DirtyBits {
         for (std::uint32_t i = 0; i < word_count; ++i) bits[words[i]] = 0;
         word_count = slots = 0;
     }
+    void move_to(DirtyBits& other) { // other.slots is not kept up to date
+        for (std::uint32_t i = 0; i < word_count; ++i) {
+            const std::uint32_t word = words[i];
+            if (other.bits[word] == 0) other.words[other.word_count++] = word;
+            other.bits[word] |= std::exchange(bits[word], 0);
+        }
+        word_count = slots = 0;
+    }
 };
 
 // Of CutState::hole.
@@ -116,6 +125,22 @@ struct Governor {
     double failed_use;   // share of the scarcest capacity in use once that was resolved
     bool moved;          // the camera has since then
     std::uint32_t cause; // CutBudgetBits that keep the effective threshold above the requested one
+};
+
+// The clock of morphing: the host's, in whole ticks that floats hold, however large its numbers are. Only what passes
+// from one update to the next counts; of a gap no more than any morph takes.
+inline constexpr std::int32_t ticks_a_second = 1 << 14;
+inline constexpr std::int64_t clock_ticks = std::int64_t{ticks_a_second} * static_cast<std::int64_t>(morph_clock_s);
+inline constexpr std::int64_t longest_gap_ticks = 16 * ticks_a_second; // CutSettings::morph_s is 10 at most
+static_assert(clock_ticks <= 1 << 24, "floats hold 24 bits");
+
+struct MorphClock {
+    std::int64_t host_ticks;  // of the last update
+    std::int64_t ticks;       // since the first update; an int64 lasts 17 million years
+    std::int64_t timed_ticks; // when a vertex last began to morph by time
+    [[nodiscard]] float now_s() const {
+        return static_cast<float>(ticks % clock_ticks) / static_cast<float>(ticks_a_second);
+    }
 };
 
 struct CutState {
@@ -157,8 +182,10 @@ struct CutState {
     std::uint32_t free_segment_count, segment_count, segment_peak;
     std::byte* bulk_grids; // scratch of the bulk pass: bulk_grid_bytes a step
     std::uint32_t segment_log2;
-    bool some_hidden; // the terrain has holes or ends inside tiles
-    DirtyBits dirty_vertices, dirty_triangles;
+    bool some_hidden;                              // the terrain has holes or ends inside tiles
+    DirtyBits dirty_vertices, dirty_triangles;     // slots written by this update
+    DirtyBits untaken_vertices, untaken_triangles; // and by those before, when the host had not taken them
+    bool dirty_taken, untaken_taken;               // by take_changes()
     TileRange* ranges;
     std::uint32_t range_count;
     // The views of the last update, and what follows from them.
@@ -182,10 +209,11 @@ struct CutState {
     std::uint32_t work_ranks; // which work lists may hold groups, as bits
     std::uint32_t turn;       // which of blocked_lists takes what is put back
     std::uint32_t gated_turn; // and of gated_lists
-    // Passes over the gated groups that are due, because a vertex has reached its height or is no longer evicted. A pass
-    // may take several frames; groups that were filed before the event may lie in either list.
+    // Passes over the gated groups that are due, because a vertex has reached its height or is no longer evicted. A
+    // pass may take several frames; groups that were filed before the event may lie in either list.
     std::uint8_t gate_passes;
     // Morphing.
+    MorphClock clock;
     MorphFrame morph_now, morph_before;
     float* late_s; // activated_s of vertices activated late, a ring of budget.vertices: oldest first
     std::uint32_t first_late, late_count;

@@ -51,7 +51,7 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     s.morph_before = s.morph_now;
     s.morph_now.morph = s.settings.morph;
     s.morph_now.views = static_cast<std::uint32_t>(views.size());
-    s.morph_now.now_s = static_cast<float>(s.settings.now_s);
+    s.morph_now.now_s = s.clock.now_s();
     s.morph_now.morph_s = static_cast<float>(s.settings.morph_s);
     double way_m = 0, zoom = 0; // the longest way of an eye; the largest change of q
     for (std::size_t i = 0; i < views.size(); ++i) {
@@ -66,7 +66,7 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
         c.reach[i] = reach;
         c.keep[i] = keep;
         s.morph_now.view[i] = {reach.eye_x, reach.eye_y, reach.eye_z, reach.q,
-                               static_cast<float>(views[i].lambda_px / full_px)};
+                               static_cast<float>(lambda_px(views[i]) / full_px)};
         s.views[i] = views[i];
         s.frustums[i] = make_frustum(views[i]);
     }
@@ -175,22 +175,35 @@ void finish(CutState& s) {
     r.converged = r.converged && s.terrain->missing_px <= r.error_px_requested;
 }
 
+// What the host has not taken is kept for it.
+void begin_changes(CutState& s) {
+    if (std::exchange(s.untaken_taken, false)) {
+        s.untaken_vertices.clear();
+        s.untaken_triangles.clear();
+    }
+    if (std::exchange(s.dirty_taken, false)) {
+        s.dirty_vertices.clear();
+        s.dirty_triangles.clear();
+    } else if (s.frame != 0) { // what create_cut() has written belongs to the first frame
+        s.dirty_vertices.move_to(s.untaken_vertices);
+        s.dirty_triangles.move_to(s.untaken_triangles);
+    }
+}
+
 void begin_frame(CutState& s, const CutSettings& settings) {
     s.started = Clock::now();
     s.settings = settings;
-    if (s.frame != 0) { // what create_cut() has written belongs to the first frame
-        s.dirty_vertices.clear();
-        s.dirty_triangles.clear();
-    }
+    begin_changes(s);
     s.report = {};
     s.report.frame = ++s.frame;
     s.report.error_px_requested = settings.error_px;
     s.full_capacities = s.batches = s.deactivations_when_full = 0;
+    advance_clock(s, s.frame == 1);
 }
 
-// Every slot that is in use: after a rebuild they are the first ones.
-void mark_all(CutState& s) {
-    s.dirty_vertices.mark_first(s.fresh_vertex);
+// Every slot that is in use: after a rebuild they are the first ones. written: so many vertices were, at most.
+void mark_all(CutState& s, std::uint32_t written) {
+    s.dirty_vertices.mark_first(std::max(s.fresh_vertex, written));
     s.dirty_triangles.mark_first((s.segment_count - s.free_segment_count) << s.segment_log2);
 }
 
@@ -201,7 +214,9 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     if (found == nullptr) return no_cut;
     CutState& s = *found;
     if (Status v = check(s, views, settings); !v.ok()) return v;
+    const std::int64_t ticks_before = s.clock.ticks;
     begin_frame(s, settings);
+    retire_times(s, ticks_before);
     s.item_limit = settings.items;
     CutReport& r = s.report;
     s.governor.effective_px = std::max(s.governor.effective_px, settings.error_px);
@@ -242,10 +257,12 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     // allow.
     s.governor = {settings.error_px, 0, governor_full, false, 0};
     bool complete = true;
+    std::uint32_t written = 0; // vertex slots, by attempts that failed
     for (;;) {
         reset(s);
         set_views(s, views, s.governor.effective_px);
         if (build_all(s)) break;
+        written = std::max(written, s.fresh_vertex);
         s.governor.cause |= std::exchange(s.full_capacities, 0u);
         r.evaluations = 0;
         s.governor.failed_px = s.governor.effective_px;
@@ -259,7 +276,8 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         break;
     }
     r.error_px_effective = s.governor.effective_px;
-    if (complete) mark_all(s); // otherwise refine() has marked what it wrote
+    if (complete) mark_all(s, written); // otherwise refine() has marked what it wrote
+    for (std::uint32_t slot = 0; !complete && slot < written; ++slot) s.dirty_vertices.mark(slot);
     r.activations = s.budget.vertices - free_vertices(s) - corner_slots(s);
     r.items = r.evaluations + r.activations;
     const auto built = Clock::now();
@@ -318,7 +336,7 @@ float morphed_height_m(const Terrain& terrain, const MeshVertex& v, const MorphV
     const TerrainData* const found = find(terrain);
     if (found == nullptr) return v.height_m;
     float t = morph_fraction(frame, found->x_m(v.column), v.height_m, found->z_m(v.row), m.error_m, m.radius_m);
-    t = std::min(t, (frame.now_s - m.activated_s) / frame.morph_s);
+    t = std::min(t, morph_age_s(frame.now_s, m.activated_s) / frame.morph_s);
     return m.flat_m + (v.height_m - m.flat_m) * std::clamp(t, 0.0f, 1.0f);
 }
 

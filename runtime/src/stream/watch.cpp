@@ -165,7 +165,7 @@ void set_views(StreamState& s, std::span<const View> views, const CutSettings& c
     for (std::uint32_t i = 0; i < count; ++i) {
         const Vec3 eye = views[i].eye_m;
         if (i >= s.view_count) s.last_eye[i] = eye, s.last_speed[i] = s.speed[i] = {};
-        const double lambda = views[i].lambda_px * early * (cut.corner_safe ? corner_factor(views[i]) : 1);
+        const double lambda = lambda_px(views[i]) * early * (cut.corner_safe ? corner_factor(views[i]) : 1);
         for (std::uint32_t kind = 0; kind < kinds; ++kind) {
             const Vec3 at = kind == 0 ? eye : ahead(s, i, eye, seconds);
             WantedEye& e = s.eyes[i * kinds + kind];

@@ -1,5 +1,6 @@
 #include "fjell/view.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace fjell {
@@ -19,12 +20,14 @@ View make_view(Vec3 eye_m, Vec3 forward, Vec3 up, double fov_y_rad, std::uint32_
     view.eye_m = eye_m;
     view.forward = normalised(forward);
     view.up = normalised(up - view.forward * dot(up, view.forward));
-    view.fov_y_rad = fov_y_rad;
+    view.top = std::tan(fov_y_rad / 2);
+    view.bottom = -view.top;
+    view.right = view.top * width_px / height_px;
+    view.left = -view.right;
     view.width_px = width_px;
     view.height_px = height_px;
     view.near_m = near_m;
     view.far_m = far_m;
-    view.lambda_px = height_px / (2 * std::tan(fov_y_rad / 2));
     return view;
 }
 
@@ -38,6 +41,11 @@ bool unit(Vec3 v) {
 }
 
 constexpr double farthest_m = 1e8; // as fjell/pack.h limits the terrain's extent
+constexpr double widest = 1000;    // a tangent: a twentieth of a degree short of a right angle
+
+bool in_order(double low, double high) {
+    return low >= -widest && high <= widest && high - low > 1e-9;
+}
 
 } // namespace
 
@@ -46,33 +54,30 @@ Status validate(const View& view) {
     if (!finite(view.eye_m) || length(view.eye_m) > farthest_m) return bad("View::eye_m");
     if (!unit(view.forward)) return bad("View::forward");
     if (!unit(view.up) || std::abs(dot(view.up, view.forward)) > 1e-6) return bad("View::up");
-    if (!(view.fov_y_rad > 1e-4 && view.fov_y_rad < 3.1)) return bad("View::fov_y_rad");
+    if (!in_order(view.left, view.right)) return bad("View::left, right");
+    if (!in_order(view.bottom, view.top)) return bad("View::bottom, top");
     if (view.width_px < 1 || view.width_px > 65536) return bad("View::width_px");
     if (view.height_px < 1 || view.height_px > 65536) return bad("View::height_px");
     if (!(view.near_m > 0 && view.near_m < view.far_m)) return bad("View::near_m");
     if (!(view.far_m <= 1e9)) return bad("View::far_m");
-    if (!(view.lambda_px > 1e-3 && view.lambda_px < 1e9)) return bad("View::lambda_px");
+    if (const double lambda = lambda_px(view); !(lambda > 1e-3 && lambda < 1e9))
+        return bad("View::width_px, height_px (pixels a unit of tangent: 1e-3 to 1e9)");
     return {};
-}
-
-// tan(fov_y / 2), from the number that is given and not computed: these two decide, and must decide alike everywhere.
-static double half_height(const View& view) {
-    return view.height_px / (2 * view.lambda_px);
 }
 
 Frustum make_frustum(const View& view) {
     const Vec3 right = cross(view.forward, view.up);
-    const double ty = half_height(view), tx = ty * view.width_px / view.height_px;
     // The side plane that leans outwards by t holds dot(right, p) <= t * dot(forward, p); its normal is unit length
     // after division by sqrt(1 + t^2).
     const auto side = [&](Vec3 axis, double t) { return (view.forward * t - axis) * (1 / std::sqrt(1 + t * t)); };
-    return {{view.forward, view.forward * -1, side(right * -1, tx), side(right, tx), side(view.up * -1, ty),
-             side(view.up, ty)},
+    return {{view.forward, view.forward * -1, side(right * -1, -view.left), side(right, view.right),
+             side(view.up * -1, -view.bottom), side(view.up, view.top)},
             {view.near_m, -view.far_m, 0, 0, 0, 0}};
 }
 
 double corner_factor(const View& view) {
-    const double ty = half_height(view), tx = ty * view.width_px / view.height_px;
+    const double tx = std::max(std::abs(view.left), std::abs(view.right));
+    const double ty = std::max(std::abs(view.bottom), std::abs(view.top));
     return 1 + tx * tx + ty * ty;
 }
 

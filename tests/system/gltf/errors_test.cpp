@@ -124,8 +124,8 @@ TEST_CASE("a snapshot with numbers that make no sense is refused", "[gltf]") {
                       "error_px");
     f.require_refused(gltf::export_snapshot(f.baked.pack, f.baked.terrain, f.view, -1, f.folder / "out.glb"), 2,
                       "error_px");
-    f.view.fov_y_rad = 4;
-    f.require_refused(f.write(f.folder / "out.glb"), 2, "fov_y_rad");
+    f.view.top = 2000;
+    f.require_refused(f.write(f.folder / "out.glb"), 2, "View::bottom, top");
 }
 
 TEST_CASE("a pack whose colour is corrupt is refused", "[gltf]") {

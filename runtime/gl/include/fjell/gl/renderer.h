@@ -6,13 +6,13 @@
 // bit for bit. Depth is reversed and float: distant ridges do not fight. Units: metres and pixels; angles in degrees
 // where the name says so. Colours in files and pictures are sRGB. Ownership: the renderer owns its buffers and
 // textures; the Pack's bytes are read only in create(), the mesh's spans and MapCommands' blocks only in upload() and
-// draw(). Mode::residency reads the terrain's page table, and is refused once that is destroyed. Thread: the context's; where pages are
-// loaded, also the one that does it. Memory, all at creation but for the mode residency's 1 byte a square of 64 x 64
-// samples and set_heights(): 12 bytes a vertex (28 with morph), 4 an index, the maps, and three times ring_bytes, 132
-// bytes a range and 2 KB. Complexity of an upload: a MeshView's dirty vertices and all its indices, or a CutMesh's
-// written slots and nothing else, in the same few GL calls however they lie; of a draw: the ranges, then one draw call
-// and the sky. A debug mode's first draw compiles its shader. Failure: one line with the number to change; the target
-// keeps its former picture.
+// draw(). Mode::residency reads the terrain's page table, and is refused once that is destroyed. Thread: the context's;
+// where pages are loaded, also the one that does it. Memory, all at creation but for the mode residency's 1 byte a
+// square of 64 x 64 samples and set_heights(): 12 bytes a vertex (28 with morph), 4 an index, the maps, and three times
+// ring_bytes, 132 bytes a range and 2 KB. Complexity of an upload: a MeshView's dirty vertices and all its indices, or
+// a CutMesh's written slots and nothing else, in the same few GL calls however they lie; of a draw: the ranges, then
+// one draw call and the sky. A debug mode's first draw compiles its shader. Failure: one line with the number to
+// change; the target keeps its former picture.
 #pragma once
 
 #include <cstdint>
@@ -109,8 +109,9 @@ public:
     // Uploads what the last update wrote. draw() does it too; call it yourself after updates that are not drawn, or
     // their dirty ranges are lost. Another mesh than last time (by address or size) is uploaded whole.
     [[nodiscard]] std::string upload(const MeshView& mesh);
-    // The same for the live cut, whose indices are kept on the GPU too; needs RendererOptions::morph.
-    [[nodiscard]] std::string upload(const CutMesh& mesh);
+    // The same for the live cut, whose indices are kept on the GPU too; needs RendererOptions::morph. changes: of
+    // take_changes(), after one update or several.
+    [[nodiscard]] std::string upload(const CutMesh& mesh, const CutChanges& changes);
     // Carries out the stream's map_commands(), each once and in order: copies within the GPU, and blocks.
     [[nodiscard]] std::string upload(std::span<const MapCommand> commands);
     // What Mode::error compares with; copied, 4 bytes a sample. Of a grid with a step above 1 places that are drawn as
@@ -119,14 +120,15 @@ public:
     // How tiles are drawn from now on: the stream's tile_maps() of each kind, one a tile; empty leaves
     // that kind as it is. Copied. Before it is called nothing of a streamed map shows.
     [[nodiscard]] std::string show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal);
-    // Makes the next upload a whole one: call it after rebuild_cut(), or when updates were not uploaded.
+    // Makes the next upload a whole one: faster after rebuild_cut(), and needed when changes were taken and not
+    // uploaded.
     void invalidate();
 
     // view.width_px and height_px give the aspect; the picture fills the target.
     [[nodiscard]] std::string draw(const MeshView& mesh, const View& view, const DrawOptions& options,
                                    const Target& target);
-    [[nodiscard]] std::string draw(const CutMesh& mesh, const View& view, const DrawOptions& options,
-                                   const Target& target);
+    [[nodiscard]] std::string draw(const CutMesh& mesh, const CutChanges& changes, const View& view,
+                                   const DrawOptions& options, const Target& target);
     // Without the upload, for hosts that called it after the update. Indices of a mesh that is not a CutMesh's are
     // uploaded all the same.
     [[nodiscard]] std::string draw_uploaded(const MeshView& mesh, const View& view, const DrawOptions& options,

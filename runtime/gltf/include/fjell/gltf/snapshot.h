@@ -34,7 +34,7 @@ namespace fjell::gltf {
 
 // What the mesh is a picture of, from the method's report.
 struct SnapshotInfo {
-    View view;                     // lambda_px is taken to be height_px / (2 tan(fov_y / 2)), as make_view has it
+    View view;                     // as make_view() makes them: glTF's cameras look at the picture's middle
     double error_px = 1;           // requested, > 0
     double error_px_effective = 1; // what the budgets allowed
     bool converged = false;        // effective == requested
