@@ -83,8 +83,9 @@ TEST_CASE("48 hours of 60 Hz time and 30 days of Unix time behave like the first
         for (int round = 0; round < rounds_flown; ++round) {
             View view = random_view(random, terrain); // a jump
             settings.morph_s = round % 3 ? 0.25 : 0.1;
-            const double step_m = 0.2 * terrain.spacing_x_m;
-            const auto page = static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.pages_per_tile) - 1));
+            const double step_m = 0.2 * terrain.spacing_x_m();
+            const auto page =
+                static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.pages_per_tile()) - 1));
             for (int frame = 0; frame < frames_a_round; ++frame) {
                 view = moved(random, view, step_m);
                 settings.items = frame % 4 ? 60 : unlimited_items;
@@ -92,7 +93,7 @@ TEST_CASE("48 hours of 60 Hz time and 30 days of Unix time behave like the first
                     settings.now_s = host.begins_s(round) + frame / 60.0;
                     bool released = false;
                     if (frame == 10) REQUIRE(release_page(host.cut.cut, 0, page, released).ok()); // morphs out
-                    if (frame == 30) cancel_release(host.cut.cut, 0, page);
+                    if (frame == 30) (void)cancel_release(host.cut.cut, 0, page);
                     host.update(view, settings);
                     CAPTURE(host.name, round, frame, static_cast<int>(morph));
                     REQUIRE(difference(terrain, hosts[0], host) == "");

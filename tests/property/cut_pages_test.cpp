@@ -156,7 +156,7 @@ TEST_CASE(
         std::vector<Page> evicting;
         CutReport report;
         for (int frame = 0; frame < 24; ++frame) {
-            evicting.push_back({any(pack.terrain.tile_count()), any(pack.terrain.pages_per_tile)});
+            evicting.push_back({any(pack.terrain.tile_count()), any(pack.terrain.pages_per_tile())});
             bool released = false;
             REQUIRE(release_page(cut.cut, evicting.back().tile, evicting.back().page, released).ok());
             if (pick(random, 0, 3) == 0) view = random_view(random, pack.terrain);
@@ -167,7 +167,7 @@ TEST_CASE(
         // At rest, with few items: what is left over when the last vertex has morphed must be tried all the same.
         for (int frame = 0; frame < 90; ++frame) {
             if (frame > 30 && !evicting.empty()) {
-                cancel_release(cut.cut, evicting.back().tile, evicting.back().page);
+                (void)cancel_release(cut.cut, evicting.back().tile, evicting.back().page);
                 evicting.pop_back();
             }
             settings.items = static_cast<std::uint32_t>(pick(random, 1, frame < 60 ? 300 : 6));

@@ -149,8 +149,8 @@ private:
         switch (pick(random_, 0, 5)) {
         case 0: view.eye_m = odd_vector(random_); break;
         case 1: view.forward = odd_vector(random_); break;
-        case 2: view.fov_y_rad = odd_number(random_); break;
-        case 3: view.lambda_px = odd_number(random_); break;
+        case 2: view.top = odd_number(random_); break;
+        case 3: view.left = odd_number(random_); break;
         default: break;
         }
         return view;
@@ -398,6 +398,7 @@ TEST_CASE("a handle is refused once its object is destroyed, also when another o
     CHECK(destroy_terrain(moved).code == Code::invalid_handle);
     CHECK(update_cut(cut, {&view, 1}, {}, report).code == Code::invalid_handle);
     CHECK(cut_mesh(cut).mesh.vertices.empty());
+    CHECK(take_changes(cut).vertex_words.empty());
     Terrain second;
     REQUIRE(load_terrain(pack.pack, span_of(memory), second).ok());
     CHECK(!moved.valid());

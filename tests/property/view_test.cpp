@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "pack/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/rounds.h"
 
@@ -70,7 +71,7 @@ TEST_CASE("however wide a view is, no tile that it sees is left out") {
         const Terrain& terrain = pack.terrain;
         View view = random_view(random, terrain);
         const double fov = uniform(random, 0.2, 3.05);
-        view = make_view(view.eye_m, view.forward, view.up, fov, 1280, 720, terrain.spacing_x_m * 0.01, 1e8);
+        view = make_view(view.eye_m, view.forward, view.up, fov, 1280, 720, terrain.spacing_x_m() * 0.01, 1e8);
         if (round % 2) view.left = uniform(random, -9, 0.9) * view.right, view.bottom *= uniform(random, -0.9, 9);
         REQUIRE(validate(view).ok());
         Cut cut(terrain, ample_cut(terrain));
@@ -79,14 +80,14 @@ TEST_CASE("however wide a view is, no tile that it sees is left out") {
         (void)cut.update({&view, 1}, settings);
         const auto drawn = drawn_tiles(cut);
         const Vec3 right = cross(view.forward, view.up);
-        for (std::int32_t y = 0; y < terrain.tree.rows(); ++y)
-            for (std::int32_t x = 0; x < terrain.tree.columns(); ++x) {
-                const double height_m = static_cast<double>(terrain.height_m(Coord{x, y}));
+        for (std::int32_t y = 0; y < data_of(terrain).tree.rows(); ++y)
+            for (std::int32_t x = 0; x < data_of(terrain).tree.columns(); ++x) {
+                const double height_m = static_cast<double>(data_of(terrain).height_m(Coord{x, y}));
                 const Vec3 p = Vec3{terrain.x_m(x), height_m, terrain.z_m(y)} - view.eye_m;
                 const double ahead = dot(p, view.forward), u = dot(p, right), v = dot(p, view.up);
                 if (ahead < view.near_m || u < view.left * ahead || u > view.right * ahead) continue;
                 if (v < view.bottom * ahead || v > view.top * ahead) continue;
-                const auto tile = static_cast<std::uint32_t>(y / 8) * terrain.header.tiles_x + x / 8u;
+                const auto tile = static_cast<std::uint32_t>(y / 8) * terrain.header().tiles_x + x / 8u;
                 if (x % 8 == 0 || y % 8 == 0) continue; // of two tiles
                 CAPTURE(round, x, y, fov);
                 REQUIRE(drawn.count(tile) == 1);

@@ -302,7 +302,9 @@ CutMesh cut_mesh(LiveCut cut) {
 }
 
 CutChanges take_changes(LiveCut cut) {
-    CutState& s = *cut.state;
+    CutState* const found = find_cut(cut);
+    if (found == nullptr) return {};
+    CutState& s = *found;
     if (s.dirty_taken) return {};
     const bool earlier = !s.untaken_taken && s.untaken_vertices.word_count + s.untaken_triangles.word_count != 0;
     if (earlier) {
