@@ -4,6 +4,7 @@
 
 #include "baker/place/projection.h"
 #include "source_check.h"
+#include "support/rounds.h"
 
 using namespace fjell::baker;
 using namespace fjell::test;
@@ -112,6 +113,8 @@ TEST_CASE("a polar cap is complete: no hole at the pole, none along the seam") {
                              {0.05, 90, 0.1, 3600, 151},
                              {-179.95, -79.95, 0.1, 3600, 101},
                              {0.05, -60.05, 0.1, 3600, 300},
-                             {-90, 89.95, 0.1, 1800, 100}}) // half a cap
+                             {-90, 89.95, 0.1, 1800, 100}}) { // half a cap
+        if (!full_rounds() && f.west == 0.05) continue;       // shifted by half a pixel alone
         check(read_dem(written(f, dir / "a.tif"), {}), f);
+    }
 }
