@@ -48,10 +48,6 @@ struct Reach {
     }
 };
 
-double linear(double code) {
-    const double c = code / 255;
-    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
 double srgb(double light) {
     return 255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055);
 }

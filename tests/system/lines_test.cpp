@@ -12,13 +12,6 @@ using namespace pictures;
 
 namespace {
 
-baker::Dem line_mountains(int samples) {
-    const std::string n = std::to_string(samples);
-    return baker::synthesise_text(
-        R"({"columns": )" + n + R"(, "rows": )" + n +
-        R"(, "spacing_m": 30, "seed": 7, "base_m": 0, "relief_m": 2500, "feature_m": 12000})");
-}
-
 constexpr gl::Rgba8 red{255, 0, 0, 255};
 
 struct Drawer {
@@ -101,7 +94,7 @@ void check(const Picture& plain, const gl::Image& drawn, const Seen& at, bool ot
 
 TEST_CASE("a line is drawn where it is nearer than the terrain and nowhere else, from behind the eye too",
           "[picture]") {
-    Scene scene(line_mountains(513), 7);
+    Scene scene(mountains(513), 7);
     Drawer drawer(scene);
     std::mt19937 random(5);
     Checked result;
@@ -172,7 +165,7 @@ TEST_CASE("a line is drawn where it is nearer than the terrain and nowhere else,
 }
 
 TEST_CASE("what a mountain hides of a line is dimmed and dashed when asked for", "[picture]") {
-    Scene scene(line_mountains(513), 7);
+    Scene scene(mountains(513), 7);
     Drawer drawer(scene);
     const View view = scene.camera(0.5, 0.9, 150, 0, -10);
     const MeshView mesh = scene.refined(view, 4);
@@ -201,7 +194,7 @@ TEST_CASE("what a mountain hides of a line is dimmed and dashed when asked for",
 }
 
 TEST_CASE("a ball is three great circles where they are expected", "[picture]") {
-    Scene scene(line_mountains(513), 7);
+    Scene scene(mountains(513), 7);
     Drawer drawer(scene);
     std::mt19937 random(6);
     Checked result;
@@ -305,7 +298,7 @@ TEST_CASE("the edges of a view lie on its frustum's planes", "[picture]") {
 }
 
 TEST_CASE("more lines or balls than there is room for are refused with the number to raise", "[picture]") {
-    Scene scene(line_mountains(129), 5);
+    Scene scene(mountains(129), 5);
     Drawer drawer(scene, {.lines = 12, .balls = 1});
     View view = scene.camera(0.5, 0.9, 150, 0, -10);
     const MeshView mesh = scene.refined(view, 4);

@@ -113,11 +113,6 @@ int largest_step(const gl::Image& a, const gl::Image& b) {
     return most;
 }
 
-double linear_of(double code) {
-    const double c = std::clamp(code, 0.0, 255.0) / 255;
-    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
-
 // Looks straight down on the middle of the terrain, so that `across_m` fill the picture's height.
 View map_from_above(const Scene& scene, double across_m) {
     View view = scene.camera(0.5, 0.5, across_m / (2 * std::tan(pi / 8)), 0, -90);
@@ -248,8 +243,8 @@ TEST_CASE("a mip fades in without a jump", "[picture]") {
         const double share = 2 / std::log(2.0) / steps + 2.0 / 256;
         std::vector<double> light(256), half(256); // of a code, and of half a code there
         for (int code = 0; code < 256; ++code) {
-            light[static_cast<std::size_t>(code)] = linear_of(code);
-            half[static_cast<std::size_t>(code)] = (linear_of(code + 0.5) - linear_of(code - 0.5)) / 2;
+            light[static_cast<std::size_t>(code)] = linear(code);
+            half[static_cast<std::size_t>(code)] = (linear(code + 0.5) - linear(code - 0.5)) / 2;
         }
         gl::Image before = coarse;
         double worst = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <type_traits>
@@ -26,6 +27,20 @@ using namespace fjell;
 constexpr double pi = 3.14159265358979323846;
 // What software draws takes its time a pixel; what is asserted holds at any size.
 inline const auto width_px = test::rounds<std::uint32_t>(640, 1280), height_px = test::rounds<std::uint32_t>(480, 960);
+
+// Ridges and valleys, samples x samples, 30 m apart.
+inline baker::Dem mountains(int samples) {
+    const std::string n = std::to_string(samples);
+    return baker::synthesise_text(
+        R"({"columns": )" + n + R"(, "rows": )" + n +
+        R"(, "spacing_m": 30, "seed": 7, "base_m": 0, "relief_m": 2500, "feature_m": 12000})");
+}
+
+// The light of an sRGB code, 0 to 1; codes may lie between two.
+[[nodiscard]] inline double linear(double code) {
+    const double c = std::clamp(code, 0.0, 255.0) / 255;
+    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+}
 
 // A mesh whose spans it owns itself.
 struct OwnMesh {

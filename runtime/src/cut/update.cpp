@@ -276,8 +276,10 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         break;
     }
     r.error_px_effective = s.governor.effective_px;
-    if (complete) mark_all(s, written); // otherwise refine() has marked what it wrote
-    for (std::uint32_t slot = 0; !complete && slot < written; ++slot) s.dirty_vertices.mark(slot);
+    if (complete)
+        mark_all(s, written);
+    else // refine() has marked what it wrote
+        for (std::uint32_t slot = 0; slot < written; ++slot) s.dirty_vertices.mark(slot);
     r.activations = s.budget.vertices - free_vertices(s) - corner_slots(s);
     r.items = r.evaluations + r.activations;
     const auto built = Clock::now();
