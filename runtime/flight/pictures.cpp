@@ -74,12 +74,13 @@ std::string upload_mesh(gl::Renderer& renderer, const Session& session, const Fr
     if (entry.rebuilt) renderer.invalidate();
     if (session.streamed) {
         const Stream stream = session.streamed->stream();
-        std::string error = renderer.upload(map_commands(stream));
+        std::string error = renderer.upload(stream_map_commands(stream));
         if (error.empty())
-            error = renderer.show_maps(tile_maps(stream, MapKind::colour), tile_maps(stream, MapKind::normal));
+            error = renderer.show_maps(stream_tile_maps(stream, MapKind::colour),
+                                       stream_tile_maps(stream, MapKind::normal));
         if (!error.empty()) return error;
     }
-    return session.incremental() ? renderer.upload(cut_mesh(session.cut), take_changes(session.cut))
+    return session.incremental() ? renderer.upload(cut_mesh(session.cut), cut_take_changes(session.cut))
                                  : renderer.upload(session.mesh());
 }
 

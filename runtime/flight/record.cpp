@@ -170,9 +170,9 @@ Status replay_pages(const Pack& pack, Terrain& terrain, LiveCut cut, const Recor
             if (Status s = load_page(pack, terrain, p.tile, p.page); !s.ok()) return s;
             break;
         case PageEvent::released:
-            if (Status s = release_page(cut, p.tile, p.page, released); !s.ok()) return s;
+            if (Status s = cut_release_page(cut, p.tile, p.page, released); !s.ok()) return s;
             break;
-        case PageEvent::kept: (void)cancel_release(cut, p.tile, p.page); break;
+        case PageEvent::kept: (void)cut_cancel_release(cut, p.tile, p.page); break;
         case PageEvent::removed: (void)unload_page(terrain, p.tile, p.page); break;
         }
     }

@@ -224,7 +224,7 @@ FrameEntry update_frame(Session& session, const View& view, const Profile& profi
             RecordedFrame frame = recorded(views, settings, report, cut_mesh(session.cut).mesh);
             frame.missing_px = session.terrain().missing_px();
             if (session.streamed) {
-                const auto pages = page_arrivals(session.streamed->stream());
+                const auto pages = stream_page_arrivals(session.streamed->stream());
                 frame.pages.assign(pages.begin(), pages.end());
             }
             session.recording->frames.push_back(std::move(frame));

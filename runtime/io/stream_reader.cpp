@@ -23,10 +23,10 @@ StreamReader::StreamReader(Stream stream, Read read, const StreamReaderOptions& 
 void StreamReader::run(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
         StreamRequest request;
-        if (!next_request(stream_, request)) {
+        if (!stream_next_request(stream_, request)) {
             std::this_thread::sleep_for(idle_sleep);
-        } else if (!still_wanted(stream_, request.ticket)) {
-            (void)fail(stream_, request.ticket, true);
+        } else if (!stream_still_wanted(stream_, request.ticket)) {
+            (void)stream_fail(stream_, request.ticket, true);
             ++unwanted_;
         } else {
             serve(request, stop);
@@ -46,7 +46,7 @@ void StreamReader::serve(const StreamRequest& request, const std::stop_token& st
         ready = line_free_;
     }
     if (!wait_until(ready, stop)) {
-        (void)fail(stream_, request.ticket, true);
+        (void)stream_fail(stream_, request.ticket, true);
         return;
     }
     if (bytes_.size() < request.bytes) bytes_.resize(request.bytes);
@@ -55,12 +55,12 @@ void StreamReader::serve(const StreamRequest& request, const std::stop_token& st
     const auto read = Clock::now();
     read_ns_ += nanoseconds(read - start);
     if (error != 0) {
-        (void)fail(stream_, request.ticket);
+        (void)stream_fail(stream_, request.ticket);
         last_error_ = error;
         ++errors_;
         return;
     }
-    const Status status = provide(stream_, request.ticket, to);
+    const Status status = stream_provide(stream_, request.ticket, to);
     provide_ns_ += nanoseconds(Clock::now() - read);
     ++reads_;
     read_bytes_ += request.bytes;

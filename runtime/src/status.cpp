@@ -19,7 +19,8 @@ const char* message(Code code) {
     case Code::out_of_slots: return "every page slot is taken; unload a page, or raise TerrainBudget::page_slots";
     case Code::coarser_page_first: return "a page of a coarser step over this one is not loaded; load that one first";
     case Code::not_supported: return "this method cannot read such a pack";
-    case Code::unreadable: return "the file could not be read there; check the disk, then ask again (retry_failed)";
+    case Code::unreadable:
+        return "the file could not be read there; check the disk, then ask again (stream_retry_failed)";
     case Code::invalid_handle: return "the handle is empty or its object is destroyed; create it first";
     case Code::wrong_pack: return "the terrain was made from another pack; pass that one";
     case Code::wrong_terrain: return "the cut is of another terrain; pass a cut of this one";

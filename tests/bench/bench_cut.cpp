@@ -136,7 +136,7 @@ Flight fly_cut(const Terrain& terrain, const std::vector<View>& views, const Cut
         f.uploaded +=
             report.vertices_changed * (sizeof(MeshVertex) + sizeof(MorphVertex)) + report.triangles_changed * 12.0;
         f.converged += report.converged;
-        (void)take_changes(cut);
+        (void)cut_take_changes(cut);
     }
     const auto n = static_cast<double>(views.size());
     for (double* sum : {&f.vertices, &f.triangles, &f.drawn, &f.changes, &f.evaluations, &f.uploaded, &f.converged})

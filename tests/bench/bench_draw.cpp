@@ -75,13 +75,13 @@ void draw(benchmark::State& state, double error_px, std::uint32_t width, std::ui
     View now = view();
     (void)rebuild_cut(cut, {&now, 1}, settings, report);
     double drawn = 0, uploaded = 0;
-    require(renderer->draw(cut_mesh(cut), take_changes(cut), now, {}, *target)); // uploads all
+    require(renderer->draw(cut_mesh(cut), cut_take_changes(cut), now, {}, *target)); // uploads all
     glFinish();
     for (auto _ : state) {
         eye = eye + Vec3{0.8, 0, -0.6} * 15.0; // a quarter of a cell
         now = view();
         (void)update_cut(cut, {&now, 1}, settings, report);
-        require(renderer->draw(cut_mesh(cut), take_changes(cut), now, {}, *target));
+        require(renderer->draw(cut_mesh(cut), cut_take_changes(cut), now, {}, *target));
         glFinish();
         drawn += report.triangles_drawn;
         uploaded += static_cast<double>(renderer->stats().bytes_uploaded);

@@ -70,7 +70,7 @@ void frame(benchmark::State& state, double cells, bool rests = false) {
             prepare_us.push_back(report.prepare_us);
             pages += stream.pages_inserted;
             converged += stream.converged;
-            for (const PageArrival& a : page_arrivals(e.stream)) removed += a.event == PageEvent::removed;
+            for (const PageArrival& a : stream_page_arrivals(e.stream)) removed += a.event == PageEvent::removed;
             e.serve(64);
         }
         state.counters["converged"] = converged / frames;

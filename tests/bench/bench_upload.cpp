@@ -172,7 +172,7 @@ void fly(benchmark::State& state, Way way, double cells, bool finished) {
             const View view = make_view({x, 2500, z}, {0.8, -0.15, -0.6}, {0, 1, 0}, 0.785, 1280, 960, 10, 3e5);
             if (!(frame == 0 ? rebuild_cut : update_cut)(cut, {&view, 1}, settings, report).ok()) stop("no update");
             const CutMesh mesh = cut_mesh(cut);
-            const CutChanges changes = take_changes(cut);
+            const CutChanges changes = cut_take_changes(cut);
             if (finished) glFinish();
             const auto start = Clock::now();
             if (frame == 0)

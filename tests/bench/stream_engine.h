@@ -89,8 +89,8 @@ struct Engine {
     }
     void serve(std::uint32_t most) {
         StreamRequest r;
-        for (std::uint32_t n = 0; n < most && next_request(stream, r); ++n)
-            (void)provide(stream, r.ticket, pack.pack.bytes.subspan(r.offset, r.bytes));
+        for (std::uint32_t n = 0; n < most && stream_next_request(stream, r); ++n)
+            (void)stream_provide(stream, r.ticket, pack.pack.bytes.subspan(r.offset, r.bytes));
     }
 };
 

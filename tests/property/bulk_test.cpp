@@ -56,7 +56,7 @@ TEST_CASE("a host that copies only what was written has the mesh, from the first
             settings.items = pick(random, 0, 1) ? unlimited_items : 200;
             pick(random, 0, 3) == 0 ? cut.rebuild({&view, 1}, settings) : cut.update({&view, 1}, settings);
             const CutMesh live = cut_mesh(cut.cut);
-            const CutChanges changes = take_changes(cut.cut);
+            const CutChanges changes = cut_take_changes(cut.cut);
             for_each_run(changes.vertex_bits, changes.vertex_words, [&](std::uint32_t first, std::uint32_t count) {
                 for (std::uint32_t i = first; i < first + count; ++i) {
                     REQUIRE(i < budget.vertices);

@@ -1,4 +1,4 @@
-// What take_changes() gives: everything that was written since it was last called.
+// What cut_take_changes() gives: everything that was written since it was last called.
 #include <catch2/catch.hpp>
 
 #include <cstring>
@@ -25,7 +25,7 @@ struct Renderer {
 
     void upload() {
         const CutMesh live = cut_mesh(cut.cut);
-        const CutChanges changes = take_changes(cut.cut);
+        const CutChanges changes = cut_take_changes(cut.cut);
         for_each_run(changes.vertex_bits, changes.vertex_words, [&](std::uint32_t first, std::uint32_t count) {
             std::copy_n(live.mesh.vertices.begin() + first, count, vertices.begin() + first);
             std::copy_n(live.morph.begin() + first, count, morph.begin() + first);
@@ -97,7 +97,7 @@ TEST_CASE("what was taken is not given twice") {
     const View view = view_from_above(pack.terrain, 1);
     const auto taken = [&] {
         std::uint32_t slots = 0;
-        const CutChanges changes = take_changes(cut.cut);
+        const CutChanges changes = cut_take_changes(cut.cut);
         for_each_run(changes.vertex_bits, changes.vertex_words, [&](std::uint32_t, std::uint32_t n) { slots += n; });
         for_each_run(changes.triangle_bits, changes.triangle_words,
                      [&](std::uint32_t, std::uint32_t n) { slots += n; });

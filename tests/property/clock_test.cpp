@@ -27,7 +27,7 @@ struct Host {
     void update(const View& view, const CutSettings& settings) {
         report = cut.update({&view, 1}, settings);
         const CutMesh mesh = cut_mesh(cut.cut);
-        const CutChanges changes = take_changes(cut.cut);
+        const CutChanges changes = cut_take_changes(cut.cut);
         for_each_run(changes.vertex_bits, changes.vertex_words, [&](std::uint32_t first, std::uint32_t count) {
             std::copy_n(mesh.morph.begin() + first, count, copy.begin() + first);
         });
@@ -92,8 +92,8 @@ TEST_CASE("48 hours of 60 Hz time and 30 days of Unix time behave like the first
                 for (Host& host : hosts) {
                     settings.now_s = host.begins_s(round) + frame / 60.0;
                     bool released = false;
-                    if (frame == 10) REQUIRE(release_page(host.cut.cut, 0, page, released).ok()); // morphs out
-                    if (frame == 30) (void)cancel_release(host.cut.cut, 0, page);
+                    if (frame == 10) REQUIRE(cut_release_page(host.cut.cut, 0, page, released).ok()); // morphs out
+                    if (frame == 30) (void)cut_cancel_release(host.cut.cut, 0, page);
                     host.update(view, settings);
                     CAPTURE(host.name, round, frame, static_cast<int>(morph));
                     REQUIRE(difference(terrain, hosts[0], host) == "");

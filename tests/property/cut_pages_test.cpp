@@ -61,11 +61,11 @@ struct Host {
         if (pick(random, 0, 9) == 0) load_all();
         collect();
     }
-    // Calls release_page() for every page in eviction, and unloads those that are released.
+    // Calls cut_release_page() for every page in eviction, and unloads those that are released.
     void collect() {
         std::erase_if(evicting, [&](Page p) {
             bool free = false;
-            REQUIRE(release_page(cut.cut, p.tile, p.page, free).ok());
+            REQUIRE(cut_release_page(cut.cut, p.tile, p.page, free).ok());
             if (!free) return false;
             (void)unload_page(terrain, p.tile, p.page);
             ++released;
@@ -158,7 +158,7 @@ TEST_CASE(
         for (int frame = 0; frame < 24; ++frame) {
             evicting.push_back({any(pack.terrain.tile_count()), any(pack.terrain.pages_per_tile())});
             bool released = false;
-            REQUIRE(release_page(cut.cut, evicting.back().tile, evicting.back().page, released).ok());
+            REQUIRE(cut_release_page(cut.cut, evicting.back().tile, evicting.back().page, released).ok());
             if (pick(random, 0, 3) == 0) view = random_view(random, pack.terrain);
             settings.items = static_cast<std::uint32_t>(pick(random, 0, 30));
             settings.now_s += 1.0 / 60;
@@ -167,7 +167,7 @@ TEST_CASE(
         // At rest, with few items: what is left over when the last vertex has morphed must be tried all the same.
         for (int frame = 0; frame < 90; ++frame) {
             if (frame > 30 && !evicting.empty()) {
-                (void)cancel_release(cut.cut, evicting.back().tile, evicting.back().page);
+                (void)cut_cancel_release(cut.cut, evicting.back().tile, evicting.back().page);
                 evicting.pop_back();
             }
             settings.items = static_cast<std::uint32_t>(pick(random, 1, frame < 60 ? 300 : 6));
@@ -209,7 +209,7 @@ TEST_CASE("a page is released step by step, each a whole mesh, and nothing of it
         bool released = false;
         int frames = 0;
         for (; !released && frames < 5000; ++frames) {
-            REQUIRE(release_page(cut.cut, p.tile, p.page, released).ok());
+            REQUIRE(cut_release_page(cut.cut, p.tile, p.page, released).ok());
             view = moved(random, view, 1e-3 * paged.terrain.spacing_x_m());
             const CutReport report = cut.update({&view, 1}, settings);
             CAPTURE(round, frames);
@@ -228,7 +228,7 @@ TEST_CASE("a page is released step by step, each a whole mesh, and nothing of it
     }
 }
 
-// What release_page() began ends when its page goes, also when update_cut() did not see it gone.
+// What cut_release_page() began ends when its page goes, also when update_cut() did not see it gone.
 TEST_CASE("a page that went and came back between two frames is drawn again") {
     Random random(124);
     const auto pack = rich_terrain(random, 65, 5);
@@ -241,9 +241,9 @@ TEST_CASE("a page that went and came back between two frames is drawn again") {
     settings.error_px = 0.1;
     (void)settle(cut, {&view, 1}, settings);
     bool released = false;
-    REQUIRE(release_page(cut.cut, 0, 0, released).ok());
+    REQUIRE(cut_release_page(cut.cut, 0, 0, released).ok());
     (void)cut.update({&view, 1}, settings);
-    REQUIRE(release_page(cut.cut, 0, 0, released).ok());
+    REQUIRE(cut_release_page(cut.cut, 0, 0, released).ok());
     REQUIRE(released);
     (void)unload_page(paged.terrain, 0, 0);
     REQUIRE(load_page(pack.pack, paged.terrain, 0, 0).ok()); // into the same slot, most likely
@@ -265,9 +265,9 @@ TEST_CASE("a bulk pass does not forget which pages are being evicted") {
     settings.error_px = 0.1;
     (void)settle(cut, {&view, 1}, settings);
     bool released = false;
-    REQUIRE(release_page(cut.cut, 0, 0, released).ok());
+    REQUIRE(cut_release_page(cut.cut, 0, 0, released).ok());
     (void)cut.update({&view, 1}, settings);
-    REQUIRE(release_page(cut.cut, 0, 0, released).ok());
+    REQUIRE(cut_release_page(cut.cut, 0, 0, released).ok());
     REQUIRE(released);
     (void)cut.rebuild({&view, 1}, settings);
     // The host was told that it may unload: nothing of the page may be active.
@@ -281,8 +281,8 @@ TEST_CASE("a page that is not loaded is released at once, one that does not exis
     PagedTerrain paged(pack.pack, {});
     Cut cut(paged.terrain, ample_cut(pack.terrain));
     bool released = false;
-    REQUIRE(release_page(cut.cut, 0, 0, released).ok());
+    REQUIRE(cut_release_page(cut.cut, 0, 0, released).ok());
     REQUIRE(released);
-    REQUIRE(release_page(cut.cut, pack.terrain.tile_count(), 0, released).code == Code::out_of_range);
-    REQUIRE(release_page(cut.cut, 0, pack.terrain.pages_per_tile(), released).code == Code::out_of_range);
+    REQUIRE(cut_release_page(cut.cut, pack.terrain.tile_count(), 0, released).code == Code::out_of_range);
+    REQUIRE(cut_release_page(cut.cut, 0, pack.terrain.pages_per_tile(), released).code == Code::out_of_range);
 }

@@ -225,8 +225,8 @@ private:
         count(pick(random_, 0, 5) == 0 ? rebuild_cut(cut, some, any_settings(), report)
                                        : update_cut(cut, some, any_settings(), report));
         bool released = false;
-        count(release_page(cut, odd_index(random_), odd_index(random_), released));
-        count(cancel_release(cut, odd_index(random_), odd_index(random_)));
+        count(cut_release_page(cut, odd_index(random_), odd_index(random_), released));
+        count(cut_cancel_release(cut, odd_index(random_), odd_index(random_)));
     }
     void mesh() {
         const LiveCut cut = any(cuts_);
@@ -247,24 +247,24 @@ private:
         StreamReport report;
         count(update_stream(stream, {&view, static_cast<std::size_t>(pick(random_, 0, 1))}, any_settings(), settings,
                             report));
-        count(retry_failed(stream));
-        sum_ += static_cast<double>(stream_failures(stream).size() + page_arrivals(stream).size() +
-                                    map_commands(stream).size());
+        count(stream_retry_failed(stream));
+        sum_ += static_cast<double>(stream_failures(stream).size() + stream_page_arrivals(stream).size() +
+                                    stream_map_commands(stream).size());
     }
     void requests() {
         const Stream stream = any(streams_);
         StreamRequest request;
-        const bool got = next_request(stream, request);
+        const bool got = stream_next_request(stream, request);
         REQUIRE((!got || request.bytes != 0));
         const std::uint32_t ticket = got && pick(random_, 0, 3) ? request.ticket : odd_index(random_);
-        sum_ += still_wanted(stream, ticket) ? 1 : 0;
+        sum_ += stream_still_wanted(stream, ticket) ? 1 : 0;
         const std::span<const std::byte> file = packs_[pick(random_, 0, 1)].file;
         const std::size_t from = std::min<std::size_t>(got ? request.offset : odd_index(random_), file.size());
         const std::size_t bytes = std::min<std::size_t>(got ? request.bytes : odd_index(random_), file.size() - from);
         if (pick(random_, 0, 3))
-            count(provide(stream, ticket, file.subspan(from, pick(random_, 0, 3) ? bytes : bytes / 2)));
+            count(stream_provide(stream, ticket, file.subspan(from, pick(random_, 0, 3) ? bytes : bytes / 2)));
         else
-            count(fail(stream, ticket, pick(random_, 0, 1) != 0));
+            count(stream_fail(stream, ticket, pick(random_, 0, 1) != 0));
     }
     void read_pack() {
         const Pack& pack = any_pack();
@@ -334,7 +334,7 @@ private:
     void lods() {
         const Stream stream = any(streams_);
         const auto kind = static_cast<MapKind>(pick(random_, 0, 255));
-        const std::span<const TileMap> maps = tile_maps(stream, kind);
+        const std::span<const TileMap> maps = stream_tile_maps(stream, kind);
         sum_ += stream_map_layers(stream, kind).tail_log2;
         float out[9];
         count(min_lod_grid(maps, odd_index(random_), odd_index(random_), out));
@@ -398,7 +398,7 @@ TEST_CASE("a handle is refused once its object is destroyed, also when another o
     CHECK(destroy_terrain(moved).code == Code::invalid_handle);
     CHECK(update_cut(cut, {&view, 1}, {}, report).code == Code::invalid_handle);
     CHECK(cut_mesh(cut).mesh.vertices.empty());
-    CHECK(take_changes(cut).vertex_words.empty());
+    CHECK(cut_take_changes(cut).vertex_words.empty());
     Terrain second;
     REQUIRE(load_terrain(pack.pack, span_of(memory), second).ok());
     CHECK(!moved.valid());

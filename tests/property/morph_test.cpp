@@ -247,7 +247,7 @@ TEST_CASE("pages are evicted without a jump when vertices morph, and with one wh
             for (std::uint32_t page = paged.terrain.page_count() - 1; page >= 2; --page) {
                 bool released = false;
                 for (int frame = 0; frame < 5 * frames_a_morph && !released; ++frame) {
-                    REQUIRE(release_page(cut.cut, 0, page, released).ok());
+                    REQUIRE(cut_release_page(cut.cut, 0, page, released).ok());
                     if (released) break;
                     settings.now_s += settings.morph_s / frames_a_morph;
                     settings.items = frame % 3 ? unlimited_items : 200;

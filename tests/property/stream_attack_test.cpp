@@ -41,7 +41,7 @@ int frames_to_rest(Streamed& on, ScriptedClient& client, const View& view, const
         const StreamReport r = on.update({&view, 1}, cut, settings);
         client.follow();
         (void)on.cut.update({&view, 1}, cut);
-        quiet = page_arrivals(on.stream).empty() && r.pages_read == read && r.in_flight == 0 ? quiet + 1 : 0;
+        quiet = stream_page_arrivals(on.stream).empty() && r.pages_read == read && r.in_flight == 0 ? quiet + 1 : 0;
         read = r.pages_read;
         if (quiet == 20) return frame;
     }
@@ -97,30 +97,30 @@ TEST_CASE("answers to what was not requested change nothing: wrong tickets, seco
                 if (std::any_of(client.held.begin(), client.held.end(),
                                 [&](const auto& h) { return h.request.ticket == ticket; }))
                     continue;
-                REQUIRE_FALSE(still_wanted(on.stream, ticket));
-                REQUIRE(provide(on.stream, ticket, bytes_of({1, {}, 1, 0, 512})).code == Code::out_of_range);
-                (void)fail(on.stream, ticket, n % 2 != 0);
+                REQUIRE_FALSE(stream_still_wanted(on.stream, ticket));
+                REQUIRE(stream_provide(on.stream, ticket, bytes_of({1, {}, 1, 0, 512})).code == Code::out_of_range);
+                (void)stream_fail(on.stream, ticket, n % 2 != 0);
                 ++refused;
             }
             for (const StreamRequest& r : old) { // answered before
-                REQUIRE(provide(on.stream, r.ticket, bytes_of(r)).code == Code::out_of_range);
-                (void)fail(on.stream, r.ticket);
+                REQUIRE(stream_provide(on.stream, r.ticket, bytes_of(r)).code == Code::out_of_range);
+                (void)stream_fail(on.stream, r.ticket);
                 ++refused;
             }
             old.clear();
             StreamRequest a, b;
-            if (next_request(on.stream, a)) {
-                if (next_request(on.stream, b)) {
+            if (stream_next_request(on.stream, a)) {
+                if (stream_next_request(on.stream, b)) {
                     // As long as the right one, and another's.
                     std::vector<std::byte> wrong(a.bytes);
                     std::memcpy(wrong.data(), bytes_of(b).data(), std::min(a.bytes, b.bytes));
-                    REQUIRE(provide(on.stream, a.ticket, wrong).code == Code::corrupt);
+                    REQUIRE(stream_provide(on.stream, a.ticket, wrong).code == Code::corrupt);
                     ++crossed;
-                    REQUIRE(provide(on.stream, a.ticket, bytes_of(a)).code == Code::out_of_range); // too late
-                    REQUIRE(provide(on.stream, b.ticket, bytes_of(b)).ok());
+                    REQUIRE(stream_provide(on.stream, a.ticket, bytes_of(a)).code == Code::out_of_range); // too late
+                    REQUIRE(stream_provide(on.stream, b.ticket, bytes_of(b)).ok());
                     old.push_back(b);
                 } else {
-                    (void)fail(on.stream, a.ticket, true);
+                    (void)stream_fail(on.stream, a.ticket, true);
                 }
                 old.push_back(a);
             }
@@ -130,7 +130,7 @@ TEST_CASE("answers to what was not requested change nothing: wrong tickets, seco
             const CutReport report = on.cut.update({&view, 1}, cut);
             REQUIRE(check_stream(on) == "");
             if (frame % 20 == 0) REQUIRE(check_frame(on.cut, pack.terrain, report, cut) == "");
-            if (frame % 50 == 0) (void)retry_failed(on.stream);
+            if (frame % 50 == 0) (void)stream_retry_failed(on.stream);
         }
         REQUIRE(taken_twice == 0);
     }
@@ -422,8 +422,8 @@ TEST_CASE("of more than a frame takes over, the coarsest of every tile come firs
         settings.now_s += 1.0 / 60;
         report = on.update({&view, 1}, cut, settings);
         StreamRequest r;
-        while (next_request(on.stream, r))
-            REQUIRE(provide(on.stream, r.ticket, pack.pack.bytes.subspan(r.offset, r.bytes)).ok());
+        while (stream_next_request(on.stream, r))
+            REQUIRE(stream_provide(on.stream, r.ticket, pack.pack.bytes.subspan(r.offset, r.bytes)).ok());
     }
     CHECK(report.complete);
     CHECK(frame <= most);

@@ -59,7 +59,7 @@ struct Arrays {
     [[nodiscard]] std::string check(Stream stream) const {
         for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
             const MapLayers& s = slots[kind];
-            const auto tiles = tile_maps(stream, static_cast<MapKind>(kind));
+            const auto tiles = stream_tile_maps(stream, static_cast<MapKind>(kind));
             for (std::uint32_t tile = 0; tile < tiles.size(); ++tile) {
                 const TileMap& map = tiles[tile];
                 if (map.side_log2 == 0) continue;
@@ -145,13 +145,13 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
             client.follow();
             (void)on.cut.update({&view, 1}, cut);
             failures += stream_failures(on.stream).size();
-            for (const MapCommand& c : map_commands(on.stream)) REQUIRE(arrays.carry_out(c) == "");
+            for (const MapCommand& c : stream_map_commands(on.stream)) REQUIRE(arrays.carry_out(c) == "");
             REQUIRE(arrays.check(on.stream) == "");
             REQUIRE(report.map_bytes_used <= report.map_bytes_capacity);
             REQUIRE(report.map_bytes_capacity <= budget.map_bytes);
             if (report.mips_uploaded > 1) REQUIRE(report.map_upload_bytes <= settings.map_bytes);
             for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
-                const auto now = tile_maps(on.stream, static_cast<MapKind>(kind));
+                const auto now = stream_tile_maps(on.stream, static_cast<MapKind>(kind));
                 const float most = settings.fade_s > 0 ? static_cast<float>(1.0 / 60 / settings.fade_s) * 1.001f : 1e9f;
                 for (std::size_t i = 0; i < before[kind].size(); ++i)
                     if (before[kind][i].side_log2 != 0)
@@ -171,7 +171,7 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
             if (report.maps_converged)
                 for (std::uint32_t kind = 0; kind < map_kinds; ++kind)
                     for (std::uint32_t tile = 0; tile < pack.terrain.tile_count(); ++tile) {
-                        const TileMap& map = tile_maps(on.stream, static_cast<MapKind>(kind))[tile];
+                        const TileMap& map = stream_tile_maps(on.stream, static_cast<MapKind>(kind))[tile];
                         const MapLayers& slots = arrays.slots[kind];
                         REQUIRE(map.side_log2 >= wanted_log2(on, slots, tile, view, settings.texel_px));
                         REQUIRE(map.min_lod == static_cast<float>(slots.top_log2 - map.side_log2));
@@ -204,11 +204,11 @@ TEST_CASE("no mip is read twice unless its layer was given up in between") {
     for (int frame = 0; frame < 400; ++frame) {
         const View view = random_view(random, pack.terrain);
         StreamRequest r;
-        for (int n = 0; n < 8 && next_request(on.stream, r); ++n) {
+        for (int n = 0; n < 8 && stream_next_request(on.stream, r); ++n) {
             if (r.id.kind != ChunkKind::geometry)
                 for (std::uint32_t mip = 0; mip < r.chunks; ++mip)
                     REQUIRE(read.insert({static_cast<std::uint32_t>(r.id.kind), r.id.tile, r.id.item + mip}).second);
-            REQUIRE(provide(on.stream, r.ticket, pack.pack.bytes.subspan(r.offset, r.bytes)).ok());
+            REQUIRE(stream_provide(on.stream, r.ticket, pack.pack.bytes.subspan(r.offset, r.bytes)).ok());
         }
         (void)on.update({&view, 1}, cut, settings);
         (void)on.cut.update({&view, 1}, cut);

@@ -93,7 +93,7 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
             REQUIRE(check_frame(on.cut, pack.terrain, report, settings) == "");
             REQUIRE(check_promise(on, pack.terrain, views, report, stream, settings) == "");
             REQUIRE(client.read_twice == 0);
-            for (const PageArrival& a : page_arrivals(on.stream)) seen.removed += a.event == PageEvent::removed;
+            for (const PageArrival& a : stream_page_arrivals(on.stream)) seen.removed += a.event == PageEvent::removed;
             seen.cancelled += stream.cancelled;
             seen.failed += stream_failures(on.stream).size();
         }
@@ -109,7 +109,8 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
             stream = on.update(views, settings, stream_settings);
             client.follow();
             report = on.cut.update(views, settings);
-            const bool rests = page_arrivals(on.stream).empty() && stream.pages_read == read && stream.in_flight == 0;
+            const bool rests =
+                stream_page_arrivals(on.stream).empty() && stream.pages_read == read && stream.in_flight == 0;
             quiet = rests ? quiet + 1 : 0;
             read = stream.pages_read;
         }

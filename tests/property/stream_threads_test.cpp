@@ -170,9 +170,9 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     const auto frame = [&] {
         settings.now_s += 1.0 / 60;
         const StreamReport stream = on.update({&view, 1}, cut, settings);
-        for (const PageArrival& a : page_arrivals(on.stream)) seen.removed += a.event == PageEvent::removed;
+        for (const PageArrival& a : stream_page_arrivals(on.stream)) seen.removed += a.event == PageEvent::removed;
         seen.failures += stream_failures(on.stream).size();
-        for (const MapCommand& c : map_commands(on.stream)) { // as a renderer would: all of them
+        for (const MapCommand& c : stream_map_commands(on.stream)) { // as a renderer would: all of them
             for (const std::byte b : c.blocks) bytes_seen += static_cast<std::uint64_t>(b);
             seen.mips += c.upload_mips;
         }
@@ -182,7 +182,7 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     for (int i = 0; i < frames; ++i) {
         if (pick(random, 0, 15) == 0) stop_reader();
         if (!reader && pick(random, 0, 2) == 0) start_reader(true);
-        if (pick(random, 0, 20) == 0) (void)retry_failed(on.stream);
+        if (pick(random, 0, 20) == 0) (void)stream_retry_failed(on.stream);
         if (pick(random, 0, 12) == 0) view = random_view(random, full);
         if (pick(random, 0, 30) == 0)
             askers.reset(), askers.emplace(full, on.paged.terrain, pick(random, 1, 2), random());
@@ -204,13 +204,13 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     start_reader(false);
     cut.items = unlimited_items;
     (void)frame(); // takes over the last failures
-    (void)retry_failed(on.stream);
+    (void)stream_retry_failed(on.stream);
     CutReport report;
     for (int quiet = 0; quiet < 3;) {
         const StreamReport stream = frame();
         report = on.cut.update({&view, 1}, cut);
         const bool still =
-            page_arrivals(on.stream).empty() &&
+            stream_page_arrivals(on.stream).empty() &&
             stream.in_flight + stream.pages_left + stream.mips_left + stream.mips_uploaded + stream.pages_evicting == 0;
         quiet = still ? quiet + 1 : 0;
         if (quiet == 3) {

@@ -50,15 +50,15 @@ void ScriptedClient::act() {
         const StreamRequest& r = h.request;
         std::vector<std::byte> stored(on.pack.bytes.begin() + static_cast<std::ptrdiff_t>(r.offset),
                                       on.pack.bytes.begin() + static_cast<std::ptrdiff_t>(r.offset + r.bytes));
-        if (!still_wanted(on.stream, r.ticket)) {
-            (void)fail(on.stream, r.ticket, true);
+        if (!stream_still_wanted(on.stream, r.ticket)) {
+            (void)stream_fail(on.stream, r.ticket, true);
             ++declined;
             return true;
         }
         double dice = uniform(random, 0, 1);
         const auto falls = [&](double share) { return (dice -= share) < 0; };
         if (falls(script.fails)) {
-            (void)fail(on.stream, r.ticket);
+            (void)stream_fail(on.stream, r.ticket);
             broken.push_back(r.id);
             return true;
         }
@@ -67,14 +67,14 @@ void ScriptedClient::act() {
             stored[static_cast<std::size_t>(pick(random, 0, static_cast<int>(r.bytes) - 1))] ^= std::byte{0x41};
         const bool cut_short = !garbage && falls(script.short_reads);
         if (cut_short) stored.resize(static_cast<std::size_t>(pick(random, 0, static_cast<int>(r.bytes) - 1)));
-        const Status given = provide(on.stream, r.ticket, stored);
+        const Status given = stream_provide(on.stream, r.ticket, stored);
         if (given.ok() != !(garbage || cut_short)) throw std::runtime_error("garbage was taken, or good bytes refused");
         if (!given.ok()) broken.push_back(r.id);
         ++answered;
         return true;
     });
     StreamRequest r;
-    for (int n = pick(random, 0, script.most_taken); n > 0 && next_request(on.stream, r); --n) {
+    for (int n = pick(random, 0, script.most_taken); n > 0 && stream_next_request(on.stream, r); --n) {
         ++taken;
         if (r.id.kind == ChunkKind::geometry) {
             const auto page = std::pair(r.id.tile, r.id.item);
@@ -89,7 +89,7 @@ void ScriptedClient::act() {
 }
 
 void ScriptedClient::follow() {
-    for (const PageArrival& a : page_arrivals(on.stream)) {
+    for (const PageArrival& a : stream_page_arrivals(on.stream)) {
         if (a.event == PageEvent::inserted) there.insert({a.tile, a.page});
         if (a.event == PageEvent::removed) there.erase({a.tile, a.page});
     }

@@ -213,8 +213,8 @@ Seen fly(const io::LoadedPack& pack, std::uint32_t seed, int frames) {
         Status done, asked;
         watched([&] {
             if (leaving != no_index)
-                asked =
-                    release_page(cut, leaving / terrain.pages_per_tile(), leaving % terrain.pages_per_tile(), released);
+                asked = cut_release_page(cut, leaving / terrain.pages_per_tile(), leaving % terrain.pages_per_tile(),
+                                         released);
             done = update_cut(cut, {views, view_count}, settings, report);
             seen.triangles += cut_mesh(cut).mesh.tiles.size();
         });
@@ -278,7 +278,7 @@ SeenStream fly_streamed(const io::LoadedPack& pack, std::uint32_t seed, int fram
         if (frame % 300 == 299) views[0] = random_view(random, terrain);
         if (frame % 700 == 699) views[1] = random_view(random, terrain);
         if (frame % 250 == 0) settings.error_px = std::pow(10.0, uniform(random, -1, 1.5));
-        if (frame % 2000 == 1999) (void)retry_failed(stream);
+        if (frame % 2000 == 1999) (void)stream_retry_failed(stream);
         stream_settings.now_s += 1.0 / 60;
         stream_settings.tests = frame % 200 < 20 ? 5 : 1u << 16;
         stream_settings.map_bytes = frame % 400 < 200 ? 100 : 1u << 20;
@@ -293,13 +293,13 @@ SeenStream fly_streamed(const io::LoadedPack& pack, std::uint32_t seed, int fram
         });
         if (!done.ok() || !cut_done.ok()) throw std::runtime_error(done.field);
         StreamRequest request;
-        for (int n = pick(random, 0, frame % 100 < 50 ? 8 : 2); n > 0 && next_request(stream, request); --n) {
+        for (int n = pick(random, 0, frame % 100 < 50 ? 8 : 2); n > 0 && stream_next_request(stream, request); --n) {
             if (pick(random, 0, 100) == 0)
-                (void)fail(stream, request.ticket);
+                (void)stream_fail(stream, request.ticket);
             else
-                (void)provide(stream, request.ticket, pack.pack.bytes.subspan(request.offset, request.bytes));
+                (void)stream_provide(stream, request.ticket, pack.pack.bytes.subspan(request.offset, request.bytes));
         }
-        for (const PageArrival& a : page_arrivals(stream)) seen.removed += a.event == PageEvent::removed;
+        for (const PageArrival& a : stream_page_arrivals(stream)) seen.removed += a.event == PageEvent::removed;
         seen.pages += report.pages_inserted;
         seen.mips += report.mips_uploaded;
         seen.withdrawn += report.cancelled;

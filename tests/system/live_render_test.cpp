@@ -53,7 +53,7 @@ TEST_CASE("of a live cut only the slots that were written are uploaded, and they
         std::uint64_t expected = 0;
         if (step == 4) { // an update that is not drawn, only uploaded
             const CutReport between = scene.follow(eye(7), 2);
-            REQUIRE(scene.renderer->upload(cut_mesh(scene.cut), take_changes(scene.cut)).empty());
+            REQUIRE(scene.renderer->upload(cut_mesh(scene.cut), cut_take_changes(scene.cut)).empty());
             expected = record_bytes(between.vertices_changed, between.triangles_changed);
         }
         if (step == 5) // updates after which nothing is uploaded: a renderer three frames behind

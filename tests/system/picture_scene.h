@@ -193,7 +193,7 @@ struct Scene {
     Picture draw(const Mesh& mesh, const View& view, const gl::DrawOptions& options = {}) {
         std::string error;
         if constexpr (std::is_same_v<Mesh, CutMesh>)
-            error = renderer->draw(mesh, take_changes(cut), view, options, *target);
+            error = renderer->draw(mesh, cut_take_changes(cut), view, options, *target);
         else
             error = renderer->draw(mesh, view, options, *target);
         INFO(error);

@@ -310,16 +310,16 @@ TEST_CASE("what cannot be drawn is refused with the number to change", "[picture
     scene.make_cut();
     scene.follow(view, 2);
     const CutMesh cut = cut_mesh(scene.cut);
-    CHECK_THAT(small->draw(cut, take_changes(scene.cut), view, {}, *scene.target),
+    CHECK_THAT(small->draw(cut, cut_take_changes(scene.cut), view, {}, *scene.target),
                Catch::Contains("RendererOptions::vertices"));
     gl::RendererOptions slots{.vertices = static_cast<std::uint32_t>(cut.mesh.vertices.size()),
                               .indices = static_cast<std::uint32_t>(cut.mesh.indices.size())};
     const auto few = gl::Renderer::create(scene.loaded.terrain, scene.loaded.pack, slots, error);
     REQUIRE(few);
     REQUIRE(cut.mesh.tiles.size() > scene.loaded.terrain.tile_count());
-    CHECK_THAT(few->draw(cut, take_changes(scene.cut), view, {}, *scene.target),
+    CHECK_THAT(few->draw(cut, cut_take_changes(scene.cut), view, {}, *scene.target),
                Catch::Contains("RendererOptions::ranges"));
-    CHECK_THAT(few->upload(cut, take_changes(scene.cut)), Catch::Contains("RendererOptions::morph"));
+    CHECK_THAT(few->upload(cut, cut_take_changes(scene.cut)), Catch::Contains("RendererOptions::morph"));
     CHECK_THAT(few->draw_uploaded(mesh.view(), view, {}, *scene.target), Catch::Contains("upload()"));
     CHECK_THAT(small->draw(mesh.view(), view, {}, *scene.target), Catch::Contains("RendererOptions::vertices"));
     CHECK_FALSE(gl::Target::create({0, 10, 1}, error));

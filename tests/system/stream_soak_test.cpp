@@ -75,7 +75,7 @@ struct Flown {
         const Status s = update_stream(stream, {&view, 1}, refine, settings, streamed);
         if (!s.ok()) REQUIRE(s.ok());
         for (const StreamFailure& f : stream_failures(stream)) ++failures[{f.id.kind, f.id.tile, f.id.item}];
-        for (const PageArrival& a : page_arrivals(stream)) removed += a.event == PageEvent::removed;
+        for (const PageArrival& a : stream_page_arrivals(stream)) removed += a.event == PageEvent::removed;
         updated = cut.update({&view, 1}, refine);
     }
     [[nodiscard]] std::string check() {
@@ -87,7 +87,7 @@ struct Flown {
         for (int quiet = 0; quiet < 5;) {
             frame();
             const bool still =
-                page_arrivals(stream).empty() &&
+                stream_page_arrivals(stream).empty() &&
                 streamed.in_flight + streamed.pages_left + streamed.mips_left + streamed.mips_uploaded == 0;
             quiet = still ? quiet + 1 : 0;
             if (!still) std::this_thread::sleep_for(std::chrono::microseconds(300));
@@ -242,7 +242,7 @@ TEST_CASE("a file cut short, overwritten or deleted in flight: what is loaded st
         overwrite(path, 0, whole);
         on.rest();
         CHECK(on.streamed.pages_read == read); // not before it is told to
-        (void)retry_failed(on.stream);
+        (void)stream_retry_failed(on.stream);
         on.rest();
         CHECK(on.streamed.converged);
         CHECK(on.updated.converged);
@@ -288,7 +288,7 @@ TEST_CASE("a bit flipped in one page: that page fails, once, and the rest is wha
                 ++elsewhere;
         CHECK(elsewhere == 0);
         overwrite(path, at, std::span(scene.full.file).subspan(at, 1));
-        (void)retry_failed(on.stream);
+        (void)stream_retry_failed(on.stream);
         on.rest();
         CHECK(on.streamed.converged);
         CHECK(on.at_target() == "");

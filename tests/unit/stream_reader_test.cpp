@@ -106,7 +106,7 @@ TEST_CASE("a read that fails is told once, the rest comes, and asked again, all 
     CHECK(scene.on.paged.terrain.pages_missing() > 0);
     CHECK(scene.wrong_pages() == 0);
     failing = false;
-    (void)retry_failed(scene.on.stream);
+    (void)stream_retry_failed(scene.on.stream);
     scene.quiet = 0;
     r = scene.settle();
     CHECK(r.converged);

@@ -131,10 +131,10 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
 // Asks the cut to evict this page: to deactivate all its vertices, so that it can be unloaded. This takes several
 // updates; with morphing some morph_s, because the vertices morph out first. Call again until `released` is true; a
 // page must not be unloaded before. A page that is not loaded is released at once.
-Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released);
+Status cut_release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released);
 
-// Cancels release_page(): the page stays.
-Status cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page);
+// Cancels cut_release_page(): the page stays.
+Status cut_cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page);
 
 inline constexpr float long_active_s = -1e30f; // so long ago that any vertex has reached its height
 // The cut's own clock, of activated_s and MorphFrame::now_s, counts from its first update and starts again at 0 after
@@ -191,7 +191,7 @@ struct CutChanges {
 // uploads them has the buffers of CutMesh, those that are not in use included. Once for all renderers of a cut: one
 // that draws later than others keeps the slots that it has not uploaded. Valid until the next update, rebuild or call.
 // O(words listed).
-[[nodiscard]] CutChanges take_changes(LiveCut cut);
+[[nodiscard]] CutChanges cut_take_changes(LiveCut cut);
 
 // Calls visit(first, count) for every run of written slots.
 template <typename Visit>

@@ -1,14 +1,14 @@
 // Streaming: pages of geometry and mips of maps, loaded and evicted as the views need them.
 //
 // The runtime opens no file. update_stream() decides on the frame's thread what is needed most; a client on another
-// thread (io::StreamReader, an engine's loader, a test) polls next_request(), reads the bytes and passes them to
-// provide(), which checks and decompresses them there. The next update_stream() inserts them. Geometry is loaded page
-// by page, coarse steps first; maps mip by mip. The coarsest page and the smallest mips of every tile are never
+// thread (io::StreamReader, an engine's loader, a test) polls stream_next_request(), reads the bytes and passes them to
+// stream_provide(), which checks and decompresses them there. The next update_stream() inserts them. Geometry is loaded
+// page by page, coarse steps first; maps mip by mip. The coarsest page and the smallest mips of every tile are never
 // evicted. docs/notes/streaming.md draws the states and who owns them.
 //
 // Memory: one piece from the host, stream_bytes() of it; all slots are fixed at creation. Threads: the frame's for
-// update_stream(), retry_failed() and what they return; one client thread at a time for next_request(),
-// still_wanted(), provide() and fail(). Lock-free: neither thread waits for the other.
+// update_stream(), stream_retry_failed() and what they return; one client thread at a time for stream_next_request(),
+// stream_still_wanted(), stream_provide() and stream_fail(). Lock-free: neither thread waits for the other.
 // Complexity of an update: O(pages whose answer the eye's motion may change), bounded by StreamSettings' limits. The
 // order of decisions is fixed, so the same arrivals give the same pages.
 // Failure: a chunk that cannot be read or is damaged is reported once and not requested again; terrain is coarser
@@ -83,8 +83,8 @@ struct StreamFailure {
 // What happened to a page, for recordings: replayed in this order, the events give the same terrain.
 enum class PageEvent : std::uint8_t {
     inserted, // insert_page
-    released, // release_page
-    kept,     // cancel_release
+    released, // cut_release_page
+    kept,     // cut_cancel_release
     removed   // unload_page
 };
 struct PageArrival {
@@ -137,9 +137,9 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
 
 // Of the last update, until the next one.
 [[nodiscard]] std::span<const StreamFailure> stream_failures(Stream stream);
-[[nodiscard]] std::span<const PageArrival> page_arrivals(Stream stream);
+[[nodiscard]] std::span<const PageArrival> stream_page_arrivals(Stream stream);
 // Allows what has failed to be requested again.
-Status retry_failed(Stream stream);
+Status stream_retry_failed(Stream stream);
 
 // --- maps, for the renderer ---
 
@@ -155,7 +155,7 @@ struct MapCommand {
     std::span<const std::byte>
         blocks; // of upload_mips mips, largest first (fjell/texture.h); valid until the next update
 };
-[[nodiscard]] std::span<const MapCommand> map_commands(Stream stream);
+[[nodiscard]] std::span<const MapCommand> stream_map_commands(Stream stream);
 
 // How a tile's map is sampled: from a layer, with no mip finer than min_lod. That counts from the pack's mip 0, changes
 // over time and may lie between two mips. Neighbours blend theirs along the border: min_lod_grid().
@@ -164,7 +164,8 @@ struct TileMap {
     std::uint8_t side_log2 = 0; // 0: nothing is loaded yet
     float min_lod = 0;
 };
-[[nodiscard]] std::span<const TileMap> tile_maps(Stream stream, MapKind kind); // one a tile; empty when there is no map
+[[nodiscard]] std::span<const TileMap> stream_tile_maps(Stream stream,
+                                                        MapKind kind); // one a tile; empty when there is no map
 [[nodiscard]] MapLayers stream_map_layers(Stream stream, MapKind kind);
 
 // The min_lod at a tile's corners, the middles of its sides and its centre, row by row from the north-west: the largest
@@ -181,15 +182,15 @@ struct StreamRequest {
     std::uint64_t offset = 0; // in the file
     std::uint32_t bytes = 0;
 };
-// The request that is wanted most; false: there is none. The client owns it until provide() or fail().
-[[nodiscard]] bool next_request(Stream stream, StreamRequest& request);
-// False: the request was cancelled; answer with fail(ticket, true).
-[[nodiscard]] bool still_wanted(Stream stream, std::uint32_t ticket);
+// The request that is wanted most; false: there is none. The client owns it until stream_provide() or stream_fail().
+[[nodiscard]] bool stream_next_request(Stream stream, StreamRequest& request);
+// False: the request was cancelled; answer with stream_fail(ticket, true).
+[[nodiscard]] bool stream_still_wanted(Stream stream, std::uint32_t ticket);
 // stored: the file's bytes at offset, `bytes` of them; copied. Checks their hash and decompresses. Returns corrupt for
 // damaged bytes; the stream then counts the chunk as failed.
-Status provide(Stream stream, std::uint32_t ticket, std::span<const std::byte> stored);
+Status stream_provide(Stream stream, std::uint32_t ticket, std::span<const std::byte> stored);
 // The bytes could not be read; unwanted: were not read, because the request was cancelled.
-Status fail(Stream stream, std::uint32_t ticket, bool unwanted = false);
+Status stream_fail(Stream stream, std::uint32_t ticket, bool unwanted = false);
 
 } // namespace fjell
 FJELL_API_END

@@ -301,7 +301,7 @@ CutMesh cut_mesh(LiveCut cut) {
     return out;
 }
 
-CutChanges take_changes(LiveCut cut) {
+CutChanges cut_take_changes(LiveCut cut) {
     CutState* const found = find_cut(cut);
     if (found == nullptr) return {};
     CutState& s = *found;

@@ -194,7 +194,7 @@ bool detach_if_changed(CutState& s, std::uint32_t slot) {
     const TerrainData& t = *s.terrain;
     const PageSlot& info = s.page_slot[slot];
     if (info.page == no_index || (info.page == t.slot_page[slot] && info.loads == t.slot_loads[slot])) return true;
-    // The host did not call release_page, or did not wait for it: the vertices must be deactivated all the same.
+    // The host did not call cut_release_page, or did not wait for it: the vertices must be deactivated all the same.
     for (std::uint32_t v = first_active(s, slot); v != no_index; v = first_active(s, slot)) {
         if (deactivate(s, lowest_below(s, v)) == Outcome::done) continue;
         // No segment for triangles that were hidden: then from the coarsest mesh, where all have room.

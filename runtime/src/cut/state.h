@@ -185,7 +185,7 @@ struct CutState {
     bool some_hidden;                              // the terrain has holes or ends inside tiles
     DirtyBits dirty_vertices, dirty_triangles;     // slots written by this update
     DirtyBits untaken_vertices, untaken_triangles; // and by those before, when the host had not taken them
-    bool dirty_taken, untaken_taken;               // by take_changes()
+    bool dirty_taken, untaken_taken;               // by cut_take_changes()
     TileRange* ranges;
     std::uint32_t range_count;
     // The views of the last update, and what follows from them.

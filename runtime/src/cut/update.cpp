@@ -290,7 +290,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     return {};
 }
 
-Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released) {
+Status cut_release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released) {
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
@@ -308,7 +308,7 @@ Status release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& r
     return {};
 }
 
-Status cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
+Status cut_cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;

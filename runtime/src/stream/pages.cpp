@@ -217,7 +217,7 @@ void evict(StreamState& s, std::uint32_t slot) {
     record(s, watch, PageEvent::released);
     bool released = false; // evict_pages() calls again; the cut must be called in the order that is recorded
     const ChunkId id = chunk_of(s, watch);
-    if (s.cut_state) (void)release_page(s.cut, id.tile, id.item, released);
+    if (s.cut_state) (void)cut_release_page(s.cut, id.tile, id.item, released);
     s.states[slot * watches_per_slot] = s.states[watch] = WatchState::evicting;
     s.evicting[s.evicting_count++] = slot;
     test(s, watch);
@@ -239,13 +239,13 @@ void evict_pages(StreamState& s) {
         const ChunkId id = chunk_of(s, watch);
         bool released = s.cut_state == nullptr;
         if ((s.wants[watch] & 1) && free_slots(s) != 0 && !s.contended) { // after all
-            if (s.cut_state) (void)cancel_release(s.cut, id.tile, id.item);
+            if (s.cut_state) (void)cut_cancel_release(s.cut, id.tile, id.item);
             record(s, watch, PageEvent::kept);
             s.states[slot * watches_per_slot] = s.states[watch] = WatchState::loaded;
             test(s, watch);
             s.due[watch] = never;
         } else {
-            if (!released) (void)release_page(s.cut, id.tile, id.item, released);
+            if (!released) (void)cut_release_page(s.cut, id.tile, id.item, released);
             if (!released) {
                 ++i;
                 continue;

@@ -70,7 +70,7 @@ Request* taken(StreamState& s, std::uint32_t ticket) {
 
 } // namespace
 
-bool next_request(Stream stream, StreamRequest& request) {
+bool stream_next_request(Stream stream, StreamRequest& request) {
     StreamState* const found = find_stream(stream);
     if (found == nullptr) return false;
     StreamState& s = *found;
@@ -90,13 +90,13 @@ bool next_request(Stream stream, StreamRequest& request) {
     }
 }
 
-bool still_wanted(Stream stream, std::uint32_t ticket) {
+bool stream_still_wanted(Stream stream, std::uint32_t ticket) {
     StreamState* const s = find_stream(stream);
     const Request* const r = s != nullptr ? taken(*s, ticket) : nullptr;
     return r != nullptr && !r->cancelled.load(std::memory_order_relaxed);
 }
 
-Status provide(Stream stream, std::uint32_t ticket, std::span<const std::byte> stored) {
+Status stream_provide(Stream stream, std::uint32_t ticket, std::span<const std::byte> stored) {
     StreamState* const found = find_stream(stream);
     if (found == nullptr) return no_stream;
     StreamState& s = *found;
@@ -123,7 +123,7 @@ Status provide(Stream stream, std::uint32_t ticket, std::span<const std::byte> s
     return {};
 }
 
-Status fail(Stream stream, std::uint32_t ticket, bool unwanted) {
+Status stream_fail(Stream stream, std::uint32_t ticket, bool unwanted) {
     StreamState* const s = find_stream(stream);
     if (s == nullptr) return no_stream;
     Request* const r = taken(*s, ticket);

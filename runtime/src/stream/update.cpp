@@ -96,12 +96,12 @@ std::span<const StreamFailure> stream_failures(Stream stream) {
     if (s == nullptr) return {};
     return {s->failures, s->failure_count};
 }
-std::span<const PageArrival> page_arrivals(Stream stream) {
+std::span<const PageArrival> stream_page_arrivals(Stream stream) {
     const StreamState* const s = find_stream(stream);
     if (s == nullptr) return {};
     return {s->arrivals, s->arrival_count};
 }
-std::span<const MapCommand> map_commands(Stream stream) {
+std::span<const MapCommand> stream_map_commands(Stream stream) {
     const StreamState* const s = find_stream(stream);
     if (s == nullptr) return {};
     return {s->commands, s->command_count};
@@ -117,7 +117,7 @@ const MapState* map_state(const Stream& stream, MapKind kind) {
 
 } // namespace
 
-std::span<const TileMap> tile_maps(Stream stream, MapKind kind) {
+std::span<const TileMap> stream_tile_maps(Stream stream, MapKind kind) {
     const MapState* const m = map_state(stream, kind);
     if (m == nullptr || m->sizes.top_log2 == 0) return {};
     return {m->shown, data_of(stream).tiles};
@@ -127,7 +127,7 @@ MapLayers stream_map_layers(Stream stream, MapKind kind) {
     return m != nullptr ? m->sizes : MapLayers{};
 }
 
-Status retry_failed(Stream stream) {
+Status stream_retry_failed(Stream stream) {
     StreamState* const found = find_stream(stream);
     if (found == nullptr) return no_stream;
     StreamState& s = *found;

@@ -31,7 +31,7 @@ int draw(const fjell::io::LoadedPack& loaded, const fjell::View& view) {
     if (!fjell::create_cut(loaded.terrain, budget, {memory.get(), bytes}, cut).ok()) return fail("no cut");
     fjell::CutReport report;
     if (!fjell::update_cut(cut, {&view, 1}, {}, report).ok()) return fail("no mesh");
-    error = renderer->draw(fjell::cut_mesh(cut), fjell::take_changes(cut), view, {}, *target);
+    error = renderer->draw(fjell::cut_mesh(cut), fjell::cut_take_changes(cut), view, {}, *target);
     if (!error.empty()) return fail(error);
     std::printf("drawn %u triangles\n", report.triangles_drawn);
     return 0;

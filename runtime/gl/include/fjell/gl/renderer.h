@@ -110,14 +110,14 @@ public:
     // their dirty ranges are lost. Another mesh than last time (by address or size) is uploaded whole.
     [[nodiscard]] std::string upload(const MeshView& mesh);
     // The same for the live cut, whose indices are kept on the GPU too; needs RendererOptions::morph. changes: of
-    // take_changes(), after one update or several.
+    // cut_take_changes(), after one update or several.
     [[nodiscard]] std::string upload(const CutMesh& mesh, const CutChanges& changes);
-    // Carries out the stream's map_commands(), each once and in order: copies within the GPU, and blocks.
+    // Carries out the stream's stream_map_commands(), each once and in order: copies within the GPU, and blocks.
     [[nodiscard]] std::string upload(std::span<const MapCommand> commands);
     // What Mode::error compares with; copied, 4 bytes a sample. Of a grid with a step above 1 places that are drawn as
     // fine stay grey: only what is coarser can be compared. An empty grid frees them.
     [[nodiscard]] std::string set_heights(const HeightGrid& grid);
-    // How tiles are drawn from now on: the stream's tile_maps() of each kind, one a tile; empty leaves
+    // How tiles are drawn from now on: the stream's stream_tile_maps() of each kind, one a tile; empty leaves
     // that kind as it is. Copied. Before it is called nothing of a streamed map shows.
     [[nodiscard]] std::string show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal);
     // Makes the next upload a whole one: faster after rebuild_cut(), and needed when changes were taken and not

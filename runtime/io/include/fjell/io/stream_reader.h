@@ -4,7 +4,8 @@
 // millisecond: the frame's thread could only wake it by entering the kernel.
 // Ownership: stream and read() must outlive the reader. Thread: it is one; counters may be read from any. Destroying it
 // stops it at any moment, whatever it is doing, and joins it: after at most one read that is under way. Every request
-// that it took has been answered by then. Failure: a read that fails is handed to fail() and counted; it goes on.
+// that it took has been answered by then. Failure: a read that fails is handed to stream_fail() and counted; it goes
+// on.
 #pragma once
 
 #include <atomic>
@@ -36,7 +37,7 @@ struct StreamReaderCounters {
     std::uint64_t pages = 0, mips = 0;  // in them
     std::uint64_t unwanted = 0;         // requests that were withdrawn before they were read
     std::uint64_t errors = 0;           // reads that failed
-    std::uint64_t damaged = 0;          // read, but refused by provide()
+    std::uint64_t damaged = 0;          // read, but refused by stream_provide()
     int last_error = 0;                 // errno of the last one that failed
     double read_s = 0;                  // in reads, with what options add
     double provide_s = 0;               // in checking and decompressing
