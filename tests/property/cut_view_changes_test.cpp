@@ -85,6 +85,7 @@ TEST_CASE("views come, go and change places a million times, and the cut stays e
             if (change % stretch != stretch - 1) continue;
             CAPTURE(round, change, views.size(), settings.error_px);
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
+            if (pick(random, 0, 2) == 0) views.resize(1);
             settings.items = 1000;
             REQUIRE(settle(cut, views, settings, 1000).converged);
             REQUIRE(check_cut(cut) == "");
