@@ -137,7 +137,7 @@ TEST_CASE("where capacities do not suffice the thresholds of all views rise alik
             governed += ratio > 1;
         }
         // From afar there is room for all.
-        const View above = view_from_above(terrain, 1000);
+        const View above = view_from_above(terrain, 100);
         settings.error_px = 100;
         const CutReport back = settle(cut, {&above, 1}, settings, 3000);
         REQUIRE(back.converged);

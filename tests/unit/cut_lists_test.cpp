@@ -142,6 +142,19 @@ TEST_CASE("no group is looked at later than its slack allows, nor much too early
     CHECK(owner.free_chunks() == list_node_count(count));
 }
 
+TEST_CASE("steps that are less than an odometer's rounding add up") {
+    Owner owner(1);
+    Lists& lists = owner.lists;
+    lists.tick[3] = rewind_tick - 1000;
+    lists.odometer_m[3] = static_cast<double>(lists.tick[3]) * lists.tick_m;
+    schedule(lists, 0, 0.5f, 3);    // a tick
+    constexpr double step_m = 1e-7; // less than half of what doubles there are apart
+    REQUIRE(lists.odometer_m[3] + step_m == lists.odometer_m[3]);
+    double way_m = 0;
+    for (; list_of(lists, 0) != due_lists + 3 && way_m < 1; way_m += step_m) advance(lists, 3, step_m);
+    CHECK(way_m <= 0.5);
+}
+
 TEST_CASE("queues are first in, first out, and take back at the front") {
     Owner owner(8);
     Lists& lists = owner.lists;

@@ -264,9 +264,10 @@ void rewind(Lists& lists, std::uint32_t grade) {
     lists.tick[grade] = lists.moves[grade] = 0;
 }
 
-double sum_rounded_up(double a, double b) {
-    const double sum = a + b;
-    return sum - a < b ? std::nextafter(sum, 1e300) : sum;
+// a + b, rounded up where more than charge_rounding of b would be lost.
+double sum(double a, double b) {
+    const double nearest = a + b;
+    return nearest - a < b * (1 - charge_rounding) ? std::nextafter(nearest, 1e300) : nearest;
 }
 
 } // namespace
@@ -276,7 +277,7 @@ void advance(Lists& lists, std::uint32_t grade, double metres) {
     const std::uint64_t before = lists.tick[grade];
     if (before >= rewind_tick) return rewind(lists, grade);
     const double most_m = static_cast<double>(last_tick) * lists.tick_m; // more than any slack
-    lists.odometer_m[grade] = sum_rounded_up(lists.odometer_m[grade], std::min(metres, most_m));
+    lists.odometer_m[grade] = sum(lists.odometer_m[grade], std::min(metres, most_m));
     lists.tick[grade] = static_cast<std::uint64_t>(lists.odometer_m[grade] * lists.ticks_per_m);
     ++lists.moves[grade];
     drain(lists, grade, soon_lists + grade);

@@ -129,7 +129,7 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     c.hysteresis = s.settings.hysteresis > 0;
     const ViewChange change(before, c);
     s.still = before.views != 0 && change.at(0) == 0;
-    constexpr double rounding = 1 + 0x1p-18; // reach_grow and of the sums above
+    constexpr double rounding = 1 + 0x1p-18; // reach_grow, of the sums above, of decisions, and charge_rounding
     for (std::uint32_t grade = 0; grade < grade_count; ++grade)
         advance(s.lists, grade, change.at(grade_error_m(s, grade)) * rounding);
 }
