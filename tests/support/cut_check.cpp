@@ -320,8 +320,10 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
             }
         }
     std::vector<Reach> reaches;
-    for (const View& view : views)
-        reaches.push_back(make_reach(view, corner_safe ? error_px / corner_factor(view) : error_px));
+    for (const View& view : views) {
+        const double px = view.error_px > 0 ? view.error_px : error_px;
+        reaches.push_back(make_reach(view, corner_safe ? px / corner_factor(view) : px));
+    }
     // Of every level its own coordinates: centres at odd multiples of the step, sides where one is odd and one even.
     // Parents first: most vertices have none in the set, and need not be looked up.
     for (int level = 0; level < 2 * data_of(full).tree.tile_log2; ++level) {
@@ -345,6 +347,12 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
             }
     }
     return set;
+}
+
+std::vector<View> thresholds_over(double divisor, std::span<const View> views) {
+    std::vector<View> result(views.begin(), views.end());
+    for (View& view : result) view.error_px /= divisor;
+    return result;
 }
 
 std::string difference(const VertexSet& is, const VertexSet& should_be) {

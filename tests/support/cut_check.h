@@ -42,9 +42,12 @@ using VertexSet = std::vector<bool>;
 [[nodiscard]] VertexSet active_set(Cut& cut);
 
 // The target of invariant 7, level by level, straight from its definition: wanted by any view, its page loaded, its
-// parents in it. full: the same terrain, all loaded; paged: the one whose pages count.
+// parents in it. full: the same terrain, all loaded; paged: the one whose pages count. error_px: of views without a
+// threshold of their own.
 [[nodiscard]] VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const View> views,
                                    double error_px, bool corner_safe = false);
+// Views with a threshold of their own: that over the divisor.
+[[nodiscard]] std::vector<View> thresholds_over(double divisor, std::span<const View> views);
 // Empty when they are equal, otherwise how many vertices `is` has too many and how many it lacks.
 [[nodiscard]] std::string difference(const VertexSet& is, const VertexSet& should_be);
 [[nodiscard]] bool contains(const VertexSet& larger, const VertexSet& smaller);

@@ -49,7 +49,7 @@ inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 16, cut
 // How a vertex appears and disappears: geomorphing (thesis 5.4.1). With error and time
 // vertices are activated at error_px / (1 + nesting)^2, on the edge that they split, and reach their height at
 // error_px. The ends of that edge no longer move by then, because errors nest; so the surface is continuous and the
-// screen bound holds.
+// screen bound holds. Where a view comes, goes or jumps, the mesh does so too.
 enum class Morph : std::uint8_t {
     none,  // no morphing: at once
     error, // by distance, in the vertex shader; a vertex that is activated late also takes morph_s, and so does not pop
@@ -59,7 +59,7 @@ enum class Morph : std::uint8_t {
 inline constexpr std::uint32_t unlimited_items = 0xffffffff;
 
 struct CutSettings {
-    double error_px = 1;                    // the threshold (kappa), 0.001 to 1e6
+    double error_px = 1;                    // the threshold (kappa), 0.001 to 1e6, of views without their own
     double hysteresis = 0;                  // a vertex is deactivated only below error_px / (1 + hysteresis); 0 to 10
     bool corner_safe = false;               // bound pixels in the image's corners too
     std::uint32_t items = unlimited_items;  // work that this frame may do
@@ -98,8 +98,9 @@ struct CutReport {
     // Vertices that morph by time: in, because they were activated late, or out, because their page is evicted.
     std::uint32_t morphing = 0;
     std::uint32_t exhausted = 0; // CutBudgetBits
-    // Effective: the threshold that the capacities allow, or what missing pages may hide (Terrain::missing_px) if that
-    // is more.
+    // Requested: CutSettings::error_px. Effective: the threshold that the capacities allow, or what missing pages may
+    // hide (Terrain::missing_px) if that is more. Thresholds of all views rise alike: where View::error_px is set, it
+    // is effective times error_px_effective / error_px_requested.
     double error_px_requested = 0, error_px_effective = 0;
     bool converged = false;                 // nothing waits or morphs, effective == requested: the screen bound holds
     bool rebuilt = false;                   // by the bulk pass
@@ -121,7 +122,9 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
 // Ends the cut. Streams that were given it are refused from then on.
 Status destroy_cut(LiveCut cut);
 
-// Refines and coarsens the cut for the views, as far as the items go. views: 1 to CutBudget::views of them.
+// Refines and coarsens the cut for the views, as far as the items go: a vertex is wanted when any view wants it. views:
+// 1 to CutBudget::views of them. A view is what it sees, not its place among them: views that change places, or come
+// and go where an equal one stays, cost nothing; any other costs what a move from or to the nearest one would.
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
 
 // Builds the cut from scratch: for the first frame, after a teleport, for an export. Not bounded in

@@ -38,7 +38,7 @@ enum class Metric : std::uint8_t {
 };
 
 struct RefineSettings {
-    double error_px = 1; // the threshold (kappa), > 0
+    double error_px = 1; // the threshold (kappa), 0.001 to 1e6; a view may have its own (View::error_px)
     Metric metric = Metric::isotropic;
     bool cull = true;         // per vertex, against the six planes
     bool corner_safe = false; // bound pixels in the image's corners too, at the price of more triangles
@@ -54,10 +54,10 @@ struct FrameReport {
     std::uint32_t tiles = 0;            // drawn
     std::uint32_t vertices_written = 0; // new in the vertex buffer
     std::uint32_t buffer_clearings = 0;
-    std::uint32_t restarts = 0;  // passes thrown away because a capacity did not suffice
-    std::uint32_t exhausted = 0; // BudgetBits
-    double error_px_requested = 0, error_px_effective = 0;
-    bool converged = false; // effective == requested
+    std::uint32_t restarts = 0;                            // passes thrown away because a capacity did not suffice
+    std::uint32_t exhausted = 0;                           // BudgetBits
+    double error_px_requested = 0, error_px_effective = 0; // requested: the view's own, or that of the settings
+    bool converged = false;                                // effective == requested
 };
 
 struct RecursiveState; // opaque, lives in the host's memory

@@ -243,10 +243,41 @@ void tighten(Lists& lists, std::uint32_t group, float slack_m, std::uint32_t gra
     schedule(lists, group, static_cast<float>(std::min(left_m, static_cast<double>(slack_m))), highest);
 }
 
+namespace {
+
+// The odometer begins again at 0. Due groups have to know their list now: no tick tells any more.
+void rewind(Lists& lists, std::uint32_t grade) {
+    drain(lists, grade, soon_lists + grade);
+    for (std::uint32_t wheel = 0; wheel < wheel_count; ++wheel) {
+        for (std::uint64_t bucket = 0; bucket < wheel_buckets; ++bucket)
+            drain(lists, grade, bucket_of(grade, wheel, bucket));
+        lists.filled[grade][wheel] = 0;
+    }
+    const auto mark = [&](std::uint32_t node) {
+        for (std::uint32_t i = 0; i < lists.nodes[node].count; ++i)
+            lists.groups[lists.nodes[node].groups[i]].list = static_cast<ListId>(due_lists + grade);
+    };
+    const DueGroups& due = lists.due[grade];
+    for (std::uint32_t node = due.first; node != no_index; node = lists.nodes[node].next) mark(node);
+    if (due.filling != no_index) mark(due.filling);
+    lists.odometer_m[grade] = 0;
+    lists.tick[grade] = lists.moves[grade] = 0;
+}
+
+// a + b, rounded up where more than charge_rounding of b would be lost.
+double sum(double a, double b) {
+    const double nearest = a + b;
+    return nearest - a < b * (1 - charge_rounding) ? std::nextafter(nearest, 1e300) : nearest;
+}
+
+} // namespace
+
 void advance(Lists& lists, std::uint32_t grade, double metres) {
     if (!(metres > 0)) return;
     const std::uint64_t before = lists.tick[grade];
-    lists.odometer_m[grade] += std::min(metres, static_cast<double>(last_tick) * lists.tick_m);
+    if (before >= rewind_tick) return rewind(lists, grade);
+    const double most_m = static_cast<double>(last_tick) * lists.tick_m; // more than any slack
+    lists.odometer_m[grade] = sum(lists.odometer_m[grade], std::min(metres, most_m));
     lists.tick[grade] = static_cast<std::uint64_t>(lists.odometer_m[grade] * lists.ticks_per_m);
     ++lists.moves[grade];
     drain(lists, grade, soon_lists + grade);

@@ -193,6 +193,7 @@ struct CutState {
     View views[max_cut_views];
     Frustum frustums[max_cut_views];
     std::uint32_t view_count; // 0: no update yet
+    double largest_ratio;     // of a view's threshold to that of the settings
     Governor governor;
     // The frame in work.
     CutSettings settings;
@@ -204,7 +205,7 @@ struct CutState {
     std::uint32_t deactivations_when_full; // deactivations before it did
     std::uint32_t batches;                 // of groups, changed in this frame
     std::uint32_t examined;                // groups since the last batch, also of the frame before
-    bool still;                            // no eye has moved since the frame before
+    bool still;                            // no eye has moved, come or gone since the frame before
     std::chrono::steady_clock::time_point started;
     std::uint32_t work_ranks; // which work lists may hold groups, as bits
     std::uint32_t turn;       // which of blocked_lists takes what is put back

@@ -66,8 +66,9 @@ struct [[nodiscard]] SnapshotResult {
 SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
                               const std::string& path, const SnapshotOptions& options = {});
 
-// The whole terrain, not only what the frustum sees, refined to error_px by a recursive method of its own (isotropic
-// metric, culling off) whose budget grows until the mesh converges: 8 bytes a terrain vertex and what the mesh needs.
+// The whole terrain, not only what the frustum sees, refined to error_px (or View::error_px, if set) by a recursive
+// method of its own (isotropic metric, culling off) whose budget grows until the mesh converges: 8 bytes a terrain
+// vertex and what the mesh needs.
 SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const View& view, double error_px,
                                const std::string& path, const SnapshotOptions& options = {});
 
