@@ -244,6 +244,7 @@ void evict_pages(StreamState& s) {
             s.states[slot * watches_per_slot] = s.states[watch] = WatchState::loaded;
             test(s, watch);
             s.due[watch] = never;
+            set_missing(s, slot * watches_per_slot, false); // tested while it was evicted, it was missed
         } else {
             if (!released) (void)cut_release_page(s.cut, id.tile, id.item, released);
             if (!released) {
