@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "cut/find.h"
 #include "cut/mesh.h"
 #include "cut/morph.h"
 #include "pack/terrain_data.h"
