@@ -54,9 +54,9 @@ struct Tally {
 };
 
 #ifdef FJELL_VALIDATE
-// The first ones, every power of two and every 64th: all of them would take longer than the tests.
+// The first ones, every power of two and every 256th: all of them would take longer than the tests.
 [[nodiscard]] constexpr bool is_walked_after(std::uint64_t event) {
-    return (event & (event - 1)) == 0 || event % 64 == 0;
+    return (event & (event - 1)) == 0 || event % 256 == 0;
 }
 [[gnu::cold, gnu::noinline]] inline void abort_if(const Violation& found, const char* file, int line) {
     if (!found) return;
