@@ -123,8 +123,9 @@ using Stream = Handle<StreamState>;
 
 [[nodiscard]] std::size_t stream_bytes(const Pack& pack, const Terrain& terrain, const StreamBudget& budget);
 // pack: of open_index() or open_pack(). Its directory is read here and in updates, so it must be in memory. Pack,
-// terrain and cut must outlive the stream. cut: may be empty when the recursive method draws. memory: aligned to 64.
-// Fails with out_of_range, budget_too_small (page slots, map_bytes), memory_too_small, not_supported (linear order).
+// terrain and cut must outlive the stream. cut: may be empty when the recursive method draws. From now on only the
+// stream may load and unload pages of the terrain: it does not see what others do. memory: aligned to 64. Fails with
+// out_of_range, budget_too_small (page slots, map_bytes), memory_too_small, not_supported (linear order).
 Status create_stream(const Pack& pack, const Terrain& terrain, LiveCut cut, const StreamBudget& budget,
                      std::span<std::byte> memory, Stream& stream);
 // Ends the stream; the pages that it has loaded stay. The client must have stopped.

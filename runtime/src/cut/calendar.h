@@ -27,6 +27,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "asserts.h"
 #include "tree/tree.h"
 
 namespace fjell {
@@ -118,6 +119,7 @@ void unlink(Lists& lists, std::uint32_t group);
 // With each group, one a node later is passed to prefetch().
 template <typename Prefetch>
 [[nodiscard]] std::uint32_t pop_due(Lists& lists, std::uint32_t grade, const Prefetch& prefetch) {
+    FJELL_ASSERT(size(lists, due_lists + grade) != 0);
     DueGroups& due = lists.due[grade];
     const std::uint32_t at = due.first != no_index ? due.first : due.filling;
     ListNode& node = lists.nodes[at];

@@ -137,6 +137,7 @@ inline void begin_morphing_out(CutState& s, std::uint32_t vertex) {
     s.clock.timed_ticks = s.clock.ticks;
     s.hole[slot] |= morphs_out_bit;
     s.dirty_vertices.mark(slot);
+    FJELL_ASSERT(s.morphing_out_count < s.budget.vertices); // a full ring would forget the first
     s.morphing_out[(s.first_morphing_out + s.morphing_out_count++) % s.budget.vertices] = vertex;
 }
 

@@ -10,6 +10,7 @@
 #include "cut/morph.h"
 #include "cut/pages.h"
 #include "cut/refine.h"
+#include "validate.h"
 
 namespace fjell {
 
@@ -305,6 +306,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     r.refine_us = microseconds(prepared, refined);
     r.output_us = microseconds(refined, Clock::now());
     report = r;
+    FJELL_WALK(s.frame, validate_cut(s));
     return {};
 }
 
@@ -352,6 +354,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     r.refine_us = microseconds(s.started, built);
     r.output_us = microseconds(built, Clock::now());
     report = r;
+    FJELL_WALK(s.frame, validate_cut(s));
     return {};
 }
 
@@ -366,6 +369,7 @@ Status cut_release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, boo
     const std::uint32_t slot = first / max_page_groups;
     PageSlot& info = s.page_slot[slot];
     if (info.status != PageSlotStatus::evicting) {
+        FJELL_ASSERT(info.status == PageSlotStatus::live && s.evicting_count < s.terrain->slot_count);
         info.status = PageSlotStatus::evicting;
         s.evicting[s.evicting_count++] = slot;
     }
