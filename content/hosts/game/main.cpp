@@ -136,14 +136,16 @@ int play(World& world, Drawer& drawer, const fjell::gl::Target& target, int fram
     const double z_m = world.terrain.extent_z_m() / 2, start_x_m = world.terrain.extent_x_m() / 3;
     look_around(world, frame, start_x_m, z_m);
     if (fjell::Status s = load(world, drawer, frame); !s.ok()) return fail("loading", s);
-    for (int i = 0; i < frames + 5000; ++i) { // after the walk as many frames as the picture takes to be complete
+    bool complete = false;
+    for (int i = 0; i < frames + 2000; ++i) { // after the walk as many frames as the picture takes to be complete
         look_around(world, frame, start_x_m + 1.4 * std::min(i, frames) / 60.0, z_m);
         if (fjell::Status s = update(world, frame, i / 60.0); !s.ok()) return fail("frame", s);
         drawer.upload(fjell::stream_map_commands(world.stream)); // after every update: they do not accumulate
-        const bool complete = frame.report.converged && frame.streamed.converged && frame.streamed.maps_converged;
-        if (i % 60 == 0 || (i >= frames && complete)) draw(world, drawer, frame, target);
+        complete = frame.report.converged && frame.streamed.converged && frame.streamed.maps_converged;
+        const bool last = i >= frames && (complete || frame.streamed.failed != 0);
+        if (i % 60 == 0 || last) draw(world, drawer, frame, target);
         if (i == frames) say_what_was_short(frame);
-        if (i >= frames && complete) break;
+        if (last) break;
         std::this_thread::sleep_for(std::chrono::milliseconds(1)); // where a game waits for the display
     }
     float error_m = 0;
@@ -153,7 +155,7 @@ int play(World& world, Drawer& drawer, const fjell::gl::Target& target, int fram
                 world.terrain.pages_loaded(), frame.streamed.failed);
     std::printf("sees %.1f m far from %.1f m; %zu heights, %.3g m off at most\n",
                 sight_m(world.terrain, frame.view[0], 1e5), frame.view[0].eye_m.y, heights_m.size(), error_m);
-    return frame.report.converged ? 0 : 1;
+    return complete ? 0 : 1;
 }
 
 } // namespace
@@ -171,9 +173,9 @@ int main(int argc, char** argv) {
     error = drawer.create(GAME_SHADERS, capacities, fjell::stream_map_layers(world.stream, fjell::MapKind::colour),
                           fjell::stream_map_layers(world.stream, fjell::MapKind::normal));
     if (!error.empty()) return fail("shaders", error);
-    if (const int code = play(world, drawer, *target, argc > 3 ? std::atoi(argv[3]) : 600); code != 0) return code;
+    const int code = play(world, drawer, *target, argc > 3 ? std::atoi(argv[3]) : 600);
     fjell::gl::Image picture;
     target->read_colour(picture);
     error = fjell::gl::write_png(picture, argv[2]);
-    return error.empty() ? 0 : fail(argv[2], error);
+    return error.empty() ? code : fail(argv[2], error);
 }
