@@ -67,7 +67,7 @@ top && /^\/\// { # the comment that opens a file
 
   flush(body || plain ~ /^ *[}#]/ ? "" : "///")
   if (body || plain ~ /^ *[}#]/) print
-  else if (plain ~ /; *$/ && plain !~ /\(|^ *(friend|using|template|return|enum)|<[^>]*,/ && declare_each(code, comment)) ;
+  else if (plain ~ /; *$/ && plain !~ /[()]|^ *(friend|using|template|return|enum)|<[^>]*,/ && declare_each(code, comment)) ;
   else if (comment == "") print
   else if (plain ~ /{ *$/) print indent "/** " comment " */ " code
   else print code "///< " comment
