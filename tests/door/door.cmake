@@ -125,6 +125,12 @@ if(HOST MATCHES "hosts/game$")
       message(FATAL_ERROR "with ${fault} the game says ${output}where it said ${said}, or draws another picture")
     endif()
   endforeach()
+  # Of its pages, 86, there is room for a few.
+  execute_process(COMMAND ${FOLDER}/game ${PACK} ${FOLDER}/few.png 120 20 RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE errors TIMEOUT 60)
+  if(NOT code EQUAL 1 OR NOT errors MATCHES "game: raise TerrainBudget::page_slots" OR NOT output MATCHES "vertices, (1[0-9]|20) pages, 0 failed" OR
+      NOT EXISTS ${FOLDER}/few.png)
+    message(FATAL_ERROR "with room for 20 pages the game ends with ${code} and says ${output}${errors}")
+  endif()
   # A disk that fails for good is reported, and the picture is coarser.
   execute_process(COMMAND ${CMAKE_COMMAND} -E env LD_PRELOAD=${FAULTS} "FJELL_FAULT=pread ${PACK} EIO 12+" ${FOLDER}/game ${PACK} ${FOLDER}/failed.png 60
     RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE errors TIMEOUT 60)

@@ -1,5 +1,5 @@
 // The first game: walks over a pack that is streamed from the disk, in split screen with a drone, without a window.
-//   game PACK PICTURE.png [FRAMES]
+//   game PACK PICTURE.png [FRAMES [PAGES]]
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -31,12 +31,12 @@ int fail(const char* what, fjell::Status s) {
     return fail(what, std::string(s.field) + ": " + fjell::message(s.code));
 }
 
-constexpr fjell::TerrainBudget pages{.page_slots = 600};
 constexpr fjell::CutBudget capacities{.vertices = 200'000, .triangles = 400'000, .views = 2};
 constexpr fjell::StreamBudget streaming{.map_bytes = 64 << 20};
 
 // In this order they are made; in the other order they end.
 struct World {
+    fjell::TerrainBudget pages{.page_slots = 600}; // a pack may have millions
     PackOnDisk file;
     Memory memory;
     fjell::Terrain terrain;
@@ -142,7 +142,8 @@ int play(World& world, Drawer& drawer, const fjell::gl::Target& target, int fram
         if (fjell::Status s = update(world, frame, i / 60.0); !s.ok()) return fail("frame", s);
         drawer.upload(fjell::stream_map_commands(world.stream)); // after every update: they do not accumulate
         complete = frame.report.converged && frame.streamed.converged && frame.streamed.maps_converged;
-        const bool last = i >= frames && (complete || frame.streamed.failed != 0);
+        const bool never = frame.streamed.failed != 0 || (frame.streamed.exhausted & fjell::stream_page_slots) != 0;
+        const bool last = i >= frames && (complete || never);
         if (i % 60 == 0 || last) draw(world, drawer, frame, target);
         if (i == frames) say_what_was_short(frame);
         if (last) break;
@@ -161,12 +162,13 @@ int play(World& world, Drawer& drawer, const fjell::gl::Target& target, int fram
 } // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 3) return fail("usage", "game PACK PICTURE.png [FRAMES]");
+    if (argc < 3) return fail("usage", "game PACK PICTURE.png [FRAMES [PAGES]]");
     std::string error;
     const auto context = fjell::gl::Headless::create({}, error); // your engine has its window
     const auto target = context ? fjell::gl::Target::create({640, 720}, error) : nullptr;
     if (!target) return fail("graphics", error);
     World world;
+    if (argc > 4) world.pages.page_slots = std::uint32_t(std::atoi(argv[4]));
     if (error = world.file.open(argv[1]); !error.empty()) return fail(argv[1], error);
     if (fjell::Status s = world.create(); !s.ok()) return fail("world", s);
     Drawer drawer;
