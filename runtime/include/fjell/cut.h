@@ -34,6 +34,7 @@ namespace fjell {
 
 inline constexpr std::uint32_t max_cut_views = 8;
 
+// What a cut may use: fixed at creation.
 struct CutBudget {
     std::uint32_t vertices = 1u << 19;  // slots of the vertex buffer, cut_vertex_bytes each; 4 a tile at least
     std::uint32_t triangles = 1u << 20; // slots of the index buffer, cut_triangle_bytes each
@@ -58,6 +59,7 @@ enum class Morph : std::uint8_t {
 
 inline constexpr std::uint32_t unlimited_items = 0xffffffff;
 
+// What an update goes by: may change from frame to frame.
 struct CutSettings {
     double error_px = 1;                    // the threshold (kappa), 0.001 to 1e6, of views without their own
     double hysteresis = 0;                  // a vertex is deactivated only below error_px / (1 + hysteresis); 0 to 10
@@ -72,6 +74,7 @@ struct CutSettings {
     double now_s = 0;
 };
 
+// Bits of CutReport::exhausted: the field that did not suffice.
 enum CutBudgetBit : std::uint32_t {
     cut_budget_vertices = 1u << 0,  // CutBudget::vertices
     cut_budget_triangles = 1u << 1, // CutBudget::triangles
@@ -81,10 +84,12 @@ enum CutBudgetBit : std::uint32_t {
 // The field that a single bit stands for, e.g. "CutBudget::vertices".
 [[nodiscard]] const char* budget_field(CutBudgetBit bit);
 
+// Of a capacity: now, the most so far, and what there is.
 struct BudgetUse {
     std::uint32_t used = 0, peak = 0, capacity = 0;
 };
 
+// What an update has done, and what the mesh is worth.
 struct CutReport {
     std::uint64_t frame = 0;
     std::uint32_t items = 0; // evaluations + activations + deactivations
@@ -160,6 +165,7 @@ struct MorphView {
     float eye_x, eye_y, eye_z; // scene axes, metres
     float q_start, q_full;
 };
+// The shader's inputs of a frame, the same for all vertices.
 struct MorphFrame {
     Morph morph = Morph::none;
     std::uint32_t views = 0;
@@ -178,11 +184,13 @@ struct MorphFrame {
 [[nodiscard]] float morphed_height_m(const Terrain& terrain, const MeshVertex& vertex, const MorphVertex& morph,
                                      const MorphFrame& frame);
 
+// All that a renderer needs of a cut. Spans point into the cut, and hold until its next update.
 struct CutMesh {
     MeshView mesh;                      // all slots; ranges of the tiles that some view may see
     std::span<const MorphVertex> morph; // one a vertex slot
     MorphFrame frame;                   // the shader's other inputs
 };
+// Of the last update. Empty for a handle that is refused. O(1).
 [[nodiscard]] CutMesh cut_mesh(LiveCut cut);
 
 // Slots that were written, 64 to a word; only the words listed hold any.

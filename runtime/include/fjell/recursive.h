@@ -26,17 +26,20 @@
 FJELL_API_BEGIN
 namespace fjell {
 
+// What the method may use: fixed at creation.
 struct RecursiveBudget {
     std::uint32_t vertices = 1u << 18; // slots of the vertex buffer, recursive_vertex_bytes each
     std::uint32_t indices = 1u << 20;  // strip or list indices, 4 bytes each
 };
 inline constexpr std::size_t recursive_vertex_bytes = 20; // of recursive_bytes(), for a slot of the vertex buffer
 
+// What a distance is measured to.
 enum class Metric : std::uint8_t {
     isotropic, // Lindstrom: distance from the eye to the vertex' sphere
     depth      // thesis 5.4.1: depth of the sphere's nearest point along the view; needs culling
 };
 
+// What an update goes by.
 struct RefineSettings {
     double error_px = 1; // the threshold (kappa), 0.001 to 1e6; a view may have its own (View::error_px)
     Metric metric = Metric::isotropic;
@@ -45,8 +48,10 @@ struct RefineSettings {
     Topology topology = Topology::triangles;
 };
 
+// Bits of FrameReport::exhausted.
 enum BudgetBit : std::uint32_t { budget_vertices = 1u << 0, budget_indices = 1u << 1 };
 
+// What an update has done.
 struct FrameReport {
     std::uint64_t frame = 0;
     std::uint32_t vertices = 0; // selected: active vertices and the corners of drawn tiles
@@ -70,10 +75,13 @@ using RecursiveMethod = Handle<RecursiveState>;
 // Fails with budget_too_small when 4 vertices and 9 indices a tile do not fit.
 Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, std::span<std::byte> memory,
                         RecursiveMethod& method);
+// Ends the method.
 Status destroy_recursive(RecursiveMethod method);
 
+// Finds the mesh of a view.
 Status update_recursive(RecursiveMethod method, const View& view, const RefineSettings& settings, FrameReport& report);
 
+// Of the last update.
 [[nodiscard]] MeshView recursive_mesh(RecursiveMethod method);
 
 } // namespace fjell

@@ -13,6 +13,7 @@
 FJELL_API_BEGIN
 namespace fjell {
 
+// A place or a direction.
 struct Vec3 {
     double x = 0, y = 0, z = 0;
     friend constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
@@ -66,6 +67,7 @@ struct Frustum {
     Vec3 normal[6];
     double offset[6];
 };
+// The six planes of what a view sees.
 [[nodiscard]] Frustum make_frustum(const View& view);
 
 // How much larger than its angular measure an error at a corner of the image can be: 1 / cos^2 of the corner's angle.

@@ -41,6 +41,7 @@ struct SnapshotInfo {
     bool morphed = false;          // heights are between two levels
 };
 
+// What to write, and how large it may get.
 struct SnapshotOptions {
     std::uint32_t max_texture_px = 1024;        // texels a side of an embedded texture; costs up to 3 bytes each
     std::uint64_t max_file_bytes = 0xffff'ffff; // glTF counts a file's bytes in 32 bits; less is allowed, more is not
@@ -50,6 +51,7 @@ struct SnapshotOptions {
     std::function<bool(std::uint64_t done, std::uint64_t total)> progress = {};
 };
 
+// What was written, or why nothing was.
 struct [[nodiscard]] SnapshotResult {
     int exit_code = 0;   // 0 done, 1 the input is at fault, 2 usage, 3 the machine (disk, memory) is, 130 stopped
     std::string message; // one line, the remedy in it; empty when done
