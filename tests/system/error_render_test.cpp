@@ -142,7 +142,8 @@ TEST_CASE("the error mode colours every pixel by the error that is drawn there",
         baker::Dem dem = round % 2 == 0 ? mountains(pick(random, 150, 400), pick(random, 150, 400))
                                         : test::random_dem(random, pick(random, 60, 300), pick(random, 60, 300),
                                                            round % 4 == 1 ? test::Shape::fractal : test::Shape::noise);
-        if (round % 3 == 2) make_holes(random, dem);
+        const bool holes = round % 3 == 2;
+        if (holes) make_holes(random, dem);
         Scene scene(std::move(dem), log2);
         // Every third with heights for some of its samples.
         const bool coarse = round % 3 == 1;
@@ -168,7 +169,7 @@ TEST_CASE("the error mode colours every pixel by the error that is drawn there",
         CAPTURE(round, log2, coarse, seen.pixels, seen.blue, seen.magenta, seen.grey);
         CHECK(seen.pixels > test::rounds<std::size_t>(1'100, 20'000));
         CHECK(seen.wrong == 0);
-        if (!coarse) CHECK(seen.grey == 0);
+        if (!coarse && !holes) CHECK(seen.grey == 0); // a coarse rim may reach over a hole, where there is no height
         grey += seen.grey;
         CHECK(seen.blue + seen.grey + test::rounds<std::size_t>(450, 2000) < seen.pixels); // or there was little to see
     }

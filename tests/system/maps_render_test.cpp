@@ -397,7 +397,7 @@ TEST_CASE("streamed maps that do not fit are refused with the number to change",
     CHECK_THAT(refused(slots), Catch::Contains("StreamBudget::map_bytes"));
     slots = streamed.slots[0];
     slots.layers[slots.tail_log2] = 1;
-    CHECK_THAT(refused(slots), Catch::Contains("stream_map_slots()"));
+    CHECK_THAT(refused(slots), Catch::Contains("stream_map_layers()"));
     // More sizes than samplers: a pack that says its map is 2^12 a side. It is refused before anything is made.
     io::LoadedPack& loaded = scene.loaded;
     loaded.pack.header.colour_log2 = 12;
