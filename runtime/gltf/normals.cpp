@@ -68,6 +68,8 @@ std::vector<std::uint8_t> normal_texture(const TileGeometry& geometry, std::uint
                      b = corner_of(geometry.vertices[geometry.indices[i + 1]], texture_px),
                      c = corner_of(geometry.vertices[geometry.indices[i + 2]], texture_px);
         const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+        // Where texels are coarser than triangles the vertices' own normals say more.
+        if (std::abs(area) / 2 < 1) continue;
         // A little beyond its edges, so that rounding leaves no texel between two triangles.
         const auto first_of = [&](double p) {
             return std::clamp<std::int64_t>(std::llround(std::ceil(p - 0.01)), 0, last);

@@ -11,8 +11,8 @@ namespace fjell::gltf {
 
 // baked: BC5 decoded, baked_px texels a side (fjell/texture.h). geometry: after set_texture_size(..., texture_px).
 // Returns texture_px * texture_px RGB texels: the baked normal in the frame that glTF interpolates from the vertices'
-// normals and tangents, straight up where no triangle is. Both maps have their outer texel centres on the tile's
-// border. O(texels * triangles that touch each).
+// normals and tangents; what changes nothing where triangles are smaller than texels, or where there are none. Both
+// maps have their outer texel centres on the tile's border. O(texels * triangles that touch each).
 [[nodiscard]] std::vector<std::uint8_t> normal_texture(const TileGeometry& geometry, std::uint32_t texture_px,
                                                        std::span<const std::uint8_t> baked, std::uint32_t baked_px);
 
