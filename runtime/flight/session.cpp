@@ -282,7 +282,9 @@ FrameEntry update_until_there(Session& session, const View& view, const Profile&
         const bool moved =
             r.pages_inserted != 0 || r.mips_uploaded != 0 || poll.activations != 0 || poll.deactivations != 0;
         const bool there = (r.converged && r.maps_converged) || nothing_under_way(r);
-        quiet = there && poll.waiting == poll.blocked && !moved ? quiet + 1 : 0;
+        // What waits for a vertex that morphs by time would wait for ever: time stands still.
+        const bool idle = poll.waiting == poll.blocked || poll.morphing != 0;
+        quiet = there && idle && !moved ? quiet + 1 : 0;
         const auto now = Clock::now();
         if (moved) progress = now;
         if (now - progress > patience || now - start > most) break; // the frame says what it lacks

@@ -20,7 +20,7 @@ function samplesOf(tile, a, b, c, visit) {
 
 // Slopes against central differences of the original heights. Each height is off by at most half a quantum. Where pages
 // were missing the differences were taken over more samples, a power of two, or not at all.
-function checkNormals(tile, {size, spacing_m, quantum_m, lagging}, at, problems) {
+function checkNormals(tile, {size, spacing_m, quantum_m, converged}, at, problems) {
     for (let i = 0; i < tile.count; ++i) {
         const column = tile.columns[i], row = tile.rows[i], [nx, ny, nz] = tile.normals.subarray(3 * i, 3 * i + 3);
         const fits = (slope, axis, from, to) => {
@@ -35,7 +35,7 @@ function checkNormals(tile, {size, spacing_m, quantum_m, lagging}, at, problems)
             for (let step = 1; step < size[axis]; step *= 2)
                 for (const [from, to] of [[middle - step, middle + step], [middle, middle + step], [middle - step, middle]])
                     if (inside(from) && inside(to) && fits(slope, axis, from, to)) return true;
-            return lagging && slope === 0;
+            return !converged && slope === 0;
         };
         problems.require(matches(-nx / ny, 0, column) && matches(-nz / ny, 1, row), 'normal',
             () => `${tile.name}: sample (${column}, ${row}) has slopes ${-nx / ny} and ${-nz / ny}`);
