@@ -151,7 +151,7 @@ TEST_CASE("a benchmark and an export by command write their files, and a preview
     const std::vector<std::string> lagging{"set budget.items 1", "set refine.error_px 0.5", "frames 1"};
     const auto export_lagging = [&](const std::string& command) {
         std::vector<std::string> commands = lagging;
-        commands.insert(commands.end(), {command, "wait"});
+        commands.insert(commands.end(), {command, "set budget.items 0", "wait"}); // waits until the view has settled
         return place.after(commands, "hills.fjell")["job"]["preview"];
     };
     const json stands = export_lagging("export l.glb"), settles = export_lagging("export c.glb converged");

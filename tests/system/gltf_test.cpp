@@ -162,7 +162,7 @@ TEST_CASE("the largest mip that fits is embedded", "[gltf]") {
 TEST_CASE("the checker notices every way to spoil a snapshot", "[gltf]") {
     const Folder folder;
     const BakedTerrain baked(folder, hills(3 * 32 + 1, 2 * 32 + 1, 30, 30), options_with(5, 5));
-    CHECK(require_export(baked, view_of(baked.terrain), 8, folder / "out.glb").tiles == 6);
+    CHECK(require_export(baked, view_of(baked.terrain), 20, folder / "out.glb").tiles == 6);
     const NodeResult result = node("selftest.mjs", quoted(folder / "out.glb") + baked.heights_argument);
     INFO(result.output);
     CHECK(result.exit_code == 0);

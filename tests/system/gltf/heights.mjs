@@ -134,7 +134,7 @@ export function checkHeights(tiles, extras, heights, problems) {
     const shading = {samples: 0, without: 0, with: 0};
     for (const tile of tiles) {
         for (let i = 0; i < tile.indices.length; i += 3) {
-            const corners = tile.indices.slice(i, i + 3), texels = tile.normal_map && texelsIn(tile, corners) > 2;
+            const corners = tile.indices.slice(i, i + 3), texels = tile.normal_map && texelsIn(tile, corners) > 1;
             samplesOf(tile, ...corners, (column, row, surface, weights) => {
                 const first = !seen[row * size[0] + column];
                 seen[row * size[0] + column] = 1;

@@ -114,30 +114,18 @@ export function checkShading(tiles, extras, problems) {
     }
 }
 
-const range = (values) => values.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
-
-// Cells a side: what the widest tile has. A terrain that ends inside its only tile is taken to have the smallest tile, a
-// power of two, that holds it.
-function tileSide(tiles) {
-    const widest = Math.max(...tiles.flatMap(({columns, rows}) => [columns, rows].map((places) => {
-        const [low, high] = range(places);
-        return high - low;
-    })));
-    return 2 ** Math.ceil(Math.log2(widest));
-}
-
 // The first and last texel centre lie on the tile's border.
-function checkUvs(tile, side, texels, problems) {
-    const low = range(tile.columns)[0], top = range(tile.rows)[0];
+function checkUvs(tile, texels, problems) {
+    const {left, top, side} = tile.rectangle;
     for (let i = 0; i < tile.count; ++i) {
         const [u, v] = tile.uvs.subarray(2 * i, 2 * i + 2);
         const expected =
-            [tile.columns[i] - low, tile.rows[i] - top].map((cells) => (0.5 + cells / side * (texels - 1)) / texels);
+            [tile.columns[i] - left, tile.rows[i] - top].map((cells) => (0.5 + cells / side * (texels - 1)) / texels);
         problems.require(u >= 0 && u <= 1 && v >= 0 && v <= 1 && Math.abs(u - expected[0]) < 1e-6
                 && Math.abs(v - expected[1]) < 1e-6,
             'uv', () => `${tile.name}: vertex ${i} has (${u}, ${v}), not (${expected})`);
     }
-    return {column: low, row: top, side};
+    return {column: left, row: top, side};
 }
 
 function decodeTexture({json, bin}, tile, problems) {
@@ -192,11 +180,11 @@ function checkSeam(png, other, along, name, problems) {
 }
 
 export function checkTextures(glb, tiles, problems) {
-    const placed = new Map(), side = tileSide(tiles);
+    const placed = new Map();
     for (const tile of tiles) {
         const png = decodeTexture(glb, tile, problems);
         if (!png) continue;
-        const corner = checkUvs(tile, side, png.size[0], problems);
+        const corner = checkUvs(tile, png.size[0], problems);
         placed.set(`${corner.column / corner.side} ${corner.row / corner.side}`, {...corner, png, name: tile.name});
     }
     for (const {column, row, side, png, name} of placed.values()) {

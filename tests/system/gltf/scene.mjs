@@ -105,11 +105,12 @@ function setRectangles(tiles, {size, spacing_m}, problems) {
         return {number, at: [0, 2].map((axis) => Math.round(node.translation[axis] / spacing_m[axis / 2]))};
     });
     const apart = corners.flatMap(({number, at}) => [0, 1].filter((k) => number?.[k] > 0).map((k) => at[k] / number[k]));
-    const side = apart[0] ?? Math.max(...size);
+    const side = apart[0] ?? 2 ** Math.ceil(Math.log2(Math.max(...size) - 1));
     problems.require(apart.every((one) => one === side), 'place', () => `tiles are ${apart} cells wide`);
     tiles.forEach((tile, i) => {
         const [left, top] = corners[i].at;
         tile.rectangle = {
+            side, // cells, also where the terrain ends inside it
             left,
             top,
             right: Math.min(left + side, size[0] - 1),
