@@ -135,8 +135,7 @@ TEST_CASE("what is exported or drawn of a streamed pack waits for its pages, or 
     const std::string flight = "small.fjell --headless --frames 2 --export 1:f.glb ";
     REQUIRE(export_place().fly(flight + "--stream off").code == 0);
     const json whole = extras_of("f.glb");
-    for (const char* flags :
-         {"--stream on", "--stream on --items 500", "--stream on --wait", "--stream on --morph time"}) {
+    for (const char* flags : {"--stream on", "--stream on --items 500", "--stream on --morph time"}) {
         const Run r = export_place().fly(flight + flags);
         INFO(flags << "\n" << r.err);
         REQUIRE(r.code == 0);
