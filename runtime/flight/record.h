@@ -6,7 +6,7 @@
 // the page slots, and a frame what happened to pages before its update and the error that missing ones may hide: it is
 // replayed from the whole pack, and the disk of the replaying machine does not matter either. Numbers are written so
 // that they are read back exactly. A frame that ran out of time is replayed by its visits, so the clock of the
-// replaying machine does not matter.
+// replaying machine does not matter. View::error_px is not recorded: views of a flight have no threshold of their own.
 //
 // Throws io::Failure: 1 for a file that is damaged, of another version, or of another pack; 3 when it cannot be
 // written.

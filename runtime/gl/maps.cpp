@@ -35,7 +35,7 @@ std::string check_slots(const Format& format, const MapLayers& slots, std::uint3
         return std::string("this GPU's driver lacks ") + format.extension + " for the " + format.name + "; update it";
     if (slots.top_log2 != pack_log2 || slots.tail_log2 > slots.top_log2 || slots.tail_log2 < 2 ||
         slots.layers[slots.tail_log2] < tiles)
-        return std::string(format.option) + " is not of this pack: take it from stream_map_slots()";
+        return std::string(format.option) + " is not of this pack: take it from stream_map_layers()";
     int most_layers = 0, largest = 0;
     glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);

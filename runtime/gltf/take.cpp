@@ -61,9 +61,13 @@ SnapshotResult take(const Terrain& terrain, const MeshView& mesh, std::span<cons
     }
 }
 
-// The threshold that the method has reached, whatever missing pages hide besides: that is found in the mesh.
-double reached_px(const Terrain& terrain, double requested_px, double effective_px) {
-    return effective_px > terrain.missing_px() ? effective_px : requested_px;
+// What was asked for this view, and the threshold that the method has reached for it, whatever missing pages hide
+// besides: that is found in the mesh. Thresholds of all views rise alike.
+double asked_px(const View& view, double settings_px) {
+    return view.error_px > 0 ? view.error_px : settings_px;
+}
+double reached_px(const Terrain& terrain, double asked_px, double requested_px, double effective_px) {
+    return effective_px > terrain.missing_px() ? asked_px * std::max(effective_px / requested_px, 1.0) : asked_px;
 }
 
 } // namespace
@@ -75,7 +79,7 @@ SnapshotInfo Snapshot::info() const {
 SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& view, const CutSettings& settings,
                              const CutReport& report, Snapshot& snapshot) {
     const CutMesh live = cut_mesh(cut);
-    SnapshotInfo info{.view = view, .error_px = settings.error_px, .corner_safe = settings.corner_safe};
+    SnapshotInfo info{.view = view, .error_px = asked_px(view, settings.error_px), .corner_safe = settings.corner_safe};
     std::vector<float> drawn_m;
     try {
         drawn_m.reserve(live.mesh.vertices.size());
@@ -90,21 +94,23 @@ SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& vi
             const std::uint32_t vertex = live.mesh.indices[i];
             info.morphed = info.morphed || drawn_m[vertex] != live.mesh.vertices[vertex].height_m;
         }
-    info.error_px_effective = bound_error_px(cut, view, settings.corner_safe,
-                                             reached_px(terrain, report.error_px_requested, report.error_px_effective));
-    info.lagging = report.waiting != 0 || report.morphing != 0 || terrain.missing_px() > settings.error_px;
-    info.converged = !info.lagging && info.error_px_effective <= settings.error_px;
+    info.error_px_effective =
+        bound_error_px(cut, view, settings.corner_safe,
+                       reached_px(terrain, info.error_px, report.error_px_requested, report.error_px_effective));
+    info.lagging = report.waiting != 0 || report.morphing != 0 || terrain.missing_px() > info.error_px;
+    info.converged = !info.lagging && info.error_px_effective <= info.error_px;
     return take(terrain, live.mesh, drawn_m, info, snapshot);
 }
 
 SnapshotResult take_snapshot(const Terrain& terrain, RecursiveMethod method, const View& view,
                              const RefineSettings& settings, const FrameReport& report, Snapshot& snapshot) {
-    SnapshotInfo info{.view = view, .error_px = settings.error_px, .corner_safe = settings.corner_safe};
+    SnapshotInfo info{.view = view, .error_px = asked_px(view, settings.error_px), .corner_safe = settings.corner_safe};
     info.culled = settings.cull;
-    info.error_px_effective = bound_error_px(method, view, settings.corner_safe,
-                                             reached_px(terrain, report.error_px_requested, report.error_px_effective));
-    info.lagging = terrain.missing_px() > settings.error_px;
-    info.converged = !info.lagging && info.error_px_effective <= settings.error_px;
+    info.error_px_effective =
+        bound_error_px(method, view, settings.corner_safe,
+                       reached_px(terrain, info.error_px, report.error_px_requested, report.error_px_effective));
+    info.lagging = terrain.missing_px() > info.error_px;
+    info.converged = !info.lagging && info.error_px_effective <= info.error_px;
     return take(terrain, recursive_mesh(method), {}, info, snapshot);
 }
 

@@ -1,6 +1,6 @@
 # Configures, builds and runs an outside project with nothing but a compiler and Fjell, and looks at what it got.
 #   cmake -DHOST=PROJECT -DFOLDER=BUILD -DPACK=FILE -DCOMPILER=C++ -DVERSION=V [-DSAID=FILE] [-DPREFIX=INSTALLED]
-#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON] [-DFULL=ON] -P door.cmake
+#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DFAULTS=LIBRARY] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON] [-DFULL=ON] -P door.cmake
 # LINK: add_subdirectory, FetchContent, find_package or pkg-config. SAID: what the first game printed; all others must
 # print the same.
 cmake_minimum_required(VERSION 3.25)
@@ -105,6 +105,37 @@ if(HOST MATCHES "viewer$")
   must("running" ${FOLDER}/viewer ${PACK} ${FOLDER}/mesh.glb)
   if(NOT output MATCHES "drawn [1-9][0-9]* triangles\nexported [1-9][0-9]* triangles\n")
     message(FATAL_ERROR "the viewer says: ${output}")
+  endif()
+  return()
+endif()
+
+if(HOST MATCHES "hosts/game$")
+  # The guide's loader must not notice what the disk does: signals, and reads of half the bytes.
+  foreach(fault none short EINTR)
+    set(picture ${FOLDER}/${fault}.png)
+    must("walking, ${fault}" ${CMAKE_COMMAND} -E env LD_PRELOAD=${FAULTS} "FJELL_FAULT=pread ${PACK} ${fault} %2" ${FOLDER}/game ${PACK} ${picture} 120)
+    if(NOT output MATCHES "^converged 1: [1-9][0-9]* vertices, [1-9][0-9]* pages, 0 failed\nsees [0-9.]+ m far from [0-9.]+ m; 1089 heights, [0-9.]+ m off at most\n$")
+      message(FATAL_ERROR "the guide's game says (${fault}): ${output}")
+    endif()
+    file(SHA256 ${picture} hash)
+    if(fault STREQUAL "none")
+      set(said "${output}")
+      set(whole ${hash})
+    elseif(NOT output STREQUAL said OR NOT hash STREQUAL whole)
+      message(FATAL_ERROR "with ${fault} the game says ${output}where it said ${said}, or draws another picture")
+    endif()
+  endforeach()
+  # Of its pages, 86, there is room for a few.
+  execute_process(COMMAND ${FOLDER}/game ${PACK} ${FOLDER}/few.png 120 20 RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE errors TIMEOUT 60)
+  if(NOT code EQUAL 1 OR NOT errors MATCHES "game: raise TerrainBudget::page_slots" OR NOT output MATCHES "vertices, (1[0-9]|20) pages, 0 failed" OR
+      NOT EXISTS ${FOLDER}/few.png)
+    message(FATAL_ERROR "with room for 20 pages the game ends with ${code} and says ${output}${errors}")
+  endif()
+  # A disk that fails for good is reported, and the picture is coarser.
+  execute_process(COMMAND ${CMAKE_COMMAND} -E env LD_PRELOAD=${FAULTS} "FJELL_FAULT=pread ${PACK} EIO 12+" ${FOLDER}/game ${PACK} ${FOLDER}/failed.png 60
+    RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE errors TIMEOUT 60)
+  if(NOT code EQUAL 1 OR NOT errors MATCHES "game: tile 0: the file could not be read" OR NOT EXISTS ${FOLDER}/failed.png)
+    message(FATAL_ERROR "with a disk that fails the game ends with ${code} and says ${output}${errors}")
   endif()
   return()
 endif()

@@ -151,6 +151,7 @@ private:
         case 1: view.forward = odd_vector(random_); break;
         case 2: view.top = odd_number(random_); break;
         case 3: view.left = odd_number(random_); break;
+        case 4: view.error_px = odd_number(random_); break;
         default: break;
         }
         return view;

@@ -195,20 +195,24 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
     for (int round = 0; round < rounds(12, 40); ++round) {
         const auto pack = rich_terrain(random, pick(random, 20, 90), pick(random, 3, 6));
         const Terrain& terrain = pack.terrain;
-        Cut cut(terrain, ample_cut(terrain));
+        Cut cut(terrain, ample_cut(terrain, 2));
         CutSettings settings;
         settings.error_px = random_threshold(random);
         settings.morph = Morph::error;
-        View view = random_view(random, terrain);
+        View views[2] = {random_view(random, terrain), random_view(random, terrain)};
+        views[1].error_px = random_threshold(random);
         for (int frame = 0; frame < 10; ++frame) {
-            view = moved(random, view, random_step_m(random, terrain));
+            for (View& view : views) view = moved(random, view, random_step_m(random, terrain));
             settings.now_s = frame;
-            const CutReport report = cut.update({&view, 1}, settings);
-            CAPTURE(round, frame, settings.error_px);
+            const auto count = static_cast<std::size_t>(pick(random, 1, 2)); // the second one comes and goes
+            const CutReport report = cut.update({views, count}, settings);
+            CAPTURE(round, frame, count, settings.error_px, views[1].error_px);
             if (!report.converged) continue;
             const std::vector<double> drawn = surface(terrain, cut);
             const std::int32_t columns = data_of(terrain).tree.columns();
-            for (std::size_t i = 0; i < drawn.size(); ++i) {
+            for (std::size_t n = 0; n < count * drawn.size(); ++n) {
+                const View& view = views[n / drawn.size()];
+                const std::size_t i = n % drawn.size();
                 const Coord c{static_cast<std::int32_t>(i) % columns, static_cast<std::int32_t>(i) / columns};
                 const double height = data_of(terrain).height_m(c);
                 const Vec3 p{terrain.x_m(c.x), height, terrain.z_m(c.y)};
@@ -217,7 +221,7 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
                 const double rounding_px =
                     0x1p-21 * std::max(std::abs(terrain.header().max_m), std::abs(terrain.header().min_m)) *
                     lambda_px(view) / length(p - view.eye_m);
-                REQUIRE(error_px <= settings.error_px + rounding_px);
+                REQUIRE(error_px <= (view.error_px > 0 ? view.error_px : settings.error_px) + rounding_px);
             }
         }
     }

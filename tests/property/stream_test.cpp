@@ -39,10 +39,12 @@ std::string check_promise(Streamed& on, const Terrain& full, std::span<const Vie
     const double nested = settings.morph == Morph::none ? 1 : 1 + static_cast<double>(full.header().nesting);
     const double early = nested * nested;
     if (stream.converged)
-        return difference(active, target_set(full, full, views, settings.error_px / early, settings.corner_safe));
+        return difference(active, target_set(full, full, thresholds_over(early, views), settings.error_px / early,
+                                             settings.corner_safe));
     if (stream.missing_px >= 1e7) return {}; // of an eye inside the sphere of what is missing nothing can be said
     const double px = stream.missing_px * (1 + 1e-6) / early;
-    if (!contains(active, target_set(full, full, views, px, settings.corner_safe)))
+    const std::vector<View> at_px = thresholds_over(settings.error_px / px, views);
+    if (!contains(active, target_set(full, full, at_px, px, settings.corner_safe)))
         return "something wanted at the threshold of the missing pages is not active";
     return {};
 }
@@ -72,6 +74,8 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
         for (std::uint32_t i = 0; i < count; ++i) views.push_back(random_view(random, pack.terrain));
         CutSettings settings;
         settings.error_px = std::pow(10.0, uniform(random, 0, 2.5));
+        for (View& view : views)
+            if (pick(random, 0, 2) == 0) view.error_px = settings.error_px * std::pow(10.0, uniform(random, -1, 1));
         settings.corner_safe = pick(random, 0, 4) == 0;
         settings.morph = pick(random, 0, 2) == 0 ? Morph::error : Morph::none;
         settings.morph_s = 0.05;

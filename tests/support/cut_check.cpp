@@ -1,14 +1,10 @@
 #include "support/cut_check.h"
 
-#include <cmath>
-#include <set>
-#include <sstream>
 #include <stdexcept>
 
-#include "cut/change.h"
+#include "cut/find.h"
 #include "cut/mesh.h"
 #include "cut/morph.h"
-#include "cut/pages.h"
 #include "pack/terrain_data.h"
 #include "view/wanted.h"
 
@@ -62,179 +58,16 @@ CutBudget ample_cut(const Terrain& terrain, std::uint32_t views) {
     return budget;
 }
 
-namespace {
-
-std::string say(const char* what, const CutState& s, std::uint32_t vertex) {
-    std::ostringstream text;
-    const Coord c = site_coord(site_of(s, vertex));
-    text << what << " (" << c.x << ", " << c.y << ")";
-    return text.str();
+std::string in_words(const Violation& found) {
+    if (!found) return {};
+    if (found.at.x < 0) return found.what;
+    return std::string(found.what) + " (" + std::to_string(found.at.x) + ", " + std::to_string(found.at.y) + ")";
 }
-
-bool active(const CutState& s, std::uint32_t vertex) {
-    return s.groups[vertex / group_lanes].active >> vertex % group_lanes & 1;
-}
-
-std::string check_vertex(const CutState& s, std::uint32_t vertex, std::vector<bool>& slot_used) {
-    const Site site = site_of(s, vertex);
-    const GroupState& b = s.groups[vertex / group_lanes];
-    const std::uint32_t lane = vertex % group_lanes;
-    const auto bit = [&](std::uint16_t mask) { return (mask >> lane & 1) != 0; };
-    if (!exists(s, site) || find_vertex(s, site) != vertex) {
-        if (b.active >> lane & 1) return say("a vertex is active where it is not owned:", s, vertex);
-        if (b.ready() >> lane & 1) return say("a vertex is ready where it is not owned:", s, vertex);
-        return {};
-    }
-    if (bit(b.active) && !bit(b.ready())) return say("an active vertex' parent is not active:", s, vertex);
-    const bool leaf = site.kind != VertexKind::centre && site.z == 0;
-    for (int d = 0; d < 4; ++d) {
-        bool child = false;
-        if (!leaf && exists(s, child_site(site, d))) {
-            const std::uint32_t found = find_vertex(s, child_site(site, d));
-            child = found != no_index && active(s, found);
-        }
-        if (bit(b.child[d]) != child) return say("a child mask is wrong at", s, vertex);
-        if (!bit(b.active)) continue;
-        const std::uint32_t slot = s.vertex_slot[vertex];
-        if (slot >= s.budget.vertices) return say("no vertex slot for", s, vertex);
-        const bool drawn = s.triangle_of[slot * 4 + static_cast<std::uint32_t>(d)] != no_index;
-        // At the rim no triangle lies beyond; a leaf has no children to say so.
-        bool expected = !child;
-        if (!leaf) expected = expected && exists(s, child_site(site, d));
-        if (!leaf && drawn != expected) return say("a triangle is missing, or is one too many, at", s, vertex);
-    }
-    if (bit(b.active)) {
-        const std::uint32_t slot = s.vertex_slot[vertex];
-        if (slot_used[slot]) return say("two vertices have one slot:", s, vertex);
-        slot_used[slot] = true;
-        const Coord at = s.terrain->tree.sample(site_coord(site));
-        if (s.vertices[slot].column != at.x || s.vertices[slot].row != at.y)
-            return say("a vertex slot is another vertex':", s, vertex);
-    }
-    return {};
-}
-
-std::string check_group(const CutState& s, std::uint32_t number) {
-    const GroupState& b = s.groups[number];
-    const PageSlot& info = s.page_slot[number / max_page_groups];
-    const ParentMasks parents = parents_of(s, number, (1u << shape_of(s, number).lanes) - 1);
-    if (b.parent[0] != parents.parent[0] || b.parent[1] != parents.parent[1])
-        return say("a parent mask is wrong in the group of", s, number * group_lanes);
-    const bool evicting = info.status == PageSlotStatus::evicting;
-    const std::uint32_t inactive = evicting ? 0u : static_cast<std::uint32_t>(b.ready() & ~b.active);
-    auto childless = static_cast<std::uint32_t>(b.active & ~b.parental());
-    for (std::uint32_t lane = 0; lane < group_lanes; ++lane) // those that morph out go by themselves
-        if ((b.active >> lane & 1) && morphs_out(s, s.vertex_slot[number * group_lanes + lane]))
-            childless &= ~(1u << lane);
-    const ListId list = list_of(s.lists, number);
-    if ((inactive | childless) != 0 && list == unlisted && !evicting)
-        return say("nobody will look at the group of", s, number * group_lanes);
-    if (list >= due_lists || evicting) return {}; // what is evicted goes without being evaluated
-    // Until a page is evicted, what stood on it goes step by step, whatever the decision says.
-    bool some_evicting = false;
-    for (std::uint32_t i = 0; i < s.evicting_count; ++i)
-        some_evicting = some_evicting || s.page_slot[s.evicting[i]].active != 0;
-    // In the calendar: how far may it go, and how far will it?
-    const std::uint32_t grade = b.grade;
-    const double left_m = list >= soon_lists
-                              ? 0
-                              : (static_cast<double>(std::uint64_t{b.due_high} << 32 | b.due) + 1) * s.lists.tick_m -
-                                    s.lists.odometer_m[grade];
-    for (std::uint32_t lane = 0; lane < group_lanes; ++lane) {
-        if (!((inactive | childless) >> lane & 1)) continue;
-        const std::uint32_t vertex = number * group_lanes + lane;
-        const Coord c = site_coord(site_of(s, vertex)), at = s.terrain->tree.sample(c);
-        const TerrainData::Vertex v = s.terrain->vertex(c);
-        const bool on = childless >> lane & 1;
-        if (!on && some_evicting) continue;
-        double margin = -1e300;
-        bool in = false;
-        for (std::uint32_t i = 0; i < s.view_count; ++i) {
-            const Reach& r = on ? s.criterion.keep[i] : s.criterion.reach[i];
-            in = in || wanted(r, s.terrain->x_m(at.x), v.height_m, s.terrain->z_m(at.y), v.error_m, v.radius_m);
-            const Vec3 way{s.terrain->x_m(at.x) - r.eye_x, v.height_m - r.eye_y, s.terrain->z_m(at.y) - r.eye_z};
-            margin = std::max(margin, (static_cast<double>(v.radius_m) + static_cast<double>(v.error_m) * r.q) *
-                                              static_cast<double>(reach_grow) +
-                                          static_cast<double>(r.pad) - length(way));
-        }
-        if (in != on) return say("a vertex disagrees with the decision, and nobody knows:", s, vertex);
-        if (left_m > std::abs(margin) * (1 + 1e-4) + s.lists.tick_m * 1.01)
-            return say("a vertex could change before it is looked at:", s, vertex);
-        if (v.error_code >> grade_codes_log2 > grade) return say("a group's grade is too low:", s, vertex);
-    }
-    return {};
-}
-
-std::string check_triangles(const CutState& s) {
-    std::vector<bool> segment_used(s.segment_count);
-    for (std::uint32_t i = 0; i < s.free_segment_count; ++i) {
-        if (segment_used[s.free_segments[i]]) return "a segment is free twice";
-        segment_used[s.free_segments[i]] = true;
-    }
-    std::uint32_t named = 0;
-    for (std::uint32_t tile = 0; tile <= s.terrain->tile_count(); ++tile) {
-        const TileList& list = s.tiles[tile];
-        std::uint32_t count = list.in_last, total = 0;
-        for (std::uint32_t segment = list.last_segment; segment != no_index; segment = s.segment_below[segment]) {
-            if (segment_used[segment]) return "a segment is used twice";
-            segment_used[segment] = true;
-            if (s.segment_tile[segment] != tile) return "a segment does not know its tile";
-            if (count == 0) return "an empty segment is kept";
-            total += count;
-            for (std::uint32_t i = 0; i < count; ++i) {
-                const std::uint32_t slot = (segment << s.segment_log2) + i;
-                if (s.triangle_of[s.key_of[slot]] != slot) return "a triangle's name leads elsewhere";
-                if (s.key_of[slot] / 4 != s.indices[std::size_t{slot} * 3])
-                    return "a triangle's right angle is not its maker's";
-                const MeshTriangle t{s.indices[std::size_t{slot} * 3], s.indices[std::size_t{slot} * 3 + 1],
-                                     s.indices[std::size_t{slot} * 3 + 2]};
-                if (s.some_hidden && is_hidden(s, t) != (tile == hidden_tile(s))) return "a triangle is hidden wrongly";
-                ++named;
-            }
-            count = 1u << s.segment_log2;
-        }
-        if (total != list.total) return "a tile counts its triangles wrongly";
-    }
-    for (const bool used : segment_used)
-        if (!used) return "a segment is lost";
-    std::uint32_t made = 0;
-    for (std::size_t i = 0; i < std::size_t{s.budget.vertices} * 4; ++i) made += s.triangle_of[i] != no_index;
-    return made == named ? "" : "a triangle is made that no tile has";
-}
-
-} // namespace
 
 std::string check_cut(Cut& cut) {
     const CutState& s = cut.state();
-    std::vector<bool> slot_used(s.budget.vertices);
-    const auto corners = static_cast<std::uint32_t>((s.tiles_x + 1) * (s.tiles_y + 1));
-    for (std::uint32_t i = 0; i < corners; ++i) slot_used[i] = true;
-    for (std::uint32_t slot = 0; slot < s.terrain->slot_count; ++slot) {
-        const PageSlot& info = s.page_slot[slot];
-        if (info.page == no_index) continue;
-        std::uint32_t count = 0;
-        for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
-            const std::uint32_t number = slot * max_page_groups + n;
-            for (std::uint32_t lane = 0; lane < s.shapes[info.shape].groups[n].lanes; ++lane) {
-                if (std::string wrong = check_vertex(s, number * group_lanes + lane, slot_used); !wrong.empty())
-                    return wrong;
-                count += active(s, number * group_lanes + lane);
-            }
-            if (std::string wrong = check_group(s, number); !wrong.empty()) return wrong;
-        }
-        if (count != info.active) return "a page counts its active vertices wrongly";
-    }
-    for (std::uint32_t i = 0; i < s.free_vertex_count; ++i) {
-        if (slot_used[s.free_vertices[i]]) return "a vertex slot is free and used";
-        slot_used[s.free_vertices[i]] = true;
-    }
-    for (std::uint32_t slot = s.fresh_vertex; slot < s.budget.vertices; ++slot) {
-        if (slot_used[slot]) return "a vertex slot that was never taken is used";
-        slot_used[slot] = true;
-    }
-    for (const bool used : slot_used)
-        if (!used) return "a vertex slot is lost";
-    return check_triangles(s);
+    if (const Violation found = validate_terrain(*s.terrain)) return in_words(found);
+    return in_words(validate_cut(s));
 }
 
 std::string check_surface(Cut& cut, const Terrain& full) {
@@ -300,7 +133,8 @@ VertexSet active_set(Cut& cut) {
         if (s.page_slot[slot].page == no_index) continue;
         for (std::uint32_t n = 0; n < s.shapes[s.page_slot[slot].shape].count * group_lanes; ++n) {
             const std::uint32_t vertex = slot * max_page_groups * group_lanes + n;
-            if (active(s, vertex)) set[place(s.terrain_handle, site_coord(site_of(s, vertex)))] = true;
+            if (s.groups[vertex / group_lanes].active & bit_of(vertex))
+                set[place(s.terrain_handle, site_coord(site_of(s, vertex)))] = true;
         }
     }
     return set;
@@ -320,8 +154,10 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
             }
         }
     std::vector<Reach> reaches;
-    for (const View& view : views)
-        reaches.push_back(make_reach(view, corner_safe ? error_px / corner_factor(view) : error_px));
+    for (const View& view : views) {
+        const double px = view.error_px > 0 ? view.error_px : error_px;
+        reaches.push_back(make_reach(view, corner_safe ? px / corner_factor(view) : px));
+    }
     // Of every level its own coordinates: centres at odd multiples of the step, sides where one is odd and one even.
     // Parents first: most vertices have none in the set, and need not be looked up.
     for (int level = 0; level < 2 * data_of(full).tree.tile_log2; ++level) {
@@ -345,6 +181,12 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
             }
     }
     return set;
+}
+
+std::vector<View> thresholds_over(double divisor, std::span<const View> views) {
+    std::vector<View> result(views.begin(), views.end());
+    for (View& view : result) view.error_px /= divisor;
+    return result;
 }
 
 std::string difference(const VertexSet& is, const VertexSet& should_be) {

@@ -1,4 +1,4 @@
-// Is a live cut what it promises to be? Walks all of it; written against the promises in cut/state.h.
+// Is a live cut what it promises to be?
 #pragma once
 
 #include <span>
@@ -10,6 +10,7 @@
 #include "fjell/io/load.h"
 #include "support/mesh_check.h"
 #include "support/terrain_fixture.h"
+#include "validate.h"
 
 namespace fjell::test {
 
@@ -27,10 +28,10 @@ struct Cut {
 };
 [[nodiscard]] CutBudget ample_cut(const Terrain& terrain, std::uint32_t views = 1);
 
-// Empty when all of this holds, otherwise the first thing that does not: every active vertex' parents are active
-// (invariant 1); every mask agrees with the vertices it speaks of; vertex slots, triangle names and slots, chunks and
-// free lists agree; every vertex that could change is in a group that some list holds, and, in the calendar, agrees
-// with the decision and is due before it could cease to.
+// Empty when there is none.
+[[nodiscard]] std::string in_words(const Violation& found);
+
+// Empty when validate_terrain() and validate_cut() find nothing (validate.h), otherwise what they do.
 [[nodiscard]] std::string check_cut(Cut& cut);
 
 // Empty when the mesh is crack-free with holes and all: check_mesh() of what is drawn together with what is hidden, and
@@ -42,9 +43,12 @@ using VertexSet = std::vector<bool>;
 [[nodiscard]] VertexSet active_set(Cut& cut);
 
 // The target of invariant 7, level by level, straight from its definition: wanted by any view, its page loaded, its
-// parents in it. full: the same terrain, all loaded; paged: the one whose pages count.
+// parents in it. full: the same terrain, all loaded; paged: the one whose pages count. error_px: of views without a
+// threshold of their own.
 [[nodiscard]] VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const View> views,
                                    double error_px, bool corner_safe = false);
+// Views with a threshold of their own: that over the divisor.
+[[nodiscard]] std::vector<View> thresholds_over(double divisor, std::span<const View> views);
 // Empty when they are equal, otherwise how many vertices `is` has too many and how many it lacks.
 [[nodiscard]] std::string difference(const VertexSet& is, const VertexSet& should_be);
 [[nodiscard]] bool contains(const VertexSet& larger, const VertexSet& smaller);

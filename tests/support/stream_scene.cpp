@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "pack/memory.h"
 #include "pack/terrain_data.h"
-#include "stream/requests.h"
 
 namespace fjell::test {
 
@@ -97,37 +95,8 @@ void ScriptedClient::follow() {
 
 std::string check_stream(Streamed& streamed) {
     const StreamState& s = streamed.state();
-    const Terrain& t = streamed.paged.terrain;
-    std::uint32_t reserved = 0;
-    std::vector<std::uint32_t> below(s.slots, 0);
-    for (std::uint32_t i = 0; i < s.budget.page_requests; ++i) {
-        const Request& r = s.requests[i];
-        if (phase_of(r) == Phase::vacant) continue;
-        ++reserved;
-        if (s.states[r.watch] != WatchState::in_flight) return "a request whose page is not in flight";
-        if (r.watch < s.slots * watches_per_slot) ++below[r.watch / watches_per_slot];
-    }
-    if (reserved != s.reserved_slots) return "reserved slots do not add up";
-    if (data_of(t).memory->free_count < reserved) return "a request without a slot";
-    for (std::uint32_t slot = 0; slot < s.slots; ++slot) {
-        const std::uint32_t page = data_of(t).slot_page[slot], watch = s.slot_watch[slot];
-        if ((page == no_index) != (watch == no_index)) return "a slot is taken in one place and free in another";
-        if (page == no_index) continue;
-        if (s.watch_page[watch] != page) return "a slot's watch speaks of another page";
-        if (s.states[watch] != WatchState::loaded && s.states[watch] != WatchState::evicting)
-            return "loaded, but not so";
-        if (watch < s.slots * watches_per_slot) {
-            ++below[watch / watches_per_slot];
-            if (data_of(t).slot_page[watch / watches_per_slot] == no_index) return "a page without the one above it";
-        }
-    }
-    for (std::uint32_t slot = 0; slot < s.slots; ++slot)
-        if (data_of(t).slot_page[slot] != no_index && below[slot] != s.below[slot]) return "pages below do not add up";
-    for (std::uint32_t tile = 0; tile < s.tiles; ++tile)
-        if (const std::uint32_t slot = data_of(t).page_table[tile * t.pages_per_tile()].slot;
-            slot != no_index && s.states[s.slots * watches_per_slot + tile] != WatchState::loaded)
-            return "a coarsest page is not pinned";
-    return {};
+    if (const Violation found = validate_terrain(*s.terrain)) return in_words(found);
+    return in_words(validate_stream(s));
 }
 
 } // namespace fjell::test

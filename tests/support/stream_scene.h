@@ -55,7 +55,7 @@ struct ScriptedClient {
     int frame = 0;
 };
 
-// Empty when what the stream keeps of its pages agrees with itself and with the terrain.
+// Empty when validate_terrain() and validate_stream() find nothing (validate.h), otherwise what they do.
 [[nodiscard]] std::string check_stream(Streamed& streamed);
 
 } // namespace fjell::test

@@ -45,11 +45,12 @@ std::vector<long> worst_of(const std::vector<std::string>& sights, const std::ve
     options.pack = small_pack();
     options.path = FJELL_SOURCE_DIR "/content/paths/flythrough.json";
     options.commands = first;
-    // Until all graphs have their full length: they grow, and ImGui's buffers with them. In a small window, because
-    // software draws it.
-    options.commands.push_back("resize 640 320");
+    // Until all graphs have their full length: they grow, and ImGui's buffers with them. In a small window with small
+    // text, because software draws it.
+    options.scale = 0.5;
+    options.commands.push_back("resize 320 320");
     options.commands.push_back("frames " + std::to_string(editor::measured_frames));
-    options.commands.push_back("resize 640 400");
+    options.commands.push_back("resize 320 360");
     options.commands.push_back("frames 16");
     for (const std::string& sight : sights) {
         options.commands.push_back(sight);

@@ -26,13 +26,14 @@ const VirtualDisplay& display() {
     return shared;
 }
 
-// As small as two columns and a picture between them can be: a software driver draws every pixel of every frame.
-constexpr const char* small_window = "1180x540";
+// As small as two columns and a picture between them can be, at half the size of text and controls: a software driver
+// draws every pixel of every frame.
+constexpr const char *small_window = "600x320", *half_scale = "0.5";
 
 // An editor over the small terrain, in a home of its own.
 struct SmallTerrain {
     explicit SmallTerrain(const char* size = small_window)
-        : editor(display(), home.path, {small_pack(), "--size", size}) {}
+        : editor(display(), home.path, {small_pack(), "--size", size, "--scale", half_scale}) {}
     TemporaryFolder home;
     EditorWindow editor;
 
@@ -223,7 +224,7 @@ TEST_CASE("the window is resized: columns, picture and controls stay inside it, 
 
 TEST_CASE("budgets rebuild the cut under the same view, and one that is impossible is reverted") {
     if (no_windows()) return;
-    SmallTerrain terrain("1180x720"); // so high that the budgets need no scrolling
+    SmallTerrain terrain("600x360"); // so high that the budgets need no scrolling
 
     EditorWindow& editor = terrain.editor;
     const json before = editor.until("a picture", converged);

@@ -41,20 +41,43 @@ const std::vector<std::string>& files() {
     return all;
 }
 
+std::vector<std::string> matches(const std::string& text, const char* pattern, std::size_t group = 1) {
+    std::vector<std::string> found;
+    const std::regex regex(pattern);
+    for (std::sregex_iterator at(text.begin(), text.end(), regex), end; at != end; ++at)
+        found.push_back((*at)[group].str());
+    return found;
+}
+
+struct Block {            // between ``` fences
+    int line = 0;         // of the opening fence
+    std::string language; // empty: a command line or a drawing
+    std::string source;   // of <!-- from PATH --> in the line above
+    std::vector<std::string> lines;
+};
+
 struct Page {
     std::string name, text;        // the path from the root
     std::string prose;             // without what stands between ``` fences
     std::vector<std::string> code; // lines between fences, continued ones joined
+    std::vector<Block> blocks;
 };
 
 Page read_page(const std::string& name) {
-    Page page{name, slurp(root / name), {}, {}};
+    Page page{name, slurp(root / name), {}, {}, {}};
     REQUIRE(!page.text.empty());
     bool fenced = false, continued = false;
     std::istringstream lines(page.text);
-    for (std::string line; std::getline(lines, line);) {
+    std::string before;
+    int number = 0;
+    for (std::string line; std::getline(lines, line); before = line) {
+        ++number;
+        if (fenced && !line.starts_with("```")) page.blocks.back().lines.push_back(line);
         if (line.starts_with("```")) {
             fenced = !fenced;
+            if (!fenced) continue;
+            const auto from = matches(before, "^<!-- from ([^ ]+) -->$");
+            page.blocks.push_back({number, line.substr(3), from.empty() ? "" : from[0], {}});
         } else if (!fenced) {
             page.prose += line + '\n';
         } else {
@@ -80,14 +103,6 @@ const std::vector<Page>& pages(bool with_history = false) {
     };
     static const std::vector<Page> all = read(true), present = read(false);
     return with_history ? all : present;
-}
-
-std::vector<std::string> matches(const std::string& text, const char* pattern, std::size_t group = 1) {
-    std::vector<std::string> found;
-    const std::regex regex(pattern);
-    for (std::sregex_iterator at(text.begin(), text.end(), regex), end; at != end; ++at)
-        found.push_back((*at)[group].str());
-    return found;
 }
 
 std::vector<std::string> in_backticks(const Page& page) {
@@ -173,7 +188,57 @@ std::set<std::string> dev_commands() {
     return {listed.begin(), listed.end()};
 }
 
+// Lines without the indentation that all of them share, and without empty ones at the end.
+std::string outdented(const std::vector<std::string>& lines, std::size_t first, std::size_t count) {
+    std::size_t shared = std::string::npos;
+    for (std::size_t i = first; i < first + count; ++i)
+        if (!lines[i].empty()) shared = std::min(shared, lines[i].find_first_not_of(' '));
+    std::string text;
+    for (std::size_t i = first; i < first + count; ++i)
+        text += (lines[i].empty() ? "" : lines[i].substr(shared)) + '\n';
+    return text;
+}
+
+// Whether these lines follow each other in a file, wherever they are indented to.
+bool quotes(const Block& block) {
+    std::vector<std::string> lines;
+    std::istringstream text(slurp(root / block.source));
+    for (std::string line; std::getline(text, line);) lines.push_back(line);
+    const std::string wanted = outdented(block.lines, 0, block.lines.size());
+    for (std::size_t first = 0; first + block.lines.size() <= lines.size(); ++first)
+        if (outdented(lines, first, block.lines.size()) == wanted) return true;
+    return false;
+}
+
+// Whose files a test builds and runs: tests/door does the first two.
+const std::vector<std::string> built{"content/hosts/game/", "tests/door/", "tests/unit/"};
+
 } // namespace
+
+TEST_CASE("every block of code in the README and the guides is quoted from a file that a test builds and runs") {
+    const std::set<std::string> languages{"cpp", "glsl", "cmake", "sh"};
+    int code = 0;
+    for (const Page& page : pages()) {
+        if (page.name != "README.md" && !page.name.starts_with("docs/guides/")) continue;
+        for (const Block& block : page.blocks) {
+            INFO(page.name << ':' << block.line << ": " << block.source);
+            REQUIRE(!block.lines.empty());
+            if (block.language.empty()) { // command lines: another test looks at their flags
+                CHECK(block.source.empty());
+                for (const std::string& line : block.lines)
+                    CHECK(std::regex_search(line, std::regex("^(fjell-[a-z]+ |\\./dev |mkdir -p )")));
+                continue;
+            }
+            CHECK(languages.count(block.language) == 1);
+            // Name the source in the line above the block: <!-- from PATH -->
+            CHECK(std::ranges::any_of(built,
+                                      [&](const std::string& folder) { return block.source.starts_with(folder); }));
+            CHECK(quotes(block));
+            ++code;
+        }
+    }
+    CHECK(code > 30);
+}
 
 TEST_CASE("every link and picture of the documents leads somewhere") {
     for (const Page& page : pages(true))

@@ -67,3 +67,16 @@ TEST_CASE("up is up in the picture, and right is right") {
     CHECK_FALSE(project(view, {0, 0, 10}));
     CHECK(from_glm(to_glm({1, 2, 3})).y == 2);
 }
+
+TEST_CASE("a projection gives the tangents back, as docs/guides/embedding-views.md says") {
+    Random64 random(11);
+    for (int i = 0; i < 1000; ++i) {
+        const View view = random_view(random);
+        const glm::dmat4 m = reversed_projection(view); // columns first: m[2][0] is row 0, column 2
+        const double wide = view.right - view.left, high = view.top - view.bottom;
+        CHECK(std::abs((m[2][0] - 1) / m[0][0] - view.left) < 1e-14 * wide * 4);
+        CHECK(std::abs((m[2][0] + 1) / m[0][0] - view.right) < 1e-14 * wide * 4);
+        CHECK(std::abs((m[2][1] - 1) / m[1][1] - view.bottom) < 1e-14 * high * 4);
+        CHECK(std::abs((m[2][1] + 1) / m[1][1] - view.top) < 1e-14 * high * 4);
+    }
+}

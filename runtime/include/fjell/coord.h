@@ -8,6 +8,7 @@
 FJELL_API_BEGIN
 namespace fjell {
 
+// Or the way from one sample to another.
 struct Coord {
     std::int32_t x = 0, y = 0; // column, row
     friend constexpr bool operator==(Coord, Coord) = default;

@@ -34,6 +34,7 @@ namespace fjell {
 
 inline constexpr std::uint32_t max_cut_views = 8;
 
+// What a cut may use: fixed at creation.
 struct CutBudget {
     std::uint32_t vertices = 1u << 19;  // slots of the vertex buffer, cut_vertex_bytes each; 4 a tile at least
     std::uint32_t triangles = 1u << 20; // slots of the index buffer, cut_triangle_bytes each
@@ -49,7 +50,7 @@ inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 16, cut
 // How a vertex appears and disappears: geomorphing (thesis 5.4.1). With error and time
 // vertices are activated at error_px / (1 + nesting)^2, on the edge that they split, and reach their height at
 // error_px. The ends of that edge no longer move by then, because errors nest; so the surface is continuous and the
-// screen bound holds.
+// screen bound holds. Where a view comes, goes or jumps, the mesh does so too.
 enum class Morph : std::uint8_t {
     none,  // no morphing: at once
     error, // by distance, in the vertex shader; a vertex that is activated late also takes morph_s, and so does not pop
@@ -58,8 +59,9 @@ enum class Morph : std::uint8_t {
 
 inline constexpr std::uint32_t unlimited_items = 0xffffffff;
 
+// What an update goes by: may change from frame to frame.
 struct CutSettings {
-    double error_px = 1;                    // the threshold (kappa), 0.001 to 1e6
+    double error_px = 1;                    // the threshold (kappa), 0.001 to 1e6, of views without their own
     double hysteresis = 0;                  // a vertex is deactivated only below error_px / (1 + hysteresis); 0 to 10
     bool corner_safe = false;               // bound pixels in the image's corners too
     std::uint32_t items = unlimited_items;  // work that this frame may do
@@ -72,6 +74,7 @@ struct CutSettings {
     double now_s = 0;
 };
 
+// Bits of CutReport::exhausted: the field that did not suffice.
 enum CutBudgetBit : std::uint32_t {
     cut_budget_vertices = 1u << 0,  // CutBudget::vertices
     cut_budget_triangles = 1u << 1, // CutBudget::triangles
@@ -81,10 +84,12 @@ enum CutBudgetBit : std::uint32_t {
 // The field that a single bit stands for, e.g. "CutBudget::vertices".
 [[nodiscard]] const char* budget_field(CutBudgetBit bit);
 
+// Of a capacity: now, the most so far, and what there is.
 struct BudgetUse {
     std::uint32_t used = 0, peak = 0, capacity = 0;
 };
 
+// What an update has done, and what the mesh is worth.
 struct CutReport {
     std::uint64_t frame = 0;
     std::uint32_t items = 0; // evaluations + activations + deactivations
@@ -98,8 +103,9 @@ struct CutReport {
     // Vertices that morph by time: in, because they were activated late, or out, because their page is evicted.
     std::uint32_t morphing = 0;
     std::uint32_t exhausted = 0; // CutBudgetBits
-    // Effective: the threshold that the capacities allow, or what missing pages may hide (Terrain::missing_px) if that
-    // is more.
+    // Requested: CutSettings::error_px. Effective: the threshold that the capacities allow, or what missing pages may
+    // hide (Terrain::missing_px) if that is more. Thresholds of all views rise alike: where View::error_px is set, it
+    // is effective times error_px_effective / error_px_requested.
     double error_px_requested = 0, error_px_effective = 0;
     bool converged = false;                 // nothing waits or morphs, effective == requested: the screen bound holds
     bool rebuilt = false;                   // by the bulk pass
@@ -121,7 +127,9 @@ Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std
 // Ends the cut. Streams that were given it are refused from then on.
 Status destroy_cut(LiveCut cut);
 
-// Refines and coarsens the cut for the views, as far as the items go. views: 1 to CutBudget::views of them.
+// Refines and coarsens the cut for the views, as far as the items go: a vertex is wanted when any view wants it. views:
+// 1 to CutBudget::views of them. A view is what it sees, not its place among them: views that change places, or come
+// and go where an equal one stays, cost nothing; any other costs what a move from or to the nearest one would.
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
 
 // Builds the cut from scratch: for the first frame, after a teleport, for an export. Not bounded in
@@ -157,6 +165,7 @@ struct MorphView {
     float eye_x, eye_y, eye_z; // scene axes, metres
     float q_start, q_full;
 };
+// The shader's inputs of a frame, the same for all vertices.
 struct MorphFrame {
     Morph morph = Morph::none;
     std::uint32_t views = 0;
@@ -175,11 +184,13 @@ struct MorphFrame {
 [[nodiscard]] float morphed_height_m(const Terrain& terrain, const MeshVertex& vertex, const MorphVertex& morph,
                                      const MorphFrame& frame);
 
+// All that a renderer needs of a cut. Spans point into the cut, and hold until its next update.
 struct CutMesh {
     MeshView mesh;                      // all slots; ranges of the tiles that some view may see
     std::span<const MorphVertex> morph; // one a vertex slot
     MorphFrame frame;                   // the shader's other inputs
 };
+// Of the last update. Empty for a handle that is refused. O(1).
 [[nodiscard]] CutMesh cut_mesh(LiveCut cut);
 
 // Slots that were written, 64 to a word; only the words listed hold any.

@@ -17,6 +17,7 @@
 FJELL_API_BEGIN
 namespace fjell {
 
+// What Terrain, LiveCut, Stream and RecursiveMethod are. Empty until create_...() has set it.
 template <typename Object>
 class Handle {
 public:

@@ -13,6 +13,7 @@
 FJELL_API_BEGIN
 namespace fjell {
 
+// The largest errors, and where they are.
 struct MeasuredError {
     // Less what rounding both heights to float may have added: some 1e-7 of the largest height.
     double max_px = 0;         // largest |height - surface| * lambda / distance(eye, sample)

@@ -14,14 +14,17 @@
 FJELL_API_BEGIN
 namespace fjell {
 
+// A record of the vertex buffer.
 struct MeshVertex {
     std::int32_t column, row; // sample of the terrain
     float height_m;
 };
 static_assert(sizeof(MeshVertex) == 12, "MeshVertex is uploaded: change the renderer's vertex format with it");
 
+// How indices make triangles.
 enum class Topology : std::uint8_t { triangles, strip };
 
+// A range of indices to draw.
 struct TileRange {             // a tile may have several
     std::uint32_t tile;        // row-major
     std::uint32_t first_index; // into MeshView::indices
@@ -29,6 +32,7 @@ struct TileRange {             // a tile may have several
     std::uint32_t triangles; // degenerate ones not counted
 };
 
+// The mesh of the last update.
 struct MeshView {
     Topology topology = Topology::triangles;
     std::span<const MeshVertex> vertices; // the whole vertex buffer, used slots or not

@@ -30,7 +30,9 @@ inline constexpr double max_extent_m = 1e8; // squares of distances must stay fa
 
 // How vertices lie in pages: by levels, in planes or along a Z-curve, or row by row.
 enum class Order : std::uint32_t { planar = 0, hierarchical_z = 1, linear = 2 };
+// What a vertex' error is: the true largest one, or that at the vertex alone (no bound).
 enum class Estimate : std::uint32_t { max = 0, midpoint = 1 };
+// What a chunk holds.
 enum class ChunkKind : std::uint32_t {
     corners = 0,  // of all tiles: the mesh that is there when no page is
     geometry = 1, // pages, tile by tile
@@ -39,6 +41,7 @@ enum class ChunkKind : std::uint32_t {
     crs = 4       // well-known text
 };
 
+// The pack's first 512 bytes.
 struct PackHeader {
     char magic[8];
     std::uint32_t version;
@@ -83,6 +86,7 @@ struct PageBound {
     std::uint8_t radius;     // code, on the unit of bound_level(), of a radius that none exceeds
     std::uint16_t reserved;  // zero
 };
+// Where a chunk lies: a record of the directory.
 struct ChunkEntry {
     std::uint64_t offset;       // from the file's beginning
     std::uint64_t hash;         // XXH3 of the stored bytes
@@ -105,6 +109,7 @@ struct PageHead {
     std::uint8_t reserved[3]; // zero
 };
 static_assert(sizeof(PageHead) == 8, "PageHead is stored: change pack_version and pack_layout_hash with it");
+// Bits of PageHead::flags.
 enum PageFlags : std::uint8_t {
     page_wide = 1,   // height residuals have a high byte
     page_errors = 2, // errors are stored; otherwise they follow from heights (step 1 only)
@@ -128,6 +133,7 @@ inline constexpr std::uint32_t corner_void_bit = 0x80000000;
     return log2_side < 2 ? 0 : log2_side - 1;
 }
 
+// An opened pack: points into the host's bytes.
 struct Pack {
     PackHeader header{};
     std::span<const std::byte> bytes;     // the whole file; empty for a pack that is streamed (open_index)
@@ -162,6 +168,7 @@ inline constexpr std::uint64_t no_chunk = 0xffff'ffff'ffff'ffffull;
 [[nodiscard]] std::uint64_t chunk_index(const PackHeader& header, ChunkId id);
 // The way back. For a chunk that is not there an id that names none: tile and item are 0xffffffff.
 [[nodiscard]] ChunkId chunk_id(const PackHeader& header, std::uint64_t chunk);
+// How many chunks such a pack has.
 [[nodiscard]] std::uint64_t chunk_count(const PackHeader& header);
 // The size of a decoded chunk; for geometry the largest that its page can have. 0 when there is no such
 // chunk.

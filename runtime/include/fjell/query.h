@@ -22,6 +22,7 @@
 FJELL_API_BEGIN
 namespace fjell {
 
+// What ground_height() answers.
 struct GroundHeight {
     bool inside = false; // the position is over the terrain; otherwise the rest is of the nearest point of its rim
     bool hole = false;   // no ground there; the height is what the ground around it suggests
@@ -33,6 +34,7 @@ struct GroundHeight {
 // accurate_m: good enough; a larger one is a little cheaper. Positions that are no numbers are not inside.
 [[nodiscard]] GroundHeight ground_height(const Terrain& terrain, double x_m, double z_m, float accurate_m = 0);
 
+// What cast_ray() answers.
 struct GroundHit {
     bool hit = false;
     bool finest = false;
@@ -49,14 +51,15 @@ struct GroundHit {
                                  float accurate_m = 0);
 
 inline constexpr std::uint32_t max_patch_side = 4097;
-// Heights of side x side samples, 2^step_log2 apart, from `first` on, row by row: 33 or 65 a side suit most physics
-// engines, any from 2 to max_patch_side works. Samples beyond the rim are the rim's. holes: one a sample, or empty.
-// step_log2: 0 to 12. What does not fit, spans that are too short among it, leaves them alone: error_m is infinite
-// then.
+// What ground_patch() answers.
 struct GroundPatch {
     float error_m = 0;   // at the samples: the largest; between them a coarse step differs more
     bool finest = false; // every sample is the pack's own
 };
+// Heights of side x side samples, 2^step_log2 apart, from `first` on, row by row: 33 or 65 a side suit most physics
+// engines, any from 2 to max_patch_side works. Samples beyond the rim are the rim's. holes: one a sample, or empty.
+// step_log2: 0 to 12. What does not fit, spans that are too short among it, leaves them alone: error_m is infinite
+// then.
 GroundPatch ground_patch(const Terrain& terrain, Coord first, int step_log2, std::uint32_t side,
                          std::span<float> heights_m, std::span<bool> holes = {});
 

@@ -26,27 +26,32 @@
 FJELL_API_BEGIN
 namespace fjell {
 
+// What the method may use: fixed at creation.
 struct RecursiveBudget {
     std::uint32_t vertices = 1u << 18; // slots of the vertex buffer, recursive_vertex_bytes each
     std::uint32_t indices = 1u << 20;  // strip or list indices, 4 bytes each
 };
 inline constexpr std::size_t recursive_vertex_bytes = 20; // of recursive_bytes(), for a slot of the vertex buffer
 
+// What a distance is measured to.
 enum class Metric : std::uint8_t {
     isotropic, // Lindstrom: distance from the eye to the vertex' sphere
     depth      // thesis 5.4.1: depth of the sphere's nearest point along the view; needs culling
 };
 
+// What an update goes by.
 struct RefineSettings {
-    double error_px = 1; // the threshold (kappa), > 0
+    double error_px = 1; // the threshold (kappa), 0.001 to 1e6; a view may have its own (View::error_px)
     Metric metric = Metric::isotropic;
     bool cull = true;         // per vertex, against the six planes
     bool corner_safe = false; // bound pixels in the image's corners too, at the price of more triangles
     Topology topology = Topology::triangles;
 };
 
+// Bits of FrameReport::exhausted.
 enum BudgetBit : std::uint32_t { budget_vertices = 1u << 0, budget_indices = 1u << 1 };
 
+// What an update has done.
 struct FrameReport {
     std::uint64_t frame = 0;
     std::uint32_t vertices = 0; // selected: active vertices and the corners of drawn tiles
@@ -54,10 +59,10 @@ struct FrameReport {
     std::uint32_t tiles = 0;            // drawn
     std::uint32_t vertices_written = 0; // new in the vertex buffer
     std::uint32_t buffer_clearings = 0;
-    std::uint32_t restarts = 0;  // passes thrown away because a capacity did not suffice
-    std::uint32_t exhausted = 0; // BudgetBits
-    double error_px_requested = 0, error_px_effective = 0;
-    bool converged = false; // effective == requested
+    std::uint32_t restarts = 0;                            // passes thrown away because a capacity did not suffice
+    std::uint32_t exhausted = 0;                           // BudgetBits
+    double error_px_requested = 0, error_px_effective = 0; // requested: the view's own, or that of the settings
+    bool converged = false;                                // effective == requested
 };
 
 struct RecursiveState; // opaque, lives in the host's memory
@@ -70,10 +75,13 @@ using RecursiveMethod = Handle<RecursiveState>;
 // Fails with budget_too_small when 4 vertices and 9 indices a tile do not fit.
 Status create_recursive(const Terrain& terrain, const RecursiveBudget& budget, std::span<std::byte> memory,
                         RecursiveMethod& method);
+// Ends the method.
 Status destroy_recursive(RecursiveMethod method);
 
+// Finds the mesh of a view.
 Status update_recursive(RecursiveMethod method, const View& view, const RefineSettings& settings, FrameReport& report);
 
+// Of the last update.
 [[nodiscard]] MeshView recursive_mesh(RecursiveMethod method);
 
 } // namespace fjell

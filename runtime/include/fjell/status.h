@@ -10,6 +10,7 @@
 FJELL_API_BEGIN
 namespace fjell {
 
+// What went wrong.
 enum class Code : std::uint8_t {
     ok,
     truncated,          // the bytes end before the pack does
@@ -29,6 +30,7 @@ enum class Code : std::uint8_t {
     wrong_terrain       // a cut of another terrain
 };
 
+// What a call returns.
 struct [[nodiscard]] Status {
     Code code = Code::ok;
     const char* field = ""; // the field, argument or section at fault; static storage

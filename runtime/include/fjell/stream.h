@@ -30,6 +30,7 @@
 FJELL_API_BEGIN
 namespace fjell {
 
+// Which map of a tile.
 enum class MapKind : std::uint8_t { colour = 0, normal = 1 };
 inline constexpr std::uint32_t map_kinds = 2;
 
@@ -42,6 +43,7 @@ struct MapLayers {
     std::uint32_t layers[max_texture_log2 + 1] = {};
 };
 
+// What a stream may use: fixed at creation.
 struct StreamBudget {
     // Page slots are the terrain's (TerrainBudget::page_slots); at least one a tile.
     std::uint32_t page_requests = 32; // pages in flight at a time, 1 to 256; max_page_raw_bytes() each
@@ -55,6 +57,7 @@ struct StreamBudget {
 // What they take on a GPU.
 [[nodiscard]] std::uint64_t map_layer_bytes(const MapLayers& sizes, MapKind kind);
 
+// What an update goes by, beside the settings of the cut.
 struct StreamSettings {
     double texel_px = 1;                // pixels that a texel may cover; 0.1 to 100
     double lookahead_s = 0.5;           // how far ahead the eyes' motion is extrapolated; 0: not at all
@@ -65,6 +68,7 @@ struct StreamSettings {
     std::uint32_t map_bytes = 1u << 20; // uploaded in a frame at most, but always at least one mip
 };
 
+// Bits of StreamReport::exhausted: the field that did not suffice.
 enum StreamBudgetBit : std::uint32_t {
     stream_page_slots = 1u << 0, // TerrainBudget::page_slots: wanted pages find no slot
     stream_map_bytes = 1u << 1,  // StreamBudget::map_bytes: wanted mips find no layer
@@ -73,8 +77,10 @@ enum StreamBudgetBit : std::uint32_t {
     stream_tests = 1u << 4,      // StreamSettings::tests: not all could be tested
     stream_requests = 1u << 5    // StreamBudget::page_requests or map_requests: more is wanted than may be in flight
 };
+// The field that a single bit stands for.
 [[nodiscard]] const char* budget_field(StreamBudgetBit bit);
 
+// A chunk that could not be had.
 struct StreamFailure {
     ChunkId id;
     Code code = Code::ok; // corrupt, or unreadable when the client said so
@@ -87,11 +93,13 @@ enum class PageEvent : std::uint8_t {
     kept,     // cut_cancel_release
     removed   // unload_page
 };
+// A page, and what happened to it.
 struct PageArrival {
     std::uint32_t tile, page;
     PageEvent event;
 };
 
+// What an update has done, and what is still missing.
 struct StreamReport {
     std::uint64_t frame = 0;
     // Every page that the views want is loaded: the cut's bound is that of the whole terrain.
@@ -121,10 +129,12 @@ struct StreamReport {
 struct StreamState; // opaque, lives in the host's memory
 using Stream = Handle<StreamState>;
 
+// 0 for a budget that create_stream() refuses.
 [[nodiscard]] std::size_t stream_bytes(const Pack& pack, const Terrain& terrain, const StreamBudget& budget);
 // pack: of open_index() or open_pack(). Its directory is read here and in updates, so it must be in memory. Pack,
-// terrain and cut must outlive the stream. cut: may be empty when the recursive method draws. memory: aligned to 64.
-// Fails with out_of_range, budget_too_small (page slots, map_bytes), memory_too_small, not_supported (linear order).
+// terrain and cut must outlive the stream. cut: may be empty when the recursive method draws. From now on only the
+// stream may load and unload pages of the terrain: it does not see what others do. memory: aligned to 64. Fails with
+// out_of_range, budget_too_small (page slots, map_bytes), memory_too_small, not_supported (linear order).
 Status create_stream(const Pack& pack, const Terrain& terrain, LiveCut cut, const StreamBudget& budget,
                      std::span<std::byte> memory, Stream& stream);
 // Ends the stream; the pages that it has loaded stay. The client must have stopped.
@@ -137,6 +147,7 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
 
 // Of the last update, until the next one.
 [[nodiscard]] std::span<const StreamFailure> stream_failures(Stream stream);
+// The same.
 [[nodiscard]] std::span<const PageArrival> stream_page_arrivals(Stream stream);
 // Allows what has failed to be requested again.
 Status stream_retry_failed(Stream stream);
@@ -155,6 +166,7 @@ struct MapCommand {
     std::span<const std::byte>
         blocks; // of upload_mips mips, largest first (fjell/texture.h); valid until the next update
 };
+// Of the last update: carry them out after each one, drawn or not.
 [[nodiscard]] std::span<const MapCommand> stream_map_commands(Stream stream);
 
 // How a tile's map is sampled: from a layer, with no mip finer than min_lod. That counts from the pack's mip 0, changes
@@ -166,6 +178,7 @@ struct TileMap {
 };
 [[nodiscard]] std::span<const TileMap> stream_tile_maps(Stream stream,
                                                         MapKind kind); // one a tile; empty when there is no map
+// The layers that a renderer makes, fixed at creation.
 [[nodiscard]] MapLayers stream_map_layers(Stream stream, MapKind kind);
 
 // The min_lod at a tile's corners, the middles of its sides and its centre, row by row from the north-west: the largest
@@ -175,6 +188,7 @@ Status min_lod_grid(std::span<const TileMap> maps, std::uint32_t tiles_x, std::u
 
 // --- the client ---
 
+// What the client is to read.
 struct StreamRequest {
     std::uint32_t ticket = 0; // 0: none
     ChunkId id;               // of maps the first of `chunks` mips that lie one after the other

@@ -44,8 +44,9 @@ public:
     [[nodiscard]] std::uint32_t page_slots() const; // that there is memory for
     [[nodiscard]] std::uint32_t pages_loaded() const;
     [[nodiscard]] std::uint32_t pages_missing() const; // page_count() - pages_loaded()
-    // The largest error on screen, in pixels, that missing pages which the views want may hide; 0: none. Set by what
-    // loads pages for the views (update_stream), read by update_cut for its report.
+    // The largest error on screen, in pixels, that missing pages which the views want may hide; 0: none. In views with
+    // a threshold of their own (View::error_px) by that over CutSettings::error_px more. Set by what loads pages for
+    // the views (update_stream), read by update_cut for its report.
     [[nodiscard]] double missing_px() const;
 };
 

@@ -20,6 +20,7 @@ FJELL_API_BEGIN
 namespace fjell {
 
 inline constexpr std::size_t colour_block_bytes = 8, normal_block_bytes = 16;
+// Blocks of a mip with that many texels a side.
 [[nodiscard]] constexpr std::size_t blocks_of(std::uint32_t side) {
     return std::size_t{side / 4} * (side / 4);
 }
@@ -28,6 +29,7 @@ inline constexpr std::size_t colour_block_bytes = 8, normal_block_bytes = 16;
 Status decode_colour(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> rgb);
 // blocks: blocks_of(side) * normal_block_bytes. xz: side * side * 2 bytes, each 128 + 127 v; 0 counts as 1.
 Status decode_normal(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> xz);
+// -1 to 1.
 [[nodiscard]] constexpr float normal_component(std::uint8_t code) {
     return static_cast<float>(code < 1 ? -127 : static_cast<int>(code) - 128) / 127.0f;
 }

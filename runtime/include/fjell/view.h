@@ -13,6 +13,7 @@
 FJELL_API_BEGIN
 namespace fjell {
 
+// A place or a direction.
 struct Vec3 {
     double x = 0, y = 0, z = 0;
     friend constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
@@ -42,6 +43,8 @@ struct View {
     double bottom = -0.41421356237309503, top = 0.41421356237309503;
     std::uint32_t width_px = 1280, height_px = 720;
     double near_m = 1, far_m = 1e6;
+    // The threshold of this view, 0.001 to 1e6; 0: that of the settings (CutSettings, RefineSettings).
+    double error_px = 0;
 };
 
 // Pixels a unit of tangent: height_px / (top - bottom); where pixels are narrower than high, those of the width.
@@ -55,7 +58,8 @@ struct View {
 [[nodiscard]] View make_view(Vec3 eye_m, Vec3 forward, Vec3 up, double fov_y_rad, std::uint32_t width_px,
                              std::uint32_t height_px, double near_m, double far_m);
 
-// Every number finite, unit and orthogonal vectors, sides in order, 0 < near < far, viewport at least 1x1.
+// Every number finite, unit and orthogonal vectors, sides in order, 0 < near < far, viewport at least 1x1, error_px in
+// its range.
 Status validate(const View& view);
 
 // Plane i holds points p with dot(normal, p - eye) >= offset inside. Order: near, far, left, right, bottom, top.
@@ -63,6 +67,7 @@ struct Frustum {
     Vec3 normal[6];
     double offset[6];
 };
+// The six planes of what a view sees.
 [[nodiscard]] Frustum make_frustum(const View& view);
 
 // How much larger than its angular measure a vertical error in the image can be: at most 1 / cos^2 of the farthest

@@ -26,7 +26,13 @@ std::uint64_t due_tick(const GroupState& b) {
     return std::uint64_t{b.due_high} << 32 | b.due;
 }
 
+// Whoever puts a group in a list has taken it from the one before: in two it would be visited twice, and then never.
+[[maybe_unused]] bool is_in_no_list(const GroupState& b) {
+    return b.list == unlisted || b.list == being_visited;
+}
+
 std::uint32_t take_node(Lists& lists, std::uint32_t next) {
+    FJELL_ASSERT(lists.free_node != no_index); // there are as many as all groups can need
     const std::uint32_t node = lists.free_node;
     lists.free_node = lists.nodes[node].next;
     lists.nodes[node].next = next;
@@ -39,6 +45,7 @@ void give_node(Lists& lists, std::uint32_t node) {
 }
 
 void push_bucket(Lists& lists, std::uint32_t number, std::uint32_t group) {
+    FJELL_ASSERT(is_in_no_list(lists.groups[group]));
     Bucket& bucket = lists.buckets[number];
     if (bucket.top == no_index) {
         bucket.top = bucket.bottom = take_node(lists, no_index);
@@ -58,6 +65,7 @@ void push_bucket(Lists& lists, std::uint32_t number, std::uint32_t group) {
 void leave_bucket(Lists& lists, std::uint32_t group) {
     const GroupState& b = lists.groups[group];
     Bucket& bucket = lists.buckets[b.list];
+    FJELL_ASSERT(bucket.top != no_index && lists.nodes[b.link.next].groups[b.link.prev] == group);
     const std::uint32_t moved = lists.nodes[bucket.top].groups[--bucket.in_top];
     if (moved != group) {
         lists.nodes[b.link.next].groups[b.link.prev] = moved;
@@ -139,6 +147,7 @@ ListId list_of(const Lists& lists, std::uint32_t group) {
 
 void push_back(Lists& lists, std::uint32_t queue, std::uint32_t group) {
     GroupState& b = lists.groups[group];
+    FJELL_ASSERT(is_in_no_list(b));
     const std::uint32_t head = lists.group_count + queue - work_lists;
     Link& ends = lists.queues[queue - work_lists];
     b.link = {head, ends.prev};
@@ -150,6 +159,7 @@ void push_back(Lists& lists, std::uint32_t queue, std::uint32_t group) {
 
 void push_front(Lists& lists, std::uint32_t queue, std::uint32_t group) {
     GroupState& b = lists.groups[group];
+    FJELL_ASSERT(is_in_no_list(b));
     Link& ends = lists.queues[queue - work_lists];
     b.link = {ends.next, lists.group_count + queue - work_lists};
     link(lists, ends.next).prev = group;
@@ -160,6 +170,7 @@ void push_front(Lists& lists, std::uint32_t queue, std::uint32_t group) {
 
 void push_due(Lists& lists, std::uint32_t grade, std::uint32_t group) {
     GroupState& b = lists.groups[group];
+    FJELL_ASSERT(is_in_no_list(b));
     b.grade = static_cast<std::uint8_t>(grade);
     b.list = static_cast<ListId>(due_lists + grade);
     ++lists.sizes[due_lists + grade - soon_lists];
@@ -169,9 +180,12 @@ void push_due(Lists& lists, std::uint32_t grade, std::uint32_t group) {
 void unlink(Lists& lists, std::uint32_t group) {
     GroupState& b = lists.groups[group];
     if (b.list == unlisted) return;
+    FJELL_ASSERT(list_of(lists, group) < due_lists || list_of(lists, group) >= work_lists); // due groups have no links
     if (b.list < due_lists) {
         leave_bucket(lists, group);
     } else {
+        FJELL_ASSERT(b.list < list_count && size(lists, b.list) != 0);
+        FJELL_ASSERT(link(lists, b.link.prev).next == group && link(lists, b.link.next).prev == group);
         --lists.sizes[b.list - soon_lists];
         link(lists, b.link.prev).next = b.link.next;
         link(lists, b.link.next).prev = b.link.prev;
@@ -218,6 +232,7 @@ void schedule(Lists& lists, std::uint32_t group, float slack_m, std::uint32_t gr
     const std::uint64_t now = lists.tick[grade];
     const bool soon = due <= now;
     const std::uint64_t stored = soon ? lists.moves[grade] : due;
+    FJELL_ASSERT(stored >> 48 == 0); // what a group keeps of it; a tick that wraps would be due in years
     b.due = static_cast<std::uint32_t>(stored);
     b.due_high = static_cast<std::uint16_t>(stored >> 32);
     if (soon) return push_bucket(lists, soon_lists + grade, group);
@@ -243,11 +258,43 @@ void tighten(Lists& lists, std::uint32_t group, float slack_m, std::uint32_t gra
     schedule(lists, group, static_cast<float>(std::min(left_m, static_cast<double>(slack_m))), highest);
 }
 
+namespace {
+
+// The odometer begins again at 0. Due groups have to know their list now: no tick tells any more.
+void rewind(Lists& lists, std::uint32_t grade) {
+    drain(lists, grade, soon_lists + grade);
+    for (std::uint32_t wheel = 0; wheel < wheel_count; ++wheel) {
+        for (std::uint64_t bucket = 0; bucket < wheel_buckets; ++bucket)
+            drain(lists, grade, bucket_of(grade, wheel, bucket));
+        lists.filled[grade][wheel] = 0;
+    }
+    const auto mark = [&](std::uint32_t node) {
+        for (std::uint32_t i = 0; i < lists.nodes[node].count; ++i)
+            lists.groups[lists.nodes[node].groups[i]].list = static_cast<ListId>(due_lists + grade);
+    };
+    const DueGroups& due = lists.due[grade];
+    for (std::uint32_t node = due.first; node != no_index; node = lists.nodes[node].next) mark(node);
+    if (due.filling != no_index) mark(due.filling);
+    lists.odometer_m[grade] = 0;
+    lists.tick[grade] = lists.moves[grade] = 0;
+}
+
+// a + b, rounded up where more than charge_rounding of b would be lost.
+double sum(double a, double b) {
+    const double nearest = a + b;
+    return nearest - a < b * (1 - charge_rounding) ? std::nextafter(nearest, 1e300) : nearest;
+}
+
+} // namespace
+
 void advance(Lists& lists, std::uint32_t grade, double metres) {
     if (!(metres > 0)) return;
     const std::uint64_t before = lists.tick[grade];
-    lists.odometer_m[grade] += std::min(metres, static_cast<double>(last_tick) * lists.tick_m);
+    if (before >= rewind_tick) return rewind(lists, grade);
+    const double most_m = static_cast<double>(last_tick) * lists.tick_m; // more than any slack
+    lists.odometer_m[grade] = sum(lists.odometer_m[grade], std::min(metres, most_m));
     lists.tick[grade] = static_cast<std::uint64_t>(lists.odometer_m[grade] * lists.ticks_per_m);
+    FJELL_ASSERT(lists.tick[grade] >= before); // or what is due already would wait for another round
     ++lists.moves[grade];
     drain(lists, grade, soon_lists + grade);
     for (std::uint32_t wheel = 0; wheel < wheel_count; ++wheel) {

@@ -9,6 +9,11 @@
 // nothing is carried from wheel to wheel, and a frame that moves little reads eight numbers a grade. A bucket whose
 // time has come joins the due groups of its grade without touching them: that a group is due follows from its tick.
 //
+// An odometer cannot wrap: once it has reached rewind_tick (2^32) it begins again at 0, and all groups of its grade are
+// due, as they may be at any time. A due tick is at most last_tick (2^27) ahead of it, and 48 bits of it are kept.
+// Doubles below 2^33 are at most 2^-20 of a tick apart, 2^-25 of a cell: less than slack_rounding of any span. So what
+// a due tick is rounded by does not matter; small ways, which would be lost one by one, are rounded up.
+//
 // Buckets and due groups are arrays in nodes of a cache line, because what a visit costs is cache misses: with the
 // numbers side by side, the states and records of the next node are fetched while this one is worked on. (Links
 // through the groups made every visit wait for the one before: 150 to 190 ns a visit instead of 60.) A group knows its
@@ -22,6 +27,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "asserts.h"
 #include "tree/tree.h"
 
 namespace fjell {
@@ -41,7 +47,9 @@ static_assert(sizeof(ListNode) == 64, "a cache line");
 
 inline constexpr std::uint32_t grade_count = 16, grade_codes_log2 = 4; // error codes 0..255 in grades of 16
 inline constexpr std::uint32_t wheel_count = 8, wheel_buckets = 64, first_wheel_ticks = 56;
-inline constexpr std::uint32_t rank_count = 32; // of work: 16 by screen error, and 16 more for what a frustum shows
+inline constexpr std::uint64_t rewind_tick = std::uint64_t{1} << 32;
+inline constexpr double charge_rounding = 0x1p-20; // share of a way that an odometer may lose
+inline constexpr std::uint32_t rank_count = 32;    // of work: 16 by screen error, and 16 more for what a frustum shows
 
 [[nodiscard]] inline std::uint32_t grade_of(std::uint32_t code) {
     return code >> grade_codes_log2;
@@ -111,6 +119,7 @@ void unlink(Lists& lists, std::uint32_t group);
 // With each group, one a node later is passed to prefetch().
 template <typename Prefetch>
 [[nodiscard]] std::uint32_t pop_due(Lists& lists, std::uint32_t grade, const Prefetch& prefetch) {
+    FJELL_ASSERT(size(lists, due_lists + grade) != 0);
     DueGroups& due = lists.due[grade];
     const std::uint32_t at = due.first != no_index ? due.first : due.filling;
     ListNode& node = lists.nodes[at];
@@ -139,7 +148,8 @@ void schedule(Lists& lists, std::uint32_t group, float slack_m, std::uint32_t gr
 // Groups in other lists stay there: they will be visited anyway.
 void tighten(Lists& lists, std::uint32_t group, float slack_m, std::uint32_t grade);
 
-// Moves an odometer on; groups whose time has come become due.
+// Moves an odometer on by at least (1 - charge_rounding) of the way; groups whose time has come become due. O(groups)
+// once in rewind_tick.
 void advance(Lists& lists, std::uint32_t grade, double metres);
 
 } // namespace fjell

@@ -46,6 +46,16 @@ void reevaluate(CutState& s, std::uint32_t vertex, const Site& site, bool active
     }
 }
 
+[[maybe_unused]] bool is_ready(const CutState& s, std::uint32_t vertex) {
+    return (s.groups[vertex / group_lanes].ready() & bit_of(vertex)) != 0;
+}
+[[maybe_unused]] bool is_active(const CutState& s, std::uint32_t vertex) {
+    return (s.groups[vertex / group_lanes].active & bit_of(vertex)) != 0;
+}
+[[maybe_unused]] bool has_active_child(const CutState& s, std::uint32_t vertex) {
+    return (s.groups[vertex / group_lanes].parental() & bit_of(vertex)) != 0;
+}
+
 // The triangle of a parent that a vertex splits.
 struct Split {
     std::uint32_t parent; // no_index: a tile's corner
@@ -70,6 +80,7 @@ int splits_of(const CutState& s, const Site& site, std::uint32_t vertex, Split (
             if (!exists(s, parent)) continue;
             const Bearing bearing = parent_bearing(site, n);
             split.parent = find_vertex(s, parent);
+            FJELL_ASSERT(split.parent != no_index && is_active(s, split.parent));
             split.key = s.vertex_slot[split.parent] * 4 + static_cast<std::uint32_t>(child_number(bearing));
             split.halves = halves(bearing);
         }
@@ -91,11 +102,13 @@ bool room_for(const CutState& s, const Split* splits, int count) {
 } // namespace
 
 Outcome activate(CutState& s, std::uint32_t vertex) {
+    FJELL_ASSERT(is_ready(s, vertex) && !is_active(s, vertex) && !has_active_child(s, vertex)); // invariant 1
     const Site site = site_of(s, vertex);
     Split splits[2];
     const int count = splits_of(s, site, vertex, splits);
     if (free_vertices(s) == 0) return Outcome::no_vertices;
     if (!room_for(s, splits, count)) return Outcome::no_triangles;
+    for (int n = 0; n < count; ++n) FJELL_ASSERT(s.triangle_of[splits[n].key] != no_index);
     const std::uint32_t first = s.triangle_of[splits[0].key];
     const std::uint32_t ends[2] = {s.indices[std::size_t{first} * 3 + 1], s.indices[std::size_t{first} * 3 + 2]};
     const bool morphing = s.morph_now.morph != Morph::none;
@@ -151,6 +164,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
 }
 
 Outcome deactivate(CutState& s, std::uint32_t vertex) {
+    FJELL_ASSERT(is_active(s, vertex) && !has_active_child(s, vertex)); // invariant 1
     const Site site = site_of(s, vertex);
     Split splits[2];
     const int count = splits_of(s, site, vertex, splits);
@@ -168,9 +182,10 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
         replace_triangle(s, first, split.tile, {p, a, b}, split.key);
         remove_triangle(s, s.triangle_of[slot * 4 + split.halves.second]);
     }
-    s.free_vertices[s.free_vertex_count++] = slot;
+    give_vertex(s, slot);
     GroupState& group = s.groups[vertex / group_lanes];
     group.active &= static_cast<std::uint16_t>(~bit_of(vertex));
+    FJELL_ASSERT(s.page_slot[vertex / group_lanes / max_page_groups].active != 0);
     --s.page_slot[vertex / group_lanes / max_page_groups].active;
     if (site.kind == VertexKind::centre || site.z != 0) {
         for (int d = 0; d < 4; ++d) {

@@ -53,6 +53,7 @@ inline void write_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& 
 inline std::uint32_t take_triangle(CutState& s, std::uint32_t tile) {
     TileList& list = s.tiles[tile];
     if (list.last_segment == no_index || list.in_last == 1u << s.segment_log2) {
+        FJELL_ASSERT(s.free_segment_count != 0);
         const std::uint32_t segment = s.free_segments[--s.free_segment_count];
         s.segment_below[segment] = list.last_segment;
         s.segment_tile[segment] = tile;
@@ -66,11 +67,13 @@ inline std::uint32_t take_triangle(CutState& s, std::uint32_t tile) {
     return (list.last_segment << s.segment_log2) + list.in_last++;
 }
 inline void append_triangle(CutState& s, std::uint32_t tile, const MeshTriangle& t, std::uint32_t key) {
+    FJELL_ASSERT(s.triangle_of[key] == no_index); // or the one of that key would stay in the mesh, over this one
     write_triangle(s, take_triangle(s, tile), t, key);
 }
 
 inline void remove_triangle(CutState& s, std::uint32_t slot) {
     TileList& list = s.tiles[s.segment_tile[slot >> s.segment_log2]];
+    FJELL_ASSERT(list.in_last != 0 && s.triangle_of[s.key_of[slot]] == slot);
     const std::uint32_t last = (list.last_segment << s.segment_log2) + --list.in_last;
     --list.total;
     s.triangle_of[s.key_of[slot]] = no_index;
@@ -90,7 +93,9 @@ inline void remove_triangle(CutState& s, std::uint32_t slot) {
 inline void replace_triangle(CutState& s, std::uint32_t slot, std::uint32_t tile, const MeshTriangle& t,
                              std::uint32_t key) {
     if (s.segment_tile[slot >> s.segment_log2] == list_for(s, tile, t)) {
+        FJELL_ASSERT(s.triangle_of[s.key_of[slot]] == slot);
         s.triangle_of[s.key_of[slot]] = no_index;
+        FJELL_ASSERT(s.triangle_of[key] == no_index);
         write_triangle(s, slot, t, key);
         return;
     }

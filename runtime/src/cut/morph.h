@@ -52,7 +52,8 @@ inline constexpr float unseen_px = 0.01f;
     if (now.morph == Morph::error) {
         // Late: the frame before would have shown it above its edge already.
         const float before = morph_fraction(s.morph_before, x, y, z, error_m, radius_m);
-        if (before * static_cast<float>(s.report.error_px_effective) <= unseen_px) return long_active_s;
+        if (before * static_cast<float>(s.report.error_px_effective * s.largest_ratio) <= unseen_px)
+            return long_active_s;
     }
     if (s.late_count == s.budget.vertices) return long_active_s; // cannot be: a slot each; but no reason to fail
     s.late_s[(s.first_late + s.late_count++) % s.budget.vertices] = now.now_s;
@@ -136,6 +137,7 @@ inline void begin_morphing_out(CutState& s, std::uint32_t vertex) {
     s.clock.timed_ticks = s.clock.ticks;
     s.hole[slot] |= morphs_out_bit;
     s.dirty_vertices.mark(slot);
+    FJELL_ASSERT(s.morphing_out_count < s.budget.vertices); // a full ring would forget the first
     s.morphing_out[(s.first_morphing_out + s.morphing_out_count++) % s.budget.vertices] = vertex;
 }
 

@@ -41,6 +41,7 @@ void attach_page(CutState& s, std::uint32_t slot) {
     const TerrainData& t = *s.terrain;
     const std::uint32_t page = t.slot_page[slot];
     PageSlot& info = s.page_slot[slot];
+    FJELL_ASSERT(info.status == PageSlotStatus::empty && s.page_groups[page] == no_index);
     info = {};
     info.page = page;
     info.loads = t.slot_loads[slot];
@@ -78,6 +79,7 @@ void attach_page(CutState& s, std::uint32_t slot) {
 
 void detach_page(CutState& s, std::uint32_t slot) {
     PageSlot& info = s.page_slot[slot];
+    FJELL_ASSERT(info.status != PageSlotStatus::empty && info.active == 0);
     for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
         const ListId list = list_of(s.lists, number);

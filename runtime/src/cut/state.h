@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "asserts.h"
 #include "cut/calendar.h"
 #include "cut/groups.h"
 #include "fjell/cut.h"
@@ -108,6 +109,7 @@ struct DirtyBits {
     void move_to(DirtyBits& other) { // other.slots is not kept up to date
         for (std::uint32_t i = 0; i < word_count; ++i) {
             const std::uint32_t word = words[i];
+            FJELL_ASSERT(bits[word] != 0); // or it was listed before, and would be listed there for good
             if (other.bits[word] == 0) other.words[other.word_count++] = word;
             other.bits[word] |= std::exchange(bits[word], 0);
         }
@@ -193,6 +195,7 @@ struct CutState {
     View views[max_cut_views];
     Frustum frustums[max_cut_views];
     std::uint32_t view_count; // 0: no update yet
+    double largest_ratio;     // of a view's threshold to that of the settings
     Governor governor;
     // The frame in work.
     CutSettings settings;
@@ -204,7 +207,7 @@ struct CutState {
     std::uint32_t deactivations_when_full; // deactivations before it did
     std::uint32_t batches;                 // of groups, changed in this frame
     std::uint32_t examined;                // groups since the last batch, also of the frame before
-    bool still;                            // no eye has moved since the frame before
+    bool still;                            // no eye has moved, come or gone since the frame before
     std::chrono::steady_clock::time_point started;
     std::uint32_t work_ranks; // which work lists may hold groups, as bits
     std::uint32_t turn;       // which of blocked_lists takes what is put back
@@ -228,8 +231,18 @@ struct CutState {
 [[nodiscard]] inline std::uint32_t corner_slots(const CutState& s) {
     return static_cast<std::uint32_t>((s.tiles_x + 1) * (s.tiles_y + 1));
 }
-[[nodiscard]] inline std::uint32_t take_vertex(CutState& s) { // there must be one
-    return s.free_vertex_count != 0 ? s.free_vertices[--s.free_vertex_count] : s.fresh_vertex++;
+[[nodiscard]] inline std::uint32_t take_vertex(CutState& s) {
+    FJELL_ASSERT(free_vertices(s) != 0);
+    const std::uint32_t slot = s.free_vertex_count != 0 ? s.free_vertices[--s.free_vertex_count] : s.fresh_vertex++;
+    FJELL_ASSERT(slot >= corner_slots(s) && slot < s.fresh_vertex);
+    // Free: no triangle has its right angle there. Two vertices in one slot would only show as a wrong picture.
+    for (std::uint32_t d = 0; d < 4; ++d) FJELL_ASSERT(s.triangle_of[slot * 4 + d] == no_index);
+    return slot;
+}
+inline void give_vertex(CutState& s, std::uint32_t slot) {
+    FJELL_ASSERT(slot >= corner_slots(s) && slot < s.fresh_vertex);
+    FJELL_ASSERT(s.free_vertex_count < s.fresh_vertex - corner_slots(s)); // or one was given back twice
+    s.free_vertices[s.free_vertex_count++] = slot;
 }
 
 // The cut behind a handle, or nullptr: also when its terrain is gone.

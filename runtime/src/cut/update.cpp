@@ -10,6 +10,7 @@
 #include "cut/morph.h"
 #include "cut/pages.h"
 #include "cut/refine.h"
+#include "validate.h"
 
 namespace fjell {
 
@@ -40,10 +41,69 @@ double grade_error_m(const CutState& s, std::uint32_t grade) {
                     static_cast<double>(s.terrain->header.max_error_m));
 }
 
+// How far apart two views are: their margins of a vertex (evaluate.h) differ by no more than this, for its error.
+struct ViewDistance {
+    double eye_m; // of the eyes and their pads
+    double q;
+
+    [[nodiscard]] double at(double error_m) const { return eye_m + q * error_m; }
+};
+
+ViewDistance distance(const Criterion& a, std::uint32_t i, const Criterion& b, std::uint32_t j) {
+    const auto difference = [](float x, float y) { return static_cast<double>(std::abs(x - y)); };
+    const Reach &from = a.reach[i], &to = b.reach[j];
+    const Vec3 way{difference(from.eye_x, to.eye_x), difference(from.eye_y, to.eye_y),
+                   difference(from.eye_z, to.eye_z)};
+    return {length(way) + difference(from.pad, to.pad),
+            std::max(difference(from.q, to.q), difference(a.keep[i].q, b.keep[j].q))};
+}
+
+// How far apart two sets of views are (Hausdorff): no view of either is further than this from the nearest one of the
+// other. A vertex' margin is the largest that any view gives it, f(i). Each new i has an old j with f(i) <= f(j) + d,
+// so the largest f(i) exceeds the largest f(j) by no more than d; and the other way round. So a margin changes by d at
+// most, whichever views come, go or change places, and by nothing where an equal view stays.
+class ViewChange {
+public:
+    ViewChange(const Criterion& before, const Criterion& now) : before_(before.views), now_(now.views) {
+        for (std::uint32_t i = 0; i < now_; ++i)
+            for (std::uint32_t j = 0; j < before_; ++j) pairs_[i][j] = distance(now, i, before, j);
+    }
+
+    [[nodiscard]] double at(double error_m) const {
+        double most = 0, of_before[max_cut_views];
+        std::fill_n(of_before, before_, everything);
+        for (std::uint32_t i = 0; i < now_; ++i) {
+            double nearest = everything;
+            for (std::uint32_t j = 0; j < before_; ++j) {
+                const double d = pairs_[i][j].at(error_m);
+                nearest = std::min(nearest, d);
+                of_before[j] = std::min(of_before[j], d);
+            }
+            most = std::max(most, nearest);
+        }
+        for (std::uint32_t j = 0; j < before_; ++j) most = std::max(most, of_before[j]);
+        return most;
+    }
+
+private:
+    static constexpr double everything = 1e300; // the first views are far from none
+    std::uint32_t before_, now_;
+    ViewDistance pairs_[max_cut_views][max_cut_views];
+};
+
+// A view's threshold over that of the settings. All views' rise alike when the effective threshold does.
+double threshold_ratio(const View& view, const CutSettings& settings) {
+    return view.error_px > 0 ? view.error_px / settings.error_px : 1;
+}
+// Exactly the requested one when the effective threshold is.
+double view_threshold_px(const View& view, const CutSettings& settings, double effective_px) {
+    return view.error_px > 0 ? view.error_px * (effective_px / settings.error_px) : effective_px;
+}
+
 // Sets the views; what they may have changed becomes due.
 void set_views(CutState& s, std::span<const View> views, double threshold_px) {
+    const Criterion before = s.criterion;
     Criterion& c = s.criterion;
-    const bool all = views.size() != s.view_count;
     // Two levels of nesting lie between a vertex and the ends of the edge that it splits.
     const double nested = 1 + static_cast<double>(s.terrain->header.nesting);
     if (s.settings.morph != Morph::none && s.morph_now.morph == Morph::none) flatten_all(s);
@@ -53,29 +113,26 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     s.morph_now.views = static_cast<std::uint32_t>(views.size());
     s.morph_now.now_s = s.clock.now_s();
     s.morph_now.morph_s = static_cast<float>(s.settings.morph_s);
-    double way_m = 0, zoom = 0; // the longest way of an eye; the largest change of q
+    s.largest_ratio = 0;
     for (std::size_t i = 0; i < views.size(); ++i) {
-        const double full_px = threshold_px / (s.settings.corner_safe ? corner_factor(views[i]) : 1);
+        const double full_px = view_threshold_px(views[i], s.settings, threshold_px) /
+                               (s.settings.corner_safe ? corner_factor(views[i]) : 1);
         const double px = full_px / early;
-        const Reach reach = make_reach(views[i], px), keep = make_reach(views[i], px / (1 + s.settings.hysteresis));
-        const auto difference = [](float a, float b) { return static_cast<double>(std::abs(a - b)); };
-        const Vec3 way{difference(reach.eye_x, c.reach[i].eye_x), difference(reach.eye_y, c.reach[i].eye_y),
-                       difference(reach.eye_z, c.reach[i].eye_z)};
-        way_m = std::max(way_m, length(way) + difference(reach.pad, c.reach[i].pad));
-        zoom = std::max({zoom, difference(reach.q, c.reach[i].q), difference(keep.q, c.keep[i].q)});
-        c.reach[i] = reach;
-        c.keep[i] = keep;
-        s.morph_now.view[i] = {reach.eye_x, reach.eye_y, reach.eye_z, reach.q,
+        c.reach[i] = make_reach(views[i], px);
+        c.keep[i] = make_reach(views[i], px / (1 + s.settings.hysteresis));
+        s.morph_now.view[i] = {c.reach[i].eye_x, c.reach[i].eye_y, c.reach[i].eye_z, c.reach[i].q,
                                static_cast<float>(lambda_px(views[i]) / full_px)};
         s.views[i] = views[i];
         s.frustums[i] = make_frustum(views[i]);
+        s.largest_ratio = std::max(s.largest_ratio, threshold_ratio(views[i], s.settings));
     }
     c.views = s.view_count = static_cast<std::uint32_t>(views.size());
     c.hysteresis = s.settings.hysteresis > 0;
-    constexpr double rounding = 1 + 0x1p-18; // reach_grow and of the sums above
-    s.still = !all && way_m == 0;
+    const ViewChange change(before, c);
+    s.still = before.views != 0 && change.at(0) == 0;
+    constexpr double rounding = 1 + 0x1p-18; // reach_grow, of the sums above, of decisions, and charge_rounding
     for (std::uint32_t grade = 0; grade < grade_count; ++grade)
-        advance(s.lists, grade, all ? 1e300 : (way_m + zoom * grade_error_m(s, grade)) * rounding);
+        advance(s.lists, grade, change.at(grade_error_m(s, grade)) * rounding);
 }
 
 bool may_be_seen(const CutState& s, const TileList& tile) {
@@ -114,11 +171,19 @@ void list_ranges(CutState& s) {
 // vertices goes as the threshold to a power between -1 and -2), so that at least 0.8 of the scarcest capacity stay in
 // use. Down: only below that, and only as far as fills nine tenths by the same law. A terrain whose vertices all come
 // in one step can break any law, so a threshold that has failed is not tried again before use has dropped by a tenth.
-constexpr double governor_up = 1.1, governor_full = 0.8, governor_fill = 0.9, governor_most_px = 1e7;
+constexpr double governor_up = 1.1, governor_full = 0.8, governor_fill = 0.9;
+
+// Beyond this effective threshold only vertices whose spheres hold an eye are wanted: that of no view is below 1e7.
+double governor_most_px(const CutState& s) {
+    double least_ratio = 1;
+    for (std::uint32_t i = 0; i < s.view_count; ++i)
+        least_ratio = std::min(least_ratio, threshold_ratio(s.views[i], s.settings));
+    return 1e7 / least_ratio;
+}
 
 // Returns the threshold of the next frame. use: share of the scarcest capacity; blocked: work waits for a capacity.
 // still: no eye has moved.
-double govern(Governor& g, double requested_px, double use, bool blocked, bool at_rest, bool still) {
+double govern(Governor& g, double requested_px, double most_px, double use, bool blocked, bool at_rest, bool still) {
     if (g.effective_px < requested_px) g.effective_px = requested_px;
     if (!at_rest) return g.effective_px;
     if (blocked) {
@@ -126,7 +191,7 @@ double govern(Governor& g, double requested_px, double use, bool blocked, bool a
         g.failed_use = governor_full;
         g.moved = false;
         // Vertices whose spheres hold the eye are wanted at any threshold.
-        return g.effective_px = std::min(g.effective_px * governor_up, std::max(requested_px, governor_most_px));
+        return g.effective_px = std::min(g.effective_px * governor_up, std::max(requested_px, most_px));
     }
     // Where the camera rests, use says what the failure left; where it moves, the law has to do.
     g.moved = g.moved || !still;
@@ -169,7 +234,8 @@ void finish(CutState& s) {
     r.converged = r.waiting == 0 && r.morphing == 0 && r.error_px_effective <= r.error_px_requested;
     const double use = std::max(static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
                                 static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity);
-    (void)govern(s.governor, r.error_px_requested, use, s.full_capacities != 0, !s.lagging, s.still);
+    (void)govern(s.governor, r.error_px_requested, governor_most_px(s), use, s.full_capacities != 0, !s.lagging,
+                 s.still);
     // What pages hide that are wanted and not there bounds the screen as a threshold would.
     r.error_px_effective = std::max(r.error_px_effective, s.terrain->missing_px);
     r.converged = r.converged && s.terrain->missing_px <= r.error_px_requested;
@@ -240,6 +306,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     r.refine_us = microseconds(prepared, refined);
     r.output_us = microseconds(refined, Clock::now());
     report = r;
+    FJELL_WALK(s.frame, validate_cut(s));
     return {};
 }
 
@@ -267,7 +334,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         r.evaluations = 0;
         s.governor.failed_px = s.governor.effective_px;
         s.governor.effective_px *= governor_up;
-        if (s.governor.effective_px < governor_most_px) continue;
+        if (s.governor.effective_px < governor_most_px(s)) continue;
         // What is wanted at any threshold is too much: as far as it goes, then.
         reset(s);
         begin_at_roots(s);
@@ -287,6 +354,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     r.refine_us = microseconds(s.started, built);
     r.output_us = microseconds(built, Clock::now());
     report = r;
+    FJELL_WALK(s.frame, validate_cut(s));
     return {};
 }
 
@@ -301,6 +369,7 @@ Status cut_release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, boo
     const std::uint32_t slot = first / max_page_groups;
     PageSlot& info = s.page_slot[slot];
     if (info.status != PageSlotStatus::evicting) {
+        FJELL_ASSERT(info.status == PageSlotStatus::live && s.evicting_count < s.terrain->slot_count);
         info.status = PageSlotStatus::evicting;
         s.evicting[s.evicting_count++] = slot;
     }

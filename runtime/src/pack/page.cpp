@@ -2,6 +2,7 @@
 // records.md promises rests on that, not on intrinsics.
 #include "pack/page.h"
 
+#include "asserts.h"
 #include "pack/clones.h"
 
 #include <algorithm>
@@ -212,6 +213,18 @@ constexpr auto odd_places = [] {
     std::memcpy(centres, least, n);
 }
 
+// Invariant 2 within the page: what is derived nests, whatever the heights are.
+[[maybe_unused]] bool are_nested(const ErrorScale& scale, const std::uint8_t* e) {
+    for (std::uint32_t j = 0; j < n; ++j)
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const std::uint8_t* const x = e + first_side_x + j * n + i;
+            const std::uint8_t* const y = e + first_side_y + j * (n + 1) + i;
+            const std::uint8_t child = std::max({x[0], x[n], y[0], y[1]});
+            if (e[j * n + i] < std::min(scale.above(child), 255u)) return false;
+        }
+    return true;
+}
+
 } // namespace
 
 FJELL_CLONES void derive_errors(const CornerSteps& corners, const ErrorScale& scale, const LeafErrors& leaf,
@@ -245,6 +258,7 @@ FJELL_CLONES void derive_errors(const CornerSteps& corners, const ErrorScale& sc
     for (std::uint32_t j = 0; j < n; ++j)
         raise(scale.nesting_steps, e + first_side_x + j * n, e + first_side_x + (j + 1) * n, e + first_side_y + j * w,
               e + j * n);
+    FJELL_ASSERT(are_nested(scale, e));
 }
 
 } // namespace fjell

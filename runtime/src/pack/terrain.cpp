@@ -14,6 +14,7 @@
 #include "pack/clones.h"
 #include "pack/memory.h"
 #include "pack/publish.h"
+#include "validate.h"
 
 namespace fjell {
 
@@ -187,6 +188,7 @@ Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std:
         derive_errors(m.coarse, terrain.errors, m.leaf, m.arrays);
     }
     const std::uint32_t slot = m.free_slots[--m.free_count];
+    FJELL_ASSERT(slot < terrain.slot_count && m.slot_page[slot] == no_index && terrain.pages_missing != 0);
     // The order that queries of other threads rely on: pack/publish.h.
     begin_slot(m.slot_loads[slot]);
     store(terrain, page, m, m.records + std::size_t{slot} * terrain.page_capacity);
@@ -194,6 +196,7 @@ Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std:
     m.slot_page[slot] = tile * terrain.pages_per_tile + page;
     --terrain.pages_missing;
     m.changed_slots[terrain.changes++ % change_log] = slot;
+    FJELL_WALK(terrain.changes, validate_terrain(terrain));
     return {};
 }
 
@@ -313,11 +316,13 @@ Status unload_page(const Terrain& handle, std::uint32_t tile, std::uint32_t page
     PageEntry& entry = m.page_table[std::size_t{tile} * terrain.pages_per_tile + page];
     if (entry.slot == no_index) return {};
     const std::uint32_t slot = entry.slot;
+    FJELL_ASSERT(m.slot_page[slot] == tile * terrain.pages_per_tile + page && m.free_count < terrain.slot_count);
     publish_entry(entry, {no_index, 0}); // before its slot is anyone else's
     m.slot_page[slot] = no_index;
     m.free_slots[m.free_count++] = slot;
     ++terrain.pages_missing;
     m.changed_slots[terrain.changes++ % change_log] = slot;
+    FJELL_WALK(terrain.changes, validate_terrain(terrain));
     return {};
 }
 

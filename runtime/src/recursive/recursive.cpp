@@ -448,11 +448,12 @@ Status update_recursive(RecursiveMethod method, const View& view, const RefineSe
     s.dirty_end = 0;
     report = {};
     report.frame = ++s.frame;
-    report.error_px_requested = settings.error_px;
+    const double requested_px = view.error_px > 0 ? view.error_px : settings.error_px;
+    report.error_px_requested = requested_px;
 
     const double corner = settings.corner_safe ? corner_factor(view) : 1;
-    double threshold_px = first_threshold(s, settings.error_px);
-    std::uint32_t exhausted = threshold_px > settings.error_px ? s.exhausted : 0;
+    double threshold_px = first_threshold(s, requested_px);
+    std::uint32_t exhausted = threshold_px > requested_px ? s.exhausted : 0;
     PassResult result;
     for (;; threshold_px *= step_up, ++report.restarts) {
         result = run_pass(s, view, settings, threshold_px / corner);
@@ -469,7 +470,7 @@ Status update_recursive(RecursiveMethod method, const View& view, const RefineSe
     report.triangles = result.triangles;
     report.tiles = result.tiles;
     report.error_px_effective = threshold_px;
-    report.converged = threshold_px <= settings.error_px;
+    report.converged = threshold_px <= requested_px;
     return {};
 }
 

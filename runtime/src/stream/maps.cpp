@@ -118,6 +118,7 @@ namespace {
 void give_layer(MapState& m, std::uint32_t log2, std::uint32_t layer) {
     if (log2 <= m.sizes.tail_log2) return; // a tile's own
     MapArray& array = m.arrays[log2];
+    FJELL_ASSERT(layer < array.count && array.free_count < array.count); // or it was given back twice
     array.free_layers[array.free_count++] = layer;
 }
 
@@ -143,6 +144,7 @@ void show(StreamState& s, Request& r) {
     MapState& m = map_of(s, r);
     MapTile& tile = m.tiles[r.id.tile];
     const std::uint32_t log2 = requested_log2(m, r);
+    FJELL_ASSERT(tile.in_flight && s.command_count < s.request_count + max_evictions);
     s.commands[s.command_count++] = {r.id.kind == ChunkKind::colour ? MapKind::colour : MapKind::normal,
                                      static_cast<std::uint8_t>(log2),
                                      tile.size_log2,

@@ -20,7 +20,9 @@ void record(StreamState& s, std::uint32_t watch, PageEvent event) {
 
 // A page's request ends without the page.
 void end_request(StreamState& s, Request& r, WatchState state) {
+    FJELL_ASSERT(s.states[r.watch] == WatchState::in_flight && s.reserved_slots != 0);
     s.states[r.watch] = state;
+    FJELL_ASSERT(is_root(s, r.watch) || s.below[slot_of(r.watch)] != 0);
     if (!is_root(s, r.watch)) --s.below[slot_of(r.watch)];
     --s.reserved_slots;
     test(s, r.watch);
@@ -69,6 +71,7 @@ void remove(StreamState& s, std::uint32_t slot) {
     for (std::uint32_t k = 0; k < watches_per_slot; ++k) forget_watch(s, slot * watches_per_slot + k);
     s.slot_watch[slot] = no_index;
     s.states[watch] = WatchState::missing;
+    FJELL_ASSERT(is_root(s, watch) || s.below[slot_of(watch)] != 0);
     if (!is_root(s, watch)) --s.below[slot_of(watch)];
     test(s, watch);
 }
@@ -219,6 +222,7 @@ void evict(StreamState& s, std::uint32_t slot) {
     const ChunkId id = chunk_of(s, watch);
     if (s.cut_state) (void)cut_release_page(s.cut, id.tile, id.item, released);
     s.states[slot * watches_per_slot] = s.states[watch] = WatchState::evicting;
+    FJELL_ASSERT(s.evicting_count < max_evictions);
     s.evicting[s.evicting_count++] = slot;
     test(s, watch);
 }
@@ -244,6 +248,7 @@ void evict_pages(StreamState& s) {
             s.states[slot * watches_per_slot] = s.states[watch] = WatchState::loaded;
             test(s, watch);
             s.due[watch] = never;
+            set_missing(s, slot * watches_per_slot, false); // tested while it was evicted, it was missed
         } else {
             if (!released) (void)cut_release_page(s.cut, id.tile, id.item, released);
             if (!released) {

@@ -7,6 +7,7 @@
 namespace fjell {
 
 bool queue_request(StreamState& s, Request& r, const ChunkId& id, std::uint32_t chunks, float score) {
+    FJELL_ASSERT(may_follow(phase_of(r), Phase::queued));
     r.id = id;
     r.chunks = chunks;
     r.first_chunk = chunk_index(s.pack->header, id);

@@ -9,13 +9,29 @@ namespace fjell {
 [[nodiscard]] inline Phase phase_of(const Request& r) {
     return static_cast<Phase>(r.state.load(std::memory_order_acquire) & 7);
 }
+// Who has an entry may take it from one phase to these. Another step means that it has two owners.
+[[nodiscard]] constexpr bool may_follow(Phase from, Phase to) {
+    switch (to) {
+    case Phase::ready:
+    case Phase::unreadable:
+    case Phase::damaged:
+    case Phase::unwanted: return from == Phase::in_flight;
+    case Phase::shown: return from == Phase::ready;
+    case Phase::vacant: return from != Phase::queued && from != Phase::in_flight; // those end by claim()
+    case Phase::queued: return from == Phase::vacant;
+    case Phase::in_flight: break; // by claim()
+    }
+    return false;
+}
 // By the owner.
 inline void set_phase(Request& r, Phase phase) {
     const std::uint32_t state = r.state.load(std::memory_order_relaxed);
+    FJELL_ASSERT(may_follow(static_cast<Phase>(state & 7), phase));
     r.state.store((state & ~7u) | static_cast<std::uint32_t>(phase), std::memory_order_release);
 }
 // Between offered and what follows: false when the other thread was first.
 [[nodiscard]] inline bool claim(Request& r, Phase phase) {
+    FJELL_ASSERT(phase == Phase::vacant || phase == Phase::in_flight);
     std::uint32_t state = r.state.load(std::memory_order_acquire);
     if ((state & 7) != static_cast<std::uint32_t>(Phase::queued)) return false;
     return r.state.compare_exchange_strong(state, (state & ~7u) | static_cast<std::uint32_t>(phase),

@@ -8,6 +8,7 @@
 #include "stream/pages.h"
 #include "stream/requests.h"
 #include "stream/watch.h"
+#include "validate.h"
 
 namespace fjell {
 
@@ -63,6 +64,7 @@ void finish(StreamState& s) {
 void note_failure(StreamState& s, const ChunkId& id, std::uint64_t chunk, Code code) {
     s.failed_bits[chunk / 64] |= std::uint64_t{1} << chunk % 64;
     ++s.failed;
+    FJELL_ASSERT(s.failure_count < s.request_count + 64);
     s.failures[s.failure_count++] = {id, code}; // there is room for all requests and what cannot be requested
 }
 
@@ -88,6 +90,7 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
     finish(s);
     s.report.update_us = std::chrono::duration<double, std::micro>(Clock::now() - started).count();
     report = s.report;
+    FJELL_WALK(s.frame, validate_stream(s));
     return {};
 }
 

@@ -156,7 +156,8 @@ Vec3 ahead(StreamState& s, std::uint32_t i, Vec3 eye, double seconds) {
 void set_views(StreamState& s, std::span<const View> views, const CutSettings& cut, double effective_px) {
     const double nested = 1 + static_cast<double>(s.terrain->header.nesting);
     const double early = cut.morph == Morph::none ? 1 : nested * nested;
-    const double threshold_px = std::max(cut.error_px, effective_px);
+    // Below most_px, or nothing would be wanted at any threshold.
+    const double threshold_px = std::min(std::max(cut.error_px, effective_px), most_px / 2);
     const double seconds = s.settings.now_s - s.now_s;
     const std::uint32_t kinds = s.settings.lookahead_s > 0 ? 2 : 1;
     const auto count = static_cast<std::uint32_t>(views.size());
@@ -165,7 +166,9 @@ void set_views(StreamState& s, std::span<const View> views, const CutSettings& c
     for (std::uint32_t i = 0; i < count; ++i) {
         const Vec3 eye = views[i].eye_m;
         if (i >= s.view_count) s.last_eye[i] = eye, s.last_speed[i] = s.speed[i] = {};
-        const double lambda = lambda_px(views[i]) * early * (cut.corner_safe ? corner_factor(views[i]) : 1);
+        // A view with its own threshold is one that magnifies as much more as its threshold is lower.
+        const double own = views[i].error_px > 0 ? cut.error_px / views[i].error_px : 1;
+        const double lambda = lambda_px(views[i]) * early * (cut.corner_safe ? corner_factor(views[i]) : 1) * own;
         for (std::uint32_t kind = 0; kind < kinds; ++kind) {
             const Vec3 at = kind == 0 ? eye : ahead(s, i, eye, seconds);
             WantedEye& e = s.eyes[i * kinds + kind];

@@ -21,11 +21,13 @@ struct DebugLog {
     std::vector<std::string> messages;
 };
 
+// Which context to make.
 struct HeadlessOptions {
     bool debug = false; // a debug context: every GL error lands in the log, at some cost in speed
     int device = -1;    // -1: Mesa's surfaceless platform, then every EGL device; n >= 0: the n-th EGL device only
 };
 
+// A context of its own, for tools and tests.
 class Headless {
 public:
     [[nodiscard]] static std::unique_ptr<Headless> create(const HeadlessOptions& options, std::string& error);

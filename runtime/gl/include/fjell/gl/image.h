@@ -14,6 +14,7 @@
 FJELL_API_BEGIN
 namespace fjell::gl {
 
+// A picture in memory.
 struct Image {
     std::uint32_t width = 0, height = 0;
     std::vector<std::uint8_t> rgb; // width * height * 3, top row first, sRGB

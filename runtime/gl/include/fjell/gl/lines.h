@@ -26,21 +26,25 @@ namespace fjell::gl {
 
 using Rgba8 = std::array<std::uint8_t, 4>;
 
+// From one place to another.
 struct Line {
     Vec3 from, to;
     Rgba8 rgba{255, 255, 255, 255};
 };
 
+// Three great circles.
 struct Ball {
     Vec3 centre;
     double radius_m = 1;
     Rgba8 rgba{255, 255, 255, 255};
 };
 
+// How much there is room for.
 struct LinesOptions {
     std::uint32_t lines = 4096, balls = 256; // of one draw
 };
 
+// How lines of one draw look.
 struct LineStyle {
     float width_px = 1.5f; // up to 64
     // Opacity of what lies behind the terrain, as a share of its own; there every second 6 pixels or so are left out.
@@ -48,6 +52,7 @@ struct LineStyle {
     float hidden = 0.3f;
 };
 
+// Draws lines and balls.
 class Lines {
 public:
     [[nodiscard]] static std::unique_ptr<Lines> create(const LinesOptions& options, std::string& error);

@@ -33,6 +33,7 @@
 FJELL_API_BEGIN
 namespace fjell::gl {
 
+// What there is room for: fixed at creation.
 struct RendererOptions {
     std::uint32_t vertices = 1u << 18; // slots, as in the method's budget; 12 bytes each
     std::uint32_t indices = 1u << 20;  // 4 bytes each
@@ -49,6 +50,7 @@ struct RendererOptions {
     std::uint32_t texture_side = 0; // texels a side that set_heights() uses at most; 0: as many as the driver takes
 };
 
+// What the picture shows.
 enum class Mode : std::uint8_t {
     shaded,
     levels,    // every triangle in its level's colour (fjell/gl/palette.h)
@@ -67,6 +69,7 @@ struct HeightGrid {
     std::span<const float> heights_m; // row by row; NaN: a hole
 };
 
+// What a draw goes by.
 struct DrawOptions {
     Mode mode = Mode::shaded;
     bool wireframe = false; // the triangles' edges over the picture
@@ -86,6 +89,7 @@ struct DrawOptions {
     double error_lambda_px = 0;        // that eye's; 0: the view's
 };
 
+// What uploads and draws have done.
 struct DrawStats {
     std::uint64_t frames = 0;
     // For the last draw: of vertices, morph vertices and indices (records, when slots were scattered); of maps; and the
@@ -97,6 +101,7 @@ struct DrawStats {
     std::uint32_t tiles = 0, triangles = 0; // of the last draw
 };
 
+// Of one terrain in one context.
 class Renderer {
 public:
     // The terrain must be the pack's. O(texels).

@@ -19,11 +19,13 @@
 FJELL_API_BEGIN
 namespace fjell::gl {
 
+// How large a picture.
 struct TargetOptions {
     std::uint32_t width = 1280, height = 720; // pixels, 1..the driver's limit (16384 as a rule)
     std::uint32_t samples = 1;                // a pixel; 4 smooths edges at about the cost of a second picture
 };
 
+// A picture to draw into.
 class Target {
 public:
     [[nodiscard]] static std::unique_ptr<Target> create(const TargetOptions& options, std::string& error);

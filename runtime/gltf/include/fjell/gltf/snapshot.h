@@ -58,6 +58,7 @@ struct SnapshotInfo {
     bool culled = false;    // refined for what the camera sees only
 };
 
+// What to write, and how large it may get.
 struct SnapshotOptions {
     std::uint32_t max_texture_px = 1024;        // texels a side of an embedded texture; costs up to 3 bytes each
     std::uint64_t max_file_bytes = 0xffff'ffff; // glTF counts a file's bytes in 32 bits; less is allowed, more is not
@@ -67,6 +68,7 @@ struct SnapshotOptions {
     std::function<bool(std::uint64_t done, std::uint64_t total)> progress = {};
 };
 
+// What was written, or why nothing was.
 struct [[nodiscard]] SnapshotResult {
     int exit_code = 0;   // 0 done, 1 the input is at fault, 2 usage, 3 the machine (disk, memory) is, 130 stopped
     std::string message; // one line, the remedy in it; empty when done
@@ -109,9 +111,9 @@ SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const 
 SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
                               const std::string& path, const SnapshotOptions& options = {});
 
-// Not a frame's mesh: the whole terrain, not only what the camera sees, refined to error_px by a recursive method of
-// its own (isotropic metric, culling off) whose budget grows until the mesh converges: 8 bytes a terrain vertex and
-// what the mesh needs.
+// Not a frame's mesh: the whole terrain, not only what the camera sees, refined to error_px (or View::error_px, if set)
+// by a recursive method of its own (isotropic metric, culling off) whose budget grows until the mesh converges: 8 bytes
+// a terrain vertex and what the mesh needs.
 SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const View& view, double error_px,
                                const std::string& path, const SnapshotOptions& options = {});
 

@@ -21,6 +21,7 @@
 FJELL_API_BEGIN
 namespace fjell::io {
 
+// Every 2^step_log2-th sample.
 struct FullHeights {
     std::int32_t columns = 0, rows = 0;
     std::uint32_t step_log2 = 0;

@@ -14,12 +14,14 @@
 FJELL_API_BEGIN
 namespace fjell::io {
 
+// Frees what allocate() gave.
 struct AlignedDelete {
     void operator()(std::byte* memory) const;
 };
 using AlignedMemory = std::unique_ptr<std::byte[], AlignedDelete>;
 [[nodiscard]] AlignedMemory allocate(std::size_t bytes); // aligned to 2 MB, uninitialised, on huge pages if it may
 
+// A pack in memory, with what lies in that memory.
 struct LoadedPack {
     std::string path;
     std::vector<std::byte> file;
@@ -29,7 +31,9 @@ struct LoadedPack {
     std::string crs;      // WKT; empty: none
 };
 
+// Whether all pages are loaded too.
 enum class LoadTerrain : bool { no, yes };
+// Reads the whole file.
 [[nodiscard]] LoadedPack load_pack(const std::string& path, LoadTerrain what);
 
 // A pack whose bytes stay in the file, however large: mapped, and read when they are looked at.

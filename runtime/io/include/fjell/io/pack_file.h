@@ -18,6 +18,7 @@
 FJELL_API_BEGIN
 namespace fjell::io {
 
+// An open file.
 class PackFile {
 public:
     explicit PackFile(const std::string& path);

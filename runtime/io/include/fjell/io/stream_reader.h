@@ -26,12 +26,14 @@
 FJELL_API_BEGIN
 namespace fjell::io {
 
+// For benchmarks and tests: a slower disk.
 struct StreamReaderOptions {
     // As from a slower disk, for benchmarks and tests. 0: as fast as it goes.
     double bytes_per_s = 0;
     double latency_s = 0; // before every read
 };
 
+// What was read so far.
 struct StreamReaderCounters {
     std::uint64_t reads = 0, bytes = 0; // that succeeded
     std::uint64_t pages = 0, mips = 0;  // in them
@@ -43,6 +45,7 @@ struct StreamReaderCounters {
     double provide_s = 0;               // in checking and decompressing
 };
 
+// Reads until it is destroyed.
 class StreamReader {
 public:
     // read: 0 or an errno, as PackFile::read; called from the reader's thread.

@@ -1,0 +1,183 @@
+// The first game: walks over a pack that is streamed from the disk, in split screen with a drone, without a window.
+//   game PACK PICTURE.png [FRAMES [PAGES]]
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fjell/fjell.h>
+#include <fjell/gl/context.h>
+#include <fjell/gl/target.h>
+
+#include "draw.h"
+#include "loader.h"
+#include "memory.h"
+#include "pack_on_disk.h"
+#include "walk.h"
+
+namespace {
+
+using namespace game;
+
+int fail(const char* what, const std::string& why) {
+    std::fprintf(stderr, "game: %s: %s\n", what, why.c_str());
+    return 1;
+}
+int fail(const char* what, fjell::Status s) {
+    return fail(what, std::string(s.field) + ": " + fjell::message(s.code));
+}
+
+constexpr fjell::CutBudget capacities{.vertices = 200'000, .triangles = 400'000, .views = 2};
+constexpr fjell::StreamBudget streaming{.map_bytes = 64 << 20};
+
+// In this order they are made; in the other order they end.
+struct World {
+    fjell::TerrainBudget pages{.page_slots = 600}; // a pack may have millions
+    PackOnDisk file;
+    Memory memory;
+    fjell::Terrain terrain;
+    fjell::LiveCut cut;
+    fjell::Stream stream;
+    std::unique_ptr<Loader> loader;
+
+    World() = default;
+    ~World();
+    World(const World&) = delete;
+    World& operator=(const World&) = delete;
+    fjell::Status create();
+};
+
+fjell::Status World::create() {
+    const fjell::Pack& pack = file.pack();
+    const std::span<std::byte> ground = memory.allocate(fjell::terrain_bytes(pack.header, pages));
+    if (fjell::Status s = fjell::create_terrain(pack, file.corners(), pages, ground, terrain); !s.ok()) return s;
+    const std::span<std::byte> mesh = memory.allocate(fjell::cut_bytes(terrain, capacities));
+    if (fjell::Status s = fjell::create_cut(terrain, capacities, mesh, cut); !s.ok()) return s;
+    const std::span<std::byte> requests = memory.allocate(fjell::stream_bytes(pack, terrain, streaming));
+    if (fjell::Status s = fjell::create_stream(pack, terrain, cut, streaming, requests, stream); !s.ok()) return s;
+    loader = std::make_unique<Loader>(stream, file);
+    return {};
+}
+
+World::~World() {
+    loader.reset();                      // 1. the thread that uses the stream
+    (void)fjell::destroy_stream(stream); // 2. what uses the cut and the terrain
+    (void)fjell::destroy_cut(cut);
+    (void)fjell::destroy_terrain(terrain);
+} // 3. the memory they lay in; 4. the file, whose directory the pack points into
+
+struct Frame {
+    fjell::View view[2];
+    fjell::CutSettings settings{.error_px = 1, .items = 20'000, .morph = fjell::Morph::error};
+    fjell::StreamReport streamed;
+    fjell::CutReport report;
+};
+
+// On the frame's thread: never waits for the loader.
+fjell::Status update(World& world, Frame& frame, double now_s) {
+    frame.settings.now_s = now_s;
+    fjell::Status s = fjell::update_stream(world.stream, frame.view, frame.settings, {.now_s = now_s}, frame.streamed);
+    world.loader->wake();
+    for (const fjell::StreamFailure& failure : fjell::stream_failures(world.stream)) // coarser there from now on
+        std::fprintf(stderr, "game: tile %u: %s\n", failure.id.tile, fjell::message(failure.code));
+    if (s.ok()) s = fjell::update_cut(world.cut, frame.view, frame.settings, frame.report);
+    return s;
+}
+
+void draw(World& world, Drawer& drawer, const Frame& frame, const fjell::gl::Target& target) {
+    drawer.upload(fjell::cut_mesh(world.cut), fjell::cut_take_changes(world.cut));
+    glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
+    glEnable(GL_FRAMEBUFFER_SRGB);
+    glClearColor(0.35f, 0.5f, 0.7f, 1);
+    glClearDepth(0); // far away
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    const auto show = [&](const fjell::View& view, GLint left, GLint bottom) {
+        glViewport(left, bottom, GLsizei(view.width_px), GLsizei(view.height_px));
+        drawer.draw(world.terrain, fjell::cut_mesh(world.cut), view,
+                    fjell::stream_tile_maps(world.stream, fjell::MapKind::colour),
+                    fjell::stream_tile_maps(world.stream, fjell::MapKind::normal));
+    };
+    show(frame.view[0], 0, 360);            // split screen: one mesh, two cameras
+    show(strip(frame.view[1], 0, 2), 0, 0); // and the drone's on two monitors
+    show(strip(frame.view[1], 1, 2), 320, 0);
+}
+
+void say_what_was_short(const Frame& frame) {
+    for (std::uint32_t bit = 1; bit <= fjell::cut_budget_time; bit <<= 1)
+        if (frame.report.exhausted & bit)
+            std::fprintf(stderr, "game: raise %s\n", fjell::budget_field(fjell::CutBudgetBit(bit)));
+    for (std::uint32_t bit = 1; bit <= fjell::stream_requests; bit <<= 1)
+        if (frame.streamed.exhausted & bit)
+            std::fprintf(stderr, "game: raise %s\n", fjell::budget_field(fjell::StreamBudgetBit(bit)));
+}
+
+// Behind a loading screen: until the coarsest of all is there, then the whole mesh at once.
+fjell::Status load(World& world, Drawer& drawer, Frame& frame) {
+    while (!frame.streamed.complete) {
+        if (fjell::Status s = update(world, frame, 0); !s.ok()) return s;
+        drawer.upload(fjell::stream_map_commands(world.stream));
+        if (frame.streamed.failed != 0) return {fjell::Code::unreadable, "pack"};
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return fjell::rebuild_cut(world.cut, frame.view, frame.settings, frame.report);
+}
+
+void look_around(const World& world, Frame& frame, double x_m, double z_m) {
+    frame.view[0] = walker(world.terrain, x_m, z_m, {1, -0.1, 0.4});
+    frame.view[1] = drone(frame.view[0]);
+}
+
+int play(World& world, Drawer& drawer, const fjell::gl::Target& target, int frames) {
+    Frame frame;
+    const double z_m = world.terrain.extent_z_m() / 2, start_x_m = world.terrain.extent_x_m() / 3;
+    look_around(world, frame, start_x_m, z_m);
+    if (fjell::Status s = load(world, drawer, frame); !s.ok()) return fail("loading", s);
+    bool complete = false;
+    for (int i = 0; i < frames + 2000; ++i) { // after the walk as many frames as the picture takes to be complete
+        look_around(world, frame, start_x_m + 1.4 * std::min(i, frames) / 60.0, z_m);
+        if (fjell::Status s = update(world, frame, i / 60.0); !s.ok()) return fail("frame", s);
+        drawer.upload(fjell::stream_map_commands(world.stream)); // after every update: they do not accumulate
+        complete = frame.report.converged && frame.streamed.converged && frame.streamed.maps_converged;
+        const bool never = frame.streamed.failed != 0 || (frame.streamed.exhausted & fjell::stream_page_slots) != 0;
+        const bool last = i >= frames && (complete || never);
+        if (i % 60 == 0 || last) draw(world, drawer, frame, target);
+        if (i == frames) say_what_was_short(frame);
+        if (last) break;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1)); // where a game waits for the display
+    }
+    float error_m = 0;
+    const std::vector<float> heights_m =
+        collider(world.terrain, sample_at(world.terrain, frame.view[0].eye_m), error_m);
+    std::printf("converged %d: %u vertices, %u pages, %u failed\n", frame.report.converged, frame.report.vertices,
+                world.terrain.pages_loaded(), frame.streamed.failed);
+    std::printf("sees %.1f m far from %.1f m; %zu heights, %.3g m off at most\n",
+                sight_m(world.terrain, frame.view[0], 1e5), frame.view[0].eye_m.y, heights_m.size(), error_m);
+    return complete ? 0 : 1;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 3) return fail("usage", "game PACK PICTURE.png [FRAMES [PAGES]]");
+    std::string error;
+    const auto context = fjell::gl::Headless::create({}, error); // your engine has its window
+    const auto target = context ? fjell::gl::Target::create({640, 720}, error) : nullptr;
+    if (!target) return fail("graphics", error);
+    World world;
+    if (argc > 4) world.pages.page_slots = std::uint32_t(std::atoi(argv[4]));
+    if (error = world.file.open(argv[1]); !error.empty()) return fail(argv[1], error);
+    if (fjell::Status s = world.create(); !s.ok()) return fail("world", s);
+    Drawer drawer;
+    error = drawer.create(GAME_SHADERS, capacities, fjell::stream_map_layers(world.stream, fjell::MapKind::colour),
+                          fjell::stream_map_layers(world.stream, fjell::MapKind::normal));
+    if (!error.empty()) return fail("shaders", error);
+    const int code = play(world, drawer, *target, argc > 3 ? std::atoi(argv[3]) : 600);
+    fjell::gl::Image picture;
+    target->read_colour(picture);
+    error = fjell::gl::write_png(picture, argv[2]);
+    return error.empty() ? code : fail(argv[2], error);
+}

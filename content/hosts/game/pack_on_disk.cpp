@@ -1,0 +1,46 @@
+#include "pack_on_disk.h"
+
+#include <cerrno>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace game {
+
+PackOnDisk::~PackOnDisk() {
+    if (file_ >= 0) close(file_);
+}
+
+bool PackOnDisk::read(std::uint64_t offset, std::span<std::byte> to) const {
+    while (!to.empty()) {
+        const ssize_t n = pread(file_, to.data(), to.size(), static_cast<off_t>(offset));
+        if (n < 0 && errno == EINTR) continue;        // a signal came
+        if (n <= 0) return false;                     // the disk failed, or the file has become shorter
+        to = to.subspan(static_cast<std::size_t>(n)); // a read may return less than was asked for
+        offset += static_cast<std::uint64_t>(n);
+    }
+    return true;
+}
+
+std::string PackOnDisk::open(const char* path) {
+    struct stat info {};
+    file_ = ::open(path, O_RDONLY | O_CLOEXEC);
+    if (file_ < 0 || fstat(file_, &info) != 0) return std::string(path) + ": cannot be opened";
+    const auto file_bytes = static_cast<std::uint64_t>(info.st_size);
+    const auto refused = [&](fjell::Status s) { return std::string(s.field) + ": " + fjell::message(s.code); };
+
+    std::byte header[sizeof(fjell::PackHeader)];
+    fjell::PackHeader h;
+    if (!read(0, header)) return std::string(path) + ": too short for a pack";
+    if (fjell::Status s = fjell::read_header(header, file_bytes, h); !s.ok()) return refused(s);
+    directory_.resize(h.directory_count * sizeof(fjell::ChunkEntry));
+    if (!read(h.directory_offset, directory_)) return std::string(path) + ": cannot be read";
+    if (fjell::Status s = fjell::open_index(header, directory_, file_bytes, pack_); !s.ok()) return refused(s);
+
+    const fjell::ChunkEntry entry = pack_.entry(fjell::chunk_index(h, {fjell::ChunkKind::corners}));
+    corners_.resize(entry.stored_bytes);
+    return read(entry.offset, corners_) ? "" : std::string(path) + ": cannot be read";
+}
+
+} // namespace game

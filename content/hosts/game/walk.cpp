@@ -1,0 +1,44 @@
+#include "walk.h"
+
+#include <cmath>
+
+namespace game {
+
+fjell::View walker(const fjell::Terrain& terrain, double x_m, double z_m, fjell::Vec3 ahead) {
+    const fjell::GroundHeight ground = fjell::ground_height(terrain, x_m, z_m);
+    const double eye_m = ground.height_m + ground.error_m + 1.8; // never below what may still come
+    return fjell::make_view({x_m, eye_m, z_m}, ahead, {0, 1, 0}, 1.0, 640, 360, 0.5, 1e5);
+}
+
+fjell::View drone(const fjell::View& walker) {
+    const fjell::Vec3 ahead = walker.forward, from = walker.eye_m + fjell::Vec3{-4000 * ahead.x, 2500, -4000 * ahead.z};
+    return fjell::make_view(from, {ahead.x, -0.35, ahead.z}, {0, 1, 0}, 1.0, walker.width_px, walker.height_px, 0.5,
+                            1e5);
+}
+
+fjell::View strip(const fjell::View& whole, std::uint32_t part, std::uint32_t parts) {
+    fjell::View view = whole; // tangents divide evenly, angles would not
+    const double width = (whole.right - whole.left) / parts;
+    view.left = whole.left + width * part;
+    view.right = view.left + width;
+    view.width_px = whole.width_px / parts;
+    return view;
+}
+
+double sight_m(const fjell::Terrain& terrain, const fjell::View& walker, double most_m) {
+    const fjell::GroundHit hit = fjell::cast_ray(terrain, walker.eye_m, walker.forward, most_m);
+    return hit.hit ? hit.distance_m : most_m;
+}
+
+fjell::Coord sample_at(const fjell::Terrain& terrain, fjell::Vec3 place_m) {
+    return {static_cast<std::int32_t>(std::floor(place_m.x / terrain.spacing_x_m())),
+            static_cast<std::int32_t>(std::floor(place_m.z / terrain.spacing_z_m()))};
+}
+
+std::vector<float> collider(const fjell::Terrain& terrain, fjell::Coord middle, float& error_m) {
+    std::vector<float> heights_m(33 * 33);
+    error_m = fjell::ground_patch(terrain, middle - fjell::Coord{16, 16}, 0, 33, heights_m).error_m;
+    return heights_m;
+}
+
+} // namespace game

@@ -1,0 +1,88 @@
+#include <bit>
+
+#include "cut/mesh.h"
+#include "cut/validate_parts.h"
+
+namespace fjell {
+
+namespace {
+
+Violation check_triangle(const CutState& s, std::uint32_t tile, std::uint32_t slot) {
+    const std::uint32_t* const t = s.indices + std::size_t{slot} * 3;
+    if (t[0] >= s.fresh_vertex || t[1] >= s.fresh_vertex || t[2] >= s.fresh_vertex)
+        return {"a triangle's corner was never taken"};
+    const std::uint32_t key = s.key_of[slot];
+    if (key / 4 != t[0]) return {"a triangle's right angle is not its maker's"};
+    if (s.triangle_of[key] != slot) return {"a triangle's key leads elsewhere"};
+    if (s.some_hidden && is_hidden(s, {t[0], t[1], t[2]}) != (tile == hidden_tile(s)))
+        return {"a triangle is hidden wrongly"};
+    return {};
+}
+
+Violation check_tile(const CutState& s, std::uint32_t tile, Tally& segments) {
+    const TileList& list = s.tiles[tile];
+    std::uint32_t count = list.in_last, total = 0, found = 0;
+    for (std::uint32_t segment = list.last_segment; segment != no_index; segment = s.segment_below[segment]) {
+        if (segment >= s.segment_count || ++found > s.segment_count) return {"a tile's segments go elsewhere"};
+        if (s.segment_tile[segment] != tile) return {"a segment does not know its tile"};
+        if (count == 0 || count > 1u << s.segment_log2) return {"an empty segment is kept"};
+        segments.add(segment);
+        for (std::uint32_t i = 0; i < count; ++i)
+            if (const Violation wrong = check_triangle(s, tile, (segment << s.segment_log2) + i)) return wrong;
+        total += count;
+        count = 1u << s.segment_log2;
+    }
+    if (found != list.segments) return {"a tile counts its segments wrongly"};
+    return total == list.total ? Violation{} : Violation{"a tile counts its triangles wrongly"};
+}
+
+Violation check_triangles(const CutState& s) {
+    Tally segments, all;
+    std::uint32_t listed = 0, made = 0;
+    for (std::uint32_t tile = 0; tile <= s.terrain->tile_count(); ++tile) {
+        if (const Violation wrong = check_tile(s, tile, segments)) return wrong;
+        listed += s.tiles[tile].total;
+    }
+    if (s.free_segment_count > s.segment_count) return {"more segments are free than there are"};
+    for (std::uint32_t i = 0; i < s.free_segment_count; ++i) segments.add(s.free_segments[i]);
+    all.add_range(0, s.segment_count);
+    if (!(segments == all)) return {"a segment is used or free twice, or lost"};
+    for (std::size_t key = 0; key < std::size_t{s.budget.vertices} * 4; ++key) made += s.triangle_of[key] != no_index;
+    return made == listed ? Violation{} : Violation{"a triangle is made that no tile has"};
+}
+
+// The words listed are those that hold any, each once. total: of the bits' words.
+Violation check_words(const DirtyBits& written, std::size_t total) {
+    Tally listed, held;
+    std::uint32_t count = 0;
+    for (std::size_t word = 0; word < total; ++word)
+        if (written.bits[word] != 0) held.add(word), ++count;
+    if (count != written.word_count) return {"words of written slots do not add up"};
+    for (std::uint32_t i = 0; i < written.word_count; ++i) listed.add(written.words[i]);
+    return listed == held ? Violation{} : Violation{"a word of written slots is listed twice, or not at all"};
+}
+
+Violation check_written(const CutState& s) {
+    const std::size_t vertex_words = s.budget.vertices / 64 + 1;
+    const std::size_t triangle_words = (std::size_t{s.segment_count} << s.segment_log2) / 64 + 1;
+    for (const DirtyBits* written : {&s.dirty_vertices, &s.untaken_vertices})
+        if (const Violation wrong = check_words(*written, vertex_words)) return wrong;
+    for (const DirtyBits* written : {&s.dirty_triangles, &s.untaken_triangles})
+        if (const Violation wrong = check_words(*written, triangle_words)) return wrong;
+    for (const DirtyBits* written : {&s.dirty_vertices, &s.dirty_triangles}) {
+        std::uint32_t slots = 0;
+        for (std::uint32_t i = 0; i < written->word_count; ++i)
+            slots += static_cast<std::uint32_t>(std::popcount(written->bits[written->words[i]]));
+        if (slots != written->slots) return {"written slots are counted wrongly"};
+    }
+    return {};
+}
+
+} // namespace
+
+Violation validate_mesh(const CutState& s) {
+    if (const Violation wrong = check_triangles(s)) return wrong;
+    return check_written(s);
+}
+
+} // namespace fjell

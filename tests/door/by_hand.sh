@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# The commands of docs/guides/embedding.md, as they stand there, in a folder with a game's sources, a pack, and Fjell as
+# `fjell`. Home is that folder too.
+set -euo pipefail
+export HOME=$PWD CMAKE_GENERATOR=Ninja CMAKE_BUILD_PARALLEL_LEVEL=2 CMAKE_BUILD_TYPE=Debug
+
+if [[ ${1:-} == folder ]]; then
+  cmake -S . -B build
+  exit
+fi
+
+cmake -S fjell -B fjell-build -DFJELL_TOOLS=OFF -DFJELL_GL=ON
+cmake --build fjell-build
+cmake --install fjell-build --prefix ~/fjell-0.2
+
+cmake -S fjell/content/hosts/game -B game-build -DCMAKE_PREFIX_PATH=~/fjell-0.2
+cmake --build game-build
+game-build/game terrain.fjell picture.png
+
+export PKG_CONFIG_PATH=~/fjell-0.2/lib/pkgconfig
+g++ -std=c++20 engine.cpp main.cpp -o game $(pkg-config --cflags --libs fjell-io)
+./game terrain.fjell

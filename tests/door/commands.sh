@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Every command line of the README and the guides, in their order, in a folder with the files that they name.
+#   commands.sh REPOSITORY BIN SCRATCH   (a display is needed; windows are interrupted after some seconds)
+set -euo pipefail
+readonly repository=$1 scratch=$3
+export PATH=$2:$PATH HOME=$3
+rm -rf "$scratch"
+mkdir -p "$scratch"
+cd "$scratch"
+ln -s "$repository"/{content,profiles} .
+
+fjell-bake synth content/terrain/mountains-small.json -o dem.tif
+gdal_translate -q -of PNG -ot Byte -scale -outsize 600 600 dem.tif image.png
+for west in 6 7; do # two degrees of the Alps, made up
+  gdal_translate -q -of SRTMHGT -ot Int16 -outsize 1201 1201 -a_srs EPSG:4326 -a_ullr "$(awk "BEGIN { print $west - 1 / 2400 }")" \
+    47.000416667 "$(awk "BEGIN { print $west + 1 + 1 / 2400 }")" 45.999583333 dem.tif "N46E00$west.hgt"
+done
+
+ran=0
+run() { # PAGE LINE
+  local code=0 allowed=0
+  case $2 in
+    './dev '*) return ;; # tests of their own
+    *fjell-bake* | *--headless* | *--screenshot* | mkdir*) timeout 600 bash -c "$2" >said.txt 2>&1 || code=$? ;;
+    *) # a window
+      timeout -s INT 5 bash -c "exec $2" >said.txt 2>&1 || code=$?
+      allowed=124
+      ;;
+  esac
+  ran=$((ran + 1))
+  if ((code != 0 && code != allowed)); then
+    tail -n 5 said.txt >&2
+    echo "$1: exit code $code: $2" >&2
+    exit 1
+  fi
+}
+for page in README.md docs/guides/{baking,tuning,exporting}.md; do
+  while IFS= read -r -u 3 line; do
+    echo "$page: $line"
+    run "$page" "$line"
+  done 3< <(awk '/^```/ { inside = !inside; plain = $0 == "```"; next } inside && plain' "$repository/$page")
+done
+echo "ran $ran commands"

@@ -1,0 +1,287 @@
+// What the walks are for (validate.h): each planted corruption is found and named, and gone when it is taken back.
+#include <catch2/catch.hpp>
+
+#include <bit>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "cut/find.h"
+#include "cut/mesh.h"
+#include "pack/memory.h"
+#include "stream/requests.h"
+#include "support/cut_scene.h"
+#include "support/stream_scene.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+using Walk = std::function<std::string()>;
+
+// The walk must begin with those words while the place holds the value.
+template <typename T>
+void plant(const Walk& walk, T& place, std::type_identity_t<T> value, const std::string& words) {
+    CAPTURE(words);
+    const T before = std::exchange(place, value);
+    const std::string found = walk();
+    place = before;
+    CHECK(found.substr(0, words.size()) == words);
+    REQUIRE(walk() == "");
+}
+
+// The first number below `count` of which that holds; there must be one.
+std::uint32_t first(std::uint32_t count, const std::function<bool(std::uint32_t)>& holds) {
+    for (std::uint32_t i = 0; i < count; ++i)
+        if (holds(i)) return i;
+    throw std::runtime_error("nothing to corrupt");
+}
+
+// A cut that has come and gone, so that it has free slots, with work left over and vertices that morph by time.
+struct Scene {
+    Scene()
+        : pack(rich_terrain(random, 257, 7)), cut(pack.terrain, ample_cut(pack.terrain)),
+          s(cut.state()), walk{[this] { return check_cut(cut); }} {
+        settings.error_px = 1;
+        const View near = view_from_above(pack.terrain, 0.05), far = view_from_above(pack.terrain, 20);
+        update(near, unlimited_items);
+        update(far, unlimited_items);
+        update(near, 400);
+        settings.morph = Morph::time;
+        for (int frame = 0; frame < 3; ++frame) update(near, 200);
+        REQUIRE(walk() == "");
+        lane = [this](auto holds) {
+            return first(s.group_count * group_lanes, [&](std::uint32_t v) {
+                if (s.page_slot[v / group_lanes / max_page_groups].page == no_index) return false;
+                const std::uint32_t n = v / group_lanes % max_page_groups;
+                const PageShape& shape = s.shapes[s.page_slot[v / group_lanes / max_page_groups].shape];
+                if (n >= shape.count || v % group_lanes >= shape.groups[n].lanes) return false;
+                return exists(s, site_of(s, v)) && find_vertex(s, site_of(s, v)) == v &&
+                       holds(s.groups[v / group_lanes], bit_of(v));
+            });
+        };
+    }
+    void update(const View& view, std::uint32_t items) {
+        settings.now_s += 0.02;
+        settings.items = items;
+        (void)cut.update({&view, 1}, settings);
+    }
+    Random random{77};
+    io::LoadedPack pack;
+    Cut cut;
+    CutState& s;
+    CutSettings settings;
+    Walk walk;
+    // A vertex whose group and bit have some property.
+    std::function<std::uint32_t(std::function<bool(const GroupState&, std::uint32_t)>)> lane;
+};
+
+} // namespace
+
+TEST_CASE("a walk over a cut names every mask, slot and page that was tampered with") {
+    Scene scene;
+    CutState& s = scene.s;
+    const Walk& walk = scene.walk;
+    const std::uint32_t leaf =
+        scene.lane([](const GroupState& b, std::uint32_t bit) { return (b.active & ~b.parental() & bit) != 0; });
+    const std::uint32_t parent =
+        scene.lane([](const GroupState& b, std::uint32_t bit) { return (b.active & b.parental() & bit) != 0; });
+    const std::uint32_t unready =
+        scene.lane([](const GroupState& b, std::uint32_t bit) { return (~b.active & ~b.ready() & bit) != 0; });
+    const auto bits = [](std::uint32_t mask) { return static_cast<std::uint16_t>(mask); };
+    GroupState& of_leaf = s.groups[leaf / group_lanes];
+    GroupState& of_parent = s.groups[parent / group_lanes];
+    GroupState& of_unready = s.groups[unready / group_lanes];
+    plant(walk, of_unready.active, bits(of_unready.active | bit_of(unready)), "a child mask is wrong at");
+    plant(walk, of_leaf.active, bits(of_leaf.active & ~bit_of(leaf)), "a child mask is wrong at");
+    plant(walk, of_parent.active, bits(of_parent.active & ~bit_of(parent)),
+          "a vertex disagrees with the decision, and nobody knows:");
+    plant(walk, of_leaf.child[0], bits(of_leaf.child[0] | bit_of(leaf)), "a child mask is wrong at");
+    plant(walk, of_leaf.parent[0], bits(of_leaf.parent[0] & ~bit_of(leaf)), "an active vertex' parent is not active:");
+    plant(walk, of_unready.parent[0], bits(of_unready.parent[0] ^ bit_of(unready)),
+          "a parent mask is wrong in the group of");
+
+    plant(walk, s.vertex_slot[leaf], s.vertex_slot[parent], "a vertex slot is another vertex':");
+    plant(walk, s.vertex_slot[leaf], s.budget.vertices, "no vertex slot for");
+    REQUIRE(s.free_vertex_count > 1);
+    plant(walk, s.free_vertices[0], s.free_vertices[1], "a vertex slot is used or free twice, or lost");
+    plant(walk, s.free_vertices[0], s.vertex_slot[leaf], "a free vertex slot has a triangle");
+    plant(walk, s.free_vertex_count, s.free_vertex_count - 1, "a vertex slot is used or free twice, or lost");
+    plant(walk, s.fresh_vertex, s.fresh_vertex + 1, "a vertex slot is used or free twice, or lost");
+
+    PageSlot& info = s.page_slot[leaf / group_lanes / max_page_groups];
+    plant(walk, info.active, static_cast<std::uint16_t>(info.active + 1), "a page counts its active vertices wrongly");
+    plant(walk, info.touched, false, "a page with active vertices would be left out by reset()");
+    plant(walk, info.status, PageSlotStatus::evicting, "pages that are evicted do not add up");
+    plant(walk, info.loads, info.loads + 1, "a page slot holds another page than the terrain's");
+    plant(walk, s.page_groups[info.page], no_index, "a page is not where its slot says");
+    plant(walk, s.report.vertices, s.report.vertices - 1, "the report counts vertices wrongly");
+    plant(walk, s.report.triangles, s.report.triangles + 1, "the report counts triangles wrongly");
+    REQUIRE(s.late_count > 1);
+    const std::uint32_t last = (s.first_late + s.late_count - 1) % s.budget.vertices;
+    REQUIRE(s.late_s[last] > s.late_s[s.first_late]);
+    plant(walk, s.late_s[last], s.late_s[s.first_late] - 1, "vertices that morph in are not in their order");
+}
+
+TEST_CASE("a walk over a cut names every group that was lost from its list, or put into another") {
+    Scene scene;
+    CutState& s = scene.s;
+    Lists& l = s.lists;
+    const Walk& walk = scene.walk;
+    const std::uint32_t full =
+        first(soon_lists, [&](std::uint32_t i) { return l.buckets[i].top != no_index && l.buckets[i].in_top > 1; });
+    Bucket& bucket = l.buckets[full];
+    ListNode& node = l.nodes[bucket.top];
+    const std::uint32_t group = node.groups[0];
+    const std::uint32_t childless = scene.lane([](const GroupState& b, std::uint32_t bit) {
+        return b.list < soon_lists && (b.active & ~b.parental() & bit) != 0;
+    });
+    plant(walk, s.groups[childless / group_lanes].list, unlisted, "nobody will look at the group of");
+    plant(walk, l.groups[group].list, being_visited, "a group lies elsewhere than it says");
+    plant(walk, bucket.in_top, bucket.in_top - 1, "a group is in two lists, or lost from the one it says");
+    plant(walk, node.groups[0], node.groups[1], "a group lies elsewhere than it says");
+    plant(walk, l.groups[group].link.prev, 1u, "a group lies elsewhere than it says");
+    plant(walk, bucket.full, bucket.full + 1, "a bucket counts its nodes wrongly");
+    std::uint64_t& filled = l.filled[full / (wheel_count * wheel_buckets)][full / wheel_buckets % wheel_count];
+    plant(walk, filled, filled & ~(std::uint64_t{1} << full % wheel_buckets),
+          "a bucket holds groups, and nobody will look at it");
+    plant(walk, l.free_node, l.nodes[l.free_node].next, "a node is lost");
+
+    const std::uint32_t rank = first(rank_count, [&](std::uint32_t i) { return size(l, work_lists + i) > 1; });
+    const std::uint32_t queue = work_lists + rank, head = l.queues[queue - work_lists].next;
+    plant(walk, l.queues[queue - work_lists].next, l.groups[head].link.next, "a queue's links disagree");
+    plant(walk, l.groups[head].link.prev, head, "a queue's links disagree");
+    plant(walk, l.groups[head].list, static_cast<ListId>(queue + 1), "a group is in a queue, and says otherwise");
+    plant(walk, l.sizes[queue - soon_lists], size(l, queue) + 1, "a queue counts its groups wrongly");
+    plant(walk, s.work_ranks, s.work_ranks & ~(1u << rank), "a queue holds work, and nobody will look at it");
+
+    GroupState& calm = s.groups[childless / group_lanes];
+    const std::string late = "a vertex could change before it is looked at:";
+    plant(walk, l.odometer_m[calm.grade], l.odometer_m[calm.grade] - 1e9, late);
+    plant(walk, calm.due_high, std::uint16_t{0xff}, late);
+}
+
+TEST_CASE("a walk over a cut names every triangle, segment and written slot that was tampered with") {
+    Scene scene;
+    CutState& s = scene.s;
+    const Walk& walk = scene.walk;
+    TileList& tile = s.tiles[0];
+    const std::uint32_t slot = tile.last_segment << s.segment_log2, key = s.key_of[slot];
+    plant(walk, s.key_of[slot], key ^ 1, "a triangle's key leads elsewhere");
+    plant(walk, s.key_of[slot], key ^ 4, "a triangle's right angle is not its maker's");
+    plant(walk, s.indices[std::size_t{slot} * 3 + 1], s.budget.vertices, "a triangle's corner was never taken");
+    plant(walk, s.triangle_of[key], no_index, "a triangle");
+    plant(walk, tile.total, tile.total + 1, "a tile counts its triangles wrongly");
+    plant(walk, tile.segments, tile.segments + 1, "a tile counts its segments wrongly");
+    plant(walk, s.segment_tile[tile.last_segment], 1u, "a segment does not know its tile");
+    plant(walk, s.segment_below[tile.last_segment], s.tiles[1].last_segment, "a segment does not know its tile");
+    plant(walk, s.free_segments[0], tile.last_segment, "a segment is used or free twice, or lost");
+    plant(walk, s.free_segment_count, s.free_segment_count - 1, "a segment is used or free twice, or lost");
+    DirtyBits& written = s.dirty_vertices;
+    REQUIRE(written.word_count > 1);
+    plant(walk, written.words[0], written.words[1], "a word of written slots is listed twice, or not at all");
+    plant(walk, written.word_count, written.word_count - 1, "words of written slots do not add up");
+    plant(walk, written.slots, written.slots + 1, "written slots are counted wrongly");
+    plant(walk, written.bits[written.words[0]], std::uint64_t{0}, "words of written slots do not add up");
+}
+
+TEST_CASE("a walk over a terrain names every page and slot that was tampered with") {
+    Random random(78);
+    const auto pack = rich_terrain(random, 257, 7);
+    const PagedTerrain paged(pack.pack, {.page_slots = 12});
+    for (std::uint32_t tile = 0; tile < 4; ++tile) REQUIRE(load_page(pack.pack, paged.terrain, tile, 0).ok());
+    TerrainData& t = data_of(paged.terrain);
+    TerrainMemory& m = *t.memory;
+    const Walk walk = [&] { return in_words(validate_terrain(t)); };
+    const std::uint32_t slot = m.page_table[0].slot, other = m.page_table[t.pages_per_tile].slot;
+    plant(walk, m.page_table[0].slot, other, "a page's slot holds another page");
+    plant(walk, m.page_table[0].slot, t.slot_count, "a page lies in a slot that there is not");
+    plant(walk, m.page_table[0].slot, no_index, "missing pages are counted wrongly");
+    plant(walk, m.page_table[0].base, -1, "a page's base is off the height scale");
+    plant(walk, t.pages_missing, t.pages_missing + 1, "missing pages are counted wrongly");
+    plant(walk, m.slot_page[slot], no_index, "a page's slot holds another page");
+    plant(walk, m.slot_page[m.free_slots[0]], 1u, "a slot's page lies elsewhere");
+    plant(walk, m.slot_loads[slot], 0u, "a page lies in a slot that nothing was loaded into");
+    plant(walk, m.free_slots[0], m.free_slots[1], "a slot is free twice, or used and free");
+    plant(walk, m.free_slots[0], slot, "a slot is free twice, or used and free");
+    plant(walk, m.free_count, m.free_count - 1, "free slots do not add up");
+}
+
+TEST_CASE("a walk over a stream names every page, request and layer that was tampered with") {
+    Random random(79);
+    baker::BakeOptions bake = small_bake(7);
+    bake.max_texture_log2 = 6;
+    const auto pack = bake_and_load(random_dem(random, 257, 257, Shape::fractal), bake);
+    StreamBudget budget;
+    budget.tail_log2 = 3;
+    Streamed on(pack.pack, 14, budget);
+    ScriptedClient client(random, on, {.most_delay = 3, .most_taken = 3});
+    const View view = view_from_above(pack.terrain, 0.05);
+    CutSettings cut;
+    StreamSettings settings;
+    StreamReport report;
+    const Walk walk = [&] { return check_stream(on); };
+    for (int frame = 0; frame < 60 && !(frame > 20 && report.in_flight > 2); ++frame) {
+        settings.now_s += 0.02;
+        client.act();
+        report = on.update({&view, 1}, cut, settings);
+        client.follow();
+        (void)on.cut.update({&view, 1}, cut);
+        REQUIRE(walk() == "");
+    }
+    StreamState& s = on.state();
+    const std::uint32_t slot =
+        first(s.slots, [&](std::uint32_t i) { return s.slot_watch[i] != no_index && s.below[i] != 0; });
+    const std::uint32_t watch = s.slot_watch[slot];
+    plant(walk, s.reserved_slots, s.reserved_slots + 1, "reserved slots do not add up");
+    plant(walk, s.states[watch], WatchState::in_flight, "a page is in flight without a request");
+    plant(walk, s.states[watch], WatchState::failed, "a page has failed without a failure");
+    plant(walk, s.below[slot], static_cast<std::uint8_t>(s.below[slot] - 1), "pages below do not add up");
+    plant(walk, s.slot_watch[slot], no_index, "a slot is taken in one place and free in another");
+    plant(walk, s.evicting_count, s.evicting_count + 1, "a page is evicted that is not listed, or listed twice");
+    std::uint64_t& bits = s.missing_bits[watch / 64];
+    plant(walk, bits, bits ^ std::uint64_t{1} << watch % 64, "a page is missed, and loaded or not watched");
+
+    const std::uint32_t kind = s.maps[0].sizes.top_log2 > 3 ? 0 : 1;
+    MapState& m = s.maps[kind];
+    const std::uint32_t tile =
+        first(s.tiles, [&](std::uint32_t i) { return m.tiles[i].size_log2 > m.sizes.tail_log2; });
+    MapArray& array = m.arrays[m.tiles[tile].size_log2];
+    plant(walk, m.tiles[tile].layer, m.tiles[tile].layer + 1, "a tile shows another map than it has");
+    plant(walk, m.tiles[tile].in_flight, !m.tiles[tile].in_flight,
+          "a tile waits for a map without a request, or twice");
+    plant(walk, array.free_count, array.free_count ^ 1, "a layer is used or free twice, or lost");
+}
+
+#ifdef FJELL_VALIDATE
+
+#include <csignal>
+#include <sys/wait.h>
+#include <unistd.h>
+
+TEST_CASE("the library walks by itself and asserts: it aborts a process whose cut was tampered with") {
+    const auto aborts = [](const std::function<void(Scene&)>& tamper) {
+        Scene scene;
+        const pid_t child = fork();
+        if (child == 0) {
+            std::signal(SIGABRT, SIG_DFL);
+            (void)std::freopen("/dev/null", "w", stderr);
+            tamper(scene);
+            while (!std::has_single_bit(scene.s.frame + 1)) scene.update(view_from_above(scene.pack.terrain, 0.05), 0);
+            scene.update(view_from_above(scene.pack.terrain, 0.05), 400);
+            _exit(0);
+        }
+        int status = 0;
+        REQUIRE(waitpid(child, &status, 0) == child);
+        return WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT;
+    };
+    CHECK_FALSE(aborts([](Scene&) {}));
+    CHECK(aborts([](Scene& scene) { scene.s.tiles[0].total += 1; }));
+    CHECK(aborts([](Scene& scene) { // the slot that is taken next
+        REQUIRE(scene.s.free_vertex_count != 0);
+        scene.s.free_vertices[scene.s.free_vertex_count - 1] = scene.s.indices[0];
+    }));
+}
+
+#endif
