@@ -100,6 +100,18 @@ private:
     std::size_t at_ = 0;
 };
 
+// Of an export: nothing, "converged" or a threshold.
+struct MeshChoice {
+    bool converged = false;
+    double error_px = 0;
+};
+MeshChoice mesh_choice(Words& w) {
+    if (!w.more()) return {};
+    const std::string word = w.text("");
+    if (word == "converged") return {true, 0};
+    return {false, Words::number_of(word, "the threshold, unless it is the word converged,")};
+}
+
 constexpr double degree = 3.14159265358979323846 / 180;
 
 Command set_key(Words& w) {
@@ -293,13 +305,18 @@ std::vector<Verb> program_verbs() {
              const std::string path = w.text("a file");
              return RunBenchmark{path, w.more() ? w.count("frames") : 0};
          }},
-        {"export", "FILE.glb [ERROR_PX]", "the mesh as it is, or refined to a threshold",
+        {"export", "FILE.glb [converged|ERROR_PX]",
+         "the frame's mesh as it stands, or as its view would settle on, or the whole terrain at a threshold",
          [](Words& w) {
              const std::string path = w.text("a file");
-             return ExportMesh{path, w.number_or(0, "a threshold")};
+             const MeshChoice choice = mesh_choice(w);
+             return ExportMesh{path, choice.converged, choice.error_px};
          }},
-        {"preview", "[ERROR_PX]", "counts and file size of an export; nothing is written",
-         [](Words& w) { return PreviewExport{w.number_or(0, "a threshold")}; }},
+        {"preview", "[converged|ERROR_PX]", "counts and file size of an export; nothing is written",
+         [](Words& w) {
+             const MeshChoice choice = mesh_choice(w);
+             return PreviewExport{choice.converged, choice.error_px};
+         }},
         {"cancel", "", "cancels the running job", plain<CancelJob>()},
         {"screenshot", "FILE.png [terrain]", "the window, or the terrain alone",
          [](Words& w) {

@@ -163,10 +163,12 @@ struct RunBenchmark {
     std::size_t frames = 0; // 0: as many as the path usually has
 };
 struct ExportMesh {
-    std::string path;    // .glb
-    double error_px = 0; // 0: as the frame is
+    std::string path;       // .glb
+    bool converged = false; // what the view would settle on; otherwise the frame's mesh as it stands
+    double error_px = 0;    // not 0: the whole terrain at this threshold instead
 };
 struct PreviewExport { // size and counts of it, nothing written
+    bool converged = false;
     double error_px = 0;
 };
 struct CancelJob {};

@@ -7,6 +7,7 @@
 #include "editor/jobs/threshold_search.h"
 #include "fjell/io/failure.h"
 #include "flight/profile_keys.h"
+#include "flight/snapshots.h"
 
 namespace fjell::editor {
 
@@ -21,16 +22,16 @@ MeasuredFlightPlan plan_of(const State& state, std::size_t frames) {
     return {state.scene.path, state.document.profile(), state.route.poses(), frames, false};
 }
 
-// Of the frame that is shown: its view, and the threshold that its capacities allowed, whatever missing pages hide.
-ExportPlan export_plan(const State& state, const std::string& path, double error_px) {
+// Of the frame that is shown, as it stands; converged or with a threshold of its own, for that frame's view.
+ExportPlan export_plan(HandlerContext context, const std::string& path, bool converged, double error_px) {
+    const State& state = context.state;
     require_scene(state);
-    ExportPlan plan{state.scene.path, path, state.scene.streamed, state.document.profile(), state.eye.view, error_px};
-    if (state.eye.refining) plan.view = *state.eye.refining;
-    if (plan.view.height_px == 0) throw io::Failure(2, "no frame has been drawn yet; try again");
-    if (error_px != 0) return plan;
-    const flight::FrameEntry& e = state.measures.last();
-    plan.error_px = e.error_px_effective > e.missing_px ? e.error_px_effective : e.error_px_requested;
-    if (plan.profile.refine.corner_safe) plan.error_px /= corner_factor(plan.view);
+    const flight::Session& session = context.engine.session();
+    const flight::LastUpdate& last = session.last;
+    if (last.cut_report.frame + last.frame_report.frame == 0)
+        throw io::Failure(2, "no frame has been drawn yet; try again");
+    ExportPlan plan{state.scene.path, path, {}, state.scene.streamed, state.document.profile(), last.view, error_px};
+    if (!converged && error_px == 0) plan.frame = flight::take_frame(session);
     return plan;
 }
 
@@ -58,11 +59,11 @@ void handle(const RunBenchmark& c, HandlerContext context) {
 
 void handle(const ExportMesh& c, HandlerContext context) {
     if (c.path.empty()) throw io::Failure(2, "give the export a file name that ends in .glb");
-    context.jobs.start(JobKind::snapshot, export_job(export_plan(context.state, c.path, c.error_px)));
+    context.jobs.start(JobKind::snapshot, export_job(export_plan(context, c.path, c.converged, c.error_px)));
 }
 
 void handle(const PreviewExport& c, HandlerContext context) {
-    context.jobs.start(JobKind::preview, export_job(export_plan(context.state, "", c.error_px)));
+    context.jobs.start(JobKind::preview, export_job(export_plan(context, "", c.converged, c.error_px)));
 }
 
 void handle(const CancelJob&, HandlerContext context) {

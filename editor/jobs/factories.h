@@ -10,6 +10,7 @@
 #include "editor/command.h"
 #include "editor/jobs/jobs.h"
 #include "editor/jobs/measured_flight.h"
+#include "fjell/gltf/snapshot.h"
 
 namespace fjell::editor {
 
@@ -25,10 +26,11 @@ namespace fjell::editor {
 // export_job.cpp
 struct ExportPlan {
     std::string pack, path; // path empty: counts and size alone
+    gltf::Snapshot frame;   // what is written as it stands; empty: what follows is refined for the view
     bool streamed = false;  // the frame's terrain is: then so is this one's
     flight::Profile profile;
     View view;
-    double error_px = 1; // without the corner's share
+    double error_px = 0; // the whole terrain at this threshold, whatever the budgets; 0: as the profile settles on
 };
 [[nodiscard]] Jobs::Body export_job(ExportPlan plan);
 

@@ -19,7 +19,7 @@ constexpr Window windows[] = {
     {"Bake", 560, 0, draw_bake},
     {"Auto-tune", 640, 520, draw_auto_tune},
     {"Benchmark", 520, 0, draw_benchmark},
-    {"Export glTF", 520, 270, draw_snapshot},
+    {"Export glTF", 520, 300, draw_snapshot},
     {"Screenshot", 520, 0, draw_screenshot},
     {"Keys", 560, 570, draw_keys},
     {"Messages", 640, 420, draw_messages},

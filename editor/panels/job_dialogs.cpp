@@ -235,6 +235,7 @@ void draw_tune_result(const State& state, const JobView& shown, Commands& comman
 struct ExportForm {
     std::string made_for = nothing_yet;
     PathText path = "";
+    bool converged = false;
     int own = 0; // a threshold of its own
     double error_px = 1;
 };
@@ -319,13 +320,20 @@ void draw_benchmark(const State& state, Commands& commands) {
 
 void draw_snapshot(const State& state, Commands& commands) {
     static ExportForm form;
-    constexpr const char* kinds[] = {"the frame's", "custom"};
+    constexpr const char* kinds[] = {"the frame's", "custom threshold"};
     suggest(form.path, form.made_for, state, ".glb");
     path_field("glTF", "export", "path", form.path, "a file that ends in .glb",
                "Mesh, colours and camera in one file, for any viewer or modelling program.");
-    choice_field("Threshold", "export", "own", form.own, kinds, 2,
-                 "The frame's is what its budgets allowed, in pixels. The whole terrain is written, not only what the "
-                 "camera sees.");
+    choice_field("Mesh", "export", "own", form.own, kinds, 2,
+                 "The frame's is written as it is drawn: what the camera sees of it, morphed, as far as its budgets "
+                 "went. With a custom threshold the whole terrain is refined for this view, whatever the budgets.");
+    label("Converged");
+    ImGui::BeginDisabled(form.own == 1);
+    bool converged = form.converged || form.own == 1;
+    if (ImGui::Checkbox("##converged", &converged) && form.own == 0) form.converged = converged;
+    ImGui::EndDisabled();
+    ui::mark("export", "converged");
+    ui::tip("Not the frame's mesh as it stands, but the one that its view settles on once it has had time and items.");
     ImGui::BeginDisabled(form.own == 0);
     double shown = form.own == 1 ? form.error_px : state.measures.last().error_px_effective;
     number_field("Pixels", "export", "error_px", shown, "%.4g",
@@ -336,17 +344,17 @@ void draw_snapshot(const State& state, Commands& commands) {
     const bool can = !state.job.running && state.scene.open();
     const double error_px = form.own == 1 ? form.error_px : 0;
     if (button("Preview", "export", "preview", can, "Counts and size of the file, to the byte; nothing is written."))
-        commands.push(PreviewExport{error_px});
+        commands.push(PreviewExport{form.converged, error_px});
     ImGui::SameLine();
     if (button("Export", "export", "start", can && form.path[0] != '\0',
                "Writes the file; an existing one is replaced only when it is complete."))
-        commands.push(ExportMesh{form.path, error_px});
+        commands.push(ExportMesh{form.path, form.converged, error_px});
     if (runs(state, JobKind::snapshot) || runs(state, JobKind::preview)) cancel_button("export", commands);
     const ExportPreview& p = state.job.preview;
     if (p.bytes != 0) {
         ui::row("Vertices", "%llu", static_cast<unsigned long long>(p.vertices));
         ui::row("Triangles", "%llu", static_cast<unsigned long long>(p.triangles));
-        ui::row("File", "%s at %.3g px", byte_text(static_cast<double>(p.bytes)).text, p.error_px);
+        ui::row("File", "%s within %.3g px", byte_text(static_cast<double>(p.bytes)).text, p.error_px);
     }
     const bool counted = state.job.kind == JobKind::preview && !state.job.running && p.bytes != 0;
     if (!counted) draw_outcome(state, state.job.kind == JobKind::preview ? JobKind::preview : JobKind::snapshot);

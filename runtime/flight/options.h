@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,11 @@ enum class PictureMode : std::uint8_t { shaded, wire, levels, tiles, mips, resid
 inline constexpr const char* picture_mode_names[] = {"shaded", "wire",      "levels",  "tiles",
                                                      "mips",   "residency", "distance"};
 inline constexpr int picture_modes = static_cast<int>(std::size(picture_mode_names));
+
+// A still camera: where it is, and the point that it looks at. Scene axes, metres.
+struct StillCamera {
+    Vec3 eye_m, look_m;
+};
 
 struct Export {
     std::size_t frame = 0;
@@ -37,12 +43,14 @@ struct FlightOptions {
     std::string csv, json;
     std::string record, replay; // of the incremental method (flight/record.h)
     std::vector<Export> exports;
+    bool export_converged = false; // the mesh that the view would settle on, not the frame's
     std::string render_folder;
     std::size_t render_every = 1;
     PictureMode mode = PictureMode::shaded;
     std::size_t verify_every = 0; // 0: never
     bool seeded = false;
     std::uint64_t seed = 0;
+    std::optional<StillCamera> still;
 };
 
 } // namespace fjell::flight

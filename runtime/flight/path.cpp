@@ -98,10 +98,17 @@ Pose make_pose(Vec3 position_m, Vec3 direction, Vec3 up, const CameraPath& path,
     return {position_m, forward, normalised(across)};
 }
 
+bool is_still(const SplinePath& path) {
+    const std::vector<double>& knots = path.spline.knots();
+    return knots.size() == 2 && path.spline.at(knots[0]) == path.spline.at(knots[1]);
+}
+
 std::vector<Pose> resample_spline(const CameraPath& path, const SplinePath& kind, const Ground& ground,
                                   std::span<const double> share) {
     const NaturalSpline<9>& spline = kind.spline;
-    const double first = spline.knots().front(), last = spline.knots().back();
+    const double first = spline.knots().front();
+    // A still camera stays at its point, without the rounding of what lies between two of them.
+    const double last = is_still(kind) ? first : spline.knots().back();
     std::vector<Pose> poses;
     poses.reserve(share.size());
     const auto add = [&](const auto& place) {
@@ -210,6 +217,7 @@ Ground ground_of(const Terrain& terrain) {
 }
 
 std::vector<double> chord_knots(std::span<const ControlPoint> points, const std::string& name) {
+    if (points.size() == 2 && points[0] == points[1]) return {0, 1}; // a still camera
     std::vector<double> chord(points.size(), 0), turn(points.size(), 0);
     double all_chords = 0, all_turns = 0;
     for (std::size_t i = 1; i < points.size(); ++i) {
@@ -227,6 +235,11 @@ std::vector<double> chord_knots(std::span<const ControlPoint> points, const std:
         knots[i] = knots[i - 1] + (all_chords > 0 ? 0.9 * chord[i] / all_chords : 0) +
                    (all_turns > 0 ? 0.1 * turn[i] / all_turns : 0);
     return knots;
+}
+
+CameraPath still_path(const ControlPoint& point, const std::string& name) {
+    const ControlPoint unit = unit_point(point);
+    return {name, Units::metres, SplinePath{NaturalSpline<9>({0, 1}, {unit, unit})}};
 }
 
 CameraPath random_path(std::uint64_t seed) {

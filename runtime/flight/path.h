@@ -1,7 +1,8 @@
 // Camera paths: where the camera is, and how it is held, in every frame of a flight (thesis 6.2).
 //
 // A path is one of
-//   points    a spline over control points of position, direction and up: nine dimensions, C2;
+//   points    a spline over control points of position, direction and up: nine dimensions, C2; one point, or two equal
+//             ones, are a still camera;
 //   orbit     a circle around a point, looking at it;
 //   straight  a line, at a given speed in cells a frame or from end to end;
 //   recorded  frames that another program wrote down (lines `F level 3x4-matrix zoom`).
@@ -89,11 +90,13 @@ struct CameraPath {
 [[nodiscard]] std::string path_text(const CameraPath& path);
 // With direction and up of unit length, as parse_path() makes them; what is of unit length within rounding stays.
 [[nodiscard]] ControlPoint unit_point(const ControlPoint& point);
+// A still camera, in metres.
+[[nodiscard]] CameraPath still_path(const ControlPoint& point, const std::string& name);
 // A wandering path over any terrain, the same for the same seed everywhere.
 [[nodiscard]] CameraPath random_path(std::uint64_t seed);
 
 // Knots of the control points: nine parts of ten by distance, one by turning, so that the speed is even and a camera
-// that only turns moves on too. Throws Failure when two neighbours are equal.
+// that only turns moves on too. Throws Failure when two neighbours are equal, but for two points alone.
 [[nodiscard]] std::vector<double> chord_knots(std::span<const ControlPoint> points, const std::string& name);
 
 // frames >= 1. Throws Failure where direction and up cannot be made orthonormal, and when a position leaves 1e8 m.

@@ -98,11 +98,12 @@ ControlPoint control_point(const json& value, const std::string& name, std::size
 
 SplinePath spline_path(const json& value, const std::string& name) {
     if (!value.is_array()) fail(name, "points", "must be an array of control points");
-    if (value.size() < 2) fail(name, "points", "a path needs at least 2 control points; add some");
+    if (value.empty()) fail(name, "points", "a path needs a control point; add some");
     if (value.size() > most_points) fail(name, "points", "more than 1,000,000 control points; thin them out");
     std::vector<ControlPoint> points;
     points.reserve(value.size());
     for (const json& point : value) points.push_back(control_point(point, name, points.size()));
+    if (points.size() == 1) points.push_back(points[0]);
     std::vector<double> knots = chord_knots(points, name);
     return {NaturalSpline<9>(std::move(knots), std::move(points))};
 }

@@ -138,6 +138,9 @@ FrameEntry run_incremental(Session& session, std::span<const View> views, const 
     const Status status = (rebuild ? rebuild_cut : update_cut)(session.cut, views, settings, report);
     const auto end = Clock::now();
     require(status);
+    session.last.view = views[0];
+    session.last.cut_settings = settings;
+    session.last.cut_report = report;
     FrameEntry entry = entry_of(report, settings);
     entry.update_us = microseconds(end - start);
     const MeshView mesh = session.mesh();
@@ -154,6 +157,9 @@ FrameEntry run_recursive(Session& session, const View& view, const RefineSetting
     const Status status = update_recursive(session.recursive, view, settings, report);
     const auto end = Clock::now();
     require(status);
+    session.last.view = view;
+    session.last.refine_settings = settings;
+    session.last.frame_report = report;
     FrameEntry entry = entry_of(report);
     entry.update_us = microseconds(end - start);
     const MeshView mesh = session.mesh();
@@ -190,9 +196,18 @@ void remake_method(const FlightOptions& options, Session& session) {
                                      session.loaded.path, session.streamed ? "streamed" : "recorded or replayed"));
     make_method(options, nullptr, session);
     session.begun = false;
+    session.last = {};
 }
 
 CameraPath path_of(const FlightOptions& options) {
+    if (options.still) {
+        const Vec3 way = options.still->look_m - options.still->eye_m, eye = options.still->eye_m;
+        if (!(length(way) > 0)) throw Failure(2, "--eye and --look are one point; give --look another one");
+        // Straight up or down north is up, as on a map.
+        const bool upright = length(cross(normalised(way), {0, 1, 0})) > 1e-3;
+        return still_path({eye.x, eye.y, eye.z, way.x, way.y, way.z, 0, upright ? 1.0 : 0.0, upright ? 0.0 : -1.0},
+                          "still camera");
+    }
     if (options.seeded) return random_path(options.seed);
     if (!options.path.empty()) return read_path(options.path);
     return {"orbit", Units::terrain, Orbit{}};
@@ -267,7 +282,9 @@ FrameEntry update_until_there(Session& session, const View& view, const Profile&
         const bool moved =
             r.pages_inserted != 0 || r.mips_uploaded != 0 || poll.activations != 0 || poll.deactivations != 0;
         const bool there = (r.converged && r.maps_converged) || nothing_under_way(r);
-        quiet = there && poll.waiting == poll.blocked && !moved ? quiet + 1 : 0;
+        // What waits for a vertex that morphs by time would wait for ever: time stands still.
+        const bool idle = poll.waiting == poll.blocked || poll.morphing != 0;
+        quiet = there && idle && !moved ? quiet + 1 : 0;
         const auto now = Clock::now();
         if (moved) progress = now;
         if (now - progress > patience || now - start > most) break; // the frame says what it lacks

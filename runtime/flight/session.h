@@ -26,6 +26,15 @@
 
 namespace fjell::flight {
 
+// The last update, whichever method did it: what it was asked for, and what it reported.
+struct LastUpdate {
+    View view;
+    CutSettings cut_settings;
+    CutReport cut_report;
+    RefineSettings refine_settings;
+    FrameReport frame_report;
+};
+
 struct Session {
     // The pack and its terrain. Streamed: without the file's bytes, and pages come and go. Replaying a streamed flight:
     // with them, and pages come and go as recorded.
@@ -39,6 +48,7 @@ struct Session {
     Method method = Method::incremental;
     RecursiveMethod recursive; // one of the two
     LiveCut cut;
+    LastUpdate last; // frame 0: none since the method was made
     CutBudget cut_budget;               // the profile's, with segments to suit the terrain
     std::optional<Recording> recording; // of --record, frame by frame; or what --replay repeats
     bool begun = false;                 // a frame was updated, or the first one shall be like any other

@@ -1,18 +1,14 @@
 // fjell-fly: flies a camera over a pack, in a window or headless. Exit codes: 0 done, 1 the input is at fault, 2 usage,
 // 3 the machine (disk, memory, GPU) is.
-#include <chrono>
 #include <cstdio>
-#include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "fjell/gltf/snapshot.h"
 #include "fjell/io/failure.h"
-#include "flight/pictures.h"
 #include "flight/session.h"
+#include "fly/headless.h"
 #include "fly/options.h"
 #include "fly/outputs.h"
 #include "fly/window.h"
@@ -23,21 +19,6 @@ using namespace fjell;
 using namespace fjell::flight;
 using io::Failure;
 
-// What a frame that lags would show in the end: the snapshot refines anew, to the frame's effective threshold. Of a
-// streamed pack it has what is there.
-void export_frame(const Export& e, const Session& session, const View& view, const RefineSettings& settings,
-                  double effective_px) {
-    const double error_px = effective_px / (settings.corner_safe ? corner_factor(view) : 1);
-    const gltf::SnapshotResult result =
-        gltf::export_snapshot(session.readable_pack(), session.terrain(), view, error_px, e.path);
-    if (!result.ok()) throw Failure(result.exit_code, result.message);
-}
-
-// The threshold that capacities allow, whatever missing pages hide besides.
-double allowed_px(const FrameEntry& entry) {
-    return entry.error_px_effective > entry.missing_px ? entry.error_px_effective : entry.error_px_requested;
-}
-
 // What could not be read is an error of the input, or of the disk, once the flight is over.
 void check_reads(const std::string& path, const StreamedPack& streamed) {
     const std::uint64_t corrupt = streamed.corrupt(), unreadable = streamed.unreadable();
@@ -45,40 +26,6 @@ void check_reads(const std::string& path, const StreamedPack& streamed) {
     throw Failure(corrupt != 0 ? 1 : 3,
                   fmt::format("{}: {} damaged and {} unreadable chunks; it was coarser there; {}", path, corrupt,
                               unreadable, corrupt != 0 ? "check it with fjell-bake verify" : "check the disk"));
-}
-
-void fly_headless(const FlightOptions& options, Session& session, std::span<const Pose> poses, FlightLog& log,
-                  Verification& verification) {
-    std::optional<Pictures> pictures;
-    if (!options.render_folder.empty()) pictures.emplace(options, session);
-    const Profile& profile = options.profile;
-    const bool replay = !options.replay.empty();
-    const auto start = std::chrono::steady_clock::now();
-    const auto follow = [&](const FrameEntry& entry) {
-        if (pictures) pictures->follow(session, entry);
-    };
-    for (std::size_t frame = 0; frame < (replay ? session.recording->frames.size() : poses.size()); ++frame) {
-        io::check_interrupt();
-        const View view =
-            replay ? session.recording->frames[frame].views[0] : view_of(poses[frame], session.terrain(), profile);
-        const double now_s = static_cast<double>(frame) / options.hz;
-        if (options.realtime)
-            std::this_thread::sleep_until(
-                start + std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(now_s)));
-        FrameEntry entry;
-        if (options.wait) {
-            entry = update_until_there(session, view, profile, now_s, follow);
-        } else {
-            entry = replay ? replay_frame(session, frame) : update_frame(session, view, profile, now_s);
-            follow(entry);
-        }
-        if (options.verify_every && frame % options.verify_every == 0)
-            verify_frame(session, view, profile, frame, entry, verification);
-        if (pictures && frame % options.render_every == 0) pictures->write(session, view, frame);
-        for (const Export& e : options.exports)
-            if (e.frame == frame) export_frame(e, session, view, profile.refine, allowed_px(entry));
-        log.frames.push_back(entry);
-    }
 }
 
 int run(int argc, char** argv) {
@@ -98,12 +45,18 @@ int run(int argc, char** argv) {
     FlightLog log;
     log.frames.reserve(frames);
     Verification verification;
+    Shortfall shortfall;
     if (options.headless)
-        fly_headless(options, session, poses, log, verification);
+        fly_headless(options, session, poses, log, verification, shortfall);
     else
         fly_in_window(options, session, poses, log, verification);
     outputs.finish(options, session, path, log, verification);
     if (session.streamed) check_reads(options.pack, *session.streamed);
+    if (shortfall.outputs != 0)
+        throw Failure(shortfall.exit_code,
+                      shortfall.outputs == 1
+                          ? shortfall.first
+                          : fmt::format("{} (and {} more outputs)", shortfall.first, shortfall.outputs - 1));
     if (verification.exceeded)
         throw Failure(
             1, fmt::format(

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <string_view>
 
@@ -39,6 +40,7 @@ struct Flags {
     bool corner_safe = false;
     std::vector<std::string> exports;
     std::optional<std::uint64_t> seed;
+    std::string eye, look;
 };
 
 void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
@@ -50,6 +52,10 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--hz", o.hz, "path frames a second, in the window and for morphing (default 60)")
         ->check(within(0.1, 10000));
     app.add_option("--seed", f.seed, "fly a random path with this seed instead of --path");
+    app.add_option("--eye", f.eye,
+                   "X,Y,Z: a still camera there instead of a path; metres east, up and south of sample "
+                   "(0, 0)");
+    app.add_option("--look", f.look, "X,Y,Z: the point that --eye looks at");
     app.add_flag("--headless", o.headless, "no window");
     app.add_option("--error-px", f.error_px, "threshold: largest error on screen, in pixels")
         ->check(within(min_error_px, max_error_px));
@@ -98,9 +104,11 @@ void declare_streaming(CLI::App& app, FlightOptions& o, Flags& f) {
                    "[stream] page_slots of the profile")
         ->check(CLI::IsMember({"on", "off", "auto"}))
         ->group(group);
-    app.add_flag("--wait", o.wait, "headless: every frame waits for all that its view wants, so pictures are complete")
+    app.add_flag("--wait", o.wait,
+                 "headless: every frame waits for all that its view wants; without it those that are drawn or exported")
         ->group(group);
-    app.add_flag("--realtime", o.realtime, "headless: one frame every 1/hz seconds, as in a window")->group(group);
+    app.add_flag("--realtime", o.realtime, "headless: one frame every 1/hz seconds, as in a window; none waits")
+        ->group(group);
     app.add_option("--read-mb-s", o.read_mb_s, "read no faster, to see what a slower disk does; 0 (default): no limit")
         ->check(within(0, 1e6))
         ->group(group);
@@ -115,8 +123,10 @@ void declare_streaming(CLI::App& app, FlightOptions& o, Flags& f) {
 void declare_outputs(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--csv", o.csv, "one line a frame; - for standard output");
     app.add_option("--json", o.json, "a summary for scripts; - for standard output");
-    app.add_option("--export", f.exports, "FRAME:OUT.glb, the whole terrain as that frame sees it; may be repeated")
+    app.add_option("--export", f.exports, "FRAME:OUT.glb, the mesh as that frame draws it; may be repeated")
         ->allow_extra_args(false);
+    app.add_flag("--export-converged", o.export_converged,
+                 "--export the mesh that the frame's view would settle on, had it time and items");
     app.add_option("--render", o.render_folder, "write frame_NNNNN.png into this folder");
     app.add_option("--render-every", o.render_every, "only every N-th frame")
         ->check(CLI::Range(std::size_t{1}, most_frames));
@@ -145,6 +155,22 @@ void parse_size(const std::string& text, Profile& profile) {
         throw Failure(2, fmt::format("--size {}: must be WIDTHxHEIGHT in pixels, 1 to {} each", text, max_size_px));
     profile.width_px = static_cast<std::uint32_t>(*width);
     profile.height_px = static_cast<std::uint32_t>(*height);
+}
+
+Vec3 parse_place(const char* flag, const std::string& text) {
+    double at[3] = {};
+    const char* next = text.data();
+    const char* const end = next + text.size();
+    bool fits = true;
+    for (int axis = 0; axis < 3 && fits; ++axis) {
+        if (axis != 0) fits = next != end && *next++ == ',';
+        const auto [after, error] = std::from_chars(next, end, at[axis]);
+        fits = fits && error == std::errc() && std::abs(at[axis]) <= 1e8;
+        next = after;
+    }
+    if (!fits || next != end)
+        throw Failure(2, fmt::format("{} {}: must be X,Y,Z in metres, e.g. {} 1000,2500,-300", flag, text, flag));
+    return {at[0], at[1], at[2]};
 }
 
 Export parse_export(const std::string& text, std::size_t frames) {
@@ -178,6 +204,8 @@ void apply(const Flags& f, FlightOptions& o) {
         if (f.mode == picture_mode_names[i]) o.mode = static_cast<PictureMode>(i);
     o.seeded = f.seed.has_value();
     o.seed = f.seed.value_or(0);
+    if (f.eye.empty() != f.look.empty()) throw Failure(2, "--eye and --look go together; give both");
+    if (!f.eye.empty()) o.still = StillCamera{parse_place("--eye", f.eye), parse_place("--look", f.look)};
     for (const std::string& text : f.exports)
         o.exports.push_back(parse_export(text, o.frames ? o.frames : default_frames));
 }
@@ -205,6 +233,9 @@ void check_method(const Flags& f, const Profile& profile) {
 
 void check_together(const FlightOptions& o) {
     if (o.seeded && !o.path.empty()) throw Failure(2, "--seed and --path exclude each other; give one of them");
+    if (o.still && (o.seeded || !o.path.empty()))
+        throw Failure(2, "--eye is a camera of its own: leave out --seed and --path");
+    if (o.export_converged && o.exports.empty()) throw Failure(2, "--export-converged needs --export FRAME:OUT.glb");
     if (!o.headless && !o.render_folder.empty()) throw Failure(2, "--render needs --headless");
     if (!o.headless && !o.exports.empty()) throw Failure(2, "--export needs --headless");
     if (!o.headless && o.wait) throw Failure(2, "--wait needs --headless: a window never waits");
@@ -218,9 +249,10 @@ void check_together(const FlightOptions& o) {
         throw Failure(2, "--record needs --method incremental: the recursive method keeps nothing to repeat");
     if (!o.replay.empty()) {
         if (!o.headless) throw Failure(2, "--replay needs --headless");
-        if (!o.path.empty() || o.seeded || o.frames || !o.record.empty() || !o.exports.empty())
+        if (!o.path.empty() || o.seeded || o.still || o.frames || !o.record.empty() || !o.exports.empty())
             throw Failure(
-                2, "--replay repeats a flight as it was: leave out --path, --seed, --frames, --record, --export");
+                2,
+                "--replay repeats a flight as it was: leave out --path, --seed, --eye, --frames, --record, --export");
         if (o.streaming == Streaming::on || o.wait || o.cold || o.read_mb_s > 0 || o.read_latency_ms > 0)
             throw Failure(2, "--replay repeats the page arrivals that were recorded and streams nothing: leave out "
                              "--stream, --wait, --cold, --read-mb-s, --read-latency-ms");

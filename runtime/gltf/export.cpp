@@ -57,11 +57,11 @@ SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const V
         if (status.ok()) status = update_recursive(method, view, settings, report);
         if (!status.ok()) return refused(2, fmt::format("{}: {}", status.field, message(status.code)));
         if (!report.converged && !all) continue;
-        return write_snapshot(pack, terrain, recursive_mesh(method),
-                              {view, report.error_px_requested,
-                               std::max(report.error_px_effective, terrain.missing_px()),
-                               report.converged && terrain.missing_px() <= report.error_px_requested},
-                              path, options);
+        Snapshot snapshot;
+        SnapshotResult taken = take_snapshot(terrain, method, view, settings, report, snapshot);
+        (void)destroy_recursive(method);
+        memory.reset(); // before the file's content needs some
+        return taken.ok() ? write_snapshot(pack, snapshot, path, options) : taken;
     }
 }
 

@@ -44,23 +44,21 @@ bool is_degenerate(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c
 
 } // namespace
 
-TileCollector::TileCollector(const Terrain& the_terrain, std::uint32_t texture_px)
+void set_texture_size(TileGeometry& geometry, std::uint32_t side, std::uint32_t texture_px) {
+    const double texels = std::max(texture_px, 1u), first = 0.5 / texels, step = (texels - 1) / texels / side;
+    for (SnapshotVertex& v : geometry.vertices)
+        for (float& coordinate : v.uv) coordinate = static_cast<float>(first + step * static_cast<double>(coordinate));
+}
+
+Vec3 tile_corner_m(const PackHeader& header, std::uint32_t tile) {
+    const double side = 1u << header.tile_log2;
+    return {(tile % header.tiles_x) * static_cast<double>(static_cast<float>(side * header.spacing_m[0])), 0,
+            (tile / header.tiles_x) * static_cast<double>(static_cast<float>(side * header.spacing_m[1]))};
+}
+
+TileCollector::TileCollector(const Terrain& the_terrain)
     : terrain(the_terrain), side(static_cast<std::uint32_t>(data_of(the_terrain).tree.side())),
-      slots(std::size_t{side + 1} * (side + 1), no_index) {
-    const double texels = std::max(texture_px, 1u);
-    uv_first = 0.5 / texels;
-    uv_step = (texels - 1) / texels / side;
-}
-
-double TileCollector::tile_x_m(std::uint32_t tile) const {
-    return (tile % terrain.header().tiles_x) *
-           static_cast<double>(static_cast<float>(side * terrain.header().spacing_m[0]));
-}
-
-double TileCollector::tile_z_m(std::uint32_t tile) const {
-    return (tile / terrain.header().tiles_x) *
-           static_cast<double>(static_cast<float>(side * terrain.header().spacing_m[1]));
-}
+      slots(std::size_t{side + 1} * (side + 1), no_index) {}
 
 Coord TileCollector::in_tile_of(std::uint32_t tile, const MeshVertex& vertex) const {
     const auto tx = static_cast<std::int32_t>(tile % terrain.header().tiles_x),
@@ -86,16 +84,22 @@ SnapshotVertex TileCollector::make_vertex(std::uint32_t tile, const MeshVertex& 
     made.position_m[1] = vertex.height_m;
     made.position_m[2] = static_cast<float>(in_tile.y * terrain.header().spacing_m[1]);
     normal_at(terrain, {vertex.column, vertex.row}, made.normal);
-    made.uv[0] = static_cast<float>(uv_first + uv_step * in_tile.x);
-    made.uv[1] = static_cast<float>(uv_first + uv_step * in_tile.y);
+    made.uv[0] = static_cast<float>(in_tile.x);
+    made.uv[1] = static_cast<float>(in_tile.y);
+    // East, less what of it lies along the normal; the normal points up, so something is left.
+    const Vec3 n{made.normal[0], made.normal[1], made.normal[2]}, east = normalised(Vec3{1, 0, 0} - n * n.x);
+    made.tangent[0] = static_cast<float>(east.x);
+    made.tangent[1] = static_cast<float>(east.y);
+    made.tangent[2] = static_cast<float>(east.z);
+    made.tangent[3] = 1;
     return made;
 }
 
-std::uint32_t TileCollector::slot(TileGeometry& geometry, std::uint32_t tile, const MeshVertex& vertex) {
-    std::uint32_t& found = slots[place(tile, vertex)];
+std::uint32_t TileCollector::slot(TileGeometry& geometry, const MeshVertex& vertex) {
+    std::uint32_t& found = slots[place(geometry.tile, vertex)];
     if (found == no_index) {
         found = static_cast<std::uint32_t>(geometry.vertices.size());
-        geometry.vertices.push_back(make_vertex(tile, vertex));
+        geometry.vertices.push_back(make_vertex(geometry.tile, vertex));
         const float* at = geometry.vertices.back().position_m;
         for (int axis = 0; axis < 3; ++axis) {
             geometry.low_m[axis] = found == 0 ? at[axis] : std::min(geometry.low_m[axis], at[axis]);
@@ -105,27 +109,42 @@ std::uint32_t TileCollector::slot(TileGeometry& geometry, std::uint32_t tile, co
     return found;
 }
 
-TileGeometry TileCollector::collect(const MeshView& mesh, const TileRange& range) {
-    if (range.tile >= terrain.tile_count() || range.index_count % 3 != 0 || range.first_index > mesh.indices.size() ||
-        range.index_count > mesh.indices.size() - range.first_index)
+// A strip's triangles turn by turns the other way round; where it turns itself they are degenerate.
+void TileCollector::add(TileGeometry& geometry, const MeshView& mesh, const TileRange& range,
+                        std::span<const float> drawn_m) {
+    const bool strip = mesh.topology == Topology::strip;
+    if (range.tile >= terrain.tile_count() || (!strip && range.index_count % 3 != 0) ||
+        range.first_index > mesh.indices.size() || range.index_count > mesh.indices.size() - range.first_index)
         throw io::Failure(
             2, "MeshView::tiles: a range lies outside the indices or the terrain; hand over a mesh of this terrain");
-    TileGeometry geometry{};
-    const auto corner = [&](std::uint32_t index) -> const MeshVertex& {
-        const std::uint32_t vertex = mesh.indices[index];
-        if (vertex >= mesh.vertices.size() || !in_tile(range.tile, mesh.vertices[vertex]))
+    const auto corner = [&](std::uint32_t index) {
+        const std::uint32_t number = mesh.indices[index];
+        if (number >= mesh.vertices.size() || !in_tile(range.tile, mesh.vertices[number]))
             throw io::Failure(
                 2, "MeshView::indices: an index or a vertex is out of range; hand over a mesh of this terrain");
-        return mesh.vertices[vertex];
+        MeshVertex vertex = mesh.vertices[number];
+        if (!drawn_m.empty()) vertex.height_m = drawn_m[number];
+        return vertex;
     };
-    for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; i += 3) {
-        const MeshVertex &a = corner(i), &b = corner(i + 1), &c = corner(i + 2);
+    for (std::uint32_t i = 0; i + 3 <= range.index_count; i += strip ? 1 : 3) {
+        const std::uint32_t first = range.first_index + i;
+        MeshVertex a = corner(first), b = corner(first + 1), c = corner(first + 2);
         if (is_degenerate(a, b, c)) continue;
-        for (const MeshVertex* v : {&a, &b, &c}) geometry.indices.push_back(slot(geometry, range.tile, *v));
+        if (strip && i % 2 != 0) std::swap(a, b);
+        for (const MeshVertex* v : {&a, &b, &c}) geometry.indices.push_back(slot(geometry, *v));
     }
+}
+
+TileGeometry TileCollector::collect(const MeshView& mesh, std::span<const TileRange> ranges,
+                                    std::span<const float> drawn_m) {
+    TileGeometry geometry{};
+    geometry.tile = ranges.front().tile;
+    for (const TileRange& range : ranges) add(geometry, mesh, range, drawn_m);
     // Only the used entries are cleared: a tile of few triangles costs no pass over its samples.
-    for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; ++i)
-        slots[place(range.tile, corner(i))] = no_index;
+    for (const TileRange& range : ranges)
+        for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; ++i)
+            if (const MeshVertex& v = mesh.vertices[mesh.indices[i]]; in_tile(range.tile, v))
+                slots[place(range.tile, v)] = no_index;
     return geometry;
 }
 

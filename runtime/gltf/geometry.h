@@ -9,38 +9,47 @@
 #include "fjell/coord.h"
 #include "fjell/mesh.h"
 #include "fjell/terrain.h"
+#include "fjell/view.h"
 
 namespace fjell::gltf {
 
 struct SnapshotVertex {
     float position_m[3]; // from the tile's corner with the smallest coordinates; y is the height itself
     float normal[3];
-    float uv[2];
+    float uv[2];      // cells from that corner, until set_texture_size()
+    float tangent[4]; // east along the ground, and 1: the third axis points north
 };
-static_assert(sizeof(SnapshotVertex) == 32 && offsetof(SnapshotVertex, uv) == 24,
+static_assert(sizeof(SnapshotVertex) == 48 && offsetof(SnapshotVertex, uv) == 24 &&
+                  offsetof(SnapshotVertex, tangent) == 32,
               "SnapshotVertex is stored: change the accessors in scene.cpp with it");
 
 struct TileGeometry {
+    std::uint32_t tile = 0;
     std::vector<SnapshotVertex> vertices;
     std::vector<std::uint32_t> indices; // a triangle list, counter-clockwise from above, none degenerate
     float low_m[3], high_m[3];          // exact bounds of position_m
 };
 
+// Cells become texture coordinates. side: cells a side of a tile; texture_px: texels a side of its texture, whose first
+// and last texel centres lie on its border.
+void set_texture_size(TileGeometry& geometry, std::uint32_t side, std::uint32_t texture_px);
+
+// The corner of a tile in the scene: whole multiples of the tile's width as a float, see fjell/gltf/snapshot.h.
+[[nodiscard]] Vec3 tile_corner_m(const PackHeader& header, std::uint32_t tile);
+
 // Collects tiles one after the other; its table is one entry a sample of a tile.
 class TileCollector {
 public:
-    // texture_px: texels a side of the tile's texture, whose first and last texel centres lie on its border.
-    TileCollector(const Terrain& terrain, std::uint32_t texture_px);
+    explicit TileCollector(const Terrain& terrain);
 
+    // All ranges of one tile. drawn_m: the heights of the mesh' vertices, one for one; empty: those that they have.
     // Throws io::Failure when an index or a vertex lies outside what the mesh or the tile holds.
-    [[nodiscard]] TileGeometry collect(const MeshView& mesh, const TileRange& range);
-
-    // The corner of a tile in the scene: whole multiples of the tile's width as a float, see fjell/gltf/snapshot.h.
-    [[nodiscard]] double tile_x_m(std::uint32_t tile) const;
-    [[nodiscard]] double tile_z_m(std::uint32_t tile) const;
+    [[nodiscard]] TileGeometry collect(const MeshView& mesh, std::span<const TileRange> ranges,
+                                       std::span<const float> drawn_m);
 
 private:
-    [[nodiscard]] std::uint32_t slot(TileGeometry& geometry, std::uint32_t tile, const MeshVertex& vertex);
+    void add(TileGeometry& geometry, const MeshView& mesh, const TileRange& range, std::span<const float> drawn_m);
+    [[nodiscard]] std::uint32_t slot(TileGeometry& geometry, const MeshVertex& vertex);
     [[nodiscard]] Coord in_tile_of(std::uint32_t tile, const MeshVertex& vertex) const;
     [[nodiscard]] bool in_tile(std::uint32_t tile, const MeshVertex& vertex) const;
     [[nodiscard]] std::size_t place(std::uint32_t tile, const MeshVertex& vertex) const; // in slots
@@ -48,7 +57,6 @@ private:
 
     const Terrain& terrain;
     std::uint32_t side;
-    double uv_first, uv_step;
     std::vector<std::uint32_t> slots; // of each sample of the current tile, or none
 };
 

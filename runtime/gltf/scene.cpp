@@ -146,36 +146,40 @@ int SceneBuilder::add_indices(const TileGeometry& geometry) {
     return last(model_.accessors);
 }
 
-int SceneBuilder::add_material(const std::string& name, int texture) {
+int SceneBuilder::add_material(const std::string& name, TileTextures textures) {
     tinygltf::Material material;
     material.name = name;
     material.pbrMetallicRoughness.metallicFactor = 0;
-    material.pbrMetallicRoughness.baseColorTexture.index = texture;
-    if (texture < 0) material.pbrMetallicRoughness.baseColorFactor = {0.5, 0.5, 0.5, 1};
+    material.pbrMetallicRoughness.baseColorTexture.index = textures.colour;
+    if (textures.colour < 0) material.pbrMetallicRoughness.baseColorFactor = {0.5, 0.5, 0.5, 1};
+    material.normalTexture.index = textures.normal;
     model_.materials.push_back(std::move(material));
     return last(model_.materials);
 }
 
-int SceneBuilder::add_mesh(const std::string& name, const TileGeometry& geometry, int texture) {
+int SceneBuilder::add_mesh(const std::string& name, const TileGeometry& geometry, TileTextures textures) {
+    const bool textured = textures.colour >= 0 || textures.normal >= 0, tangents = textures.normal >= 0;
     const std::size_t count = geometry.vertices.size();
-    const std::size_t stride = texture < 0 ? offsetof(SnapshotVertex, uv) : sizeof(SnapshotVertex);
+    const std::size_t stride = tangents   ? sizeof(SnapshotVertex)
+                               : textured ? offsetof(SnapshotVertex, tangent)
+                                          : offsetof(SnapshotVertex, uv);
     std::vector<std::byte> bytes(count * stride);
     for (std::size_t i = 0; i < count; ++i) std::memcpy(bytes.data() + i * stride, &geometry.vertices[i], stride);
     const int view = add_view(std::move(bytes), TINYGLTF_TARGET_ARRAY_BUFFER, stride);
 
     tinygltf::Primitive primitive;
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
-    const int position = add_vertex_accessor(view, offsetof(SnapshotVertex, position_m), TINYGLTF_TYPE_VEC3, count);
+    const auto add = [&](const char* attribute, std::size_t offset, int type) {
+        primitive.attributes[attribute] = add_vertex_accessor(view, offset, type, count);
+    };
+    add("POSITION", offsetof(SnapshotVertex, position_m), TINYGLTF_TYPE_VEC3);
     model_.accessors.back().minValues.assign(geometry.low_m, geometry.low_m + 3);
     model_.accessors.back().maxValues.assign(geometry.high_m, geometry.high_m + 3);
-    primitive.attributes["POSITION"] = position;
-    primitive.attributes["NORMAL"] =
-        add_vertex_accessor(view, offsetof(SnapshotVertex, normal), TINYGLTF_TYPE_VEC3, count);
-    if (texture >= 0)
-        primitive.attributes["TEXCOORD_0"] =
-            add_vertex_accessor(view, offsetof(SnapshotVertex, uv), TINYGLTF_TYPE_VEC2, count);
+    add("NORMAL", offsetof(SnapshotVertex, normal), TINYGLTF_TYPE_VEC3);
+    if (textured) add("TEXCOORD_0", offsetof(SnapshotVertex, uv), TINYGLTF_TYPE_VEC2);
+    if (tangents) add("TANGENT", offsetof(SnapshotVertex, tangent), TINYGLTF_TYPE_VEC4);
     primitive.indices = add_indices(geometry);
-    primitive.material = add_material(name, texture);
+    primitive.material = add_material(name, textures);
 
     tinygltf::Mesh mesh;
     mesh.name = name;
@@ -184,10 +188,11 @@ int SceneBuilder::add_mesh(const std::string& name, const TileGeometry& geometry
     return last(model_.meshes);
 }
 
-void SceneBuilder::add_tile(const std::string& name, const TileGeometry& geometry, Vec3 corner_m, int texture) {
+void SceneBuilder::add_tile(const std::string& name, const TileGeometry& geometry, Vec3 corner_m,
+                            TileTextures textures) {
     tinygltf::Node node;
     node.name = name;
-    node.mesh = add_mesh(name, geometry, texture);
+    node.mesh = add_mesh(name, geometry, textures);
     node.translation = {corner_m.x, corner_m.y, corner_m.z};
     model_.nodes.push_back(std::move(node));
     model_.scenes[0].nodes.push_back(last(model_.nodes));

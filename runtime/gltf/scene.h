@@ -17,6 +17,10 @@
 
 namespace fjell::gltf {
 
+struct TileTextures {
+    int colour = -1, normal = -1; // -1: none
+};
+
 class SceneBuilder {
 public:
     // max_binary_bytes: append beyond it throws io::Failure, before anything more is allocated.
@@ -24,8 +28,9 @@ public:
 
     // 8-bit sRGB, square. Returns the texture's index.
     int add_texture(const std::string& name, std::uint32_t side_px, std::span<const std::byte> rgb);
-    // A node, a mesh and a material. texture: -1 for none; the vertices then carry no texture coordinates.
-    void add_tile(const std::string& name, const TileGeometry& geometry, Vec3 corner_m, int texture);
+    // A node, a mesh and a material. Without textures the vertices carry no texture coordinates, without a normal
+    // texture no tangents.
+    void add_tile(const std::string& name, const TileGeometry& geometry, Vec3 corner_m, TileTextures textures);
     void add_camera(const View& view);
 
     [[nodiscard]] const tinygltf::Model& model() const { return model_; }
@@ -37,8 +42,8 @@ private:
     int add_view(std::vector<std::byte> bytes, int target, std::size_t stride);
     int add_vertex_accessor(int view, std::size_t offset, int type, std::size_t count);
     int add_indices(const TileGeometry& geometry);
-    int add_material(const std::string& name, int texture);
-    int add_mesh(const std::string& name, const TileGeometry& geometry, int texture);
+    int add_material(const std::string& name, TileTextures textures);
+    int add_mesh(const std::string& name, const TileGeometry& geometry, TileTextures textures);
 
     tinygltf::Model model_;
     std::vector<std::vector<std::byte>> pieces_;

@@ -14,10 +14,11 @@
 
 #include "fjell/io/failure.h"
 #include "fjell/texture.h"
+#include "gltf/content.h"
+#include "gltf/normals.h"
 #include "gltf/refused.h"
 #include "gltf/scene.h"
 #include "io/file.h"
-#include "pack/terrain_data.h"
 
 namespace fjell::gltf {
 
@@ -33,28 +34,17 @@ void require(const Status& status, const char* what) {
         throw io::Failure(1, fmt::format("{}: {} ({}); bake the pack again", what, message(status.code), status.field));
 }
 
-void check(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info) {
-    if (const Status status = validate(info.view); !status.ok())
-        throw io::Failure(2, fmt::format("{}: {}", status.field, message(status.code)));
-    if (!(info.error_px > 0 && info.error_px_effective > 0 && std::isfinite(info.error_px_effective)))
-        throw io::Failure(2, "SnapshotInfo::error_px and error_px_effective must be above zero and finite");
-    if (mesh.topology != Topology::triangles)
-        throw io::Failure(2, "the snapshot needs a triangle list; set RefineSettings::topology to Topology::triangles");
-    if (pack.header.header_hash != terrain.header().header_hash || !terrain.valid())
-        throw io::Failure(2, "the terrain was not loaded from this pack; load it with load_terrain");
-}
-
-// The largest mip of the colour map that fits, and what it is worth: 0 texels when the pack has no colour.
-struct ColourMip {
+// The largest mip of a map that fits, and what it is worth: 0 texels when the pack has none.
+struct MapMip {
     std::uint32_t level = 0, side_px = 0;
 };
 
-ColourMip choose_mip(const PackHeader& header, std::uint32_t max_texture_px) {
-    const std::uint32_t mips = mip_count(header.colour_log2);
+MapMip choose_mip(std::uint32_t map_log2, std::uint32_t max_texture_px) {
+    const std::uint32_t mips = mip_count(map_log2);
     if (mips == 0) return {};
     std::uint32_t level = 0;
-    while (level + 1 < mips && (1u << (header.colour_log2 - level)) > max_texture_px) ++level;
-    return {level, 1u << (header.colour_log2 - level)};
+    while (level + 1 < mips && (1u << (map_log2 - level)) > max_texture_px) ++level;
+    return {level, 1u << (map_log2 - level)};
 }
 
 Json crs_of(const Pack& pack) {
@@ -70,6 +60,7 @@ Json extras(const Pack& pack, const SnapshotInfo& info, const SnapshotResult& co
     const View& view = info.view;
     return {{"error_px", info.error_px},
             {"error_px_effective", info.error_px_effective},
+            {"corner_safe", info.corner_safe},
             {"quantum_m", static_cast<double>(h.quantum_m)},
             {"viewport", {view.width_px, view.height_px}},
             {"fov_y_deg", 2 * std::atan(std::max(view.top, -view.bottom)) * 180 / std::numbers::pi},
@@ -80,39 +71,74 @@ Json extras(const Pack& pack, const SnapshotInfo& info, const SnapshotResult& co
             {"size", {h.columns, h.rows}},
             {"converged", info.converged},
             {"morphed", info.morphed},
+            {"lagging", info.lagging},
+            {"culled", info.culled},
             {"vertices", counts.vertices},
             {"triangles", counts.triangles},
             {"pack_hash", fmt::format("{:016x}", h.directory_hash)}};
 }
 
-void add_tiles(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotOptions& options,
-               SceneBuilder& scene, SnapshotResult& result) {
-    const ColourMip mip = choose_mip(pack.header, options.max_texture_px);
-    result.texture_px = mip.side_px;
-    std::vector<std::byte> blocks(mip.side_px ? chunk_raw_bytes(pack.header, {ChunkKind::colour, 0, mip.level}) : 0);
-    std::vector<std::uint8_t> rgb(std::size_t{mip.side_px} * mip.side_px * 3);
-    TileCollector collector(terrain, mip.side_px);
+// The textures of one tile after the other, in buffers that are kept.
+class Textures {
+public:
+    Textures(const Pack& pack, std::uint32_t max_texture_px)
+        : pack_(pack), colour_(choose_mip(pack.header.colour_log2, max_texture_px)),
+          normal_(choose_mip(pack.header.normal_log2, max_texture_px)) {}
+
+    [[nodiscard]] std::uint32_t colour_px() const { return colour_.side_px; }
+    [[nodiscard]] std::uint32_t normal_px() const { return normal_.side_px; }
+    // The texture coordinates are one set, so the textures are of one size.
+    [[nodiscard]] std::uint32_t side_px() const { return colour_.side_px ? colour_.side_px : normal_.side_px; }
+
+    // -1: there is none.
+    int add_colour(std::uint32_t tile, const std::string& name, SceneBuilder& scene) {
+        if (!colour_.side_px) return -1;
+        read({ChunkKind::colour, tile, colour_.level}, "the pack's colour chunk");
+        texels_.resize(std::size_t{colour_.side_px} * colour_.side_px * 3);
+        (void)decode_colour(blocks_, colour_.side_px, texels_);
+        return scene.add_texture(name + " colour", colour_.side_px, std::as_bytes(std::span(texels_)));
+    }
+    int add_normal(const TileGeometry& geometry, const std::string& name, SceneBuilder& scene) {
+        if (!normal_.side_px) return -1;
+        read({ChunkKind::normal, geometry.tile, normal_.level}, "the pack's normal chunk");
+        texels_.resize(std::size_t{normal_.side_px} * normal_.side_px * 2);
+        (void)decode_normal(blocks_, normal_.side_px, texels_);
+        const std::vector<std::uint8_t> rgb = normal_texture(geometry, side_px(), texels_, normal_.side_px);
+        return scene.add_texture(name + " normal", side_px(), std::as_bytes(std::span(rgb)));
+    }
+
+private:
+    void read(ChunkId id, const char* what) {
+        blocks_.resize(chunk_raw_bytes(pack_.header, id));
+        require(read_chunk(pack_, id, blocks_), what);
+    }
+
+    const Pack& pack_;
+    MapMip colour_, normal_;
+    std::vector<std::byte> blocks_;
+    std::vector<std::uint8_t> texels_;
+};
+
+void add_tiles(const Pack& pack, const Snapshot::Content& content, const SnapshotOptions& options, SceneBuilder& scene,
+               SnapshotResult& result) {
+    Textures textures(pack, options.max_texture_px);
+    result.texture_px = textures.colour_px();
+    result.normal_px = textures.normal_px() ? textures.side_px() : 0;
     std::uint64_t done = 0;
-    for (const TileRange& range : mesh.tiles) {
-        if (options.progress && !options.progress(done++, mesh.tiles.size()))
+    for (const TileGeometry& taken : content.tiles) {
+        if (options.progress && !options.progress(done++, content.tiles.size()))
             throw io::Failure(130, "stopped; nothing is written");
-        const TileGeometry geometry = collector.collect(mesh, range);
-        if (geometry.indices.empty()) continue;
+        TileGeometry geometry = taken;
+        set_texture_size(geometry, 1u << pack.header.tile_log2, textures.side_px());
         const std::string name =
-            fmt::format("tile {} {}", range.tile % pack.header.tiles_x, range.tile / pack.header.tiles_x);
-        int texture = -1;
-        if (mip.side_px) {
-            require(read_chunk(pack, {ChunkKind::colour, range.tile, mip.level}, blocks), "the pack's colour chunk");
-            (void)decode_colour(blocks, mip.side_px, rgb);
-            texture = scene.add_texture(name, mip.side_px, std::as_bytes(std::span(rgb)));
-        }
-        scene.add_tile(name, geometry, {collector.tile_x_m(range.tile), 0, collector.tile_z_m(range.tile)}, texture);
+            fmt::format("tile {} {}", taken.tile % pack.header.tiles_x, taken.tile / pack.header.tiles_x);
+        const int colour = textures.add_colour(taken.tile, name, scene);
+        scene.add_tile(name, geometry, tile_corner_m(pack.header, taken.tile),
+                       {colour, textures.add_normal(geometry, name, scene)});
         ++result.tiles;
         result.vertices += geometry.vertices.size();
         result.triangles += geometry.indices.size() / 3;
     }
-    if (result.tiles == 0)
-        throw io::Failure(2, "the mesh has no triangle; refine it with culling off before the snapshot");
 }
 
 // tinygltf's JSON, completed with what it cannot say: the buffer (whose bytes it does not hold) and the extras.
@@ -155,23 +181,28 @@ std::uint64_t write_glb(const SceneBuilder& scene, const std::string& json, std:
 
 } // namespace
 
-SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
-                              const std::string& path, const SnapshotOptions& options) {
+SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const std::string& path,
+                              const SnapshotOptions& options) {
     try {
+        const Snapshot::Content* const content = SnapshotAccess::content(snapshot);
+        if (content == nullptr) throw io::Failure(2, "the snapshot is empty; take one with take_snapshot");
         if (path.empty() && options.write)
             throw io::Failure(2, "the snapshot has no file name; give one that ends in .glb");
-        check(pack, terrain, mesh, info);
+        if (pack.header.header_hash != content->header.header_hash)
+            throw io::Failure(2,
+                              "the pack is not the one that the snapshot was taken of; open that one, or take it anew");
         if (options.write) {
             const io::AtomicFile probe(path); // says what is wrong with the place before seconds of work, not after
         }
         const std::uint64_t max_file_bytes = std::min(options.max_file_bytes, most_file_bytes);
         SnapshotResult result;
-        result.converged = info.converged;
+        result.converged = content->info.converged;
+        result.error_px_effective = content->info.error_px_effective;
         SceneBuilder scene(max_file_bytes);
-        add_tiles(pack, terrain, mesh, options, scene, result);
-        scene.add_camera(info.view);
-        result.file_bytes =
-            write_glb(scene, json_chunk(scene, extras(pack, info, result)), max_file_bytes, path, options.write);
+        add_tiles(pack, *content, options, scene, result);
+        scene.add_camera(content->info.view);
+        result.file_bytes = write_glb(scene, json_chunk(scene, extras(pack, content->info, result)), max_file_bytes,
+                                      path, options.write);
         return result;
     } catch (const io::Failure& failure) {
         return refused(failure.exit_code, failure.what());
@@ -180,6 +211,13 @@ SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const Me
     } catch (const std::exception& error) {
         return refused(3, fmt::format("{}: cannot write the snapshot: {}", path, error.what()));
     }
+}
+
+SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
+                              const std::string& path, const SnapshotOptions& options) {
+    Snapshot snapshot;
+    SnapshotResult taken = take_snapshot(terrain, mesh, info, snapshot);
+    return taken.ok() ? write_snapshot(pack, snapshot, path, options) : taken;
 }
 
 } // namespace fjell::gltf

@@ -147,6 +147,17 @@ TEST_CASE("a benchmark and an export by command write their files, and a preview
     CHECK(preview["job"]["preview"]["error_px"] == 3);
     CHECK(preview["job"]["preview"] == written["job"]["preview"]);
     CHECK(fs::file_size(place.folder / "m.glb") == preview["job"]["preview"]["bytes"]);
+    // The mesh as it stands lags where a frame may do nothing; the one that its view settles on does not.
+    const std::vector<std::string> lagging{"set budget.items 1", "set refine.error_px 0.5", "frames 1"};
+    const auto export_lagging = [&](const std::string& command) {
+        std::vector<std::string> commands = lagging;
+        commands.insert(commands.end(), {command, "set budget.items 0", "wait"}); // waits until the view has settled
+        return place.after(commands, "hills.fjell")["job"]["preview"];
+    };
+    const json stands = export_lagging("export l.glb"), settles = export_lagging("export c.glb converged");
+    CHECK(stands["error_px"].get<double>() > 0.5);
+    CHECK(settles["error_px"] == 0.5);
+    CHECK(settles["triangles"].get<int>() > stands["triangles"].get<int>());
     const json own = place.after({"export n.glb 12", "wait"}, "hills.fjell");
     CHECK(own["job"]["preview"]["error_px"] == 12);
     CHECK(fs::file_size(place.folder / "n.glb") < fs::file_size(place.folder / "m.glb"));

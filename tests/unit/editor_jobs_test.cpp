@@ -73,7 +73,7 @@ struct JobPlace {
         options.streaming = flight::Streaming::off;
         flight::Session session;
         flight::open_session(options, session);
-        ExportPlan p{options.pack, path, streamed, options.profile, {}, 2};
+        ExportPlan p{options.pack, path, {}, streamed, options.profile, {}, 2};
         if (streamed) p.profile.page_slots = slots();
         p.view = flight::view_of(flight::resample(flight::path_of(options), session.ground(), 5)[2], session.terrain(),
                                  p.profile);

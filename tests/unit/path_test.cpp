@@ -256,9 +256,8 @@ TEST_CASE("a bad path is refused in one line that names the place") {
     says("[1, 2]", "must be an object");
     says("{}", "exactly one of points, orbit and straight");
     says(R"({"points": [], "orbit": {}})", "exactly one");
-    says(points(""), "at least 2 control points");
-    says(points(good), "at least 2 control points");
-    says(points(good + "," + good), "points[1] repeats");
+    says(points(""), "a control point");
+    says(points(good + "," + good + "," + good), "points[1] repeats");
     says(points(good, "feet"), "units: must be \"metres\" or \"terrain\"");
     says(points(good + R"(, {"direction": [1, 0, 0]})"), "points[1].position: is missing");
     says(points(good + R"(, {"position": [1, 2], "direction": [1, 0, 0]})"), "points[1].position: must be 3 numbers");
@@ -279,6 +278,22 @@ TEST_CASE("a bad path is refused in one line that names the place") {
     says(R"({"straight": {"from": [0, 0, 0], "to": [0, 5, 0]}})", "straight.to: must lie");
     CHECK_THROWS_WITH(read_path("/nowhere/p.json"),
                       Catch::Contains("/nowhere/p.json") && Catch::Contains("No such file"));
+}
+
+TEST_CASE("a path of one point, or of two equal ones, is a camera that stands still to the last bit") {
+    const std::string point = R"({"position": [1e5, 0.1, 3e5], "direction": [0.3, -0.2, 0.7]})";
+    for (const std::string& text : {point, point + "," + point}) {
+        const CameraPath path = parse_path(points(text), "p.json");
+        const std::vector<Pose> poses = resample(path, flat(), 7),
+                                again = resample(parse_path(path_text(path), "p.json"), flat(), 7);
+        REQUIRE(poses.size() == 7);
+        check_orthonormal(poses);
+        for (std::size_t i = 0; i < poses.size(); ++i) {
+            CHECK(distance(poses[i].position_m, {1e5, 0.1, 3e5}) == 0);
+            CHECK(distance(poses[i].direction, poses[0].direction) == 0);
+            CHECK(distance(again[i].position_m, poses[i].position_m) == 0);
+        }
+    }
 }
 
 TEST_CASE("directions that cancel between two control points are refused, not divided by") {

@@ -70,7 +70,9 @@ struct Frustum {
 // The six planes of what a view sees.
 [[nodiscard]] Frustum make_frustum(const View& view);
 
-// How much larger than its angular measure an error at a corner of the image can be: 1 / cos^2 of the corner's angle.
+// How much larger than its angular measure a vertical error in the image can be: at most 1 / cos^2 of the farthest
+// corner's angle, and 1 / cos for a camera that looks level. Changes with pitch and roll, in steps of a half; not with
+// heading. At least 1.
 [[nodiscard]] double corner_factor(const View& view);
 
 } // namespace fjell

@@ -77,10 +77,28 @@ Frustum make_frustum(const View& view) {
             {view.near_m, -view.far_m, 0, 0, 0, 0}};
 }
 
+// A point in the picture stands at depth * (t, 1), with t = (tx, ty) between the picture's sides and the third axis
+// along the view. Let u be the vertical in these axes. A small error e along u moves the point's picture by
+//   lambda e / depth |t u_z - u_xy|,
+// where its angle is e / (depth sqrt(1 + |t|^2)). So the factor is the product of
+//   |t u_z - u_xy| and sqrt(1 + |t|^2),
+// both convex in t and so largest in corners of the picture; by Cauchy and Schwarz it is never above 1 / cos^2 of the
+// farthest one's angle. A level camera needs only the second: errors are vertical, and it sees those from the side.
+// The factor changes as the camera pitches and rolls, which changes every decision; in steps of a half it does so
+// seldom.
 double corner_factor(const View& view) {
-    const double tx = std::max(std::abs(view.left), std::abs(view.right));
-    const double ty = std::max(std::abs(view.bottom), std::abs(view.top));
-    return 1 + tx * tx + ty * ty;
+    const double up_x = cross(view.forward, view.up).y, up_y = view.up.y, up_z = view.forward.y;
+    double across = 0, far = 0; // squared
+    for (const double tx : {view.left, view.right})
+        for (const double ty : {view.bottom, view.top}) {
+            const double x = tx * up_z - up_x, y = ty * up_z - up_y;
+            across = std::max(across, x * x + y * y);
+            far = std::max(far, 1 + tx * tx + ty * ty);
+        }
+    const double factor = std::sqrt(across * far);
+    double step = 1;
+    while (step < factor && step < far) step *= 1.5;
+    return std::min(step, far);
 }
 
 } // namespace fjell

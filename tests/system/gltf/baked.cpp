@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
+#include <limits>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -30,9 +31,12 @@ double noise(std::int32_t x, std::int32_t y) {
 BakedTerrain::BakedTerrain(const Folder& folder, const baker::Dem& dem, const baker::BakeOptions& options) {
     baker::bake(dem, options, folder / "terrain.fjell");
     loaded = io::load_pack(folder / "terrain.fjell", io::LoadTerrain::yes);
+    std::vector<float> heights = dem.heights_m;
+    for (std::size_t i = 0; i < dem.voids.size(); ++i)
+        if (dem.voids[i] != 0) heights[i] = std::numeric_limits<float>::quiet_NaN();
     std::ofstream raw(folder / "heights.f32", std::ios::binary);
-    raw.write(reinterpret_cast<const char*>(dem.heights_m.data()),
-              static_cast<std::streamsize>(dem.heights_m.size() * sizeof(float)));
+    raw.write(reinterpret_cast<const char*>(heights.data()),
+              static_cast<std::streamsize>(heights.size() * sizeof(float)));
     heights_argument =
         " --heights '" + folder / "heights.f32" + "' " + std::to_string(dem.columns) + " " + std::to_string(dem.rows);
 }

@@ -1,9 +1,9 @@
 // Checks a snapshot without a line of Fjell's code, from what the file says about itself.
 //
-//   node check.mjs FILE.glb [--heights RAW COLUMNS ROWS] [--forward X Y Z] [--up X Y Z]
+//   node check.mjs FILE.glb... [--heights RAW COLUMNS ROWS] [--forward X Y Z] [--up X Y Z]
 //
-// RAW: the original heights, float32 little-endian, row by row from the north. FORWARD, UP: how the camera should
-// stand. Exit code 0: nothing found; 1: problems, a line a kind.
+// RAW: the original heights, float32 little-endian, row by row from the north; NaN is a hole. FORWARD, UP: how the
+// camera should stand. Prints a line of JSON a file. Exit code 0: nothing found; 1: problems, a line a kind.
 import fs from 'node:fs';
 
 import {parseGlb} from './glb.mjs';
@@ -18,9 +18,9 @@ export function check(file, options = {}) {
     try {
         const glb = parseGlb(file);
         const extras = checkExtras(glb, problems);
-        const tiles = readTiles(glb, extras, problems);
+        const tiles = readTiles(glb, extras, problems), holes = options.heights?.data.some(Number.isNaN) ?? false;
         checkCamera(glb, extras, options, problems);
-        Object.assign(summary, checkTopology(tiles, extras, problems));
+        Object.assign(summary, checkTopology(tiles, extras, holes, problems));
         checkShading(tiles, extras, problems);
         Object.assign(summary, checkTextures(glb, tiles, problems));
         if (options.heights) Object.assign(summary, checkHeights(tiles, extras, options.heights, problems));
@@ -31,8 +31,8 @@ export function check(file, options = {}) {
 }
 
 export function parseArguments(words) {
-    const options = {};
-    const path = words.shift();
+    const options = {}, paths = [];
+    while (words.length && !words[0].startsWith('--')) paths.push(words.shift());
     while (words.length) {
         const word = words.shift();
         if (word === '--heights') {
@@ -48,15 +48,19 @@ export function parseArguments(words) {
             throw new Error(`unknown option ${word}`);
         }
     }
-    return {path, options};
+    return {paths, options};
 }
 
 function main(words) {
-    const {path, options} = parseArguments(words);
-    const {problems, summary} = check(fs.readFileSync(path), options);
-    for (const line of problems.lines()) console.log(line);
-    console.log(JSON.stringify(summary));
-    return problems.empty() ? 0 : 1;
+    const {paths, options} = parseArguments(words);
+    let wrong = 0;
+    for (const path of paths) {
+        const {problems, summary} = check(fs.readFileSync(path), options), name = path.replace(/.*\//, '');
+        for (const line of problems.lines()) console.log(`${name}: ${line}`);
+        console.log(JSON.stringify({name, ...summary}));
+        if (!problems.empty()) ++wrong;
+    }
+    return wrong || !paths.length ? 1 : 0;
 }
 
 if (process.argv[1] && import.meta.url.endsWith('/check.mjs') && process.argv[1].endsWith('check.mjs'))

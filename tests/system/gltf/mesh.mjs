@@ -43,8 +43,9 @@ function checkBorders(tiles, {size}, problems) {
     return seen.size;
 }
 
-// Every edge once in each direction, or once on the rim. A T-junction leaves edges without a partner inside the domain.
-function checkEdges(tiles, {size}, problems) {
+// Every edge once in each direction, or once on the rim of the tiles that are there. A T-junction leaves edges without a
+// partner inside it; so does a hole.
+function checkEdges(tiles, {size}, holes, problems) {
     const samples = size[0] * size[1], edges = new Map();
     for (const tile of tiles) {
         const id = (v) => tile.rows[v] * size[0] + tile.columns[v];
@@ -59,24 +60,34 @@ function checkEdges(tiles, {size}, problems) {
     }
     const onRim = (a, b) => {
         const [ax, ay, bx, by] = [a % size[0], Math.floor(a / size[0]), b % size[0], Math.floor(b / size[0])];
-        return (ax === bx && (ax === 0 || ax === size[0] - 1)) || (ay === by && (ay === 0 || ay === size[1] - 1));
+        if (ax !== bx && ay !== by) return false;
+        const around = rectangles.filter(({left, top, right, bottom}) => Math.min(ax, bx) >= left
+            && Math.max(ax, bx) <= right && Math.min(ay, by) >= top && Math.max(ay, by) <= bottom);
+        return around.length === 1
+            && ((ax === bx && (ax === around[0].left || ax === around[0].right))
+                || (ay === by && (ay === around[0].top || ay === around[0].bottom)));
     };
+    const rectangles = tiles.map(({rectangle}) => rectangle);
     let rim = 0;
     for (const [key, bits] of edges) {
-        const a = Math.floor(key / samples), b = key % samples;
-        if (onRim(a, b)) ++rim;
-        problems.require((bits === 3) !== onRim(a, b), 'manifold',
+        const a = Math.floor(key / samples), b = key % samples, outer = onRim(a, b);
+        if (outer) ++rim;
+        if (holes && bits !== 3) continue;
+        problems.require((bits === 3) !== outer, 'manifold',
             () => `edge ${a}-${b} ${bits === 3 ? 'on the rim has two sides' : 'inside the domain is open'}`);
     }
     return rim;
 }
 
-export function checkTopology(tiles, extras, problems) {
+// holes: the DEM has some, so that not everything is covered.
+export function checkTopology(tiles, extras, holes, problems) {
     const covered = tiles.reduce((sum, tile) => sum + checkTriangles(tile, problems), 0);
-    const domain = 2 * (extras.size[0] - 1) * (extras.size[1] - 1);
-    problems.require(covered === domain, 'cover', `${covered / 2} of ${domain / 2} cells`);
+    const domain = tiles.reduce(
+        (sum, {rectangle: r}) => sum + 2 * (r.right - r.left) * (r.bottom - r.top), 0);
+    problems.require(
+        holes ? covered <= domain : covered === domain, 'cover', `${covered / 2} of ${domain / 2} cells`);
     const samples = checkBorders(tiles, extras, problems);
-    const rim = checkEdges(tiles, extras, problems);
+    const rim = checkEdges(tiles, extras, holes, problems);
     return {
         tiles: tiles.length,
         vertices: extras.vertices,
@@ -89,6 +100,12 @@ export function checkTopology(tiles, extras, problems) {
 export function checkShading(tiles, extras, problems) {
     for (const tile of tiles) {
         if (!problems.require(tile.normals, 'normal', `${tile.name} has none`)) continue;
+        for (let i = 0; tile.tangents && i < tile.count; ++i) {
+            const [x, y, z, w] = tile.tangents.subarray(4 * i, 4 * i + 4), n = tile.normals.subarray(3 * i, 3 * i + 3);
+            problems.require(Math.abs(Math.hypot(x, y, z) - 1) < 1e-5 && w === 1 && x > 0
+                    && Math.abs(x * n[0] + y * n[1] + z * n[2]) < 1e-5,
+                'tangent', () => `${tile.name}: vertex ${i} has ${[x, y, z, w]}`);
+        }
         for (let i = 0; i < tile.count; ++i) {
             const [x, y, z] = tile.normals.subarray(3 * i, 3 * i + 3);
             problems.require(Math.abs(Math.hypot(x, y, z) - 1) < 1e-5 && y > 0, 'normal',
@@ -97,36 +114,33 @@ export function checkShading(tiles, extras, problems) {
     }
 }
 
-const range = (values) => values.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
-
-// Cells a side: what the widest tile has. A terrain that ends inside its only tile is taken to have the smallest tile, a
-// power of two, that holds it.
-function tileSide(tiles) {
-    const widest = Math.max(...tiles.flatMap(({columns, rows}) => [columns, rows].map((places) => {
-        const [low, high] = range(places);
-        return high - low;
-    })));
-    return 2 ** Math.ceil(Math.log2(widest));
-}
-
 // The first and last texel centre lie on the tile's border.
-function checkUvs(tile, side, texels, problems) {
-    const low = range(tile.columns)[0], top = range(tile.rows)[0];
+function checkUvs(tile, texels, problems) {
+    const {left, top, side} = tile.rectangle;
     for (let i = 0; i < tile.count; ++i) {
         const [u, v] = tile.uvs.subarray(2 * i, 2 * i + 2);
         const expected =
-            [tile.columns[i] - low, tile.rows[i] - top].map((cells) => (0.5 + cells / side * (texels - 1)) / texels);
+            [tile.columns[i] - left, tile.rows[i] - top].map((cells) => (0.5 + cells / side * (texels - 1)) / texels);
         problems.require(u >= 0 && u <= 1 && v >= 0 && v <= 1 && Math.abs(u - expected[0]) < 1e-6
                 && Math.abs(v - expected[1]) < 1e-6,
             'uv', () => `${tile.name}: vertex ${i} has (${u}, ${v}), not (${expected})`);
     }
-    return {column: low, row: top, side};
+    return {column: left, row: top, side};
 }
 
 function decodeTexture({json, bin}, tile, problems) {
-    const colour = json.materials[tile.primitive.material].pbrMetallicRoughness.baseColorTexture;
-    problems.require(
-        Boolean(colour) === Boolean(tile.uvs), 'texture', `${tile.name}: coordinates and texture do not go together`);
+    const material = json.materials[tile.primitive.material], normal = material.normalTexture,
+          colour = material.pbrMetallicRoughness.baseColorTexture;
+    problems.require(material.name === tile.name, 'texture', `${tile.name}: its material is called ${material.name}`);
+    problems.require(Boolean(colour || normal) === Boolean(tile.uvs), 'texture',
+        `${tile.name}: coordinates and texture do not go together`);
+    problems.require(Boolean(normal) === Boolean(tile.tangents), 'texture',
+        `${tile.name}: tangents and normal texture do not go together`);
+    if (normal) {
+        tile.normal_map = decodePng(viewBytes({json, bin}, json.images[json.textures[normal.index].source].bufferView));
+        problems.require(normal.scale === undefined && normal.texCoord === undefined, 'texture',
+            `${tile.name}: its normal texture is scaled or of another set of coordinates`);
+    }
     if (!colour || !tile.uvs) return null;
     const texture = json.textures[colour.index], sampler = json.samplers[texture.sampler],
           image = json.images[texture.source];
@@ -166,11 +180,11 @@ function checkSeam(png, other, along, name, problems) {
 }
 
 export function checkTextures(glb, tiles, problems) {
-    const placed = new Map(), side = tileSide(tiles);
+    const placed = new Map();
     for (const tile of tiles) {
         const png = decodeTexture(glb, tile, problems);
         if (!png) continue;
-        const corner = checkUvs(tile, side, png.size[0], problems);
+        const corner = checkUvs(tile, png.size[0], problems);
         placed.set(`${corner.column / corner.side} ${corner.row / corner.side}`, {...corner, png, name: tile.name});
     }
     for (const {column, row, side, png, name} of placed.values()) {

@@ -32,6 +32,7 @@ const isFlag = (v) => typeof v === 'boolean';
 const fields = {
     error_px: isPositive,
     error_px_effective: isPositive,
+    corner_safe: isFlag,
     quantum_m: isPositive,
     viewport: list(2, isCount),
     fov_y_deg: (v) => isPositive(v) && v < 180,
@@ -42,6 +43,8 @@ const fields = {
     size: list(2, (v) => isCount(v) && v >= 2),
     converged: isFlag,
     morphed: isFlag,
+    lagging: isFlag,
+    culled: isFlag,
     vertices: isCount,
     triangles: isCount,
     pack_hash: (v) => typeof v === 'string' && /^[0-9a-f]{16}$/.test(v),
@@ -56,9 +59,10 @@ export function checkExtras({json}, problems) {
         problems.require(
             name in extras && holds(extras[name]), 'extras', () => `${name} is ${JSON.stringify(extras[name])}`);
     for (const name of Object.keys(extras)) problems.require(name in fields, 'extras', `${name} is unknown`);
-    if (extras.converged)
-        problems.require(
-            extras.error_px === extras.error_px_effective, 'extras', 'converged, but the thresholds differ');
+    problems.require(!extras.converged || extras.error_px_effective <= extras.error_px, 'extras',
+        'converged, but not to what was asked for');
+    problems.require(!extras.converged || !extras.lagging, 'extras', 'converged, and lagging');
+    problems.require(extras.error_px_effective >= extras.error_px, 'extras', 'more is kept than was asked for');
     return extras;
 }
 
@@ -84,12 +88,35 @@ export function readTiles(glb, extras, problems) {
     }
     problems.require(materials.size === tiles.length && meshes.size === tiles.length && !materials.has(undefined),
         'place', `${tiles.length} tiles have ${materials.size} materials and ${meshes.size} meshes`);
+    setRectangles(tiles, extras, problems);
     const sum = (key) => tiles.reduce((total, tile) => total + tile[key], 0);
     problems.require(
         sum('count') === extras.vertices, 'counts', `${sum('count')} vertices, extras say ${extras.vertices}`);
     problems.require(sum('triangles') === extras.triangles, 'counts',
         `${sum('triangles')} triangles, extras say ${extras.triangles}`);
     return tiles;
+}
+
+// The samples that each tile is to cover, from its name and its node's place.
+function setRectangles(tiles, {size, spacing_m}, problems) {
+    const corners = tiles.map(({name, node}) => {
+        const number = /^tile (\d+) (\d+)$/.exec(name)?.slice(1).map(Number);
+        problems.require(number, 'place', `${name} is no name of a tile`);
+        return {number, at: [0, 2].map((axis) => Math.round(node.translation[axis] / spacing_m[axis / 2]))};
+    });
+    const apart = corners.flatMap(({number, at}) => [0, 1].filter((k) => number?.[k] > 0).map((k) => at[k] / number[k]));
+    const side = apart[0] ?? 2 ** Math.ceil(Math.log2(Math.max(...size) - 1));
+    problems.require(apart.every((one) => one === side), 'place', () => `tiles are ${apart} cells wide`);
+    tiles.forEach((tile, i) => {
+        const [left, top] = corners[i].at;
+        tile.rectangle = {
+            side, // cells, also where the terrain ends inside it
+            left,
+            top,
+            right: Math.min(left + side, size[0] - 1),
+            bottom: Math.min(top + side, size[1] - 1)
+        };
+    });
 }
 
 function readTile(glb, node, primitive, extras, problems) {
@@ -107,6 +134,7 @@ function readTile(glb, node, primitive, extras, problems) {
         local: values,
         normals: read('NORMAL'),
         uvs: read('TEXCOORD_0'),
+        tangents: read('TANGENT'),
         columns: new Int32Array(count),
         rows: new Int32Array(count),
         x: new Float64Array(count),
@@ -164,6 +192,7 @@ export function checkCamera({json}, extras, axes, problems) {
     if (!problems.require(nodes.length === 1 && json.cameras?.length === 1, 'camera', `${nodes.length} camera nodes`))
         return;
     const [node] = nodes, {type, perspective} = json.cameras[node.camera];
+    extras.axes = [[1, 0, 0], [0, 1, 0], [0, 0, -1]].map((axis) => rotate(node.rotation, axis));
     problems.require(type === 'perspective', 'camera', `type ${type}`);
     problems.require(node.translation.every((v, i) => v === extras.eye[i]), 'camera', 'the camera is not at the eye');
     problems.require(

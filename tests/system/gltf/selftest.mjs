@@ -56,7 +56,7 @@ const spoils = {
     }],
     'a missing triangle': ['cover', dropTriangle],
     'a missing triangle leaves a hole': ['manifold', dropTriangle],
-    'a missing tile': ['cover', (glb) => { glb.json.scenes[0].nodes.shift(); }],
+    'a missing tile': ['counts', (glb) => { glb.json.scenes[0].nodes.shift(); }],
     'a tile in the wrong place': ['manifold', (glb) => shiftTile(glb, 1)],
     'a tile between samples': ['place', (glb) => shiftTile(glb, 1 / 3)],
     'a shared material': ['place', (glb) => { primitiveOf(glb, 1).material = primitiveOf(glb, 0).material; }],
@@ -66,6 +66,11 @@ const spoils = {
         ['uv', (glb) => moveFloat(glb, primitiveOf(glb, 0).attributes.TEXCOORD_0, 0, 0, () => 1.5)],
     'another tile\'s texture': ['seam', (glb) => { glb.json.textures[0].source = glb.json.images.length - 1; }],
     'a smaller threshold claimed': ['error', (glb) => { fjell(glb).error_px_effective = fjell(glb).error_px /= 50; }],
+    'a convergence claimed': ['extras', (glb) => { fjell(glb).error_px_effective *= 2; }],
+    'a short tangent': ['tangent', (glb) => moveFloat(glb, primitiveOf(glb, 0).attributes.TANGENT, 0, 0, () => 0.5)],
+    'a normal texture of another kind': ['shading', (glb) => {
+        glb.json.materials.forEach((m) => { m.normalTexture.index = m.pbrMetallicRoughness.baseColorTexture.index; });
+    }],
     'a field missing': ['extras', (glb) => { delete fjell(glb).crs; }],
     'a field of the wrong type': ['extras', (glb) => { fjell(glb).converged = 'yes'; }],
     'a wrong count': ['counts', (glb) => { fjell(glb).triangles += 1; }],
@@ -74,7 +79,7 @@ const spoils = {
 };
 
 function main(words) {
-    const {path, options} = parseArguments(words), file = fs.readFileSync(path);
+    const {paths: [path], options} = parseArguments(words), file = fs.readFileSync(path);
     const clean = check(file, options).problems;
     if (!clean.empty()) console.log(`the snapshot itself is not clean:\n${clean.lines().join('\n')}`);
     let missed = clean.empty() ? 0 : 1;

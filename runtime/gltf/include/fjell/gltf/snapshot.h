@@ -1,44 +1,61 @@
-// The snapshot: the mesh of one frame as binary glTF 2.0, for any viewer, DCC program or checker.
+// The snapshot: the mesh of a frame as it stands, as binary glTF 2.0, for any viewer, DCC program or checker.
 //
-// One node, mesh and material a tile; positions are metres relative to the tile's corner, the node's translation
-// (doubles in JSON) puts it in place. Axes as everywhere: x east, y up, z south. Normals come from the full-resolution
-// heights, so shading does not change with the level of detail; the colour map is embedded as PNG. The camera is a
-// glTF camera.
+// What is drawn is in the file, and nothing else: the tiles that the frame draws, with the heights that it draws,
+// morphed or not, as far as its budgets and the pages that are loaded went. What such a mesh keeps to is worked out
+// for it (bound_error_px), not taken from a report that speaks of another one.
 //
-// scenes[0].extras.fjell, for checkers: error_px (requested), error_px_effective, quantum_m, viewport [w, h],
-// fov_y_deg, eye [x, y, z], spacing_m [x, z], origin_m (of sample (0, 0), CRS axes), crs (WKT or null), size [columns,
-// rows], converged, morphed, vertices and triangles (in the file: a border vertex counts once a tile), pack_hash (16
-// hexadecimal digits, as `fjell-bake info --json` has it).
+// One node, mesh and material a tile, named "tile COLUMN ROW"; positions are metres relative to the tile's corner, the
+// node's translation (doubles in JSON) puts it in place. Axes as everywhere: x east, y up, z south. Normals come from
+// the full-resolution heights as far as they are loaded. The colour map is embedded as PNG; so is a normal texture that
+// turns the interpolated normals into the baked ones, so shading does not change with the level of detail. The camera
+// is a glTF camera.
+//
+// scenes[0].extras.fjell, for checkers: error_px (as it was asked for), error_px_effective (no sample under the file's
+// mesh is farther from it on screen, the quantum's share apart; 1e7: no bound is known), corner_safe (it holds in
+// pixels of the picture too, not only angles), converged (nothing waits, and error_px_effective is no more than
+// error_px), morphed (heights between two levels), lagging (work, pages or vertices that morph by time were waiting),
+// culled (what the camera does not see was not refined), quantum_m, viewport [w, h], fov_y_deg, eye [x, y, z],
+// spacing_m [x, z], origin_m (of sample (0, 0), CRS axes), crs (WKT or null), size [columns, rows], vertices and
+// triangles (in the file: a border vertex counts once a tile), pack_hash (16 hexadecimal digits, as `fjell-bake info
+// --json` has it).
 //
 // Tiles meet exactly: a tile's width is rounded to float once and every translation is a whole multiple of it, so a
 // border vertex has one place, bit for bit, whichever tile it is read from. The price is a relative 2^-24 of the
 // position.
 //
-// Ownership: nothing is kept after a call. Thread: any; calls for different paths may run at once. Memory: the file's
-// content is held until it is written, at most max_file_bytes. Complexity: O(triangles + texels), mostly PNG encoding.
-// Failure: a result with an exit code and one line that says what to do; the path then holds what it held before.
+// Ownership: a Snapshot holds copies; nothing else is kept after a call. Thread: take_snapshot on the one that updates
+// the method, O(triangles); write_snapshot on any, and calls for different paths may run at once. Memory: some 60 bytes
+// a vertex of the snapshot; the file's content is held until it is written, at most max_file_bytes. Complexity of
+// writing: O(triangles + texels), mostly PNG encoding. Failure: a result with an exit code and one line that says what
+// to do; the path then holds what it held before.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
+#include "fjell/cut.h"
 #include "fjell/export.h"
 #include "fjell/mesh.h"
 #include "fjell/pack.h"
+#include "fjell/recursive.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 
 FJELL_API_BEGIN
 namespace fjell::gltf {
 
-// What the mesh is a picture of, from the method's report.
+// What the mesh is a picture of. take_snapshot() of a method finds it out.
 struct SnapshotInfo {
     View view;                     // as make_view() makes them: glTF's cameras look at the picture's middle
-    double error_px = 1;           // requested, > 0
-    double error_px_effective = 1; // what the budgets allowed
-    bool converged = false;        // effective == requested
-    bool morphed = false;          // heights are between two levels
+    double error_px = 1;           // as it was asked for, > 0
+    double error_px_effective = 1; // what this mesh keeps, > 0
+    bool corner_safe = false;
+    bool converged = false; // error_px_effective <= error_px, and nothing waits
+    bool morphed = false;   // heights are between two levels
+    bool lagging = false;   // something waits
+    bool culled = false;    // refined for what the camera sees only
 };
 
 // What to write, and how large it may get.
@@ -58,19 +75,45 @@ struct [[nodiscard]] SnapshotResult {
     std::uint32_t tiles = 0;
     std::uint64_t vertices = 0, triangles = 0; // as in extras
     bool converged = false;
+    double error_px_effective = 0;
     std::uint32_t texture_px = 0; // texels a side; 0: the pack has no colour
+    std::uint32_t normal_px = 0;  // the same of the normal texture
     std::uint64_t file_bytes = 0;
     [[nodiscard]] bool ok() const { return exit_code == 0; }
 };
 
-// Writes path beside its place and renames it. terrain: loaded from pack. mesh: Topology::triangles; degenerate
-// triangles and vertices that no triangle uses are left out, and so are tiles that the mesh does not hold.
+// A frame's mesh, copied: to write it nothing of the method or the terrain is needed any more.
+class Snapshot {
+public:
+    struct Content;
+    [[nodiscard]] bool empty() const { return content_ == nullptr; }
+    [[nodiscard]] SnapshotInfo info() const; // defaults when empty
+
+private:
+    friend struct SnapshotAccess;
+    std::shared_ptr<const Content> content_;
+};
+
+// Of the method's last update, which was for this view with these settings and reported this. Degenerate triangles and
+// vertices that no triangle uses are left out, and so are tiles that the frame does not draw.
+SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& view, const CutSettings& settings,
+                             const CutReport& report, Snapshot& snapshot);
+SnapshotResult take_snapshot(const Terrain& terrain, RecursiveMethod method, const View& view,
+                             const RefineSettings& settings, const FrameReport& report, Snapshot& snapshot);
+// Of any mesh, list or strips, of which the caller knows what it keeps.
+SnapshotResult take_snapshot(const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
+                             Snapshot& snapshot);
+
+// Writes path beside its place and renames it. pack: the terrain's, with its bytes.
+SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const std::string& path,
+                              const SnapshotOptions& options = {});
+// Both at once.
 SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
                               const std::string& path, const SnapshotOptions& options = {});
 
-// The whole terrain, not only what the frustum sees, refined to error_px (or View::error_px, if set) by a recursive
-// method of its own (isotropic metric, culling off) whose budget grows until the mesh converges: 8 bytes a terrain
-// vertex and what the mesh needs.
+// Not a frame's mesh: the whole terrain, not only what the camera sees, refined to error_px (or View::error_px, if set)
+// by a recursive method of its own (isotropic metric, culling off) whose budget grows until the mesh converges: 8 bytes
+// a terrain vertex and what the mesh needs.
 SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const View& view, double error_px,
                                const std::string& path, const SnapshotOptions& options = {});
 

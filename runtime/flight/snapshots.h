@@ -1,0 +1,19 @@
+// Snapshots of a session's frames.
+//
+// Thread: the session's. Failure: io::Failure, 1 for a pack that cannot be read or a camera that sees nothing, 3 when
+// memory is short.
+#pragma once
+
+#include "fjell/gltf/snapshot.h"
+#include "flight/session.h"
+
+namespace fjell::flight {
+
+// The mesh of the last update as it stands.
+[[nodiscard]] gltf::Snapshot take_frame(const Session& session);
+
+// The mesh that its view would settle on, with the same budgets and the pages that are loaded: by the incremental
+// method a cut of its own, built from scratch; a frame of the recursive method has settled.
+[[nodiscard]] gltf::Snapshot take_converged(const Session& session);
+
+} // namespace fjell::flight

@@ -1,0 +1,123 @@
+// The bound that a snapshot claims, against measuring every sample: whatever state the mesh is in.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <vector>
+
+#include "fjell/measure.h"
+#include "pack/terrain_data.h"
+#include "support/cut_scene.h"
+#include "support/rounds.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+CutSettings random_settings(Random& random) {
+    CutSettings settings;
+    settings.error_px = random_threshold(random);
+    settings.morph = static_cast<Morph>(pick(random, 0, 2));
+    settings.hysteresis = pick(random, 0, 3) == 0 ? 0.3 : 0;
+    if (pick(random, 0, 1) == 0) settings.items = static_cast<std::uint32_t>(pick(random, 1, 300));
+    return settings;
+}
+
+CutBudget random_budget(Random& random, const Terrain& terrain) {
+    CutBudget budget = ample_cut(terrain);
+    const auto corners = static_cast<std::uint32_t>(data_of(terrain).tree.tiles_x + 1) *
+                         static_cast<std::uint32_t>(data_of(terrain).tree.tiles_y + 1);
+    if (pick(random, 0, 2) == 0)
+        budget.vertices =
+            std::max(4 * terrain.tile_count(), corners) + static_cast<std::uint32_t>(pick(random, 0, 400));
+    return budget;
+}
+
+// A terrain with some of its pages.
+void load_some_pages(Random& random, const Pack& pack, const Terrain& terrain) {
+    const double share = uniform(random, 0, 1);
+    for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile)
+        for (std::uint32_t page = 0; page < terrain.pages_per_tile(); ++page)
+            if (uniform(random, 0, 1) < share) (void)load_page(pack, terrain, tile, page); // some lack a coarser one
+}
+
+// As the vertex shader places them.
+std::vector<MeshVertex> drawn_vertices(const Terrain& terrain, const CutMesh& live) {
+    std::vector<MeshVertex> drawn(live.mesh.vertices.begin(), live.mesh.vertices.end());
+    for (std::size_t i = 0; i < drawn.size(); ++i)
+        drawn[i].height_m = morphed_height_m(terrain, live.mesh.vertices[i], live.morph[i], live.frame);
+    return drawn;
+}
+
+} // namespace
+
+TEST_CASE("no sample is farther from a live mesh than its bound, however far it is behind, and the bound is tight") {
+    Random random(151);
+    std::size_t behind = 0, tight = 0, paged = 0;
+    for (int round = 0; round < rounds(60, 1500); ++round) {
+        const auto pack = random_terrain(random, 200, 6);
+        const bool whole = pick(random, 0, 2) != 0;
+        const PagedTerrain some(pack.pack, {});
+        if (!whole) load_some_pages(random, pack.pack, some.terrain);
+        const Terrain& terrain = whole ? pack.terrain : some.terrain;
+        Cut cut(terrain, random_budget(random, terrain));
+        View view = random_view(random, terrain);
+        CutSettings settings = random_settings(random);
+        for (int frame = 0; frame < 5; ++frame) {
+            settings.now_s += 0.05;
+            const CutReport report = cut.update({&view, 1}, settings);
+            CutMesh live = cut_mesh(cut.cut);
+            const std::vector<MeshVertex> drawn = drawn_vertices(terrain, live);
+            live.mesh.vertices = drawn;
+            const double measured_px = measure_error(pack.terrain, live.mesh, view).max_px;
+            const double bound_px = bound_error_px(cut.cut, view, false, 1e-3);
+            CAPTURE(round, frame, whole, settings.error_px, report.waiting, measured_px, bound_px);
+            REQUIRE(measured_px <= bound_px);
+            if (whole && !terrain.has_voids() && measured_px < 1e6) {
+                REQUIRE(bound_px <= std::max(1e-3, 1.1 * measured_px));
+                ++tight;
+            }
+            if (report.waiting == 0 && report.morphing == 0 && whole)
+                REQUIRE(bound_px <= report.error_px_effective * (1 + 1e-6));
+            behind += measured_px > settings.error_px;
+            paged += !whole;
+            view = moved(random, view, random_step_m(random, terrain));
+        }
+    }
+    CHECK(behind > rounds<std::size_t>(25, 500));
+    CHECK(tight > rounds<std::size_t>(50, 1000));
+    CHECK(paged > rounds<std::size_t>(25, 500));
+}
+
+TEST_CASE("no sample is farther from a recursive mesh than its bound, culled or short of a capacity") {
+    Random random(152);
+    std::size_t beyond = 0;
+    for (int round = 0; round < rounds(60, 1000); ++round) {
+        const auto pack = random_terrain(random, 200, 6);
+        RecursiveBudget budget = ample_budget(pack.terrain);
+        if (pick(random, 0, 2) == 0) {
+            budget.vertices = std::min(budget.vertices, 4 * pack.terrain.tile_count() + 60);
+            budget.indices = std::min(budget.indices, 12 * pack.terrain.tile_count() + 600);
+        }
+        Recursive method(pack.terrain, budget);
+        const View view = random_view(random, pack.terrain);
+        RefineSettings settings;
+        settings.error_px = random_threshold(random);
+        settings.cull = pick(random, 0, 1) == 0;
+        settings.topology = pick(random, 0, 1) == 0 ? Topology::strip : Topology::triangles;
+        const FrameReport report = method.update(view, settings);
+        const double measured_px = measure_error(pack.terrain, method.mesh(), view).max_px;
+        const double bound_px = bound_error_px(method.method, view, false, 1e-3);
+        CAPTURE(round, settings.error_px, settings.cull, report.error_px_effective, measured_px, bound_px);
+        REQUIRE(measured_px <= bound_px);
+        if (!pack.terrain.has_voids() && measured_px < 1e6) REQUIRE(bound_px <= std::max(1e-3, 1.1 * measured_px));
+        if (!settings.cull) REQUIRE(bound_px <= report.error_px_effective * (1 + 1e-6));
+        beyond += measured_px > report.error_px_effective;
+    }
+    CHECK(beyond > rounds<std::size_t>(5, 50));
+}
+
+TEST_CASE("a refused handle promises nothing") {
+    CHECK(bound_error_px(LiveCut{}, View{}, false, 1) == unbounded_px);
+    CHECK(bound_error_px(RecursiveMethod{}, View{}, false, 1) == unbounded_px);
+}

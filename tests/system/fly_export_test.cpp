@@ -1,0 +1,167 @@
+// What fjell-fly exports: the mesh of a frame as it stands, of packs that are loaded or streamed, and what it says of
+// it.
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "support/program.h"
+#include "support/temporary_folder.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// A terrain of 4 x 4 tiles of 64 cells, 80 pages or so.
+struct ExportPlace {
+    ExportPlace() {
+        spit(folder.path / "recipe.json",
+             R"({"columns": 257, "rows": 257, "spacing_m": 60, "seed": 7, "relief_m": 2500, "feature_m": 6000})");
+        REQUIRE(run_in(folder.path, FJELL_BIN_DIR "/fjell-bake synth recipe.json -o dem.tif").code == 0);
+        REQUIRE(run_in(folder.path, FJELL_BIN_DIR "/fjell-bake dem.tif -o small.fjell --tile 64 --quiet").code == 0);
+        spit(folder.path / "slots.toml", "[stream]\npage_slots = 20\n");
+    }
+    [[nodiscard]] Run fly(const std::string& arguments) const {
+        return run_in(folder.path, "ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR "/fjell-fly " + arguments);
+    }
+    TemporaryFolder folder;
+};
+
+const ExportPlace& export_place() {
+    static const ExportPlace one;
+    return one;
+}
+
+void refuses_export(const std::string& arguments, int code, const std::string& part) {
+    const Run r = export_place().fly(arguments);
+    INFO(arguments << "\n" << r.err);
+    CHECK(r.code == code);
+    CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+    CHECK(r.err.find(part) != std::string::npos);
+}
+
+std::vector<std::string> rows_of(const std::string& csv) {
+    std::istringstream text(csv);
+    std::vector<std::string> rows;
+    for (std::string row; std::getline(text, row);) rows.push_back(row);
+    return rows;
+}
+
+// Of a CSV row, counted from 0.
+std::string cell(const std::string& row, std::size_t n) {
+    std::size_t at = 0;
+    for (; n > 0; --n) at = row.find(',', at) + 1;
+    return row.substr(at, row.find(',', at) - at);
+}
+
+json extras_of(const std::string& name) {
+    const std::string glb = slurp(export_place().folder.path / name);
+    std::uint32_t length = 0;
+    REQUIRE(glb.size() > 20);
+    std::memcpy(&length, glb.data() + 12, sizeof length);
+    return json::parse(glb.substr(20, length))["scenes"][0]["extras"]["fjell"];
+}
+} // namespace
+
+TEST_CASE("an export is the mesh of its frame, and says what was asked, what it keeps and what it lacks") {
+    spit(export_place().folder.path / "few.toml", "[budget]\nvertices = 2000\n");
+    struct Case {
+        const char* flags;
+        double asked_px;
+        bool converged, morphed, lagging, culled;
+    };
+    for (const Case& c : {Case{"", 1, true, false, false, false}, Case{"--items 50", 1, false, false, true, false},
+                          Case{"--profile few.toml --error-px 0.25", 0.25, false, false, false, false},
+                          Case{"--morph error --error-px 2", 2, true, true, false, false},
+                          Case{"--corner-safe --error-px 3", 3, true, false, false, false},
+                          Case{"--method recursive", 1, false, false, false, true},
+                          Case{"--method recursive --cull off --topology strip", 1, true, false, false, false}}) {
+        const Run r =
+            export_place().fly(std::string("small.fjell --headless --frames 30 --export 3:f.glb --csv - ") + c.flags);
+        INFO(c.flags << "\n" << r.err);
+        REQUIRE(r.code == 0);
+        const json e = extras_of("f.glb");
+        const std::string row = rows_of(r.out)[4];
+        CHECK(std::to_string(e["triangles"].get<int>()) ==
+              cell(row, std::string(c.flags).find("recursive") == std::string::npos ? 18 : 3));
+        CHECK(e["error_px"] == c.asked_px);
+        CHECK(e["error_px_effective"].get<double>() >= c.asked_px);
+        CHECK((e["error_px_effective"] == c.asked_px) == c.converged);
+        CHECK(e["corner_safe"] == (std::string(c.flags).find("corner") != std::string::npos));
+        CHECK(e["converged"] == c.converged);
+        CHECK(e["morphed"] == c.morphed);
+        CHECK(e["lagging"] == c.lagging);
+        CHECK(e["culled"] == c.culled);
+    }
+    const Run settled =
+        export_place().fly("small.fjell --headless --frames 30 --export 3:f.glb --export-converged --items 50");
+    INFO(settled.err);
+    REQUIRE(settled.code == 0);
+    CHECK(extras_of("f.glb")["converged"] == true);
+    refuses_export("small.fjell --headless --frames 3 --export-converged", 2, "needs --export");
+    for (const char* name : {"few.toml", "f.glb"}) fs::remove(export_place().folder.path / name);
+}
+
+TEST_CASE("a still camera stands where it was put and looks where it was told") {
+    const Run r = export_place().fly(
+        "small.fjell --headless --frames 3 --eye 1000,4000.5,9000 --look 7000,500,-5000 --export 2:s.glb --csv -");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(extras_of("s.glb")["eye"] == json::array({1000, 4000.5, 9000}));
+    const auto rows = rows_of(r.out);
+    for (int frame = 2; frame <= 3; ++frame) CHECK(cell(rows[static_cast<std::size_t>(frame)], 5) == "0"); // written
+    CHECK(export_place().fly("small.fjell --headless --frames 2 --eye 5000,9000,5000 --look 5000,0,5000").code == 0);
+    refuses_export("small.fjell --headless --eye 1,2,3", 2, "--look");
+    refuses_export("small.fjell --headless --look 1,2,3", 2, "--eye");
+    refuses_export("small.fjell --headless --eye 1,2,3 --look 1,2,3", 2, "one point");
+    for (const char* place_text : {"1,2", "1,2,3,4", "1,2,x", "1;2;3", "nan,1,2", "1e99,0,0", "1,2,3,"})
+        refuses_export(std::string("small.fjell --headless --look 0,0,0 --eye '") + place_text + "'", 2, "X,Y,Z");
+    refuses_export("small.fjell --headless --eye 1,2,3 --look 3,2,1 --seed 3", 2, "--eye");
+    refuses_export("small.fjell --headless --eye 1,2,3 --look 3,2,1 --path p.json", 2, "--eye");
+    fs::remove(export_place().folder.path / "s.glb");
+}
+
+TEST_CASE("what is exported or drawn of a streamed pack waits for its pages, or says what it lacks") {
+    const std::string flight = "small.fjell --headless --frames 2 --export 1:f.glb ";
+    REQUIRE(export_place().fly(flight + "--stream off").code == 0);
+    const json whole = extras_of("f.glb");
+    for (const char* flags : {"--stream on", "--stream on --items 500", "--stream on --morph time"}) {
+        const Run r = export_place().fly(flight + flags);
+        INFO(flags << "\n" << r.err);
+        REQUIRE(r.code == 0);
+        CHECK(r.err.empty()); // it takes less than a second
+        const json e = extras_of("f.glb");
+        if (std::string(flags).find("morph") != std::string::npos) continue;
+        CHECK(e["converged"] == true);
+        CHECK(e["triangles"] == whole["triangles"]);
+    }
+    // Too few slots, and no time to wait: the file is there, and says no more than it is.
+    for (const auto& [flags, part] :
+         {std::pair{"--profile slots.toml", "page_slots (20) do not suffice"},
+          std::pair{"--stream on --realtime --hz 1000 --read-mb-s 0.05", "--realtime waits for nothing"}}) {
+        fs::remove(export_place().folder.path / "f.glb");
+        refuses_export(flight + flags, 1, part);
+        const json e = extras_of("f.glb");
+        CHECK(e["converged"] == false);
+        CHECK(e["lagging"] == true);
+        CHECK(e["error_px"] == 1);
+        CHECK(e["error_px_effective"].get<double>() > 1);
+    }
+    fs::create_directory(export_place().folder.path / "p");
+    const std::string pictures = "small.fjell --headless --frames 2 --size 160x120 --render p ";
+    CHECK(export_place().fly(pictures + "--stream on").code == 0);
+    refuses_export(pictures + "--profile slots.toml", 1, "the picture of frame 0 lacks pages");
+    CHECK(fs::exists(export_place().folder.path / "p/frame_00001.png"));
+    fs::remove_all(export_place().folder.path / "p");
+    fs::remove(export_place().folder.path / "f.glb");
+}
