@@ -48,7 +48,7 @@ struct Session {
     Method method = Method::incremental;
     RecursiveMethod recursive; // one of the two
     LiveCut cut;
-    LastUpdate last; // frame 0: none since the method was made
+    LastUpdate last;                    // frame 0: none since the method was made
     CutBudget cut_budget;               // the profile's, with segments to suit the terrain
     std::optional<Recording> recording; // of --record, frame by frame; or what --replay repeats
     bool begun = false;                 // a frame was updated, or the first one shall be like any other
