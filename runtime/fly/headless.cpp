@@ -62,14 +62,14 @@ void note_shortfall(const FlightOptions& options, const FrameEntry& entry, const
                     Shortfall& shortfall) {
     const StreamReport& r = entry.stream;
     if (!entry.streamed || (r.converged && (r.maps_converged || !maps))) return;
-    const bool machine = !options.realtime && (r.exhausted & (stream_page_slots | stream_map_bytes)) == 0;
+    const bool full = (r.exhausted & (stream_page_slots | stream_map_bytes)) != 0;
     const std::string lacks =
         r.converged ? fmt::format("maps up to {:.3g} levels coarser than the view wants", r.missing_mips)
         : r.missing_px < unbounded_px ? fmt::format("pages that the view wants, which may hide {:.3g} px", r.missing_px)
                                       : "pages that the view wants, which may hide anything";
     if (shortfall.outputs++ == 0)
         shortfall.first = fmt::format("{} lacks {}: {}", output, lacks, remedy(options, r, maps));
-    shortfall.exit_code = std::max(shortfall.exit_code, machine ? 3 : 1);
+    if (!options.realtime) shortfall.exit_code = std::max(shortfall.exit_code, full ? 1 : 3);
 }
 
 class HeadlessFlight {

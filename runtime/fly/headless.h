@@ -14,7 +14,7 @@ namespace fjell::flight {
 // Pictures and snapshots of a streamed pack that lack what their views want.
 struct Shortfall {
     std::size_t outputs = 0;
-    int exit_code = 0;
+    int exit_code = 0; // 0: it was asked for, by --realtime
     std::string first; // one line: which one, what it lacks and what to do
 };
 

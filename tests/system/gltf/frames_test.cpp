@@ -31,6 +31,13 @@ public:
         return make_view({middle.x, ground_m + 2, middle.z}, {1, -0.1, 0.3}, {0, 1, 0}, 1, 640, 360, 0.1, 1e5);
     }
 
+    // Not where a coarse mesh has a hole at every triangle.
+    [[nodiscard]] bool draws_something() const {
+        Cut cut(baked_.terrain, ample_cut(baked_.terrain));
+        const View seen = view();
+        return cut.rebuild({&seen, 1}, {.error_px = 4}).triangles_drawn != 0;
+    }
+
     gltf::SnapshotInfo add(const std::string& name, Cut& cut, const View& view, const CutSettings& settings,
                            const CutReport& report) {
         gltf::Snapshot snapshot;
@@ -185,10 +192,13 @@ void add_streamed_frames(Frames& frames) {
 } // namespace
 
 TEST_CASE("every frame's file keeps what it says: converged, behind, capped, morphed, culled, in corners, streamed") {
+    int checked = 0;
     for (int round = 0; round < rounds(2, 12); ++round) {
         const bool holes = round % 2 == 1;
         CAPTURE(round);
         Frames frames(holes, round / 2);
+        if (!frames.draws_something()) continue;
+        ++checked;
         add_live_frames(frames);
         add_morphed_frames(frames);
         add_recursive_frames(frames);
@@ -196,6 +206,7 @@ TEST_CASE("every frame's file keeps what it says: converged, behind, capped, mor
         add_streamed_frames(frames);
         frames.check();
     }
+    CHECK(checked >= rounds(2, 8));
 }
 
 TEST_CASE("a snapshot outlives what it was taken of, and another pack does not take it") {

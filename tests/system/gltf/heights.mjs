@@ -174,7 +174,7 @@ export function checkHeights(tiles, extras, heights, problems) {
     if (shading.samples) {
         found.shading_off_deg = [shading.without, shading.with].map((sum) => sum / shading.samples * 180 / Math.PI);
         const [without, turned] = found.shading_off_deg;
-        problems.require(turned <= Math.max(0.7 * without, 4), 'shading',
+        problems.require(turned <= Math.max(0.75 * without, 4), 'shading',
             `normals are ${turned} degrees off with the normal texture, ${without} without`);
     }
     return found;
