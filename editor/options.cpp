@@ -1,7 +1,6 @@
 #include "editor/options.h"
 
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +9,7 @@
 #include "editor/command.h"
 #include "fjell/io/failure.h"
 #include "fjell/version.h"
+#include "io/command_line.h"
 
 namespace fjell::editor {
 
@@ -47,23 +47,15 @@ bool parse_options(int argc, char** argv, Options& options) {
     app.add_option("--size", size, "window in pixels, WIDTHxHEIGHT (default 1280x720)");
     app.add_option("--scale", options.scale,
                    "scale of the interface, 0.5 to 4; default: as last time, or the desktop's")
-        ->check(CLI::Range(0.5, 4.0));
+        ->check(io::within(0.5, 4.0));
     app.add_flag("--no-vsync", no_vsync, "does not wait for vertical sync");
     app.add_flag("--help-commands", help_commands, "lists the commands of --do and --script");
     app.set_version_flag("--version", std::string("fjell-editor ") + FJELL_VERSION_STRING);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::Success& done) {
-        (void)app.exit(done);
-        return false;
-    } catch (const CLI::ParseError& error) {
-        throw Failure(2, fmt::format("{}; see fjell-editor --help", error.what()));
-    }
+    if (!io::parse_command_line(app, argc, argv, "fjell-editor")) return false;
     if (help_commands) {
         fmt::print("{}", command_help());
         return false;
     }
-    if (!std::isfinite(options.scale)) throw Failure(2, "--scale: must be a number from 0.5 to 4");
     if (!size.empty()) read_size(size, options);
     options.vsync = !no_vsync;
     if (!options.screenshot.empty() && options.frames == 0) options.frames = 60;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "fjell/pack.h"
+#include "io/command_line.h"
 
 namespace fjell::baker {
 
@@ -58,7 +59,7 @@ void declare_bake(CLI::App& app, Arguments& a) {
            "--checkpoint", a.checkpoint_s,
            "keep complete stages on the disk, to go on from, even when all fits --memory; what an input that fails "
            "within this many seconds leaves is removed (default 5)")
-        ->check(CLI::Range(0.0, 3600.0));
+        ->check(io::within(0, 3600));
     app.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
     app.add_flag("--quiet", a.quiet, "no progress, no summary");
     add_read_options(app, r);

@@ -26,6 +26,7 @@
 #include "baker/synth/synth.h"
 #include "baker/synth/write_dem.h"
 #include "fjell/io/load.h"
+#include "io/command_line.h"
 #include "io/file.h"
 #include "tree/order.h"
 
@@ -256,13 +257,7 @@ int run(int argc, char** argv) {
     Arguments a;
     CLI::App app{"Bakes a height field into a Fjell pack."};
     const Commands commands = declare_arguments(app, a);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::Success& e) {
-        return app.exit(e); // --help, --version
-    } catch (const CLI::ParseError& e) {
-        throw Failure(2, fmt::format("{}; see fjell-bake --help", e.what()));
-    }
+    if (!io::parse_command_line(app, argc, argv, "fjell-bake")) return 0;
     const bool other =
         commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() || commands.synth->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))

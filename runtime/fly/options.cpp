@@ -12,6 +12,7 @@
 #include "fjell/io/failure.h"
 #include "fjell/pack.h"
 #include "flight/path.h"
+#include "io/command_line.h"
 #include "io/file.h"
 
 namespace fjell::flight {
@@ -21,16 +22,6 @@ namespace {
 using io::Failure;
 
 constexpr std::size_t most_frames = 10'000'000;
-
-// CLI::Range lets NaN through: it is neither below nor above.
-CLI::Validator within(double least, double most) {
-    const auto check = [=](const std::string& text) -> std::string {
-        double value = 0;
-        if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most) return {};
-        return fmt::format("{}: must be a number from {} to {}", text, least, most);
-    };
-    return {check, fmt::format("{} to {}", least, most)};
-}
 
 // Flags as they were typed; empty where they were not, so that the profile can stand.
 struct Flags {
@@ -50,7 +41,7 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--frames", o.frames, "frames to resample the path to (default 840); a window closes after them")
         ->check(CLI::Range(std::size_t{1}, most_frames));
     app.add_option("--hz", o.hz, "path frames a second, in the window and for morphing (default 60)")
-        ->check(within(0.1, 10000));
+        ->check(io::within(0.1, 10000));
     app.add_option("--seed", f.seed, "fly a random path with this seed instead of --path");
     app.add_option("--eye", f.eye,
                    "X,Y,Z: a still camera there instead of a path; metres east, up and south of sample "
@@ -58,11 +49,12 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--look", f.look, "X,Y,Z: the point that --eye looks at");
     app.add_flag("--headless", o.headless, "no window");
     app.add_option("--error-px", f.error_px, "threshold: largest error on screen, in pixels")
-        ->check(within(min_error_px, max_error_px));
+        ->check(io::within(min_error_px, max_error_px));
     app.add_option("--method", f.method, "keep the mesh from frame to frame (incremental, default) or find it anew")
         ->check(CLI::IsMember({"incremental", "recursive"}));
     app.add_flag("--corner-safe", f.corner_safe, "hold the threshold in the image's corners too");
-    app.add_option("--fov", f.fov_deg, "vertical field of view in degrees")->check(within(min_fov_deg, max_fov_deg));
+    app.add_option("--fov", f.fov_deg, "vertical field of view in degrees")
+        ->check(io::within(min_fov_deg, max_fov_deg));
     app.add_option("--size", f.size, "picture in pixels, WIDTHxHEIGHT");
 }
 
@@ -73,10 +65,10 @@ void declare_methods(CLI::App& app, FlightOptions& o, Flags& f) {
         ->group(incremental);
     app.add_option("--budget-us", f.budget_us,
                    "most microseconds an update may take, the first one too; 0 (default): no limit")
-        ->check(within(0, max_budget_us))
+        ->check(io::within(0, max_budget_us))
         ->group(incremental);
     app.add_option("--hysteresis", f.hysteresis, "a vertex goes below error-px / (1 + this); 0 (default) to 10")
-        ->check(within(0, max_hysteresis))
+        ->check(io::within(0, max_hysteresis))
         ->group(incremental);
     app.add_option("--morph", f.morph, "vertices come at once (none, default), with the error or with the time")
         ->check(CLI::IsMember({"none", "error", "time"}))
@@ -110,11 +102,11 @@ void declare_streaming(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_flag("--realtime", o.realtime, "headless: one frame every 1/hz seconds, as in a window; none waits")
         ->group(group);
     app.add_option("--read-mb-s", o.read_mb_s, "read no faster, to see what a slower disk does; 0 (default): no limit")
-        ->check(within(0, 1e6))
+        ->check(io::within(0, 1e6))
         ->group(group);
     app.add_option("--read-latency-ms", o.read_latency_ms,
                    "wait before every read; 0 (default): no longer than it takes")
-        ->check(within(0, 10000))
+        ->check(io::within(0, 10000))
         ->group(group);
     app.add_flag("--cold", o.cold, "ask the system to forget what it keeps of the pack, before the flight")
         ->group(group);
@@ -127,7 +119,7 @@ void declare_outputs(CLI::App& app, FlightOptions& o, Flags& f) {
         ->allow_extra_args(false);
     app.add_flag("--export-converged", o.export_converged,
                  "--export the mesh that the frame's view would settle on, had it time and items");
-    app.add_option("--render", o.render_folder, "write frame_NNNNN.png into this folder");
+    app.add_option("--render", o.render_folder, "write frame_NNNNN.png into this folder; it is made where there is none");
     app.add_option("--render-every", o.render_every, "only every N-th frame")
         ->check(CLI::Range(std::size_t{1}, most_frames));
     app.add_option("--mode", f.mode,
@@ -274,14 +266,7 @@ bool parse_options(int argc, char** argv, FlightOptions& options) {
     declare_methods(app, options, flags);
     declare_streaming(app, options, flags);
     declare_outputs(app, options, flags);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::Success& e) {
-        app.exit(e); // prints help or version
-        return false;
-    } catch (const CLI::ParseError& e) {
-        throw Failure(2, fmt::format("{}; see fjell-fly --help", e.what()));
-    }
+    if (!io::parse_command_line(app, argc, argv, "fjell-fly")) return false;
     if (!options.profile_path.empty()) options.profile = read_profile(options.profile_path);
     apply(flags, options);
     check_method(flags, options.profile);

@@ -220,7 +220,15 @@ std::string table(const FlightOptions& o, const Summary& s, const Verification& 
 Outputs::Outputs(const FlightOptions& options)
     : csv_(open_output(options.csv)), json_(open_output(options.json)), record_(open_output(options.record)) {
     for (const Export& e : options.exports) check_export(e.path);
-    if (!options.render_folder.empty()) check_folder(options.render_folder, options.render_folder);
+    if (options.render_folder.empty()) return;
+    std::string folder = options.render_folder;
+    while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
+    if (mkdir(folder.c_str(), 0777) == 0) made_folder_ = folder;
+    check_folder(folder, options.render_folder); // also says why it was not made
+}
+
+Outputs::~Outputs() {
+    if (!made_folder_.empty()) (void)rmdir(made_folder_.c_str()); // refused for one that holds pictures
 }
 
 void Outputs::finish(const FlightOptions& options, const Session& session, const CameraPath& path, const FlightLog& log,

@@ -13,8 +13,11 @@ namespace fjell::flight {
 
 class Outputs {
 public:
-    // Throws Failure: 1 a folder is missing, 3 it cannot be written.
+    // Makes the folder of --render where there is none. Throws Failure: 1 a folder is missing, 3 it cannot be written.
     explicit Outputs(const FlightOptions& options);
+    ~Outputs(); // a folder that it has made, and that nothing was written to, goes
+    Outputs(const Outputs&) = delete;
+    Outputs& operator=(const Outputs&) = delete;
 
     // Writes CSV and JSON and prints the summary, unless standard output is one of them.
     void finish(const FlightOptions& options, const Session& session, const CameraPath& path, const FlightLog& log,
@@ -22,6 +25,7 @@ public:
 
 private:
     std::unique_ptr<io::AtomicFile> csv_, json_, record_;
+    std::string made_folder_;
 };
 
 } // namespace fjell::flight

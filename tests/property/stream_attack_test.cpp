@@ -267,13 +267,18 @@ TEST_CASE("settings that are no numbers, or beyond their ranges, are refused and
         s[3].now_s = bad == -1.0 ? nan : bad;
         for (const StreamSettings& settings : s)
             CHECK(update_stream(on.stream, {&view, 1}, {}, settings, report).code == Code::out_of_range);
-        CutSettings cut;
-        cut.error_px = bad;
-        CHECK(update_stream(on.stream, {&view, 1}, cut, {}, report).code == Code::out_of_range);
+        CutSettings cuts[5]; // what update_cut() refuses, too
+        cuts[0].error_px = cuts[1].hysteresis = cuts[2].morph_s = bad;
+        cuts[3].budget_us = cuts[4].now_s = bad == -1.0 || bad == inf ? nan : bad;
+        for (const CutSettings& cut : cuts)
+            CHECK(update_stream(on.stream, {&view, 1}, cut, {}, report).code == Code::out_of_range);
         View odd = view;
         odd.eye_m.y = bad == -1.0 ? nan : bad;
         CHECK_FALSE(update_stream(on.stream, {&odd, 1}, {}, {}, report).ok());
     }
+    CutSettings odd_morph;
+    odd_morph.morph = static_cast<Morph>(3);
+    CHECK(update_stream(on.stream, {&view, 1}, odd_morph, {}, report).code == Code::out_of_range);
     const std::vector<View> many(max_cut_views + 1, view);
     CHECK(update_stream(on.stream, many, {}, {}, report).code == Code::out_of_range);
     CHECK(update_stream(on.stream, {}, {}, {}, report).code == Code::out_of_range);

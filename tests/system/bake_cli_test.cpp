@@ -269,6 +269,11 @@ TEST_CASE("wrong usage is one line and exit code 2") {
     refused(folder, bake + "dem.asc -o out.fjell --zscale 0", 2, "");
     refused(folder, bake + "dem.asc -o out.fjell --estimate best", 2, "--estimate");
     refused(folder, bake + "synth", 2, "--help");
+    // A shell variable that is not set does not mean "not given".
+    refused(folder, bake + "dem.asc -o out.fjell --json ''", 2, "after --json");
+    refused(folder, bake + "dem.asc -o out.fjell --json=", 2, "--json=");
+    refused(folder, bake + "dem.asc -o ''", 2, "after -o");
+    refused(folder, bake + "dem.asc -o out.fjell --checkpoint nan", 2, "--checkpoint");
 }
 
 TEST_CASE("an output that cannot be written is refused with the right exit code, and an old pack survives") {

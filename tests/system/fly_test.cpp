@@ -336,7 +336,7 @@ TEST_CASE("pictures and snapshots of a flight are written where they were asked 
     const fs::path pictures = place().folder / "pictures";
     for (const char* mode :
          {"shaded", "wire", "levels", "tiles", "mips", "residency", "distance", "shaded --method recursive"}) {
-        fs::create_directory(pictures);
+        REQUIRE(!fs::exists(pictures)); // it is made
         const Run r = place().fly_with_gl(
             std::string("small.fjell --headless --frames 9 --render pictures --render-every 4 --size 160x120 "
                         "--export 3:snap.glb --export 8:last.glb --mode ") +
@@ -404,6 +404,7 @@ TEST_CASE("a bad pack is refused with what is wrong about it") {
 
 TEST_CASE("wrong usage is one line and exit code 2") {
     refuses("", 2, "PACK");
+    refuses("small.fjell --headless --csv ''", 2, "after --csv");
     refuses("small.fjell --headless --unknown", 2, "--unknown");
     refuses("small.fjell other.fjell --headless", 2, "other.fjell");
     refuses("small.fjell --headless --method stochastic", 2, "--method");
@@ -454,7 +455,9 @@ TEST_CASE("an output that cannot be written is found before the flight, and noth
     refuses(flight + "--json nowhere/j.json", 1, "the output folder does not exist");
     refuses(flight + "--csv c.csv --json nowhere/j.json", 1, "the output folder does not exist");
     refuses(flight + "--export 0:nowhere/o.glb", 1, "the output folder does not exist");
-    refuses(flight + "--json j.json --render nowhere", 1, "the output folder does not exist");
+    refuses(flight + "--json j.json --render nowhere/pictures", 1, "the output folder does not exist");
+    refuses(flight + "--render small.fjell", 1, "the output folder does not exist");
+    refuses("small.fjell --headless --render made --path nowhere.json", 1, "nowhere.json");
     refuses(flight + "--json .", 1, "is a folder");
     refuses(flight + "--export 0:.", 1, "is a folder");
 }

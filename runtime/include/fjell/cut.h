@@ -73,6 +73,8 @@ struct CutSettings {
     // backwards, the cut's clock stands.
     double now_s = 0;
 };
+// Every number in its range. update_cut(), rebuild_cut() and update_stream() refuse what this does.
+Status validate(const CutSettings& settings);
 
 // Bits of CutReport::exhausted: the field that did not suffice.
 enum CutBudgetBit : std::uint32_t {

@@ -26,12 +26,7 @@ Status check(const CutState& s, std::span<const View> views, const CutSettings& 
     if (views.empty() || views.size() > s.budget.views) return {Code::out_of_range, "views (1 to CutBudget::views)"};
     for (const View& view : views)
         if (Status v = validate(view); !v.ok()) return v;
-    if (!(c.error_px >= 1e-3 && c.error_px <= 1e6)) return {Code::out_of_range, "CutSettings::error_px"};
-    if (!(c.hysteresis >= 0 && c.hysteresis <= 10)) return {Code::out_of_range, "CutSettings::hysteresis (0 to 10)"};
-    if (!(c.budget_us >= 0)) return {Code::out_of_range, "CutSettings::budget_us"};
-    if (!(c.morph_s >= 0.01 && c.morph_s <= 10)) return {Code::out_of_range, "CutSettings::morph_s (0.01 to 10)"};
-    if (!std::isfinite(c.now_s)) return {Code::out_of_range, "CutSettings::now_s"};
-    return {};
+    return validate(c);
 }
 
 // Largest error of a grade in this terrain.
@@ -274,6 +269,16 @@ void mark_all(CutState& s, std::uint32_t written) {
 }
 
 } // namespace
+
+Status validate(const CutSettings& c) {
+    if (!(c.error_px >= 1e-3 && c.error_px <= 1e6)) return {Code::out_of_range, "CutSettings::error_px"};
+    if (!(c.hysteresis >= 0 && c.hysteresis <= 10)) return {Code::out_of_range, "CutSettings::hysteresis (0 to 10)"};
+    if (!(c.budget_us >= 0)) return {Code::out_of_range, "CutSettings::budget_us"};
+    if (c.morph > Morph::time) return {Code::out_of_range, "CutSettings::morph"};
+    if (!(c.morph_s >= 0.01 && c.morph_s <= 10)) return {Code::out_of_range, "CutSettings::morph_s (0.01 to 10)"};
+    if (!std::isfinite(c.now_s)) return {Code::out_of_range, "CutSettings::now_s"};
+    return {};
+}
 
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
     CutState* const found = find_cut(cut);

@@ -16,11 +16,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock; // CLOCK_MONOTONIC: read without a system call
 
-Status check(std::span<const View> views, const CutSettings& cut, const StreamSettings& c) {
+Status check(const StreamState& s, std::span<const View> views, const CutSettings& cut, const StreamSettings& c) {
     if (views.empty() || views.size() > max_cut_views) return {Code::out_of_range, "views (1 to 8)"};
+    if (s.cut_state && views.size() > s.cut_state->budget.views)
+        return {Code::out_of_range, "views (1 to CutBudget::views)"};
     for (const View& view : views)
         if (Status v = validate(view); !v.ok()) return v;
-    if (!(cut.error_px >= 1e-3 && cut.error_px <= 1e6)) return {Code::out_of_range, "CutSettings::error_px"};
+    if (Status v = validate(cut); !v.ok()) return v;
     if (!(c.texel_px >= 0.1 && c.texel_px <= 100)) return {Code::out_of_range, "StreamSettings::texel_px (0.1 to 100)"};
     if (!(c.lookahead_s >= 0 && c.lookahead_s <= 60))
         return {Code::out_of_range, "StreamSettings::lookahead_s (0 to 60)"};
@@ -73,7 +75,7 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
     StreamState* const found = find_stream(stream);
     if (found == nullptr) return no_stream;
     StreamState& s = *found;
-    if (Status v = check(views, cut, settings); !v.ok()) return v;
+    if (Status v = check(s, views, cut, settings); !v.ok()) return v;
     const auto started = Clock::now();
     const double seconds = s.frame == 0 ? 0 : settings.now_s - s.now_s;
     s.settings = settings;
