@@ -53,9 +53,9 @@ int run(int argc, char** argv) {
     outputs.finish(options, session, path, log, verification);
     if (session.streamed) check_reads(options.pack, *session.streamed);
     if (shortfall.outputs != 0) {
-        const std::string what = shortfall.outputs == 1 ? shortfall.first
-                                                        : fmt::format("{} (and {} more outputs)", shortfall.first,
-                                                                      shortfall.outputs - 1);
+        const std::string what = shortfall.outputs == 1
+                                     ? shortfall.first
+                                     : fmt::format("{} (and {} more outputs)", shortfall.first, shortfall.outputs - 1);
         if (shortfall.exit_code != 0) throw Failure(shortfall.exit_code, what);
         fmt::print(stderr, "fjell-fly: {}\n", what);
     }

@@ -119,7 +119,8 @@ void declare_outputs(CLI::App& app, FlightOptions& o, Flags& f) {
         ->allow_extra_args(false);
     app.add_flag("--export-converged", o.export_converged,
                  "--export the mesh that the frame's view would settle on, had it time and items");
-    app.add_option("--render", o.render_folder, "write frame_NNNNN.png into this folder; it is made where there is none");
+    app.add_option("--render", o.render_folder,
+                   "write frame_NNNNN.png into this folder; it is made where there is none");
     app.add_option("--render-every", o.render_every, "only every N-th frame")
         ->check(CLI::Range(std::size_t{1}, most_frames));
     app.add_option("--mode", f.mode,
