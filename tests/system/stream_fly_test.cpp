@@ -278,7 +278,7 @@ TEST_CASE("a streamed flight exports what is there") {
     const Run early = streamed_place().fly(
         "t.fjell --headless --frames 1 --stream on --realtime --read-latency-ms 10000 --export 0:e.glb");
     INFO(early.err);
-    REQUIRE(early.code == 1);
+    REQUIRE(early.code == 0);
     CHECK(scene("e.glb")["converged"] == false);
     CHECK(scene("e.glb")["triangles"] >= 32); // two a tile
     // Normals are those of the ground that is there: its relief is a third of a tile's width, so none lies flat.
