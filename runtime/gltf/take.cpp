@@ -61,11 +61,8 @@ SnapshotResult take(const Terrain& terrain, const MeshView& mesh, std::span<cons
     }
 }
 
-// What was asked for this view, and the threshold that the method has reached for it, whatever missing pages hide
-// besides: that is found in the mesh. Thresholds of all views rise alike.
-double asked_px(const View& view, double settings_px) {
-    return view.error_px > 0 ? view.error_px : settings_px;
-}
+// The threshold that the method has reached for a view, whatever missing pages hide besides: that is found in the mesh.
+// Thresholds of all views rise alike.
 double reached_px(const Terrain& terrain, double asked_px, double requested_px, double effective_px) {
     return effective_px > terrain.missing_px() ? asked_px * std::max(effective_px / requested_px, 1.0) : asked_px;
 }
@@ -79,7 +76,8 @@ SnapshotInfo Snapshot::info() const {
 SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& view, const CutSettings& settings,
                              const CutReport& report, Snapshot& snapshot) {
     const CutMesh live = cut_mesh(cut);
-    SnapshotInfo info{.view = view, .error_px = asked_px(view, settings.error_px), .corner_safe = settings.corner_safe};
+    SnapshotInfo info{
+        .view = view, .error_px = view_error_px(view, settings.error_px), .corner_safe = settings.corner_safe};
     std::vector<float> drawn_m;
     try {
         drawn_m.reserve(live.mesh.vertices.size());
@@ -104,7 +102,8 @@ SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& vi
 
 SnapshotResult take_snapshot(const Terrain& terrain, RecursiveMethod method, const View& view,
                              const RefineSettings& settings, const FrameReport& report, Snapshot& snapshot) {
-    SnapshotInfo info{.view = view, .error_px = asked_px(view, settings.error_px), .corner_safe = settings.corner_safe};
+    SnapshotInfo info{
+        .view = view, .error_px = view_error_px(view, settings.error_px), .corner_safe = settings.corner_safe};
     info.culled = settings.cull;
     info.error_px_effective =
         bound_error_px(method, view, settings.corner_safe,

@@ -254,18 +254,7 @@ TEST_CASE("the error mode measures morphing vertices where they are drawn", "[pi
     const io::FullHeights heights = heights_of(scene);
     give(scene, heights);
     const View from = scene.camera(0.5, 0.9, 200, 0, -10), view = scene.camera(0.5, 0.88, 210, 5, -10);
-    CutSettings settings;
-    settings.error_px = 6;
-    settings.morph = Morph::error;
-    settings.morph_s = 1;
-    CutReport report;
-    REQUIRE(rebuild_cut(scene.cut, {&from, 1}, settings, report).ok());
-    settings.items = 1500;
-    for (int frame = 1; frame <= 8; ++frame) {
-        settings.now_s = frame * 0.1;
-        REQUIRE(update_cut(scene.cut, {&view, 1}, settings, report).ok());
-    }
-    const CutMesh live = cut_mesh(scene.cut);
+    const CutMesh live = scene.half_way(from, view, 6);
     const Picture picture = scene.draw(live, view, bare(6));
     CHECK(compare(scene, picture, view, bare(6), heights).wrong == 0);
     const Picture risen = scene.draw(copy_of(live.mesh).view(), view, bare(6));

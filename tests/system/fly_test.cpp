@@ -6,9 +6,9 @@
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "support/program.h"
+#include "support/temporary_folder.h"
 
 using namespace fjell;
 
@@ -20,24 +20,18 @@ using nlohmann::json;
 using test::Run;
 using test::slurp;
 using test::spit;
+using test::TemporaryFolder;
 
 // One folder for the whole program, with a terrain of 4 x 4 tiles of 64 cells in it.
 class Place {
 public:
     Place() {
-        char name[] = "/tmp/fjell-fly-XXXXXX";
-        REQUIRE(mkdtemp(name) != nullptr);
-        folder = name;
         spit(folder / "recipe.json",
              R"({"columns": 257, "rows": 257, "spacing_m": 60, "seed": 7, "relief_m": 2500, "feature_m": 6000})");
         const std::string bake = FJELL_BIN_DIR "/fjell-bake";
         REQUIRE(run(bake + " synth recipe.json -o dem.tif").code == 0);
         REQUIRE(run(bake + " dem.tif -o small.fjell --tile 64 --quiet").code == 0);
     }
-    ~Place() { fs::remove_all(folder); }
-    Place(const Place&) = delete;
-    Place& operator=(const Place&) = delete;
-
     Run run(const std::string& command) const { return test::run_in(folder, command); }
     Run fly(const std::string& arguments) const { return run(FJELL_BIN_DIR "/fjell-fly " + arguments); }
     // In a sanitized build Mesa's own 128 bytes would count as a leak of ours.
@@ -51,7 +45,8 @@ public:
         return names;
     }
 
-    fs::path folder;
+    const TemporaryFolder home;
+    const fs::path folder = home.path;
 };
 
 const Place& place() {

@@ -18,23 +18,6 @@ namespace {
 
 const std::string shaders = FJELL_SOURCE_DIR "/content/hosts/game";
 
-// A cut on its way from one view to another, with vertices that morph by distance and by time.
-CutMesh half_way(Scene& scene, const View& from, const View& to) {
-    CutSettings settings;
-    settings.error_px = 3;
-    settings.morph = Morph::error;
-    settings.morph_s = 1;
-    CutReport report;
-    REQUIRE(rebuild_cut(scene.cut, {&from, 1}, settings, report).ok());
-    settings.items = 1500; // so that some come late
-    for (int frame = 1; frame <= 8; ++frame) {
-        settings.now_s = frame * 0.1;
-        REQUIRE(update_cut(scene.cut, {&to, 1}, settings, report).ok());
-    }
-    REQUIRE(report.morphing > 0);
-    return cut_mesh(scene.cut);
-}
-
 CutBudget capacities(const CutMesh& mesh) {
     return {.vertices = static_cast<std::uint32_t>(mesh.mesh.vertices.size()),
             .triangles = static_cast<std::uint32_t>(mesh.mesh.indices.size() / 3)};
@@ -142,7 +125,7 @@ TEST_CASE("the guide's shader gives every vertex the height of morphed_height_m(
     Scene scene(mountains(513), 6);
     scene.make_cut();
     const Terrain& terrain = scene.loaded.terrain;
-    CutMesh cut = half_way(scene, scene.camera(0.5, 0.9, 200, 0, -10), scene.camera(0.5, 0.88, 210, 5, -10));
+    CutMesh cut = scene.half_way(scene.camera(0.5, 0.9, 200, 0, -10), scene.camera(0.5, 0.88, 210, 5, -10), 3);
     // The same once more with the cut's clock about to start again: some were activated before, and it is after.
     std::vector<MorphVertex> later(cut.morph.begin(), cut.morph.end());
     const auto shifted = [](float then_s) { return std::fmod(then_s + 1023.625f, morph_clock_s); };
@@ -183,7 +166,7 @@ TEST_CASE("the guide's renderer draws what ours draws, from uploads of what chan
     const View from = scene.camera(0.5, 0.9, 200, 0, -10), to = scene.camera(0.5, 0.88, 210, 5, -10);
     std::vector<std::vector<float>> pictures;
     for (const bool back : {false, true, false}) {
-        const CutMesh cut = back ? half_way(scene, to, from) : half_way(scene, from, to);
+        const CutMesh cut = back ? scene.half_way(to, from, 3) : scene.half_way(from, to, 3);
         const View& view = back ? from : to;
         const CutChanges changes = cut_take_changes(scene.cut); // once, for both
         drawer.upload(cut, changes);

@@ -107,19 +107,8 @@ TEST_CASE("the shader places morphing vertices where morphed_height_m() says", "
     Scene scene(mountains(513), 6);
     scene.make_cut();
     const View from = scene.camera(0.5, 0.9, 200, 0, -10), view = scene.camera(0.5, 0.88, 210, 5, -10);
-    CutSettings settings;
-    settings.error_px = test::rounds<double>(3, 6); // the same mesh for a picture of half the size
-    settings.morph = Morph::error;
-    settings.morph_s = 1;
-    CutReport report;
-    REQUIRE(rebuild_cut(scene.cut, {&from, 1}, settings, report).ok());
-    settings.items = 1500; // so that some come late
-    for (int frame = 1; frame <= 8; ++frame) {
-        settings.now_s = frame * 0.1;
-        REQUIRE(update_cut(scene.cut, {&view, 1}, settings, report).ok());
-    }
-    CHECK(report.morphing > 0);
-    const CutMesh live = cut_mesh(scene.cut);
+    // The same mesh for a picture of half the size.
+    const CutMesh live = scene.half_way(from, view, test::rounds<double>(3, 6));
     OwnMesh placed = copy_of(live.mesh);
     std::size_t half_way = 0;
     for (std::size_t i = 0; i < placed.vertices.size(); ++i) {

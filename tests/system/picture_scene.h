@@ -156,6 +156,23 @@ struct Scene {
         return terrain.tile_count() * (data_of(terrain).pages.tile_vertices() * 2 / segment_triangles + 2) + 8;
     }
 
+    // The cut on its way from one view to another, with vertices that morph by distance and by time. After make_cut().
+    CutMesh half_way(const View& from, const View& to, double error_px) {
+        CutSettings settings;
+        settings.error_px = error_px;
+        settings.morph = Morph::error;
+        settings.morph_s = 1;
+        CutReport report;
+        REQUIRE(rebuild_cut(cut, {&from, 1}, settings, report).ok());
+        settings.items = 1500; // so that some come late
+        for (int frame = 1; frame <= 8; ++frame) {
+            settings.now_s = frame * 0.1;
+            REQUIRE(update_cut(cut, {&to, 1}, settings, report).ok());
+        }
+        REQUIRE(report.morphing > 0);
+        return cut_mesh(cut);
+    }
+
     void make_cut() {
         const Terrain& terrain = loaded.terrain;
         CutBudget budget;

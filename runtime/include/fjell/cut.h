@@ -50,7 +50,7 @@ inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 16, cut
 // How a vertex appears and disappears: geomorphing (thesis 5.4.1). With error and time
 // vertices are activated at error_px / (1 + nesting)^2, on the edge that they split, and reach their height at
 // error_px. The ends of that edge no longer move by then, because errors nest; so the surface is continuous and the
-// screen bound holds. Where a view comes, goes or jumps, the mesh does so too.
+// screen bound holds. When a view appears, disappears or jumps, the mesh changes at once.
 enum class Morph : std::uint8_t {
     none,  // no morphing: at once
     error, // by distance, in the vertex shader; a vertex that is activated late also takes morph_s, and so does not pop
@@ -91,7 +91,7 @@ struct BudgetUse {
     std::uint32_t used = 0, peak = 0, capacity = 0;
 };
 
-// What an update has done, and what the mesh is worth.
+// What an update has done, and how good the mesh is.
 struct CutReport {
     std::uint64_t frame = 0;
     std::uint32_t items = 0; // evaluations + activations + deactivations

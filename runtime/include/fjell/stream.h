@@ -80,7 +80,7 @@ enum StreamBudgetBit : std::uint32_t {
 // The field that a single bit stands for.
 [[nodiscard]] const char* budget_field(StreamBudgetBit bit);
 
-// A chunk that could not be had.
+// A chunk that could not be loaded.
 struct StreamFailure {
     ChunkId id;
     Code code = Code::ok; // corrupt, or unreadable when the client said so
@@ -147,7 +147,7 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
 
 // Of the last update, until the next one.
 [[nodiscard]] std::span<const StreamFailure> stream_failures(Stream stream);
-// The same.
+// What happened to pages in the last update, in order; until the next one.
 [[nodiscard]] std::span<const PageArrival> stream_page_arrivals(Stream stream);
 // Allows what has failed to be requested again.
 Status stream_retry_failed(Stream stream);
@@ -176,8 +176,8 @@ struct TileMap {
     std::uint8_t side_log2 = 0; // 0: nothing is loaded yet
     float min_lod = 0;
 };
-[[nodiscard]] std::span<const TileMap> stream_tile_maps(Stream stream,
-                                                        MapKind kind); // one a tile; empty when there is no map
+// One a tile, of the last update; empty when the pack has no such map.
+[[nodiscard]] std::span<const TileMap> stream_tile_maps(Stream stream, MapKind kind);
 // The layers that a renderer makes, fixed at creation.
 [[nodiscard]] MapLayers stream_map_layers(Stream stream, MapKind kind);
 
@@ -198,7 +198,7 @@ struct StreamRequest {
 };
 // The request that is wanted most; false: there is none. The client owns it until stream_provide() or stream_fail().
 [[nodiscard]] bool stream_next_request(Stream stream, StreamRequest& request);
-// False: the request was cancelled; answer with stream_fail(ticket, true).
+// False: the request was cancelled; answer with stream_fail(stream, ticket, true).
 [[nodiscard]] bool stream_still_wanted(Stream stream, std::uint32_t ticket);
 // stored: the file's bytes at offset, `bytes` of them; copied. Checks their hash and decompresses. Returns corrupt for
 // damaged bytes; the stream then counts the chunk as failed.

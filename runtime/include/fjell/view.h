@@ -53,6 +53,11 @@ struct View {
     return wide > high * (1 + 1e-12) ? wide : high; // as square as rounding lets them be: one number, not two
 }
 
+// The view's own threshold where it has one, or that of the settings.
+[[nodiscard]] constexpr double view_error_px(const View& view, double settings_px) {
+    return view.error_px > 0 ? view.error_px : settings_px;
+}
+
 // A view with its direction of sight in the middle of the picture and square pixels. Makes forward and up orthonormal,
 // keeps forward. forward and up must not be parallel or zero.
 [[nodiscard]] View make_view(Vec3 eye_m, Vec3 forward, Vec3 up, double fov_y_rad, std::uint32_t width_px,

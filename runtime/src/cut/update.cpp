@@ -88,7 +88,7 @@ private:
 
 // A view's threshold over that of the settings. All views' rise alike when the effective threshold does.
 double threshold_ratio(const View& view, const CutSettings& settings) {
-    return view.error_px > 0 ? view.error_px / settings.error_px : 1;
+    return view_error_px(view, settings.error_px) / settings.error_px;
 }
 // Exactly the requested one when the effective threshold is.
 double view_threshold_px(const View& view, const CutSettings& settings, double effective_px) {

@@ -448,7 +448,7 @@ Status update_recursive(RecursiveMethod method, const View& view, const RefineSe
     s.dirty_end = 0;
     report = {};
     report.frame = ++s.frame;
-    const double requested_px = view.error_px > 0 ? view.error_px : settings.error_px;
+    const double requested_px = view_error_px(view, settings.error_px);
     report.error_px_requested = requested_px;
 
     const double corner = settings.corner_safe ? corner_factor(view) : 1;

@@ -167,7 +167,7 @@ void set_views(StreamState& s, std::span<const View> views, const CutSettings& c
         const Vec3 eye = views[i].eye_m;
         if (i >= s.view_count) s.last_eye[i] = eye, s.last_speed[i] = s.speed[i] = {};
         // A view with its own threshold is one that magnifies as much more as its threshold is lower.
-        const double own = views[i].error_px > 0 ? cut.error_px / views[i].error_px : 1;
+        const double own = cut.error_px / view_error_px(views[i], cut.error_px);
         const double lambda = lambda_px(views[i]) * early * (cut.corner_safe ? corner_factor(views[i]) : 1) * own;
         for (std::uint32_t kind = 0; kind < kinds; ++kind) {
             const Vec3 at = kind == 0 ? eye : ahead(s, i, eye, seconds);
