@@ -130,7 +130,7 @@ TEST_CASE("with hysteresis too, views that come, go and change places leave ever
     }
 }
 
-TEST_CASE("a view beside an equal one, one that goes from it, and views that change places visit no group") {
+TEST_CASE("a view beside an equal or a finer one, one that goes from it, and views that change places visit no group") {
     Random random(123);
     const auto pack = rich_terrain(random, 257, 7);
     const Terrain& terrain = pack.terrain;
@@ -150,6 +150,11 @@ TEST_CASE("a view beside an equal one, one that goes from it, and views that cha
         REQUIRE(cut.update(std::vector<View>{a}, settings).visits > 0);
         CHECK(visits({a, a}) == 0);
         CHECK(visits({a, a, a, a, a, a, a, a}) == 0);
+        CHECK(visits({a}) == 0);
+        View coarse = a; // wants less than its neighbour does
+        coarse.error_px = 4 * settings.error_px;
+        CHECK(visits({a, coarse}) == 0);
+        CHECK(visits({coarse, a, a}) == 0);
         CHECK(visits({a}) == 0);
         REQUIRE(cut.update(std::vector<View>{a, b, c}, settings).visits > 0);
         CHECK(visits({c, b, a}) == 0);
@@ -184,8 +189,13 @@ TEST_CASE("a view that comes or goes makes as many groups due as one that moves 
         };
         const std::uint32_t move = due({a}, {near}), all = due({a}, {far_view(terrain)});
         CAPTURE(round, move, all);
-        CHECK(due({a}, {a, near}) == move);
-        CHECK(due({a}, {near, a, near}) == move);
+        // One that comes only adds: where it is the coarser one, its threshold costs nothing.
+        const std::uint32_t come = due({a}, {a, near});
+        if (near.error_px <= settings.error_px)
+            CHECK(come == move);
+        else
+            CHECK(come <= move);
+        CHECK(due({a}, {near, a, near}) == come);
         const std::uint32_t with_b = due({a, b}, {near, b});
         CHECK(due({a, b}, {b, near}) == with_b);
         CHECK(due({b, a}, {b, near, a}) <= with_b);

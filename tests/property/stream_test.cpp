@@ -1,6 +1,7 @@
 // Pages that are streamed by a client that may be late, wrong, or silent.
 #include <catch2/catch.hpp>
 
+#include "support/rounds.h"
 #include "support/stream_scene.h"
 
 using namespace fjell;
@@ -137,13 +138,13 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
 } // namespace
 
 TEST_CASE("pages that come late and go leave a whole mesh that keeps its promise, and it converges at rest") {
-    const Seen seen = fly(301, {24, 60, {.most_delay = 10, .most_taken = 4}, true});
+    const Seen seen = fly(301, {rounds(14, 24), 60, {.most_delay = 10, .most_taken = 4}, true});
     CAPTURE(seen.removed, seen.converged, seen.limited, seen.declined, seen.cancelled);
     REQUIRE(seen.removed > 5);
-    REQUIRE(seen.converged > 3);
-    REQUIRE(seen.limited > 3);
-    REQUIRE(seen.declined > 15);
-    REQUIRE(seen.cancelled > 3);
+    REQUIRE(seen.converged > rounds<std::uint64_t>(1, 3));
+    REQUIRE(seen.limited > rounds<std::uint64_t>(1, 3));
+    REQUIRE(seen.declined > rounds<std::uint64_t>(8, 15));
+    REQUIRE(seen.cancelled > rounds<std::uint64_t>(0, 3));
 }
 
 TEST_CASE("reads that fail, bring garbage or are cut short are reported once each and leave a whole mesh") {

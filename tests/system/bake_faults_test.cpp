@@ -18,7 +18,7 @@ TEST_CASE("a disk that fails at any call is one line and exit code 3, and leaves
     for (const auto& kind : kinds) {
         const long calls = scene.count(kind.call);
         int noticed = 0;
-        for (const long n : spread(calls, rounds((kind.samples + 1) / 2, kind.samples)))
+        for (const long n : spread(calls, rounds((kind.samples + 2) / 3, kind.samples)))
             for (const char* after : {"", "+"}) {
                 if (*after && n != 1 && n != calls) continue; // a disk that stays full
                 const Fault fault{kind.call, kind.error, std::to_string(n) + after};

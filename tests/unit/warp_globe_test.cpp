@@ -114,7 +114,7 @@ TEST_CASE("a polar cap is complete: no hole at the pole, none along the seam") {
                              {-179.95, -79.95, 0.1, 3600, 101},
                              {0.05, -60.05, 0.1, 3600, 300},
                              {-90, 89.95, 0.1, 1800, 100}}) { // half a cap
-        if (!full_rounds() && f.west == 0.05) continue;       // shifted by half a pixel alone
+        if (!full_rounds() && f.west != -180 && f.west != -90) continue;
         check(read_dem(written(f, dir / "a.tif"), {}), f);
     }
 }

@@ -36,54 +36,53 @@ double grade_error_m(const CutState& s, std::uint32_t grade) {
                     static_cast<double>(s.terrain->header.max_error_m));
 }
 
-// How far apart two views are: their margins of a vertex (evaluate.h) differ by no more than this, for its error.
-struct ViewDistance {
-    double eye_m; // of the eyes and their pads
-    double q;
+// By how much a view's margin of a vertex (evaluate.h) may exceed another's, for the vertex' error.
+struct ViewExcess {
+    double eye_m; // from eye to eye, and what their pads differ by
+    double q;     // 0 where the view is the coarser one
 
     [[nodiscard]] double at(double error_m) const { return eye_m + q * error_m; }
 };
-
-ViewDistance distance(const Criterion& a, std::uint32_t i, const Criterion& b, std::uint32_t j) {
+ViewExcess excess(const Criterion& a, std::uint32_t i, const Criterion& b, std::uint32_t j) {
     const auto difference = [](float x, float y) { return static_cast<double>(std::abs(x - y)); };
-    const Reach &from = a.reach[i], &to = b.reach[j];
-    const Vec3 way{difference(from.eye_x, to.eye_x), difference(from.eye_y, to.eye_y),
-                   difference(from.eye_z, to.eye_z)};
-    return {length(way) + difference(from.pad, to.pad),
-            std::max(difference(from.q, to.q), difference(a.keep[i].q, b.keep[j].q))};
+    const auto above = [](float x, float y) { return static_cast<double>(std::max(x - y, 0.0f)); };
+    const Reach &of = a.reach[i], &over = b.reach[j];
+    const Vec3 way{difference(of.eye_x, over.eye_x), difference(of.eye_y, over.eye_y),
+                   difference(of.eye_z, over.eye_z)};
+    return {length(way) + difference(of.pad, over.pad), std::max(above(of.q, over.q), above(a.keep[i].q, b.keep[j].q))};
 }
 
-// How far apart two sets of views are (Hausdorff): no view of either is further than this from the nearest one of the
-// other. A vertex' margin is the largest that any view gives it, f(i). Each new i has an old j with f(i) <= f(j) + d,
-// so the largest f(i) exceeds the largest f(j) by no more than d; and the other way round. So a margin changes by d at
-// most, whichever views come, go or change places, and by nothing where an equal view stays.
+// How far apart two sets of views are (Hausdorff, with a distance that has a direction). A vertex' margin is the
+// largest that any view gives it, f(i). Each new i has an old j with f(i) <= f(j) + d, so the largest f(i) exceeds the
+// largest f(j) by no more than d; and the other way round. So a margin changes by d at most, whichever views come, go
+// or change places, and by nothing where an equal view stays, or a finer one at the same eye.
 class ViewChange {
 public:
     ViewChange(const Criterion& before, const Criterion& now) : before_(before.views), now_(now.views) {
         for (std::uint32_t i = 0; i < now_; ++i)
-            for (std::uint32_t j = 0; j < before_; ++j) pairs_[i][j] = distance(now, i, before, j);
+            for (std::uint32_t j = 0; j < before_; ++j)
+                rise_[i][j] = excess(now, i, before, j), fall_[i][j] = excess(before, j, now, i);
     }
 
     [[nodiscard]] double at(double error_m) const {
-        double most = 0, of_before[max_cut_views];
-        std::fill_n(of_before, before_, everything);
+        double most = 0, falls[max_cut_views];
+        std::fill_n(falls, before_, everything);
         for (std::uint32_t i = 0; i < now_; ++i) {
-            double nearest = everything;
+            double rise = everything;
             for (std::uint32_t j = 0; j < before_; ++j) {
-                const double d = pairs_[i][j].at(error_m);
-                nearest = std::min(nearest, d);
-                of_before[j] = std::min(of_before[j], d);
+                rise = std::min(rise, rise_[i][j].at(error_m));
+                falls[j] = std::min(falls[j], fall_[i][j].at(error_m));
             }
-            most = std::max(most, nearest);
+            most = std::max(most, rise);
         }
-        for (std::uint32_t j = 0; j < before_; ++j) most = std::max(most, of_before[j]);
+        for (std::uint32_t j = 0; j < before_; ++j) most = std::max(most, falls[j]);
         return most;
     }
 
 private:
     static constexpr double everything = 1e300; // the first views are far from none
     std::uint32_t before_, now_;
-    ViewDistance pairs_[max_cut_views][max_cut_views];
+    ViewExcess rise_[max_cut_views][max_cut_views], fall_[max_cut_views][max_cut_views]; // [now][before]
 };
 
 // A view's threshold over that of the settings. All views' rise alike when the effective threshold does.
