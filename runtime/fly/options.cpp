@@ -224,6 +224,14 @@ void check_method(const Flags& f, const Profile& profile) {
         throw Failure(2, "--metric depth needs --cull on: behind the eye there is no depth");
 }
 
+// A replay is as it was recorded: what would be something else is refused, not passed over.
+void check_replay(const Flags& f) {
+    if (f.error_px || f.fov_deg || f.budget_us || f.hysteresis || f.items || !f.morph.empty() || !f.size.empty() ||
+        f.corner_safe)
+        throw Failure(2, "--replay repeats a flight as it was: leave out --error-px, --corner-safe, --fov, --size, "
+                         "--items, --budget-us, --hysteresis, --morph");
+}
+
 void check_together(const FlightOptions& o) {
     if (o.seeded && !o.path.empty()) throw Failure(2, "--seed and --path exclude each other; give one of them");
     if (o.still && (o.seeded || !o.path.empty()))
@@ -271,6 +279,7 @@ bool parse_options(int argc, char** argv, FlightOptions& options) {
     if (!options.profile_path.empty()) options.profile = read_profile(options.profile_path);
     apply(flags, options);
     check_method(flags, options.profile);
+    if (!options.replay.empty()) check_replay(flags);
     check_together(options);
     return true;
 }
