@@ -246,6 +246,8 @@ void check_together(const FlightOptions& o) {
         throw Failure(2, "--cold, --read-mb-s and --read-latency-ms are about streaming, and --stream off has none: "
                          "leave them out, or give --stream on");
     if (o.render_folder.empty() && o.render_every != 1) throw Failure(2, "--render-every needs --render DIR");
+    if (o.csv == "-" && o.json == "-")
+        throw Failure(2, "--csv - and --json - would mix on standard output; give one of them a file");
     if (!o.record.empty() && o.profile.method != Method::incremental)
         throw Failure(2, "--record needs --method incremental: the recursive method keeps nothing to repeat");
     if (!o.replay.empty()) {

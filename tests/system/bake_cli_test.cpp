@@ -111,7 +111,7 @@ TEST_CASE("what a bake says names units, holes, the CRS and what was reprojected
     CHECK(nlohmann::json::parse(run_in(folder.path, bake + "info plain.fjell --json").out)["height_unit_m"] == 0.5);
 }
 
-TEST_CASE("--json - prints JSON and nothing else") {
+TEST_CASE("with --json - standard output holds JSON and nothing else") {
     const TemporaryFolder folder;
     spit(folder / "dem.asc", ascii_grid(20, 20, "5"));
     for (const char* command :

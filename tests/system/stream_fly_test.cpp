@@ -209,8 +209,9 @@ TEST_CASE("a streamed flight is recorded with its pages and repeated bit for bit
         REQUIRE((flown.code == 0 && again.code == 0));
         const json told = json::parse(flown.out), repeated = json::parse(again.out);
         const bool waited = std::string(flags).find("--wait") != std::string::npos; // a frame is several then
-        for (const char* key : {"morph", "hysteresis", "corner_safe", "error_px", "viewport", "fov_y_deg", "metric",
-                                "triangles_mean", "error_px_effective_max", "verified_error_px_max", "converged_frames"}) {
+        for (const char* key :
+             {"morph", "hysteresis", "corner_safe", "error_px", "viewport", "fov_y_deg", "metric", "triangles_mean",
+              "error_px_effective_max", "verified_error_px_max", "converged_frames"}) {
             CAPTURE(key, told[key], repeated[key]);
             REQUIRE(told.contains(key));
             if (std::string(key) == "fov_y_deg")
