@@ -12,7 +12,8 @@ using nlohmann::json;
 
 // One number for square cells.
 std::string spacing_text(const double (&step)[2]) {
-    return step[0] == step[1] ? fmt::format("{:.6g}", step[0]) : fmt::format("{:.6g} x {:.6g}", step[0], step[1]);
+    const std::string x = fmt::format("{:.6g}", step[0]), y = fmt::format("{:.6g}", step[1]);
+    return x == y ? x : x + " x " + y;
 }
 
 void add_source(json& to, const SourceFacts& f) {
