@@ -127,7 +127,7 @@ void Bake::run_stages() {
     if (!complete({Stage::mixed_pages})) mixed = open_mixed(context_);
     if (last_z > 0 && !complete({Stage::coarser_steps, 1})) finer = open_step(context_, 0);
     stage({Stage::finest_step}, [&] {
-        make_finest_step(context_, plan, heights, {unsaturated, finer, mixed, *spool_});
+        found.ground_error_m = make_finest_step(context_, plan, heights, {unsaturated, finer, mixed, *spool_});
     });
     raw.remove();
     filled.remove();
@@ -166,9 +166,15 @@ void Bake::summarise(const PackHeader& header) {
     summary_.columns = context_.tree.columns();
     summary_.rows = context_.tree.rows();
     summary_.tree = context_.tree;
+    std::copy_n(header.spacing_m, 2, summary_.spacing_m);
     summary_.quantum_m = header.quantum_m;
+    summary_.min_m = header.min_m;
+    summary_.max_m = header.max_m;
     summary_.max_error_m = header.max_error_m;
+    summary_.ground_error_m = header.voids ? checkpoint_.state.ground_error_m : header.max_error_m;
     summary_.voids = header.voids;
+    summary_.crs_wkt = context_.source.crs_wkt;
+    summary_.source = context_.source.facts;
 }
 
 constexpr StageId far_mip_stage(MapKind kind, std::uint32_t mip) {

@@ -27,6 +27,7 @@ struct BakeOptions {
     double quantum_m = 0; // the vertical height scale's step; 0: the source's own, or the smallest that is of use
     std::vector<std::string> texture_paths; // ortho-images (image.h), the last one uppermost
     std::string ramp_path; // colours by height and slope, also where no image is; empty: meadows to snow
+    std::string reading;   // how the source was read, for the pack's notes (pack/notes.h); empty: they do not say
     std::uint32_t max_texture_log2 = 10;
     int compression = -3; // zstd level of maps, whose blocks hardly shrink: -3 is 3% larger than 1 and costs half
 
@@ -43,8 +44,12 @@ struct BakeOptions {
 struct BakeSummary {
     std::int32_t columns = 0, rows = 0;
     Tree tree;
-    float quantum_m = 0;
-    float max_error_m = 0;
+    double spacing_m[2] = {0, 0};
+    float quantum_m = 0, min_m = 0, max_m = 0;
+    float max_error_m = 0;    // of any vertex: beside a hole an error is at least the size of its triangles
+    float ground_error_m = 0; // how far ground lies from a triangle that could be drawn over it, at most
+    std::string crs_wkt;      // empty: none
+    SourceFacts source;
     std::uint64_t voids = 0; // samples that are holes
     std::uint64_t file_bytes = 0, geometry_bytes = 0, directory_bytes = 0, texture_bytes = 0;
     bool resumed = false; // some stages were complete from an earlier run

@@ -28,6 +28,7 @@ struct CheckpointState {
     std::uint32_t has_voids = 0;               // read: 1: the source has samples without height
     std::uint32_t holes = 0;                   // read: 1: those stay holes
     float max_error_m = 0;                     // mixed_pages
+    float ground_error_m = 0;                  // finest_step
     std::uint64_t spool_bytes = 0;             // chunks of complete stages
     double native_quantum_m = 0, anchor_m = 0; // read: see SourceProperties
     HeightStatistics heights;                  // measure

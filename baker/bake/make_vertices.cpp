@@ -37,9 +37,16 @@ UnitLoop loop_over_regions(const BakeContext& context, const char* name, int z) 
             context.samples() / static_cast<double>(count) / (1 << (2 * z))};
 }
 
-// Vertices of the finest step at the rim and beside holes, one by one.
-void correct_leaves(const BakeContext& context, const BakePlan& plan, const QuantisedHeights& heights,
-                    const StepInput& step) {
+std::uint8_t largest(const VertexPlane<std::uint8_t>& plane, std::int32_t columns, std::int32_t rows) {
+    std::uint8_t most = 0;
+    for (std::int32_t j = 0; j < rows; ++j)
+        for (std::int32_t i = 0; i < columns; ++i) most = std::max(most, plane.row(j)[i]);
+    return most;
+}
+
+// Vertices of the finest step at the rim and beside holes, one by one. Returns the step's largest error on the ground.
+std::uint8_t correct_leaves(const BakeContext& context, const BakePlan& plan, const QuantisedHeights& heights,
+                            const StepInput& step) {
     const Tree& tree = context.tree;
     const Region all = {{0, 0}, {tree.grid_columns() - 1, tree.grid_rows() - 1}};
     const UnsaturatedInput input{heights,
@@ -50,7 +57,11 @@ void correct_leaves(const BakeContext& context, const BakePlan& plan, const Quan
                                  {context.source.spacing_m[0], context.source.spacing_m[1]}};
     const bool rim = straddles_rim(tree, {2 * (step.square.x + step.nx) + 1, 1}) ||
                      straddles_rim(tree, {1, 2 * (step.square.y + step.ny) + 1});
-    if (!rim && !heights.has_voids()) return;
+    if (!rim && !heights.has_voids())
+        return std::max({largest(step.error.side_x, step.nx, step.ny + 1),
+                         largest(step.error.side_y, step.nx + 1, step.ny),
+                         largest(step.error.centre, step.nx, step.ny)});
+    std::uint8_t worst = 0;
     const auto correct = [&](VertexPlane<std::uint8_t>& plane, std::int32_t columns, std::int32_t rows, Coord offset) {
         for (std::int32_t j = 0; j < rows; ++j)
             for (std::int32_t i = 0; i < columns; ++i) {
@@ -58,12 +69,16 @@ void correct_leaves(const BakeContext& context, const BakePlan& plan, const Quan
                 bool irregular = straddles_rim(tree, v);
                 for (std::int32_t y = v.y - 1; !irregular && heights.has_voids() && y <= v.y + 1; ++y)
                     for (std::int32_t x = v.x - 1; x <= v.x + 1; ++x) irregular = irregular || heights.is_void({x, y});
-                if (irregular) plane.row(j)[i] = unsaturated_error(input, v);
+                UnsaturatedError e{plane.row(j)[i], plane.row(j)[i]};
+                if (irregular) e = unsaturated_error(input, v);
+                plane.row(j)[i] = e.code;
+                worst = std::max(worst, e.on_ground);
             }
     };
     correct(step.error.side_x, step.nx, step.ny + 1, {1, 0});
     correct(step.error.side_y, step.nx + 1, step.ny, {0, 1});
     correct(step.error.centre, step.nx, step.ny, {1, 1});
+    return worst;
 }
 
 // The pages that hold nothing but this step; none in linear order and of steps that are smaller than a page.
@@ -115,9 +130,10 @@ void finish_step(const BakeContext& context, const BakePlan& plan, const Region&
 
 } // namespace
 
-void make_finest_step(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
-                      const FinestStepOutput& out) {
+float make_finest_step(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
+                       const FinestStepOutput& out) {
     const double spacing_m[2] = {context.source.spacing_m[0], context.source.spacing_m[1]};
+    std::vector<std::uint8_t> worst(static_cast<std::size_t>(context.regions.count()));
     context.run_units(loop_over_regions(context, "errors", 0), [&](std::uint64_t u) {
         const auto index = static_cast<std::int64_t>(u);
         const Region region = context.regions.at(index);
@@ -128,12 +144,13 @@ void make_finest_step(const BakeContext& context, const BakePlan& plan, const He
         VertexPlanes<std::uint8_t> error(nx, ny), holes;
         const StepInput step{plan.scales, context.tree, {spacing_m[0], spacing_m[1]}, 0, square, nx, ny, steps, error};
         leaf_errors(step, plan.leaf);
-        correct_leaves(context, plan, *ground, step);
+        worst[u] = correct_leaves(context, plan, *ground, step);
         if (out.unsaturated.inside.exists()) {
             Patch<std::uint8_t> errors;
-            unsaturated_errors(
+            const std::uint8_t of_coarser = unsaturated_errors(
                 {*ground, region, plan.scales, plan.leaf, context.options.estimate, {spacing_m[0], spacing_m[1]}},
                 errors);
+            worst[u] = std::max(worst[u], of_coarser);
             store_unsaturated(context, index, errors, out.unsaturated);
         }
         const bool has_holes = ground->has_voids();
@@ -144,6 +161,7 @@ void make_finest_step(const BakeContext& context, const BakePlan& plan, const He
         ground.reset(); // the largest of what a region takes
         finish_step(context, plan, region, step, has_holes ? &holes : nullptr, {out.step, out.mixed, out.spool});
     });
+    return plan.scales.errors.metres[*std::max_element(worst.begin(), worst.end())];
 }
 
 void make_coarser_step(const BakeContext& context, const BakePlan& plan, const CoarserStepInput& in,

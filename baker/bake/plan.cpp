@@ -15,8 +15,8 @@ MapPlan plan_maps(const BakeContext& context, const HeightStatistics& heights) {
     maps.colour_log2 = context.colour_log2;
     maps.normal_log2 = context.normal_log2;
     const std::string& path = context.options.ramp_path;
-    maps.ramp = absolute(path.empty() ? default_ramp() : read_ramp(path), static_cast<double>(heights.least_m),
-                         static_cast<double>(heights.most_m));
+    const double least_m = static_cast<double>(heights.least_m), most_m = static_cast<double>(heights.most_m);
+    maps.ramp = path.empty() ? default_ramp(least_m, most_m) : absolute(read_ramp(path), least_m, most_m);
     maps.image = context.image.get();
     return maps;
 }

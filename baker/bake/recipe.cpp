@@ -149,8 +149,8 @@ Recipe parse_recipe(const std::string& text, const std::string& name) {
 }
 
 std::string recipe_text(const Recipe& recipe) {
-    ordered_json json;
-    json["inputs"] = recipe.inputs;
+    ordered_json json = ordered_json::object();
+    if (!recipe.inputs.empty()) json["inputs"] = recipe.inputs;
     if (!recipe.texture.empty()) json["texture"] = recipe.texture;
     for (const TextField& field : text_fields())
         if (recipe.*field.member) json[field.key] = *(recipe.*field.member);
@@ -184,6 +184,16 @@ Recipe merged(Recipe given, const Recipe& below) {
         if (!(given.*field.member)) given.*field.member = below.*field.member;
     if (!given.bbox) given.bbox = below.bbox;
     return given;
+}
+
+Recipe reading_part(Recipe recipe) {
+    recipe.inputs.clear();
+    recipe.texture.clear();
+    for (auto* const text : {&recipe.output, &recipe.ramp, &recipe.tile, &recipe.estimate, &recipe.order})
+        text->reset();
+    recipe.nesting.reset();
+    recipe.quantum.reset();
+    return recipe;
 }
 
 ReadOptions read_options(const Recipe& recipe) {
@@ -229,6 +239,7 @@ BakeOptions bake_options(const Recipe& recipe) {
         throw Failure(2, fmt::format("--quantum {}: must be more than 0 (metres)", o.quantum_m));
     o.texture_paths = recipe.texture;
     o.ramp_path = recipe.ramp.value_or("");
+    o.reading = recipe_text(reading_part(recipe));
     return o;
 }
 

@@ -35,6 +35,9 @@ struct Recipe {
 // What is given wins; the rest is taken from below.
 [[nodiscard]] Recipe merged(Recipe given, const Recipe& below);
 
+// Only what says how files become heights: neither names of files nor options of the pack. For a pack's notes.
+[[nodiscard]] Recipe reading_part(Recipe recipe);
+
 // Throw Failure 2 for words and numbers out of range.
 [[nodiscard]] ReadOptions read_options(const Recipe& recipe);
 [[nodiscard]] BakeOptions bake_options(const Recipe& recipe);

@@ -65,8 +65,9 @@ struct FinestStepOutput {
     MixedStores& mixed;
     ChunkSpool& spool;
 };
-void make_finest_step(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
-                      const FinestStepOutput& out);
+// Returns the largest error on the ground of all steps, in metres: UnsaturatedError::on_ground.
+[[nodiscard]] float make_finest_step(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
+                                     const FinestStepOutput& out);
 
 struct CoarserStepInput {
     int z; // log2 of the step, at least 1

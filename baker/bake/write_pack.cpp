@@ -4,6 +4,7 @@
 
 #include "baker/bake/stages.h"
 #include "baker/pack/assemble.h"
+#include "baker/pack/notes.h"
 #include "io/file.h"
 
 namespace fjell::baker {
@@ -46,7 +47,8 @@ void write_pack(const BakeContext& context, const PackHeader& header, const Chun
     const std::vector<ChunkId> sequence = chunk_sequence(header, context.pages);
     io::AtomicFile out(context.out_path, context.temporary());
     const Progress& progress = context.options.progress;
-    summary.file_bytes = assemble_pack(header, spool, sequence, out, [&](std::uint64_t n) {
+    const PackNotes notes{context.options.reading, context.source.facts, summary.ground_error_m};
+    summary.file_bytes = assemble_pack(header, spool, sequence, notes_text(notes), out, [&](std::uint64_t n) {
         if (progress) progress("write", n, sequence.size());
     });
     const std::vector<ChunkEntry> entries = spool.entries();

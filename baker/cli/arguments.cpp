@@ -72,8 +72,12 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     declare_bake(app, a);
     Commands c{};
     c.info = app.add_subcommand("info", "what a pack holds");
-    c.info->add_option("PACK", a.pack)->required();
-    c.info->add_flag("--json", a.info_json);
+    c.info->add_option("PACK", a.pack); // looked for in what is parsed: it may stand behind --json
+    c.info
+        ->add_option_function<std::string>(
+            "--json", [&a](const std::string& path) { a.info_json = path.empty() ? "-" : path; },
+            "as JSON, to a file or (default, or -) standard output")
+        ->expected(0, 1);
     auto* const picture =
         c.info->add_option("--picture", a.picture_path, "a PNG of its relief, errors, holes and tiles")
             ->check([](const std::string& name) { return std::string(name.empty() ? "give a file name" : ""); });
@@ -83,8 +87,10 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     c.verify = app.add_subcommand("verify", "check a pack's promises over every vertex and sample");
     c.verify->add_option("PACK", a.pack)->required();
     c.verify->add_option("--against", a.against.inputs,
-                         "the height field it was baked from, one file or several (give the same read options)");
+                         "the height field it was baked from, one file or several, read as the pack says unless given "
+                         "here");
     c.verify->add_option("--recipe", a.against_recipe_path, "the recipe it was baked from, instead of --against");
+    c.verify->add_option("--json", a.verify_json_path, "the report for scripts; - for standard output");
     add_read_options(*c.verify, a.against);
     c.heights = app.add_subcommand("heights", "write a pack's heights as a GeoTIFF, holes as no-data");
     c.heights->add_option("PACK", a.pack)->required();

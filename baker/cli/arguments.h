@@ -19,13 +19,13 @@ struct Arguments {
     std::optional<double> checkpoint_s;
     bool quiet = false;
 
-    std::string pack; // info, verify, heights
-    bool info_json = false;
+    std::string pack;      // info, verify, heights
+    std::string info_json; // where to; empty: as a table
     std::string picture_path;
     PictureOptions picture;
 
     Recipe against; // verify: its inputs and read options
-    std::string against_recipe_path;
+    std::string against_recipe_path, verify_json_path;
 
     std::string terrain_path, dem_path; // synth, heights
 };

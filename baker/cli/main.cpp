@@ -5,6 +5,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <malloc.h>
@@ -19,6 +20,7 @@
 #include "baker/check/verify.h"
 #include "baker/check/verify_maps.h"
 #include "baker/cli/arguments.h"
+#include "baker/cli/describe.h"
 #include "baker/cli/progress.h"
 #include "baker/place/crs_label.h"
 #include "baker/place/open_source.h"
@@ -74,24 +76,26 @@ double most_resident_mb() {
 }
 
 json summary_json(const BakeSummary& s) {
-    return {{"columns", s.columns},
-            {"rows", s.rows},
-            {"tiles", {s.tree.tiles_x, s.tree.tiles_y}},
-            {"tile_cells", s.tree.side()},
-            {"quantum_m", s.quantum_m},
-            {"max_error_m", s.max_error_m},
-            {"file_bytes", s.file_bytes},
-            {"geometry_bytes", s.geometry_bytes},
-            {"directory_bytes", s.directory_bytes},
-            {"holes", s.voids},
-            {"texture_bytes", s.texture_bytes},
-            {"resumed", s.resumed},
-            {"resident_mb_max", most_resident_mb()},
-            {"seconds_read", s.seconds_read},
-            {"seconds_textures", s.seconds_textures},
-            {"seconds_errors", s.seconds_errors},
-            {"seconds_write", s.seconds_write},
-            {"seconds_total", s.seconds_total}};
+    json j{{"columns", s.columns},
+           {"rows", s.rows},
+           {"tiles", {s.tree.tiles_x, s.tree.tiles_y}},
+           {"tile_cells", s.tree.side()},
+           {"quantum_m", s.quantum_m},
+           {"max_error_m", s.max_error_m},
+           {"file_bytes", s.file_bytes},
+           {"geometry_bytes", s.geometry_bytes},
+           {"directory_bytes", s.directory_bytes},
+           {"holes", s.voids},
+           {"texture_bytes", s.texture_bytes},
+           {"resumed", s.resumed},
+           {"resident_mb_max", most_resident_mb()},
+           {"seconds_read", s.seconds_read},
+           {"seconds_textures", s.seconds_textures},
+           {"seconds_errors", s.seconds_errors},
+           {"seconds_write", s.seconds_write},
+           {"seconds_total", s.seconds_total}};
+    add_description(j, s);
+    return j;
 }
 
 // The command line, completed from --recipe.
@@ -134,9 +138,10 @@ int run_bake(const Arguments& a) {
     const BakeSummary s = bake(*open_inputs(recipe), options, output);
     if (saved) save_recipe(recipe, a.save_recipe_path, *saved);
     summary.write(summary_json(s));
-    if (a.quiet) return 0;
-    fmt::print("{}: {} x {} samples in {} x {} tiles of {} cells, quantum {:.4g} m, largest error {:.1f} m\n", output,
-               s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(), s.quantum_m, s.max_error_m);
+    if (a.quiet || a.json_path == "-") return 0;
+    fmt::print("{}: {} x {} samples in {} x {} tiles of {} cells, quantum {:.4g} m, largest error {:.4g} m\n", output,
+               s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(), s.quantum_m, s.ground_error_m);
+    fmt::print("{}", describe(s));
     const double samples = static_cast<double>(s.columns) * s.rows;
     fmt::print("{:.1f} MB ({:.2f} bytes a sample of geometry) in {:.1f} s ({:.1f} M samples/s; errors {:.1f} s)\n",
                static_cast<double>(s.file_bytes) / 1e6, static_cast<double>(s.geometry_bytes) / samples,
@@ -147,41 +152,45 @@ int run_bake(const Arguments& a) {
 json info_json(const LoadedPack& loaded) {
     const PackHeader& h = loaded.pack.header;
     const CrsLabel crs = crs_label(loaded.crs);
-    return {{"version", h.version},
-            {"columns", h.columns},
-            {"rows", h.rows},
-            {"tiles", {h.tiles_x, h.tiles_y}},
-            {"tile_cells", 1u << h.tile_log2},
-            {"order", order_name(h.order)},
-            {"estimate", h.estimate == Estimate::max ? "max" : "midpoint"},
-            {"nesting", h.nesting},
-            {"spacing_m", {h.spacing_m[0], h.spacing_m[1]}},
-            {"origin_m", {h.origin_m[0], h.origin_m[1]}},
-            {"crs", loaded.crs.empty() ? json() : json(loaded.crs)},
-            {"crs_name", crs.name.empty() ? json() : json(crs.name)},
-            {"epsg", crs.epsg ? json(crs.epsg) : json()},
-            {"height_m", {h.min_m, h.max_m}},
-            {"quantum_m", h.quantum_m},
-            {"holes", h.voids},
-            {"pages_per_tile", pages_of(loaded.pack.header).pages_per_tile()},
-            {"max_error_m", h.max_error_m},
-            {"colour_texels", h.colour_log2 ? 1u << h.colour_log2 : 0},
-            {"normal_texels", h.normal_log2 ? 1u << h.normal_log2 : 0},
-            {"chunks", h.directory_count},
-            {"file_bytes", h.file_bytes},
-            {"pack_hash", fmt::format("{:016x}", h.directory_hash)},
-            {"required_bytes", terrain_bytes(h)}};
+    json j{{"version", h.version},
+           {"columns", h.columns},
+           {"rows", h.rows},
+           {"tiles", {h.tiles_x, h.tiles_y}},
+           {"tile_cells", 1u << h.tile_log2},
+           {"order", order_name(h.order)},
+           {"estimate", h.estimate == Estimate::max ? "max" : "midpoint"},
+           {"nesting", h.nesting},
+           {"spacing_m", {h.spacing_m[0], h.spacing_m[1]}},
+           {"origin_m", {h.origin_m[0], h.origin_m[1]}},
+           {"crs", loaded.crs.empty() ? json() : json(loaded.crs)},
+           {"crs_name", crs.name.empty() ? json() : json(crs.name)},
+           {"epsg", crs.epsg ? json(crs.epsg) : json()},
+           {"height_m", {h.min_m, h.max_m}},
+           {"quantum_m", h.quantum_m},
+           {"holes", h.voids},
+           {"pages_per_tile", pages_of(loaded.pack.header).pages_per_tile()},
+           {"max_error_m", h.max_error_m},
+           {"colour_texels", h.colour_log2 ? 1u << h.colour_log2 : 0},
+           {"normal_texels", h.normal_log2 ? 1u << h.normal_log2 : 0},
+           {"chunks", h.directory_count},
+           {"file_bytes", h.file_bytes},
+           {"pack_hash", fmt::format("{:016x}", h.directory_hash)},
+           {"required_bytes", terrain_bytes(h)}};
+    add_notes(j, read_notes(loaded.path));
+    return j;
 }
 
-int run_info(const Arguments& a) {
-    refuse_overwriting({a.picture_path}, {a.pack});
+int run_info(Arguments a) {
+    if (a.pack.empty() && a.info_json != "-") a.pack = std::exchange(a.info_json, "-"); // info --json PACK
+    if (a.pack.empty()) throw Failure(2, "no pack given; see fjell-bake info --help");
+    refuse_overwriting({a.picture_path, a.info_json}, {a.pack});
     std::optional<AtomicFile> picture; // opened before the work
     if (!a.picture_path.empty()) picture.emplace(a.picture_path);
     const LoadedPack loaded = load_pack(a.pack, picture ? LoadTerrain::yes : LoadTerrain::no);
     if (picture) write_png(make_picture(loaded.terrain, a.picture), *picture);
     const json info = info_json(loaded);
-    if (a.info_json) {
-        fmt::print("{}\n", info.dump(2));
+    if (!a.info_json.empty()) {
+        JsonOutput(a.info_json).write(info);
         return 0;
     }
     for (const auto& [key, value] : info.items()) {
@@ -197,39 +206,91 @@ int run_info(const Arguments& a) {
 void check_spacing(const HeightSource& against, const std::string& name, const PackHeader& header) {
     for (const int axis : {0, 1})
         if (std::abs(against.spacing_m[axis] / header.spacing_m[axis] - 1) > 1e-9)
-            throw Failure(
-                1, fmt::format("{}: its samples are {} m apart, the pack's {} m; give the --spacing it was baked with",
-                               name, against.spacing_m[axis], header.spacing_m[axis]));
+            throw Failure(1, fmt::format("{}: its samples are {} m apart, the pack's {} m: it is not what the pack was "
+                                         "baked from, or it was read with another --spacing; give that",
+                                         name, against.spacing_m[axis], header.spacing_m[axis]));
 }
 
-int run_verify(const Arguments& a) {
-    const Recipe source = complete(a.against, a.against_recipe_path);
-    const MappedPack pack(a.pack);
-    limit_gdal_cache(std::size_t{64} << 20);
-    std::unique_ptr<HeightSource> against;
-    if (!source.inputs.empty()) {
-        against = open_source(source.inputs, read_options(source));
-        check_spacing(*against, source.inputs.front(), pack.pack().header);
-    }
-    VerifyReport r = verify(pack, against.get());
-    r.chunks = check_all_chunks(pack);
-    const MapsReport maps = check_maps(pack.pack(), [&] { pack.release(); });
+// How the height field is read: as the pack says that it was, unless the command line says otherwise.
+Recipe as_baked(const Recipe& given, const std::optional<PackNotes>& notes, const std::string& pack) {
+    if (!notes || notes->read.empty()) return given;
+    return merged(given, parse_recipe(notes->read, pack));
+}
+
+// What is wrong with a pack, and what to do about it. Baking it again helps only where the pack contradicts itself.
+std::string verdict(const VerifyReport& r, const MapsReport& maps, const std::string& pack, const Recipe& source) {
+    const std::string& first = r.ok() ? maps.first : r.first;
+    const bool contradicts =
+        !maps.ok() ||
+        r.nesting_violations + r.sphere_violations + r.border_mismatches + r.rim_violations + r.bound_violations != 0;
+    if (contradicts || r.height_mismatches == 0) return fmt::format("{}: {}; bake it again", pack, first);
+    return fmt::format("{}: {}: these are not the heights of {}, read with {}; name what it was baked from, and its "
+                       "options",
+                       pack, first, fmt::join(source.inputs, " "),
+                       json::parse(recipe_text(reading_part(source))).dump());
+}
+
+json verify_json(const VerifyReport& r, const MapsReport& maps) {
+    json j{{"ok", r.ok() && maps.ok()},
+           {"vertices", r.vertices},
+           {"chunks", r.chunks},
+           {"nesting_violations", r.nesting_violations},
+           {"sphere_violations", r.sphere_violations},
+           {"border_mismatches", r.border_mismatches},
+           {"rim_violations", r.rim_violations},
+           {"bound_violations", r.bound_violations},
+           {"height_mismatches", r.height_mismatches},
+           {"samples_compared", r.samples_compared},
+           {"true_error_violations", r.true_error_checked ? json(r.true_error_violations) : json()},
+           {"texels", maps.texels},
+           {"mip_violations", maps.mip_violations},
+           {"map_border_violations", maps.border_violations},
+           {"length_violations", maps.length_violations}};
+    const std::string& first = r.ok() ? maps.first : r.first;
+    j["first"] = first.empty() ? json() : json(first);
+    return j;
+}
+
+void print_verify(const VerifyReport& r, const MapsReport& maps, const std::vector<std::string>& against) {
     fmt::print("{} vertices: {} nesting, {} sphere, {} border, {} rim, {} page bound violations\n", r.vertices,
                r.nesting_violations, r.sphere_violations, r.border_mismatches, r.rim_violations, r.bound_violations);
     fmt::print("{} chunks: checksums hold\n", r.chunks);
     fmt::print("{} texels, {} on borders of tiles: {} mip, {} border, {} length violations\n", maps.texels,
                maps.border_texels, maps.mip_violations, maps.border_violations, maps.length_violations);
-    if (against)
-        fmt::print("heights against {}: {} off by more than half a quantum\n", fmt::join(source.inputs, " "),
+    if (!against.empty())
+        fmt::print("heights against {}: {} off by more than half a quantum\n", fmt::join(against, " "),
                    r.height_mismatches);
     if (r.true_error_checked)
         fmt::print("{} comparisons of samples with triangles: {} above the vertex' error\n", r.samples_compared,
                    r.true_error_violations);
     else
         fmt::print("true error: not promised by the mid-point estimate, not checked\n");
-    if (!r.ok() || !maps.ok())
-        throw Failure(1, fmt::format("{}: {}; bake it again", a.pack, r.ok() ? maps.first : r.first));
-    fmt::print("ok\n");
+}
+
+int run_verify(const Arguments& a) {
+    Recipe source = complete(a.against, a.against_recipe_path);
+    std::vector<std::string> inputs = source.inputs;
+    inputs.push_back(a.pack);
+    inputs.push_back(a.against_recipe_path);
+    refuse_overwriting({a.verify_json_path}, inputs);
+    JsonOutput report(a.verify_json_path);
+    const MappedPack pack(a.pack);
+    limit_gdal_cache(std::size_t{64} << 20);
+    std::unique_ptr<HeightSource> against;
+    const std::optional<PackNotes> notes = read_notes(a.pack); // damaged ones are refused, needed or not
+    if (!source.inputs.empty()) {
+        source = as_baked(source, notes, a.pack);
+        against = open_inputs(source);
+        check_spacing(*against, source.inputs.front(), pack.pack().header);
+    }
+    VerifyReport r = verify(pack, against.get());
+    r.chunks = check_all_chunks(pack);
+    const MapsReport maps = check_maps(pack.pack(), [&] { pack.release(); });
+    const bool ok = r.ok() && maps.ok(), prints = a.verify_json_path != "-";
+    report.write(verify_json(r, maps));
+    if (prints) print_verify(r, maps, source.inputs);
+    if (!ok) throw Failure(1, verdict(r, maps, a.pack, source));
+    if (prints) fmt::print("ok\n");
     return 0;
 }
 

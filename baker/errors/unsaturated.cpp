@@ -83,7 +83,7 @@ bool straddles_rim(const Tree& tree, Coord v) {
     return (v.x + s >= tree.columns() && tree.cut_x != 0) || (v.y + s >= tree.rows() && tree.cut_y != 0);
 }
 
-std::uint8_t unsaturated_error(const UnsaturatedInput& in, Coord v) {
+UnsaturatedError unsaturated_error(const UnsaturatedInput& in, Coord v) {
     const Tree& tree = in.ground.tree;
     const Diamond d = diamond(tree, v);
     const double quantum = in.scales.height_scale.quantum_m;
@@ -92,6 +92,8 @@ std::uint8_t unsaturated_error(const UnsaturatedInput& in, Coord v) {
     const bool jump = !straddles_rim(tree, v) && (Tree::step_log2(v) == 0 || in.estimate == Estimate::midpoint);
     double error_m =
         jump ? 0.5 * quantum * std::abs(2.0 * in.ground.h(v) - in.ground.h(d.ends[0]) - in.ground.h(d.ends[1])) : 0;
+    const bool hole_below = in.ground.is_void(d.ends[0]) || in.ground.is_void(d.ends[1]);
+    double on_ground_m = hole_below || in.ground.is_void(v) ? 0 : error_m;
     bool ground = false;
     for (const Coord apex : d.apexes) {
         if (apex.x < in.region.first.x || apex.y < in.region.first.y || apex.x > in.region.last.x ||
@@ -101,11 +103,14 @@ std::uint8_t unsaturated_error(const UnsaturatedInput& in, Coord v) {
         const TriangleScan sum = scan_triangle(in.ground, a, b, c);
         ground = ground || sum.ground;
         if (!jump) error_m = std::max(error_m, sum.worst_steps * quantum);
+        if (!jump && !hole_below && !in.ground.is_void(apex))
+            on_ground_m = std::max(on_ground_m, sum.worst_steps * quantum);
         // A hole's rim is drawn to within the triangle's size.
         if (sum.ground && sum.hole)
             error_m = std::max({error_m, sum.worst_steps * quantum, longest_edge_m(in, a, b, c)});
     }
-    return ground ? in.scales.errors.code_up(error_m) : std::uint8_t{0};
+    if (!ground) return {};
+    return {in.scales.errors.code_up(error_m), in.scales.errors.code_up(on_ground_m)};
 }
 
 namespace {
@@ -116,6 +121,8 @@ public:
         : in(input), tree(input.ground.tree),
           half_quantum(0.5 * static_cast<double>(input.scales.height_scale.quantum_m)), to(out),
           worst(static_cast<std::size_t>(out.columns) + scan_slack) {}
+
+    std::uint8_t worst_on_ground = 0; // where there are voids: then every vertex goes the slow way
 
     // Even rows of a step hold sides along x; odd ones sides along y, and centres between them.
     void run(int z) {
@@ -140,8 +147,11 @@ private:
         std::uint8_t* const codes = to.at(first.x / 2, first.y / 2);
         std::int32_t plain = in.ground.has_voids() ? 0 : count; // vertices before the first one that stands at the rim
         while (plain > 0 && straddles_rim(tree, {first.x + 2 * s * (plain - 1), first.y})) --plain;
-        for (std::int32_t i = plain; i < count; ++i)
-            codes[i * s] = unsaturated_error(in, {first.x + 2 * s * i, first.y});
+        for (std::int32_t i = plain; i < count; ++i) {
+            const UnsaturatedError e = unsaturated_error(in, {first.x + 2 * s * i, first.y});
+            codes[i * s] = e.code;
+            worst_on_ground = std::max(worst_on_ground, e.on_ground);
+        }
         if (plain == 0) return;
         const std::int32_t* const v = in.ground.steps.at(first.x, first.y);
         const std::ptrdiff_t stride = in.ground.steps.columns;
@@ -199,12 +209,16 @@ private:
 
 } // namespace
 
-void unsaturated_errors(const UnsaturatedInput& input, Patch<std::uint8_t>& out) {
+std::uint8_t unsaturated_errors(const UnsaturatedInput& input, Patch<std::uint8_t>& out) {
     const Region& r = input.region;
     out = {r.first.x / 2, r.first.y / 2, (r.last.x - r.first.x) / 2 + 1, (r.last.y - r.first.y) / 2 + 1};
     std::fill(out.values.begin(), out.values.end(), std::uint8_t{0}); // corners of tiles
     UnsaturatedErrors stage(input, out);
     for (int z = 1; z < input.ground.tree.tile_log2; ++z) stage.run(z);
+    if (input.ground.has_voids()) return stage.worst_on_ground;
+    std::uint8_t worst = 0;
+    for (const std::uint8_t code : out.values) worst = std::max(worst, code);
+    return worst;
 }
 
 } // namespace fjell::baker

@@ -23,12 +23,17 @@ struct UnsaturatedInput {
 // included: out.x == region.first.x / 2, and so on. A vertex on the region's border is measured inside only: the larger
 // one of both regions is its error. Estimate 1: the largest vertical difference between the diamond's two triangles and
 // any sample under them, exact; O(samples * levels). Estimate 2: at its centre; O(samples). A triangle over a hole's
-// rim has at least its longest edge.
-void unsaturated_errors(const UnsaturatedInput& input, Patch<std::uint8_t>& out);
+// rim has at least its longest edge. Returns the largest UnsaturatedError::on_ground.
+std::uint8_t unsaturated_errors(const UnsaturatedInput& input, Patch<std::uint8_t>& out);
 
+// Codes of errors. on_ground: without what a hole's rim asks for, of triangles that may be drawn: none of their corners
+// is a hole.
+struct UnsaturatedError {
+    std::uint8_t code = 0, on_ground = 0;
+};
 // One vertex, of any step, the slow way, which handles holes and the rim; unsaturated_errors and the finest step use it
 // there. Triangles outside the region do not count.
-[[nodiscard]] std::uint8_t unsaturated_error(const UnsaturatedInput& input, Coord v);
+[[nodiscard]] UnsaturatedError unsaturated_error(const UnsaturatedInput& input, Coord v);
 // Does its diamond reach beyond the last column or row?
 [[nodiscard]] bool straddles_rim(const Tree& tree, Coord v);
 

@@ -31,6 +31,9 @@ struct Ramp {
 [[nodiscard]] Ramp parse_ramp(const std::string& text, const std::string& name); // name: of the file, for messages
 // Meadow, forest, scree, rock and snow over the terrain's range of heights: content/ramps/alpine.json.
 [[nodiscard]] Ramp default_ramp();
+// The default for terrain of that range, in metres. Heights below 0 are taken for water: content/ramps/sea.json, with
+// the default ramp above it if there is land, or over all of the range.
+[[nodiscard]] Ramp default_ramp(double least_m, double most_m);
 // The ramp in metres for terrain of that range; one that is in metres already comes back as it is.
 [[nodiscard]] Ramp absolute(const Ramp& ramp, double least_m, double most_m);
 

@@ -1,4 +1,5 @@
 // Ramps from files (content/README.md).
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 
@@ -93,6 +94,14 @@ void parse_slopes(const std::string& path, const Json& list, Ramp& ramp) {
 constexpr char alpine[] = {
 #include "alpine.inc"
 };
+constexpr char sea[] = {
+#include "sea.inc"
+};
+
+// Colours of the sea up to 0 and of the land from there on. Their slopes are the same: colour_test.cpp.
+void add_below(const std::vector<Ramp::Stop>& water, std::vector<Ramp::Stop>& land) {
+    land.insert(land.begin(), water.begin(), water.end());
+}
 
 } // namespace
 
@@ -118,6 +127,19 @@ Ramp read_ramp(const std::string& path) {
 
 Ramp default_ramp() {
     return parse_ramp(std::string(alpine, std::size(alpine)), "the default ramp");
+}
+
+Ramp default_ramp(double least_m, double most_m) {
+    if (least_m >= 0) return absolute(default_ramp(), least_m, most_m);
+    const Ramp water = parse_ramp(std::string(sea, std::size(sea)), "the default ramp of the sea");
+    if (most_m <= 0) return absolute(water, least_m, most_m);
+    // Shallow beside the land's height is shallow water: a coast with some noise below 0 has no trenches.
+    const double depth_m = std::max(-least_m, most_m / 10), shore_m = std::min(0.5, depth_m / 100);
+    Ramp ramp = absolute(default_ramp(), 0, std::max(most_m, -least_m / 10)); // nor a low island snow
+    const Ramp below = absolute(water, -depth_m, -shore_m);
+    add_below(below.stops, ramp.stops);
+    for (std::size_t i = 0; i < ramp.slopes.size(); ++i) add_below(below.slopes[i].stops, ramp.slopes[i].stops);
+    return ramp;
 }
 
 } // namespace fjell::baker

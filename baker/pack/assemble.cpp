@@ -36,7 +36,8 @@ private:
 } // namespace
 
 std::uint64_t assemble_pack(PackHeader header, const ChunkSpool& spool, const std::vector<ChunkId>& sequence,
-                            io::AtomicFile& file, const std::function<void(std::uint64_t)>& moved) {
+                            const std::string& notes, io::AtomicFile& file,
+                            const std::function<void(std::uint64_t)>& moved) {
     std::memcpy(header.magic, pack_magic, sizeof pack_magic);
     header.version = pack_version;
     header.header_bytes = sizeof(PackHeader);
@@ -57,6 +58,10 @@ std::uint64_t assemble_pack(PackHeader header, const ChunkSpool& spool, const st
     }
     copier.flush();
     if (done != directory.size()) throw std::logic_error("a chunk is missing from the sequence");
+    header.notes_offset = file.size();
+    header.notes_bytes = notes.size();
+    header.notes_hash = XXH3_64bits(notes.data(), notes.size());
+    file.write(std::as_bytes(std::span(notes)));
     const auto bytes = std::as_bytes(std::span(directory));
     header.directory_offset = file.size();
     header.directory_count = directory.size();

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "baker/pack/chunk_spool.h"
@@ -12,8 +13,10 @@
 namespace fjell::baker {
 
 // Copies the spool's chunks to the file in the order given and completes header and directory. Every chunk of the pack
-// must be in the sequence once. moved(n): n chunks are there. Returns the file's size; it is not yet committed.
+// must be in the sequence once. notes: what it says of its making (notes.h). moved(n): n chunks are there. Returns the
+// file's size; it is not yet committed.
 std::uint64_t assemble_pack(PackHeader header, const ChunkSpool& spool, const std::vector<ChunkId>& sequence,
-                            io::AtomicFile& file, const std::function<void(std::uint64_t)>& moved);
+                            const std::string& notes, io::AtomicFile& file,
+                            const std::function<void(std::uint64_t)>& moved);
 
 } // namespace fjell::baker

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include <fmt/format.h>
 #include <ogr_spatialref.h>
 
 #include "baker/read/gdal_file.h"
@@ -19,6 +20,10 @@ CrsLabel crs_label(const std::string& wkt) {
     const char* const code = crs.GetAuthorityCode(nullptr);
     if (authority && code && std::string_view(authority) == "EPSG") label.epsg = std::atoi(code);
     return label;
+}
+
+std::string crs_text(const CrsLabel& label) {
+    return label.epsg ? fmt::format("{} (EPSG:{})", label.name, label.epsg) : label.name;
 }
 
 } // namespace fjell::baker

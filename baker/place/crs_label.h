@@ -10,5 +10,7 @@ struct CrsLabel {
     int epsg = 0;     // 0: not known
 };
 [[nodiscard]] CrsLabel crs_label(const std::string& wkt);
+// "WGS 84 / UTM zone 30N (EPSG:32630)"; empty: none.
+[[nodiscard]] std::string crs_text(const CrsLabel& label);
 
 } // namespace fjell::baker

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "baker/place/crs_label.h"
 #include "baker/place/projection.h"
 #include "baker/place/warp.h"
 #include "baker/read/gdal_file.h"
@@ -165,6 +166,20 @@ private:
     Warp warp_;
 };
 
+SourceFacts facts_of(const ReadPlan& plan) {
+    SourceFacts f;
+    const FileFacts& first = plan.layout.files.front().facts;
+    f.height_unit = first.height_unit;
+    f.height_unit_m = first.decoding.scaling.file_scale * plan.options.zscale;
+    if (!plan.warped) return f;
+    const Placement& from = plan.layout.at;
+    const bool metres = from.axes == Axes::metres;
+    f.reprojected_from = crs_text(crs_label(wkt_of(source_crs(from))));
+    f.from_unit = metres ? "m" : "degrees";
+    for (const int axis : {0, 1}) f.from_step[axis] = from.step[axis] * (metres ? from.unit_m : 1);
+    return f;
+}
+
 class FileSource final : public HeightSource {
 public:
     explicit FileSource(std::shared_ptr<const ReadPlan> plan) : plan_(std::move(plan)) {
@@ -173,6 +188,7 @@ public:
         columns = plan_->crop.columns;
         rows = plan_->crop.rows;
         for (const int axis : {0, 1}) spacing_m[axis] = o.spacing_m ? *o.spacing_m : p.step[axis] * p.unit_m;
+        facts = facts_of(*plan_);
         if (p.axes == Axes::none) return;
         std::copy_n(p.step, 2, crs_step);
         origin_m[0] = p.east(plan_->crop.x);

@@ -130,6 +130,7 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
         return;
     }
     facts_.decoding.scaling = scaling_of(first, file_->GetSpatialRef(), options, path);
+    facts_.height_unit = unit_name(first, file_->GetSpatialRef());
     facts_.decoding.whole = GDALDataTypeIsInteger(first.GetRasterDataType()) != 0;
     find_tag(first, facts_.decoding);
     floats_ = fits_float(first.GetRasterDataType());

@@ -18,6 +18,7 @@ struct FileFacts {
     Decoding decoding;
     Blocks blocks;           // seen from the north-west
     bool sequential = false; // its format is decoded from the start
+    std::string height_unit; // as the file calls it; empty: it does not
     double step = 1;         // raw numbers are multiples of this, unless they have a fraction
     std::string identity;    // names, sizes and times of everything it is read from
 };

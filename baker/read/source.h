@@ -53,6 +53,15 @@ struct SourceProperties {
     bool holes = false;          // samples without height stay holes; otherwise they are filled, or there are none
 };
 
+// What the samples were before they were metres on this grid: told in summaries and kept in the pack.
+struct SourceFacts {
+    std::string reprojected_from; // the name of the CRS that they were reprojected from; empty: they were not
+    double from_step[2] = {0, 0}; // between samples there, in from_unit
+    std::string from_unit;        // "degrees" or "m"
+    std::string height_unit;      // as the file says; empty: it does not, so that they count as metres
+    double height_unit_m = 1;     // metres that 1 in the file counts for, with its own scale and --zscale
+};
+
 class HeightSource {
 public:
     HeightSource() = default;
@@ -66,6 +75,7 @@ public:
     double crs_step[2] = {0, 0};  // between samples in the CRS' own units (degrees, feet, ...), eastwards and
                                   // southwards, whatever spacing_m says; 0: not known
     std::string crs_wkt;          // empty: none
+    SourceFacts facts;
 
     [[nodiscard]] virtual std::unique_ptr<HeightReader> reader() const = 0;
     // How many readers at once pay, of at most `threads`: 1 for files that can only be decoded from their start.

@@ -86,6 +86,12 @@ double unit_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadO
 
 } // namespace
 
+std::string unit_name(GDALRasterBand& band, const OGRSpatialReference* crs) {
+    std::string name = band.GetUnitType() ? band.GetUnitType() : "";
+    if (name.empty()) (void)vertical_unit(crs, name);
+    return name;
+}
+
 Scaling scaling_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadOptions& options,
                    const std::string& path) {
     const double unit = unit_of(band, crs, options, path);

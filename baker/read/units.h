@@ -23,6 +23,9 @@ struct Scaling {
 // Metres in one unit of this name; no name means metres, 0 that it is not known.
 [[nodiscard]] double unit_in_metres(const char* name);
 
+// What the band, or the vertical axis of the CRS where the band is silent, calls its unit; empty: neither says.
+[[nodiscard]] std::string unit_name(GDALRasterBand& band, const OGRSpatialReference* crs);
+
 // From the band's scale, offset and unit, the unit of the CRS' vertical axis where the band has none, and the options.
 // Throws Failure 1: a unit not known here, two units that differ, an absurd scale.
 [[nodiscard]] Scaling scaling_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadOptions& options,

@@ -34,8 +34,10 @@ std::uint32_t whole_number(const json& j) {
 }
 
 json view_json(const View& v) {
-    return {v.eye_m.x, v.eye_m.y, v.eye_m.z, v.forward.x, v.forward.y, v.forward.z, v.up.x,   v.up.y, v.up.z,
-            v.left,    v.right,   v.bottom,  v.top,       v.width_px,  v.height_px, v.near_m, v.far_m};
+    json j = {v.eye_m.x, v.eye_m.y, v.eye_m.z, v.forward.x, v.forward.y, v.forward.z, v.up.x,   v.up.y, v.up.z,
+              v.left,    v.right,   v.bottom,  v.top,       v.width_px,  v.height_px, v.near_m, v.far_m};
+    if (v.error_px != 0) j.push_back(v.error_px); // a threshold of its own
+    return j;
 }
 
 // The sides of version 2, which had lambda_px instead: those that give the same frustum and, to the last bit, the same
@@ -53,8 +55,9 @@ void set_sides(View& v, double lambda) {
 }
 
 View view_of(const json& j) {
-    if (!j.is_array() || (j.size() != 17 && j.size() != 15))
-        throw json::other_error::create(600, "a view has 17 numbers, or 15 in version 2", &j);
+    const std::size_t numbers = j.is_array() ? j.size() : 0;
+    if (numbers < 15 || numbers > 18 || numbers == 16)
+        throw json::other_error::create(600, "a view has 17 or 18 numbers, or 15 in version 2", &j);
     View v;
     const auto vec = [&](std::size_t i) {
         return Vec3{j.at(i).get<double>(), j.at(i + 1).get<double>(), j.at(i + 2).get<double>()};
@@ -62,18 +65,19 @@ View view_of(const json& j) {
     v.eye_m = vec(0);
     v.forward = vec(3);
     v.up = vec(6);
-    if (j.size() == 17) {
+    if (numbers != 15) {
         v.left = j.at(9).get<double>();
         v.right = j.at(10).get<double>();
         v.bottom = j.at(11).get<double>();
         v.top = j.at(12).get<double>();
     }
-    const std::size_t next = j.size() == 17 ? 13 : 10;
+    const std::size_t next = numbers != 15 ? 13 : 10;
     v.width_px = whole_number(j.at(next));
     v.height_px = whole_number(j.at(next + 1));
     v.near_m = j.at(next + 2).get<double>();
     v.far_m = j.at(next + 3).get<double>();
-    if (j.size() == 15) set_sides(v, j.at(14).get<double>());
+    if (numbers == 18) v.error_px = j.at(17).get<double>();
+    if (numbers == 15) set_sides(v, j.at(14).get<double>());
     return v;
 }
 

@@ -1,12 +1,12 @@
 // A run of the live cut in a file, to be replayed bit for bit: bug reports, tests, fuzzing and the editor share it.
 //
 // JSON, one object a line. The first names the pack and the budget, each further one a frame: the views (eye, forward,
-// up, the tangents of its left, right, bottom and top, width and height in pixels, near and far in metres), the
-// settings, the groups that the frame visited, and a hash of the mesh after it. Of a streamed run the first line has
-// the page slots, and a frame what happened to pages before its update and the error that missing ones may hide: it is
-// replayed from the whole pack, and the disk of the replaying machine does not matter either. Numbers are written so
-// that they are read back exactly. A frame that ran out of time is replayed by its visits, so the clock of the
-// replaying machine does not matter. View::error_px is not recorded: views of a flight have no threshold of their own.
+// up, the tangents of its left, right, bottom and top, width and height in pixels, near and far in metres, and its own
+// threshold if it has one), the settings, the groups that the frame visited, and a hash of the mesh after it. Of a
+// streamed run the first line has the page slots, and a frame what happened to pages before its update and the error
+// that missing ones may hide: it is replayed from the whole pack, and the disk of the replaying machine does not matter
+// either. Numbers are written so that they are read back exactly. A frame that ran out of time is replayed by its
+// visits, so the clock of the replaying machine does not matter.
 //
 // Throws io::Failure: 1 for a file that is damaged, of another version, or of another pack; 3 when it cannot be
 // written.

@@ -293,6 +293,19 @@ FrameEntry update_until_there(Session& session, const View& view, const Profile&
     return frame;
 }
 
+void adopt_recorded(const Session& session, Profile& profile) {
+    const RecordedFrame& first = session.recording->frames.front();
+    const View& view = first.views.front();
+    profile.method = Method::incremental;
+    profile.cut = first.settings;
+    profile.cut.visits = unlimited_items; // that frame's
+    profile.refine.error_px = first.settings.error_px;
+    profile.refine.corner_safe = first.settings.corner_safe;
+    profile.width_px = view.width_px;
+    profile.height_px = view.height_px;
+    profile.fov_deg = (std::atan(view.top) - std::atan(view.bottom)) * 180 / std::numbers::pi;
+}
+
 FrameEntry replay_frame(Session& session, std::size_t frame) {
     const RecordedFrame& f = session.recording->frames[frame];
     if (session.recording->page_slots != 0)
@@ -314,7 +327,8 @@ void verify_frame(const Session& session, const View& view, const Profile& profi
     const bool inside = session.incremental() || profile.refine.cull; // the incremental method lists what may be seen
     MeshView mesh = session.mesh();
     std::vector<MeshVertex> morphed; // as the vertex shader will place them
-    if (session.incremental() && profile.cut.morph != Morph::none) {
+    // As it was updated, which a replay's profile does not know.
+    if (session.incremental() && session.last.cut_settings.morph != Morph::none) {
         const CutMesh live = cut_mesh(session.cut);
         morphed.assign(mesh.vertices.begin(), mesh.vertices.end());
         for (std::size_t i = 0; i < morphed.size(); ++i)

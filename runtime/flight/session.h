@@ -104,6 +104,10 @@ void remake_method(const FlightOptions& options, Session& session);
 [[nodiscard]] FrameEntry update_until_there(Session& session, const View& view, const Profile& profile, double now_s,
                                             const std::function<void(const FrameEntry&)>& each);
 
+// What the session's recording was flown with, as far as its first frame says: threshold, method, morphing, items,
+// viewport and field of view. The profile's are then true of the replay.
+void adopt_recorded(const Session& session, Profile& profile);
+
 // One frame of the session's recording, and whether the mesh is the recorded one. Throws Failure (1) when it is not.
 [[nodiscard]] FrameEntry replay_frame(Session& session, std::size_t frame);
 

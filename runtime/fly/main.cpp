@@ -38,7 +38,7 @@ int run(int argc, char** argv) {
     open_session(options, session);
     if (session.streamed)
         session.streamed->on_failure([](const std::string& line) { fmt::print(stderr, "fjell-fly: {}\n", line); });
-    if (!options.replay.empty()) options.profile.refine.error_px = session.recording->frames[0].settings.error_px;
+    if (!options.replay.empty()) adopt_recorded(session, options.profile);
     const std::size_t frames = options.frames ? options.frames : default_frames;
     std::vector<Pose> poses;
     if (options.replay.empty()) poses = resample(path, session.ground(), frames);

@@ -224,6 +224,14 @@ void check_method(const Flags& f, const Profile& profile) {
         throw Failure(2, "--metric depth needs --cull on: behind the eye there is no depth");
 }
 
+// A replay is as it was recorded: what would be something else is refused, not passed over.
+void check_replay(const Flags& f) {
+    if (f.error_px || f.fov_deg || f.budget_us || f.hysteresis || f.items || !f.morph.empty() || !f.size.empty() ||
+        f.corner_safe)
+        throw Failure(2, "--replay repeats a flight as it was: leave out --error-px, --corner-safe, --fov, --size, "
+                         "--items, --budget-us, --hysteresis, --morph");
+}
+
 void check_together(const FlightOptions& o) {
     if (o.seeded && !o.path.empty()) throw Failure(2, "--seed and --path exclude each other; give one of them");
     if (o.still && (o.seeded || !o.path.empty()))
@@ -238,6 +246,8 @@ void check_together(const FlightOptions& o) {
         throw Failure(2, "--cold, --read-mb-s and --read-latency-ms are about streaming, and --stream off has none: "
                          "leave them out, or give --stream on");
     if (o.render_folder.empty() && o.render_every != 1) throw Failure(2, "--render-every needs --render DIR");
+    if (o.csv == "-" && o.json == "-")
+        throw Failure(2, "--csv - and --json - would mix on standard output; give one of them a file");
     if (!o.record.empty() && o.profile.method != Method::incremental)
         throw Failure(2, "--record needs --method incremental: the recursive method keeps nothing to repeat");
     if (!o.replay.empty()) {
@@ -271,6 +281,7 @@ bool parse_options(int argc, char** argv, FlightOptions& options) {
     if (!options.profile_path.empty()) options.profile = read_profile(options.profile_path);
     apply(flags, options);
     check_method(flags, options.profile);
+    if (!options.replay.empty()) check_replay(flags);
     check_together(options);
     return true;
 }

@@ -58,8 +58,7 @@ void on_key(GLFWwindow* window, int key, int, int action, int) {
     if (key == GLFW_KEY_M) ++input.mode_steps;
     if (key == GLFW_KEY_P) input.toggle_path = !input.toggle_path;
     if (key == GLFW_KEY_F1) {
-        fmt::print("{}", help);
-        std::fflush(stdout);
+        fmt::print(stderr, "{}", help); // standard output may be taken by --json -
     }
 }
 

@@ -252,6 +252,63 @@ TEST_CASE("the verifier notices every kind of fault") {
     CHECK(baker::verify(fresh().terrain, &dem).ok());
 }
 
+namespace {
+
+// How far ground is from any triangle over it that could be drawn, by bisection.
+double worst_on_ground_m(const Terrain& terrain, Coord apex, Coord left, Coord right) {
+    if (((left.x + right.x) | (left.y + right.y)) & 1) return 0;
+    const TerrainData& t = data_of(terrain);
+    const Coord a = t.tree.sample(apex), b = t.tree.sample(left), c = t.tree.sample(right);
+    double worst = 0;
+    const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y, area = bx * cy - by * cx;
+    const auto hole = [&](Coord s) { return t.vertex(s).hole; };
+    const auto height = [&](Coord s) { return static_cast<double>(t.height_m(s)); };
+    const auto [x0, x1] = std::minmax({a.x, b.x, c.x});
+    const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
+    for (std::int32_t y = y0; area != 0 && y <= y1; ++y)
+        for (std::int32_t x = x0; x <= x1; ++x) {
+            const double v = ((x - a.x) * cy - (y - a.y) * cx) / area, w = ((y - a.y) * bx - (x - a.x) * by) / area;
+            if (v < 0 || w < 0 || v + w > 1 || hole({x, y}) || hole(a) || hole(b) || hole(c)) continue;
+            const double plane = height(a) + v * (height(b) - height(a)) + w * (height(c) - height(a));
+            worst = std::max(worst, std::abs(height({x, y}) - plane));
+        }
+    const Coord middle{(left.x + right.x) / 2, (left.y + right.y) / 2};
+    return std::max(
+        {worst, worst_on_ground_m(terrain, middle, apex, left), worst_on_ground_m(terrain, middle, right, apex)});
+}
+
+} // namespace
+
+TEST_CASE("the largest error that a bake tells of is one of ground, holes or not, and no vertex' own is larger") {
+    Random random(19);
+    int holed = 0;
+    for (int round = 0; round < rounds(25, 200); ++round) {
+        const int log2 = pick(random, 1, 5);
+        baker::Dem dem = random_dem(random, pick(random, 2, 70), pick(random, 2, 70), Shape::fractal);
+        if (pick(random, 0, 3)) add_random_holes(random, dem, log2);
+        const TemporaryFolder folder;
+        const baker::BakeSummary told = baker::bake(dem, small_bake(log2), folder / "p.fjell");
+        const io::LoadedPack pack = io::load_pack(folder / "p.fjell", io::LoadTerrain::yes);
+        const Tree& tree = data_of(pack.terrain).tree;
+        double worst = 0;
+        for (std::int32_t y = 0; y < tree.grid_rows() - 1; y += tree.side())
+            for (std::int32_t x = 0; x < tree.grid_columns() - 1; x += tree.side()) {
+                const Coord nw{x, y}, ne{x + tree.side(), y}, sw{x, y + tree.side()},
+                    se{x + tree.side(), y + tree.side()};
+                worst = std::max(
+                    {worst, worst_on_ground_m(pack.terrain, ne, nw, se), worst_on_ground_m(pack.terrain, sw, se, nw)});
+            }
+        CAPTURE(round, log2, dem.columns, dem.rows, told.voids, told.max_error_m);
+        holed += told.voids > 0;
+        CHECK(told.ground_error_m >= worst * (1 - 1e-6));
+        CHECK(told.ground_error_m <= told.max_error_m);
+        // Rounded up to a code, and the finest centres a code above their sides: two steps of 5%; or the least code.
+        const double least = pack.pack.header.error_floor_m;
+        if (told.voids > 0) CHECK(told.ground_error_m <= std::max(worst * 1.1026, 1.06 * least));
+    }
+    CHECK(holed > 5);
+}
+
 TEST_CASE("the verifier notices a bound that does not hold, and one that is wider than its page") {
     Random random(18);
     int at_end = 0;

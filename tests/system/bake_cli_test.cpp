@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <xxhash.h>
 
@@ -62,11 +63,103 @@ TEST_CASE("synth, bake, info and verify, one after the other") {
     const Run verified = run_in(folder.path, bake + "verify out.fjell --against dem.tif");
     CHECK(verified.code == 0);
     CHECK(verified.out.find("0 off by more than half a quantum") != std::string::npos);
-    // Another height field is not what this pack was baked from.
+    // Another height field is not what this pack was baked from, and baking it again would not help.
     spit(folder / "recipe.json", R"({"columns": 200, "rows": 130, "spacing_m": 60, "seed": 5})");
     REQUIRE(run_in(folder.path, bake + "synth recipe.json -o other.tif").code == 0);
-    refused(folder, bake + "verify out.fjell --against other.tif", 1, "bake it again");
+    refused(folder, bake + "verify out.fjell --against other.tif", 1, "these are not the heights of other.tif");
     CHECK(folder.names() == std::vector<std::string>{"bake.json", "dem.tif", "other.tif", "out.fjell", "recipe.json"});
+}
+
+TEST_CASE("what a bake says names units, holes, the CRS and what was reprojected, and the largest error of ground") {
+    const TemporaryFolder folder;
+    std::string text = "ncols 120\nnrows 90\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -99\n";
+    for (int i = 0; i < 120 * 90; ++i) // gentle: a few feet from sample to sample
+        text +=
+            i % 120 > 40 && i % 120 < 50 && i / 120 % 50 > 30 ? "-99 " : std::to_string(900 + i % 120 + i / 120) + " ";
+    spit(folder / "dem.asc", text);
+    spit(folder / "feet.vrt", R"(<VRTDataset rasterXSize="120" rasterYSize="90"><SRS>EPSG:4326</SRS>
+        <GeoTransform>10, 0.001, 0, 46, 0, -0.001</GeoTransform><VRTRasterBand dataType="Float32" band="1">
+        <NoDataValue>-99</NoDataValue><UnitType>ft</UnitType><SimpleSource>
+        <SourceFilename relativeToVRT="1">dem.asc</SourceFilename><SourceBand>1</SourceBand></SimpleSource>
+        </VRTRasterBand></VRTDataset>)");
+    const Run baked = run_in(folder.path, bake + "feet.vrt -o out.fjell --json bake.json");
+    CAPTURE(baked.out, baked.err);
+    REQUIRE(baked.code == 0);
+    for (const char* part :
+         {"in the file in ft: 1 is 0.3048 m", " samples are holes (", "in WGS 84 / UTM zone 32N (EPSG:32632)",
+          "reprojected from WGS 84 (EPSG:4326), where they are 0.001 degrees apart"})
+        CHECK(baked.out.find(part) != std::string::npos);
+    const auto told = nlohmann::json::parse(slurp(folder / "bake.json"));
+    const auto info = nlohmann::json::parse(run_in(folder.path, bake + "info out.fjell --json").out);
+    for (const auto& j : {told, info}) {
+        CAPTURE(j.dump());
+        CHECK(j["height_unit"] == "ft");
+        CHECK(j["height_unit_m"] == Approx(0.3048));
+        CHECK(j["reprojected_from"]["crs_name"] == "WGS 84 (EPSG:4326)");
+        CHECK(j["reprojected_from"]["spacing"][1] == Approx(0.001));
+        CHECK(j["reprojected_from"]["unit"] == "degrees");
+        CHECK(j["epsg"] == 32632);
+        CHECK(j["holes"] > 0);
+        // A rim's diamonds are as wrong as they are large; no ground is further off than it rises.
+        CHECK(j["max_error_m"] > 1000);
+        CHECK(j["ground_error_m"] < j["height_m"][1].get<double>() - j["height_m"][0].get<double>());
+        CHECK(j["ground_error_m"] > 0);
+    }
+    CHECK(baked.out.find("largest error " + fmt::format("{:.4g} m", told["ground_error_m"].get<double>())) !=
+          std::string::npos);
+    REQUIRE(run_in(folder.path, bake + "dem.asc -o plain.fjell --spacing 30 --zscale 0.5 --nodata fill").code == 0);
+    CHECK(nlohmann::json::parse(run_in(folder.path, bake + "info plain.fjell --json").out)["height_unit_m"] == 0.5);
+}
+
+TEST_CASE("with --json - standard output holds JSON and nothing else") {
+    const TemporaryFolder folder;
+    spit(folder / "dem.asc", ascii_grid(20, 20, "5"));
+    for (const char* command :
+         {"dem.asc -o out.fjell --json -", "info out.fjell --json -", "info --json out.fjell", "info out.fjell --json",
+          "info --json - out.fjell", "verify out.fjell --json -", "verify out.fjell --json - --against dem.asc"}) {
+        const Run r = run_in(folder.path, bake + command);
+        CAPTURE(command, r.out, r.err);
+        CHECK(r.code == 0);
+        CHECK(nlohmann::json::accept(r.out));
+        CHECK(r.err.empty());
+    }
+    CHECK(run_in(folder.path, bake + "verify out.fjell --against dem.asc --json report.json").code == 0);
+    const auto report = nlohmann::json::parse(slurp(folder / "report.json"));
+    CHECK((report["ok"] == true && report["height_mismatches"] == 0 && report["vertices"] > 400));
+    refused(folder, bake + "verify out.fjell --json out.fjell", 2, "overwrite");
+    refused(folder, bake + "info --json", 2, "no pack given");
+}
+
+TEST_CASE("verify reads a height field as the pack says that it was read") {
+    const TemporaryFolder folder;
+    std::string text = "ncols 60\nnrows 50\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -99\n";
+    for (int i = 0; i < 3000; ++i) text += i % 97 == 0 ? "-99 " : std::to_string(i * 7919 % 1000) + " ";
+    spit(folder / "dem.asc", text);
+    spit(folder / "recipe.json", R"({"columns": 60, "rows": 50})");
+    for (const char* read : {"--spacing 30", "--spacing 30 --zscale 0.1 --zoffset -7", "--spacing 2 --nodata fill",
+                             "--spacing 12.5 --bbox 3,5,30,41", "--spacing 10 --nodata hole --zscale 3"}) {
+        REQUIRE(run_in(folder.path, bake + "dem.asc -o out.fjell --tile 16 " + read).code == 0);
+        const Run r = run_in(folder.path, bake + "verify out.fjell --against dem.asc");
+        CAPTURE(read, r.out, r.err);
+        CHECK(r.code == 0);
+        // What is given wins, and what does not fit is not the pack's fault.
+        const Run other = run_in(folder.path, bake + "verify out.fjell --against dem.asc --zscale 7");
+        CAPTURE(other.err);
+        CHECK(other.code == 1);
+        CHECK(other.err.find("\"zscale\":7") != std::string::npos);
+        CHECK(other.err.find("bake it again") == std::string::npos);
+    }
+    REQUIRE(run_in(folder.path, bake + "recipe.json -o made.fjell").code == 0);
+    CHECK(run_in(folder.path, bake + "verify made.fjell --against recipe.json").code == 0);
+    // Notes that are damaged are refused.
+    std::string bytes = slurp(folder / "made.fjell");
+    fjell::PackHeader h;
+    std::memcpy(&h, bytes.data(), sizeof h);
+    REQUIRE(h.notes_bytes > 10);
+    bytes[h.notes_offset + 5] = static_cast<char>(bytes[h.notes_offset + 5] ^ 1);
+    spit(folder / "bad.fjell", bytes);
+    refused(folder, bake + "info bad.fjell", 1, "notes");
+    refused(folder, bake + "verify bad.fjell", 1, "notes");
 }
 
 TEST_CASE("a pack's heights come back as a GeoTIFF that bakes to the same heights and holes") {

@@ -398,6 +398,7 @@ TEST_CASE("a bad pack is refused with what is wrong about it") {
 }
 
 TEST_CASE("wrong usage is one line and exit code 2") {
+    refuses("small.fjell --headless --frames 1 --csv - --json -", 2, "standard output");
     refuses("", 2, "PACK");
     refuses("small.fjell --headless --csv ''", 2, "after --csv");
     refuses("small.fjell --headless --unknown", 2, "--unknown");

@@ -321,6 +321,45 @@ TEST_CASE("the ramps in content/ are ramps") {
     }
 }
 
+TEST_CASE("by default heights below 0 are water: blue down to the deepest, without meadows and snow, and land above") {
+    const auto rgb = [](double least_m, double most_m, double height_m, float up = 1) {
+        RampPainter painter(default_ramp(least_m, most_m));
+        std::array<float, 3> c{};
+        float out[3];
+        painter.paint(static_cast<float>(height_m), up, out);
+        std::copy_n(out, 3, c.begin());
+        return c;
+    };
+    const auto blue = [](const std::array<float, 3>& c) { return c[2] > c[1] && c[1] > c[0]; };
+    for (const float up : {1.0f, 0.85f, 0.7f, 0.5f}) { // level to steep
+        for (const double most_m : {-10.0, 0.0, 0.2, 3000.0, 8848.0})
+            for (const double least_m : {-50.0, -4000.0, -11000.0})
+                for (const double part : {1.0, 0.6, 0.3, 0.1, 0.02}) {
+                    const double height_m = std::min(most_m, 0.0) + part * (least_m - std::min(most_m, 0.0));
+                    CAPTURE(up, most_m, least_m, height_m);
+                    CHECK(blue(rgb(least_m, most_m, height_m, up)));
+                    if (part < 1) // deeper is darker
+                        CHECK(rgb(least_m, most_m, least_m, up)[1] < rgb(least_m, most_m, height_m, up)[1]);
+                }
+        // Land beside water has the colours of land from its shore to its summits.
+        CHECK(rgb(-4000, 3000, 1500, up) == rgb(0, 3000, 1500, up));
+        CHECK(rgb(-4000, 3000, 3000, up) == rgb(0, 3000, 3000, up));
+        CHECK_FALSE(blue(rgb(-4000, 3000, 1, up)));
+        // Noise below the sea's height is shallow water; a low island in a deep sea has no snow.
+        CHECK(rgb(-2, 3000, -2, up)[1] > rgb(-4000, 3000, -2000, up)[1]);
+        CHECK(rgb(-4000, 30, 30, up)[0] < 200);
+        // Without heights below 0 nothing has changed.
+        CHECK(rgb(100, 3000, 100, up) == rgb(0, 2900, 0, up));
+    }
+    const std::string folder = std::string(FJELL_SOURCE_DIR) + "/content/ramps/";
+    const Ramp land = read_ramp(folder + "alpine.json"), sea = read_ramp(folder + "sea.json");
+    REQUIRE(sea.slopes.size() == land.slopes.size()); // they are joined layer by layer
+    for (std::size_t i = 0; i < sea.slopes.size(); ++i) {
+        CHECK(sea.slopes[i].from_degrees == land.slopes[i].from_degrees);
+        CHECK(sea.slopes[i].degrees == land.slopes[i].degrees);
+    }
+}
+
 TEST_CASE("a ramp that is not one is refused, naming the stop") {
     const TempDir dir;
     const std::string path = dir / "ramp.json";

@@ -411,6 +411,38 @@ TEST_CASE("numbers in the documents are the code's") {
     says(baking, "`--memory` MB (" + memory[0] + " by default)");
 }
 
+TEST_CASE("a figure of time stands beside the command that gives it") {
+    const std::regex figure("[0-9] (?:ns|us|ms|s)\\b|times (?:faster|slower)|[MG] samples/s|[MG]B/s");
+    const std::regex command("`(?:build/release/bin/)?(?:bench_[a-z]+|fjell-[a-z]+|\\./dev)[ `]|[ /]bench_[a-z]+ --|"
+                             "\nfjell-[a-z]+ ");
+    int figures = 0;
+    for (const Page& page : pages()) {
+        // A row or a line of the pages that are read for their figures; elsewhere one command for what a heading holds.
+        const bool by_line = page.name == "README.md" || page.name == "docs/measured.md";
+        if (!by_line && page.name != "docs/promises.md" && page.name.find("guides/") == std::string::npos &&
+            page.name.find("notes/") == std::string::npos)
+            continue;
+        std::istringstream lines(by_line ? page.prose : page.text);
+        std::string part;
+        const auto check = [&] {
+            INFO(page.name << ": " << part);
+            const bool told = std::regex_search(part, figure);
+            figures += told;
+            CHECK((!told || std::regex_search(part, command)));
+            part.clear();
+        };
+        for (std::string line; std::getline(lines, line); part += line + '\n')
+            if (by_line || line.starts_with('#')) check();
+        check();
+    }
+    CHECK(figures > 20);
+    for (const Page& page : pages())
+        for (const std::string& bench : matches(page.text, "`(bench_[a-z]+)")) {
+            INFO(page.name << ": " << bench);
+            CHECK(fs::exists(root / "tests/bench" / (bench + ".cpp")));
+        }
+}
+
 TEST_CASE("words that the glossary rules out do not occur in the public headers") {
     std::set<std::string> ruled_out;
     for (const std::string& row : matches(slurp(root / "docs/glossary.md"), "\n(\\|[^\n]*\\|)")) {

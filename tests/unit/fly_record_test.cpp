@@ -1,15 +1,21 @@
-// Recordings as files: what is written is read back, and what is not a recording is refused with the line.
+// Recordings: what is written is read back, what is not a recording is refused with the line, and what was recorded
+// is repeated, whatever happened.
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <cstring>
 #include <random>
 #include <sstream>
 
 #include "fjell/io/failure.h"
 #include "flight/record.h"
+#include "pack/terrain_data.h"
+#include "support/rounds.h"
+#include "support/stream_scene.h"
 
 using namespace fjell;
 using namespace fjell::flight;
+using namespace fjell::test;
 
 namespace {
 
@@ -41,6 +47,87 @@ Recording random_recording(std::mt19937_64& random) {
         r.frames.push_back(f);
     }
     return r;
+}
+
+// What a host sees of a frame, beyond the mesh that a recording names: what it uploads and what it is told.
+struct Seen {
+    std::vector<MorphVertex> morph;
+    MorphFrame frame;
+    CutReport report;
+};
+
+Seen seen(Cut& cut, const CutReport& report) {
+    const CutMesh mesh = cut_mesh(cut.cut);
+    return {{mesh.morph.begin(), mesh.morph.end()}, mesh.frame, report};
+}
+
+bool alike(const Seen& a, const Seen& b) {
+    const CutReport &r = a.report, &q = b.report;
+    bool same = a.morph.size() == b.morph.size() && a.frame.views == b.frame.views && a.frame.now_s == b.frame.now_s &&
+                std::memcmp(a.morph.data(), b.morph.data(), a.morph.size() * sizeof(MorphVertex)) == 0;
+    for (std::uint32_t i = 0; i < a.frame.views; ++i)
+        same = same && std::memcmp(&a.frame.view[i], &b.frame.view[i], sizeof(MorphView)) == 0;
+    return same && r.items == q.items && r.visits == q.visits && r.activations == q.activations &&
+           r.deactivations == q.deactivations && r.waiting == q.waiting && r.blocked == q.blocked &&
+           r.morphing == q.morphing && r.error_px_effective == q.error_px_effective && r.converged == q.converged &&
+           r.vertices_changed == q.vertices_changed && r.triangles_changed == q.triangles_changed;
+}
+
+// Anything that a host may change from frame to frame, often changed.
+void change_settings(Random& random, CutSettings& s) {
+    if (pick(random, 0, 9) == 0) s.error_px = std::pow(10.0, uniform(random, -0.3, 1.5));
+    if (pick(random, 0, 19) == 0) s.morph = static_cast<Morph>(pick(random, 0, 2));
+    if (pick(random, 0, 19) == 0) s.morph_s = uniform(random, 0.02, 0.5);
+    if (pick(random, 0, 19) == 0) s.hysteresis = pick(random, 0, 1) * 0.3;
+    if (pick(random, 0, 19) == 0) s.corner_safe = !s.corner_safe;
+    if (pick(random, 0, 9) == 0) s.items = pick(random, 0, 1) ? unlimited_items : std::uint32_t(pick(random, 0, 600));
+    if (pick(random, 0, 9) == 0) s.budget_us = pick(random, 0, 1) ? 0 : uniform(random, 0.1, 60);
+    s.now_s += pick(random, 0, 29) ? 1.0 / 60 : uniform(random, -5, 900);
+}
+
+// Cameras come, go and jump; some have a threshold of their own.
+void change_views(Random& random, const Terrain& terrain, std::size_t most, std::vector<View>& views) {
+    for (View& v : views) v = moved(random, v, terrain.spacing_x_m());
+    const int what = pick(random, 0, 19);
+    if (views.empty() || (what == 0 && views.size() < most)) views.push_back(random_view(random, terrain));
+    if (what == 1 && views.size() > 1) views.erase(views.begin());
+    if (what == 2) views.front() = random_view(random, terrain);
+    if (what == 3) views.back().error_px = pick(random, 0, 1) * uniform(random, 0.5, 20);
+}
+
+struct RecordedRun {
+    Recording recording;
+    std::vector<Seen> frames;
+    std::uint64_t pages = 0;
+};
+
+// A host with a client that is late, wrong or silent, a clock that jumps, and budgets that do not suffice.
+RecordedRun run_recorded(Random& random, const Pack& pack, const CutBudget& budget, std::uint32_t slots, int frames) {
+    Streamed on(pack, budget, slots, {.page_requests = 8, .map_requests = 1});
+    ClientScript script{.fails = 0.02, .garbage = 0.02, .short_reads = 0.02, .never = 0.002, .most_delay = 4};
+    ScriptedClient client(random, on, script);
+    RecordedRun run;
+    run.recording = {pack.header.directory_hash, budget, slots, {}};
+    CutSettings settings;
+    std::vector<View> views;
+    for (int frame = 0; frame < frames; ++frame) {
+        change_settings(random, settings);
+        change_views(random, on.paged.terrain, budget.views, views);
+        client.act();
+        (void)on.update(views, settings, {.now_s = settings.now_s});
+        client.follow();
+        const bool rebuild = pick(random, 0, 29) == 0;
+        CutReport report;
+        REQUIRE((rebuild ? rebuild_cut : update_cut)(on.cut.cut, views, settings, report).ok());
+        RecordedFrame recorded_frame = recorded(views, settings, report, cut_mesh(on.cut.cut).mesh);
+        recorded_frame.missing_px = on.paged.terrain.missing_px();
+        const auto pages = stream_page_arrivals(on.stream);
+        recorded_frame.pages.assign(pages.begin(), pages.end());
+        run.pages += pages.size();
+        run.recording.frames.push_back(std::move(recorded_frame));
+        run.frames.push_back(seen(on.cut, report));
+    }
+    return run;
 }
 
 std::string recording_refusal(const std::string& text) {
@@ -115,6 +202,40 @@ TEST_CASE(
         REQUIRE(std::abs(back.top - half_height) <= half_height * 0x1p-52);
     }
     CHECK(other_frustum < 600); // by one bit, where no number gives both
+}
+
+TEST_CASE("a streamed run is repeated bit for bit, whatever its views, clock, budgets, morphing, failing pages and "
+          "evictions") {
+    Random random(2611);
+    std::uint64_t pages = 0, capped = 0, timed = 0, several = 0;
+    for (int round = 0; round < rounds(10, 200); ++round) {
+        const auto pack = bake_and_load(random_dem(random, 400, 300, Shape::fractal), small_bake(7));
+        const std::uint32_t tiles = pack.terrain.tile_count();
+        const CutBudget budget{.vertices = static_cast<std::uint32_t>(pick(random, 600, 20'000)),
+                               .triangles = static_cast<std::uint32_t>(pick(random, 1500, 40'000)),
+                               .segment_triangles = 32,
+                               .views = static_cast<std::uint32_t>(pick(random, 1, 3))};
+        const auto slots =
+            static_cast<std::uint32_t>(pick(random, static_cast<int>(tiles) + 2, static_cast<int>(tiles) * 6));
+        const RecordedRun run = run_recorded(random, pack.pack, budget, slots, 90);
+        const Recording back = parse_recording(write_recording(run.recording), "r.json");
+        PagedTerrain paged(pack.pack, {.page_slots = back.page_slots});
+        Cut cut(paged.terrain, back.budget);
+        for (std::size_t i = 0; i < back.frames.size(); ++i) {
+            const RecordedFrame& f = back.frames[i];
+            CAPTURE(round, i);
+            REQUIRE(replay_pages(pack.pack, paged.terrain, cut.cut, f).ok());
+            CutReport report;
+            REQUIRE((f.rebuild ? rebuild_cut : update_cut)(cut.cut, f.views, f.settings, report).ok());
+            REQUIRE(mesh_hash(cut_mesh(cut.cut).mesh) == f.mesh_hash);
+            REQUIRE(alike(seen(cut, report), run.frames[i]));
+            capped += (report.exhausted & (cut_budget_vertices | cut_budget_triangles)) != 0;
+            timed += (run.frames[i].report.exhausted & cut_budget_time) != 0;
+            several += f.views.size() > 1;
+        }
+        pages += run.pages;
+    }
+    CHECK((pages > 100 && capped > 10 && timed > 10 && several > 10)); // all of it has happened
 }
 
 TEST_CASE("what is not a recording is refused with the line and what to do") {

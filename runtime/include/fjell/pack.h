@@ -72,7 +72,9 @@ struct PackHeader {
     std::uint64_t voids;                     // samples that are holes
     float level_radius_m[2 * max_tile_log2]; // RadiusScale's unit for each level, root first; 0 beyond the last
     double crs_step[2];                      // from sample to sample in CRS units, east and south; 0: not known
-    std::uint64_t reserved[27];              // zero
+    std::uint64_t notes_offset, notes_hash;  // of how it was baked (JSON, for tools): where, and its XXH3
+    std::uint64_t notes_bytes;               // 0: none
+    std::uint64_t reserved[24];              // zero
     std::uint64_t header_hash;               // XXH3 of all bytes before this one
 };
 static_assert(sizeof(PackHeader) == 512 && offsetof(PackHeader, header_hash) == 504,

@@ -89,6 +89,7 @@ Status check_ranges(const PackHeader& h) {
     if (h.colour_log2 == 1 || h.colour_log2 > max_texture_log2) return bad("colour_log2");
     if (h.normal_log2 == 1 || h.normal_log2 > max_texture_log2) return bad("normal_log2");
     if (h.crs_bytes > (1u << 20)) return bad("crs_bytes");
+    if (h.notes_bytes > (1u << 20)) return bad("notes_bytes");
     return check_scales(h);
 }
 
@@ -193,6 +194,9 @@ Status read_header(std::span<const std::byte> header, std::uint64_t file_bytes, 
         h.directory_count != (h.file_bytes - h.directory_offset) / sizeof(ChunkEntry) ||
         (h.file_bytes - h.directory_offset) % sizeof(ChunkEntry) != 0)
         return failed(Code::corrupt, "directory");
+    if (h.notes_bytes != 0 && (h.notes_offset < h.header_bytes || h.notes_offset > h.directory_offset ||
+                               h.notes_bytes > h.directory_offset - h.notes_offset))
+        return failed(Code::corrupt, "notes_offset");
     out = h;
     return {};
 }

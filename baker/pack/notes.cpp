@@ -1,0 +1,68 @@
+#include "baker/pack/notes.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <xxhash.h>
+
+#include "fjell/io/pack_file.h"
+#include "io/file.h"
+
+namespace fjell::baker {
+
+namespace {
+
+using nlohmann::json;
+
+[[noreturn]] void damaged(const std::string& path) {
+    throw Failure(1, path + ": its notes of how it was baked are damaged; copy or bake it again");
+}
+
+SourceFacts source_of(const json& j) {
+    SourceFacts f;
+    f.height_unit = j.at("height_unit").get<std::string>();
+    f.height_unit_m = j.at("height_unit_m").get<double>();
+    if (!j.contains("reprojected_from")) return f;
+    f.reprojected_from = j.at("reprojected_from").get<std::string>();
+    for (std::size_t axis = 0; axis < 2; ++axis) f.from_step[axis] = j.at("from_step").at(axis).get<double>();
+    f.from_unit = j.at("from_unit").get<std::string>();
+    return f;
+}
+
+} // namespace
+
+std::string notes_text(const PackNotes& notes) {
+    const SourceFacts& f = notes.source;
+    json source = {{"height_unit", f.height_unit}, {"height_unit_m", f.height_unit_m}};
+    if (!f.reprojected_from.empty()) {
+        source["reprojected_from"] = f.reprojected_from;
+        source["from_step"] = {f.from_step[0], f.from_step[1]};
+        source["from_unit"] = f.from_unit;
+    }
+    json all = {{"source", std::move(source)}};
+    if (!notes.read.empty()) all["read"] = json::parse(notes.read);
+    if (notes.ground_error_m) all["ground_error_m"] = *notes.ground_error_m;
+    return all.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+std::optional<PackNotes> read_notes(const std::string& pack_path) {
+    const io::PackFile file(pack_path);
+    const PackHeader& h = file.pack().header;
+    if (h.notes_bytes == 0) return {};
+    std::string text(h.notes_bytes, '\0');
+    if (file.read(h.notes_offset, std::as_writable_bytes(std::span(text))) != 0) io::disk_failure(pack_path, "read");
+    const json all = json::parse(text, nullptr, false);
+    if (XXH3_64bits(text.data(), text.size()) != h.notes_hash || !all.is_object()) damaged(pack_path);
+    try {
+        PackNotes notes;
+        notes.source = source_of(all.at("source"));
+        if (all.contains("read")) notes.read = all["read"].dump();
+        if (all.contains("ground_error_m")) notes.ground_error_m = all["ground_error_m"].get<double>();
+        return notes;
+    } catch (const json::exception&) {
+        damaged(pack_path);
+    }
+}
+
+} // namespace fjell::baker
