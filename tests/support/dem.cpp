@@ -47,6 +47,7 @@ std::uint64_t hash(const void* bytes, std::size_t size) {
 } // namespace
 
 DemSource::DemSource(Dem dem) : dem_(std::move(dem)) {
+    facts.height_unit += 'm';
     columns = dem_.columns;
     rows = dem_.rows;
     std::copy_n(dem_.spacing_m, 2, spacing_m);

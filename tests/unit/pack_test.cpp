@@ -214,6 +214,12 @@ TEST_CASE("a header whose hash is right is still not believed") {
     CHECK(code([](PackHeader& h) { h.error_nesting_steps = 0; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.level_radius_m[5] = 0; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.height_steps = 1u << 25; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.notes_bytes = ~0ull; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.notes_offset = ~0ull; }) == Code::corrupt);
+    CHECK(code([](PackHeader& h) { h.notes_offset = 511; }) == Code::corrupt);
+    CHECK(code([](PackHeader& h) { h.notes_bytes += 1; }) == Code::corrupt); // into the directory
+    CHECK(code([](PackHeader& h) { h.notes_hash ^= 1; }) == Code::corrupt);
+    CHECK(code([](PackHeader& h) { h.notes_offset = h.notes_bytes = h.notes_hash = 0; }) == Code::ok); // it needs none
 }
 
 TEST_CASE("every error has a message with a remedy and names its field") {

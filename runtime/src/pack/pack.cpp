@@ -218,6 +218,8 @@ Status open_index(std::span<const std::byte> header, std::span<const std::byte> 
 Status open_pack(std::span<const std::byte> file, Pack& pack) {
     PackHeader h;
     if (Status s = read_header(file, file.size(), h); !s.ok()) return s;
+    if (h.notes_bytes != 0 && h.notes_hash != XXH3_64bits(file.data() + h.notes_offset, h.notes_bytes))
+        return failed(Code::corrupt, "notes");
     if (Status s = open_index(file, file.subspan(h.directory_offset), file.size(), pack); !s.ok()) return s;
     pack.bytes = file;
     return {};
