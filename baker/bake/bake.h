@@ -44,13 +44,20 @@ struct BakeSummary {
     std::int32_t columns = 0, rows = 0;
     Tree tree;
     float quantum_m = 0;
+    // The range of heights within one tile that made quantum_m as large as it is; 0: it was asked for, or is the
+    // source's own or fine enough for anything.
+    float quantum_range_m = 0;
     float max_error_m = 0;
-    std::uint64_t voids = 0; // samples that are holes
+    std::uint64_t voids = 0;        // samples that are holes
+    RepeatedHeight lowest, highest; // that many samples share; share 0: no such height
     std::uint64_t file_bytes = 0, geometry_bytes = 0, directory_bytes = 0, texture_bytes = 0;
     bool resumed = false; // some stages were complete from an earlier run
     // Read, filled and measured; maps; vertices; assembled and on the disk; everything.
     double seconds_read = 0, seconds_textures = 0, seconds_errors = 0, seconds_write = 0, seconds_total = 0;
 };
+
+// What a user may not expect of a bake, a line each: heights that may be no ground, and a quantum that is coarse.
+[[nodiscard]] std::vector<std::string> remarks(const BakeSummary& summary);
 
 // Bakes to OUT beside its place and renames; an old pack stays until then. Throws Failure. When that is an interruption
 // (130) or a failure of the input, and a stage is complete, PACK.work stays and the same call goes on; otherwise

@@ -32,6 +32,18 @@ void add_read_options(CLI::App& app, Recipe& r) {
     add_words(app, "nodata", r.nodata,
               "samples without a height: leave a hole, fill from their neighbours, or refuse (default: what the file "
               "marks and NaN become holes, implausible heights are refused)");
+    app.add_option_function<std::vector<std::string>>(
+           "--void",
+           [&r](const std::vector<std::string>& texts) {
+               r.voids.reset();
+               for (const std::string& text : texts) parse_voids(text, r.voids);
+           },
+           "a number that stands for no height without the file saying so, as the file has it: before its scale and "
+           "offset and before --zscale; give it again for more. none: every other number is a height, even one that "
+           "looks like a void")
+        ->type_name("VALUE")
+        ->type_size(1)
+        ->allow_extra_args(false);
 }
 
 void declare_bake(CLI::App& app, Arguments& a) {

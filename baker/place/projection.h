@@ -1,7 +1,9 @@
 // From degrees, or any CRS, to a square grid in metres.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <ogr_spatialref.h>
@@ -18,10 +20,16 @@ namespace fjell::baker {
 [[nodiscard]] std::unique_ptr<OGRSpatialReference> crs_for(const OGRSpatialReference& geographic, double west,
                                                            double south, double east, double north);
 
-// The CRS to reproject to; null: samples stay where they are. Throws Failure: 1 degrees that need a decision; 2 a crs
-// that is none or not projected.
-[[nodiscard]] std::unique_ptr<OGRSpatialReference> target_crs(const Placement& from, const ReadOptions& options,
-                                                              const std::string& path);
+// Where to reproject to.
+struct ReprojectionTarget {
+    std::unique_ptr<OGRSpatialReference> crs;  // null: samples stay where they are
+    std::optional<std::array<double, 4>> bbox; // in its units; none: all of the field
+};
+
+// Throws Failure: 1 degrees that need a decision; 2 a crs that is none or not projected. Of a field for which there is
+// no automatic CRS, --bbox is in degrees, and the CRS is one for that box.
+[[nodiscard]] ReprojectionTarget choose_target(const Placement& from, const ReadOptions& options,
+                                               const std::string& path);
 
 // GDAL's exact transformation between a raster of one CRS and one of another. One thread.
 class Transformer {
@@ -46,7 +54,7 @@ private:
 // The grid of the reprojected field: square, its spacing --spacing or that of the source in the middle to three
 // digits, edges on multiples of it, so that neighbours fit; around the bbox if there is one, else around the source.
 // Throws Failure 1: outside, or too large.
-[[nodiscard]] Placement target_grid(GDALDataset& from, const OGRSpatialReference& crs, const ReadOptions& options,
+[[nodiscard]] Placement target_grid(GDALDataset& from, const ReprojectionTarget& target, const ReadOptions& options,
                                     const std::string& path);
 
 // The CRS of what has degrees, without its vertical part.

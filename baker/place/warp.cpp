@@ -97,6 +97,7 @@ void Warp::ApproximateFree::operator()(void* transformer) const {
 void Warp::fetch(const Window& window, float* to) {
     ReadStatistics statistics;
     mosaic_.read(window, to, statistics);
+    ends_.add(statistics.ends);
     const bool ask = options_.nodata == NoData::automatic || options_.nodata == NoData::refuse;
     if (ask && statistics.implausible.count)
         throw Failure(1, fmt::format("{}: has heights outside {}..{} m, such as {} m at column {}, row {}; if they are "
