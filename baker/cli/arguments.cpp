@@ -24,9 +24,8 @@ void add_read_options(CLI::App& app, Recipe& r) {
     add_words(app, "encoding", r.encoding, "heights packed into red, green and blue");
     app.add_option_function<std::string>(
         "--bbox", [&r](const std::string& text) { r.bbox = parse_bbox(text); },
-        "WEST,SOUTH,EAST,NORTH: only samples inside, in units of the CRS (after reprojection), or columns and rows "
-        "from "
-        "the north-west where there is no georeference");
+        "WEST,SOUTH,EAST,NORTH: only samples inside, in units of the CRS (after reprojection), in degrees of what "
+        "spans more than a plane holds, or columns and rows from the north-west where there is no georeference");
     app.add_option("--zscale", r.zscale, "multiplies heights (after the file's own scale)");
     app.add_option("--zoffset", r.zoffset, "metres added to heights after --zscale");
     add_words(app, "nodata", r.nodata,

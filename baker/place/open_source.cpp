@@ -268,7 +268,7 @@ void FileSource::tell_voids(const ReadStatistics& statistics, SourceProperties& 
                                 v.samples.count, found.samples, number_text(v.number), v.samples.column, v.samples.row);
             options += fmt::format(" --void {}", number_text(v.number));
         }
-        const std::string others = found.others ? fmt::format(", all others lie from {} to {}",
+        const std::string others = found.others ? fmt::format("; all others lie from {} to {}",
                                                               number_text(found.least), number_text(found.most))
                                                 : "";
         throw Failure(1, fmt::format("{}: {}{}{}; if they are voids, give{} (they become holes, or are filled with "

@@ -140,6 +140,14 @@ double spacing_at(const Transformer& transformer, double x, double y, double uni
     return std::sqrt(area);
 }
 
+// The same in the middle of the source; where a map is cut there, as that of a globe whose longitudes begin at 0, a
+// quarter further on.
+double spacing_in_middle(const Transformer& transformer, double x, double y, double columns, double unit_m) {
+    const double middle = spacing_at(transformer, x, y, unit_m);
+    const double beside = spacing_at(transformer, x + columns / 4, y, unit_m);
+    return beside > 0 && middle > 3 * beside ? beside : middle;
+}
+
 bool touches(const Transformer& transformer, const Extent& box, const GDALDataset& from) {
     constexpr int steps = 32;
     for (int j = 0; j <= steps; ++j)
@@ -305,7 +313,8 @@ Placement target_grid(GDALDataset& from, const ReprojectionTarget& target, const
         throw Failure(1,
                       fmt::format("{}: does not fit into that CRS; choose a part with --bbox, or another --crs", path));
     }
-    const double spacing_m = options.spacing_m ? *options.spacing_m : spacing_at(transformer, x, y, p.unit_m);
+    const double spacing_m =
+        options.spacing_m ? *options.spacing_m : spacing_in_middle(transformer, x, y, from.GetRasterXSize(), p.unit_m);
     if (!(spacing_m >= min_spacing_m && spacing_m <= max_spacing_m))
         throw Failure(1, fmt::format("{}: has no spacing in its middle in that CRS; give --spacing M", path));
     const double step = options.spacing_m ? spacing_m / p.unit_m : rounded(spacing_m / p.unit_m);

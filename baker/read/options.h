@@ -37,8 +37,9 @@ struct ReadOptions {
     // nothing is reprojected. Else a projected CRS as GDAL understands it ("EPSG:25832", WKT, PROJ) to reproject to.
     std::string crs = "auto";
     Encoding encoding = Encoding::none;
-    // West, south, east, north: only samples inside. In the units of the CRS after reprojection; columns and rows,
-    // counted from the north-west, when there is no georeference.
+    // West, south, east, north: only samples inside. In the units of the CRS after reprojection; degrees, when there is
+    // no automatic CRS for all of the field; columns and rows, counted from the north-west, when there is no
+    // georeference.
     std::optional<std::array<double, 4>> bbox;
     // Multiplies heights after the band's own scale and offset; not given: 1, and depths and unknown units are refused.
     std::optional<double> zscale;

@@ -168,6 +168,9 @@ TEST_CASE("the globe of another body is refused with what that body needs, and t
         const Dem all = read_dem(path, o);
         CHECK(all.columns >= 72);
         CHECK(all.columns <= 75);
+        r.geotransform[0] = 0; // the map is cut in the middle of the file
+        CHECK(read_dem(write(r, dir / "b.tif"), o).columns == all.columns);
+        r.geotransform[0] = -180;
         ReadOptions part;
         part.bbox = {{10, 20, 50, 50}};
         const Dem region = read_dem(path, part);
