@@ -191,7 +191,9 @@ private:
             const RangeEnds::Marker& marker = ends_.markers_[m];
             const double number = undeclared_markers[m];
             if (number <= found.least || number >= found.most) continue;
-            if (marker.exact.count >= crowd && marker.exact.count > 8 * marker.near)
+            // Others there, one unit with another: whole metres have so many samples each, finer heights fewer.
+            const double units = 2 * std::abs(number) / 100, others = static_cast<double>(marker.near) / units;
+            if (marker.exact.count >= crowd && static_cast<double>(marker.exact.count) > 16 * others)
                 found.voids.push_back({number, marker.exact});
         }
     }

@@ -71,8 +71,8 @@ struct VoidFindings {
 
 // What stands out. A number looks like a void when
 // - it is one that programs write for "no height" (-9999, -32768, ...) and lies apart from the rest by a tenth of their
-//   range and of itself, or lies among the rest, but occurs eight times as often as all numbers within a hundredth of
-//   it;
+//   range and of itself, or lies among the rest, but occurs sixteen times as often as the others
+//   within a hundredth of it do, unit by unit;
 // - it is any number, repeats, and lies apart from the rest by twice their range, which has eight numbers at least.
 // same_scale: all numbers are on one scale; otherwise distances between them mean nothing, and only the first holds.
 [[nodiscard]] VoidFindings find_voids(const RangeEnds& ends, bool same_scale);

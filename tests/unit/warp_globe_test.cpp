@@ -175,6 +175,6 @@ TEST_CASE("the globe of another body is refused with what that body needs, and t
         part.bbox = {{10, 20, 50, 50}};
         const Dem region = read_dem(path, part);
         CHECK(region.columns >= 6);
-        CHECK(region.crs_wkt.find(body.plane[10] == 'a' ? "3396190" : "1737400") != std::string::npos);
+        CHECK(region.crs_wkt.find(body.plane[11] == 'a' ? "3396190" : "1737400") != std::string::npos);
     }
 }
