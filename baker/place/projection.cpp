@@ -251,6 +251,11 @@ Transformer::Transformer(GDALDataset& from, const std::string& crs_wkt, const st
     argument_ = GDALCreateGenImgProjTransformer2(GDALDataset::ToHandle(&from), nullptr, options.List());
     if (!argument_)
         throw Failure(1, fmt::format("{}: cannot be reprojected; try another --crs{}", path, messages.said()));
+    columns_ = from.GetRasterXSize();
+    std::array<double, 6> t{};
+    const OGRSpatialReference* const own = from.GetSpatialRef();
+    if (own && own->IsGeographic() && from.GetGeoTransform(t.data()) == CE_None && columns_ * t[1] > 360)
+        turn_ = 360 / t[1];
 }
 
 Transformer::~Transformer() {
@@ -266,8 +271,26 @@ bool Transformer::transform(int backwards, double& x, double& y) const {
     const GdalMessages quiet;
     double z = 0;
     int good = 0;
-    return GDALGenImgProjTransform(argument_, backwards, 1, &x, &y, &z, &good) && good && std::isfinite(x) &&
-           std::isfinite(y);
+    return function()(argument(), backwards, 1, &x, &y, &z, &good) && good && std::isfinite(x) && std::isfinite(y);
+}
+
+GDALTransformerFunc Transformer::function() const {
+    return turn_ > 0 ? wrap : GDALGenImgProjTransform;
+}
+void* Transformer::argument() const {
+    return turn_ > 0 ? const_cast<Transformer*>(this) : argument_;
+}
+
+int Transformer::wrap(void* self, int backwards, int count, double* x, double* y, double* z, int* good) {
+    const Transformer& t = *static_cast<const Transformer*>(self);
+    const int done = GDALGenImgProjTransform(t.argument_, backwards, count, x, y, z, good);
+    if (!backwards) return done;
+    for (int i = 0; i < count; ++i) {
+        if (!good[i] || (x[i] >= 0 && x[i] <= t.columns_)) continue;
+        const double wrapped = x[i] - t.turn_ * std::floor(x[i] / t.turn_);
+        if (wrapped <= t.columns_) x[i] = wrapped;
+    }
+    return done;
 }
 
 bool Transformer::to_source(double& x, double& y) const {
@@ -291,7 +314,7 @@ Placement target_grid(GDALDataset& from, const ReprojectionTarget& target, const
     int columns = 0, rows = 0;
     Extent extent;
     const bool known =
-        GDALSuggestedWarpOutput2(GDALDataset::ToHandle(&from), GDALGenImgProjTransform, transformer.argument(),
+        GDALSuggestedWarpOutput2(GDALDataset::ToHandle(&from), transformer.function(), transformer.argument(),
                                  unused.data(), &columns, &rows, around.data(), 0) == CE_None;
     if (known) extent = {{around[0], around[1]}, {around[2], around[3]}};
     double x = 0.5 * from.GetRasterXSize(), y = 0.5 * from.GetRasterYSize();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include <gdal_alg.h>
 #include <ogr_spatialref.h>
 
 #include "baker/read/options.h"
@@ -40,7 +41,10 @@ public:
     Transformer(const Transformer&) = delete;
     Transformer& operator=(const Transformer&) = delete;
 
-    [[nodiscard]] void* argument() const { return argument_; }
+    // For GDAL: what transforms, and what it takes first. Columns of a source that goes round once and a little more
+    // are wrapped into it, which GDAL gives up: rounded steps, and columns at both ends, make that little.
+    [[nodiscard]] GDALTransformerFunc function() const;
+    [[nodiscard]] void* argument() const;
     void set_target(const Placement& to);
     // Columns and rows, pixel edges at whole numbers. False: no such place.
     bool to_source(double& x, double& y) const;
@@ -49,6 +53,8 @@ public:
 private:
     bool transform(int backwards, double& x, double& y) const;
     void* argument_ = nullptr;
+    static int wrap(void* self, int backwards, int count, double* x, double* y, double* z, int* good);
+    double columns_ = 0, turn_ = 0; // of the source; columns of a full circle, 0: it has no more than that
 };
 
 // The grid of the reprojected field: square, its spacing --spacing or that of the source in the middle to three

@@ -72,7 +72,7 @@ Warp::Warp(const MosaicLayout& from, const Placement& to, const ReadOptions& opt
     o->panDstBands = first_band();
     o->padfSrcNoDataReal = one_number(nothing);
     o->padfDstNoDataReal = one_number(nothing);
-    approximate_.reset(GDALCreateApproxTransformer(GDALGenImgProjTransform, transformer_.argument(), place_error));
+    approximate_.reset(GDALCreateApproxTransformer(transformer_.function(), transformer_.argument(), place_error));
     o->pfnTransformer = GDALApproxTransform;
     o->pTransformerArg = approximate_.get();
     CPLStringList settings;

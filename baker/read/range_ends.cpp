@@ -78,9 +78,11 @@ void RangeEnds::see_row(const T* numbers, std::size_t count, const RowPlace& pla
     see_markers(numbers, count, place, static_cast<double>(least), static_cast<double>(most));
     const bool low = low_.takes(static_cast<double>(least), 1), high = high_.takes(static_cast<double>(most), -1);
     if (!low && !high) return;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0, next = 0; i < count; i = next) {
         const auto number = static_cast<double>(numbers[i]);
-        const Tally here{1, place.x + static_cast<std::int32_t>(i) * place.step, place.y};
+        for (next = i + 1; next < count && numbers[next] == numbers[i];) ++next; // seas are long runs
+        const std::size_t first = place.step > 0 ? i : next - 1;
+        const Tally here{next - i, place.x + static_cast<std::int32_t>(first) * place.step, place.y};
         if (low && low_.takes(number, 1)) low_.add({number, here}, 1);
         if (high && high_.takes(number, -1)) high_.add({number, here}, -1);
     }
