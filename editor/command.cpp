@@ -143,6 +143,7 @@ Command bake(Words& w) {
     w.options({{"tile", [&](const std::string& v) { b.tile = v == "auto" ? 0 : Words::count_of(v, "tile"); }},
                {"order", [&](const std::string& v) { b.order = v; }},
                {"nodata", [&](const std::string& v) { b.nodata = v; }},
+               {"void", [&](const std::string& v) { b.voids = v; }},
                {"crs", [&](const std::string& v) { b.crs = v; }},
                {"memory_mb", [&](const std::string& v) { b.memory_mb = Words::count_of(v, "memory_mb"); }},
                {"texture", [&](const std::string& v) { b.texture = v; }},
@@ -234,7 +235,7 @@ std::vector<Verb> terrain_verbs() {
          }},
         {"bake",
          "HEIGHTS... PACK [tile=N|auto] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S] [order=planar|hz|linear] "
-         "[nodata=hole|fill|refuse] [crs=C] [memory_mb=N]",
+         "[nodata=hole|fill|refuse] [void=V,...|none] [crs=C] [memory_mb=N]",
          "bakes a pack and opens it; several files make a mosaic, a .json file is a recipe", bake},
     };
 }

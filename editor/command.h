@@ -150,7 +150,7 @@ struct BakePack {
     std::uint32_t tile = 0; // cells a side; 0: auto
     std::string texture, ramp;
     double spacing_m = 0, height_scale = 1; // 0: the file's own
-    std::string order, nodata, crs;         // as fjell-bake has them; empty: its defaults
+    std::string order, nodata, voids, crs;  // as fjell-bake has them; empty: its defaults
     std::uint32_t memory_mb = 512;
     double checkpoint_s = -1; // at least 0: work files even when all fits the memory (baker/bake/bake.h)
 };

@@ -12,6 +12,7 @@
 #include "baker/bake/context.h"
 #include "baker/bake/plan.h"
 #include "baker/bake/stages.h"
+#include "baker/heights/scales.h"
 #include "io/file.h"
 
 namespace fjell::baker {
@@ -95,6 +96,8 @@ void Bake::run_stages() {
         found.holes = read.has_voids && read.properties.holes;
         found.native_quantum_m = read.properties.native_quantum_m;
         found.anchor_m = read.properties.anchor_m;
+        found.lowest = read.properties.lowest;
+        found.highest = read.properties.highest;
     });
     if (found.has_voids && !complete({Stage::finest_step})) {
         filled = context_.open<float>("filled", tree.columns(), tree.rows());
@@ -170,11 +173,18 @@ void Bake::summarise(const PackHeader& header) {
     summary_.quantum_m = header.quantum_m;
     summary_.min_m = header.min_m;
     summary_.max_m = header.max_m;
+    const CheckpointState& found = checkpoint_.state;
+    constexpr double fine_m = 0.01; // a centimetre
+    if (context_.options.quantum_m == 0 && header.quantum_m > std::max(found.native_quantum_m, fine_m) &&
+        header.quantum_m <= least_quantum_m(found.heights) * 1.001)
+        summary_.quantum_range_m = found.heights.tile_range_m;
     summary_.max_error_m = header.max_error_m;
     summary_.ground_error_m = header.voids ? checkpoint_.state.ground_error_m : header.max_error_m;
     summary_.voids = header.voids;
     summary_.crs_wkt = context_.source.crs_wkt;
     summary_.source = context_.source.facts;
+    summary_.lowest = found.lowest;
+    summary_.highest = found.highest;
 }
 
 constexpr StageId far_mip_stage(MapKind kind, std::uint32_t mip) {
@@ -241,6 +251,22 @@ int auto_tile_log2(std::int32_t columns, std::int32_t rows) {
     };
     while (log2 < max_tile_log2 && tiles() > 1024) ++log2;
     return log2;
+}
+
+std::vector<std::string> remarks(const BakeSummary& s) {
+    std::vector<std::string> lines;
+    for (const RepeatedHeight* r : {&s.lowest, &s.highest})
+        if (r->share > 0)
+            lines.push_back(fmt::format("{:.2g}% of the heights are {:.6g} m, the {}, the first at column {}, row {}: "
+                                        "taken as ground; if they are voids, give --void {}",
+                                        100 * r->share, r->height_m, r == &s.lowest ? "lowest" : "highest", r->column,
+                                        r->row, number_text(r->number)));
+    if (s.quantum_range_m > 0)
+        lines.push_back(
+            fmt::format("the quantum is {:.4g} m because 65536 steps of 16 bits span the {:.6g} m within one "
+                        "tile; smaller tiles (--tile) keep finer steps",
+                        s.quantum_m, s.quantum_range_m));
+    return lines;
 }
 
 BakeSummary bake(const HeightSource& source, const BakeOptions& options, const std::string& out_path) {

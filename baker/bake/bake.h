@@ -46,16 +46,23 @@ struct BakeSummary {
     Tree tree;
     double spacing_m[2] = {0, 0};
     float quantum_m = 0, min_m = 0, max_m = 0;
+    // The range of heights within one tile that made quantum_m as large as it is; 0: it was asked for, or is the
+    // source's own or fine enough for anything.
+    float quantum_range_m = 0;
     float max_error_m = 0;    // of any vertex: beside a hole an error is at least the size of its triangles
     float ground_error_m = 0; // how far ground lies from a triangle that could be drawn over it, at most
     std::string crs_wkt;      // empty: none
     SourceFacts source;
-    std::uint64_t voids = 0; // samples that are holes
+    std::uint64_t voids = 0;        // samples that are holes
+    RepeatedHeight lowest, highest; // that many samples share; share 0: no such height
     std::uint64_t file_bytes = 0, geometry_bytes = 0, directory_bytes = 0, texture_bytes = 0;
     bool resumed = false; // some stages were complete from an earlier run
     // Read, filled and measured; maps; vertices; assembled and on the disk; everything.
     double seconds_read = 0, seconds_textures = 0, seconds_errors = 0, seconds_write = 0, seconds_total = 0;
 };
+
+// What a user may not expect of a bake, a line each: heights that may be no ground, and a quantum that is coarse.
+[[nodiscard]] std::vector<std::string> remarks(const BakeSummary& summary);
 
 // Bakes to OUT beside its place and renames; an old pack stays until then. Throws Failure. When that is an interruption
 // (130) or a failure of the input, and a stage is complete, PACK.work stays and the same call goes on; otherwise

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "baker/heights/statistics.h"
+#include "baker/read/source.h"
 
 namespace fjell::baker {
 
@@ -31,6 +32,7 @@ struct CheckpointState {
     float ground_error_m = 0;                  // finest_step
     std::uint64_t spool_bytes = 0;             // chunks of complete stages
     double native_quantum_m = 0, anchor_m = 0; // read: see SourceProperties
+    RepeatedHeight lowest, highest;            // read: see SourceProperties
     HeightStatistics heights;                  // measure
 };
 

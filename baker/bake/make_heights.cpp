@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,8 @@ ReadResult read_heights(const BakeContext& context, Store<float>& heights) {
     const std::vector<Window> windows = context.source.windows(window_samples);
     std::size_t largest = 0;
     for (const Window& w : windows) largest = std::max(largest, w.area());
-    std::vector<ReadStatistics> parts(windows.size());
+    ReadStatistics all;
+    std::mutex adding;
     ReaderPool<HeightSource, HeightReader> readers(&context.source);
     const int workers =
         std::min(context.source.readers(context.threads), context.workers_for(largest * 2 * sizeof(float)));
@@ -25,12 +27,13 @@ ReadResult read_heights(const BakeContext& context, Store<float>& heights) {
                       [&](std::uint64_t i) {
                           std::unique_ptr<HeightReader> reader = readers.take();
                           Buffer<float> read(windows[i].area());
-                          reader->read(windows[i], read.data(), parts[i]);
+                          ReadStatistics part;
+                          reader->read(windows[i], read.data(), part);
                           heights.write(windows[i], read.data(), windows[i].columns);
                           readers.give(std::move(reader));
+                          const std::lock_guard hold(adding);
+                          all.add(part);
                       });
-    ReadStatistics all;
-    for (const ReadStatistics& part : parts) all.add(part);
     return {context.source.properties(all), all.voids.count + all.implausible.count > 0};
 }
 

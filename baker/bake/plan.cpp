@@ -72,8 +72,10 @@ void check_header(const BakeContext& context, const PackHeader& header) {
 BakePlan make_plan(const BakeContext& context, const CheckpointState& found) {
     const HeightSource& source = context.source;
     BakePlan plan;
-    plan.height_scale = choose_height_scale(
-        found.heights, {{source.spacing_m[0], source.spacing_m[1]}, found.native_quantum_m, context.options.quantum_m});
+    plan.height_scale = choose_height_scale(found.heights, {{source.spacing_m[0], source.spacing_m[1]},
+                                                            found.native_quantum_m,
+                                                            context.options.quantum_m,
+                                                            context.tree.side()});
     // The stored float is what readers test against.
     const double nesting = static_cast<double>(static_cast<float>(context.options.nesting));
     plan.scales = choose_scales(

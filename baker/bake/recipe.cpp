@@ -104,6 +104,18 @@ std::array<double, 4> bbox_of(const ordered_json& value, const std::string& name
     return box;
 }
 
+DeclaredVoids voids_of(const ordered_json& value, const std::string& name) {
+    DeclaredVoids voids;
+    if (!value.is_array()) refuse(name, "\"void\" must be a list of numbers, or [\"none\"]");
+    for (const auto& entry : value) {
+        if (entry == "none")
+            voids.no_others = true;
+        else
+            voids.numbers.push_back(number_of(entry, "void", name));
+    }
+    return voids;
+}
+
 void take(Recipe& recipe, const std::string& key, const ordered_json& value, const std::string& name) {
     if (key == "inputs" || key == "texture") {
         (key == "inputs" ? recipe.inputs : recipe.texture) = files_of(value, key, name);
@@ -111,6 +123,10 @@ void take(Recipe& recipe, const std::string& key, const ordered_json& value, con
     }
     if (key == "bbox") {
         recipe.bbox = bbox_of(value, name);
+        return;
+    }
+    if (key == "void") {
+        recipe.voids = voids_of(value, name);
         return;
     }
     for (const TextField& field : text_fields())
@@ -157,6 +173,10 @@ std::string recipe_text(const Recipe& recipe) {
     for (const NumberField& field : number_fields())
         if (recipe.*field.member) json[field.key] = *(recipe.*field.member);
     if (recipe.bbox) json["bbox"] = *recipe.bbox;
+    if (recipe.voids) {
+        json["void"] = recipe.voids->numbers;
+        if (recipe.voids->no_others) json["void"].push_back("none");
+    }
     return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
@@ -183,6 +203,7 @@ Recipe merged(Recipe given, const Recipe& below) {
     for (const NumberField& field : number_fields())
         if (!(given.*field.member)) given.*field.member = below.*field.member;
     if (!given.bbox) given.bbox = below.bbox;
+    if (!given.voids) given.voids = below.voids;
     return given;
 }
 
@@ -199,10 +220,11 @@ Recipe reading_part(Recipe recipe) {
 ReadOptions read_options(const Recipe& recipe) {
     ReadOptions o;
     o.spacing_m = recipe.spacing;
-    o.zscale = recipe.zscale.value_or(1);
+    o.zscale = recipe.zscale;
     o.zoffset_m = recipe.zoffset.value_or(0);
     o.crs = recipe.crs.value_or("auto");
     o.bbox = recipe.bbox;
+    o.voids = recipe.voids.value_or(DeclaredVoids{});
     const std::string nodata = recipe.nodata.value_or(""), encoding = recipe.encoding.value_or("");
     if (nodata == "hole") o.nodata = NoData::hole;
     if (nodata == "fill") o.nodata = NoData::fill;
@@ -261,6 +283,24 @@ std::array<double, 4> parse_bbox(const std::string& text) {
         at = next + !last;
     }
     return box;
+}
+
+void parse_voids(const std::string& text, std::optional<DeclaredVoids>& to) {
+    if (!to) to.emplace();
+    for (std::size_t at = 0; at <= text.size();) {
+        const std::string word = text.substr(at, text.find(',', at) - at);
+        at += word.size() + 1;
+        if (word == "none") {
+            to->no_others = true;
+            continue;
+        }
+        double number = 0;
+        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+        if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(number))
+            throw Failure(2, fmt::format("--void {}: must be a number of the file that stands for no height, or none",
+                                         quoted(word)));
+        to->numbers.push_back(number);
+    }
 }
 
 } // namespace fjell::baker

@@ -19,6 +19,7 @@ struct Recipe {
     std::optional<std::string> nodata, crs, encoding, tile, estimate, order;
     std::optional<double> spacing, zscale, zoffset, nesting, quantum;
     std::optional<std::array<double, 4>> bbox; // west, south, east, north
+    std::optional<DeclaredVoids> voids;        // key "void"
     friend bool operator==(const Recipe&, const Recipe&) = default;
 };
 
@@ -46,5 +47,7 @@ struct Recipe {
 [[nodiscard]] std::vector<std::string> words_of(const std::string& key);
 // "WEST,SOUTH,EAST,NORTH" to four numbers. Throws Failure 2.
 [[nodiscard]] std::array<double, 4> parse_bbox(const std::string& text);
+// "-9999", "none" or several with commas, added to what there is. Throws Failure 2.
+void parse_voids(const std::string& text, std::optional<DeclaredVoids>& to);
 
 } // namespace fjell::baker

@@ -24,14 +24,25 @@ void add_read_options(CLI::App& app, Recipe& r) {
     add_words(app, "encoding", r.encoding, "heights packed into red, green and blue");
     app.add_option_function<std::string>(
         "--bbox", [&r](const std::string& text) { r.bbox = parse_bbox(text); },
-        "WEST,SOUTH,EAST,NORTH: only samples inside, in units of the CRS (after reprojection), or columns and rows "
-        "from "
-        "the north-west where there is no georeference");
+        "WEST,SOUTH,EAST,NORTH: only samples inside, in units of the CRS (after reprojection), in degrees of what "
+        "spans more than a plane holds, or columns and rows from the north-west where there is no georeference");
     app.add_option("--zscale", r.zscale, "multiplies heights (after the file's own scale)");
     app.add_option("--zoffset", r.zoffset, "metres added to heights after --zscale");
     add_words(app, "nodata", r.nodata,
               "samples without a height: leave a hole, fill from their neighbours, or refuse (default: what the file "
               "marks and NaN become holes, implausible heights are refused)");
+    app.add_option_function<std::vector<std::string>>(
+           "--void",
+           [&r](const std::vector<std::string>& texts) {
+               r.voids.reset();
+               for (const std::string& text : texts) parse_voids(text, r.voids);
+           },
+           "a number that stands for no height without the file saying so, as the file has it: before its scale and "
+           "offset and before --zscale; give it again for more. none: every other number is a height, even one that "
+           "looks like a void")
+        ->type_name("VALUE")
+        ->type_size(1)
+        ->allow_extra_args(false);
 }
 
 void declare_bake(CLI::App& app, Arguments& a) {

@@ -75,17 +75,26 @@ double most_resident_mb() {
     return 0;
 }
 
+// Heights that many samples share: null for none.
+json repeated_json(const RepeatedHeight& r) {
+    if (r.share == 0) return {};
+    return {{"height_m", r.height_m}, {"number", r.number}, {"share", r.share}, {"first", {r.column, r.row}}};
+}
+
 json summary_json(const BakeSummary& s) {
     json j{{"columns", s.columns},
            {"rows", s.rows},
            {"tiles", {s.tree.tiles_x, s.tree.tiles_y}},
            {"tile_cells", s.tree.side()},
            {"quantum_m", s.quantum_m},
+           {"quantum_range_m", s.quantum_range_m},
            {"max_error_m", s.max_error_m},
            {"file_bytes", s.file_bytes},
            {"geometry_bytes", s.geometry_bytes},
            {"directory_bytes", s.directory_bytes},
            {"holes", s.voids},
+           {"repeated_lowest", repeated_json(s.lowest)},
+           {"repeated_highest", repeated_json(s.highest)},
            {"texture_bytes", s.texture_bytes},
            {"resumed", s.resumed},
            {"resident_mb_max", most_resident_mb()},
@@ -146,6 +155,7 @@ int run_bake(const Arguments& a) {
     fmt::print("{:.1f} MB ({:.2f} bytes a sample of geometry) in {:.1f} s ({:.1f} M samples/s; errors {:.1f} s)\n",
                static_cast<double>(s.file_bytes) / 1e6, static_cast<double>(s.geometry_bytes) / samples,
                s.seconds_total, samples / s.seconds_total / 1e6, s.seconds_errors);
+    for (const std::string& line : remarks(s)) fmt::print("{}\n", line);
     return 0;
 }
 

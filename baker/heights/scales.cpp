@@ -22,22 +22,34 @@ constexpr double height_steps = max_height_steps - 65536;
 constexpr double finest_quantum_m = 1e-6; // less is noise of the source's own floats
 constexpr double above = 1 + 0x1p-20;     // more than the float roundings of a bound
 
+// To three digits, so that what a message names is enough.
+double rounded_up(double quantum_m) {
+    const double unit = std::pow(10.0, std::floor(std::log10(quantum_m)) - 2);
+    return std::ceil(quantum_m / unit) * unit;
+}
+
 } // namespace
+
+double least_quantum_m(const HeightStatistics& heights) {
+    const double range = static_cast<double>(heights.most_m) - static_cast<double>(heights.least_m);
+    // Rounded up, so that the highest sample still has a step.
+    return std::max(static_cast<double>(heights.tile_range_m) / page_steps, range / height_steps) * (1 + 0x1p-22);
+}
 
 HeightScale choose_height_scale(const HeightStatistics& heights, const HeightScaleRequest& request) {
     const double base = heights.least_m, range = static_cast<double>(heights.most_m) - base;
-    // Rounded up, so that the highest sample still has a step.
-    const double needed =
-        std::max(static_cast<double>(heights.tile_range_m) / page_steps, range / height_steps) * (1 + 0x1p-22);
+    const double needed = least_quantum_m(heights);
     const auto height_scale = [&](double quantum) {
         return HeightScale{static_cast<float>(base), std::nextafter(static_cast<float>(quantum), HUGE_VALF)};
     };
     if (request.asked_m > 0) {
         if (request.asked_m < std::max(needed, finest_quantum_m))
             throw Failure(2,
-                          fmt::format("--quantum {} m is too small for these heights; give at least {:.3g}, or smaller "
-                                      "tiles",
-                                      request.asked_m, std::max(needed, finest_quantum_m)));
+                          fmt::format("--quantum {} m is too small for these heights: {} steps of 16 bits span the "
+                                      "{:.6g} m within one tile{}; give at least {:.3g}, or smaller tiles with --tile",
+                                      request.asked_m, page_steps + 1, heights.tile_range_m,
+                                      request.tile_cells ? fmt::format(" of {} cells", request.tile_cells) : "",
+                                      rounded_up(std::max(needed, finest_quantum_m))));
         return {static_cast<float>(base), static_cast<float>(request.asked_m)};
     }
     if (request.native_quantum_m > 0 && needed <= request.native_quantum_m)

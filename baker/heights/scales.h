@@ -20,7 +20,10 @@ struct HeightScaleRequest {
     double spacing_m[2] = {1, 1};
     double native_quantum_m = 0; // 0: not known
     double asked_m = 0;
+    std::int32_t tile_cells = 0; // for the message; 0: not known
 };
+// The coarsest step that the largest range of heights within a tile needs.
+[[nodiscard]] double least_quantum_m(const HeightStatistics& heights);
 [[nodiscard]] HeightScale choose_height_scale(const HeightStatistics& heights, const HeightScaleRequest& request);
 
 // HeightScale steps of heights, to the nearest; halves upwards.

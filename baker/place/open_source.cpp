@@ -24,8 +24,8 @@ void check_options(const std::vector<std::string>& paths, const ReadOptions& o) 
     if (o.spacing_m && !(*o.spacing_m >= min_spacing_m && *o.spacing_m <= max_spacing_m))
         throw Failure(2, fmt::format("--spacing {} is out of range; give metres between samples in {}..{:.0f}",
                                      *o.spacing_m, min_spacing_m, max_spacing_m));
-    if (!(std::abs(o.zscale) >= 1e-6 && std::abs(o.zscale) <= 1e6))
-        throw Failure(2, fmt::format("--zscale {} is out of range; give a factor of size 1e-6..1e6", o.zscale));
+    if (o.zscale && !(std::abs(*o.zscale) >= 1e-6 && std::abs(*o.zscale) <= 1e6))
+        throw Failure(2, fmt::format("--zscale {} is out of range; give a factor of size 1e-6..1e6", *o.zscale));
     if (!(std::abs(o.zoffset_m) <= 1e7))
         throw Failure(2, fmt::format("--zoffset {} is out of range; give metres in -1e7..1e7", o.zoffset_m));
     if (!o.bbox) return;
@@ -108,14 +108,11 @@ std::shared_ptr<const ReadPlan> make_plan(const std::vector<std::string>& paths,
     plan->layout = lay_out(paths, options);
     plan->target = plan->layout.at;
     const GdalMessages quiet;
-    const auto crs = target_crs(plan->layout.at, options, plan->names());
-    if (crs) {
-        if (options.bbox && !((*options.bbox)[1] < (*options.bbox)[3]))
-            throw Failure(2, fmt::format("--bbox: SOUTH {} is not less than NORTH {}; give WEST,SOUTH,EAST,NORTH",
-                                         (*options.bbox)[1], (*options.bbox)[3]));
+    const ReprojectionTarget target = choose_target(plan->layout.at, options, plan->names());
+    if (target.crs) {
         PlacedDataset from(plan->layout.at, source_crs(plan->layout.at), [](const Window&, float*) {});
         plan->warped = true;
-        plan->target = target_grid(from, *crs, options, plan->names());
+        plan->target = target_grid(from, target, options, plan->names());
         plan->crop = {0, 0, plan->target.columns, plan->target.rows};
     } else {
         if (!options.spacing_m) check_spacing(plan->target, plan->name());
@@ -134,6 +131,7 @@ public:
         const Window& crop = plan_->crop;
         mosaic_.read({window.x + crop.x, window.y + crop.y, window.columns, window.rows}, to, own);
         for (Tally* t : {&own.voids, &own.implausible}) t->column -= crop.x, t->row -= crop.y;
+        own.ends.move(-crop.x, -crop.y);
         statistics.add(own);
     }
 
@@ -148,6 +146,7 @@ public:
         : plan_(std::move(plan)), warp_(plan_->layout, plan_->target, plan_->options) {}
     void read(const Window& window, float* to, ReadStatistics& statistics) override {
         warp_.read(window, to);
+        statistics.ends.add(warp_.take_ends());
         statistics.per_unit = 1000; // interpolated heights have no step
         const auto columns = static_cast<std::size_t>(window.columns);
         for (std::size_t i = 0; i < window.area(); ++i) {
@@ -211,6 +210,10 @@ public:
 
 private:
     void refuse_voids(const ReadStatistics& statistics) const;
+    // Throws for heights that look like voids; else what is only worth a line.
+    void tell_voids(const ReadStatistics& statistics, SourceProperties& properties) const;
+    [[nodiscard]] VoidFindings count_again() const;
+    [[nodiscard]] bool same_scale() const;
     std::shared_ptr<const ReadPlan> plan_;
 };
 
@@ -248,6 +251,54 @@ void FileSource::refuse_voids(const ReadStatistics& statistics) const {
                                      path, voids.count, all, voids.column, voids.row, remedy));
 }
 
+bool FileSource::same_scale() const {
+    const Scaling& first = plan_->layout.files.front().facts.decoding.scaling;
+    return std::all_of(plan_->layout.files.begin(), plan_->layout.files.end(),
+                       [&](const MosaicFile& f) { return f.facts.decoding.scaling == first; });
+}
+
+// Where blocks were fetched to be reprojected, samples were counted twice; a refusal should name the number that a user
+// finds.
+VoidFindings FileSource::count_again() const {
+    Mosaic mosaic(plan_->layout, plan_->options);
+    ReadStatistics all;
+    std::vector<float> unused;
+    constexpr std::size_t at_once = std::size_t{1} << 20;
+    const Placement& at = plan_->layout.at;
+    for (const Window& w : cut_along(plan_->layout, {0, 0, at.columns, at.rows}, at_once)) {
+        unused.resize(w.area());
+        mosaic.read(w, unused.data(), all);
+    }
+    return find_voids(all.ends, same_scale());
+}
+
+void FileSource::tell_voids(const ReadStatistics& statistics, SourceProperties& properties) const {
+    if (plan_->options.voids.no_others) return;
+    VoidFindings found = find_voids(statistics.ends, same_scale());
+    if (plan_->warped && !found.voids.empty()) found = count_again();
+    const Scaling& scaling = plan_->layout.files.front().facts.decoding.scaling;
+    if (!found.voids.empty()) {
+        std::string what, options;
+        for (const NumberTally& v : found.voids) {
+            what += fmt::format("{}{} of {} heights are {}, the first at column {}, row {}", what.empty() ? "" : ", ",
+                                v.samples.count, found.samples, number_text(v.number), v.samples.column, v.samples.row);
+            options += fmt::format(" --void {}", number_text(v.number));
+        }
+        const std::string others = found.others ? fmt::format("; all others lie from {} to {}",
+                                                              number_text(found.least), number_text(found.most))
+                                                : "";
+        throw Failure(1, fmt::format("{}: {}{}{}; if they are voids, give{} (they become holes, or are filled with "
+                                     "--nodata fill); if they are ground, --void none",
+                                     plan_->names(), what, others,
+                                     scaling == Scaling{} ? "" : " (numbers as the file has them)", options));
+    }
+    for (const Repeated& r : found.repeated)
+        (r.lowest ? properties.lowest
+                  : properties.highest) = {r.at.number, scaling.asked_m(scaling.file_m(r.at.number)),
+                                           static_cast<double>(r.at.samples.count) / static_cast<double>(found.samples),
+                                           r.at.samples.column, r.at.samples.row};
+}
+
 SourceProperties FileSource::properties(const ReadStatistics& statistics) const {
     refuse_voids(statistics);
     // Squares of heights must stay far from float's largest value, like those of extents.
@@ -256,12 +307,12 @@ SourceProperties FileSource::properties(const ReadStatistics& statistics) const 
                                      statistics.least_m, statistics.most_m));
     SourceProperties s;
     s.holes = statistics.voids.count + statistics.implausible.count > 0 && plan_->options.nodata != NoData::fill;
+    tell_voids(statistics, s);
     const FileFacts& first = plan_->layout.files.front().facts;
     const Scaling& scaling = first.decoding.scaling;
     s.anchor_m = scaling.asked_m(scaling.file_offset_m);
-    const bool alike = std::all_of(plan_->layout.files.begin(), plan_->layout.files.end(), [&](const MosaicFile& f) {
-        return f.facts.decoding.scaling == scaling && f.facts.step == first.step;
-    });
+    const bool alike = same_scale() && std::all_of(plan_->layout.files.begin(), plan_->layout.files.end(),
+                                                   [&](const MosaicFile& f) { return f.facts.step == first.step; });
     if (alike && statistics.per_unit <= 100 && !plan_->warped)
         s.native_quantum_m = first.step / statistics.per_unit * std::abs(scaling.file_scale * scaling.zscale);
     return s;
@@ -271,9 +322,10 @@ std::string FileSource::identity() const {
     const ReadOptions& o = plan_->options;
     std::string text =
         fmt::format("crs {} spacing {} encoding {} zscale {} zoffset {} nodata {} bbox", o.crs, o.spacing_m.value_or(0),
-                    static_cast<int>(o.encoding), o.zscale, o.zoffset_m, static_cast<int>(o.nodata));
+                    static_cast<int>(o.encoding), o.zscale.value_or(1), o.zoffset_m, static_cast<int>(o.nodata));
     if (o.bbox)
         for (const double edge : *o.bbox) text += fmt::format(" {}", edge);
+    text += fmt::format(" void {}{}", fmt::join(o.voids.numbers, " "), o.voids.no_others ? " none" : "");
     for (const MosaicFile& f : plan_->layout.files) text += "\n" + f.facts.identity;
     return text;
 }

@@ -54,18 +54,68 @@ std::unique_ptr<OGRSpatialReference> named_crs(const std::string& text) {
     return crs;
 }
 
-std::unique_ptr<OGRSpatialReference> automatic_crs(const Placement& from, const std::string& path) {
-    const double west = from.east(-0.5), east = from.east(from.columns - 0.5);
-    const double south = from.north(from.rows - 0.5), north = from.north(-0.5);
-    auto crs = crs_for(source_crs(from), west, south, east, north);
+// All of a body on one plane, as --crs takes it: Earth's by a well-known code, others by their own axes.
+std::string whole_body_crs(const OGRSpatialReference& geographic) {
+    const double a = geographic.GetSemiMajor(), b = geographic.GetSemiMinor();
+    if (std::abs(a - 6.37e6) < 3e4) return "EPSG:6933";
+    return fmt::format("\"+proj=eqc {} +units=m\"", std::abs(a - b) < 1e-3
+                                                        ? fmt::format("+R={:.10g}", a)
+                                                        : fmt::format("+a={:.10g} +b={:.10g}", a, b));
+}
+
+struct Degrees {
+    double west, south, east, north;
+};
+
+// Of a field that no plane holds: the box, in degrees, that was asked for. Throws Failure.
+Degrees box_in_degrees(const Degrees& all, const ReadOptions& options, const std::string& path,
+                       const OGRSpatialReference& geographic) {
+    const std::string spans = fmt::format("{}: spans {:.0f} x {:.0f} degrees, which no plane holds without squeezing",
+                                          path, all.east - all.west, all.north - all.south);
+    if (!options.bbox)
+        throw Failure(1, fmt::format("{}; give --bbox WEST,SOUTH,EAST,NORTH in degrees for a part, --crs {} for all of "
+                                     "it on one map, or --spacing M (metres between samples) for a square grid",
+                                     spans, whole_body_crs(geographic)));
+    const auto& [west, south, east, north] = *options.bbox;
+    if (std::abs(south) > 90 || std::abs(north) > 90 || std::abs(west) > 540 || std::abs(east) > 540)
+        throw Failure(1, fmt::format("{}; give --bbox in degrees, or --crs CRS for one in its units", spans));
+    // Longitudes count from anywhere.
+    const double turns = 360 * std::ceil((all.west - east) / 360);
+    if (!(west + turns < all.east && east + turns > all.west && south < all.north && north > all.south))
+        throw Failure(1, fmt::format("{}: --bbox {},{},{},{} lies outside of it; it spans {:.6g},{:.6g},{:.6g},{:.6g} "
+                                     "degrees",
+                                     path, west, south, east, north, all.west, all.south, all.east, all.north));
+    return {west, south, east, north};
+}
+
+void check_box(const ReadOptions& options) {
+    if (options.bbox && !((*options.bbox)[1] < (*options.bbox)[3]))
+        throw Failure(2, fmt::format("--bbox: SOUTH {} is not less than NORTH {}; give WEST,SOUTH,EAST,NORTH",
+                                     (*options.bbox)[1], (*options.bbox)[3]));
+}
+
+ReprojectionTarget automatic_target(const Placement& from, const ReadOptions& options, const std::string& path) {
+    check_box(options);
+    const OGRSpatialReference geographic = source_crs(from);
+    const Degrees all{from.east(-0.5), from.north(from.rows - 0.5), from.east(from.columns - 0.5), from.north(-0.5)};
+    if (auto crs = crs_for(geographic, all.west, all.south, all.east, all.north)) return {std::move(crs), options.bbox};
+    const Degrees box = box_in_degrees(all, options, path, geographic);
+    auto crs = crs_for(geographic, box.west, box.south, box.east, box.north);
     if (!crs)
         throw Failure(1,
-                      fmt::format("{}: spans {:.0f} x {:.0f} degrees, which no plane holds without squeezing; give "
-                                  "--spacing M (metres between samples) to take them as a square grid, --crs and "
-                                  "--bbox for a part, or project it first with gdalwarp -t_srs EPSG:6933 -r cubic {} "
-                                  "OUT.tif",
-                                  path, east - west, north - south, path));
-    return crs;
+                      fmt::format("{}: --bbox spans {:.0f} x {:.0f} degrees, which no plane holds without squeezing; "
+                                  "give at most 90 x 90, or --crs {} without --bbox for all of it",
+                                  path, box.east - box.west, box.north - box.south, whole_body_crs(geographic)));
+    const GdalMessages messages;
+    const std::unique_ptr<OGRCoordinateTransformation> to_plane(
+        OGRCreateCoordinateTransformation(&geographic, crs.get()));
+    std::array<double, 4> placed{};
+    constexpr int points_an_edge = 65;
+    if (!to_plane || !to_plane->TransformBounds(box.west, box.south, box.east, box.north, &placed[0], &placed[1],
+                                                &placed[2], &placed[3], points_an_edge))
+        throw Failure(1, fmt::format("{}: --bbox {},{},{},{} cannot be projected; choose another{}", path, box.west,
+                                     box.south, box.east, box.north, messages.said()));
+    return {std::move(crs), placed};
 }
 
 // To three digits: what a source has in its middle is no round number.
@@ -88,6 +138,14 @@ double spacing_at(const Transformer& transformer, double x, double y, double uni
         area *= std::hypot(bx - ax, by - ay) * unit_m;
     }
     return std::sqrt(area);
+}
+
+// The same in the middle of the source; where a map is cut there, as that of a globe whose longitudes begin at 0, a
+// quarter further on.
+double spacing_in_middle(const Transformer& transformer, double x, double y, double columns, double unit_m) {
+    const double middle = spacing_at(transformer, x, y, unit_m);
+    const double beside = spacing_at(transformer, x + columns / 4, y, unit_m);
+    return beside > 0 && middle > 3 * beside ? beside : middle;
 }
 
 bool touches(const Transformer& transformer, const Extent& box, const GDALDataset& from) {
@@ -154,8 +212,7 @@ std::unique_ptr<OGRSpatialReference> crs_for(const OGRSpatialReference& geograph
     return crs;
 }
 
-std::unique_ptr<OGRSpatialReference> target_crs(const Placement& from, const ReadOptions& options,
-                                                const std::string& path) {
+ReprojectionTarget choose_target(const Placement& from, const ReadOptions& options, const std::string& path) {
     const bool automatic = options.crs == "auto", none = options.crs == "none";
     if (!automatic && !none) {
         auto crs = named_crs(options.crs);
@@ -168,10 +225,11 @@ std::unique_ptr<OGRSpatialReference> target_crs(const Placement& from, const Rea
                                          "gdal_translate -a_srs CRS {} OUT.tif",
                                          path, path));
         const OGRSpatialReference own = source_crs(from);
-        if (!options.spacing_m && own.IsSame(crs.get())) return nullptr;
-        return crs;
+        if (!options.spacing_m && own.IsSame(crs.get())) return {};
+        check_box(options);
+        return {std::move(crs), options.bbox};
     }
-    if (options.spacing_m || from.axes == Axes::metres) return nullptr;
+    if (options.spacing_m || from.axes == Axes::metres) return {};
     if (from.axes == Axes::none)
         throw Failure(1, fmt::format("{}: has no georeference; give --spacing M (metres between samples)", path));
     if (none)
@@ -183,7 +241,7 @@ std::unique_ptr<OGRSpatialReference> target_crs(const Placement& from, const Rea
                       fmt::format("{}: has no CRS and looks as if it is in degrees; give --spacing M (metres between "
                                   "samples), or say so with gdal_translate -a_srs EPSG:4326 {} OUT.tif",
                                   path, path));
-    return automatic_crs(from, path);
+    return automatic_target(from, options, path);
 }
 
 Transformer::Transformer(GDALDataset& from, const std::string& crs_wkt, const std::string& path) {
@@ -193,6 +251,11 @@ Transformer::Transformer(GDALDataset& from, const std::string& crs_wkt, const st
     argument_ = GDALCreateGenImgProjTransformer2(GDALDataset::ToHandle(&from), nullptr, options.List());
     if (!argument_)
         throw Failure(1, fmt::format("{}: cannot be reprojected; try another --crs{}", path, messages.said()));
+    columns_ = from.GetRasterXSize();
+    std::array<double, 6> t{};
+    const OGRSpatialReference* const own = from.GetSpatialRef();
+    if (own && own->IsGeographic() && from.GetGeoTransform(t.data()) == CE_None && columns_ * t[1] > 360)
+        turn_ = 360 / t[1];
 }
 
 Transformer::~Transformer() {
@@ -208,8 +271,26 @@ bool Transformer::transform(int backwards, double& x, double& y) const {
     const GdalMessages quiet;
     double z = 0;
     int good = 0;
-    return GDALGenImgProjTransform(argument_, backwards, 1, &x, &y, &z, &good) && good && std::isfinite(x) &&
-           std::isfinite(y);
+    return function()(argument(), backwards, 1, &x, &y, &z, &good) && good && std::isfinite(x) && std::isfinite(y);
+}
+
+GDALTransformerFunc Transformer::function() const {
+    return turn_ > 0 ? wrap : GDALGenImgProjTransform;
+}
+void* Transformer::argument() const {
+    return turn_ > 0 ? const_cast<Transformer*>(this) : argument_;
+}
+
+int Transformer::wrap(void* self, int backwards, int count, double* x, double* y, double* z, int* good) {
+    const Transformer& t = *static_cast<const Transformer*>(self);
+    const int done = GDALGenImgProjTransform(t.argument_, backwards, count, x, y, z, good);
+    if (!backwards) return done;
+    for (int i = 0; i < count; ++i) {
+        if (!good[i] || (x[i] >= 0 && x[i] <= t.columns_)) continue;
+        const double wrapped = x[i] - t.turn_ * std::floor(x[i] / t.turn_);
+        if (wrapped <= t.columns_) x[i] = wrapped;
+    }
+    return done;
 }
 
 bool Transformer::to_source(double& x, double& y) const {
@@ -219,8 +300,9 @@ bool Transformer::to_target(double& x, double& y) const {
     return transform(FALSE, x, y);
 }
 
-Placement target_grid(GDALDataset& from, const OGRSpatialReference& crs, const ReadOptions& options,
+Placement target_grid(GDALDataset& from, const ReprojectionTarget& target, const ReadOptions& options,
                       const std::string& path) {
+    const OGRSpatialReference& crs = *target.crs;
     Placement p;
     p.axes = Axes::metres;
     p.crs_wkt = wkt_of(crs);
@@ -232,12 +314,12 @@ Placement target_grid(GDALDataset& from, const OGRSpatialReference& crs, const R
     int columns = 0, rows = 0;
     Extent extent;
     const bool known =
-        GDALSuggestedWarpOutput2(GDALDataset::ToHandle(&from), GDALGenImgProjTransform, transformer.argument(),
+        GDALSuggestedWarpOutput2(GDALDataset::ToHandle(&from), transformer.function(), transformer.argument(),
                                  unused.data(), &columns, &rows, around.data(), 0) == CE_None;
     if (known) extent = {{around[0], around[1]}, {around[2], around[3]}};
     double x = 0.5 * from.GetRasterXSize(), y = 0.5 * from.GetRasterYSize();
-    if (options.bbox) {
-        const auto& [west, south, east, north] = *options.bbox;
+    if (target.bbox) {
+        const auto& [west, south, east, north] = *target.bbox;
         const Extent box{{west, south}, {east, north}};
         if (!touches(transformer, box, from))
             throw Failure(1, fmt::format("{}: --bbox {},{},{},{} lies outside of it{}", path, west, south, east, north,
@@ -254,7 +336,8 @@ Placement target_grid(GDALDataset& from, const OGRSpatialReference& crs, const R
         throw Failure(1,
                       fmt::format("{}: does not fit into that CRS; choose a part with --bbox, or another --crs", path));
     }
-    const double spacing_m = options.spacing_m ? *options.spacing_m : spacing_at(transformer, x, y, p.unit_m);
+    const double spacing_m =
+        options.spacing_m ? *options.spacing_m : spacing_in_middle(transformer, x, y, from.GetRasterXSize(), p.unit_m);
     if (!(spacing_m >= min_spacing_m && spacing_m <= max_spacing_m))
         throw Failure(1, fmt::format("{}: has no spacing in its middle in that CRS; give --spacing M", path));
     const double step = options.spacing_m ? spacing_m / p.unit_m : rounded(spacing_m / p.unit_m);
@@ -263,8 +346,8 @@ Placement target_grid(GDALDataset& from, const OGRSpatialReference& crs, const R
     double first[2], last[2];
     for (const int axis : {0, 1}) {
         const double low = extent.low[axis] / step, high = extent.high[axis] / step;
-        first[axis] = options.bbox ? std::ceil(low - 0.5) : std::floor(low);
-        last[axis] = options.bbox ? std::floor(high - 0.5) : std::ceil(high) - 1;
+        first[axis] = target.bbox ? std::ceil(low - 0.5) : std::floor(low);
+        last[axis] = target.bbox ? std::floor(high - 0.5) : std::ceil(high) - 1;
         if (!(last[axis] - first[axis] < std::numeric_limits<std::int32_t>::max() / 2 &&
               (last[axis] - first[axis]) * step * p.unit_m <= max_extent_m))
             throw Failure(

@@ -1,9 +1,12 @@
 // From degrees, or any CRS, to a square grid in metres.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include <gdal_alg.h>
 #include <ogr_spatialref.h>
 
 #include "baker/read/options.h"
@@ -18,10 +21,16 @@ namespace fjell::baker {
 [[nodiscard]] std::unique_ptr<OGRSpatialReference> crs_for(const OGRSpatialReference& geographic, double west,
                                                            double south, double east, double north);
 
-// The CRS to reproject to; null: samples stay where they are. Throws Failure: 1 degrees that need a decision; 2 a crs
-// that is none or not projected.
-[[nodiscard]] std::unique_ptr<OGRSpatialReference> target_crs(const Placement& from, const ReadOptions& options,
-                                                              const std::string& path);
+// Where to reproject to.
+struct ReprojectionTarget {
+    std::unique_ptr<OGRSpatialReference> crs;  // null: samples stay where they are
+    std::optional<std::array<double, 4>> bbox; // in its units; none: all of the field
+};
+
+// Throws Failure: 1 degrees that need a decision; 2 a crs that is none or not projected. Of a field for which there is
+// no automatic CRS, --bbox is in degrees, and the CRS is one for that box.
+[[nodiscard]] ReprojectionTarget choose_target(const Placement& from, const ReadOptions& options,
+                                               const std::string& path);
 
 // GDAL's exact transformation between a raster of one CRS and one of another. One thread.
 class Transformer {
@@ -32,7 +41,10 @@ public:
     Transformer(const Transformer&) = delete;
     Transformer& operator=(const Transformer&) = delete;
 
-    [[nodiscard]] void* argument() const { return argument_; }
+    // For GDAL: what transforms, and what it takes first. Columns of a source that goes round once and a little more
+    // are wrapped into it, which GDAL gives up: rounded steps, and columns at both ends, make that little.
+    [[nodiscard]] GDALTransformerFunc function() const;
+    [[nodiscard]] void* argument() const;
     void set_target(const Placement& to);
     // Columns and rows, pixel edges at whole numbers. False: no such place.
     bool to_source(double& x, double& y) const;
@@ -41,12 +53,14 @@ public:
 private:
     bool transform(int backwards, double& x, double& y) const;
     void* argument_ = nullptr;
+    static int wrap(void* self, int backwards, int count, double* x, double* y, double* z, int* good);
+    double columns_ = 0, turn_ = 0; // of the source; columns of a full circle, 0: it has no more than that
 };
 
 // The grid of the reprojected field: square, its spacing --spacing or that of the source in the middle to three
 // digits, edges on multiples of it, so that neighbours fit; around the bbox if there is one, else around the source.
 // Throws Failure 1: outside, or too large.
-[[nodiscard]] Placement target_grid(GDALDataset& from, const OGRSpatialReference& crs, const ReadOptions& options,
+[[nodiscard]] Placement target_grid(GDALDataset& from, const ReprojectionTarget& target, const ReadOptions& options,
                                     const std::string& path);
 
 // The CRS of what has degrees, without its vertical part.

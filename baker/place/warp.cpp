@@ -72,7 +72,7 @@ Warp::Warp(const MosaicLayout& from, const Placement& to, const ReadOptions& opt
     o->panDstBands = first_band();
     o->padfSrcNoDataReal = one_number(nothing);
     o->padfDstNoDataReal = one_number(nothing);
-    approximate_.reset(GDALCreateApproxTransformer(GDALGenImgProjTransform, transformer_.argument(), place_error));
+    approximate_.reset(GDALCreateApproxTransformer(transformer_.function(), transformer_.argument(), place_error));
     o->pfnTransformer = GDALApproxTransform;
     o->pTransformerArg = approximate_.get();
     CPLStringList settings;
@@ -97,6 +97,7 @@ void Warp::ApproximateFree::operator()(void* transformer) const {
 void Warp::fetch(const Window& window, float* to) {
     ReadStatistics statistics;
     mosaic_.read(window, to, statistics);
+    ends_.add(statistics.ends);
     const bool ask = options_.nodata == NoData::automatic || options_.nodata == NoData::refuse;
     if (ask && statistics.implausible.count)
         throw Failure(1, fmt::format("{}: has heights outside {}..{} m, such as {} m at column {}, row {}; if they are "

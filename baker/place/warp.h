@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <gdalwarper.h>
@@ -26,6 +27,8 @@ public:
 
     // Heights of a window of the target, NaN outside the source and beside its voids.
     void read(const Window& window, float* to);
+    // Of the source's samples fetched since it was last asked. Where blocks reach into each other they count twice.
+    [[nodiscard]] RangeEnds take_ends() { return std::exchange(ends_, {}); }
 
 private:
     void fetch(const Window& window, float* to);
@@ -42,6 +45,7 @@ private:
     };
     std::unique_ptr<void, ApproximateFree> approximate_;
     std::unique_ptr<GDALWarpOperation> operation_;
+    RangeEnds ends_;
     std::vector<float> block_; // the last one
     Window held_;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 namespace fjell::baker {
 
@@ -14,6 +15,20 @@ constexpr std::size_t chunk = 512, lanes = 8;
 
 bool plausible(double metres) {
     return metres >= lowest_m && metres <= highest_m;
+}
+
+bool is_void(const Decoding& d, double number) {
+    return std::any_of(d.voids.begin(), d.voids.end(),
+                       [&](const Decoding::Void& v) { return std::abs(number - v.number) <= v.slack; });
+}
+
+// Whether any number of a chunk is a void.
+template <typename T>
+bool any_void(const T* raw, std::size_t count, const Decoding& d) {
+    std::int32_t found = 0;
+    for (const Decoding::Void& v : d.voids)
+        for (std::size_t i = 0; i < count; ++i) found += std::abs(static_cast<double>(raw[i]) - v.number) <= v.slack;
+    return found > 0;
 }
 
 // Least and most in lanes: no reduction, so that the compiler may vectorise without reordering floats.
@@ -87,11 +102,12 @@ void decode_slowly(const T* raw, const std::uint8_t* valid, float* to, std::size
         const double value = static_cast<double>(raw[i]);
         const double metres = d.scaling.file_m(value), asked = d.scaling.asked_m(metres);
         const std::int32_t x = place.x + static_cast<std::int32_t>(i) * place.step;
-        const bool marked = (valid && valid[i] == 0) || (d.tagged && std::abs(value - d.tag) <= d.tag_slack);
-        if (!marked && (plausible(metres) || plausible(asked))) {
+        const bool marked = (valid && valid[i] == 0) || is_void(d, value);
+        if (!marked && (plausible(metres) || plausible(asked) || (d.all_ground && std::isfinite(asked)))) {
             to[i] = static_cast<float>(asked);
             statistics.least_m = std::min(statistics.least_m, to[i]);
             statistics.most_m = std::max(statistics.most_m, to[i]);
+            statistics.ends.see(value, x, place.y);
             if (!d.whole) find_step(value, statistics.per_unit);
             continue;
         }
@@ -100,33 +116,31 @@ void decode_slowly(const T* raw, const std::uint8_t* valid, float* to, std::size
             statistics.voids.add(x, place.y);
             continue;
         }
-        ReadStatistics one;
-        one.implausible.add(x, place.y);
-        one.implausible_m = asked;
-        statistics.add(one);
+        const Tally before = statistics.implausible;
+        statistics.implausible.add(x, place.y);
+        if (before.count == 0 || std::tie(place.y, x) < std::tie(before.row, before.column))
+            statistics.implausible_m = asked;
     }
 }
 
 template <typename T>
 void decode_chunks(const T* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& d,
                    const RowPlace& place, ReadStatistics& statistics) {
-    // A tag that is implausible itself is found by looking for implausible heights.
-    const bool tag_hides =
-        d.tagged && (plausible(d.scaling.file_m(d.tag)) || plausible(d.scaling.asked_m(d.scaling.file_m(d.tag))));
     std::array<float, chunk> heights;
     for (std::size_t at = 0; at < count; at += chunk) {
         const std::size_t n = std::min(chunk, count - at);
         const std::uint8_t* const marks = valid ? valid + at : nullptr;
-        const bool all_valid = !tag_hides && (!marks || std::find(marks, marks + n, 0) == marks + n);
+        const RowPlace from{place.x + static_cast<std::int32_t>(at) * place.step, place.y, place.step};
+        const bool all_valid = (!marks || std::find(marks, marks + n, 0) == marks + n) && !any_void(raw + at, n, d);
         if (all_valid && heights_of(raw + at, heights.data(), n, d.scaling) == 0) {
             Extremes extremes(statistics);
             extremes.see(heights.data(), n);
             extremes.give(statistics);
+            statistics.ends.see(raw + at, n, from);
             if (!d.whole) find_step(raw + at, n, statistics.per_unit);
             std::copy_n(heights.begin(), n, to + at);
             continue;
         }
-        const RowPlace from{place.x + static_cast<std::int32_t>(at) * place.step, place.y, place.step};
         decode_slowly(raw + at, marks, to + at, n, d, from, statistics);
     }
 }

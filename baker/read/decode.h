@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "baker/read/options.h"
 #include "baker/read/source.h"
@@ -13,14 +14,12 @@ namespace fjell::baker {
 
 struct Decoding {
     Scaling scaling;
-    bool whole = false;  // raw numbers are whole by their type
-    bool tagged = false; // raw numbers within tag_slack of tag are voids
-    double tag = 0, tag_slack = 0;
-};
-
-// Where sample i of a row stands: (x + i * step, y).
-struct RowPlace {
-    std::int32_t x = 0, y = 0, step = 1;
+    bool whole = false;      // raw numbers are whole by their type
+    bool all_ground = false; // a finite number that is no void is a height, however implausible
+    struct Void {
+        double number, slack; // raw numbers this close to it are voids
+    };
+    std::vector<Void> voids;
 };
 
 // count raw numbers of one row to heights; valid: 0 marks voids, null: all valid. A height is implausible only when it

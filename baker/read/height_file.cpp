@@ -87,21 +87,26 @@ std::string identity_of(GDALDataset& file, const std::string& path) {
     return text;
 }
 
-// What the file itself says is no height. GDAL's mask for a tag reads every sample twice: it is compared here instead,
-// as closely as GDAL does it.
-void find_tag(GDALRasterBand& band, Decoding& d) {
-    int tagged = 0;
-    d.tag = band.GetNoDataValue(&tagged);
-    d.tagged = tagged != 0 && !std::isnan(d.tag);
-    const GDALDataType type = band.GetRasterDataType();
+// GDAL's mask for a tag reads every sample twice: numbers are compared here instead, as closely as GDAL does it.
+Decoding::Void void_of(double number, GDALDataType type) {
     constexpr double ulps = 10;
     if (type == GDT_Float32) {
-        d.tag = static_cast<double>(static_cast<float>(
-            std::clamp<double>(d.tag, std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max())));
-        d.tag_slack = ulps * std::numeric_limits<float>::epsilon() * std::abs(d.tag);
-    } else if (type == GDT_Float64) {
-        d.tag_slack = ulps * std::numeric_limits<double>::epsilon() * std::abs(d.tag);
+        const double stored = static_cast<double>(static_cast<float>(
+            std::clamp<double>(number, std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max())));
+        return {stored, ulps * std::numeric_limits<float>::epsilon() * std::abs(stored)};
     }
+    if (type == GDT_Float64) return {number, ulps * std::numeric_limits<double>::epsilon() * std::abs(number)};
+    return {number, 0};
+}
+
+// What the file says is no height, by its tag, and what the user says (--void).
+void find_voids_of(GDALRasterBand& band, const ReadOptions& options, Decoding& d) {
+    const GDALDataType type = options.encoding == Encoding::none ? band.GetRasterDataType() : GDT_Float64;
+    int tagged = 0;
+    const double tag = band.GetNoDataValue(&tagged);
+    if (options.encoding == Encoding::none && tagged != 0 && !std::isnan(tag)) d.voids.push_back(void_of(tag, type));
+    for (const double number : options.voids.numbers) d.voids.push_back(void_of(number, type));
+    d.all_ground = options.voids.no_others;
 }
 
 bool fits_float(GDALDataType type) {
@@ -122,8 +127,9 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
     facts_.blocks = blocks_of(*file_, facts_.at);
     facts_.sequential = is_sequential(*file_, path);
     facts_.identity = identity_of(*file_, path);
+    find_voids_of(first, options, facts_.decoding);
     if (coded) {
-        facts_.decoding.scaling = {1, 0, options.zscale, options.zoffset_m};
+        facts_.decoding.scaling = {1, 0, options.zscale.value_or(1), options.zoffset_m};
         facts_.decoding.whole = true;
         facts_.step = encoding_ == Encoding::terrarium ? 1.0 / 256 : 0.1;
         if (file_->GetRasterCount() == 4) mask_ = file_->GetRasterBand(4);
@@ -132,7 +138,6 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
     facts_.decoding.scaling = scaling_of(first, file_->GetSpatialRef(), options, path);
     facts_.height_unit = unit_name(first, file_->GetSpatialRef());
     facts_.decoding.whole = GDALDataTypeIsInteger(first.GetRasterDataType()) != 0;
-    find_tag(first, facts_.decoding);
     floats_ = fits_float(first.GetRasterDataType());
     const int flags = first.GetMaskFlags();
     if (!(flags & GMF_ALL_VALID) && (!(flags & GMF_NODATA) || (flags & (GMF_ALPHA | GMF_PER_DATASET))))

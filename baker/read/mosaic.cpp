@@ -173,6 +173,7 @@ void Mosaic::paint(std::size_t index, const Window& window, float* to, ReadStati
                      all ? nullptr : wanted_.data());
     own.voids = {}; // counted when every file is painted
     own.implausible.column += f.x, own.implausible.row += f.y;
+    own.ends.move(f.x, f.y);
     statistics.add(own);
     for (std::size_t i = 0; i < part_.size(); ++i) {
         float& height = row_of(static_cast<std::int32_t>(i / columns))[i % columns];

@@ -5,15 +5,25 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace fjell::baker {
 
-// Voids are samples that the file marks as no-data (tag or mask) or that are NaN. Odd ones are infinite, or outside
-// -12000..30000 m both as the file has them and after zscale: undeclared voids (-32767 and the like), or another unit.
-// automatic: voids become holes; implausible ones, which only the user can tell apart, are refused. hole:
-// both become holes. fill: both become ground, a smooth continuation of what surrounds them, on the source's own step
-// (fill.h). refuse: a Failure that counts them.
+// Voids are samples that the file marks as no-data (tag or mask), that --void names, or that are NaN. Implausible ones
+// are infinite, or outside -12000..30000 m both as the file has them and after zscale: undeclared voids (-32767 and the
+// like), or another unit. automatic: voids become holes; implausible ones, which only the user can tell apart, are
+// refused. hole: both become holes. fill: both become ground, a smooth continuation of what surrounds them, on the
+// source's own step (fill.h). refuse: a Failure that counts them. Plausible heights that look like voids (range_ends.h)
+// are refused whatever this says: holes in ground that is right would be as wrong as pits of voids.
 enum class NoData : std::uint8_t { automatic, hole, fill, refuse };
+
+// --void. numbers: of the file, before its scale, offset and unit and before zscale (with an encoding, the metres that
+// it stands for); compared as closely as a tag is. no_others ("none"): every other finite number is a height.
+struct DeclaredVoids {
+    std::vector<double> numbers;
+    bool no_others = false;
+    friend bool operator==(const DeclaredVoids&, const DeclaredVoids&) = default;
+};
 
 // Heights packed into the red, green and blue of a picture; no height where alpha is 0.
 // terrarium: R * 256 + G + B / 256 - 32768. terrain_rgb (Mapbox): -10000 + (R * 65536 + G * 256 + B) * 0.1.
@@ -27,12 +37,15 @@ struct ReadOptions {
     // nothing is reprojected. Else a projected CRS as GDAL understands it ("EPSG:25832", WKT, PROJ) to reproject to.
     std::string crs = "auto";
     Encoding encoding = Encoding::none;
-    // West, south, east, north: only samples inside. In the units of the CRS after reprojection; columns and rows,
-    // counted from the north-west, when there is no georeference.
+    // West, south, east, north: only samples inside. In the units of the CRS after reprojection; degrees, when there is
+    // no automatic CRS for all of the field; columns and rows, counted from the north-west, when there is no
+    // georeference.
     std::optional<std::array<double, 4>> bbox;
-    double zscale = 1;    // multiplies heights after the band's own scale and offset
+    // Multiplies heights after the band's own scale and offset; not given: 1, and depths and unknown units are refused.
+    std::optional<double> zscale;
     double zoffset_m = 0; // added after zscale
     NoData nodata = NoData::automatic;
+    DeclaredVoids voids;
 };
 
 } // namespace fjell::baker

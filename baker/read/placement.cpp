@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string_view>
 
+#include <cpl_string.h>
 #include <fmt/format.h>
 #include <ogr_spatialref.h>
 
@@ -16,12 +16,15 @@ bool near_zero(double v, double beside) {
     return std::abs(v) <= 1e-9 * std::abs(beside);
 }
 
+// netCDF: an axis in degrees_east, or one that is called a longitude without a unit, as GMT writes both.
 bool names_degrees(GDALDataset& file) {
+    constexpr std::array<const char*, 4> words{"units=degree", "standard_name=longitude", "long_name=longitude",
+                                               "[degrees_east]"};
     const char* const* metadata = file.GetMetadata();
-    for (const char* const* entry = metadata; entry && *entry; ++entry) {
-        const std::string_view line(*entry);
-        if (line.find("units=degree") != std::string_view::npos) return true; // netCDF: degrees_east, degrees_north
-    }
+    for (const char* const* entry = metadata; entry && *entry; ++entry)
+        if (std::any_of(words.begin(), words.end(),
+                        [line = CPLString(*entry)](const char* word) { return line.ifind(word) != std::string::npos; }))
+            return true;
     return false;
 }
 

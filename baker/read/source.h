@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "baker/read/range_ends.h"
 #include "baker/store/window.h"
 #include "fjell/io/failure.h"
 
@@ -15,21 +16,13 @@ namespace fjell::baker {
 
 using io::Failure;
 
-// Samples of one kind, and the first of them in reading order.
-struct Tally {
-    std::uint64_t count = 0;
-    std::int32_t column = 0, row = 0;
-
-    void add(std::int32_t x, std::int32_t y);
-    void add(const Tally& other);
-};
-
 // Statistics of what was read. Counting windows in any order, on any number of threads, and adding up gives the same.
 struct ReadStatistics {
     Tally voids, implausible; // options.h says what these are
     double implausible_m = 0; // the first implausible one
     double per_unit = 1;      // 1, 10 or 100: raw numbers are multiples of 1 / per_unit; 1000: of none of them
     float least_m = std::numeric_limits<float>::infinity(), most_m = -std::numeric_limits<float>::infinity();
+    RangeEnds ends; // of the numbers that became heights; places of what is reprojected are the source's
 
     void add(const ReadStatistics& other);
 };
@@ -46,11 +39,20 @@ public:
     virtual void read(const Window& window, float* to, ReadStatistics& statistics) = 0;
 };
 
+// A height that so many samples share, at an end of all heights, that it may stand for none.
+struct RepeatedHeight {
+    double number = 0; // in the file; what --void takes
+    double height_m = 0;
+    double share = 0; // of the samples, 0..1; 0: there is no such height
+    std::int32_t column = 0, row = 0;
+};
+
 // What a statistics means for the whole terrain.
 struct SourceProperties {
     double native_quantum_m = 0; // the step that the source's numbers are multiples of; 0: not known
     double anchor_m = 0;         // a height that is on that step
     bool holes = false;          // samples without height stay holes; otherwise they are filled, or there are none
+    RepeatedHeight lowest{}, highest{}; // baked as ground, but to be said
 };
 
 // What the samples were before they were metres on this grid: told in summaries and kept in the pack.

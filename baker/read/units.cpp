@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include <cpl_string.h>
 #include <fmt/format.h>
 #include <ogr_spatialref.h>
 
@@ -71,7 +72,7 @@ double unit_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadO
     const double unit = unit_in_metres(named.c_str());
     std::string axis;
     const double vertical = vertical_unit(crs, axis);
-    if (unit == 0 && options.zscale == 1)
+    if (unit == 0 && !options.zscale)
         throw Failure(1,
                       fmt::format("{}: heights are in \"{}\", which is not known here; give --zscale S (metres a unit)",
                                   path, named));
@@ -92,12 +93,30 @@ std::string unit_name(GDALRasterBand& band, const OGRSpatialReference* crs) {
     return name;
 }
 
+namespace {
+
+// Depths: what netCDF calls positive downwards, or by a standard name of the sea floor's depth.
+bool counts_downwards(GDALRasterBand& band) {
+    const auto has = [&](const char* key, const char* word) {
+        const char* const value = band.GetMetadataItem(key);
+        return value && CPLString(value).ifind(word) != std::string::npos;
+    };
+    return has("positive", "down") || has("standard_name", "sea_floor_depth");
+}
+
+} // namespace
+
 Scaling scaling_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadOptions& options,
                    const std::string& path) {
     const double unit = unit_of(band, crs, options, path);
     int known = 0;
     const double scale = band.GetScale(&known), offset = band.GetOffset(&known);
-    const Scaling s{scale * unit, offset * unit, options.zscale, options.zoffset_m};
+    if (!options.zscale && counts_downwards(band))
+        throw Failure(1,
+                      fmt::format("{}: says that its numbers are depths; give --zscale -1 to make heights of them, or "
+                                  "--zscale 1 if they are heights already",
+                                  path));
+    const Scaling s{scale * unit, offset * unit, options.zscale.value_or(1), options.zoffset_m};
     if (!std::isfinite(s.file_scale) || s.file_scale == 0 || !std::isfinite(s.file_offset_m))
         throw Failure(1,
                       fmt::format("{}: its band has scale {} and offset {}; set them right with gdal_edit.py -scale 1 "

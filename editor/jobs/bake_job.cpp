@@ -39,9 +39,10 @@ baker::Recipe recipe_of(const BakePack& b) {
     if (b.tile != 0) recipe.tile = std::to_string(b.tile);
     if (!(b.spacing_m >= 0)) throw Failure(2, fmt::format("spacing={}: must be 0 or more (metres)", b.spacing_m));
     if (b.spacing_m > 0) recipe.spacing = b.spacing_m;
-    recipe.zscale = b.height_scale;
+    if (b.height_scale != 1) recipe.zscale = b.height_scale;
     set_word(recipe.order, b.order, "order");
     set_word(recipe.nodata, b.nodata, "nodata");
+    if (!b.voids.empty()) baker::parse_voids(b.voids, recipe.voids);
     if (!b.crs.empty()) recipe.crs = b.crs;
     if (b.memory_mb < 128 || b.memory_mb > 1u << 24)
         throw Failure(2, fmt::format("memory_mb={}: must be 128 to {}", b.memory_mb, 1u << 24));
@@ -71,6 +72,7 @@ void run(const baker::Recipe& recipe, baker::BakeOptions options, JobControl& co
                                       s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(),
                                       byte_text(static_cast<double>(s.file_bytes)).text, s.seconds_total,
                                       s.resumed ? ", resumed from an earlier bake" : "");
+            for (const std::string& line : baker::remarks(s)) view.result += "; " + line;
         });
     } catch (const Failure&) {
         if (!control.cancelled()) throw;

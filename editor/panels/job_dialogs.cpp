@@ -142,7 +142,7 @@ constexpr const char* nodata_names[] = {"auto: holes, suspicious values refused"
 
 struct BakeForm {
     std::string made_for; // State::bake_input, which resets the form when it changes
-    PathText input = "", output = "", texture = "", ramp = "";
+    PathText input = "", output = "", texture = "", ramp = "", voids = "";
     int tile = 0, order = 0, nodata = 0;
     double spacing_m = 0, height_scale = 1;
 };
@@ -156,6 +156,7 @@ BakePack bake_of(const BakeForm& form) {
     b.tile = form.tile == 0 ? 0 : 32u << form.tile;
     b.order = order_names[form.order];
     b.nodata = form.nodata == 0 ? "" : nodata_names[form.nodata];
+    b.voids = form.voids;
     b.spacing_m = form.spacing_m;
     b.height_scale = form.height_scale;
     return b;
@@ -184,6 +185,9 @@ void draw_bake_form(BakeForm& form) {
                  "thesis, for the recursive method.");
     choice_field("No data", "bake", "nodata", form.nodata, nodata_names, static_cast<int>(std::size(nodata_names)),
                  "Samples without a height: a hole, filled from their neighbours, or refused.");
+    path_field("Voids", "bake", "void", form.voids, "what the file marks",
+               "Numbers that stand for no height without the file saying so, such as -9999; several with commas. none: "
+               "every other number is a height.");
 }
 
 // ---- tune

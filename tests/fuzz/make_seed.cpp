@@ -228,7 +228,7 @@ void make_recipes(const std::filesystem::path& folder) {
     std::ofstream(folder / "full.json") << R"({"inputs": ["a.tif", "/b/c.vrt"], "output": "o.fjell", "texture": "t.png",
 "ramp": "r.json", "crs": "EPSG:32633", "encoding": "terrain-rgb", "nodata": "fill", "tile": 512, "estimate": "max",
 "order": "hz", "spacing": 30.5, "zscale": -1e-3, "zoffset": 0, "nesting": 0.05, "quantum": 0.01,
-"bbox": [-3.5, 1e2, 0, 4000000]})";
+"bbox": [-3.5, 1e2, 0, 4000000], "void": [-9999, "none"]})";
     std::ofstream(folder / "least.json") << R"({"inputs": []})";
 }
 

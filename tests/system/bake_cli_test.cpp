@@ -463,3 +463,42 @@ TEST_CASE("the Grand Canyon is baked, verified and flown for 840 frames within t
     CHECK(flight["verified_error_px_max"] > 0.5);
     CHECK(flight["pack"]["tiles"] == nlohmann::json{8, 4});
 }
+
+TEST_CASE("undeclared voids are refused, and baked as the user says, from the command line and from a recipe") {
+    const TemporaryFolder folder;
+    std::string basin = "ncols 60\nnrows 50\nxllcorner 1000\nyllcorner 1000\ncellsize 30\n", sea = basin;
+    for (int i = 0; i < 3000; ++i) {
+        basin += i < 799 ? "-9999 " : std::to_string(i * 7919 % 231) + " ";
+        sea += std::to_string(std::max(0, i - 600) * 1.27) + " ";
+    }
+    spit(folder / "basin.asc", basin);
+    spit(folder / "sea.asc", sea);
+    refused(folder, bake + "basin.asc -o out.fjell", 1, "799 of 3000 heights are -9999, the first at column 0, row 0");
+    refused(folder, bake + "basin.asc -o out.fjell --void x", 2, "--void \"x\"");
+    const auto baked = [&](const std::string& words) {
+        const Run r = run_in(folder.path, bake + words + " -o out.fjell --json bake.json");
+        CAPTURE(words, r.err);
+        REQUIRE(r.code == 0);
+        return std::pair{nlohmann::json::parse(slurp(folder / "bake.json")), r.out};
+    };
+    CHECK(baked("--void -9999 --void -32768 basin.asc --save-recipe r.json").first["holes"] == 799);
+    CHECK(run_in(folder.path, bake + "verify out.fjell --against basin.asc --void -9999").code == 0);
+    CHECK(run_in(folder.path, bake + "verify out.fjell --recipe r.json").code == 0);
+    CHECK(baked("--recipe r.json").first["holes"] == 799);
+    const auto ground = baked("--recipe r.json --void none").first;
+    CHECK(ground["holes"] == 0);
+    CHECK(ground["repeated_lowest"].is_null());
+    const auto [summary, said] = baked("sea.asc");
+    CHECK(summary["repeated_lowest"]["number"] == 0);
+    CHECK(summary["repeated_lowest"]["first"] == nlohmann::json{0, 0});
+    CHECK(said.find("% of the heights are 0 m, the lowest, the first at column 0, row 0: taken as ground; if they are "
+                    "voids, give --void 0") != std::string::npos);
+    // 3,048 m in one tile.
+    CHECK(summary["quantum_range_m"] > 3000);
+    CHECK(said.find("because 65536 steps of 16 bits span the 304") != std::string::npos);
+    const auto finer = baked("sea.asc --tile 4");
+    CHECK(finer.first["quantum_m"].get<double>() < 0.011);
+    CHECK(finer.second.find("65536") == std::string::npos);
+    refused(folder, bake + "sea.asc -o other.fjell --quantum 0.01", 2,
+            "m within one tile of 64 cells; give at least 0.0");
+}

@@ -40,7 +40,7 @@ const std::map<std::string, Use>& uses() {
         {"recover", {{"restore", "discard"}, {"", "perhaps"}}},
         {"bake",
          {{"a.tif b.fjell", "a.tif b.fjell tile=64 texture=t.png ramp=r.json spacing=30 zscale=2",
-           "a.tif b.tif c.fjell tile=auto order=hz nodata=hole crs=EPSG:25833 memory_mb=256"},
+           "a.tif b.tif c.fjell tile=auto order=hz nodata=hole void=-9999,-999 crs=EPSG:25833 memory_mb=256"},
           {"", "a.tif", "a.tif b.fjell tile=x", "a.tif b.fjell tile=-1", "a.tif b.fjell size=1",
            "a.tif b.fjell spacing=wide"}}},
         {"camera", {{"1 2 3 0 -20"}, {"", "1 2 3 0", "1 2 3 0 x", "1 2 3 0 0 0", "1 2 inf 0 0"}}},

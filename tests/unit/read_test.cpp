@@ -161,3 +161,36 @@ TEST_CASE("a DEM that is written comes back bit for bit") {
     const Refusal lost = refusal([&] { write_dem(dem, dir / "missing/a.tif"); });
     check_refusal(lost, 1, dir / "missing", {});
 }
+
+TEST_CASE("axes that a netCDF file calls longitudes are degrees, with units or without") {
+    const TempDir dir;
+    for (const char* entry : {"lon#units=degrees_east", "x#long_name=longitude", "lon#standard_name=longitude",
+                              "x#long_name=Longitude [degrees_east]"}) {
+        CAPTURE(entry);
+        Raster r = raster(40, 30, slope);
+        r.geotransform = {-30, 1.0 / 60, 0, 35, 0, -1.0 / 60};
+        r.more = [=](GDALDataset& file) {
+            const std::string text = entry;
+            const auto at = text.find('=');
+            file.SetMetadataItem(text.substr(0, at).c_str(), text.substr(at + 1).c_str());
+        };
+        CHECK(!read_dem(write(r, dir / "a.tif"), {}).crs_wkt.empty());
+    }
+}
+
+TEST_CASE("depths are not taken for heights, until the user says which they are") {
+    const TempDir dir;
+    for (const auto& [key, value] : {std::pair{"positive", "down"}, {"standard_name", "sea_floor_depth_below_geoid"}}) {
+        Raster r = raster(9, 9, slope);
+        r.more = [&, key = key, value = value](GDALDataset& file) {
+            file.GetRasterBand(1)->SetMetadataItem(key, value);
+        };
+        const std::string path = write(r, dir / "a.tif");
+        check_refusal(refused(path), 1, path, {"depths", "--zscale -1", "--zscale 1 "});
+        ReadOptions o;
+        o.zscale = -1;
+        CHECK(read_dem(path, o).at(3, 4) == -static_cast<float>(slope(3, 4)));
+        o.zscale = 1;
+        CHECK(read_dem(path, o).at(3, 4) == static_cast<float>(slope(3, 4)));
+    }
+}

@@ -27,6 +27,7 @@ Recipe full() {
     r.nesting = 0.07;
     r.quantum = 1.0 / 3;
     r.bbox = {{-3.25, 36, 1e6, 4e6}};
+    r.voids = DeclaredVoids{{-9999, 0.1}, true};
     return r;
 }
 Refusal bad(const std::string& text) {
@@ -54,6 +55,8 @@ TEST_CASE("what is no recipe is refused in one line that names the key") {
     check_refusal(bad(R"({"inputs": "a.tif"})"), 1, "r.json", {"\"inputs\" must be a list"});
     check_refusal(bad(R"({"inputs": ["a.tif", 3]})"), 1, "r.json", {"entry 1"});
     check_refusal(bad(R"({"inputs": ["a\u0000.tif"]})"), 1, "r.json", {"entry 0"});
+    check_refusal(bad(R"({"void": -9999})"), 1, "r.json", {"\"void\" must be a list"});
+    check_refusal(bad(R"({"void": [-9999, "any"]})"), 1, "r.json", {"\"void\" must be a number"});
     check_refusal(bad(R"({"bbox": [1, 2, 3]})"), 1, "r.json", {"\"bbox\""});
     check_refusal(bad(R"({"bbox": [1, 2, 3, null]})"), 1, "r.json", {"\"bbox\" must be a number"});
 }
@@ -100,4 +103,19 @@ TEST_CASE("a box is four numbers with commas") {
     for (const char* text :
          {"", "1,2,3", "1,2,3,4,5", "1,2,3,4,", "1 2 3 4", "a,2,3,4", "nan,2,3,4", "1,2,3,inf", "1,,3,4"})
         CHECK(refusal([&] { (void)parse_bbox(text); }).code == 2);
+}
+
+TEST_CASE("voids are numbers or none, one by one or with commas") {
+    std::optional<DeclaredVoids> all;
+    parse_voids("-9999", all);
+    parse_voids("1e20,-32768", all);
+    CHECK(all == DeclaredVoids{{-9999, 1e20, -32768}, false});
+    parse_voids("none", all);
+    CHECK(all->no_others);
+    CHECK(all->numbers.size() == 3);
+    for (const char* text : {"", "a", "1,", ",1", "nan", "inf", "1 2", "none,", "0x10"})
+        CHECK(refusal([&] { parse_voids(text, all); }).code == 2);
+    Recipe given;
+    given.voids.emplace();
+    CHECK(merged(given, full()).voids == DeclaredVoids{});
 }

@@ -1,6 +1,8 @@
 // Where longitudes end or meet: over the antimeridian, towards the poles and around them.
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "baker/place/projection.h"
 #include "source_check.h"
@@ -116,5 +118,66 @@ TEST_CASE("a polar cap is complete: no hole at the pole, none along the seam") {
                              {-90, 89.95, 0.1, 1800, 100}}) { // half a cap
         if (!full_rounds() && f.west != -180 && f.west != -90) continue;
         check(read_dem(written(f, dir / "a.tif"), {}), f);
+    }
+}
+
+TEST_CASE("of a whole globe a part in degrees is reprojected, wherever its longitudes begin") {
+    const TempDir dir;
+    ReadOptions o;
+    // Steps are rounded in files: those of the third go round a little more than once.
+    for (const auto& [west, step] : {std::pair{-180.0, 0.25}, {0.0, 0.25}, {0.0, 0.250001}}) {
+        const Degrees f{west + 0.125, 89.875, step, 1440, 719};
+        const std::string path = written(f, dir / "a.tif");
+        o.bbox = {{10, 20, 50, 50}};
+        check(read_dem(path, o), f);
+        o.bbox = {{-150, 20, -110, 50}};
+        check(read_dem(path, o), f);
+        o.bbox = {{370, 20, 410, 50}}; // the same, by another name
+        CHECK(read_dem(path, o).columns > 100);
+        for (const auto& [box, code, words] :
+             {std::tuple{std::array<double, 4>{10, 50, 50, 20}, 2, "SOUTH 50 is not less than NORTH 20"},
+              {std::array<double, 4>{-100, -20, 100, 50}, 1, "--bbox spans 200 x 70 degrees"},
+              {std::array<double, 4>{0, 4e6, 1e6, 5e6}, 1, "give --bbox in degrees"}}) {
+            o.bbox = box;
+            const Refusal answer = refused(path, o);
+            INFO(answer.line);
+            CHECK(answer.code == code);
+            CHECK(answer.says(words));
+        }
+    }
+    Degrees half{-90, 45, 1, 200, 80};
+    o.bbox = {{120, 20, 150, 40}};
+    const std::string path = written(half, dir / "b.tif");
+    check_refusal(refused(path, o), 1, path, {"lies outside of it", "degrees"});
+}
+
+TEST_CASE("the globe of another body is refused with what that body needs, and that works") {
+    const TempDir dir;
+    Raster r = raster(72, 36, [](int x, int y) { return slope(x, y); });
+    r.geotransform = {-180, 5, 0, 90, 0, -5};
+    struct Body {
+        const char *degrees, *plane;
+    };
+    for (const Body& body :
+         {Body{"+proj=longlat +a=3396190 +b=3376200 +no_defs", "+proj=eqc +a=3396190 +b=3376200 +units=m"},
+          {"+proj=longlat +R=1737400 +no_defs", "+proj=eqc +R=1737400 +units=m"}}) {
+        r.crs = body.degrees;
+        const std::string path = write(r, dir / "a.tif");
+        const Refusal answer = refused(path);
+        check_refusal(answer, 1, path, {"--bbox", "in degrees", std::string("--crs \"") + body.plane + '"'});
+        for (const char* earth : {"EPSG", "gdalwarp"}) CHECK(!answer.says(earth));
+        ReadOptions o;
+        o.crs = body.plane;
+        const Dem all = read_dem(path, o);
+        CHECK(all.columns >= 72);
+        CHECK(all.columns <= 75);
+        r.geotransform[0] = 0; // the map is cut in the middle of the file
+        CHECK(read_dem(write(r, dir / "b.tif"), o).columns == all.columns);
+        r.geotransform[0] = -180;
+        ReadOptions part;
+        part.bbox = {{10, 20, 50, 50}};
+        const Dem region = read_dem(path, part);
+        CHECK(region.columns >= 6);
+        CHECK(region.crs_wkt.find(body.plane[11] == 'a' ? "3396190" : "1737400") != std::string::npos);
     }
 }

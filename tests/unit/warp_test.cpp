@@ -169,7 +169,8 @@ TEST_CASE("extents that no plane holds are refused with what can be done") {
     r.geotransform = {-180, 10, 0, 90, 0, -10};
     r.crs = "EPSG:4326";
     const std::string path = write(r, dir / "earth.tif");
-    check_refusal(refused(path), 1, path, {"spans 360 x 180 degrees", "--spacing M", "gdalwarp -t_srs EPSG:6933"});
+    check_refusal(refused(path), 1, path,
+                  {"spans 360 x 180 degrees", "--spacing M", "--bbox", "in degrees", "--crs EPSG:6933"});
     CHECK(read_dem(path, spaced(1000)).columns == 36);
     ReadOptions o;
     o.crs = "EPSG:32632";
