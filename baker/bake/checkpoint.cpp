@@ -27,7 +27,7 @@ struct Checkpoint::Stored {
 
 namespace {
 
-constexpr char magic[8] = {'F', 'J', 'E', 'L', 'L', 'W', 'K', '2'};
+constexpr char magic[8] = {'F', 'J', 'E', 'L', 'L', 'W', 'K', '3'};
 
 // Another build may cut the work, or compute, differently.
 std::string program() {
