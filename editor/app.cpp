@@ -91,6 +91,7 @@ App::App(Options options) : options_(std::move(options)) {
     io.IniFilename = nullptr; // the state is ours to keep
     io.LogFilename = nullptr;
     state_.headless = options_.headless;
+    if (options_.script != "-") state_.files.script = options_.script;
     make_surface_and_graphics();
     start_persistence(state_, !options_.headless);
     double& scale = state_.interface.scale;
@@ -391,7 +392,7 @@ void App::finish_requests() {
     for (const Command& command : std::exchange(after_frame_, {})) {
         attempt([&] {
             if (const auto* shot = std::get_if<TakeScreenshot>(&command)) {
-                io::refuse_overwriting({shot->path}, {state_.scene.path});
+                refuse_overwriting_open_files(state_, shot->path);
                 gl::Image image;
                 if (shot->with_panels)
                     surface_->read(image);
@@ -400,7 +401,7 @@ void App::finish_requests() {
                 const std::string error = gl::write_png(image, shot->path);
                 if (!error.empty()) throw Failure(3, error);
             } else if (const auto* file = std::get_if<DumpState>(&command)) {
-                io::refuse_overwriting({file->path}, {state_.scene.path});
+                refuse_overwriting_open_files(state_, file->path);
                 write_text(file->path, dump(state_));
             }
         });

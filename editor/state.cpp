@@ -3,10 +3,12 @@
 #include <cstdio>
 #include <new>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
+#include "io/file.h"
 
 namespace fjell::editor {
 
@@ -16,6 +18,12 @@ constexpr std::size_t most_messages = 200;
 constexpr double shown_s = 8;
 
 } // namespace
+
+void refuse_overwriting_open_files(const State& state, const std::string& output, const std::string& own) {
+    std::vector<std::string> inputs{state.scene.path, state.document.path(), state.route.path(), state.files.script};
+    if (!own.empty()) std::erase(inputs, own);
+    io::refuse_overwriting({output}, inputs);
+}
 
 void post_message(State& state, Severity severity, std::string text) {
     if (state.headless && severity == Severity::note) fmt::print("{}\n", text);

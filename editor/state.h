@@ -99,6 +99,7 @@ struct Files {
     std::uint64_t version = ~std::uint64_t{0}; // of the document
     bool path_unsaved = false;
     std::string pack;
+    std::string script; // the file that commands are read from; empty: none
 };
 
 struct Interface {
@@ -146,6 +147,10 @@ struct State {
 
     [[nodiscard]] bool shows(Overlay overlay) const { return interface.overlay[static_cast<std::size_t>(overlay)]; }
 };
+
+// Throws Failure (2) when the output would replace a file that is open: the pack, the profile, the camera path or the
+// script. own: the one of these that it may replace, as what is saved replaces what it came from.
+void refuse_overwriting_open_files(const State& state, const std::string& output, const std::string& own = "");
 
 // Appends a message and shows it in the status line; a headless run prints it too.
 void post_message(State& state, Severity severity, std::string text);

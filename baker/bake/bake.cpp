@@ -34,6 +34,9 @@ void check(const BakeOptions& options) {
         throw Failure(2, "--tile must be a power of two from 2 to 4096, or auto");
 }
 
+// What an earlier run has left is not what its checkpoint speaks of.
+struct DamagedWork {};
+
 // One bake, stage by stage. A store is opened (made, or found as an earlier run left it) unless the last stage that
 // reads it is complete, and removed when that stage is.
 class Bake {
@@ -61,7 +64,7 @@ private:
     void stage(StageId id, const Work& work) {
         if (checkpoint_.complete(id)) return;
         work();
-        if (spool_) checkpoint_.state.spool_bytes = spool_->bytes();
+        if (spool_ && !context_.in_memory) checkpoint_.state.spool = spool_->state();
         checkpoint_.set_complete(id);
 #ifdef __GLIBC__
         malloc_trim(0); // what this stage's threads kept for themselves the next one's need
@@ -70,6 +73,18 @@ private:
     [[nodiscard]] bool complete(StageId id) const {
         return checkpoint_.complete(id);
     }
+    // For a store that was just opened: what its stage has left, if that was an earlier run's; else nothing.
+    template <typename T>
+    void check(Store<T>& store, bool made, const Digest& left) const {
+        if (!made) return store.clear();
+        if (context_.options.progress) context_.options.progress("check", 0, 1);
+        if (store.digest() != left) throw DamagedWork{};
+    }
+    void check_unsaturated(UnsaturatedStores& stores) const;
+    void check_step(StepStores& stores, StageId writer) const;
+    void check_mixed(MixedStores& stores) const;
+    void note_unsaturated(const UnsaturatedStores& stores);
+    void note_step(int z, const StepStores& step, const MixedStores& mixed);
 
     BakeContext context_;
     Checkpoint checkpoint_;
@@ -88,6 +103,7 @@ void Bake::run_stages() {
     Store<std::uint8_t> holes;
     if (!complete({found.has_voids ? Stage::fill : Stage::finest_step}))
         raw = context_.open<float>("heights", tree.columns(), tree.rows());
+    if (raw.exists()) check(raw, complete({Stage::read}), found.stores.heights);
     stage({Stage::read}, [&] {
         reads_input_ = true;
         const ReadResult read = read_heights(context_, raw);
@@ -98,14 +114,19 @@ void Bake::run_stages() {
         found.anchor_m = read.properties.anchor_m;
         found.lowest = read.properties.lowest;
         found.highest = read.properties.highest;
+        found.stores.heights = raw.written();
     });
     if (found.has_voids && !complete({Stage::finest_step})) {
         filled = context_.open<float>("filled", tree.columns(), tree.rows());
+        check(filled, complete({Stage::fill}), found.stores.filled);
         if (found.holes) holes = context_.open<std::uint8_t>("holes", tree.columns(), tree.rows());
+        if (found.holes) check(holes, complete({Stage::fill}), found.stores.holes);
     }
     stage({Stage::fill}, [&] {
         const SourceProperties properties{found.native_quantum_m, found.anchor_m, found.holes != 0};
         if (found.has_voids) fill_heights(context_, raw, properties, {filled, holes});
+        found.stores.filled = filled.written();
+        found.stores.holes = holes.written();
     });
     if (found.has_voids) raw.remove();
     const HeightStores heights{found.has_voids ? filled : raw, holes};
@@ -114,7 +135,8 @@ void Bake::run_stages() {
 
     // ---- scales and header; from here on chunks of the pack go to the spool
     BakePlan plan = make_plan(context_, found);
-    spool_.emplace(context_.store_path("chunks"), context_.store_path("entries"), plan.header, found.spool_bytes);
+    spool_.emplace(context_.store_path("chunks"), context_.store_path("entries"), plan.header, found.spool);
+    if (found.spool.bytes != 0 && !spool_->has_found()) throw DamagedWork{};
 
     const Clock::time_point maps_start = Clock::now();
     make_maps(plan, heights);
@@ -129,8 +151,13 @@ void Bake::run_stages() {
     if (last_z > 0 && !complete({Stage::coarser_steps, last_z})) unsaturated = open_unsaturated(context_);
     if (!complete({Stage::mixed_pages})) mixed = open_mixed(context_);
     if (last_z > 0 && !complete({Stage::coarser_steps, 1})) finer = open_step(context_, 0);
+    check_unsaturated(unsaturated);
+    check_mixed(mixed);
+    check_step(finer, {Stage::finest_step});
     stage({Stage::finest_step}, [&] {
         found.ground_error_m = make_finest_step(context_, plan, heights, {unsaturated, finer, mixed, *spool_});
+        note_unsaturated(unsaturated);
+        note_step(0, finer, mixed);
     });
     raw.remove();
     filled.remove();
@@ -149,6 +176,53 @@ void Bake::run_stages() {
     summary_.seconds_total = seconds_since(start);
 }
 
+void Bake::check_unsaturated(UnsaturatedStores& stores) const {
+    if (!stores.inside.exists()) return;
+    const bool made = complete({Stage::finest_step});
+    const StoreDigests& left = checkpoint_.state.stores;
+    check(stores.inside, made, left.unsaturated);
+    check(stores.south, made, left.unsaturated_south);
+    check(stores.east, made, left.unsaturated_east);
+}
+
+void Bake::check_step(StepStores& stores, StageId writer) const {
+    if (!stores.exist()) return;
+    check(stores.places, complete(writer), checkpoint_.state.stores.places);
+    check(stores.centres, complete(writer), checkpoint_.state.stores.centres);
+}
+
+// Steps write their records into one store, one after the other.
+void Bake::check_mixed(MixedStores& stores) const {
+    if (!stores.records.exists()) return;
+    int z = -1; // the last step that was complete
+    while (z + 1 < context_.tree.tile_log2 &&
+           complete(z < 0 ? StageId{Stage::finest_step} : StageId{Stage::coarser_steps, z + 1}))
+        ++z;
+    const StoreDigests& left = checkpoint_.state.stores;
+    const bool begun = z >= context_.mixed_log2;
+    check(stores.heights, begun, left.mixed_heights);
+    if (!begun) return stores.records.clear();
+    if (records_digest(context_, stores, context_.mixed_log2, z, true) != left.mixed_records) throw DamagedWork{};
+}
+
+void Bake::note_unsaturated(const UnsaturatedStores& stores) {
+    if (!stores.inside.exists() || context_.in_memory) return;
+    StoreDigests& left = checkpoint_.state.stores;
+    left.unsaturated = stores.inside.written();
+    left.unsaturated_south = stores.south.digest(); // neighbours both write where two borders meet
+    left.unsaturated_east = stores.east.digest();
+}
+
+void Bake::note_step(int z, const StepStores& step, const MixedStores& mixed) {
+    if (context_.in_memory) return;
+    StoreDigests& left = checkpoint_.state.stores;
+    left.places = step.places.written();
+    left.centres = step.centres.written();
+    if (z < context_.mixed_log2) return;
+    if (z == context_.mixed_log2) left.mixed_heights = mixed.heights.digest();
+    left.mixed_records += records_digest(context_, mixed, z, z, false);
+}
+
 // finer: what the finest step has left.
 void Bake::make_coarser_steps(const BakePlan& plan, const UnsaturatedStores& unsaturated, StepStores finer,
                               MixedStores& mixed) {
@@ -157,8 +231,10 @@ void Bake::make_coarser_steps(const BakePlan& plan, const UnsaturatedStores& uns
     for (int z = 1; z <= last_z; ++z) {
         StepStores step;
         if (z < last_z && !complete({Stage::coarser_steps, z + 1})) step = open_step(context_, z);
+        check_step(step, {Stage::coarser_steps, z});
         stage({Stage::coarser_steps, z}, [&] {
             make_coarser_step(context_, plan, {z, holes, unsaturated, finer}, {step, mixed, *spool_});
+            note_step(z, step, mixed);
         });
         finer.remove();
         finer = std::move(step);
@@ -193,13 +269,18 @@ constexpr StageId far_mip_stage(MapKind kind, std::uint32_t mip) {
 
 void Bake::make_maps(const BakePlan& plan, const HeightStores& heights) {
     TexelStore texels[2];
+    Digest* const left = checkpoint_.state.stores.texels;
     for (const MapKind kind : {MapKind::colour, MapKind::normal})
-        if (mip_count(plan.maps.log2_side(kind)) > near_mips && !complete(far_mip_stage(kind, near_mips)))
-            texels[static_cast<int>(kind)] = open_texels(context_, plan.maps, kind, near_mips - 1);
+        if (mip_count(plan.maps.log2_side(kind)) > near_mips && !complete(far_mip_stage(kind, near_mips))) {
+            TexelStore& last = texels[static_cast<int>(kind)];
+            last = open_texels(context_, plan.maps, kind, near_mips - 1);
+            check(last, complete({Stage::near_maps}), left[static_cast<int>(kind)]);
+        }
     stage({Stage::near_maps}, [&] {
         reads_input_ = true; // images
         make_near_maps(context_, plan, heights, {texels[0], texels[1], *spool_});
         reads_input_ = false;
+        for (const int kind : {0, 1}) left[kind] = texels[kind].written();
     });
     for (const MapKind kind : {MapKind::colour, MapKind::normal})
         make_far_mips(plan, kind, std::move(texels[static_cast<int>(kind)]));
@@ -208,11 +289,16 @@ void Bake::make_maps(const BakePlan& plan, const HeightStores& heights) {
 // finer: texels of the last near mip.
 void Bake::make_far_mips(const BakePlan& plan, MapKind kind, TexelStore finer) {
     const std::uint32_t mips = mip_count(plan.maps.log2_side(kind));
+    Digest& left = checkpoint_.state.stores.texels[static_cast<int>(kind)];
     for (std::uint32_t mip = near_mips; mip < mips; ++mip) {
         TexelStore texels;
         if (mip + 1 < mips && !complete(far_mip_stage(kind, mip + 1)))
             texels = open_texels(context_, plan.maps, kind, mip);
-        stage(far_mip_stage(kind, mip), [&] { make_far_mip(context_, plan, {kind, mip, finer}, {texels, *spool_}); });
+        if (texels.exists()) check(texels, complete(far_mip_stage(kind, mip)), left);
+        stage(far_mip_stage(kind, mip), [&] {
+            make_far_mip(context_, plan, {kind, mip, finer}, {texels, *spool_});
+            left = texels.written();
+        });
         finer.remove();
         finer = std::move(texels);
     }
@@ -271,7 +357,13 @@ std::vector<std::string> remarks(const BakeSummary& s) {
 
 BakeSummary bake(const HeightSource& source, const BakeOptions& options, const std::string& out_path) {
     check(options);
-    return Bake(source, options, out_path).run();
+    try {
+        return Bake(source, options, out_path).run();
+    } catch (const DamagedWork&) { // its folder is gone by now
+        BakeSummary summary = Bake(source, options, out_path).run();
+        summary.work_damaged = true;
+        return summary;
+    }
 }
 
 } // namespace fjell::baker

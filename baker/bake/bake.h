@@ -56,7 +56,8 @@ struct BakeSummary {
     std::uint64_t voids = 0;        // samples that are holes
     RepeatedHeight lowest, highest; // that many samples share; share 0: no such height
     std::uint64_t file_bytes = 0, geometry_bytes = 0, directory_bytes = 0, texture_bytes = 0;
-    bool resumed = false; // some stages were complete from an earlier run
+    bool resumed = false;      // some stages were complete from an earlier run
+    bool work_damaged = false; // an earlier run's work was not as it had left it, and all was done anew
     // Read, filled and measured; maps; vertices; assembled and on the disk; everything.
     double seconds_read = 0, seconds_textures = 0, seconds_errors = 0, seconds_write = 0, seconds_total = 0;
 };
@@ -66,7 +67,8 @@ struct BakeSummary {
 
 // Bakes to OUT beside its place and renames; an old pack stays until then. Throws Failure. When that is an interruption
 // (130) or a failure of the input, and a stage is complete, PACK.work stays and the same call goes on; otherwise
-// nothing is left behind. O(samples) of disk beside the pack (work_bytes.h). One at a time for each OUT.
+// nothing is left behind. What an earlier run has left is compared with checksums before it is used. O(samples) of disk
+// beside the pack (work_bytes.h). One at a time for each OUT.
 BakeSummary bake(const HeightSource& source, const BakeOptions& options, const std::string& out_path);
 
 // Tile size for `auto`: 512 cells, more when the terrain would have over 1,024 tiles, fewer when one tile covers it.

@@ -9,6 +9,8 @@
 
 #include "baker/heights/statistics.h"
 #include "baker/read/source.h"
+#include "baker/pack/chunk_spool.h"
+#include "baker/store/digest.h"
 
 namespace fjell::baker {
 
@@ -23,6 +25,15 @@ struct StageId {
     }
 };
 
+// What complete stages have left in stores that others read.
+struct StoreDigests {
+    Digest heights, filled, holes;                           // read, fill
+    Digest texels[2];                                        // of the last mip of a kind: near_maps, far_mips
+    Digest unsaturated, unsaturated_south, unsaturated_east; // finest_step
+    Digest places, centres;                                  // of the last step
+    Digest mixed_records, mixed_heights;                     // of all steps so far
+};
+
 // All of it is stored. What is measured by a stage holds once that one is complete.
 struct CheckpointState {
     std::uint32_t complete = 0;                // all stages of a smaller number are
@@ -30,10 +41,11 @@ struct CheckpointState {
     std::uint32_t holes = 0;                   // read: 1: those stay holes
     float max_error_m = 0;                     // mixed_pages
     float ground_error_m = 0;                  // finest_step
-    std::uint64_t spool_bytes = 0;             // chunks of complete stages
     double native_quantum_m = 0, anchor_m = 0; // read: see SourceProperties
     RepeatedHeight lowest, highest;            // read: see SourceProperties
     HeightStatistics heights;                  // measure
+    SpoolState spool;                          // chunks of complete stages
+    StoreDigests stores;
 };
 
 class Checkpoint {

@@ -10,12 +10,14 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/read/gdal_file.h"
+#include "baker/read/raster_files.h"
 #include "io/file.h"
 
 namespace fjell::baker {
 
 namespace {
 
+using nlohmann::json;
 using nlohmann::ordered_json;
 
 struct TextField {
@@ -70,7 +72,7 @@ std::string joined(const std::vector<std::string>& words) {
     return fmt::format("{}", fmt::join(words, ", "));
 }
 
-std::string text_of(const ordered_json& value, const TextField& field, const std::string& name) {
+std::string text_of(const json& value, const TextField& field, const std::string& name) {
     const bool count = std::string_view(field.key) == "tile" && value.is_number_unsigned();
     if (!value.is_string() && !count) refuse(name, fmt::format("\"{}\" must be text", field.key));
     std::string text = count ? std::to_string(value.get<std::uint64_t>()) : value.get<std::string>();
@@ -80,13 +82,13 @@ std::string text_of(const ordered_json& value, const TextField& field, const std
     return text;
 }
 
-double number_of(const ordered_json& value, const std::string& key, const std::string& name) {
+double number_of(const json& value, const std::string& key, const std::string& name) {
     if (!value.is_number() || !std::isfinite(value.get<double>()))
         refuse(name, fmt::format("\"{}\" must be a number", key));
     return value.get<double>();
 }
 
-std::vector<std::string> files_of(const ordered_json& value, const std::string& key, const std::string& name) {
+std::vector<std::string> files_of(const json& value, const std::string& key, const std::string& name) {
     std::vector<std::string> files;
     if (!value.is_array()) refuse(name, fmt::format("\"{}\" must be a list of file names", key));
     for (const auto& entry : value) {
@@ -97,14 +99,14 @@ std::vector<std::string> files_of(const ordered_json& value, const std::string& 
     return files;
 }
 
-std::array<double, 4> bbox_of(const ordered_json& value, const std::string& name) {
+std::array<double, 4> bbox_of(const json& value, const std::string& name) {
     if (!value.is_array() || value.size() != 4) refuse(name, "\"bbox\" must be a list of west, south, east, north");
     std::array<double, 4> box{};
     for (std::size_t i = 0; i < 4; ++i) box[i] = number_of(value[i], "bbox", name);
     return box;
 }
 
-DeclaredVoids voids_of(const ordered_json& value, const std::string& name) {
+DeclaredVoids voids_of(const json& value, const std::string& name) {
     DeclaredVoids voids;
     if (!value.is_array()) refuse(name, "\"void\" must be a list of numbers, or [\"none\"]");
     for (const auto& entry : value) {
@@ -116,7 +118,7 @@ DeclaredVoids voids_of(const ordered_json& value, const std::string& name) {
     return voids;
 }
 
-void take(Recipe& recipe, const std::string& key, const ordered_json& value, const std::string& name) {
+void take(Recipe& recipe, const std::string& key, const json& value, const std::string& name) {
     if (key == "inputs" || key == "texture") {
         (key == "inputs" ? recipe.inputs : recipe.texture) = files_of(value, key, name);
         return;
@@ -156,11 +158,12 @@ void change_paths(Recipe& recipe, Change change) {
 } // namespace
 
 Recipe parse_recipe(const std::string& text, const std::string& name) {
-    const ordered_json json = ordered_json::parse(text, nullptr, false);
-    if (json.is_discarded()) refuse(name, "is not JSON");
-    if (!json.is_object()) refuse(name, "is not a JSON object");
+    // Not one that keeps the order: that looks through all keys for each further one.
+    const json object = json::parse(text, nullptr, false);
+    if (object.is_discarded()) refuse(name, "is not JSON");
+    if (!object.is_object()) refuse(name, "is not a JSON object");
     Recipe recipe;
-    for (const auto& [key, value] : json.items()) take(recipe, key, value, name);
+    for (const auto& [key, value] : object.items()) take(recipe, key, value, name);
     return recipe;
 }
 
@@ -263,6 +266,19 @@ BakeOptions bake_options(const Recipe& recipe) {
     o.ramp_path = recipe.ramp.value_or("");
     o.reading = recipe_text(reading_part(recipe));
     return o;
+}
+
+std::vector<std::string> files_read(const Recipe& recipe) {
+    std::vector<std::string> all{recipe.ramp.value_or("")};
+    const auto add = [&](const std::vector<std::string>& more) { all.insert(all.end(), more.begin(), more.end()); };
+    for (const std::string& input : recipe.inputs)
+        add(input.ends_with(".json") ? std::vector{input} : raster_files(input, "a height field"));
+    for (const std::string& image : recipe.texture) add(raster_files(image, "an image"));
+    return all;
+}
+
+std::vector<std::string> places_written(const std::string& pack_path) {
+    return {pack_path, io::where_written(pack_path) + ".work/"};
 }
 
 std::vector<std::string> words_of(const std::string& key) {

@@ -43,6 +43,12 @@ struct Recipe {
 [[nodiscard]] ReadOptions read_options(const Recipe& recipe);
 [[nodiscard]] BakeOptions bake_options(const Recipe& recipe);
 
+// Every file that its bake reads, as far as files are there: heights and images with what lies beside and behind them,
+// and the ramp. Throws Failure 1 for one that cannot be opened.
+[[nodiscard]] std::vector<std::string> files_read(const Recipe& recipe);
+// Where its bake writes: the pack, and the work folder with all that is in it, as refuse_overwriting() wants them.
+[[nodiscard]] std::vector<std::string> places_written(const std::string& pack_path);
+
 // The words an option takes; none: any text. Key as in the file.
 [[nodiscard]] std::vector<std::string> words_of(const std::string& key);
 // "WEST,SOUTH,EAST,NORTH" to four numbers. Throws Failure 2.

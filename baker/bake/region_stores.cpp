@@ -1,6 +1,7 @@
 #include "baker/bake/region_stores.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -50,6 +51,27 @@ MixedStores open_mixed(const BakeContext& context) {
     const auto [columns, rows] = places_of(context.tree, context.mixed_log2);
     return {context.open<std::uint16_t>("mixed-records", columns, rows),
             context.open<std::uint32_t>("mixed-heights", columns, rows)};
+}
+
+Digest records_digest(const BakeContext& context, const MixedStores& stores, int first, int last, bool with_rest) {
+    const auto columns = static_cast<std::int32_t>(stores.records.columns()),
+               rows = static_cast<std::int32_t>(stores.records.rows());
+    const int none = context.tree.tile_log2 - context.mixed_log2; // corners of tiles, which are no vertices
+    first -= context.mixed_log2;
+    last -= context.mixed_log2;
+    const std::int32_t step = with_rest ? 1 : 1 << first;
+    std::vector<std::uint16_t> row(static_cast<std::size_t>(columns));
+    Digest sum;
+    for (std::int32_t y = 0; y < rows; y += step) {
+        stores.records.read({0, y, columns, 1}, row.data(), columns);
+        for (std::int32_t x = 0; x < columns; ++x) {
+            // A vertex belongs to the largest step that divides both of its coordinates.
+            const int of = std::countr_zero(static_cast<std::uint32_t>(x | y));
+            if (!(of >= first && of <= last) && !(with_rest && of >= none)) row[static_cast<std::size_t>(x)] = 0;
+        }
+        sum += digest_of(static_cast<std::uint64_t>(y) * row.size() * sizeof row[0], std::as_bytes(std::span(row)));
+    }
+    return sum;
 }
 
 // ---- what a region reads
@@ -229,7 +251,10 @@ void store_step(const StepResult& result, StepStores& stores) {
             const auto steps = static_cast<std::uint32_t>(in.steps.corner.row(j)[i]);
             *corner++ = holes && holes->corner.row(j)[i] ? steps | hole_flag : steps;
         }
-    stores.places.write({in.square.x, in.square.y, in.nx + 1, in.ny + 1}, corners.data(), in.nx + 1);
+    // The southern and eastern borders are the neighbours', which know the same of them: each place is written once.
+    const bool last_x = in.square.x + in.nx + 1 == stores.places.columns(),
+               last_y = in.square.y + in.ny + 1 == stores.places.rows();
+    stores.places.write({in.square.x, in.square.y, in.nx + last_x, in.ny + last_y}, corners.data(), in.nx + 1);
     CentreRecord* centre = centres.data();
     for (std::int32_t j = 0; j < in.ny; ++j)
         for (std::int32_t i = 0; i < in.nx; ++i)

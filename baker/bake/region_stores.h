@@ -53,6 +53,11 @@ struct MixedStores {
 };
 [[nodiscard]] MixedStores open_mixed(const BakeContext& context);
 
+// Of the records of steps from 2^first to 2^last; with_rest: and of all places that no vertex owns, which stay zero.
+// What an interrupted stage may have written of further steps does not count.
+[[nodiscard]] Digest records_digest(const BakeContext& context, const MixedStores& stores, int first, int last,
+                                    bool with_rest);
+
 inline constexpr std::uint32_t hole_flag = 0x80000000u; // of stored heights
 
 // ---- what a region reads, from twice square (-1, -1) of it on, as errors/step.h wants it

@@ -28,6 +28,7 @@
 #include "baker/synth/synth.h"
 #include "baker/synth/write_dem.h"
 #include "fjell/io/load.h"
+#include "fjell/io/pack_file.h"
 #include "io/command_line.h"
 #include "io/file.h"
 #include "tree/order.h"
@@ -130,12 +131,12 @@ int run_bake(const Arguments& a) {
     if (!recipe.output) throw Failure(2, "no output given; add -o OUT.fjell");
     const std::string& output = *recipe.output;
     BakeOptions options = bake_options(recipe);
-    std::vector<std::string> inputs = recipe.inputs;
-    inputs.insert(inputs.end(), options.texture_paths.begin(), options.texture_paths.end());
-    inputs.push_back(options.ramp_path);
-    refuse_overwriting({output, a.json_path, a.save_recipe_path}, inputs);
-    refuse_overwriting({output, a.json_path}, {a.recipe_path}); // a recipe may be saved over the one it came from
-    std::optional<AtomicFile> saved;                            // opened before the work, like the summary
+    std::vector<std::string> outputs = places_written(output);
+    outputs.push_back(a.json_path);
+    refuse_overwriting(outputs, {a.recipe_path});
+    outputs.push_back(a.save_recipe_path); // which may be the one that the recipe came from
+    refuse_overwriting(outputs, files_read(recipe));
+    std::optional<AtomicFile> saved; // opened before the work, like the summary
     if (!a.save_recipe_path.empty()) saved.emplace(a.save_recipe_path);
     JsonOutput summary(a.json_path);
     ProgressBar bar(a.quiet);
@@ -148,9 +149,13 @@ int run_bake(const Arguments& a) {
     if (saved) save_recipe(recipe, a.save_recipe_path, *saved);
     summary.write(summary_json(s));
     if (a.quiet || a.json_path == "-") return 0;
+    if (s.work_damaged) fmt::print("what an earlier bake had left in its work folder was damaged; baked anew\n");
     fmt::print("{}: {} x {} samples in {} x {} tiles of {} cells, quantum {:.4g} m, largest error {:.4g} m\n", output,
                s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(), s.quantum_m, s.ground_error_m);
     fmt::print("{}", describe(s));
+    if (const auto tiles = std::int64_t{s.tree.tiles_x} * s.tree.tiles_y; tiles > 1024)
+        fmt::print("its {} tiles need as many page_slots in a profile that streams it; a larger --tile needs fewer\n",
+                   tiles);
     const double samples = static_cast<double>(s.columns) * s.rows;
     fmt::print("{:.1f} MB ({:.2f} bytes a sample of geometry) in {:.1f} s ({:.1f} M samples/s; errors {:.1f} s)\n",
                static_cast<double>(s.file_bytes) / 1e6, static_cast<double>(s.geometry_bytes) / samples,
@@ -159,9 +164,9 @@ int run_bake(const Arguments& a) {
     return 0;
 }
 
-json info_json(const LoadedPack& loaded) {
-    const PackHeader& h = loaded.pack.header;
-    const CrsLabel crs = crs_label(loaded.crs);
+json info_json(const PackFile& file, const std::string& path) {
+    const PackHeader& h = file.pack().header;
+    const CrsLabel crs = crs_label(file.crs());
     json j{{"version", h.version},
            {"columns", h.columns},
            {"rows", h.rows},
@@ -172,13 +177,13 @@ json info_json(const LoadedPack& loaded) {
            {"nesting", h.nesting},
            {"spacing_m", {h.spacing_m[0], h.spacing_m[1]}},
            {"origin_m", {h.origin_m[0], h.origin_m[1]}},
-           {"crs", loaded.crs.empty() ? json() : json(loaded.crs)},
+           {"crs", file.crs().empty() ? json() : json(file.crs())},
            {"crs_name", crs.name.empty() ? json() : json(crs.name)},
            {"epsg", crs.epsg ? json(crs.epsg) : json()},
            {"height_m", {h.min_m, h.max_m}},
            {"quantum_m", h.quantum_m},
            {"holes", h.voids},
-           {"pages_per_tile", pages_of(loaded.pack.header).pages_per_tile()},
+           {"pages_per_tile", pages_of(h).pages_per_tile()},
            {"max_error_m", h.max_error_m},
            {"colour_texels", h.colour_log2 ? 1u << h.colour_log2 : 0},
            {"normal_texels", h.normal_log2 ? 1u << h.normal_log2 : 0},
@@ -186,7 +191,7 @@ json info_json(const LoadedPack& loaded) {
            {"file_bytes", h.file_bytes},
            {"pack_hash", fmt::format("{:016x}", h.directory_hash)},
            {"required_bytes", terrain_bytes(h)}};
-    add_notes(j, read_notes(loaded.path));
+    add_notes(j, read_notes(path));
     return j;
 }
 
@@ -196,9 +201,9 @@ int run_info(Arguments a) {
     refuse_overwriting({a.picture_path, a.info_json}, {a.pack});
     std::optional<AtomicFile> picture; // opened before the work
     if (!a.picture_path.empty()) picture.emplace(a.picture_path);
-    const LoadedPack loaded = load_pack(a.pack, picture ? LoadTerrain::yes : LoadTerrain::no);
-    if (picture) write_png(make_picture(loaded.terrain, a.picture), *picture);
-    const json info = info_json(loaded);
+    const PackFile file(a.pack); // header, directory, corners and CRS, however large it is
+    if (picture) write_png(make_picture(load_pack(a.pack, LoadTerrain::yes).terrain, a.picture), *picture);
+    const json info = info_json(file, a.pack);
     if (!a.info_json.empty()) {
         JsonOutput(a.info_json).write(info);
         return 0;
@@ -310,14 +315,14 @@ void require_tif(const std::string& path) {
 }
 
 int run_heights(const Arguments& a) {
-    refuse_overwriting({a.dem_path}, {a.pack});
+    refuse_overwriting(places_written(a.dem_path), {a.pack});
     require_tif(a.dem_path);
     write_dem(PackSource(a.pack), a.dem_path, DemForm::plain);
     return 0;
 }
 
 int run_synth(const Arguments& a) {
-    refuse_overwriting({a.dem_path}, {a.terrain_path});
+    refuse_overwriting(places_written(a.dem_path), {a.terrain_path});
     require_tif(a.dem_path);
     ProgressBar bar(a.quiet);
     write_dem(*open_synth(a.terrain_path), a.dem_path, DemForm::compact, 0, std::ref(bar));

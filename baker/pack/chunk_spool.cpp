@@ -41,10 +41,19 @@ void ChunkBatch::add(ChunkId id, std::span<const std::byte> raw, int zstd_level,
 }
 
 ChunkSpool::ChunkSpool(const std::string& data_path, const std::string& entries_path, const PackHeader& layout,
-                       std::uint64_t bytes_so_far)
-    : layout_(layout), count_(chunk_count(layout)), entries_(entries_path, count_ * sizeof(ChunkEntry)),
-      end_(bytes_so_far), in_memory_(data_path.empty()) {
+                       const SpoolState& found)
+    : layout_(layout), count_(chunk_count(layout)), entries_(entries_path, count_ * sizeof(ChunkEntry)), found_(found),
+      end_(found.bytes), in_memory_(data_path.empty()) {
     if (!in_memory_) data_ = WorkFile(data_path, WorkFile::grows);
+}
+
+bool ChunkSpool::has_found() const {
+    if (data_.size() < found_.bytes || data_.digest(found_.bytes) != found_.chunks) return false;
+    // Entries of the stage that was interrupted are there or not: those count whose chunks do.
+    std::vector<ChunkEntry> all = entries();
+    for (ChunkEntry& entry : all)
+        if (entry.offset >= found_.bytes) entry = {};
+    return digest_of(0, std::as_bytes(std::span(all))) == found_.entries;
 }
 
 void ChunkSpool::append(ChunkBatch batch) {
@@ -77,9 +86,11 @@ void ChunkSpool::read(std::uint64_t offset, std::span<std::byte> to) const {
     }
 }
 
-std::uint64_t ChunkSpool::bytes() {
-    const std::lock_guard hold(lock_);
-    return end_;
+SpoolState ChunkSpool::state() const {
+    SpoolState now{end_, found_.chunks, found_.entries};
+    now.chunks += data_.written();
+    now.entries += entries_.written();
+    return now;
 }
 
 std::vector<ChunkEntry> ChunkSpool::entries() const {

@@ -27,15 +27,21 @@ private:
     std::vector<std::byte> bytes_;
 };
 
+// What a spool holds, for a later run to go on with.
+struct SpoolState {
+    std::uint64_t bytes = 0; // of its chunks
+    Digest chunks, entries;
+};
+
 // Compressed chunks in a work file, one behind the other. Any thread may append.
 class ChunkSpool {
 public:
-    // Paths: empty: in memory. bytes_so_far: of an earlier run's chunks that count; what lies behind them is
-    // overwritten.
+    // Paths: empty: in memory. found: what an earlier run has left that counts; what lies behind is overwritten.
     ChunkSpool(const std::string& data_path, const std::string& entries_path, const PackHeader& layout,
-               std::uint64_t bytes_so_far);
+               const SpoolState& found);
+    [[nodiscard]] bool has_found() const; // whether what was to be found is there, to the byte. Reads all of it.
     void append(ChunkBatch batch);
-    [[nodiscard]] std::uint64_t bytes(); // of all batches so far
+    [[nodiscard]] SpoolState state() const; // of all batches so far; no append() at the same time
     // Directory entries by chunk_index, their offsets counted in the spool.
     [[nodiscard]] std::vector<ChunkEntry> entries() const;
     void read(std::uint64_t offset, std::span<std::byte> to) const;
@@ -44,6 +50,7 @@ private:
     PackHeader layout_;
     std::uint64_t count_;
     WorkFile data_, entries_;
+    SpoolState found_;
     std::mutex lock_; // of what follows
     std::uint64_t end_;
     // In memory: batches as they came, and where each begins.

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "baker/read/netcdf_length.h"
+#include "baker/read/raster_files.h"
 
 namespace fjell::baker {
 
@@ -93,6 +94,7 @@ GdalFile open_raster(const std::string& path, const char* what, GdalMessages& me
     } else {
         check_length(path, path);
     }
+    (void)raster_sources(path); // GDAL would wait for what a pipe never brings
     GdalFile file(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
     if (!file)
         throw Failure(1, fmt::format("{}: cannot be read as {}; give a GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM or "

@@ -1,5 +1,6 @@
 #include "baker/store/store.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -25,9 +26,13 @@ WorkFile::WorkFile(std::string path, std::uint64_t bytes) : path_(std::move(path
     }
     fd_ = io::uninterrupted([&] { return open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666); });
     if (fd_ < 0) io::disk_failure(path_, "open");
-    struct stat info {};
-    if (bytes == grows) return;
-    if (fstat(fd_, &info) == 0 && static_cast<std::uint64_t>(info.st_size) == bytes) return;
+    sum_ = std::make_unique<Sum>();
+    const std::uint64_t before = size();
+    found_ = before != 0;
+    if (bytes != grows && before != bytes) reserve(bytes);
+}
+
+void WorkFile::reserve(std::uint64_t bytes) {
     // Taken at once where the file system can, so that a disk that is too small is known before the work.
     const bool taken =
         bytes == 0 || io::uninterrupted([&] { return fallocate(fd_, 0, 0, static_cast<off_t>(bytes)); }) == 0;
@@ -40,6 +45,36 @@ WorkFile::~WorkFile() {
     if (fd_ >= 0) close(fd_);
 }
 
+void WorkFile::clear() {
+    if (!found_) return;
+    const std::uint64_t bytes = size();
+    if (io::uninterrupted([&] { return ftruncate(fd_, 0); }) != 0) io::disk_failure(path_, "empty");
+    reserve(bytes);
+    found_ = false;
+}
+
+std::uint64_t WorkFile::size() const {
+    struct stat info {};
+    return fd_ >= 0 && fstat(fd_, &info) == 0 ? static_cast<std::uint64_t>(info.st_size) : memory_.size();
+}
+
+Digest WorkFile::written() const {
+    return sum_ ? Digest{sum_->forwards.load(), sum_->backwards.load()} : Digest{};
+}
+
+Digest WorkFile::digest(std::uint64_t bytes) const {
+    Digest sum;
+    if (fd_ < 0) return sum;
+    Buffer<std::byte> piece(std::size_t{1} << 20);
+    bytes = std::min(bytes, size());
+    for (std::uint64_t at = 0; at < bytes; at += piece.size()) {
+        piece.resize(std::min<std::uint64_t>(piece.size(), bytes - at));
+        read(at, piece);
+        sum += digest_of(at, piece);
+    }
+    return sum;
+}
+
 void WorkFile::read(std::uint64_t offset, std::span<std::byte> to) const {
     if (fd_ >= 0)
         io::read_all(fd_, offset, to, path_);
@@ -48,10 +83,14 @@ void WorkFile::read(std::uint64_t offset, std::span<std::byte> to) const {
 }
 
 void WorkFile::write(std::uint64_t offset, std::span<const std::byte> from) {
-    if (fd_ >= 0)
-        io::write_all(fd_, offset, from, path_);
-    else
+    if (fd_ < 0) {
         std::memcpy(memory_.data() + offset, from.data(), from.size());
+        return;
+    }
+    io::write_all(fd_, offset, from, path_);
+    const Digest part = digest_of(offset, from);
+    sum_->forwards += part.forwards;
+    sum_->backwards += part.backwards;
 }
 
 void WorkFile::remove() {

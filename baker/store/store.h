@@ -2,6 +2,7 @@
 // windows.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -11,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "baker/store/digest.h"
 #include "baker/store/window.h"
 
 namespace fjell::baker {
@@ -52,15 +54,31 @@ public:
     void read(std::uint64_t offset, std::span<std::byte> to) const;
     void write(std::uint64_t offset, std::span<const std::byte> from);
     void remove(); // closes it and gives its space back; harmless when there is none
+    void clear();  // what an earlier run has left is zero again
+    [[nodiscard]] std::uint64_t size() const;
+
+    // What a file holds, to be compared by a later run; of memory, which no later run meets, always the same.
+    // written(): of what was written so far, each place at most once. digest(): of its first bytes, read again; as of
+    // zeros where it is shorter.
+    [[nodiscard]] Digest written() const;
+    [[nodiscard]] Digest digest(std::uint64_t bytes) const;
 
 private:
+    struct Sum {
+        std::atomic<std::uint64_t> forwards{0}, backwards{0};
+    };
+    void reserve(std::uint64_t bytes);
     void swap(WorkFile& other) noexcept {
         std::swap(path_, other.path_);
         std::swap(fd_, other.fd_);
+        std::swap(found_, other.found_);
+        std::swap(sum_, other.sum_);
         std::swap(memory_, other.memory_);
     }
     std::string path_;
     int fd_ = -1;
+    bool found_ = false; // an earlier run has left it
+    std::unique_ptr<Sum> sum_;
     Buffer<std::byte> memory_;
 };
 
@@ -89,6 +107,12 @@ public:
     void remove() {
         file_.remove();
         columns_ = rows_ = 0;
+    }
+    void clear() { file_.clear(); }
+    // As of a WorkFile, of all of it.
+    [[nodiscard]] Digest written() const { return file_.written(); }
+    [[nodiscard]] Digest digest() const {
+        return file_.digest(static_cast<std::uint64_t>(columns_ * rows_) * sizeof(T));
     }
 
 private:

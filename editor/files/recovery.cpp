@@ -87,6 +87,19 @@ void write_quickly(const std::string& file, const std::string& text) {
     if (std::rename(temporary.c_str(), file.c_str()) != 0) io::disk_failure(file, "rename");
 }
 
+// Of an editor that was killed: what it was just writing, and the lock of what it never wrote.
+void remove_leftovers(const std::vector<std::string>& names) {
+    for (const std::string& name : names) {
+        const std::string file = name.substr(0, name.rfind('.'));
+        std::error_code ignored;
+        if (name.ends_with(".lock") && fs::exists(file, ignored)) continue;
+        int lock = locked(file);
+        if (lock < 0) continue; // it is alive
+        unlink((file + ".tmp").c_str());
+        unlock(file, lock);
+    }
+}
+
 } // namespace
 
 Recovery::~Recovery() {
@@ -127,12 +140,16 @@ void Recovery::find(const std::string& folder) {
     found_folder_ = folder;
     if (folder.empty()) return;
     std::vector<std::pair<fs::file_time_type, std::string>> files;
+    std::vector<std::string> leftovers;
     std::error_code error;
     for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
         const std::string name = at->path().filename().string();
         if (name.starts_with("unsaved-") && name.ends_with(".json") && at->path().string() != file_)
             files.emplace_back(at->last_write_time(error), at->path().string());
+        if (name.starts_with("unsaved-") && (name.ends_with(".json.tmp") || name.ends_with(".json.lock")))
+            leftovers.push_back(at->path().string());
     }
+    remove_leftovers(leftovers);
     std::ranges::sort(files, std::greater{});
     for (const auto& [time, file] : files)
         if (take(file)) return;

@@ -46,19 +46,26 @@ void apply_tuned(HandlerContext context) {
 } // namespace
 
 void handle(const BakePack& c, HandlerContext context) {
+    // Over the pack that is open it may go: that is replaced whole, and opened again.
+    const std::string& pack = context.state.scene.path;
+    refuse_overwriting_open_files(context.state,
+                                  c.output.empty() && !c.inputs.empty() ? pack_beside(c.inputs[0]) : c.output, pack);
     context.jobs.start(JobKind::bake, bake_job(c));
 }
 
 void handle(const TuneThreshold& c, HandlerContext context) {
+    refuse_overwriting_open_files(context.state, c.csv);
     context.jobs.start(JobKind::tune, tune_job(plan_of(context.state, c.settings.frames), c.settings, c.csv));
 }
 
 void handle(const RunBenchmark& c, HandlerContext context) {
+    refuse_overwriting_open_files(context.state, c.csv);
     context.jobs.start(JobKind::benchmark, benchmark_job(plan_of(context.state, c.frames), c.csv));
 }
 
 void handle(const ExportMesh& c, HandlerContext context) {
     if (c.path.empty()) throw io::Failure(2, "give the export a file name that ends in .glb");
+    refuse_overwriting_open_files(context.state, c.path);
     context.jobs.start(JobKind::snapshot, export_job(export_plan(context, c.path, c.converged, c.error_px)));
 }
 

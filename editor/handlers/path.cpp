@@ -1,7 +1,6 @@
 // The camera path: opened, saved, recorded, played and edited.
 #include "editor/handlers/handlers.h"
 #include "fjell/io/failure.h"
-#include "io/file.h"
 
 namespace fjell::editor {
 
@@ -36,7 +35,7 @@ void handle(const OpenPath& c, HandlerContext context) {
 }
 
 void handle(const SavePath& c, HandlerContext context) {
-    io::refuse_overwriting({c.path}, {context.state.scene.path});
+    refuse_overwriting_open_files(context.state, c.path, context.state.route.path());
     context.state.route.save(c.path);
     if (context.state.interface.dialog == Dialog::save_path) context.state.interface.dialog = Dialog::none;
     continue_saving(context);

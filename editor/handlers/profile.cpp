@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "editor/handlers/handlers.h"
-#include "io/file.h"
 
 namespace fjell::editor {
 
@@ -38,7 +37,7 @@ void handle(const OpenProfile& c, HandlerContext context) {
 
 void handle(const SaveProfile& c, HandlerContext context) {
     State& state = context.state;
-    io::refuse_overwriting({c.path}, {state.scene.path});
+    refuse_overwriting_open_files(state, c.path, state.document.path());
     state.document.save(c.path);
     if (state.interface.dialog == Dialog::save_profile) state.interface.dialog = Dialog::none;
     post_message(state, Severity::note, "saved " + state.document.path());

@@ -57,6 +57,7 @@ std::unique_ptr<baker::HeightSource> open_inputs(const baker::Recipe& recipe) {
 void run(const baker::Recipe& recipe, baker::BakeOptions options, JobControl& control) {
     const std::string& output = *recipe.output;
     control.progress("open", 0, 1);
+    io::refuse_overwriting(baker::places_written(output), baker::files_read(recipe));
     options.progress = [&](const char* stage, std::uint64_t done, std::uint64_t total) {
         io::check_interrupt();
         // The baker knows this one: it keeps what is done where a later bake can go on from it.

@@ -99,6 +99,13 @@ Pictures::Pictures(const FlightOptions& options, const Session& session) : state
     state_->folder = options.render_folder;
 }
 
+bool is_picture_name(std::string_view name) {
+    constexpr std::string_view begin = "frame_", end = ".png";
+    if (name.size() < begin.size() + 5 + end.size() || !name.starts_with(begin) || !name.ends_with(end)) return false;
+    name = name.substr(begin.size(), name.size() - begin.size() - end.size());
+    return std::ranges::all_of(name, [](char c) { return c >= '0' && c <= '9'; });
+}
+
 Pictures::~Pictures() = default;
 
 void Pictures::follow(const Session& session, const FrameEntry& entry) {

@@ -4,12 +4,16 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "fjell/gl/renderer.h"
 #include "flight/options.h"
 #include "flight/session.h"
 
 namespace fjell::flight {
+
+// What write() below may call a picture: frame_NNNNN.png.
+[[nodiscard]] bool is_picture_name(std::string_view name);
 
 [[nodiscard]] gl::DrawOptions draw_options(PictureMode mode);
 

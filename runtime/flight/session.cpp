@@ -28,9 +28,11 @@ double microseconds(Clock::duration d) {
     return std::chrono::duration<double, std::micro>(d).count();
 }
 
-void require_budget(const Status& status) {
+void require_budget(const Status& status, const FlightOptions& options, const PackHeader& header) {
     if (status.code == Code::budget_too_small || status.code == Code::out_of_range)
-        throw Failure(1, fmt::format("{}: {} ([budget] of a --profile)", status.field, message(status.code)));
+        throw Failure(1,
+                      fmt::format("{}: {} ([budget] of a --profile){}", status.field, message(status.code),
+                                  status.code == Code::budget_too_small ? fewer_tiles(header, options.profile) : ""));
     require(status);
 }
 
@@ -61,7 +63,8 @@ Made make_cut(const FlightOptions& options, const Terrain& terrain, const CutBud
     made.cut_budget = budget;
     made.bytes = cut_bytes(terrain, budget);
     made.memory = io::allocate(made.bytes);
-    require_budget(create_cut(terrain, budget, {made.memory.get(), made.bytes}, made.cut));
+    require_budget(create_cut(terrain, budget, {made.memory.get(), made.bytes}, made.cut), options,
+                   data_of(terrain).header);
     return made;
 }
 
@@ -70,7 +73,8 @@ Made make_recursive(const FlightOptions& options, const Terrain& terrain) {
     made.method = Method::recursive;
     made.bytes = recursive_bytes(terrain, options.profile.budget);
     made.memory = io::allocate(made.bytes);
-    require_budget(create_recursive(terrain, options.profile.budget, {made.memory.get(), made.bytes}, made.recursive));
+    require_budget(create_recursive(terrain, options.profile.budget, {made.memory.get(), made.bytes}, made.recursive),
+                   options, data_of(terrain).header);
     return made;
 }
 
@@ -122,7 +126,10 @@ void open_terrain(const FlightOptions& options, Session& session) {
         if (!options.exports.empty()) session.mapped = std::make_unique<io::MappedPack>(options.pack);
         session.streamed = std::move(streamed);
     } else if (replayed_slots != 0) {
-        session.loaded = io::load_pack(options.pack, io::LoadTerrain::no);
+        session.mapped = std::make_unique<io::MappedPack>(options.pack);
+        session.loaded.path = options.pack;
+        session.loaded.pack = session.mapped->pack();
+        session.loaded.crs = session.mapped->crs();
         make_paged(session, {}, replayed_slots);
     } else {
         session.loaded = io::load_pack(options.pack, io::LoadTerrain::yes);
@@ -171,6 +178,22 @@ FrameEntry run_recursive(Session& session, const View& view, const RefineSetting
 }
 
 } // namespace
+
+std::string fewer_tiles(const PackHeader& h, const Profile& profile) {
+    constexpr std::uint64_t least_segment = 8, base_segments = 3; // what suited() comes to, and create_cut() wants
+    for (int log2 = static_cast<int>(h.tile_log2) + 1; log2 <= max_tile_log2; ++log2) {
+        const Tree tree = Tree::covering(static_cast<std::int32_t>(h.columns), static_cast<std::int32_t>(h.rows), log2);
+        const auto x = static_cast<std::uint64_t>(tree.tiles_x), y = static_cast<std::uint64_t>(tree.tiles_y);
+        const bool holds = profile.method == Method::recursive
+                               ? 4 * x * y <= profile.budget.vertices && 9 * x * y <= profile.budget.indices
+                               : (x + 1) * (y + 1) <= profile.cut_budget.vertices &&
+                                     least_segment * (x * y + base_segments) <= profile.cut_budget.triangles;
+        if (holds && x * y <= profile.page_slots) // streamed or not
+            return fmt::format(", or bake the terrain with --tile {}: {} tiles instead of {}", 1 << log2, x * y,
+                               std::uint64_t{h.tiles_x} * h.tiles_y);
+    }
+    return "";
+}
 
 void open_session(const FlightOptions& options, Session& session) {
     const auto start = Clock::now();

@@ -41,7 +41,7 @@ struct Session {
     io::LoadedPack loaded;
     std::size_t terrain_bytes = 0;
     std::unique_ptr<io::LoadedPack> reference; // loaded whole to measure against, where `loaded` is not
-    std::unique_ptr<io::MappedPack> mapped;    // of a streamed pack: for exports
+    std::unique_ptr<io::MappedPack> mapped;    // of a streamed pack: for exports; of one that is replayed: for pages
     std::unique_ptr<FileGround> file_ground;   // the same: for camera paths
     io::AlignedMemory method_memory;
     std::size_t method_bytes = 0;
@@ -86,6 +86,10 @@ void open_session(const FlightOptions& options, Session& session);
 // method it was begun with, nor for one that records or replays, which one budget holds for: those must be reopened,
 // and here they are a Failure (1).
 void remake_method(const FlightOptions& options, Session& session);
+
+// For the message that refuses a budget: with which larger tiles the profile holds the pack's coarsest mesh. Empty:
+// with none.
+[[nodiscard]] std::string fewer_tiles(const PackHeader& header, const Profile& profile);
 
 // The path the options ask for: a file, a seed's, or an orbit.
 [[nodiscard]] CameraPath path_of(const FlightOptions& options);

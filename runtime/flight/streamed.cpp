@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
+#include "flight/session.h"
 
 namespace fjell::flight {
 
@@ -16,8 +17,8 @@ void StreamedPack::begin(const FlightOptions& options, Terrain& terrain, LiveCut
     memory_ = io::allocate(memory_bytes_);
     const Status s = create_stream(file_.pack(), terrain, cut, budget, {memory_.get(), memory_bytes_}, stream_);
     if (!s.ok())
-        throw Failure(1, fmt::format("{}: {}: {} ([stream] of a --profile, where map_bytes is map_mb; {} tiles)",
-                                     options.pack, s.field, message(s.code), file_.pack().tile_count()));
+        throw Failure(1, fmt::format("{}: {}: {} ([stream] of a --profile, where map_bytes is map_mb){}", options.pack,
+                                     s.field, message(s.code), fewer_tiles(file_.pack().header, options.profile)));
     if (options.cold) file_.drop_cache();
     reader_ = std::make_unique<io::StreamReader>(
         stream_, file_, io::StreamReaderOptions{options.read_mb_s * 1e6, options.read_latency_ms * 1e-3});

@@ -46,10 +46,15 @@ int run(int argc, char** argv) {
     log.frames.reserve(frames);
     Verification verification;
     Shortfall shortfall;
-    if (options.headless)
-        fly_headless(options, session, poses, log, verification, shortfall);
-    else
-        fly_in_window(options, session, poses, log, verification);
+    try {
+        if (options.headless)
+            fly_headless(options, session, poses, log, verification, shortfall);
+        else
+            fly_in_window(options, session, poses, log, verification);
+    } catch (const Failure& failure) {
+        const std::string kept = outputs.keep_measured(options, log);
+        throw Failure(failure.exit_code, failure.what() + kept);
+    }
     outputs.finish(options, session, path, log, verification);
     if (session.streamed) check_reads(options.pack, *session.streamed);
     if (shortfall.outputs != 0) {

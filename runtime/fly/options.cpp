@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 
@@ -12,6 +13,7 @@
 #include "fjell/io/failure.h"
 #include "fjell/pack.h"
 #include "flight/path.h"
+#include "flight/pictures.h"
 #include "io/command_line.h"
 #include "io/file.h"
 
@@ -232,6 +234,24 @@ void check_replay(const Flags& f) {
                          "--items, --budget-us, --hysteresis, --morph");
 }
 
+// Pictures of --render that would replace more than a picture of an earlier flight: those that would be called like one
+// of the other files, and links that bear a picture's name.
+std::vector<std::string> pictures_in(const std::string& folder, const std::vector<std::string>& others) {
+    namespace fs = std::filesystem;
+    std::vector<std::string> pictures;
+    if (folder.empty()) return pictures;
+    for (const std::string& other : others)
+        if (const std::string name = fs::path(other).filename().string(); is_picture_name(name))
+            pictures.push_back(folder + "/" + name);
+    std::error_code error, ignored; // what is wrong with the folder is said when it is opened
+    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+        const std::string name = at->path().filename().string();
+        if (is_picture_name(name) && (at->is_symlink(ignored) || at->hard_link_count(ignored) != 1))
+            pictures.push_back(folder + "/" + name);
+    }
+    return pictures;
+}
+
 void check_together(const FlightOptions& o) {
     if (o.seeded && !o.path.empty()) throw Failure(2, "--seed and --path exclude each other; give one of them");
     if (o.still && (o.seeded || !o.path.empty()))
@@ -264,7 +284,15 @@ void check_together(const FlightOptions& o) {
     }
     std::vector<std::string> outputs{o.csv, o.json, o.record};
     for (const Export& e : o.exports) outputs.push_back(e.path);
-    io::refuse_overwriting(outputs, {o.pack, o.path, o.profile_path, o.replay});
+    const std::vector<std::string> inputs{o.pack, o.path, o.profile_path, o.replay};
+    io::refuse_overwriting(outputs, inputs);
+    std::vector<std::string> others = outputs;
+    others.insert(others.end(), inputs.begin(), inputs.end());
+    outputs.emplace_back();
+    for (const std::string& picture : pictures_in(o.render_folder, others)) {
+        outputs.back() = picture;
+        io::refuse_overwriting(outputs, inputs);
+    }
 }
 
 } // namespace

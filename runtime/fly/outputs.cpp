@@ -231,6 +231,17 @@ Outputs::~Outputs() {
     if (!made_folder_.empty()) (void)rmdir(made_folder_.c_str()); // refused for one that holds pictures
 }
 
+std::string Outputs::keep_measured(const FlightOptions& options, const FlightLog& log) {
+    if (log.frames.empty() || options.csv.empty()) return "";
+    try {
+        write_all(csv_, options.csv, csv(log));
+    } catch (const Failure& failure) {
+        return fmt::format("; {}", failure.what());
+    }
+    return fmt::format("; {} has the {} frames before", options.csv == "-" ? "the CSV" : options.csv,
+                       log.frames.size());
+}
+
 void Outputs::finish(const FlightOptions& options, const Session& session, const CameraPath& path, const FlightLog& log,
                      const Verification& verification) {
     const Summary summary = summarise(log, session.incremental());

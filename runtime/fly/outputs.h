@@ -23,6 +23,9 @@ public:
     void finish(const FlightOptions& options, const Session& session, const CameraPath& path, const FlightLog& log,
                 const Verification& verification);
 
+    // Of a flight that ends early: the CSV of the frames until then. Returns what to say of it; nothing of none.
+    std::string keep_measured(const FlightOptions& options, const FlightLog& log);
+
 private:
     std::unique_ptr<io::AtomicFile> csv_, json_, record_;
     std::string made_folder_;

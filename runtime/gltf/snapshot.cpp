@@ -4,6 +4,7 @@
 #include <cmath>
 #include <new>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <sstream>
 #include <utility>
@@ -158,15 +159,15 @@ std::string json_chunk(const SceneBuilder& scene, Json fjell_extras) {
 
 // The container (glTF 2.0, section 4.4): a header of 12 bytes, then chunks of length, type and data, all in words of 4.
 std::uint64_t write_glb(const SceneBuilder& scene, const std::string& json, std::uint64_t max_file_bytes,
-                        const std::string& path, bool write) {
+                        const std::string& path, io::AtomicFile* to) {
     const std::uint64_t total = container_bytes + json.size() + scene.binary_bytes();
     if (total > max_file_bytes)
         throw io::Failure(
             1, fmt::format("{}: the snapshot needs {} bytes, more than the {} that are allowed; ask for a larger "
                            "error_px or smaller textures (max_texture_px)",
                            path, total, max_file_bytes));
-    if (!write) return total;
-    io::AtomicFile file(path);
+    if (!to) return total;
+    io::AtomicFile& file = *to;
     const auto words = [&](std::initializer_list<std::uint32_t> list) {
         file.write(std::as_bytes(std::span(list.begin(), list.size())));
     };
@@ -191,9 +192,8 @@ SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const 
         if (pack.header.header_hash != content->header.header_hash)
             throw io::Failure(2,
                               "the pack is not the one that the snapshot was taken of; open that one, or take it anew");
-        if (options.write) {
-            const io::AtomicFile probe(path); // says what is wrong with the place before seconds of work, not after
-        }
+        std::optional<io::AtomicFile> file; // says what is wrong with the place before seconds of work, not after
+        if (options.write) file.emplace(path);
         const std::uint64_t max_file_bytes = std::min(options.max_file_bytes, most_file_bytes);
         SnapshotResult result;
         result.converged = content->info.converged;
@@ -202,7 +202,7 @@ SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const 
         add_tiles(pack, *content, options, scene, result);
         scene.add_camera(content->info.view);
         result.file_bytes = write_glb(scene, json_chunk(scene, extras(pack, content->info, result)), max_file_bytes,
-                                      path, options.write);
+                                      path, file ? &*file : nullptr);
         return result;
     } catch (const io::Failure& failure) {
         return refused(failure.exit_code, failure.what());

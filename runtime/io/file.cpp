@@ -1,12 +1,12 @@
 #include "io/file.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <utility>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -55,9 +55,29 @@ std::string resolved(const std::string& path) {
     return error ? place.string() : canonical.string();
 }
 
-bool counts(const std::string& path) {
-    return !path.empty() && path != "-" && !std::filesystem::is_character_file(path);
-}
+// The file of a name: by where the name leads and, once it is there, by what all of its names share.
+struct FileIdentity {
+    explicit FileIdentity(const std::string& the_name) : name(the_name), folder(the_name.ends_with('/')) {
+        while (name.size() > 1 && name.ends_with('/')) name.pop_back();
+        place = resolved(name);
+        struct stat info {};
+        exists = stat(name.c_str(), &info) == 0;
+        device = info.st_dev, number = info.st_ino;
+        counts = !name.empty() && name != "-" && !(exists && S_ISCHR(info.st_mode));
+    }
+    [[nodiscard]] bool same(const FileIdentity& other) const {
+        if (exists && other.exists) return device == other.device && number == other.number;
+        return place == other.place;
+    }
+    [[nodiscard]] bool holds(const FileIdentity& other) const {
+        return folder && other.place.size() > place.size() && other.place.starts_with(place + "/");
+    }
+
+    std::string name, place;
+    bool folder, exists = false, counts = true;
+    dev_t device = 0;
+    ino_t number = 0;
+};
 
 } // namespace
 
@@ -66,15 +86,18 @@ void require(const Status& status, const std::string& path) {
 }
 
 void refuse_overwriting(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
-    std::vector<std::string> taken;
+    std::vector<FileIdentity> taken;
     for (const std::string& input : inputs)
-        if (counts(input)) taken.push_back(resolved(input));
+        if (!input.empty() && input != "-") taken.emplace_back(input);
+    const std::size_t input_count = taken.size();
     for (const std::string& output : outputs) {
-        if (!counts(output)) continue;
-        const std::string place = resolved(output);
-        if (std::find(taken.begin(), taken.end(), place) != taken.end())
-            throw Failure(2, output + ": would overwrite an input or another output; choose another name");
-        taken.push_back(place);
+        const FileIdentity file(output);
+        if (!file.counts) continue;
+        for (std::size_t i = 0; i < taken.size(); ++i)
+            if (taken[i].counts && (file.same(taken[i]) || file.holds(taken[i]) || taken[i].holds(file)))
+                throw Failure(2, output + ": would overwrite the " + (i < input_count ? "input " : "output ") +
+                                     taken[i].name + "; choose another name");
+        taken.push_back(file);
     }
 }
 
@@ -82,17 +105,96 @@ std::string where_written(const std::string& path) {
     return std::filesystem::is_symlink(path) ? resolved(path) : path;
 }
 
-AtomicFile::AtomicFile(const std::string& path, const std::string& temporary)
-    : path_(where_written(path)),
-      temporary_(temporary.empty() ? path_ + "." + std::to_string(getpid()) + ".tmp" : temporary) {
-    struct stat info {};
-    if (stat(path_.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) {
-        if (!S_ISCHR(info.st_mode))
-            throw Failure(1, path + ": is a " + (S_ISDIR(info.st_mode) ? "folder" : "pipe or the like") +
-                                 "; give the output a file name");
-        temporary_ = path_; // a device such as /dev/full cannot be renamed over: it is written in place
+namespace {
+
+bool is_at(int fd, const std::string& name) {
+    struct stat held {
+    }, there{};
+    return fstat(fd, &held) == 0 && stat(name.c_str(), &there) == 0 && held.st_dev == there.st_dev &&
+           held.st_ino == there.st_ino;
+}
+
+// Who writes a temporary file holds its lock until it has its name or is gone. File systems without locks are taken as
+// if nobody else wrote.
+bool lock(int fd) {
+    return uninterrupted([&] { return flock(fd, LOCK_EX | LOCK_NB); }) == 0 || errno != EWOULDBLOCK;
+}
+
+// Removes what a program that was killed has left. False: it is another program's that is at work, or no file.
+bool remove_stale(const std::string& name) {
+    const int fd = uninterrupted([&] { return open(name.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); });
+    if (fd < 0) return errno == ENOENT;
+    const bool free = lock(fd);
+    if (free && is_at(fd, name)) unlink(name.c_str());
+    close(fd);
+    return free;
+}
+
+std::string beside(const std::string& place, int n) {
+    return place + ".fjell-tmp" + (n > 1 ? std::to_string(n) : "");
+}
+
+// A new file beside its place, locked: the first name that no other program has. -1: errno says why.
+int open_beside(const std::string& place, mode_t mode, std::string& name) {
+    constexpr int most_tries = 1000, most_writers = 4;
+    for (int n = 1, tries = 0; tries < most_tries; ++tries) {
+        name = beside(place, n);
+        const int fd = uninterrupted([&] { return open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode); });
+        if (fd < 0 && errno != EEXIST) return -1;
+        if (fd < 0) {
+            n += !remove_stale(name);
+        } else if (lock(fd) && is_at(fd, name)) {
+            for (int later = n + 1; later <= most_writers; ++later) (void)remove_stale(beside(place, later));
+            return fd;
+        } else {
+            close(fd); // removed for a stale one before it was locked
+        }
     }
-    fd_ = uninterrupted([&] { return open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666); });
+    errno = EBUSY;
+    return -1;
+}
+
+// In time for a reader that is only just starting.
+int open_pipe(const std::string& path) {
+    constexpr int most_looks = 500; // every 10 ms
+    for (int i = 0; i < most_looks; ++i) {
+        const int fd = open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
+        if (fd >= 0) {
+            (void)fcntl(fd, F_SETFL, 0); // from here on writing waits for the reader
+            return fd;
+        }
+        if (errno != ENXIO && errno != EINTR) return -1;
+        check_interrupt();
+        usleep(10'000);
+    }
+    throw Failure(1, path + ": a pipe that nobody reads; start its reader first");
+}
+
+void keep_owner(int fd, const std::string& replaced) {
+    struct stat before {};
+    if (stat(replaced.c_str(), &before) != 0) return;
+    if (fchown(fd, before.st_uid, before.st_gid) != 0) (void)!fchown(fd, static_cast<uid_t>(-1), before.st_gid);
+    (void)fchmod(fd, before.st_mode & 07777); // last: a new owner takes bits away
+}
+
+} // namespace
+
+AtomicFile::AtomicFile(const std::string& path, const std::string& temporary)
+    : path_(where_written(path)), temporary_(temporary) {
+    struct stat before {};
+    const bool replaces = stat(path_.c_str(), &before) == 0;
+    const bool pipe = replaces && S_ISFIFO(before.st_mode), device = replaces && S_ISCHR(before.st_mode);
+    if (replaces && !S_ISREG(before.st_mode) && !device && (!pipe || !temporary.empty()))
+        throw Failure(1, path + ": is a " + (S_ISDIR(before.st_mode) ? "folder" : "pipe or the like") +
+                             "; give the output a file name");
+    if (pipe || device) temporary_ = path_; // cannot be renamed over
+    const mode_t mode = replaces ? (before.st_mode & 0777) | 0600 : 0666;
+    if (pipe)
+        fd_ = open_pipe(path_);
+    else if (temporary_.empty())
+        fd_ = open_beside(path_, mode, temporary_);
+    else
+        fd_ = uninterrupted([&] { return open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, mode); });
     if (fd_ >= 0) return;
     if (errno == ENOENT || errno == ENOTDIR)
         throw Failure(1, path + ": the output folder does not exist; create it or choose another");
@@ -101,14 +203,15 @@ AtomicFile::AtomicFile(const std::string& path, const std::string& temporary)
 
 AtomicFile::~AtomicFile() {
     if (fd_ < 0) return;
+    if (temporary_ != path_) unlink(temporary_.c_str()); // before its lock goes
     close(fd_);
-    if (temporary_ != path_) unlink(temporary_.c_str());
 }
 
 void disk_failure(const std::string& path, const char* doing) {
     const int error = errno;
     const char* remedy = error == ENOSPC || error == EDQUOT || error == EFBIG ? "free some space or choose another disk"
                          : error == EACCES || error == EROFS                  ? "choose a folder you may write to"
+                         : error == EPIPE                                     ? "its reader has gone; keep that running"
                                                                               : "check the disk";
     throw Failure(3, path + ": cannot " + doing + ": " + std::strerror(error) + "; " + remedy);
 }
@@ -146,19 +249,21 @@ void AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes
 }
 
 void AtomicFile::commit() {
+    if (temporary_ != path_) keep_owner(fd_, path_);
     if (uninterrupted([&] { return fsync(fd_); }) != 0 && errno != EINVAL && errno != EROFS)
         disk_failure(path_, "flush");
     const int fd = std::exchange(fd_, -1);
-    const bool closed = close(fd) == 0;
     if (temporary_ == path_) {
-        if (!closed) disk_failure(path_, "close");
+        if (close(fd) != 0) disk_failure(path_, "close");
         return;
     }
-    if (closed && rename(temporary_.c_str(), path_.c_str()) == 0) return;
+    const int lock_holder = fcntl(fd, F_DUPFD_CLOEXEC, 0); // until it has its name
+    const bool done = close(fd) == 0 && rename(temporary_.c_str(), path_.c_str()) == 0;
     const int error = errno;
-    unlink(temporary_.c_str());
+    if (!done) unlink(temporary_.c_str());
+    if (lock_holder >= 0) close(lock_holder);
     errno = error;
-    disk_failure(path_, "rename");
+    if (!done) disk_failure(path_, "replace");
 }
 
 } // namespace fjell::io

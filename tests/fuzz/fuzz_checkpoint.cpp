@@ -56,7 +56,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     Checkpoint checkpoint(path, "fuzz");
     must(!repaired || checkpoint.resumed(), "a whole checkpoint is taken");
     if (!checkpoint.resumed()) {
-        must(checkpoint.state.complete == 0 && checkpoint.state.spool_bytes == 0, "else all is to be done");
+        must(checkpoint.state.complete == 0 && checkpoint.state.spool.bytes == 0, "else all is to be done");
         return 0;
     }
     must(!Checkpoint(path, "another").resumed(), "no other bake takes it");

@@ -277,7 +277,7 @@ void make_checkpoint(const std::filesystem::path& folder) {
     const std::string path = (folder / "taken").string();
     baker::Checkpoint checkpoint(path, "fuzz");
     checkpoint.state.complete = 401;
-    checkpoint.state.spool_bytes = 12345;
+    checkpoint.state.spool.bytes = 12345;
     checkpoint.write();
     std::ifstream file(path, std::ios::binary);
     const std::string bytes(std::istreambuf_iterator<char>(file), {});

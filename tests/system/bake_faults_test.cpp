@@ -1,6 +1,8 @@
 // Bakes that are killed, starved, interrupted and misled: nothing is lost, what is said is clear, and the same command
 // comes to the same bytes.
 #include "bake_faults.h"
+
+#include "baker/store/digest.h"
 #include "support/rounds.h"
 
 using namespace fjell::test;
@@ -122,6 +124,102 @@ TEST_CASE("what is killed with two threads goes on with one, and the other way r
         scene.command = Scene::child(n % 2 ? 1 : 3);
         CAPTURE(n, calls, r.err);
         scene.recovers();
+    }
+}
+
+namespace {
+
+// What can become of a file, or of two, while nobody looks.
+constexpr int damages = 6;
+void damage(const std::string& file, const std::string& other, int how, std::mt19937& random) {
+    std::string bytes = slurp(file);
+    const std::size_t at = bytes.empty() ? 0 : random() % bytes.size();
+    switch (how) {
+    case 0: std::filesystem::remove(file); return;
+    case 1: bytes.resize(bytes.size() / 2); break;
+    case 2: std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.end(), '\0'); break;
+    case 3: bytes += std::string(64, 'x'); break;
+    case 4:
+        if (!bytes.empty()) bytes[at] = static_cast<char>(bytes[at] ^ 1 << random() % 8);
+        break;
+    default:
+        spit(file, slurp(other));
+        spit(other, bytes);
+        return;
+    }
+    spit(file, bytes);
+}
+
+} // namespace
+
+TEST_CASE("whatever becomes of its work folder, an interrupted bake comes to the same pack") {
+    std::mt19937 random(seed);
+    const Scene scene(true, 1);
+    const std::string work = scene.folder / "out.fjell.work";
+    const long stages = scene.count("rename", "work/checkpoint");
+    const TemporaryFolder aside;
+    const auto copy = [](const std::string& from, const std::string& to) {
+        std::filesystem::remove_all(to);
+        std::filesystem::copy(from, to, std::filesystem::copy_options::recursive);
+    };
+    int anew = 0, resumed = 0;
+    for (const long stage : spread(stages, rounds<int>(4, static_cast<int>(stages)))) {
+        if (stage == 1) continue; // nothing to go on from
+        // When a stage is done, but not yet noted; or in the middle of the next one.
+        REQUIRE(scene.run({"rename", "kill", std::to_string(stage), "work/checkpoint"}).code == 128 + SIGKILL);
+        if (stage % 2 != 0 && scene.run({"pwrite", "kill", "60", "out.fjell.work"}).code == 0) {
+            scene.age();
+            continue;
+        }
+        copy(work, aside / "left");
+        std::vector<std::string> files;
+        for (const auto& entry : std::filesystem::directory_iterator(aside / "left"))
+            if (entry.path().filename() != "lock") files.push_back(entry.path().filename().string());
+        std::sort(files.begin(), files.end());
+        scene.recovers(true);
+        for (std::size_t i = 0; i < files.size() * damages; ++i) {
+            if (!full_rounds() && random() % 12 != 0) continue;
+            copy(aside / "left", work);
+            const std::string file = files[i / damages];
+            const int how = static_cast<int>(i % damages);
+            damage(work + "/" + file, work + "/" + files[random() % files.size()], how, random);
+            const Run r = scene.run();
+            CAPTURE(stage, stages, file, how, r.out, r.err);
+            CHECK(r.code == 0);
+            CHECK(scene.is_whole());
+            CHECK(scene.folder.names() == scene.names);
+            ++(r.out == "resumed\n" ? resumed : anew);
+            scene.age();
+        }
+    }
+    CHECK(anew > 0);
+    CHECK(resumed > 0); // what no further stage reads does not matter
+}
+
+TEST_CASE("digests of a file's pieces add up, however it was cut, and change with every bit and place") {
+    std::mt19937 random(seed);
+    std::vector<std::byte> bytes(5000);
+    for (std::byte& b : bytes) b = static_cast<std::byte>(random() % 256);
+    const std::span<const std::byte> all(bytes);
+    constexpr std::uint64_t far = std::uint64_t{1} << 40;
+    for (const std::uint64_t offset : {std::uint64_t{0}, std::uint64_t{3}, far}) {
+        fjell::baker::Digest sum;
+        for (std::size_t at = 0; at < bytes.size();) {
+            const std::size_t count = std::min<std::size_t>(random() % 700, bytes.size() - at);
+            sum += fjell::baker::digest_of(offset + at, all.subspan(at, count));
+            at += count;
+        }
+        const fjell::baker::Digest whole = fjell::baker::digest_of(offset, all);
+        CHECK(sum == whole);
+        CHECK(!(whole == fjell::baker::digest_of(offset + 1, all)));
+        CHECK(!(whole == fjell::baker::digest_of(offset + 8, all)));
+        int unseen = 0;
+        for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += 7) {
+            bytes[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
+            unseen += whole == fjell::baker::digest_of(offset, all);
+            bytes[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
+        }
+        CHECK(unseen == 0);
     }
 }
 

@@ -169,3 +169,68 @@ TEST_CASE("what is exported or drawn of a streamed pack waits for its pages, or 
     fs::remove_all(export_place().folder.path / "p");
     fs::remove(export_place().folder.path / "f.glb");
 }
+
+TEST_CASE("of a flight that ends early the CSV keeps the frames that were measured, and nothing else is left") {
+    const fs::path& folder = export_place().folder.path;
+    const auto names = export_place().folder.names();
+    const struct {
+        const char* what;
+        int code;
+        std::size_t frames;
+    } ends[] = {{"EACCES", 3, 5}, {"interrupt", 130, 6}};
+    for (const auto& end : ends) {
+        spit(folder / "flight.csv", "of an earlier flight");
+        const Run r = run_in(folder, "ASAN_OPTIONS=$ASAN_OPTIONS:verify_asan_link_order=0:detect_leaks=0 "
+                                     "LD_PRELOAD=" FJELL_FAULTS " FJELL_FAULT='rename five.glb " +
+                                         std::string(end.what) +
+                                         " 1' " FJELL_BIN_DIR
+                                         "/fjell-fly small.fjell --headless --frames 20 --csv flight.csv --json j.json "
+                                         "--record r.record --export 5:five.glb");
+        CAPTURE(r.err);
+        CHECK(r.code == end.code);
+        CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+        CHECK(r.err.find("flight.csv has the " + std::to_string(end.frames) + " frames before") != std::string::npos);
+        CHECK(rows_of(slurp(folder / "flight.csv")).size() == 1 + end.frames);
+        fs::remove(folder / "flight.csv");
+        fs::remove(folder / "five.glb"); // the interrupted one was finished
+        CHECK(export_place().folder.names() == names);
+    }
+}
+
+TEST_CASE("pictures overwrite pictures, but no other file that has the name of one") {
+    const fs::path& folder = export_place().folder.path;
+    fs::create_directory(folder / "pictures");
+    const std::string flight = "small.fjell --headless --frames 1 --render pictures/ ";
+    refuses_export(flight + "--csv pictures/frame_00000.png", 2, "would overwrite");
+    fs::create_symlink("../small.fjell", folder / "pictures/frame_00000.png");
+    const std::string pack = slurp(folder / "small.fjell");
+    refuses_export(flight, 2, "would overwrite the input small.fjell");
+    refuses_export("small.fjell --headless --frames 1 --export 0:pictures/frame_00000.png", 2, "the input");
+    CHECK(slurp(folder / "small.fjell") == pack);
+    fs::remove_all(folder / "pictures");
+}
+
+TEST_CASE("a pack of more tiles than a profile holds is refused with the tile size that fits, which then flies") {
+    const TemporaryFolder folder;
+    std::string heights = "ncols 2\nnrows 2049\nxllcorner 0\nyllcorner 0\ncellsize 30\n";
+    for (int i = 0; i < 2049; ++i) heights += std::to_string(i % 7) + " " + std::to_string(i % 5) + "\n";
+    spit(folder / "strip.asc", heights);
+    const auto bake = [&](const std::string& tile) {
+        return run_in(folder.path, FJELL_BIN_DIR "/fjell-bake strip.asc -o strip.fjell --tile " + tile).code;
+    };
+    const auto fly = [&](const std::string& how) {
+        return run_in(folder.path, FJELL_BIN_DIR
+                                       "/fjell-fly strip.fjell --headless --frames 2 --profile " FJELL_SOURCE_DIR
+                                       "/profiles/tiny.toml " +
+                                       how);
+    };
+    REQUIRE(bake("2") == 0);
+    for (const char* how : {"--stream off", "--stream on", "--method recursive"}) {
+        const Run r = fly(how);
+        CAPTURE(how, r.err);
+        CHECK(r.code == 1);
+        CHECK(r.err.find("--tile 8: 256 tiles instead of 1024") != std::string::npos);
+    }
+    REQUIRE(bake("8") == 0);
+    for (const char* how : {"--stream off", "--stream on", "--method recursive"}) CHECK(fly(how).code == 0);
+}

@@ -469,9 +469,10 @@ TEST_CASE("a full disk is told from the input's faults") {
 
 TEST_CASE("an interrupted flight leaves nothing behind") {
     const auto before = place().files();
-    const Run r = place().run("env --default-signal=INT " FJELL_BIN_DIR
-                              "/fjell-fly small.fjell --headless --frames 10000000 --json j.json --csv c.csv & p=$!; " +
-                              test::until_caught(0x2) + "kill -INT $p; wait $p");
+    const Run r =
+        place().run("env --default-signal=INT " FJELL_BIN_DIR
+                    "/fjell-fly small.fjell --headless --frames 10000000 --json j.json --record r.record & p=$!; " +
+                    test::until_caught(0x2) + "kill -INT $p; wait $p");
     CHECK(r.err.find("interrupted") != std::string::npos);
     CHECK(place().files() == before);
 }

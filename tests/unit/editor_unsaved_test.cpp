@@ -89,9 +89,14 @@ TEST_CASE("changes are kept every two seconds, found when their editor is no mor
     living->keep(document, route, "a.fjell", 12);
     CHECK(slurp(living->file()) != first);
 
+    // Of editors that were killed in the middle of writing; the living one's stay.
+    const auto names = names_in(where);
+    for (const char* name : {"unsaved-1-0.json.tmp", "unsaved-1-0.json.lock", "unsaved-2-0.json.tmp"})
+        spit(fs::path(where) / name, "");
     Recovery next;
     next.find(where);
     CHECK_FALSE(next.found()); // that editor lives
+    CHECK(names_in(where) == names);
     living.reset();
     next.find(where);
     REQUIRE(next.found());
@@ -402,4 +407,32 @@ TEST_CASE("settings that cannot be read or written are a message, and the editor
     remember_pack("/packs/a.fjell", editor.state);
     CHECK(editor.last_message().find("editor.json") != std::string::npos);
     CHECK(editor.state.interface.recent.size() == 1);
+}
+
+TEST_CASE("no command of the editor writes over the pack, the profile, the path or the script that is open") {
+    const TemporaryFolder folder;
+    Editor editor;
+    editor.state.scene.path = folder / "terrain.fjell";
+    editor.state.files.script = folder / "script";
+    for (const char* name : {"terrain.fjell", "script", "dem.asc"}) spit(folder / name, tiny_dem());
+    editor.run("save-profile " + (folder / "p.toml"));
+    const std::string profile = slurp(folder / "p.toml");
+    fs::create_hard_link(folder / "p.toml", folder / "same.csv");
+    const auto refused = [&](const std::string& verb, const std::string& file) {
+        editor.state.messages.all.clear();
+        editor.run(verb + " " + (folder / file));
+        CAPTURE(verb, file, editor.last_message());
+        CHECK(editor.last_message().find("would overwrite") != std::string::npos);
+        CHECK(slurp(folder / "p.toml") == profile);
+        CHECK(slurp(folder / "script") == tiny_dem());
+        CHECK(slurp(folder / "terrain.fjell") == tiny_dem());
+    };
+    for (const char* verb : {"save-path", "benchmark", "export"})
+        for (const char* file : {"terrain.fjell", "p.toml", "same.csv", "script"}) refused(verb, file);
+    refused("save-profile", "terrain.fjell");
+    refused("save-profile", "script");
+    refused("bake " + (folder / "dem.asc"), "p.toml");
+    editor.state.messages.all.clear();
+    editor.run("save-profile"); // over itself it may
+    CHECK(editor.last_message().starts_with("saved "));
 }

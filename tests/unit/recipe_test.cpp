@@ -42,6 +42,12 @@ TEST_CASE("a recipe that is written comes back bit for bit") {
     CHECK(parse_recipe(R"({"tile": 64})", "r.json").tile == "64");
 }
 
+TEST_CASE("a recipe of very many keys is refused as soon as it is read") { // each against each would take minutes
+    std::string text = "{\"k0\": 1";
+    for (int i = 1; i < 100'000; ++i) text += ", \"k" + std::to_string(i) + "\": 1";
+    check_refusal(bad(text + "}"), 1, "r.json", {"\"k0\" is no key"});
+}
+
 TEST_CASE("what is no recipe is refused in one line that names the key") {
     check_refusal(bad("{"), 1, "r.json", {"is not JSON"});
     check_refusal(bad("[]"), 1, "r.json", {"not a JSON object"});
