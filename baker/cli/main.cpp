@@ -204,7 +204,7 @@ void check_spacing(const HeightSource& against, const std::string& name, const P
 
 int run_verify(const Arguments& a) {
     const Recipe source = complete(a.against, a.against_recipe_path);
-    const MappedPack pack(a.pack);
+    const PackFile pack(a.pack);
     limit_gdal_cache(std::size_t{64} << 20);
     std::unique_ptr<HeightSource> against;
     if (!source.inputs.empty()) {
@@ -213,7 +213,7 @@ int run_verify(const Arguments& a) {
     }
     VerifyReport r = verify(pack, against.get());
     r.chunks = check_all_chunks(pack);
-    const MapsReport maps = check_maps(pack.pack(), [&] { pack.release(); });
+    const MapsReport maps = check_maps(pack);
     fmt::print("{} vertices: {} nesting, {} sphere, {} border, {} rim, {} page bound violations\n", r.vertices,
                r.nesting_violations, r.sphere_violations, r.border_mismatches, r.rim_violations, r.bound_violations);
     fmt::print("{} chunks: checksums hold\n", r.chunks);
