@@ -11,6 +11,7 @@
 
 #include "baker/read/gdal_file.h"
 #include "io/file.h"
+#include "io/json.h"
 
 namespace fjell::baker {
 
@@ -70,7 +71,7 @@ std::string joined(const std::vector<std::string>& words) {
     return fmt::format("{}", fmt::join(words, ", "));
 }
 
-std::string text_of(const ordered_json& value, const TextField& field, const std::string& name) {
+std::string text_of(const nlohmann::json& value, const TextField& field, const std::string& name) {
     const bool count = std::string_view(field.key) == "tile" && value.is_number_unsigned();
     if (!value.is_string() && !count) refuse(name, fmt::format("\"{}\" must be text", field.key));
     std::string text = count ? std::to_string(value.get<std::uint64_t>()) : value.get<std::string>();
@@ -80,13 +81,13 @@ std::string text_of(const ordered_json& value, const TextField& field, const std
     return text;
 }
 
-double number_of(const ordered_json& value, const std::string& key, const std::string& name) {
+double number_of(const nlohmann::json& value, const std::string& key, const std::string& name) {
     if (!value.is_number() || !std::isfinite(value.get<double>()))
         refuse(name, fmt::format("\"{}\" must be a number", key));
     return value.get<double>();
 }
 
-std::vector<std::string> files_of(const ordered_json& value, const std::string& key, const std::string& name) {
+std::vector<std::string> files_of(const nlohmann::json& value, const std::string& key, const std::string& name) {
     std::vector<std::string> files;
     if (!value.is_array()) refuse(name, fmt::format("\"{}\" must be a list of file names", key));
     for (const auto& entry : value) {
@@ -97,14 +98,14 @@ std::vector<std::string> files_of(const ordered_json& value, const std::string& 
     return files;
 }
 
-std::array<double, 4> bbox_of(const ordered_json& value, const std::string& name) {
+std::array<double, 4> bbox_of(const nlohmann::json& value, const std::string& name) {
     if (!value.is_array() || value.size() != 4) refuse(name, "\"bbox\" must be a list of west, south, east, north");
     std::array<double, 4> box{};
     for (std::size_t i = 0; i < 4; ++i) box[i] = number_of(value[i], "bbox", name);
     return box;
 }
 
-void take(Recipe& recipe, const std::string& key, const ordered_json& value, const std::string& name) {
+void take(Recipe& recipe, const std::string& key, const nlohmann::json& value, const std::string& name) {
     if (key == "inputs" || key == "texture") {
         (key == "inputs" ? recipe.inputs : recipe.texture) = files_of(value, key, name);
         return;
@@ -140,8 +141,7 @@ void change_paths(Recipe& recipe, Change change) {
 } // namespace
 
 Recipe parse_recipe(const std::string& text, const std::string& name) {
-    const ordered_json json = ordered_json::parse(text, nullptr, false);
-    if (json.is_discarded()) refuse(name, "is not JSON");
+    const nlohmann::json json = io::parse_json(text, name);
     if (!json.is_object()) refuse(name, "is not a JSON object");
     Recipe recipe;
     for (const auto& [key, value] : json.items()) take(recipe, key, value, name);
@@ -225,7 +225,7 @@ BakeOptions bake_options(const Recipe& recipe) {
     o.order = order_named(recipe.order.value_or("planar"));
     o.nesting = recipe.nesting.value_or(o.nesting);
     o.quantum_m = recipe.quantum.value_or(0);
-    if (recipe.quantum && !(o.quantum_m > 0))
+    if (recipe.quantum && !(o.quantum_m > 0 && std::isfinite(o.quantum_m)))
         throw Failure(2, fmt::format("--quantum {}: must be more than 0 (metres)", o.quantum_m));
     o.texture_paths = recipe.texture;
     o.ramp_path = recipe.ramp.value_or("");
