@@ -4,6 +4,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <sstream>
@@ -11,12 +12,15 @@
 #include <utility>
 
 #include <epoxy/gl.h>
+#include <fmt/format.h>
 #include <imgui.h>
 
 #include "editor/clock.h"
 #include "editor/dump.h"
+#include "editor/files/file_kind.h"
 #include "editor/files/persistence.h"
 #include "editor/handlers/handlers.h"
+#include "editor/jobs/factories.h"
 #include "editor/panels/panels.h"
 #include "editor/panels/ui.h"
 #include "fjell/gl/image.h"
@@ -51,13 +55,13 @@ const char* dump_file() {
     return file;
 }
 
-std::vector<Command> read_script(const Options& options) {
-    std::vector<Command> script;
+std::vector<ScriptLine> read_script(const Options& options) {
+    std::vector<ScriptLine> script;
     const auto add = [&](const std::string& line, const std::string& where) {
         try {
-            if (auto command = parse_command(line)) script.push_back(std::move(*command));
+            if (auto command = parse_command(line)) script.push_back({std::move(command), {}});
         } catch (const Failure& failure) {
-            throw Failure(2, where + ": " + failure.what());
+            script.push_back({{}, where + ": " + failure.what()});
         }
     };
     for (const std::string& line : options.commands) add(line, "--do");
@@ -150,11 +154,18 @@ int App::run() {
     const HandlerContext context{state_, engine_, jobs_};
     if (!options_.profile.empty()) state_.document.open(options_.profile); // a bad one is an error of the command line
     if (!options_.pack.empty())
-        apply(OpenFile{options_.pack, true}, context);
+        open_input();
     else
         state_.interface.dialog = Dialog::start;
-    if (!options_.path.empty()) apply(OpenPath{options_.path, true}, context);
-    if (!engine_.is_open() && state_.interface.dialog == Dialog::none) state_.interface.dialog = Dialog::start;
+    if (!options_.path.empty()) {
+        const OpenPath path{options_.path, true};
+        if (baking_input_)
+            script_.insert(script_.begin(), ScriptLine{Command(path), {}});
+        else
+            apply(path, context);
+    }
+    if (!baking_input_ && !engine_.is_open() && state_.interface.dialog == Dialog::none)
+        state_.interface.dialog = Dialog::start;
     if (state_.files.persists && state_.files.recovery.found()) state_.interface.dialog = Dialog::recover;
     while (!state_.quit) {
         io::check_interrupt();
@@ -163,6 +174,10 @@ int App::run() {
         frame();
         // Nothing else holds a headless run back; what a job measures is not to be disturbed by it.
         if (options_.headless && jobs_.running()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        if (baking_input_) {
+            show_baking();
+            continue;
+        }
         const std::uint64_t least = script_.empty() ? 1 : 2; // a script begins after the first frame
         const bool last = options_.frames != 0 && state_.frame >= std::max(options_.frames, least);
         if (last && !options_.screenshot.empty()) {
@@ -173,6 +188,37 @@ int App::run() {
     }
     ended_ = true;
     return options_.headless ? state_.exit_code : 0;
+}
+
+// A window asks how heights are to be baked; without one they are baked as that dialog would begin.
+void App::open_input() {
+    const HandlerContext context{state_, engine_, jobs_};
+    const std::string& input = options_.pack;
+    attempt([&] {
+        if (!options_.headless || file_kind_of(input) != FileKind::heights)
+            return apply(OpenFile{input, true}, context);
+        BakePack bake;
+        bake.inputs = {input};
+        bake.output = pack_beside(input);
+        std::error_code ignored;
+        if (std::filesystem::exists(bake.output, ignored))
+            throw Failure(2, bake.output + ": exists already; open that pack, or bake elsewhere: --do \"bake " + input +
+                                 " OTHER.fjell\"");
+        handle(bake, context);
+        baking_input_ = true;
+    });
+}
+
+void App::show_baking() {
+    if (!jobs_.running()) {
+        baking_input_ = false;
+        state_.frame = 0; // --frames counts from here
+        return;
+    }
+    if (state_.now_s - baking_shown_s_ < 1) return;
+    baking_shown_s_ = state_.now_s;
+    fmt::print(stderr, "fjell-editor: baking {}: {} {:.0f}%\n", options_.pack, state_.job.stage,
+               100 * state_.job.share);
 }
 
 bool App::settled() const {
@@ -190,6 +236,7 @@ bool App::settled() const {
 
 // Carries on with the script where nothing waits. False: a headless run is over.
 bool App::run_script() {
+    if (baking_input_) return true;
     if (state_.frame == 0) return true; // how large the picture is, is known after a frame
     const HandlerContext context{state_, engine_, jobs_};
     while (script_at_ < script_.size()) {
@@ -198,7 +245,12 @@ bool App::run_script() {
             if (!settled()) return true;
             waiting_settled_ = false;
         }
-        const Command& command = script_[script_at_++];
+        const ScriptLine& line = script_[script_at_++];
+        if (!line.command) {
+            post_failure(state_, Failure(2, line.problem));
+            continue;
+        }
+        const Command& command = *line.command;
         if (const auto* wait = std::get_if<WaitFrames>(&command)) {
             wait_until_frame_ = state_.frame + wait->frames;
         } else if (std::holds_alternative<WaitSettled>(command)) {

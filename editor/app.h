@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,12 @@
 #include "editor/surface.h"
 
 namespace fjell::editor {
+
+// A command of --do or --script, or what is wrong with it.
+struct ScriptLine {
+    std::optional<Command> command;
+    std::string problem;
+};
 
 class App {
 public:
@@ -45,6 +52,8 @@ private:
     void finish_requests(); // screenshots and dumps of the frame that was just drawn
     bool run_script();      // false: it is over
     bool settled() const;   // all that was requested is done and drawn
+    void open_input();      // the command line's: a pack, or heights that are baked before the script begins
+    void show_baking();     // on stderr, once a second
     void make_surface_and_graphics();
     void replace_surface();
     void place_view();
@@ -54,10 +63,12 @@ private:
     State state_;
     Jobs jobs_;
     Commands commands_;
-    std::vector<Command> script_;
+    std::vector<ScriptLine> script_;
     std::size_t script_at_ = 0;
     std::uint64_t wait_until_frame_ = 0;
     bool waiting_settled_ = false;
+    bool baking_input_ = false; // headless: frames and the script begin when it is done
+    double baking_shown_s_ = 0;
     std::string shown_title_;
     bool dumping_ = false;     // at the end of this frame
     bool ended_ = false;       // as it should: not by a signal or a failure

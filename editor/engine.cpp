@@ -1,8 +1,7 @@
 #include "editor/engine.h"
 
-#include <bit>
+#include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,8 +14,6 @@
 namespace fjell::editor {
 
 namespace {
-
-constexpr std::uint64_t most_read_messages = 3; // in full: a damaged pack may have a line for every page
 
 // The most that any changed key takes.
 flight::Rebuild rebuild_of(const flight::Profile& from, const flight::Profile& to) {
@@ -67,16 +64,9 @@ void Engine::open(const std::string& pack, const flight::Profile& profile) {
     o.pack = pack;
     auto session = std::make_unique<flight::Session>();
     flight::open_session(o, *session);
-    unread_ = 0;
+    unread_told_ = 0;
     if (session->streamed)
-        session->streamed->on_failure([this](const std::string& line) {
-            if (++unread_ <= most_read_messages)
-                messages_.push_back(line);
-            else if (std::has_single_bit(unread_))
-                messages_.push_back(fmt::format("{}: {} pages or mips cannot be read; the terrain is coarser there; "
-                                                "check the pack with fjell-bake verify",
-                                                pack_, unread_));
-        });
+        session->streamed->on_failure([this](const std::string& line) { messages_.push_back(line); });
     auto renderer = renderer_for(o, *session);
     set_renderer(std::move(renderer)); // which points into the terrain: the old one goes before the old session
     session_ = std::move(session);
@@ -136,6 +126,7 @@ bool Engine::follow(const flight::Profile& profile) {
 
 flight::FrameEntry Engine::update(const View& view, const flight::Profile& profile, double now_s, double& upload_us) {
     flight::FrameEntry entry = flight::update_frame(*session_, view, profile, now_s);
+    if (entry.streamed && entry.stream.in_flight == 0) tell_unread();
     const auto start = Clock::now();
     const std::string error = flight::upload_mesh(*renderer_, *session_, entry);
     upload_us = microseconds(Clock::now() - start);
@@ -143,12 +134,23 @@ flight::FrameEntry Engine::update(const View& view, const flight::Profile& profi
     return entry;
 }
 
+// The first is told at once, by itself; how many there are when reading has come to rest, and again when they have
+// doubled.
+void Engine::tell_unread() {
+    const std::uint64_t unread = session_->streamed->corrupt() + session_->streamed->unreadable();
+    if (unread < 2 * std::max<std::uint64_t>(unread_told_, 1)) return;
+    unread_told_ = unread;
+    messages_.push_back(fmt::format(
+        "{}: {} pages or mips cannot be read; the terrain is coarser there; check the pack with fjell-bake verify",
+        pack_, unread));
+}
+
 // Until the heights are there the picture is the usual one. Measured from the refining eye, against what it was
 // promised: pixels of that view, as a cut that has converged keeps them.
 void Engine::set_error_options(const State& state, gl::DrawOptions& options) {
     if (!state.shows(Overlay::error)) return heights_.allow_retry();
     if (!heights_.problem().empty()) return; // said already
-    heights_.read(pack_);
+    heights_.read(session_->file);
     if (!heights_.upload(*renderer_)) {
         if (!heights_.problem().empty()) messages_.push_back(heights_.problem());
         return;
@@ -208,8 +210,7 @@ Scene Engine::scene() const {
     s.order = order_name(data_of(session.terrain()).pages.order);
     s.maps = maps_text(h);
     s.mips = mip_count(h.colour_log2 != 0 ? h.colour_log2 : h.normal_log2);
-    std::error_code ignored;
-    s.file_bytes = std::filesystem::file_size(pack_, ignored);
+    s.file_bytes = h.file_bytes;
     s.terrain_bytes = session.terrain_bytes;
     s.method_bytes = session.method_bytes;
     s.stream_bytes = session.streamed ? session.streamed->memory_bytes() : 0;

@@ -55,9 +55,10 @@ private:
     [[nodiscard]] flight::FlightOptions options(const flight::Profile& profile) const;
     void set_error_options(const State& state, gl::DrawOptions& options);
     void set_renderer(std::unique_ptr<gl::Renderer> renderer);
+    void tell_unread();
     void remake(const flight::Profile& profile); // the method's memory, and a renderer for it
 
-    std::uint64_t unread_ = 0;          // pages and mips of this session
+    std::uint64_t unread_told_ = 0;     // pages and mips of this session that could not be read
     std::vector<std::string> messages_; // of reading, until they are taken
     std::uint64_t terrains_ = 0;
     std::string pack_;

@@ -34,12 +34,13 @@ bool parse_options(int argc, char** argv, Options& options) {
     CLI::App app("Tunes thresholds and budgets over a terrain, by eye and by number.", "fjell-editor");
     std::string size;
     bool help_commands = false, no_vsync = false;
-    app.add_option("PACK", options.pack, "the terrain: a pack, or heights to be baked; none: the start page");
+    app.add_option("PACK", options.pack,
+                   "the terrain: a pack, or heights to be baked (--headless: beside themselves, never over a file); "
+                   "none: the start page");
     app.add_option("--profile", options.profile, "the profile to tune (profiles/*.toml)");
     app.add_option("--path", options.path, "a camera path (content/paths/*.json)");
     app.add_option("--screenshot", options.screenshot, "writes the window as PNG after --frames, and quits");
-    app.add_option("--frames", options.frames, "quits after so many frames")
-        ->check(CLI::Range(std::size_t{1}, std::size_t{1'000'000'000}));
+    app.add_option("--frames", options.frames, "quits after so many frames")->check(io::whole_within(1, 1'000'000'000));
     app.add_option("--do", options.commands, "a command; may be given again (see --help-commands)")
         ->allow_extra_args(false);
     app.add_option("--script", options.script, "a file of commands, one a line; -: standard input");

@@ -1,7 +1,6 @@
 #include "editor/state.h"
 
 #include <cstdio>
-#include <new>
 #include <utility>
 #include <vector>
 
@@ -40,11 +39,9 @@ void post_message(State& state, Severity severity, std::string text) {
 }
 
 void post_failure(State& state, const std::exception& failure, const std::string& before) {
-    const auto* const own = dynamic_cast<const io::Failure*>(&failure);
-    const bool memory = dynamic_cast<const std::bad_alloc*>(&failure) != nullptr;
-    if (state.exit_code == 0) state.exit_code = own != nullptr ? own->exit_code : 3;
-    post_message(state, Severity::error,
-                 before + (memory ? "out of memory; choose smaller budgets or a smaller terrain" : failure.what()));
+    const io::Failure own = io::as_failure(failure);
+    if (state.exit_code == 0) state.exit_code = own.exit_code;
+    post_message(state, Severity::error, before + own.what());
 }
 
 } // namespace fjell::editor

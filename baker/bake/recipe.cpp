@@ -12,6 +12,7 @@
 #include "baker/read/gdal_file.h"
 #include "baker/read/raster_files.h"
 #include "io/file.h"
+#include "io/json.h"
 
 namespace fjell::baker {
 
@@ -158,9 +159,7 @@ void change_paths(Recipe& recipe, Change change) {
 } // namespace
 
 Recipe parse_recipe(const std::string& text, const std::string& name) {
-    // Not one that keeps the order: that looks through all keys for each further one.
-    const json object = json::parse(text, nullptr, false);
-    if (object.is_discarded()) refuse(name, "is not JSON");
+    const json object = io::parse_json(text, name);
     if (!object.is_object()) refuse(name, "is not a JSON object");
     Recipe recipe;
     for (const auto& [key, value] : object.items()) take(recipe, key, value, name);
@@ -260,7 +259,7 @@ BakeOptions bake_options(const Recipe& recipe) {
     o.order = order_named(recipe.order.value_or("planar"));
     o.nesting = recipe.nesting.value_or(o.nesting);
     o.quantum_m = recipe.quantum.value_or(0);
-    if (recipe.quantum && !(o.quantum_m > 0))
+    if (recipe.quantum && !(o.quantum_m > 0 && std::isfinite(o.quantum_m)))
         throw Failure(2, fmt::format("--quantum {}: must be more than 0 (metres)", o.quantum_m));
     o.texture_paths = recipe.texture;
     o.ramp_path = recipe.ramp.value_or("");

@@ -291,7 +291,7 @@ private:
 class Pages {
 public:
     Pages(const Terrain& whole, const Pack* bounds) : whole_(&whole), bounds_(bounds) {}
-    explicit Pages(const io::MappedPack& file) : file_(&file), bounds_(&file.pack()) {}
+    explicit Pages(const io::PackFile& file) : file_(&file), bounds_(&file.pack()) {}
     [[nodiscard]] const Pack* bounds() const { return bounds_; }
 
     template <typename Body>
@@ -314,7 +314,7 @@ private:
     }
 
     const Terrain* whole_ = nullptr;
-    const io::MappedPack* file_ = nullptr;
+    const io::PackFile* file_ = nullptr;
     const Pack* bounds_;
     std::mutex lock_;
     std::vector<std::unique_ptr<TilePages>> free_;
@@ -386,9 +386,7 @@ void compare(VerifyReport& all, const std::vector<StoredVertex>& a, const std::v
     }
 }
 
-// row_done: after every row of tiles.
-template <typename RowDone>
-VerifyReport check_tiles(const Tree& tree, Pages& pages, SourceHeights* heights, const RowDone& row_done) {
+VerifyReport check_tiles(const Tree& tree, Pages& pages, SourceHeights* heights) {
     VerifyReport all;
     all.vertices = static_cast<std::uint64_t>(tree.grid_columns()) * static_cast<std::uint64_t>(tree.grid_rows());
     const auto across = static_cast<std::size_t>(tree.tiles_x);
@@ -415,7 +413,6 @@ VerifyReport check_tiles(const Tree& tree, Pages& pages, SourceHeights* heights,
             if (ty > 0) compare(all, above[x].south, row[x].north, "north", tile);
         }
         above = std::move(row);
-        row_done();
     }
     return all;
 }
@@ -444,15 +441,15 @@ SourceProperties properties(const HeightSource& source) {
 
 } // namespace
 
-VerifyReport verify(const io::MappedPack& pack, const HeightSource* against, std::size_t row_bytes) {
-    const Tree tree = tree_of(pack.pack().header);
-    Pages pages(pack);
+VerifyReport verify(const io::PackFile& file, const HeightSource* against, std::size_t row_bytes) {
+    const Tree tree = tree_of(file.pack().header);
+    Pages pages(file);
     std::optional<SourceHeights> heights;
     if (against) {
         check_size(tree, against->columns, against->rows);
         heights.emplace(*against, tree, properties(*against).holes, row_bytes);
     }
-    return check_tiles(tree, pages, heights ? &*heights : nullptr, [&] { pack.release(); });
+    return check_tiles(tree, pages, heights ? &*heights : nullptr);
 }
 
 VerifyReport verify(const Terrain& terrain, const HeightSource* against, const Pack* bounds) {
@@ -463,7 +460,7 @@ VerifyReport verify(const Terrain& terrain, const HeightSource* against, const P
         heights.emplace(*against, data_of(terrain).tree, properties(*against).holes,
                         std::numeric_limits<std::size_t>::max());
     }
-    return check_tiles(data_of(terrain).tree, pages, heights ? &*heights : nullptr, [] {});
+    return check_tiles(data_of(terrain).tree, pages, heights ? &*heights : nullptr);
 }
 
 } // namespace fjell::baker

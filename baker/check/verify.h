@@ -5,7 +5,7 @@
 #include <string>
 
 #include "baker/read/source.h"
-#include "fjell/io/load.h"
+#include "fjell/io/pack_file.h"
 #include "fjell/terrain.h"
 
 namespace fjell::baker {
@@ -37,7 +37,7 @@ struct VerifyReport {
 // Samples that the source would fill are compared with nothing, but must not be holes. row_bytes: original heights of a
 // row of tiles are held when they take no more, or the source can only be decoded from its start; otherwise they are
 // read tile by tile.
-[[nodiscard]] VerifyReport verify(const io::MappedPack& pack, const HeightSource* against,
+[[nodiscard]] VerifyReport verify(const io::PackFile& file, const HeightSource* against,
                                   std::size_t row_bytes = std::size_t{64} << 20);
 // The same of a terrain that is loaded whole; of the pack it came from bounds are looked at, or not if it is null.
 [[nodiscard]] VerifyReport verify(const Terrain& terrain, const HeightSource* against, const Pack* bounds = nullptr);

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -27,13 +29,14 @@ struct Mip {
     [[nodiscard]] int code(std::size_t texel, std::uint32_t c) const { return codes[texel * channels + c]; }
 };
 
-Mip decode(const Pack& pack, ChunkKind kind, std::uint32_t tile, std::uint32_t level) {
-    const bool colour = kind == ChunkKind::colour;
-    Mip mip{(1u << (colour ? pack.header.colour_log2 : pack.header.normal_log2)) >> level, colour ? 3u : 2u, {}, {}};
-    std::vector<std::byte> blocks(chunk_raw_bytes(pack.header, {kind, tile, level}));
-    if (const Status s = read_chunk(pack, {kind, tile, level}, blocks); !s.ok())
-        throw io::Failure(1, fmt::format("the {} map of tile {}, mip {}: {} ({}); bake the pack again",
-                                         colour ? "colour" : "normal", tile, level, message(s.code), s.field));
+// Brings a chunk, decompressed; throws Failure.
+using ReadChunk = std::function<void(ChunkId id, std::vector<std::byte>& raw)>;
+
+Mip decode(const PackHeader& header, const ReadChunk& read, ChunkId id) {
+    const bool colour = id.kind == ChunkKind::colour;
+    Mip mip{(1u << (colour ? header.colour_log2 : header.normal_log2)) >> id.item, colour ? 3u : 2u, {}, {}};
+    std::vector<std::byte> blocks;
+    read(id, blocks);
     mip.codes.resize(std::size_t{mip.side} * mip.side * mip.channels);
     mip.tolerance.resize(std::size_t{mip.side} * mip.side);
     (void)(colour ? decode_colour(blocks, mip.side, mip.codes) : decode_normal(blocks, mip.side, mip.codes));
@@ -58,7 +61,7 @@ Mip decode(const Pack& pack, ChunkKind kind, std::uint32_t tile, std::uint32_t l
 
 class Checker {
 public:
-    Checker(const Pack& the_pack, const std::function<void()>& the_row_done) : pack(the_pack), row_done(the_row_done) {}
+    Checker(const Pack& the_pack, ReadChunk the_read) : pack(the_pack), read(std::move(the_read)) {}
 
     MapsReport run() {
         for (const ChunkKind kind : {ChunkKind::colour, ChunkKind::normal}) check_kind(kind);
@@ -82,7 +85,7 @@ private:
             Mip finer;
             for (std::uint32_t level = 0; level < mips; ++level) {
                 place = {kind, tile, level};
-                Mip mip = decode(pack, kind, tile, level);
+                Mip mip = decode(pack.header, read, place);
                 report.texels += mip.tolerance.size();
                 if (kind == ChunkKind::normal) check_lengths(mip);
                 if (level > 0) check_tent(finer, mip);
@@ -93,7 +96,6 @@ private:
                 above = border(mip, 0, mip.side - 1, 1, 0);
                 finer = std::move(mip);
             }
-            if (row_done && (tile + 1) % tiles_x == 0) row_done();
         }
     }
 
@@ -172,7 +174,7 @@ private:
     }
 
     const Pack& pack;
-    const std::function<void()>& row_done;
+    const ReadChunk read;
     MapsReport report;
     ChunkId place;
     double colour_sum = 0, normal_sum = 0;
@@ -181,8 +183,17 @@ private:
 
 } // namespace
 
-MapsReport check_maps(const Pack& pack, const std::function<void()>& row_done) {
-    return Checker(pack, row_done).run();
+MapsReport check_maps(const Pack& pack) {
+    const auto read = [&](ChunkId id, std::vector<std::byte>& raw) {
+        raw.resize(chunk_raw_bytes(pack.header, id));
+        if (const Status s = read_chunk(pack, id, raw); !s.ok())
+            throw io::Failure(1, fmt::format("{}: {}", io::chunk_name(id), message(s.code)));
+    };
+    return Checker(pack, read).run();
+}
+
+MapsReport check_maps(const io::PackFile& file) {
+    return Checker(file.pack(), [&](ChunkId id, std::vector<std::byte>& raw) { file.read_chunk(id, raw); }).run();
 }
 
 } // namespace fjell::baker

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 
+#include "fjell/io/pack_file.h"
 #include "fjell/pack.h"
 
 namespace fjell::baker {
@@ -33,7 +33,7 @@ struct MapsReport {
 }
 
 // O(texels); memory: the borders of a row of tiles. Throws Failure for a chunk that cannot be read.
-// row_done: after every row of tiles of each kind.
-[[nodiscard]] MapsReport check_maps(const Pack& pack, const std::function<void()>& row_done = {});
+[[nodiscard]] MapsReport check_maps(const Pack& pack); // with its bytes
+[[nodiscard]] MapsReport check_maps(const io::PackFile& file);
 
 } // namespace fjell::baker

@@ -10,7 +10,7 @@ namespace fjell::baker {
 namespace {
 
 void add_words(CLI::App& app, const std::string& key, std::optional<std::string>& to, const std::string& help) {
-    app.add_option("--" + key, to, help)->check(CLI::IsMember(words_of(key)));
+    app.add_option("--" + key, to, help)->check(io::one_of(words_of(key)));
 }
 
 // Shared by bake and verify --against: how files become heights in metres.
@@ -58,14 +58,13 @@ void declare_bake(CLI::App& app, Arguments& a) {
     add_words(app, "estimate", r.estimate, "world-space error: max (true, default) or midpoint");
     app.add_option("--nesting", r.nesting, "mu: how much larger a parent's error is, 0.001 to 1 (default 0.05)");
     add_words(app, "order", r.order, "how vertices lie in pages: planar (default), hz (hierarchical Z) or linear");
-    app.add_option("--quantum", r.quantum, "the step of stored heights in metres (default: the source's own)")
-        ->check(CLI::PositiveNumber);
+    app.add_option("--quantum", r.quantum, "the step of stored heights in metres (default: the source's own)");
     app.add_option("--texture", r.texture,
                    "ortho-images, placed by their coordinates or stretched over all; later ones on top");
     app.add_option("--ramp", r.ramp, "colours by height (JSON, content/ramps)");
-    app.add_option("--threads", a.threads, "0: all cores")->check(CLI::Range(0, 1024));
+    app.add_option("--threads", a.threads, "0: all cores")->check(io::whole_within(0, 1024));
     app.add_option("--memory", a.memory_mb, "MB the bake may use, whatever the height field's size (default 512)")
-        ->check(CLI::Range(128, 1 << 24));
+        ->check(io::whole_within(128, 1 << 24));
     app.add_option(
            "--checkpoint", a.checkpoint_s,
            "keep complete stages on the disk, to go on from, even when all fits --memory; what an input that fails "
@@ -93,7 +92,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
         c.info->add_option("--picture", a.picture_path, "a PNG of its relief, errors, holes and tiles")
             ->check([](const std::string& name) { return std::string(name.empty() ? "give a file name" : ""); });
     c.info->add_option("--picture-size", a.picture.longest_px, "pixels of the terrain's longest side (default 1024)")
-        ->check(CLI::Range(min_picture_px, max_picture_px))
+        ->check(io::whole_within(min_picture_px, max_picture_px))
         ->needs(picture);
     c.verify = app.add_subcommand("verify", "check a pack's promises over every vertex and sample");
     c.verify->add_option("PACK", a.pack)->required();

@@ -289,7 +289,7 @@ int run_verify(const Arguments& a) {
     inputs.push_back(a.against_recipe_path);
     refuse_overwriting({a.verify_json_path}, inputs);
     JsonOutput report(a.verify_json_path);
-    const MappedPack pack(a.pack);
+    const PackFile pack(a.pack);
     limit_gdal_cache(std::size_t{64} << 20);
     std::unique_ptr<HeightSource> against;
     const std::optional<PackNotes> notes = read_notes(a.pack); // damaged ones are refused, needed or not
@@ -300,7 +300,7 @@ int run_verify(const Arguments& a) {
     }
     VerifyReport r = verify(pack, against.get());
     r.chunks = check_all_chunks(pack);
-    const MapsReport maps = check_maps(pack.pack(), [&] { pack.release(); });
+    const MapsReport maps = check_maps(pack);
     const bool ok = r.ok() && maps.ok(), prints = a.verify_json_path != "-";
     report.write(verify_json(r, maps));
     if (prints) print_verify(r, maps, source.inputs);

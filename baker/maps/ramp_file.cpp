@@ -9,6 +9,7 @@
 #include "baker/maps/colour.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
+#include "io/json.h"
 
 namespace fjell::baker {
 
@@ -106,7 +107,7 @@ void add_below(const std::vector<Ramp::Stop>& water, std::vector<Ramp::Stop>& la
 } // namespace
 
 Ramp parse_ramp(const std::string& text, const std::string& path) {
-    const Json json = Json::parse(text, nullptr, false, true);
+    const Json json = io::parse_json(text, path, io::JsonComments::yes);
     if (!json.is_object()) refuse(path, "is not a JSON object");
     for (const auto& [key, value] : json.items())
         if (key != "stops" && key != "relative" && key != "slopes" && key != "comment")

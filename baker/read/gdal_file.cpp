@@ -6,11 +6,14 @@
 #include <mutex>
 #include <optional>
 
+#include <unistd.h>
+
 #include <cpl_string.h>
 #include <fmt/format.h>
 
 #include "baker/read/netcdf_length.h"
 #include "baker/read/raster_files.h"
+#include "io/file.h"
 
 namespace fjell::baker {
 
@@ -92,6 +95,7 @@ GdalFile open_raster(const std::string& path, const char* what, GdalMessages& me
     } else if (!std::filesystem::is_regular_file(status)) {
         throw Failure(1, fmt::format("{}: not a regular file; give a file that holds {}", path, what));
     } else {
+        close(io::open_regular_file(path)); // GDAL would take what may not be read for a format it does not know
         check_length(path, path);
     }
     (void)raster_sources(path); // GDAL would wait for what a pipe never brings

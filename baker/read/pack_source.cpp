@@ -16,7 +16,7 @@ namespace {
 
 class PackReader final : public HeightReader {
 public:
-    explicit PackReader(std::shared_ptr<const io::MappedPack> file)
+    explicit PackReader(std::shared_ptr<const io::PackFile> file)
         : file_(std::move(file)), pages_(*file_), terrain_(pages_.terrain()) {}
 
     void read(const Window& window, float* to, ReadStatistics& statistics) override {
@@ -33,7 +33,6 @@ public:
                 pages_.load(tile);
                 copy(tile, {tx * side, ty * side}, window, to);
             }
-        file_->release();
         count(window, to, statistics);
     }
 
@@ -67,14 +66,14 @@ private:
             }
     }
 
-    std::shared_ptr<const io::MappedPack> file_;
+    std::shared_ptr<const io::PackFile> file_;
     TilePages pages_;
     const Terrain& terrain_;
 };
 
 } // namespace
 
-PackSource::PackSource(const std::string& path) : file_(std::make_shared<io::MappedPack>(path)) {
+PackSource::PackSource(const std::string& path) : file_(std::make_shared<io::PackFile>(path)) {
     const PackHeader& h = file_->pack().header;
     columns = static_cast<std::int32_t>(h.columns);
     rows = static_cast<std::int32_t>(h.rows);

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "baker/read/source.h"
-#include "fjell/io/load.h"
+#include "fjell/io/pack_file.h"
 
 namespace fjell::baker {
 
@@ -14,7 +14,7 @@ namespace fjell::baker {
 // what of the file is being decoded.
 class PackSource final : public HeightSource {
 public:
-    explicit PackSource(const std::string& path); // throws Failure as load_pack does
+    explicit PackSource(const std::string& path); // throws Failure as PackFile does
 
     // Throws Failure 1 for a page that is damaged.
     [[nodiscard]] std::unique_ptr<HeightReader> reader() const override;
@@ -24,7 +24,7 @@ public:
     [[nodiscard]] std::string identity() const override; // the pack's hash
 
 private:
-    std::shared_ptr<const io::MappedPack> file_;
+    std::shared_ptr<const io::PackFile> file_;
 };
 
 } // namespace fjell::baker

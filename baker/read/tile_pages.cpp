@@ -4,11 +4,11 @@
 
 namespace fjell::baker {
 
-TilePages::TilePages(const io::MappedPack& file) : file_(file) {
+TilePages::TilePages(const io::PackFile& file) : file_(file) {
     const TerrainBudget one_tile{pages_of(file.pack().header).pages_per_tile()};
     const std::size_t bytes = terrain_bytes(file.pack().header, one_tile);
     memory_ = io::allocate(bytes);
-    check(create_terrain(file.pack(), one_tile, {memory_.get(), bytes}, terrain_), 0);
+    check(create_terrain(file.pack(), file.corners(), one_tile, {memory_.get(), bytes}, terrain_), 0);
 }
 
 void TilePages::check(const Status& status, std::uint32_t tile) const {
@@ -22,8 +22,10 @@ void TilePages::load(std::uint32_t tile) {
     whole_ = false;
     for (std::uint32_t page = 0; page < terrain_.pages_per_tile(); ++page) (void)unload_page(terrain_, held_, page);
     held_ = tile;
-    for (std::uint32_t page = 0; page < terrain_.pages_per_tile(); ++page)
-        check(load_page(file_.pack(), terrain_, tile, page), tile);
+    for (std::uint32_t page = 0; page < terrain_.pages_per_tile(); ++page) {
+        file_.read_chunk({ChunkKind::geometry, tile, page}, raw_);
+        check(insert_page(terrain_, tile, page, raw_), tile);
+    }
     whole_ = true;
 }
 

@@ -1,8 +1,12 @@
 // A pack's geometry, one tile at a time.
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "baker/read/source.h"
 #include "fjell/io/load.h"
+#include "fjell/io/pack_file.h"
 
 namespace fjell::baker {
 
@@ -10,7 +14,7 @@ namespace fjell::baker {
 // page of the pack, and what of the file is being decoded.
 class TilePages {
 public:
-    explicit TilePages(const io::MappedPack& file); // must outlive it; throws Failure
+    explicit TilePages(const io::PackFile& file); // must outlive it; throws Failure
     // Pages of other tiles go. Throws Failure 1 for one that is damaged.
     void load(std::uint32_t tile);
     [[nodiscard]] const Terrain& terrain() const { return terrain_; }
@@ -18,8 +22,9 @@ public:
 private:
     void check(const Status& status, std::uint32_t tile) const;
 
-    const io::MappedPack& file_;
+    const io::PackFile& file_;
     io::AlignedMemory memory_;
+    std::vector<std::byte> raw_;
     Terrain terrain_;
     std::uint32_t held_ = 0;
     bool whole_ = false;

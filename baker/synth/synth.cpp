@@ -26,6 +26,7 @@
 #include "baker/read/windows.h"
 #include "baker/store/parallel.h"
 #include "io/file.h"
+#include "io/json.h"
 
 namespace fjell::baker {
 
@@ -285,8 +286,7 @@ struct Entry {
     double value;
 };
 
-LandRecipe parse_land(const std::string& text) {
-    const auto json = nlohmann::json::parse(text, nullptr, false, true);
+LandRecipe parse_land(const nlohmann::json& json) {
     if (!json.is_object()) refuse("not a JSON object; see content/terrain/mountains.json for one that is");
     LandRecipe r;
     std::array<Entry, 12> entries{{{"columns", 2, 65537, true, static_cast<double>(r.columns)},
@@ -394,13 +394,13 @@ private:
 } // namespace
 
 std::unique_ptr<HeightSource> synth_source(const std::string& recipe_json) {
-    return std::make_unique<LandSource>(parse_land(recipe_json));
+    return std::make_unique<LandSource>(parse_land(io::parse_json(recipe_json, "recipe", io::JsonComments::yes)));
 }
 
 std::unique_ptr<HeightSource> open_synth(const std::string& recipe_path) {
-    const std::string text = io::read_text(recipe_path);
+    const auto json = io::parse_json(io::read_text(recipe_path), recipe_path, io::JsonComments::yes);
     try {
-        return synth_source(text);
+        return std::make_unique<LandSource>(parse_land(json));
     } catch (const Failure& failure) {
         throw Failure(failure.exit_code, fmt::format("{}: {}", recipe_path, failure.what()));
     }

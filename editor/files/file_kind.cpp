@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
+
+#include <unistd.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "fjell/io/failure.h"
 #include "fjell/pack.h"
 #include "io/file.h"
+#include "io/json.h"
 
 namespace fjell::editor {
 
@@ -27,11 +29,10 @@ FileKind json_kind_of(const std::string& path) {
     std::error_code ignored;
     if (fs::file_size(path, ignored) > most_json_bytes)
         throw Failure(1, fmt::format("{}: too long for a camera path or a recipe", path));
-    const json object = json::parse(io::read_text(path), nullptr, false);
+    const json object = io::parse_json(io::read_text(path), path, io::JsonComments::yes);
     const auto has = [&](std::initializer_list<const char*> keys) {
         return std::ranges::any_of(keys, [&](const char* key) { return object.contains(key); });
     };
-    if (!object.is_object()) throw Failure(1, fmt::format("{}: starts like JSON, but is not valid", path));
     if (has({"points", "orbit", "straight"})) return FileKind::path;
     if (has({"inputs", "relief_m", "feature_m"})) return FileKind::heights;
     throw Failure(
@@ -50,9 +51,10 @@ FileKind file_kind_of(const std::string& path) {
     if (fs::is_directory(status)) throw Failure(1, fmt::format("{}: a folder; open a file in it", path));
     if (!fs::is_regular_file(status)) throw Failure(1, fmt::format("{}: not a file", path));
     char first[64] = {};
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw Failure(3, fmt::format("{}: cannot be read; you may lack the permission", path));
-    file.read(first, sizeof first - 1);
+    const int fd = io::open_regular_file(path);
+    const ssize_t read = io::uninterrupted([&] { return pread(fd, first, sizeof first - 1, 0); });
+    close(fd);
+    if (read < 0) io::disk_failure(path, "read");
     // By its name too, so that a damaged pack or profile is refused as such.
     if (std::memcmp(first, pack_magic, sizeof pack_magic) == 0 || path.ends_with(".fjell")) return FileKind::pack;
     if (path.ends_with(".toml")) return FileKind::profile;

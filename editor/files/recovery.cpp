@@ -15,6 +15,7 @@
 
 #include "fjell/io/failure.h"
 #include "io/file.h"
+#include "io/json.h"
 
 namespace fjell::editor {
 
@@ -59,7 +60,7 @@ std::uint64_t hash_of(const Route& route) {
 }
 
 Unsaved parse(const std::string& text) {
-    const json j = json::parse(text);
+    const json j = io::parse_json(text, "the recovery file");
     Unsaved u;
     u.path = j.at("path").get<std::string>();
     u.pack = j.at("pack").get<std::string>();

@@ -8,6 +8,7 @@
 
 #include "fjell/io/failure.h"
 #include "io/file.h"
+#include "io/json.h"
 
 namespace fjell::editor {
 
@@ -50,7 +51,7 @@ Settings read_settings(const std::string& config_folder, std::string& problem) {
     const std::string file = settings_file(config_folder);
     if (config_folder.empty() || !fs::exists(file, ignored)) return {};
     try {
-        const json j = json::parse(io::read_text(file));
+        const json j = io::parse_json(io::read_text(file), file);
         Settings s;
         for (const json& pack : j.at("recent"))
             if (s.recent.size() < most_recent && !pack.get<std::string>().empty())

@@ -17,9 +17,10 @@ void require_scene(const State& state) {
     if (!state.scene.open()) throw io::Failure(2, "open a terrain first");
 }
 
-MeasuredFlightPlan plan_of(const State& state, std::size_t frames) {
+MeasuredFlightPlan plan_of(HandlerContext context, std::size_t frames) {
+    const State& state = context.state;
     require_scene(state);
-    return {state.scene.path, state.document.profile(), state.route.poses(), frames, false};
+    return {context.engine.session().file, state.document.profile(), state.route.poses(), frames, false};
 }
 
 // Of the frame that is shown, as it stands; converged or with a threshold of its own, for that frame's view.
@@ -30,7 +31,7 @@ ExportPlan export_plan(HandlerContext context, const std::string& path, bool con
     const flight::LastUpdate& last = session.last;
     if (last.cut_report.frame + last.frame_report.frame == 0)
         throw io::Failure(2, "no frame has been drawn yet; try again");
-    ExportPlan plan{state.scene.path, path, {}, state.scene.streamed, state.document.profile(), last.view, error_px};
+    ExportPlan plan{session.file, path, {}, state.scene.streamed, state.document.profile(), last.view, error_px};
     if (!converged && error_px == 0) plan.frame = flight::take_frame(session);
     return plan;
 }
@@ -55,12 +56,12 @@ void handle(const BakePack& c, HandlerContext context) {
 
 void handle(const TuneThreshold& c, HandlerContext context) {
     refuse_overwriting_open_files(context.state, c.csv);
-    context.jobs.start(JobKind::tune, tune_job(plan_of(context.state, c.settings.frames), c.settings, c.csv));
+    context.jobs.start(JobKind::tune, tune_job(plan_of(context, c.settings.frames), c.settings, c.csv));
 }
 
 void handle(const RunBenchmark& c, HandlerContext context) {
     refuse_overwriting_open_files(context.state, c.csv);
-    context.jobs.start(JobKind::benchmark, benchmark_job(plan_of(context.state, c.frames), c.csv));
+    context.jobs.start(JobKind::benchmark, benchmark_job(plan_of(context, c.frames), c.csv));
 }
 
 void handle(const ExportMesh& c, HandlerContext context) {

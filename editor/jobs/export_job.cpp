@@ -8,7 +8,6 @@
 #include "editor/number_text.h"
 #include "fjell/gltf/snapshot.h"
 #include "fjell/io/failure.h"
-#include "fjell/io/load.h"
 #include "flight/session.h"
 #include "flight/snapshots.h"
 #include "io/file.h"
@@ -29,14 +28,14 @@ gltf::SnapshotOptions options_of(const ExportPlan& plan, JobControl& control) {
 }
 
 gltf::SnapshotResult write_frame(const ExportPlan& plan, JobControl& control) {
-    const io::MappedPack mapped(plan.pack);
-    return gltf::write_snapshot(mapped.pack(), plan.frame, plan.path, options_of(plan, control));
+    return gltf::write_snapshot(*plan.pack, plan.frame, plan.path, options_of(plan, control));
 }
 
 // A session that is as the frame's; of a streamed one with as much as the view wants and the page slots hold.
 gltf::SnapshotResult write_refined(const ExportPlan& plan, JobControl& control) {
     flight::FlightOptions options;
-    options.pack = plan.pack;
+    options.pack = plan.pack->path();
+    options.file = plan.pack;
     options.streaming = plan.streamed ? flight::Streaming::on : flight::Streaming::off;
     options.profile = plan.profile;
     options.profile.stream.fade_s = options.profile.stream.lookahead_s = 0; // time stands still
@@ -45,7 +44,6 @@ gltf::SnapshotResult write_refined(const ExportPlan& plan, JobControl& control) 
         options.profile.refine.error_px = plan.error_px;
         options.profile.refine.corner_safe = false;
     }
-    options.exports = {{0, plan.path}}; // which keeps the pack's bytes at hand
     flight::Session session;
     flight::open_session(options, session);
     control.check();
@@ -55,11 +53,13 @@ gltf::SnapshotResult write_refined(const ExportPlan& plan, JobControl& control) 
             control.progress("stream", wanted > left ? wanted - left : 0, wanted);
         });
     control.progress("refine", 0, 1);
-    if (own)
-        return gltf::export_snapshot(session.readable_pack(), session.terrain(), plan.view, plan.error_px, plan.path,
-                                     options_of(plan, control));
-    return gltf::write_snapshot(session.readable_pack(), flight::take_converged(session), plan.path,
-                                options_of(plan, control));
+    gltf::Snapshot snapshot;
+    if (!own)
+        snapshot = flight::take_converged(session);
+    else if (gltf::SnapshotResult taken = gltf::take_refined(session.terrain(), plan.view, plan.error_px, snapshot);
+             !taken.ok())
+        return taken;
+    return flight::write_snapshot(session, snapshot, plan.path, options_of(plan, control));
 }
 
 void run(const ExportPlan& plan, JobControl& control) {
@@ -86,7 +86,7 @@ Jobs::Body export_job(ExportPlan plan) {
     if (plan.error_px != 0 && !(plan.error_px >= flight::min_error_px && plan.error_px <= flight::max_error_px))
         throw io::Failure(2, fmt::format("a threshold of {} px: must be {} to {}", plan.error_px, flight::min_error_px,
                                          flight::max_error_px));
-    io::refuse_overwriting({plan.path}, {plan.pack});
+    io::refuse_overwriting({plan.path}, {plan.pack->path()});
     return [plan = std::move(plan)](JobControl& control) { run(plan, control); };
 }
 

@@ -5,12 +5,14 @@
 // from which it can go on.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "editor/command.h"
 #include "editor/jobs/jobs.h"
 #include "editor/jobs/measured_flight.h"
 #include "fjell/gltf/snapshot.h"
+#include "fjell/io/pack_file.h"
 
 namespace fjell::editor {
 
@@ -25,9 +27,10 @@ namespace fjell::editor {
 
 // export_job.cpp
 struct ExportPlan {
-    std::string pack, path; // path empty: counts and size alone
-    gltf::Snapshot frame;   // what is written as it stands; empty: what follows is refined for the view
-    bool streamed = false;  // the frame's terrain is: then so is this one's
+    std::shared_ptr<const io::PackFile> pack; // of the frame's terrain
+    std::string path;                         // empty: counts and size alone
+    gltf::Snapshot frame;  // what is written as it stands; empty: what follows is refined for the view
+    bool streamed = false; // the frame's terrain is: then so is this one's
     flight::Profile profile;
     View view;
     double error_px = 0; // the whole terrain at this threshold, whatever the budgets; 0: as the profile settles on

@@ -112,7 +112,7 @@ Jobs::Body tune_job(MeasuredFlightPlan plan, const TuneSettings& settings, const
     plan.frames = settings.frames;
     plan.draws = settings.measure == TuneMeasure::frame;
     // Opened before the work, so that a missing folder does not cost a minute.
-    io::refuse_overwriting({csv}, {plan.pack});
+    io::refuse_overwriting({csv}, {plan.pack->path()});
     auto file = csv.empty() ? nullptr : std::make_shared<io::AtomicFile>(csv);
     return [plan = std::move(plan), settings, file](JobControl& control) { tune(plan, settings, file.get(), control); };
 }
@@ -120,7 +120,7 @@ Jobs::Body tune_job(MeasuredFlightPlan plan, const TuneSettings& settings, const
 Jobs::Body benchmark_job(MeasuredFlightPlan plan, const std::string& csv) {
     if (csv.empty()) throw io::Failure(2, "give the CSV a file name");
     if (plan.frames > 1'000'000) throw io::Failure(2, "frames must be 1 to 1000000, or 0 for the path's own");
-    io::refuse_overwriting({csv}, {plan.pack});
+    io::refuse_overwriting({csv}, {plan.pack->path()});
     auto file = std::make_shared<io::AtomicFile>(csv);
     return [plan = std::move(plan), csv, file](JobControl& control) { benchmark(plan, csv, *file, control); };
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <new>
 #include <system_error>
 #include <utility>
 
@@ -28,13 +27,10 @@ void run(const Jobs::Body& body, JobControl& control) {
         body(control);
     } catch (const Cancelled&) {
         cancelled = true;
-    } catch (const std::bad_alloc&) {
-        problem = "out of memory; close other programs or choose smaller settings";
-    } catch (const io::Failure& failure) {
+    } catch (const std::exception& thrown) {
+        const io::Failure failure = io::as_failure(thrown);
         problem = failure.what();
         exit_code = failure.exit_code;
-    } catch (const std::exception& failure) {
-        problem = failure.what();
     } catch (...) {
         problem = "the job failed with an unknown error; please report it with its settings";
     }

@@ -82,7 +82,8 @@ struct MeasuredFlight::Impl { // in the order of destruction, last first: GL obj
 void MeasuredFlight::Impl::open() {
     control.progress("open", 0, 1);
     flight::FlightOptions options;
-    options.pack = plan.pack;
+    options.pack = plan.pack->path();
+    options.file = plan.pack;
     options.profile = plan.profile;
     flight::open_session(options, session);
     control.check();

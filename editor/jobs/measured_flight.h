@@ -1,6 +1,7 @@
 // Flights that are measured beside the frame, over a terrain of their own: for tuning and benchmarks.
 //
-// The terrain is loaded, or streamed, as the profile says. A streamed flight waits in every frame until all that its
+// The terrain is loaded, or streamed, as the profile says, from the file that is open: not from what its name leads to
+// by now. A streamed flight waits in every frame until all that its
 // view wants is there, so that the disk does not count; of the updates that this takes, the dearest is the frame's, as
 // it would be where each is a frame of its own. The picture has the size of the profile's [view], whatever the window
 // has, so a result holds for every machine that flies the profile.
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "editor/jobs/jobs.h"
+#include "fjell/io/pack_file.h"
 #include "flight/log.h"
 #include "flight/path.h"
 #include "flight/profile.h"
@@ -23,7 +25,7 @@
 namespace fjell::editor {
 
 struct MeasuredFlightPlan {
-    std::string pack;
+    std::shared_ptr<const io::PackFile> pack; // of the terrain that is shown
     flight::Profile profile;
     std::vector<flight::Pose> route; // 60 a second; empty: an orbit around the terrain's middle
     std::size_t frames = 0;          // 0: as many as the route has

@@ -1,28 +1,29 @@
 #include "editor/scene/full_heights.h"
 
 #include <exception>
+#include <utility>
 
+#include "fjell/io/failure.h"
 #include "fjell/io/pack_file.h"
 
 namespace fjell::editor {
 
-void FullHeights::read(const std::string& pack) {
+void FullHeights::read(std::shared_ptr<const io::PackFile> pack) {
     if (thread_.joinable() || uploaded_ || !problem_.empty()) return;
     share_ = 0;
     done_ = false;
     failure_.clear();
-    thread_ = std::jthread([this, pack](const std::stop_token& stop) { run(pack, stop); });
+    thread_ = std::jthread([this, pack = std::move(pack)](const std::stop_token& stop) { run(*pack, stop); });
 }
 
-void FullHeights::run(const std::string& pack, const std::stop_token& stop) {
+void FullHeights::run(const io::PackFile& pack, const std::stop_token& stop) {
     try {
-        const io::PackFile file(pack);
-        heights_ = io::read_heights(file, most_samples, [&](double share) {
+        heights_ = io::read_heights(pack, most_samples, [&](double share) {
             share_.store(share, std::memory_order_relaxed);
             return !stop.stop_requested();
         });
     } catch (const std::exception& failure) {
-        failure_ = failure.what();
+        failure_ = io::as_failure(failure).what();
     }
     done_.store(true, std::memory_order_release);
 }

@@ -4,11 +4,12 @@
 // Ownership: the thread and, until they are on the GPU, the heights. Thread: the frame's, with the graphics context
 // current in upload(). Memory: 4 bytes a sample, most_samples of them; a larger terrain is compared at every second,
 // fourth, ... sample. Failure: problem() is one line; it is not tried again
-// before excuse() or forget().
+// before allow_retry() or forget().
 #pragma once
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -27,7 +28,8 @@ public:
     FullHeights(const FullHeights&) = delete;
     FullHeights& operator=(const FullHeights&) = delete;
 
-    void read(const std::string& pack);      // nothing when it is under way, done or failed
+    // Nothing when it is under way, done or failed.
+    void read(std::shared_ptr<const io::PackFile> pack);
     void forget();                           // another pack, or another renderer
     void allow_retry() { problem_.clear(); } // what failed may be tried again
     // Hands them to the renderer once they are there. True: the renderer has them.
@@ -36,7 +38,7 @@ public:
     [[nodiscard]] const std::string& problem() const { return problem_; }
 
 private:
-    void run(const std::string& pack, const std::stop_token& stop);
+    void run(const io::PackFile& pack, const std::stop_token& stop);
 
     std::atomic<double> share_{0};
     std::atomic<bool> done_{false};

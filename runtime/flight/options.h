@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <iterator>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "fjell/io/pack_file.h"
 #include "flight/profile.h"
 
 namespace fjell::flight {
@@ -30,10 +32,11 @@ struct Export {
 
 struct FlightOptions {
     std::string pack, path, profile_path;
-    std::size_t frames = 0; // 0: not given
-    double hz = 60;         // path frames a second, in the window
-    Profile profile;        // with the flags applied
-    bool limited = false;   // --items or --budget-us bounds the first frame too
+    std::shared_ptr<const io::PackFile> file; // the pack, when it is open already, whatever its name leads to now
+    std::size_t frames = 0;                   // 0: not given
+    double hz = 60;                           // path frames a second, in the window
+    Profile profile;                          // with the flags applied
+    bool limited = false;                     // --items or --budget-us bounds the first frame too
     bool headless = false;
     Streaming streaming = Streaming::automatic;
     bool realtime = false;                     // headless frames at hz

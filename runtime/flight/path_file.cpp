@@ -12,6 +12,7 @@
 #include "fjell/io/failure.h"
 #include "flight/path.h"
 #include "io/file.h"
+#include "io/json.h"
 
 namespace fjell::flight {
 
@@ -140,14 +141,7 @@ Straight straight(const json& value, const std::string& name) {
 }
 
 CameraPath parse_json(std::string_view text, const std::string& name) {
-    json root;
-    try {
-        root = json::parse(text, nullptr, true, true);
-    } catch (const json::exception& error) {
-        std::string what = error.what();
-        if (const auto tag = what.find("] "); tag != std::string::npos) what = what.substr(tag + 2);
-        fail(name, "", fmt::format("not JSON: {}", what));
-    }
+    const json root = io::parse_json(text, name, io::JsonComments::yes);
     Fields fields(root, name, "");
     CameraPath path;
     path.name = name;

@@ -92,7 +92,7 @@ Pictures::Pictures(const FlightOptions& options, const Session& session) : state
     require(state_->target != nullptr, error);
     state_->renderer = make_renderer(options, session, error);
     if (!state_->renderer && !session.streamed)
-        (void)io::check_all_chunks(session.readable_pack(),
+        (void)io::check_all_chunks(session.loaded.pack,
                                    session.loaded.path); // a damaged pack is not the machine's fault
     require(state_->renderer != nullptr, error);
     state_->draw = draw_options(options.mode);

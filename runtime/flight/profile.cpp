@@ -74,7 +74,10 @@ Profile parse_profile(std::string_view text, const std::string& name) {
     try {
         root = toml::parse(text, name);
     } catch (const toml::parse_error& error) {
-        throw Failure(1, fmt::format("{}:{}: not TOML: {}", name, error.source().begin.line, error.description()));
+        const bool twice = error.description().find("redefine") != std::string_view::npos;
+        throw Failure(1, fmt::format("{}:{}: {}", name, error.source().begin.line,
+                                     twice ? "a key or a table is there twice; leave one of them"
+                                           : "is not TOML; write [TABLE] and KEY = VALUE, one a line"));
     }
     Profile profile;
     for (const auto& [key, node] : root) {

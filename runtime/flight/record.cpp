@@ -1,12 +1,15 @@
 #include "flight/record.h"
 
+#include <charconv>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <xxhash.h>
 
 #include "fjell/io/failure.h"
+#include "io/json.h"
 #include "pack/terrain_data.h"
 
 namespace fjell::flight {
@@ -26,11 +29,47 @@ std::string hex(std::uint64_t value) {
     return fmt::format("{:016x}", value);
 }
 
+// The line they are of is added where lines are read.
+[[noreturn]] void refuse(const std::string& what) {
+    throw Failure(1, what);
+}
+
+const json& value(const json& object, const char* key) {
+    if (!object.is_object()) refuse("a line must be an object { ... }");
+    const auto found = object.find(key);
+    if (found == object.end()) refuse(fmt::format("\"{}\" is missing", key));
+    return *found;
+}
+const json& list(const json& object, const char* key) {
+    const json& j = value(object, key);
+    if (!j.is_array()) refuse(fmt::format("\"{}\" must be a list", key));
+    return j;
+}
+std::string text_of(const json& object, const char* key) {
+    const json& j = value(object, key);
+    if (!j.is_string()) refuse(fmt::format("\"{}\" must be text", key));
+    return j.get<std::string>();
+}
+bool flag_of(const json& object, const char* key) {
+    const json& j = value(object, key);
+    if (!j.is_boolean()) refuse(fmt::format("\"{}\" must be true or false", key));
+    return j.get<bool>();
+}
+double number(const json& j, const char* key) {
+    if (!j.is_number()) refuse(fmt::format("\"{}\" must hold numbers", key));
+    return j.get<double>();
+}
+double number_of(const json& object, const char* key) {
+    return number(value(object, key), key);
+}
 // get<std::uint32_t>() would convert any number, also one that does not fit.
-std::uint32_t whole_number(const json& j) {
+std::uint32_t whole_number(const json& j, const char* key) {
     if (!j.is_number_unsigned() || j.get<std::uint64_t>() > 0xffffffff)
-        throw json::other_error::create(600, "must be a whole number below 2^32: " + j.dump(), &j);
+        refuse(fmt::format("\"{}\" must hold whole numbers below 2^32", key));
     return static_cast<std::uint32_t>(j.get<std::uint64_t>());
+}
+std::uint32_t whole_number_of(const json& object, const char* key) {
+    return whole_number(value(object, key), key);
 }
 
 json view_json(const View& v) {
@@ -57,27 +96,26 @@ void set_sides(View& v, double lambda) {
 View view_of(const json& j) {
     const std::size_t numbers = j.is_array() ? j.size() : 0;
     if (numbers < 15 || numbers > 18 || numbers == 16)
-        throw json::other_error::create(600, "a view has 17 or 18 numbers, or 15 in version 2", &j);
+        refuse("a view has 17 numbers, 18 with a threshold of its own, or 15 in version 2");
     View v;
-    const auto vec = [&](std::size_t i) {
-        return Vec3{j.at(i).get<double>(), j.at(i + 1).get<double>(), j.at(i + 2).get<double>()};
-    };
+    const auto at = [&](std::size_t i) { return number(j[i], "views"); };
+    const auto vec = [&](std::size_t i) { return Vec3{at(i), at(i + 1), at(i + 2)}; };
     v.eye_m = vec(0);
     v.forward = vec(3);
     v.up = vec(6);
     if (numbers != 15) {
-        v.left = j.at(9).get<double>();
-        v.right = j.at(10).get<double>();
-        v.bottom = j.at(11).get<double>();
-        v.top = j.at(12).get<double>();
+        v.left = at(9);
+        v.right = at(10);
+        v.bottom = at(11);
+        v.top = at(12);
     }
     const std::size_t next = numbers != 15 ? 13 : 10;
-    v.width_px = whole_number(j.at(next));
-    v.height_px = whole_number(j.at(next + 1));
-    v.near_m = j.at(next + 2).get<double>();
-    v.far_m = j.at(next + 3).get<double>();
-    if (numbers == 18) v.error_px = j.at(17).get<double>();
-    if (numbers == 15) set_sides(v, j.at(14).get<double>());
+    v.width_px = whole_number(j[next], "views");
+    v.height_px = whole_number(j[next + 1], "views");
+    v.near_m = at(next + 2);
+    v.far_m = at(next + 3);
+    if (numbers == 18) v.error_px = at(17);
+    if (numbers == 15) set_sides(v, at(14));
     return v;
 }
 
@@ -102,47 +140,57 @@ json frame_json(const RecordedFrame& f) {
             {"mesh", hex(f.mesh_hash)}};
 }
 
-std::uint64_t from_hex(const json& j) {
-    return std::stoull(j.get<std::string>(), nullptr, 16);
+std::uint64_t hash_of(const json& object, const char* key) {
+    const std::string text = text_of(object, key);
+    std::uint64_t hash = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), hash, 16);
+    if (error != std::errc() || end != text.data() + text.size())
+        refuse(fmt::format("\"{}\" must be a hash of hexadecimal digits", key));
+    return hash;
+}
+
+Morph morph_of(const json& object) {
+    const std::string name = text_of(object, "morph");
+    for (std::size_t m = 0; m < std::size(morph_names); ++m)
+        if (name == morph_names[m]) return static_cast<Morph>(m);
+    refuse(fmt::format("\"morph\" must be one of {}", fmt::join(morph_names, ", ")));
 }
 
 RecordedFrame frame_of(const json& j) {
     RecordedFrame f;
-    for (const json& v : j.at("views")) f.views.push_back(view_of(v));
-    if (f.views.empty()) throw json::other_error::create(600, "a frame needs a view", &j);
+    for (const json& v : list(j, "views")) f.views.push_back(view_of(v));
+    if (f.views.empty()) refuse("a frame needs a view");
     CutSettings& s = f.settings;
-    f.rebuild = j.at("rebuild").get<bool>();
-    s.items = whole_number(j.at("items"));
-    s.visits = whole_number(j.at("visits"));
-    s.error_px = j.at("error_px").get<double>();
-    s.hysteresis = j.at("hysteresis").get<double>();
-    s.corner_safe = j.at("corner_safe").get<bool>();
-    s.morph_s = j.at("morph_s").get<double>();
-    s.now_s = j.at("now_s").get<double>();
-    const auto morph = j.at("morph").get<std::string>();
-    for (int m = 0; m < 3; ++m)
-        if (morph == morph_names[m]) s.morph = static_cast<Morph>(m);
-    f.mesh_hash = from_hex(j.at("mesh"));
-    for (const json& p : j.at("pages")) {
-        if (!p.is_array() || p.size() != 3 || whole_number(p.at(2)) >= page_events)
-            throw json::other_error::create(600, "what became of a page is its tile, its number and 0 to 3", &p);
-        f.pages.push_back(
-            {whole_number(p.at(0)), whole_number(p.at(1)), static_cast<PageEvent>(whole_number(p.at(2)))});
+    f.rebuild = flag_of(j, "rebuild");
+    s.items = whole_number_of(j, "items");
+    s.visits = whole_number_of(j, "visits");
+    s.error_px = number_of(j, "error_px");
+    s.hysteresis = number_of(j, "hysteresis");
+    s.corner_safe = flag_of(j, "corner_safe");
+    s.morph_s = number_of(j, "morph_s");
+    s.now_s = number_of(j, "now_s");
+    s.morph = morph_of(j);
+    f.mesh_hash = hash_of(j, "mesh");
+    for (const json& p : list(j, "pages")) {
+        if (!p.is_array() || p.size() != 3 || whole_number(p[2], "pages") >= page_events)
+            refuse("what became of a page is its tile, its number and 0 to 3");
+        f.pages.push_back({whole_number(p[0], "pages"), whole_number(p[1], "pages"),
+                           static_cast<PageEvent>(whole_number(p[2], "pages"))});
     }
-    f.missing_px = j.at("missing_px").get<double>();
+    f.missing_px = number_of(j, "missing_px");
     return f;
 }
 
 void read_head(const json& j, Recording& r) {
-    const std::uint32_t is = j.at("fjell").get<std::string>() == "recording" ? whole_number(j.at("version")) : 0;
+    const std::uint32_t is = text_of(j, "fjell") == "recording" ? whole_number_of(j, "version") : 0;
     if (is < oldest_version || is > version)
-        throw json::other_error::create(600, "not a recording of this version", &j);
-    r.pack_hash = from_hex(j.at("pack"));
-    r.budget.vertices = whole_number(j.at("vertices"));
-    r.budget.triangles = whole_number(j.at("triangles"));
-    r.budget.segment_triangles = whole_number(j.at("chunk_triangles"));
-    r.budget.views = whole_number(j.at("views"));
-    r.page_slots = whole_number(j.at("page_slots"));
+        refuse(fmt::format("it must be of version {} or {}; record it again", oldest_version, version));
+    r.pack_hash = hash_of(j, "pack");
+    r.budget.vertices = whole_number_of(j, "vertices");
+    r.budget.triangles = whole_number_of(j, "triangles");
+    r.budget.segment_triangles = whole_number_of(j, "chunk_triangles");
+    r.budget.views = whole_number_of(j, "views");
+    r.page_slots = whole_number_of(j, "page_slots");
 }
 
 } // namespace
@@ -210,14 +258,14 @@ Recording parse_recording(std::string_view text, const std::string& name) {
         if (end == std::string_view::npos)
             throw Failure(1,
                           fmt::format("{}:{}: the recording ends in the middle of a line; copy it again", name, line));
+        const json j = io::parse_json(text.substr(0, end), name, io::JsonComments::no, line);
         try {
-            const json j = json::parse(text.substr(0, end));
             if (line == 1)
                 read_head(j, r);
             else
                 r.frames.push_back(frame_of(j));
-        } catch (const std::exception& error) { // nlohmann's, and std::stoull's
-            throw Failure(1, fmt::format("{}:{}: not a recording: {}", name, line, error.what()));
+        } catch (const Failure& failure) {
+            throw Failure(1, fmt::format("{}:{}: not a recording: {}", name, line, failure.what()));
         }
         text.remove_prefix(end + 1);
     }

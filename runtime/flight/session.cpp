@@ -114,29 +114,26 @@ void make_paged(Session& session, std::span<const std::byte> corners, std::uint3
 
 // The terrain, as it is wanted: streamed, replayed page by page, or whole.
 void open_terrain(const FlightOptions& options, Session& session) {
-    auto streamed = std::make_unique<StreamedPack>(options.pack);
-    const io::PackFile& file = streamed->file();
+    // Opened once: whatever the name comes to lead to, everything here is of one file.
+    session.file = options.file ? options.file : std::make_shared<const io::PackFile>(options.pack);
+    const io::PackFile& file = *session.file;
     const std::uint32_t replayed_slots = options.replay.empty() ? 0 : session.recording->page_slots;
     if (shall_stream(options, file.pack().header)) {
-        session.loaded.path = options.pack;
+        session.loaded.path = file.path();
         session.loaded.pack = file.pack();
         session.loaded.crs = file.crs();
         make_paged(session, file.corners(), options.profile.page_slots);
         session.file_ground = std::make_unique<FileGround>(file);
-        if (!options.exports.empty()) session.mapped = std::make_unique<io::MappedPack>(options.pack);
-        session.streamed = std::move(streamed);
+        session.streamed = std::make_unique<StreamedPack>(session.file);
     } else if (replayed_slots != 0) {
-        session.mapped = std::make_unique<io::MappedPack>(options.pack);
-        session.loaded.path = options.pack;
-        session.loaded.pack = session.mapped->pack();
-        session.loaded.crs = session.mapped->crs();
+        session.loaded = io::load_pack(file, io::LoadTerrain::no);
         make_paged(session, {}, replayed_slots);
     } else {
-        session.loaded = io::load_pack(options.pack, io::LoadTerrain::yes);
+        session.loaded = io::load_pack(file, io::LoadTerrain::yes);
         session.terrain_bytes = terrain_bytes(session.loaded.pack.header);
     }
     if (options.verify_every != 0 && (session.streamed || replayed_slots != 0))
-        session.reference = std::make_unique<io::LoadedPack>(io::load_pack(options.pack, io::LoadTerrain::yes));
+        session.reference = std::make_unique<io::LoadedPack>(io::load_pack(file, io::LoadTerrain::yes));
 }
 
 FrameEntry run_incremental(Session& session, std::span<const View> views, const CutSettings& settings, bool rebuild,
@@ -333,8 +330,9 @@ FrameEntry replay_frame(Session& session, std::size_t frame) {
     const RecordedFrame& f = session.recording->frames[frame];
     if (session.recording->page_slots != 0)
         if (const Status s = replay_pages(session.loaded.pack, session.loaded.terrain, session.cut, f); !s.ok())
-            throw Failure(
-                1, fmt::format("frame {}: a page did not come as recorded: {}: {}", frame, s.field, message(s.code)));
+            throw Failure(1, fmt::format("frame {}: a page cannot come or go as recorded ({}); the recording is of "
+                                         "another pack, or damaged",
+                                         frame, s.field));
     CutReport report;
     FrameEntry entry = run_incremental(session, f.views, f.settings, f.rebuild, report);
     entry.missing_px = f.missing_px;

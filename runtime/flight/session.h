@@ -41,8 +41,8 @@ struct Session {
     io::LoadedPack loaded;
     std::size_t terrain_bytes = 0;
     std::unique_ptr<io::LoadedPack> reference; // loaded whole to measure against, where `loaded` is not
-    std::unique_ptr<io::MappedPack> mapped;    // of a streamed pack: for exports; of one that is replayed: for pages
-    std::unique_ptr<FileGround> file_ground;   // the same: for camera paths
+    std::shared_ptr<const io::PackFile> file;  // open as long as the session, and whoever else wants this pack
+    std::unique_ptr<FileGround> file_ground;   // of a streamed pack: for camera paths
     io::AlignedMemory method_memory;
     std::size_t method_bytes = 0;
     Method method = Method::incremental;
@@ -58,8 +58,6 @@ struct Session {
 
     [[nodiscard]] const Terrain& terrain() const { return loaded.terrain; }
     [[nodiscard]] const Terrain& whole_terrain() const { return reference ? reference->terrain : loaded.terrain; }
-    // With the bytes of all chunks.
-    [[nodiscard]] const Pack& readable_pack() const { return mapped ? mapped->pack() : loaded.pack; }
     // At full resolution, also where no page is there yet; of a streamed pack by reading the file.
     [[nodiscard]] Ground ground() const {
         return file_ground ? ground_of(*file_ground, loaded.terrain) : ground_of(loaded.terrain);

@@ -31,6 +31,12 @@ gltf::Snapshot take_frame(const Session& session) {
     return snapshot;
 }
 
+gltf::SnapshotResult write_snapshot(const Session& session, const gltf::Snapshot& snapshot, const std::string& path,
+                                    const gltf::SnapshotOptions& options) {
+    if (session.streamed) return gltf::write_snapshot(*session.file, snapshot, path, options);
+    return gltf::write_snapshot(session.loaded.pack, snapshot, path, options);
+}
+
 gltf::Snapshot take_converged(const Session& session) {
     if (!session.incremental()) return take_frame(session);
     const View& view = session.last.view;

@@ -16,4 +16,8 @@ namespace fjell::flight {
 // method a cut of its own, built from scratch; a frame of the recursive method has settled.
 [[nodiscard]] gltf::Snapshot take_converged(const Session& session);
 
+// gltf::write_snapshot() with the session's pack: from memory when it was loaded whole, else from its file.
+gltf::SnapshotResult write_snapshot(const Session& session, const gltf::Snapshot& snapshot, const std::string& path,
+                                    const gltf::SnapshotOptions& options = {});
+
 } // namespace fjell::flight

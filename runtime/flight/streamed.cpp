@@ -13,15 +13,15 @@ using io::Failure;
 
 void StreamedPack::begin(const FlightOptions& options, Terrain& terrain, LiveCut cut) {
     const StreamBudget& budget = options.profile.stream_budget;
-    memory_bytes_ = stream_bytes(file_.pack(), terrain, budget);
+    memory_bytes_ = stream_bytes(file_->pack(), terrain, budget);
     memory_ = io::allocate(memory_bytes_);
-    const Status s = create_stream(file_.pack(), terrain, cut, budget, {memory_.get(), memory_bytes_}, stream_);
+    const Status s = create_stream(file_->pack(), terrain, cut, budget, {memory_.get(), memory_bytes_}, stream_);
     if (!s.ok())
         throw Failure(1, fmt::format("{}: {}: {} ([stream] of a --profile, where map_bytes is map_mb){}", options.pack,
-                                     s.field, message(s.code), fewer_tiles(file_.pack().header, options.profile)));
-    if (options.cold) file_.drop_cache();
+                                     s.field, message(s.code), fewer_tiles(file_->pack().header, options.profile)));
+    if (options.cold) file_->drop_cache();
     reader_ = std::make_unique<io::StreamReader>(
-        stream_, file_, io::StreamReaderOptions{options.read_mb_s * 1e6, options.read_latency_ms * 1e-3});
+        stream_, *file_, io::StreamReaderOptions{options.read_mb_s * 1e6, options.read_latency_ms * 1e-3});
 }
 
 const StreamReport& StreamedPack::update(std::span<const View> views, const CutSettings& cut,
@@ -33,18 +33,15 @@ const StreamReport& StreamedPack::update(std::span<const View> views, const CutS
 }
 
 void StreamedPack::tell(const StreamFailure& failure) {
-    const char* const what = failure.id.kind == ChunkKind::geometry ? "page"
-                             : failure.id.kind == ChunkKind::colour ? "colour mip"
-                                                                    : "normal mip";
-    std::string why = message(failure.code);
-    if (failure.code == Code::unreadable) {
-        ++unreadable_;
-        if (const int error = reader_->counters().last_error; error != 0) why = std::strerror(error);
-    } else {
-        ++corrupt_;
-    }
-    if (!listener_) return;
-    listener_(fmt::format("{}: {} {} of tile {}: {}", file_.path(), what, failure.id.item, failure.id.tile, why));
+    const bool disk = failure.code == Code::unreadable;
+    const bool first = corrupt_ + unreadable_ == 0;
+    ++(disk ? unreadable_ : corrupt_);
+    if (!first || !listener_) return;
+    const int error = reader_->counters().last_error;
+    const char* const why = file_->changed()     ? "the file was changed after it was opened"
+                            : disk && error != 0 ? std::strerror(error)
+                                                 : message(failure.code);
+    listener_(fmt::format("{}: {}: {}", file_->path(), io::chunk_name(failure.id), why));
 }
 
 } // namespace fjell::flight

@@ -1,8 +1,8 @@
 // A pack that is streamed: its file, the stream over the session's terrain, and the thread that reads.
 //
 // Ownership: all of it; the terrain and the cut are the session's and must outlive it. Thread: the frame's; the reader
-// has its own. Failure: io::Failure, 1 for an unusable budget. What cannot be read later on is one line each to
-// the listener, and coarser terrain.
+// has its own. Failure: io::Failure, 1 for an unusable budget. What cannot be read later on is one line to the
+// listener, two counts, and coarser terrain.
 #pragma once
 
 #include <cstddef>
@@ -23,14 +23,13 @@ namespace fjell::flight {
 
 class StreamedPack {
 public:
-    explicit StreamedPack(const std::string& path) : file_(path) {}
+    explicit StreamedPack(std::shared_ptr<const io::PackFile> file) : file_(std::move(file)) {}
 
-    [[nodiscard]] const io::PackFile& file() const { return file_; }
     // Begins to stream into a terrain of which no page is loaded. cut: empty for the recursive method.
     void begin(const FlightOptions& options, Terrain& terrain, LiveCut cut);
-    // Hears of every chunk that could not be read or was damaged, within update(): "PACK: page 3 of tile 1: why",
-    // without a line's end. While nothing fails it is not called and nothing is allocated. Nobody listens: only counts
-    // are kept.
+    // Hears of the first chunk that could not be read or was damaged, within update(): "PACK: page 3 of tile 1: why",
+    // without a line's end. A damaged pack may have hundreds of them: the others are counted. While nothing fails
+    // nothing is allocated.
     void on_failure(std::function<void(const std::string&)> listener) { listener_ = std::move(listener); }
     // One update_stream(), before the method's own.
     const StreamReport& update(std::span<const View> views, const CutSettings& cut, const StreamSettings& settings);
@@ -46,7 +45,7 @@ public:
 private:
     void tell(const StreamFailure& failure);
 
-    io::PackFile file_;
+    std::shared_ptr<const io::PackFile> file_;
     io::AlignedMemory memory_;
     std::size_t memory_bytes_ = 0;
     Stream stream_;

@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 
 void write_export(const std::string& path, const FlightOptions& options, const Session& session) {
     const gltf::Snapshot snapshot = options.export_converged ? take_converged(session) : take_frame(session);
-    const gltf::SnapshotResult result = gltf::write_snapshot(session.readable_pack(), snapshot, path);
+    const gltf::SnapshotResult result = flight::write_snapshot(session, snapshot, path);
     if (!result.ok()) throw Failure(result.exit_code, result.message);
 }
 
@@ -92,8 +92,7 @@ public:
                 waiting.show(entry);
             });
         }
-        const FrameEntry entry =
-            replay ? replay_frame(session_, frame) : update_frame(session_, view, options_.profile, now_s);
+        const FrameEntry entry = replay ? this->replay(frame) : update_frame(session_, view, options_.profile, now_s);
         follow(entry);
         return entry;
     }
@@ -113,6 +112,13 @@ public:
 
 private:
     [[nodiscard]] bool drawn(std::size_t frame) const { return pictures_ && frame % options_.render_every == 0; }
+    FrameEntry replay(std::size_t frame) {
+        try {
+            return replay_frame(session_, frame);
+        } catch (const Failure& failure) {
+            throw Failure(failure.exit_code, fmt::format("{}: {}", options_.replay, failure.what()));
+        }
+    }
     [[nodiscard]] bool waits(std::size_t frame) const {
         return session_.streamed && !options_.realtime &&
                (drawn(frame) ||

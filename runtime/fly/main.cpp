@@ -1,5 +1,6 @@
 // fjell-fly: flies a camera over a pack, in a window or headless. Exit codes: 0 done, 1 the input is at fault, 2 usage,
 // 3 the machine (disk, memory, GPU) is.
+#include <cerrno>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
+#include "fjell/io/pack_file.h"
 #include "flight/session.h"
 #include "fly/headless.h"
 #include "fly/options.h"
@@ -20,11 +22,12 @@ using namespace fjell::flight;
 using io::Failure;
 
 // What could not be read is an error of the input, or of the disk, once the flight is over.
-void check_reads(const std::string& path, const StreamedPack& streamed) {
+void check_reads(const io::PackFile& file, const StreamedPack& streamed) {
     const std::uint64_t corrupt = streamed.corrupt(), unreadable = streamed.unreadable();
     if (corrupt + unreadable == 0) return;
+    if (file.changed()) file.fail(EIO);
     throw Failure(corrupt != 0 ? 1 : 3,
-                  fmt::format("{}: {} damaged and {} unreadable chunks; it was coarser there; {}", path, corrupt,
+                  fmt::format("{}: {} damaged and {} unreadable chunks; it was coarser there; {}", file.path(), corrupt,
                               unreadable, corrupt != 0 ? "check it with fjell-bake verify" : "check the disk"));
 }
 
@@ -56,7 +59,7 @@ int run(int argc, char** argv) {
         throw Failure(failure.exit_code, failure.what() + kept);
     }
     outputs.finish(options, session, path, log, verification);
-    if (session.streamed) check_reads(options.pack, *session.streamed);
+    if (session.streamed) check_reads(*session.file, *session.streamed);
     if (shortfall.outputs != 0) {
         const std::string what = shortfall.outputs == 1
                                      ? shortfall.first

@@ -41,7 +41,7 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--profile", o.profile_path, "budgets and thresholds (profiles/*.toml); flags win over it");
     app.add_option("--path", o.path, "camera path (content/paths/*.json); default: an orbit");
     app.add_option("--frames", o.frames, "frames to resample the path to (default 840); a window closes after them")
-        ->check(CLI::Range(std::size_t{1}, most_frames));
+        ->check(io::whole_within(1, most_frames));
     app.add_option("--hz", o.hz, "path frames a second, in the window and for morphing (default 60)")
         ->check(io::within(0.1, 10000));
     app.add_option("--seed", f.seed, "fly a random path with this seed instead of --path");
@@ -53,7 +53,7 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--error-px", f.error_px, "threshold: largest error on screen, in pixels")
         ->check(io::within(min_error_px, max_error_px));
     app.add_option("--method", f.method, "keep the mesh from frame to frame (incremental, default) or find it anew")
-        ->check(CLI::IsMember({"incremental", "recursive"}));
+        ->check(io::one_of({"incremental", "recursive"}));
     app.add_flag("--corner-safe", f.corner_safe, "hold the threshold in the image's corners too");
     app.add_option("--fov", f.fov_deg, "vertical field of view in degrees")
         ->check(io::within(min_fov_deg, max_fov_deg));
@@ -63,7 +63,7 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
 void declare_methods(CLI::App& app, FlightOptions& o, Flags& f) {
     const char* const incremental = "Incremental method";
     app.add_option("--items", f.items, "most work items a frame may take, the first one too; 0 (default): no limit")
-        ->check(CLI::Range(std::uint32_t{0}, max_items))
+        ->check(io::whole_within(0, max_items))
         ->group(incremental);
     app.add_option("--budget-us", f.budget_us,
                    "most microseconds an update may take, the first one too; 0 (default): no limit")
@@ -73,7 +73,7 @@ void declare_methods(CLI::App& app, FlightOptions& o, Flags& f) {
         ->check(io::within(0, max_hysteresis))
         ->group(incremental);
     app.add_option("--morph", f.morph, "vertices come at once (none, default), with the error or with the time")
-        ->check(CLI::IsMember({"none", "error", "time"}))
+        ->check(io::one_of({"none", "error", "time"}))
         ->group(incremental);
     app.add_option("--record", o.record, "write the flight to a file that --replay repeats bit for bit")
         ->group(incremental);
@@ -81,13 +81,13 @@ void declare_methods(CLI::App& app, FlightOptions& o, Flags& f) {
         ->group(incremental);
     const char* const recursive = "Recursive method";
     app.add_option("--metric", f.metric, "distance to the eye (isotropic, default) or depth along the view")
-        ->check(CLI::IsMember({"isotropic", "depth"}))
+        ->check(io::one_of({"isotropic", "depth"}))
         ->group(recursive);
     app.add_option("--topology", f.topology, "triangle list (default), or one strip a tile")
-        ->check(CLI::IsMember({"list", "strip"}))
+        ->check(io::one_of({"list", "strip"}))
         ->group(recursive);
     app.add_option("--cull", f.cull, "refine only what the frustum sees (default on); off: all around, as incremental")
-        ->check(CLI::IsMember({"on", "off"}))
+        ->check(io::one_of({"on", "off"}))
         ->group(recursive);
 }
 
@@ -96,7 +96,7 @@ void declare_streaming(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--stream", f.stream,
                    "read pages and maps when the views want them; auto (default): when the pack has more pages than "
                    "[stream] page_slots of the profile")
-        ->check(CLI::IsMember({"on", "off", "auto"}))
+        ->check(io::one_of({"on", "off", "auto"}))
         ->group(group);
     app.add_flag("--wait", o.wait,
                  "headless: every frame waits for all that its view wants; without it those that are drawn or exported")
@@ -123,15 +123,14 @@ void declare_outputs(CLI::App& app, FlightOptions& o, Flags& f) {
                  "--export the mesh that the frame's view would settle on, had it time and items");
     app.add_option("--render", o.render_folder,
                    "write frame_NNNNN.png into this folder; it is made where there is none");
-    app.add_option("--render-every", o.render_every, "only every N-th frame")
-        ->check(CLI::Range(std::size_t{1}, most_frames));
+    app.add_option("--render-every", o.render_every, "only every N-th frame")->check(io::whole_within(1, most_frames));
     app.add_option("--mode", f.mode,
                    "pictures shaded (default), with wireframe, or coloured by tree level, tile, mip, loaded step of "
                    "geometry, or distance")
-        ->check(CLI::IsMember(std::vector<std::string>(std::begin(picture_mode_names), std::end(picture_mode_names))));
+        ->check(io::one_of(std::vector<std::string>(std::begin(picture_mode_names), std::end(picture_mode_names))));
     app.add_option("--verify", o.verify_every,
                    "every N frames, measure the error at every sample; loads a streamed pack whole beside it")
-        ->check(CLI::Range(std::size_t{1}, most_frames));
+        ->check(io::whole_within(1, most_frames));
 }
 
 // A whole number that fills the text, or nothing.

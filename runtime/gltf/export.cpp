@@ -31,8 +31,7 @@ RecursiveBudget largest_budget(const Terrain& terrain) {
 
 } // namespace
 
-SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const View& view, double error_px,
-                               const std::string& path, const SnapshotOptions& options) {
+SnapshotResult take_refined(const Terrain& terrain, const View& view, double error_px, Snapshot& snapshot) {
     if (!terrain.valid()) return refused(2, "there is no terrain behind the handle; load it with load_terrain");
     const RecursiveBudget largest = largest_budget(terrain);
     const RefineSettings settings{
@@ -57,12 +56,17 @@ SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const V
         if (status.ok()) status = update_recursive(method, view, settings, report);
         if (!status.ok()) return refused(2, fmt::format("{}: {}", status.field, message(status.code)));
         if (!report.converged && !all) continue;
-        Snapshot snapshot;
         SnapshotResult taken = take_snapshot(terrain, method, view, settings, report, snapshot);
         (void)destroy_recursive(method);
-        memory.reset(); // before the file's content needs some
-        return taken.ok() ? write_snapshot(pack, snapshot, path, options) : taken;
+        return taken;
     }
+}
+
+SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const View& view, double error_px,
+                               const std::string& path, const SnapshotOptions& options) {
+    Snapshot snapshot;
+    SnapshotResult taken = take_refined(terrain, view, error_px, snapshot);
+    return taken.ok() ? write_snapshot(pack, snapshot, path, options) : taken;
 }
 
 } // namespace fjell::gltf

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <functional>
 #include <new>
 #include <numbers>
 #include <optional>
@@ -14,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fjell/io/failure.h"
+#include "fjell/io/pack_file.h"
 #include "fjell/texture.h"
 #include "gltf/content.h"
 #include "gltf/normals.h"
@@ -30,9 +33,22 @@ using Json = nlohmann::json;
 constexpr std::uint64_t most_file_bytes = 0xffff'ffff;
 constexpr std::uint64_t container_bytes = 12 + 8 + 8; // header and the heads of two chunks
 
-void require(const Status& status, const char* what) {
-    if (!status.ok())
-        throw io::Failure(1, fmt::format("{}: {} ({}); bake the pack again", what, message(status.code), status.field));
+// The pack that textures and the CRS come from, in memory or in its file.
+struct Chunks {
+    const PackHeader& header;
+    std::function<void(ChunkId id, std::vector<std::byte>& raw)> read; // decompressed; throws Failure
+};
+
+Chunks chunks_of(const Pack& pack) {
+    return {pack.header, [&pack](ChunkId id, std::vector<std::byte>& raw) {
+                raw.resize(chunk_raw_bytes(pack.header, id));
+                if (const Status s = read_chunk(pack, id, raw); !s.ok())
+                    throw io::Failure(1, fmt::format("the pack's {}: {}", io::chunk_name(id), message(s.code)));
+            }};
+}
+
+Chunks chunks_of(const io::PackFile& file) {
+    return {file.pack().header, [&file](ChunkId id, std::vector<std::byte>& raw) { file.read_chunk(id, raw); }};
 }
 
 // The largest mip of a map that fits, and what it is worth: 0 texels when the pack has none.
@@ -48,15 +64,15 @@ MapMip choose_mip(std::uint32_t map_log2, std::uint32_t max_texture_px) {
     return {level, 1u << (map_log2 - level)};
 }
 
-Json crs_of(const Pack& pack) {
+Json crs_of(const Chunks& pack) {
     if (pack.header.crs_bytes == 0) return nullptr;
-    std::string wkt(pack.header.crs_bytes, '\0');
-    require(read_chunk(pack, {ChunkKind::crs, 0, 0}, std::as_writable_bytes(std::span(wkt))), "the pack's CRS chunk");
-    return wkt;
+    std::vector<std::byte> wkt;
+    pack.read({ChunkKind::crs, 0, 0}, wkt);
+    return std::string(reinterpret_cast<const char*>(wkt.data()), wkt.size());
 }
 
 // The fields of extras.fjell, with exactly these names: checkers know nothing else about the file.
-Json extras(const Pack& pack, const SnapshotInfo& info, const SnapshotResult& counts) {
+Json extras(const Chunks& pack, const SnapshotInfo& info, const SnapshotResult& counts) {
     const PackHeader& h = pack.header;
     const View& view = info.view;
     return {{"error_px", info.error_px},
@@ -82,7 +98,7 @@ Json extras(const Pack& pack, const SnapshotInfo& info, const SnapshotResult& co
 // The textures of one tile after the other, in buffers that are kept.
 class Textures {
 public:
-    Textures(const Pack& pack, std::uint32_t max_texture_px)
+    Textures(const Chunks& pack, std::uint32_t max_texture_px)
         : pack_(pack), colour_(choose_mip(pack.header.colour_log2, max_texture_px)),
           normal_(choose_mip(pack.header.normal_log2, max_texture_px)) {}
 
@@ -94,14 +110,14 @@ public:
     // -1: there is none.
     int add_colour(std::uint32_t tile, const std::string& name, SceneBuilder& scene) {
         if (!colour_.side_px) return -1;
-        read({ChunkKind::colour, tile, colour_.level}, "the pack's colour chunk");
+        pack_.read({ChunkKind::colour, tile, colour_.level}, blocks_);
         texels_.resize(std::size_t{colour_.side_px} * colour_.side_px * 3);
         (void)decode_colour(blocks_, colour_.side_px, texels_);
         return scene.add_texture(name + " colour", colour_.side_px, std::as_bytes(std::span(texels_)));
     }
     int add_normal(const TileGeometry& geometry, const std::string& name, SceneBuilder& scene) {
         if (!normal_.side_px) return -1;
-        read({ChunkKind::normal, geometry.tile, normal_.level}, "the pack's normal chunk");
+        pack_.read({ChunkKind::normal, geometry.tile, normal_.level}, blocks_);
         texels_.resize(std::size_t{normal_.side_px} * normal_.side_px * 2);
         (void)decode_normal(blocks_, normal_.side_px, texels_);
         const std::vector<std::uint8_t> rgb = normal_texture(geometry, side_px(), texels_, normal_.side_px);
@@ -109,19 +125,14 @@ public:
     }
 
 private:
-    void read(ChunkId id, const char* what) {
-        blocks_.resize(chunk_raw_bytes(pack_.header, id));
-        require(read_chunk(pack_, id, blocks_), what);
-    }
-
-    const Pack& pack_;
+    const Chunks& pack_;
     MapMip colour_, normal_;
     std::vector<std::byte> blocks_;
     std::vector<std::uint8_t> texels_;
 };
 
-void add_tiles(const Pack& pack, const Snapshot::Content& content, const SnapshotOptions& options, SceneBuilder& scene,
-               SnapshotResult& result) {
+void add_tiles(const Chunks& pack, const Snapshot::Content& content, const SnapshotOptions& options,
+               SceneBuilder& scene, SnapshotResult& result) {
     Textures textures(pack, options.max_texture_px);
     result.texture_px = textures.colour_px();
     result.normal_px = textures.normal_px() ? textures.side_px() : 0;
@@ -180,10 +191,8 @@ std::uint64_t write_glb(const SceneBuilder& scene, const std::string& json, std:
     return total;
 }
 
-} // namespace
-
-SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const std::string& path,
-                              const SnapshotOptions& options) {
+SnapshotResult write_with(const Chunks& pack, const Snapshot& snapshot, const std::string& path,
+                          const SnapshotOptions& options) {
     try {
         const Snapshot::Content* const content = SnapshotAccess::content(snapshot);
         if (content == nullptr) throw io::Failure(2, "the snapshot is empty; take one with take_snapshot");
@@ -209,8 +218,20 @@ SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const 
     } catch (const std::bad_alloc&) {
         return refused(3, "not enough memory for the snapshot; ask for a larger error_px or smaller textures");
     } catch (const std::exception& error) {
-        return refused(3, fmt::format("{}: cannot write the snapshot: {}", path, error.what()));
+        return refused(3, fmt::format("{}: cannot write the snapshot: {}", path, io::as_failure(error).what()));
     }
+}
+
+} // namespace
+
+SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const std::string& path,
+                              const SnapshotOptions& options) {
+    return write_with(chunks_of(pack), snapshot, path, options);
+}
+
+SnapshotResult write_snapshot(const io::PackFile& file, const Snapshot& snapshot, const std::string& path,
+                              const SnapshotOptions& options) {
+    return write_with(chunks_of(file), snapshot, path, options);
 }
 
 SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,

@@ -3,7 +3,9 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <new>
+#include <system_error>
 
 namespace fjell::io {
 
@@ -25,6 +27,18 @@ int say(const char* name, int code, std::string text) {
 }
 } // namespace
 
+Failure as_failure(const std::exception& thrown) {
+    if (const auto* const failure = dynamic_cast<const Failure*>(&thrown)) return *failure;
+    if (dynamic_cast<const std::bad_alloc*>(&thrown) != nullptr ||
+        dynamic_cast<const std::length_error*>(&thrown) != nullptr)
+        return {3, "out of memory; close other programs, or take smaller budgets or a smaller height field"};
+    if (const auto* const disk = dynamic_cast<const std::filesystem::filesystem_error*>(&thrown))
+        return {3, disk->path1().string() + ": " + disk->code().message() + "; check the path and who may write there"};
+    if (const auto* const system = dynamic_cast<const std::system_error*>(&thrown))
+        return {3, system->code().message() + "; close other programs, or raise the machine's limits"};
+    return {3, std::string("internal error, please report it: ") + thrown.what()};
+}
+
 int run_tool(const char* name, const std::function<int()>& body) {
     std::signal(SIGXFSZ, SIG_IGN); // a file-size limit is a write error like any other
     std::signal(SIGPIPE, SIG_IGN);
@@ -33,12 +47,9 @@ int run_tool(const char* name, const std::function<int()>& body) {
         if (code == 0 && (std::fflush(stdout) != 0 || std::ferror(stdout)))
             return say(name, 3, "cannot write to the standard output; free some space or send it elsewhere");
         return code;
-    } catch (const Failure& failure) {
+    } catch (const std::exception& thrown) {
+        const Failure failure = as_failure(thrown);
         return say(name, failure.exit_code, failure.what());
-    } catch (const std::bad_alloc&) {
-        return say(name, 3, "out of memory; take a smaller height field or smaller budgets");
-    } catch (const std::exception& error) {
-        return say(name, 3, std::string("internal error: ") + error.what());
     }
 }
 

@@ -14,22 +14,35 @@
 
 namespace fjell::io {
 
-std::vector<std::byte> read_file(const std::string& path) {
+int open_regular_file(const std::string& path) {
     const int fd = uninterrupted([&] {
         return open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe without a writer must not hang
     });
-    if (fd < 0) throw Failure(1, path + ": " + std::strerror(errno) + "; give an existing file");
+    if (fd < 0) {
+        if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == EIO) disk_failure(path, "open");
+        throw Failure(1, path + ": " + std::strerror(errno) + "; " +
+                             (errno == EACCES ? "make it readable" : "give an existing file"));
+    }
+    struct stat info {};
+    if (fstat(fd, &info) == 0 && S_ISREG(info.st_mode)) return fd;
+    close(fd);
+    throw Failure(1, path + (S_ISDIR(info.st_mode) ? ": is a folder, not a file; give a regular file"
+                                                   : ": not a file; give a regular file"));
+}
+
+std::vector<std::byte> read_file(const std::string& path) {
+    const int fd = open_regular_file(path);
     const struct Closer {
         int fd;
         ~Closer() { close(fd); }
     } closer{fd};
     struct stat info {};
-    if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode)) throw Failure(1, path + ": not a file; give a regular file");
+    if (fstat(fd, &info) != 0) disk_failure(path, "read");
     std::vector<std::byte> bytes(static_cast<std::size_t>(info.st_size));
     for (std::size_t at = 0; at < bytes.size();) {
         const ssize_t n = read(fd, bytes.data() + at, bytes.size() - at);
         if (n < 0 && errno == EINTR) continue;
-        if (n < 0) throw Failure(3, path + ": cannot read: " + std::strerror(errno) + "; check the disk");
+        if (n < 0) disk_failure(path, "read");
         if (n == 0) throw Failure(1, path + ": shrank while it was read; try again");
         at += static_cast<std::size_t>(n);
     }
@@ -102,7 +115,8 @@ void refuse_overwriting(const std::vector<std::string>& outputs, const std::vect
 }
 
 std::string where_written(const std::string& path) {
-    return std::filesystem::is_symlink(path) ? resolved(path) : path;
+    std::error_code none;
+    return std::filesystem::is_symlink(path, none) ? resolved(path) : path;
 }
 
 namespace {
@@ -210,9 +224,10 @@ AtomicFile::~AtomicFile() {
 void disk_failure(const std::string& path, const char* doing) {
     const int error = errno;
     const char* remedy = error == ENOSPC || error == EDQUOT || error == EFBIG ? "free some space or choose another disk"
-                         : error == EACCES || error == EROFS                  ? "choose a folder you may write to"
-                         : error == EPIPE                                     ? "its reader has gone; keep that running"
-                                                                              : "check the disk";
+                         : error == EACCES || error == EPERM || error == EROFS ? "choose a folder you may write to"
+                         : error == EMFILE || error == ENFILE ? "close other programs, or raise the limit (ulimit -n)"
+                         : error == EPIPE                     ? "its reader has gone; keep that running"
+                                                              : "check the disk";
     throw Failure(3, path + ": cannot " + doing + ": " + std::strerror(error) + "; " + remedy);
 }
 

@@ -14,7 +14,10 @@
 FJELL_API_BEGIN
 namespace fjell::io {
 
-// Throws Failure: 1 when there is no such file or it is not one, 3 when the disk fails.
+// A descriptor for reading, the caller's to close. Throws Failure: 1 when there is no such file, it may not be read or
+// it is a folder or a pipe; 3 when the machine has no descriptor left.
+[[nodiscard]] int open_regular_file(const std::string& path);
+// Throws Failure: 1 as open_regular_file() does, 3 when the disk fails.
 [[nodiscard]] std::vector<std::byte> read_file(const std::string& path);
 [[nodiscard]] std::string read_text(const std::string& path);
 

@@ -1,6 +1,5 @@
 #include "fjell/io/heights.h"
 
-#include <cerrno>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -105,16 +104,8 @@ std::optional<FullHeights> read(const Pack& pack, std::span<const std::byte> cor
 } // namespace
 
 std::optional<FullHeights> read_heights(const PackFile& file, std::uint64_t max_samples, const GoOn& go_on) {
-    std::vector<std::byte> stored;
     return read(file.pack(), file.corners(), file.path(), max_samples, go_on,
-                [&](ChunkId id, std::vector<std::byte>& raw) {
-                    const ChunkEntry entry = file.pack().entry(chunk_index(file.pack().header, id));
-                    stored.resize(entry.stored_bytes);
-                    raw.resize(entry.raw_bytes);
-                    errno = file.read(entry.offset, stored);
-                    if (errno != 0) disk_failure(file.path(), "read");
-                    if (!decode_chunk(entry, stored, raw).ok()) raw.clear(); // no page: damaged
-                });
+                [&](ChunkId id, std::vector<std::byte>& raw) { file.read_chunk(id, raw); });
 }
 
 std::optional<FullHeights> read_heights(const Pack& pack, const std::string& path, std::uint64_t max_samples,

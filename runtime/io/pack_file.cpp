@@ -13,11 +13,25 @@
 
 namespace fjell::io {
 
+std::string chunk_name(ChunkId id) {
+    const auto of_tile = [&](std::string what) {
+        what += ' ';
+        what += std::to_string(id.item);
+        what += " of tile ";
+        return what += std::to_string(id.tile);
+    };
+    switch (id.kind) {
+    case ChunkKind::corners: return "corners";
+    case ChunkKind::geometry: return of_tile("page");
+    case ChunkKind::colour: return of_tile("colour mip");
+    case ChunkKind::normal: return of_tile("normal mip");
+    case ChunkKind::crs: break;
+    }
+    return "CRS";
+}
+
 PackFile::PackFile(const std::string& path) : path_(path) {
-    fd_ = uninterrupted([&] {
-        return open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe without a writer must not hang
-    });
-    if (fd_ < 0) throw Failure(1, path + ": " + std::strerror(errno) + "; give an existing file");
+    fd_ = open_regular_file(path);
     try {
         open_pack_file();
     } catch (...) {
@@ -32,16 +46,16 @@ PackFile::~PackFile() {
 
 void PackFile::open_pack_file() {
     struct stat info {};
-    if (fstat(fd_, &info) != 0 || !S_ISREG(info.st_mode)) throw Failure(1, path_ + ": not a file; give a regular file");
-    const auto file_bytes = static_cast<std::uint64_t>(info.st_size);
+    if (fstat(fd_, &info) != 0) disk_failure(path_, "read");
+    file_bytes_ = static_cast<std::uint64_t>(info.st_size);
     std::byte head[sizeof(PackHeader)];
-    const std::span header = std::span(head).first(std::min<std::uint64_t>(sizeof head, file_bytes));
-    read_or_throw(0, header);
+    const std::span header = std::span(head).first(std::min<std::uint64_t>(sizeof head, file_bytes_));
+    if (const int error = read(0, header); error != 0) fail(error);
     PackHeader h;
-    require(read_header(header, file_bytes, h), path_);
+    require(read_header(header, file_bytes_, h), path_);
     directory_.resize(h.directory_count * sizeof(ChunkEntry)); // no more than the file has: read_header has seen to it
-    read_or_throw(h.directory_offset, directory_);
-    require(open_index(header, directory_, file_bytes, pack_), path_);
+    if (const int error = read(h.directory_offset, directory_); error != 0) fail(error);
+    require(open_index(header, directory_, file_bytes_, pack_), path_);
     corners_ = stored({ChunkKind::corners, 0, 0});
     crs_.resize(h.crs_bytes);
     if (crs_.empty()) return;
@@ -54,13 +68,32 @@ void PackFile::open_pack_file() {
 std::vector<std::byte> PackFile::stored(ChunkId id) const {
     const ChunkEntry entry = pack_.entry(chunk_index(pack_.header, id));
     std::vector<std::byte> bytes(entry.stored_bytes);
-    read_or_throw(entry.offset, bytes);
+    if (const int error = read(entry.offset, bytes); error != 0) fail(error);
     return bytes;
 }
 
-void PackFile::read_or_throw(std::uint64_t offset, std::span<std::byte> to) const {
-    errno = read(offset, to);
-    if (errno != 0) disk_failure(path_, "read");
+void PackFile::read_chunk(ChunkId id, std::vector<std::byte>& raw) const {
+    const ChunkEntry entry = pack_.entry(chunk_index(pack_.header, id));
+    raw.resize(entry.raw_bytes);
+    if (decode_chunk(entry, stored(id), raw).ok()) return;
+    if (changed()) fail(EIO);
+    throw Failure(1, path_ + ": " + chunk_name(id) + ": " + message(Code::corrupt));
+}
+
+bool PackFile::changed() const noexcept {
+    const PackHeader& opened = pack_.header;
+    struct stat info {};
+    if (fstat(fd_, &info) != 0) return false; // then the disk is at fault
+    if (static_cast<std::uint64_t>(info.st_size) != file_bytes_) return true;
+    if (pack_.directory == nullptr) return false; // it is being opened
+    std::byte head[sizeof(PackHeader)];
+    return read(0, head) == 0 && std::memcmp(head, &opened, sizeof opened) != 0;
+}
+
+void PackFile::fail(int error) const {
+    if (changed()) throw Failure(1, path_ + ": was changed after it was opened; open it again");
+    errno = error;
+    disk_failure(path_, "read");
 }
 
 int PackFile::read(std::uint64_t offset, std::span<std::byte> to) const noexcept {

@@ -12,7 +12,7 @@ const char* message(Code code) {
     case Code::wrong_layout:
         return "the pack's record layout is not this build's; bake it again on this kind of machine";
     case Code::corrupt: return "the pack is damaged here; copy or bake it again";
-    case Code::out_of_range: return "the value is outside its allowed range; see the header that declares it";
+    case Code::out_of_range: return "the value is outside its allowed range; choose another";
     case Code::memory_too_small:
         return "the memory is smaller than the matching *_bytes() function says; pass a larger one";
     case Code::budget_too_small: return "the budget cannot hold the coarsest mesh; raise the field";

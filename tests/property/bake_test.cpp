@@ -142,7 +142,7 @@ TEST_CASE("a pack verified tile by tile from its file is found to be what it is 
         options.estimate = round % 4 ? Estimate::max : Estimate::midpoint;
         const TemporaryFolder folder;
         (void)baker::bake(dem, options, folder / "pack.fjell");
-        const io::MappedPack mapped(folder / "pack.fjell");
+        const io::PackFile file(folder / "pack.fjell");
         const auto loaded = io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes);
         baker::Dem other = dem; // a fault that only the original heights tell
         const auto at = static_cast<std::size_t>(pick(random, 0, dem.columns * dem.rows - 1));
@@ -152,7 +152,7 @@ TEST_CASE("a pack verified tile by tile from its file is found to be what it is 
             const baker::VerifyReport whole = baker::verify(loaded.terrain, against);
             for (const std::size_t row_bytes : {std::size_t{0}, std::size_t{1} << 30}) {
                 const baker::DemSource source(*against);
-                const baker::VerifyReport tiles = baker::verify(mapped, &source, row_bytes);
+                const baker::VerifyReport tiles = baker::verify(file, &source, row_bytes);
                 CAPTURE(round, log2, dem.columns, dem.rows, row_bytes, tiles.first);
                 REQUIRE(tiles.ok() == (against == &dem || !told));
                 REQUIRE(tiles.first == whole.first);
@@ -164,7 +164,7 @@ TEST_CASE("a pack verified tile by tile from its file is found to be what it is 
                 REQUIRE(tiles.rim_violations == 0);
             }
         }
-        REQUIRE(baker::verify(mapped, nullptr).ok());
+        REQUIRE(baker::verify(file, nullptr).ok());
     }
 }
 

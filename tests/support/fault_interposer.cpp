@@ -3,8 +3,9 @@
 // FJELL_FAULT="CALLS TEXT WHAT WHEN": of CALLS (names with commas between, or all), those on files whose path contains
 // TEXT are counted, and WHAT happens to the one numbered WHEN, from 1 on: `7`, `7+` (from the seventh on) or `%7`
 // (every seventh). WHAT is a name of errno; `short` (half of the bytes); `kill` or `interrupt` (SIGKILL or SIGINT
-// before the call); `none`. FJELL_FAULT_COUNT=FILE: how many there were, written when the program ends. Of streams,
-// `fread` and `fwrite` are seen as they are asked, and move nothing when they fail.
+// before the call); `shrink` (the file loses its second half before the call), `rewrite` (every byte of it changes),
+// `replace` (FILE.new is renamed over it); `none`. FJELL_FAULT_COUNT=FILE: how many there were, written when the
+// program ends. Of streams, `fread` and `fwrite` are seen as they are asked, and move nothing when they fail.
 //
 // Built without sanitizers and without anything of Fjell's: it is loaded before all else.
 #include <atomic>
@@ -37,9 +38,9 @@ int errno_named(const char* name) {
     const struct {
         const char* name;
         int number;
-    } known[] = {{"EIO", EIO},       {"ENOSPC", ENOSPC}, {"EACCES", EACCES},
-                 {"EINTR", EINTR},   {"EINVAL", EINVAL}, {"EROFS", EROFS},
-                 {"EDQUOT", EDQUOT}, {"ENOENT", ENOENT}, {"EOPNOTSUPP", EOPNOTSUPP}};
+    } known[] = {{"EIO", EIO},       {"ENOSPC", ENOSPC},        {"EACCES", EACCES}, {"EINTR", EINTR},
+                 {"EINVAL", EINVAL}, {"EROFS", EROFS},          {"EMFILE", EMFILE}, {"EDQUOT", EDQUOT},
+                 {"ENOENT", ENOENT}, {"EOPNOTSUPP", EOPNOTSUPP}};
     for (const auto& k : known)
         if (std::strcmp(name, k.name) == 0) return k.number;
     return 0;
@@ -72,6 +73,29 @@ bool named(const char* call) {
     return false;
 }
 
+// What another program does to a file that this one has open.
+void change(const char* path) {
+    struct stat info {};
+    if (stat(path, &info) != 0) return;
+    if (std::strcmp(plan.what, "shrink") == 0) (void)!truncate(path, info.st_size / 2);
+    if (std::strcmp(plan.what, "replace") == 0) {
+        char other[PATH_MAX + 8];
+        std::snprintf(other, sizeof other, "%s.new", path);
+        (void)std::rename(other, path);
+    }
+    if (std::strcmp(plan.what, "rewrite") != 0) return;
+    const int fd = open(path, O_RDWR);
+    unsigned char bytes[4096];
+    for (off_t at = 0; at < info.st_size;) {
+        const ssize_t n = pread(fd, bytes, sizeof bytes, at);
+        if (n <= 0) break;
+        for (ssize_t i = 0; i < n; ++i) bytes[i] ^= 0x5a;
+        if (pwrite(fd, bytes, static_cast<size_t>(n), at) != n) break;
+        at += n;
+    }
+    close(fd);
+}
+
 enum class Do { go_on, fail, shorten };
 
 // What becomes of this call.
@@ -85,6 +109,7 @@ Do decide(const char* call, const char* path) {
     if (std::strcmp(plan.what, "kill") == 0) ::kill(getpid(), SIGKILL);
     if (std::strcmp(plan.what, "interrupt") == 0) ::kill(getpid(), SIGINT);
     if (std::strcmp(plan.what, "short") == 0) return Do::shorten;
+    change(path);
     if (plan.error == 0) return Do::go_on;
     errno = plan.error;
     return Do::fail;

@@ -163,6 +163,24 @@ TEST_CASE("a benchmark and an export by command write their files, and a preview
     CHECK(fs::file_size(place.folder / "n.glb") < fs::file_size(place.folder / "m.glb"));
 }
 
+TEST_CASE("what is exported is the terrain that is shown, whenever its pack is baked again") {
+    const EditorFiles place;
+    spit(place.folder / "p.json", R"({"columns": 129, "rows": 129, "spacing_m": 60, "seed": 7, "relief_m": 2500})");
+    spit(place.folder / "q.json", R"({"columns": 193, "rows": 193, "spacing_m": 60, "seed": 8, "relief_m": 2500})");
+    for (const std::string name : {"p", "q"})
+        REQUIRE(
+            test::run_in(place.folder, FJELL_BIN_DIR "/fjell-bake " + name + ".json -o " + name + " --quiet").code ==
+            0);
+    fs::copy_file(place.folder / "p", place.folder / "t.fjell");
+    fs::copy_file(place.folder / "q", place.folder / "t.fjell.new");
+    // Before the first of the reads that an export makes.
+    const json state = place.after({"export e.glb 2", "wait"}, "t.fjell",
+                                   "LD_PRELOAD=" FJELL_FAULTS " FJELL_FAULT='pread t.fjell replace 6' ");
+    REQUIRE(fs::file_size(place.folder / "t.fjell") == fs::file_size(place.folder / "q")); // it was replaced
+    CHECK(state["scene"]["columns"] == 129);
+    CHECK(slurp(place.folder / "e.glb").find("\"size\":[129,129]") != std::string::npos);
+}
+
 TEST_CASE("a disk that takes no more bytes is a message, and nothing half-written stays") {
     const EditorFiles place;
     place.bake();

@@ -436,7 +436,7 @@ TEST_CASE("a bad path or profile is one line and exit code 1") {
     spit(place().folder / "bad.json", "{\"points\": [}");
     spit(place().folder / "bad.toml", "[refine]\nerror = 1\n");
     refuses("small.fjell --headless --path nowhere.json", 1, "nowhere.json: No such file");
-    refuses("small.fjell --headless --path bad.json", 1, "bad.json: not JSON");
+    refuses("small.fjell --headless --path bad.json", 1, "bad.json:1: is not JSON");
     refuses("small.fjell --headless --profile bad.toml", 1, "bad.toml:2: refine.error: unknown key");
     spit(place().folder / "less.toml", "[budget]\nvertices = 16\nindices = 16\n");
     refuses("small.fjell --headless --profile less.toml", 1, "CutBudget::vertices (4 a tile): ");

@@ -369,8 +369,10 @@ TEST_CASE("a ramp that is not one is refused, naming the stop") {
     };
     const std::string a = R"({"height_m": 0, "rgb": [0, 0, 0]})", b = R"({"height_m": 9, "rgb": [9, 9, 9]})";
     CHECK(refused("{\"stops\": [" + a + ", " + b + "]}").code == 0);
-    check_refusal(refused("oops"), 1, path, {"not a JSON object", "content/ramps/alpine.json"});
+    check_refusal(refused("oops"), 1, path, {"is not JSON"});
     check_refusal(refused("{\"stops\": [" + a + "]}"), 1, path, {"at least two"});
+    check_refusal(refused("{\"stops\": [" + a + ", {\"rgb\": [1, 1, 1],\n\"rgb\": [2, 2, 2]}]}"), 1, path + ":2",
+                  {"\"rgb\" is there twice"});
     check_refusal(refused("{\"stops\": [" + b + ", " + a + "]}"), 1, path, {"stop 1", "rise"});
     check_refusal(refused("{\"stops\": [" + a + ", {\"height_m\": 9, \"rgb\": [9, 9, 999]}]}"), 1, path,
                   {"stop 1", "0..255"});

@@ -47,8 +47,11 @@ struct JobPlace {
         Random random(seed);
         (void)baker::bake(random_dem(random, 300, 260, Shape::fractal), small_bake(7), folder / "t.fjell");
     }
+    [[nodiscard]] std::shared_ptr<const io::PackFile> pack() const {
+        return std::make_shared<const io::PackFile>(folder / "t.fjell");
+    }
     [[nodiscard]] MeasuredFlightPlan plan(std::size_t frames) const {
-        MeasuredFlightPlan p{folder / "t.fjell", {}, {}, frames, false};
+        MeasuredFlightPlan p{pack(), {}, {}, frames, false};
         p.profile.refine.error_px = 2;
         return p;
     }
@@ -56,7 +59,7 @@ struct JobPlace {
         MeasuredFlightPlan p = plan(frames);
         p.profile.page_slots = slots();
         flight::FlightOptions options;
-        options.pack = p.pack;
+        options.file = p.pack;
         options.profile = p.profile;
         flight::Session session;
         flight::open_session(options, session);
@@ -73,7 +76,7 @@ struct JobPlace {
         options.streaming = flight::Streaming::off;
         flight::Session session;
         flight::open_session(options, session);
-        ExportPlan p{options.pack, path, {}, streamed, options.profile, {}, 2};
+        ExportPlan p{pack(), path, {}, streamed, options.profile, {}, 2};
         if (streamed) p.profile.page_slots = slots();
         p.view = flight::view_of(flight::resample(flight::path_of(options), session.ground(), 5)[2], session.terrain(),
                                  p.profile);
@@ -236,6 +239,33 @@ TEST_CASE("a preview of an export has the counts and the size of the file that i
         CHECK(std::filesystem::file_size(path) == preview.preview.bytes);
         CHECK(written.output == path);
         std::filesystem::remove(path);
+    }
+}
+
+TEST_CASE("a job works on the pack that was open when it was asked for, or says that the file was changed") {
+    const JobPlace place(16);
+    const JobView before = run(JobKind::preview, export_job(place.snapshot("")));
+    REQUIRE(before.problem.empty());
+    const ExportPlan plan = place.snapshot("");
+    MeasuredFlightPlan flight = place.plan(3);
+    flight.pack = plan.pack;
+    // Another terrain in its place, as fjell-bake puts it there: renamed.
+    Random random(17);
+    (void)baker::bake(random_dem(random, 200, 150, Shape::fractal), small_bake(6), place.folder / "t.fjell");
+    CHECK(run(JobKind::preview, export_job(place.snapshot(""))).preview.vertices != before.preview.vertices);
+    CHECK(run(JobKind::preview, export_job(plan)).preview.vertices == before.preview.vertices);
+    CHECK(run(JobKind::benchmark, benchmark_job(flight, place.folder / "b.csv")).problem.empty());
+    // Written over its own bytes, as cp does.
+    const ExportPlan open = place.snapshot("");
+    MeasuredFlightPlan over = place.plan(3);
+    over.pack = open.pack;
+    const JobPlace other(18);
+    spit(place.folder / "t.fjell", slurp(other.folder / "t.fjell"));
+    const JobView exported = run(JobKind::preview, export_job(open)),
+                  flown = run(JobKind::benchmark, benchmark_job(over, place.folder / "b.csv"));
+    for (const JobView& job : {exported, flown}) {
+        CHECK(job.exit_code == 1);
+        CHECK(job.problem == place.folder / "t.fjell" + ": was changed after it was opened; open it again");
     }
 }
 

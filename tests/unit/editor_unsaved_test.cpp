@@ -398,6 +398,15 @@ TEST_CASE("packs that were opened are recent in the next run, and headless ones 
     CHECK(next.state.messages.all.empty());
 }
 
+TEST_CASE("settings in which a key is given twice are refused with their line") {
+    const Home home;
+    fs::create_directories(home.folder / "config/fjell");
+    spit(home.folder / "config/fjell/editor.json", "{\"recent\": [],\n\"scale\": 1,\n\"scale\": 2}");
+    Editor editor;
+    start_persistence(editor.state, true);
+    CHECK_THAT(editor.last_message(), Catch::Contains("editor.json:3: \"scale\" is there twice"));
+}
+
 TEST_CASE("settings that cannot be read or written are a message, and the editor goes on") {
     const Home home;
     fs::create_directories(home.folder / "config/fjell/editor.json"); // a folder in its place

@@ -248,8 +248,21 @@ TEST_CASE("what is not a recording is refused with the line and what to do") {
     std::string later = text;
     later.replace(later.find("\"version\":3"), 11, "\"version\":4");
     CHECK(recording_refusal(later).find("r.json:1: not a recording") == 0);
+    CHECK(recording_refusal("{}\n") == "r.json:1: not a recording: \"fjell\" is missing");
+    const auto with = [&](const std::string& key, const std::string& value) {
+        std::string changed = text;
+        const std::size_t from = changed.find("\"" + key + "\":") + key.size() + 3;
+        changed.replace(from, changed.find_first_of(",}", from) - from, value);
+        return recording_refusal(changed);
+    };
+    CHECK(with("morph", "\"slow\"") == "r.json:2: not a recording: \"morph\" must be one of none, error, time");
+    CHECK(with("morph", "\"none\",\"morph\":\"time\"") == "r.json:2: \"morph\" is there twice; leave one of them");
+    CHECK(with("mesh", "\"12x\"").find("\"mesh\" must be a hash") != std::string::npos);
+    CHECK(with("items", "-1").find("\"items\" must hold whole numbers") != std::string::npos);
+    CHECK(with("rebuild", "1").find("\"rebuild\" must be true or false") != std::string::npos);
     std::string event = text;
-    event.replace(event.find("\"pages\":["), 10, "\"pages\":[[1,2,4],");
+    const std::size_t pages = event.find("\"pages\":[") + 9;
+    event.insert(pages, event[pages] == ']' ? "[1,2,4]" : "[1,2,4],");
     CHECK(recording_refusal(event).find("r.json:2: not a recording") == 0);
 }
 

@@ -163,8 +163,8 @@ TEST_CASE("a bad profile is refused in one line with file, line and key") {
     refuses("[stream]\ntests = 3\n", "p.toml:2: stream.tests: must be a whole number from 1024");
     refuses("[view]\nwidth_px = 0\n", "p.toml:2: view.width_px: must be a whole number from 1 to 16384");
     refuses("[view]\nfov_deg = 180\n", "p.toml:2: view.fov_deg: must be a number from 1 to 150");
-    refuses("[refine]\nerror_px = \n", "p.toml:2: not TOML");
-    refuses("[refine]\nerror_px = 1\nerror_px = 2\n", "p.toml:3: not TOML");
+    refuses("[refine]\nerror_px = \n", "p.toml:2: is not TOML");
+    refuses("[refine]\nerror_px = 1\nerror_px = 2\n", "p.toml:3: a key or a table is there twice");
     refuses("[refine]\nmetric = \"depth\"\ncull = false\n", "p.toml: refine.metric \"depth\" needs refine.cull = true");
     CHECK_THROWS_AS(read_profile("/nowhere/p.toml"), io::Failure);
     CHECK_THROWS_AS(read_profile("/"), io::Failure);

@@ -50,6 +50,7 @@ TEST_CASE("a recipe of very many keys is refused as soon as it is read") { // ea
 
 TEST_CASE("what is no recipe is refused in one line that names the key") {
     check_refusal(bad("{"), 1, "r.json", {"is not JSON"});
+    check_refusal(bad("{\"tile\": 64,\n\"tile\": 32}"), 1, "r.json:2", {"\"tile\" is there twice"});
     check_refusal(bad("[]"), 1, "r.json", {"not a JSON object"});
     check_refusal(bad(R"({"spaceing": 3})"), 1, "r.json", {"\"spaceing\" is no key"});
     check_refusal(bad("{\"a\\nb\": 3}"), 1, "r.json", {"a?b"});

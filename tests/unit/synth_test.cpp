@@ -119,8 +119,9 @@ TEST_CASE("every corner of the recipe's ranges gives finite heights") {
 
 TEST_CASE("a recipe that is not one is refused, naming the field") {
     const auto refused = [](const std::string& text) { return refusal([&] { (void)synthesise_text(text); }); };
-    check_refusal(refused("not json"), 1, "recipe", {"JSON object", "mountains.json"});
-    check_refusal(refused("[1, 2]"), 1, "recipe", {"JSON object"});
+    check_refusal(refused("not json"), 1, "recipe", {"is not JSON"});
+    check_refusal(refused(R"({"seed": 1, "seed": 2})"), 1, "recipe", {"\"seed\" is there twice"});
+    check_refusal(refused("[1, 2]"), 1, "recipe", {"JSON object", "mountains.json"});
     check_refusal(refused("{\"colums\": 5}"), 1, "\"colums\"", {"unknown field", "content/README.md"});
     check_refusal(refused("{\"seed\": \"x\"}"), 1, "\"seed\"", {"must be a number"});
     check_refusal(refused("{\"columns\": 1}"), 1, "\"columns\"", {"whole number in 2..65537"});

@@ -44,6 +44,9 @@
 #include "fjell/view.h"
 
 FJELL_API_BEGIN
+namespace fjell::io {
+class PackFile;
+}
 namespace fjell::gltf {
 
 // What the mesh is a picture of. take_snapshot() of a method finds it out.
@@ -104,8 +107,11 @@ SnapshotResult take_snapshot(const Terrain& terrain, RecursiveMethod method, con
 SnapshotResult take_snapshot(const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
                              Snapshot& snapshot);
 
-// Writes path beside its place and renames it. pack: the terrain's, with its bytes.
+// Writes path beside its place and renames it. pack: the terrain's, with its bytes; or the file that has them, which
+// is read meanwhile.
 SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const std::string& path,
+                              const SnapshotOptions& options = {});
+SnapshotResult write_snapshot(const io::PackFile& file, const Snapshot& snapshot, const std::string& path,
                               const SnapshotOptions& options = {});
 // Both at once.
 SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
@@ -116,6 +122,8 @@ SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const Me
 // a terrain vertex and what the mesh needs.
 SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const View& view, double error_px,
                                const std::string& path, const SnapshotOptions& options = {});
+// The same without the file, to be written by write_snapshot().
+SnapshotResult take_refined(const Terrain& terrain, const View& view, double error_px, Snapshot& snapshot);
 
 } // namespace fjell::gltf
 FJELL_API_END

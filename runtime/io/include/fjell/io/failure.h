@@ -1,6 +1,7 @@
 // The one exception tools may throw, where it ends, and how Ctrl-C becomes one.
 #pragma once
 
+#include <exception>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -16,6 +17,9 @@ struct Failure : std::runtime_error {
     Failure(int code, const std::string& what) : std::runtime_error(what), exit_code(code) {}
     int exit_code;
 };
+
+// What was thrown, as one: a Failure as it is, what the standard library throws in our words.
+[[nodiscard]] Failure as_failure(const std::exception& thrown);
 
 // Runs a program's body at the edge: whatever it throws becomes one line on stderr, headed by the program's name, and
 // an exit code.

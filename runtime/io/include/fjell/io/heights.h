@@ -34,7 +34,7 @@ using GoOn = std::function<bool(double share)>;
 // Nothing when it was stopped.
 [[nodiscard]] std::optional<FullHeights> read_heights(const PackFile& file, std::uint64_t max_samples,
                                                       const GoOn& go_on = {});
-// Of a pack whose bytes are in memory or mapped; path: for messages.
+// Of a pack whose bytes are in memory; path: for messages.
 [[nodiscard]] std::optional<FullHeights> read_heights(const Pack& pack, const std::string& path,
                                                       std::uint64_t max_samples, const GoOn& go_on = {});
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fjell/export.h"
+#include "fjell/io/pack_file.h"
 #include "fjell/pack.h"
 #include "fjell/terrain.h"
 
@@ -33,33 +34,13 @@ struct LoadedPack {
 
 // Whether all pages are loaded too.
 enum class LoadTerrain : bool { no, yes };
-// Reads the whole file.
+// Reads the whole file. Of a PackFile: of the file that it has open, whatever its name leads to now.
 [[nodiscard]] LoadedPack load_pack(const std::string& path, LoadTerrain what);
-
-// A pack whose bytes stay in the file, however large: mapped, and read when they are looked at.
-class MappedPack {
-public:
-    explicit MappedPack(const std::string& path);
-    ~MappedPack();
-    MappedPack(const MappedPack&) = delete;
-    MappedPack& operator=(const MappedPack&) = delete;
-
-    [[nodiscard]] const std::string& path() const { return path_; }
-    [[nodiscard]] const Pack& pack() const { return pack_; }
-    [[nodiscard]] const std::string& crs() const { return crs_; } // WKT; empty: none
-    // What was looked at so far is not resident any more; it is read again when it is looked at again. Any thread.
-    void release() const;
-
-private:
-    std::string path_, crs_;
-    void* bytes_ = nullptr;
-    std::size_t size_ = 0;
-    Pack pack_;
-};
+[[nodiscard]] LoadedPack load_pack(const PackFile& file, LoadTerrain what);
 
 // Decodes every chunk; throws Failure naming the first one that is damaged. Returns how many there are.
 std::uint64_t check_all_chunks(const Pack& pack, const std::string& path);
-std::uint64_t check_all_chunks(const MappedPack& pack); // and little of it resident at once
+std::uint64_t check_all_chunks(const PackFile& file); // one in memory at a time
 
 } // namespace fjell::io
 FJELL_API_END

@@ -18,6 +18,9 @@
 FJELL_API_BEGIN
 namespace fjell::io {
 
+// What people call a chunk: "page 3 of tile 1", "colour mip 0 of tile 2", "CRS".
+[[nodiscard]] std::string chunk_name(ChunkId id);
+
 // An open file.
 class PackFile {
 public:
@@ -33,16 +36,24 @@ public:
 
     // All of the bytes from there on, however many calls it takes. 0, or what errno said; EIO where the file ends.
     [[nodiscard]] int read(std::uint64_t offset, std::span<std::byte> to) const noexcept;
+    // A chunk, checked and decoded: raw_bytes of it. Throws Failure with exit code 1 when it is damaged or the file was
+    // changed meanwhile, 3 when the disk fails.
+    void read_chunk(ChunkId id, std::vector<std::byte>& raw) const;
+    // Whether the file's length or header are not what they were when it was opened. One that was renamed over or
+    // deleted stays as it was for whoever has it open.
+    [[nodiscard]] bool changed() const noexcept;
+    // Throws what a read that failed means: the file was changed (1), or the disk (3). error: what read() answered.
+    [[noreturn]] void fail(int error) const;
     // What the system keeps of the file is forgotten, as far as it listens: for benchmarks of cold starts.
     void drop_cache() const noexcept;
 
 private:
     void open_pack_file();
-    void read_or_throw(std::uint64_t offset, std::span<std::byte> to) const;
     [[nodiscard]] std::vector<std::byte> stored(ChunkId id) const;
 
     std::string path_, crs_;
     int fd_ = -1;
+    std::uint64_t file_bytes_ = 0; // when it was opened
     std::vector<std::byte> directory_, corners_;
     Pack pack_; // points into directory_
 };
