@@ -106,7 +106,7 @@ TEST_CASE("reading heights stops when it is told to, and says what is wrong with
     bytes[e.offset + e.stored_bytes / 2] ^= 1;
     spit(folder / "bad.fjell", bytes);
     const io::PackFile bad(folder / "bad.fjell");
-    CHECK_THROWS_WITH(io::read_heights(bad, 60'000), Catch::Contains("page 2 of tile 4 is damaged"));
+    CHECK_THROWS_WITH(io::read_heights(bad, 60'000), Catch::Contains("page 2 of tile 4: the pack is damaged"));
     CHECK(io::read_heights(bad, 30));                      // coarse pages are not
     spit(folder / "bad.fjell", bytes.substr(0, e.offset)); // the file shrinks while it is open
     CHECK_THROWS_AS(io::read_heights(bad, 60'000), io::Failure);

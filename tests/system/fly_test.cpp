@@ -390,7 +390,7 @@ TEST_CASE("a bad pack is refused with what is wrong about it") {
     spit(folder / "flipped.fjell", flipped);
 
     refuses("nowhere.fjell --headless", 1, "nowhere.fjell: No such file");
-    refuses("directory --headless", 1, "directory: not a file");
+    refuses("directory --headless", 1, "directory: is a folder");
     for (const char* name : {"cut", "head", "empty", "text", "version", "flipped"})
         refuses(std::string(name) + ".fjell --headless", 1, std::string(name) + ".fjell: ");
     refuses("version.fjell --headless", 1, "version");
