@@ -114,9 +114,8 @@ TEST_CASE("what a bake says names units, holes, the CRS and what was reprojected
 TEST_CASE("with --json - standard output holds JSON and nothing else") {
     const TemporaryFolder folder;
     spit(folder / "dem.asc", ascii_grid(20, 20, "5"));
-    for (const char* command :
-         {"dem.asc -o out.fjell --json -", "info out.fjell --json -", "info --json out.fjell", "info out.fjell --json",
-          "info --json - out.fjell", "verify out.fjell --json -", "verify out.fjell --json - --against dem.asc"}) {
+    for (const char* command : {"dem.asc -o out.fjell --json -", "info out.fjell --json -", "info --json out.fjell",
+                                "verify out.fjell --json - --against dem.asc"}) {
         const Run r = run_in(folder.path, bake + command);
         CAPTURE(command, r.out, r.err);
         CHECK(r.code == 0);
@@ -137,18 +136,18 @@ TEST_CASE("verify reads a height field as the pack says that it was read") {
     spit(folder / "dem.asc", text);
     spit(folder / "recipe.json", R"({"columns": 60, "rows": 50})");
     for (const char* read : {"--spacing 30", "--spacing 30 --zscale 0.1 --zoffset -7", "--spacing 2 --nodata fill",
-                             "--spacing 12.5 --bbox 3,5,30,41", "--spacing 10 --nodata hole --zscale 3"}) {
+                             "--spacing 12.5 --bbox 3,5,30,41 --zscale 3"}) {
         REQUIRE(run_in(folder.path, bake + "dem.asc -o out.fjell --tile 16 " + read).code == 0);
         const Run r = run_in(folder.path, bake + "verify out.fjell --against dem.asc");
         CAPTURE(read, r.out, r.err);
         CHECK(r.code == 0);
-        // What is given wins, and what does not fit is not the pack's fault.
-        const Run other = run_in(folder.path, bake + "verify out.fjell --against dem.asc --zscale 7");
-        CAPTURE(other.err);
-        CHECK(other.code == 1);
-        CHECK(other.err.find("\"zscale\":7") != std::string::npos);
-        CHECK(other.err.find("bake it again") == std::string::npos);
     }
+    // What is given wins, and what does not fit is not the pack's fault.
+    const Run other = run_in(folder.path, bake + "verify out.fjell --against dem.asc --zscale 7");
+    CAPTURE(other.err);
+    CHECK(other.code == 1);
+    CHECK(other.err.find("\"zscale\":7") != std::string::npos);
+    CHECK(other.err.find("bake it again") == std::string::npos);
     REQUIRE(run_in(folder.path, bake + "recipe.json -o made.fjell").code == 0);
     CHECK(run_in(folder.path, bake + "verify made.fjell --against recipe.json").code == 0);
     // Notes that are damaged are refused.

@@ -208,7 +208,7 @@ TEST_CASE("a streamed run is repeated bit for bit, whatever its views, clock, bu
           "evictions") {
     Random random(2611);
     std::uint64_t pages = 0, capped = 0, timed = 0, several = 0;
-    for (int round = 0; round < rounds(10, 200); ++round) {
+    for (int round = 0; round < rounds(7, 200); ++round) {
         const auto pack = bake_and_load(random_dem(random, 400, 300, Shape::fractal), small_bake(7));
         const std::uint32_t tiles = pack.terrain.tile_count();
         const CutBudget budget{.vertices = static_cast<std::uint32_t>(pick(random, 600, 20'000)),
