@@ -169,7 +169,7 @@ SourceFacts facts_of(const ReadPlan& plan) {
     SourceFacts f;
     const FileFacts& first = plan.layout.files.front().facts;
     f.height_unit = first.height_unit;
-    f.height_unit_m = first.decoding.scaling.file_scale * plan.options.zscale;
+    f.height_unit_m = first.decoding.scaling.file_scale * first.decoding.scaling.zscale;
     if (!plan.warped) return f;
     const Placement& from = plan.layout.at;
     const bool metres = from.axes == Axes::metres;

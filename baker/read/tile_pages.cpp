@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "tree/order.h"
+
 namespace fjell::baker {
 
 TilePages::TilePages(const io::PackFile& file) : file_(file) {
