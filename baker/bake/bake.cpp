@@ -280,7 +280,7 @@ void Bake::make_maps(const BakePlan& plan, const HeightStores& heights) {
         reads_input_ = true; // images
         make_near_maps(context_, plan, heights, {texels[0], texels[1], *spool_});
         reads_input_ = false;
-        for (const int kind : {0, 1}) left[kind] = texels[kind].written();
+        for (const int kind : {0, 1}) left[kind] = texels[kind].digest(); // neighbours both write what they share
     });
     for (const MapKind kind : {MapKind::colour, MapKind::normal})
         make_far_mips(plan, kind, std::move(texels[static_cast<int>(kind)]));
@@ -297,7 +297,7 @@ void Bake::make_far_mips(const BakePlan& plan, MapKind kind, TexelStore finer) {
         if (texels.exists()) check(texels, complete(far_mip_stage(kind, mip)), left);
         stage(far_mip_stage(kind, mip), [&] {
             make_far_mip(context_, plan, {kind, mip, finer}, {texels, *spool_});
-            left = texels.written();
+            left = texels.digest();
         });
         finer.remove();
         finer = std::move(texels);

@@ -426,7 +426,7 @@ TEST_CASE("wrong usage is one line and exit code 2") {
     refuses("small.fjell --headless --hz nan", 2, "--hz");
     refuses("small.fjell --headless --export out.glb", 2, "FRAME:OUT.glb");
     refuses("small.fjell --headless --frames 10 --export 10:out.glb", 2, "frames 0 to 9");
-    refuses("small.fjell --headless --csv same --json same", 2, "another output");
+    refuses("small.fjell --headless --csv same --json same", 2, "would overwrite the output same");
     refuses("small.fjell --headless --seed 1 --path p.json", 2, "exclude each other");
     refuses("small.fjell --headless --mode shiny", 2, "--mode");
     refuses("small.fjell --render .", 2, "--headless");
