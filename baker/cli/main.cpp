@@ -164,7 +164,7 @@ int run_bake(const Arguments& a) {
     return 0;
 }
 
-json info_json(const PackFile& file, const std::string& path) {
+json info_json(const PackFile& file) {
     const PackHeader& h = file.pack().header;
     const CrsLabel crs = crs_label(file.crs());
     json j{{"version", h.version},
@@ -191,7 +191,7 @@ json info_json(const PackFile& file, const std::string& path) {
            {"file_bytes", h.file_bytes},
            {"pack_hash", fmt::format("{:016x}", h.directory_hash)},
            {"required_bytes", terrain_bytes(h)}};
-    add_notes(j, read_notes(path));
+    add_notes(j, read_notes(file));
     return j;
 }
 
@@ -203,7 +203,7 @@ int run_info(Arguments a) {
     if (!a.picture_path.empty()) picture.emplace(a.picture_path);
     const PackFile file(a.pack); // header, directory, corners and CRS, however large it is
     if (picture) write_png(make_picture(load_pack(a.pack, LoadTerrain::yes).terrain, a.picture), *picture);
-    const json info = info_json(file, a.pack);
+    const json info = info_json(file);
     if (!a.info_json.empty()) {
         JsonOutput(a.info_json).write(info);
         return 0;
@@ -292,7 +292,7 @@ int run_verify(const Arguments& a) {
     const PackFile pack(a.pack);
     limit_gdal_cache(std::size_t{64} << 20);
     std::unique_ptr<HeightSource> against;
-    const std::optional<PackNotes> notes = read_notes(a.pack); // damaged ones are refused, needed or not
+    const std::optional<PackNotes> notes = read_notes(pack); // damaged ones are refused, needed or not
     if (!source.inputs.empty()) {
         source = as_baked(source, notes, a.pack);
         against = open_inputs(source);

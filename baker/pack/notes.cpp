@@ -1,13 +1,10 @@
 #include "baker/pack/notes.h"
 
-#include <cmath>
+#include <cerrno>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <xxhash.h>
-
-#include "fjell/io/pack_file.h"
-#include "io/file.h"
 
 namespace fjell::baker {
 
@@ -15,8 +12,9 @@ namespace {
 
 using nlohmann::json;
 
-[[noreturn]] void damaged(const std::string& path) {
-    throw Failure(1, path + ": its notes of how it was baked are damaged; copy or bake it again");
+[[noreturn]] void damaged(const io::PackFile& file) {
+    if (file.changed()) file.fail(EIO);
+    throw Failure(1, file.path() + ": its notes of how it was baked are damaged; copy or bake it again");
 }
 
 SourceFacts source_of(const json& j) {
@@ -46,14 +44,14 @@ std::string notes_text(const PackNotes& notes) {
     return all.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
-std::optional<PackNotes> read_notes(const std::string& pack_path) {
-    const io::PackFile file(pack_path);
+std::optional<PackNotes> read_notes(const io::PackFile& file) {
     const PackHeader& h = file.pack().header;
     if (h.notes_bytes == 0) return {};
     std::string text(h.notes_bytes, '\0');
-    if (file.read(h.notes_offset, std::as_writable_bytes(std::span(text))) != 0) io::disk_failure(pack_path, "read");
+    if (const int error = file.read(h.notes_offset, std::as_writable_bytes(std::span(text))); error != 0)
+        file.fail(error);
     const json all = json::parse(text, nullptr, false);
-    if (XXH3_64bits(text.data(), text.size()) != h.notes_hash || !all.is_object()) damaged(pack_path);
+    if (XXH3_64bits(text.data(), text.size()) != h.notes_hash || !all.is_object()) damaged(file);
     try {
         PackNotes notes;
         notes.source = source_of(all.at("source"));
@@ -61,7 +59,7 @@ std::optional<PackNotes> read_notes(const std::string& pack_path) {
         if (all.contains("ground_error_m")) notes.ground_error_m = all["ground_error_m"].get<double>();
         return notes;
     } catch (const json::exception&) {
-        damaged(pack_path);
+        damaged(file);
     }
 }
 

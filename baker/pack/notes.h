@@ -9,19 +9,20 @@
 #include <string>
 
 #include "baker/read/source.h"
-#include "fjell/pack.h"
+#include "fjell/io/pack_file.h"
 
 namespace fjell::baker {
 
 struct PackNotes {
-    std::string
-        read; // a JSON object: keys of a recipe (bake/recipe.h) that say how files became heights; empty: not known
+    // A JSON object: keys of a recipe (bake/recipe.h) that say how files became heights. Empty: not known.
+    std::string read;
     SourceFacts source;
     std::optional<double> ground_error_m; // BakeSummary::ground_error_m
 };
 
 [[nodiscard]] std::string notes_text(const PackNotes& notes);
-// Of a pack's file; nothing where it has none. Throws Failure 1 for notes that are damaged, 3 for a disk that fails.
-[[nodiscard]] std::optional<PackNotes> read_notes(const std::string& pack_path);
+// Nothing where it has none. Throws Failure 1 for notes that are damaged or a file that was changed since it was
+// opened, 3 for a disk that fails.
+[[nodiscard]] std::optional<PackNotes> read_notes(const io::PackFile& file);
 
 } // namespace fjell::baker

@@ -140,7 +140,7 @@ std::vector<Bad> bad_inputs() {
         {"{bake} land.json -o o.fjell --quantum 1e999", 2, "--quantum"},
         {"{bake} land.json -o o.fjell --zscale x", 2, "--zscale = x: must be a number"},
         {"{bake} land.json -o o.fjell --json ''", 2, "an empty word after --json"},
-        {"{bake} info", 2, "PACK is missing"},
+        {"{bake} info", 2, "no pack given"},
         {"{fly}", 2, "PACK is missing"},
         {"{fly} p.fjell more.fjell", 2, "more.fjell: no such option, or a word too many"},
         {"{fly} p.fjell --json=", 2, "nothing after ="},

@@ -133,5 +133,6 @@ TEST_CASE("a pack whose colour is corrupt is refused", "[gltf]") {
     bytes[f.baked.pack.entry(chunk_index(f.baked.pack.header, {ChunkKind::colour, 3, 0})).offset] ^= std::byte{1};
     Pack pack = f.baked.pack;
     pack.bytes = bytes;
-    f.require_refused(gltf::export_snapshot(pack, f.baked.terrain, f.view, 2, f.folder / "out.glb"), 1, "colour chunk");
+    f.require_refused(gltf::export_snapshot(pack, f.baked.terrain, f.view, 2, f.folder / "out.glb"), 1,
+                      "colour mip 0 of tile 3: the pack is damaged");
 }
