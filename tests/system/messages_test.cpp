@@ -173,7 +173,7 @@ std::vector<Bad> bad_inputs() {
         {"{bake} land.json -o o.fjell --texture text.tif --quiet", 1, "text.tif: "},
         {"{bake} land.json -o folder.fjell --quiet", 1, "folder.fjell: is a folder"},
         {"{fault}'open o.fjell EACCES 1+' {bake} land.json -o o.fjell --quiet", 3, "Permission denied"},
-        {"{bake} p.fjell -o p.fjell --quiet", 2, "p.fjell: would overwrite an input"},
+        {"{bake} land.json -o land.json --quiet", 2, "land.json: would overwrite the input"},
         {"{bake} land.json", 2, "-o OUT.fjell"},
         {"{bake} land.json -o", 2, "its value is missing"},
         {"{bake} land.json -o o.fjell --threads -1", 2, "--threads: -1: must be a whole number from 0 to 1024"},
