@@ -8,8 +8,8 @@
 #include <string>
 
 #include "baker/heights/statistics.h"
-#include "baker/read/source.h"
 #include "baker/pack/chunk_spool.h"
+#include "baker/read/source.h"
 #include "baker/store/digest.h"
 
 namespace fjell::baker {

@@ -11,6 +11,11 @@ ln -s "$repository"/{content,profiles} .
 
 fjell-bake synth content/terrain/mountains-small.json -o dem.tif
 gdal_translate -q -of PNG -ot Byte -scale -outsize 600 600 dem.tif image.png
+# Hills, and -9999 in a corner without a word about it.
+{
+  printf 'ncols 70\nnrows 50\nxllcorner 0\nyllcorner 0\ncellsize 30\n'
+  awk 'BEGIN { for (y = 0; y < 50; ++y) for (x = 0; x < 70; ++x) print x + y < 20 ? -9999 : 100 + 40 * sin(x / 9) * cos(y / 7) }'
+} >basin.asc
 for west in 6 7; do # two degrees of the Alps, made up
   gdal_translate -q -of SRTMHGT -ot Int16 -outsize 1201 1201 -a_srs EPSG:4326 -a_ullr "$(awk "BEGIN { print $west - 1 / 2400 }")" \
     47.000416667 "$(awk "BEGIN { print $west + 1 + 1 / 2400 }")" 45.999583333 dem.tif "N46E00$west.hgt"
