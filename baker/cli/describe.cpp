@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "baker/place/crs_label.h"
+#include "io/json.h"
 
 namespace fjell::baker {
 
@@ -59,7 +60,7 @@ void add_notes(json& to, const std::optional<PackNotes>& notes) {
         to[key] = json();
     if (!notes) return;
     if (notes->ground_error_m) to["ground_error_m"] = *notes->ground_error_m;
-    if (!notes->read.empty()) to["read"] = json::parse(notes->read);
+    if (!notes->read.empty()) to["read"] = io::parse_json(notes->read, "notes");
     add_source(to, notes->source);
 }
 

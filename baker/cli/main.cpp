@@ -31,6 +31,7 @@
 #include "fjell/io/pack_file.h"
 #include "io/command_line.h"
 #include "io/file.h"
+#include "io/json.h"
 #include "tree/order.h"
 
 namespace {
@@ -242,7 +243,7 @@ std::string verdict(const VerifyReport& r, const MapsReport& maps, const std::st
     return fmt::format("{}: {}: these are not the heights of {}, read with {}; name what it was baked from, and its "
                        "options",
                        pack, first, fmt::join(source.inputs, " "),
-                       json::parse(recipe_text(reading_part(source))).dump());
+                       parse_json(recipe_text(reading_part(source)), pack).dump());
 }
 
 json verify_json(const VerifyReport& r, const MapsReport& maps) {

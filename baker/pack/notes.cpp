@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <xxhash.h>
 
+#include "io/json.h"
+
 namespace fjell::baker {
 
 namespace {
@@ -39,7 +41,7 @@ std::string notes_text(const PackNotes& notes) {
         source["from_unit"] = f.from_unit;
     }
     json all = {{"source", std::move(source)}};
-    if (!notes.read.empty()) all["read"] = json::parse(notes.read);
+    if (!notes.read.empty()) all["read"] = io::parse_json(notes.read, "notes");
     if (notes.ground_error_m) all["ground_error_m"] = *notes.ground_error_m;
     return all.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
 }
@@ -50,8 +52,9 @@ std::optional<PackNotes> read_notes(const io::PackFile& file) {
     std::string text(h.notes_bytes, '\0');
     if (const int error = file.read(h.notes_offset, std::as_writable_bytes(std::span(text))); error != 0)
         file.fail(error);
-    const json all = json::parse(text, nullptr, false);
-    if (XXH3_64bits(text.data(), text.size()) != h.notes_hash || !all.is_object()) damaged(file);
+    if (XXH3_64bits(text.data(), text.size()) != h.notes_hash) damaged(file);
+    const json all = io::parse_json(text, file.path());
+    if (!all.is_object()) damaged(file);
     try {
         PackNotes notes;
         notes.source = source_of(all.at("source"));

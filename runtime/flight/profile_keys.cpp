@@ -90,7 +90,7 @@ constexpr ProfileKey keys[] = {
      .least = min_error_px,
      .most = max_error_px,
      .logarithmic = true,
-     .about = "Threshold: the largest error on screen. Pixels, 0.01 to 1000. Halving it takes about 2.6 times the "
+     .about = "Threshold: the largest error on screen. Pixels, 0.01 to 1000. Halving it takes 2 to 3.5 times the "
               "vertices and the time.",
      .get = At<&Profile::refine, &RefineSettings::error_px>::get,
      .set = At<&Profile::refine, &RefineSettings::error_px>::set},

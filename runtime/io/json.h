@@ -1,95 +1,20 @@
 // JSON files as our programs read them, on top of nlohmann's: what is wrong is said with its line, in our words, and a
-// key that is given twice is refused instead of taken once.
+// key that is given twice is refused instead of taken once. Its parser is compiled once, in json.cpp: it is the dearest
+// of all that our sources include.
 #pragma once
 
 #include <cstddef>
-#include <iterator>
 #include <string>
 #include <string_view>
-#include <unordered_set>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "fjell/io/failure.h"
-
 namespace fjell::io {
-
-// Walks through a text and keeps nothing but the keys of the objects that are open. For parse_json() alone.
-class JsonCheck : public nlohmann::json_sax<nlohmann::json> {
-public:
-    // Which characters were read so far is the iterator's to know; the parser copies it, so it points here.
-    struct Cursor {
-        using value_type = char;
-        using difference_type = std::ptrdiff_t;
-        using pointer = const char*;
-        using reference = const char&;
-        using iterator_category = std::input_iterator_tag;
-        const char** at = nullptr; // null: the end
-        const char* end = nullptr;
-        reference operator*() const { return **at; }
-        Cursor& operator++() {
-            ++*at;
-            return *this;
-        }
-        bool operator==(const Cursor& other) const { return done() == other.done(); }
-        bool operator!=(const Cursor& other) const { return !(*this == other); }
-
-    private:
-        [[nodiscard]] bool done() const { return at == nullptr || *at == end; }
-    };
-
-    std::string problem;
-
-    bool null() override { return true; }
-    bool boolean(bool) override { return true; }
-    bool number_integer(number_integer_t) override { return true; }
-    bool number_unsigned(number_unsigned_t) override { return true; }
-    bool number_float(number_float_t, const string_t&) override { return true; }
-    bool string(string_t&) override { return true; }
-    bool binary(binary_t&) override { return true; }
-    bool start_array(std::size_t) override { return true; }
-    bool end_array() override { return true; }
-    bool start_object(std::size_t) override {
-        keys_.emplace_back();
-        return true;
-    }
-    bool end_object() override {
-        keys_.pop_back();
-        return true;
-    }
-    bool key(string_t& name) override {
-        if (keys_.back().insert(name).second) return true;
-        problem = "\"" + name + "\" is there twice; leave one of them";
-        return false;
-    }
-    bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& error) override {
-        constexpr int number_overflow = 406;
-        problem = error.id == number_overflow
-                      ? "a number is too large"
-                      : "is not JSON; look for a comma, a quote or a bracket that is missing or too many";
-        return false;
-    }
-
-private:
-    std::vector<std::unordered_set<std::string>> keys_;
-};
 
 // name: of the file, for messages. line: which one of the file the text begins with. Comments are skipped where they
 // are allowed. Throws Failure (1), "NAME:LINE: what".
 enum class JsonComments : bool { no, yes };
-[[nodiscard]] inline nlohmann::json parse_json(std::string_view text, const std::string& name,
-                                               JsonComments comments = JsonComments::no, std::size_t line = 1) {
-    const char *at = text.data(), *const end = at + text.size();
-    const bool allowed = comments == JsonComments::yes;
-    JsonCheck check;
-    if (!nlohmann::json::sax_parse(JsonCheck::Cursor{&at, end}, JsonCheck::Cursor{}, &check,
-                                   nlohmann::json::input_format_t::json, true, allowed)) {
-        for (const char* c = text.data(); c + 1 < at; ++c)
-            line += *c == '\n'; // the last one read may be the line's end
-        throw Failure(1, name + ":" + std::to_string(line) + ": " + check.problem);
-    }
-    return nlohmann::json::parse(text, nullptr, true, allowed);
-}
+[[nodiscard]] nlohmann::json parse_json(std::string_view text, const std::string& name,
+                                        JsonComments comments = JsonComments::no, std::size_t line = 1);
 
 } // namespace fjell::io
