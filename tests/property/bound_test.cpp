@@ -53,7 +53,7 @@ std::vector<MeshVertex> drawn_vertices(const Terrain& terrain, const CutMesh& li
 
 TEST_CASE("no sample is farther from a live mesh than its bound, however far it is behind, and the bound is tight") {
     Random random(151);
-    std::size_t behind = 0, tight = 0, paged = 0;
+    std::size_t behind = 0, tight = 0, paged = 0, lagging = 0, told = 0;
     for (int round = 0; round < rounds(60, 1500); ++round) {
         const auto pack = random_terrain(random, 200, 6);
         const bool whole = pick(random, 0, 2) != 0;
@@ -71,8 +71,14 @@ TEST_CASE("no sample is farther from a live mesh than its bound, however far it 
             live.mesh.vertices = drawn;
             const double measured_px = measure_error(pack.terrain, live.mesh, view).max_px;
             const double bound_px = bound_error_px(cut.cut, view, false, 1e-3);
-            CAPTURE(round, frame, whole, settings.error_px, report.waiting, measured_px, bound_px);
+            CAPTURE(round, frame, whole, settings.error_px, settings.morph, report.waiting, report.morphing,
+                    measured_px, bound_px, report.error_px_effective);
             REQUIRE(measured_px <= bound_px);
+            if (whole) {
+                REQUIRE(measured_px <= report.error_px_effective * (1 + 1e-6));
+                lagging += !report.converged;
+                told += !report.converged && report.error_px_effective < unbounded_px;
+            }
             if (whole && !terrain.has_voids() && measured_px < 1e6) {
                 REQUIRE(bound_px <= std::max(1e-3, 1.1 * measured_px));
                 ++tight;
@@ -89,6 +95,8 @@ TEST_CASE("no sample is farther from a live mesh than its bound, however far it 
     CHECK(behind > rounds<std::size_t>(25, 500));
     CHECK(tight > rounds<std::size_t>(50, 1000));
     CHECK(paged > rounds<std::size_t>(25, 500));
+    CHECK(lagging > rounds<std::size_t>(25, 500));
+    CHECK(told > lagging / 4);
 }
 
 TEST_CASE("no sample is farther from a recursive mesh than its bound, culled or short of a capacity") {

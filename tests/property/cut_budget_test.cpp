@@ -40,7 +40,7 @@ Rest rest(Cut& cut, const View& view, const CutSettings& settings, int frames) {
     int direction = 0;
     for (int frame = 0; frame < frames; ++frame) {
         r.last = cut.update({&view, 1}, settings);
-        const double now = r.last.error_px_effective;
+        const double now = r.last.threshold_px;
         if (frame > 0 && now != before) {
             const int step = now > before ? 1 : -1;
             r.turns += direction != 0 && step != direction;
@@ -109,8 +109,7 @@ TEST_CASE("each budget that is too small alone lowers quality, names itself, bre
             CAPTURE(round, frame, settings.error_px, budget.vertices, budget.triangles, settings.items);
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
             REQUIRE((report.exhausted & ~bit) == 0);
-            if (!report.converged && report.error_px_effective == report.error_px_requested)
-                REQUIRE(report.exhausted == bit);
+            if (!report.converged && report.threshold_px == report.error_px_requested) REQUIRE(report.exhausted == bit);
             REQUIRE(report.vertex_slots.used <= report.vertex_slots.capacity);
             REQUIRE(report.triangle_slots.used <= report.triangle_slots.capacity);
             REQUIRE(report.vertex_slots.peak >= report.vertex_slots.used);
@@ -165,7 +164,7 @@ TEST_CASE("when the camera leaves, the threshold comes back to the requested one
         for (int frame = 0; frame < stay; ++frame) report = cut.update({&near_by, 1}, settings);
         CAPTURE(round, stay, settings.error_px, report.error_px_effective, report.vertices);
         REQUIRE_FALSE(report.converged);
-        if (stay > 1) REQUIRE(report.error_px_effective > settings.error_px);
+        if (stay > 1) REQUIRE(report.threshold_px > settings.error_px);
         REQUIRE(check_frame(cut, terrain, report, settings) == "");
         // Most of the scarce capacity stays in use: what is governed is not thrown away.
         REQUIRE(std::max(report.vertex_slots.used / static_cast<double>(report.vertex_slots.capacity),
@@ -209,7 +208,7 @@ TEST_CASE("after a step of the threshold or the camera the governor turns at mos
             if (suffices) CHECK(r.stands);
             if (suffices) CHECK(r.last.blocked == 0);
             REQUIRE(check_frame(cut, terrain, r.last, settings) == "");
-            governed += r.last.error_px_effective > settings.error_px;
+            governed += r.last.threshold_px > settings.error_px;
             if (pick(random, 0, 1))
                 view = random_view(random, terrain);
             else

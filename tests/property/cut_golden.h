@@ -112,7 +112,10 @@ struct Golden {
     Golden result;
     LiveCut cut;
     if (!create_cut(terrain, golden_budget(terrain), block, cut).ok()) return result;
-    if (scalar) data_of(cut).evaluate = evaluate_scalar;
+    if (scalar) {
+        data_of(cut).evaluate = evaluate_scalar;
+        data_of(cut).schedule.vectors = scalar_ticks;
+    }
     Fnv triangles, work;
     Lcg random;
     View views[2];

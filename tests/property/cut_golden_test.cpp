@@ -15,9 +15,9 @@ namespace {
 // when cut_golden_compilers passes.
 // Of the terrain's records: changes with the baker's errors, radii and heights, and then the others do as well.
 constexpr std::uint64_t terrain_hash = 0xa76c839edf1dc46d;
-constexpr std::uint64_t triangles_hash = 0xe51c3243fc92bfd6;
+constexpr std::uint64_t triangles_hash = 0x2830f5e10d813e12;
 // Of the counts in the reports: changes also with the order of work.
-constexpr std::uint64_t work_hash = 0xec92ca6751ba0f9d;
+constexpr std::uint64_t work_hash = 0x441eac2515a7ab57;
 
 } // namespace
 

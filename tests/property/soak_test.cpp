@@ -27,7 +27,7 @@ TEST_CASE("in a long flight with random teleports no frame exceeds its items, it
         const CutReport report = cut.update({&view, 1}, settings);
         if (report.items > settings.items || report.vertices > budget.vertices) REQUIRE(report.items <= settings.items);
         converged += report.converged;
-        governed += report.error_px_effective > report.error_px_requested;
+        governed += report.threshold_px > report.error_px_requested;
         changes += report.activations + report.deactivations;
         if (frame % 2'500 == 0) {
             CAPTURE(frame);

@@ -83,7 +83,7 @@ TEST_CASE("a threshold makes the same mesh whether a view or the settings have i
             REQUIRE(a.items == b.items);
             REQUIRE(a.converged == b.converged);
             REQUIRE(b.error_px_requested == others.error_px);
-            REQUIRE(b.error_px_effective == others.error_px);
+            REQUIRE(b.threshold_px == others.error_px);
             Recursive method(terrain, ample_budget(terrain));
             RefineSettings refine;
             refine.error_px = others.error_px;

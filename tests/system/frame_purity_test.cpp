@@ -233,7 +233,7 @@ Seen fly(const io::LoadedPack& pack, std::uint32_t seed, int frames) {
         seen.exhausted |= report.exhausted;
         seen.activations += report.activations;
         seen.deactivations += report.deactivations;
-        seen.governed += report.error_px_effective > report.error_px_requested;
+        seen.governed += report.threshold_px > report.error_px_requested;
         seen.converged += report.converged;
     }
     return seen;

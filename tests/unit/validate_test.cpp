@@ -95,8 +95,7 @@ TEST_CASE("a walk over a cut names every mask, slot and page that was tampered w
     GroupState& of_unready = s.groups[unready / group_lanes];
     plant(walk, of_unready.active, bits(of_unready.active | bit_of(unready)), "a child mask is wrong at");
     plant(walk, of_leaf.active, bits(of_leaf.active & ~bit_of(leaf)), "a child mask is wrong at");
-    plant(walk, of_parent.active, bits(of_parent.active & ~bit_of(parent)),
-          "a vertex disagrees with the decision, and nobody knows:");
+    plant(walk, of_parent.active, bits(of_parent.active & ~bit_of(parent)), "nobody will look at the group of");
     plant(walk, of_leaf.child[0], bits(of_leaf.child[0] | bit_of(leaf)), "a child mask is wrong at");
     plant(walk, of_leaf.parent[0], bits(of_leaf.parent[0] & ~bit_of(leaf)), "an active vertex' parent is not active:");
     plant(walk, of_unready.parent[0], bits(of_unready.parent[0] ^ bit_of(unready)),
@@ -124,42 +123,46 @@ TEST_CASE("a walk over a cut names every mask, slot and page that was tampered w
     plant(walk, s.late_s[last], s.late_s[s.first_late] - 1, "vertices that morph in are not in their order");
 }
 
-TEST_CASE("a walk over a cut names every group that was lost from its list, or put into another") {
+TEST_CASE(
+    "a walk over a cut names every group that was lost from its queue, and every page that will come up too late") {
     Scene scene;
     CutState& s = scene.s;
-    Lists& l = s.lists;
+    Queues& q = s.queues;
+    Schedule& l = s.schedule;
     const Walk& walk = scene.walk;
-    const std::uint32_t full =
-        first(soon_lists, [&](std::uint32_t i) { return l.buckets[i].top != no_index && l.buckets[i].in_top > 1; });
-    Bucket& bucket = l.buckets[full];
-    ListNode& node = l.nodes[bucket.top];
-    const std::uint32_t group = node.groups[0];
-    const std::uint32_t childless = scene.lane([](const GroupState& b, std::uint32_t bit) {
-        return b.list < soon_lists && (b.active & ~b.parental() & bit) != 0;
-    });
-    plant(walk, s.groups[childless / group_lanes].list, unlisted, "nobody will look at the group of");
-    plant(walk, l.groups[group].list, being_visited, "a group lies elsewhere than it says");
-    plant(walk, bucket.in_top, bucket.in_top - 1, "a group is in two lists, or lost from the one it says");
-    plant(walk, node.groups[0], node.groups[1], "a group lies elsewhere than it says");
-    plant(walk, l.groups[group].link.prev, 1u, "a group lies elsewhere than it says");
-    plant(walk, bucket.full, bucket.full + 1, "a bucket counts its nodes wrongly");
-    std::uint64_t& filled = l.filled[full / (wheel_count * wheel_buckets)][full / wheel_buckets % wheel_count];
-    plant(walk, filled, filled & ~(std::uint64_t{1} << full % wheel_buckets),
-          "a bucket holds groups, and nobody will look at it");
-    plant(walk, l.free_node, l.nodes[l.free_node].next, "a node is lost");
-
-    const std::uint32_t rank = first(rank_count, [&](std::uint32_t i) { return size(l, work_lists + i) > 1; });
-    const std::uint32_t queue = work_lists + rank, head = l.queues[queue - work_lists].next;
-    plant(walk, l.queues[queue - work_lists].next, l.groups[head].link.next, "a queue's links disagree");
-    plant(walk, l.groups[head].link.prev, head, "a queue's links disagree");
-    plant(walk, l.groups[head].list, static_cast<ListId>(queue + 1), "a group is in a queue, and says otherwise");
-    plant(walk, l.sizes[queue - soon_lists], size(l, queue) + 1, "a queue counts its groups wrongly");
+    const std::uint32_t rank = first(rank_count, [&](std::uint32_t i) { return q.sizes[work_queues + i] > 1; });
+    const std::uint32_t queue = work_queues + rank, head = q.ends[queue].next;
+    plant(walk, q.ends[queue].next, q.groups[head].link.next, "a queue's links disagree");
+    plant(walk, q.groups[head].link.prev, head, "a queue's links disagree");
+    plant(walk, q.groups[head].queue, static_cast<QueueId>(queue + 1), "a group is in a queue, and says otherwise");
+    plant(walk, q.sizes[queue], q.sizes[queue] + 1, "a queue counts its groups wrongly");
     plant(walk, s.work_ranks, s.work_ranks & ~(1u << rank), "a queue holds work, and nobody will look at it");
+    plant(walk, ticks_of(l, head), std::uint16_t{5}, "a group is scheduled, and in a queue");
 
-    GroupState& calm = s.groups[childless / group_lanes];
-    const std::string late = "a vertex could change before it is looked at:";
-    plant(walk, l.odometer_m[calm.grade], l.odometer_m[calm.grade] - 1e9, late);
-    plant(walk, calm.due_high, std::uint16_t{0xff}, late);
+    const std::uint32_t calm = scene.lane([&](const GroupState& b, std::uint32_t bit) {
+        const auto group = static_cast<std::uint32_t>(&b - s.groups);
+        return b.queue == unqueued && ticks_of(l, group) != unscheduled && !is_due(l, group / max_page_groups) &&
+               (b.active & ~b.parental() & bit) != 0;
+    });
+    const std::uint32_t group = calm / group_lanes, slot = group / max_page_groups;
+    PageSchedule& page = l.pages[slot];
+    plant(walk, q.groups[group].queue, being_visited, "a group was taken from its queue and not put back");
+    plant(walk, ticks_of(l, group), unscheduled, "nobody will look at the group of");
+    plant(walk, page.charged_m, page.charged_m + 1e9, "a vertex could change before it is looked at:");
+    plant(walk, l.awake[page.awake].due_m, 1e200, "a page comes up later than its groups");
+    plant(walk, l.awake[page.awake].due_m, -1e9, "a page's time has come, and it is not due");
+    plant(walk, page.level, static_cast<std::uint8_t>(page.level + 1), "a page is watched at another level");
+    plant(walk, l.awake[page.awake].slot, slot ^ 1, "a page is awake elsewhere");
+    plant(walk, page.awake, no_index, "a page sleeps with groups to watch");
+    plant(walk, l.awake_count, l.awake_count + 1, "awake pages do not add up");
+    plant(walk, l.due_count, l.due_count + 1, "due pages are counted wrongly");
+    make_due(l, group);
+    const std::uint32_t level = first(max_tile_log2 + 1, [&](std::uint32_t i) { return (l.due_levels >> i & 1) != 0; });
+    PageSchedule& due = l.pages[l.due[level].first];
+    plant(walk, due.level, static_cast<std::uint8_t>(level + 1), "a page is watched at another level");
+    plant(walk, l.awake[due.awake].due, false, "a page comes up later than its groups");
+    plant(walk, l.due_levels, l.due_levels & ~(1u << level), "due pages are counted wrongly");
+    plant(walk, l.due[level].last, no_index, "the last due page is cut off");
 }
 
 TEST_CASE("a walk over a cut names every triangle, segment and written slot that was tampered with") {

@@ -45,7 +45,7 @@ struct CutBudget {
 };
 // Bytes of cut_bytes() for a slot of each buffer (some bits of bookkeeping not counted), and for each page slot of the
 // terrain (TerrainBudget::page_slots).
-inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 16, cut_page_slot_bytes = 19'756;
+inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 16, cut_page_slot_bytes = 19'388;
 
 // How a vertex appears and disappears: geomorphing (thesis 5.4.1). With error and time
 // vertices are activated at error_px / (1 + nesting)^2, on the edge that they split, and reach their height at
@@ -105,10 +105,12 @@ struct CutReport {
     // Vertices that morph by time: in, because they were activated late, or out, because their page is evicted.
     std::uint32_t morphing = 0;
     std::uint32_t exhausted = 0; // CutBudgetBits
-    // Requested: CutSettings::error_px. Effective: the threshold that the capacities allow, or what missing pages may
-    // hide (Terrain::missing_px) if that is more. Thresholds of all views rise alike: where View::error_px is set, it
-    // is effective times error_px_effective / error_px_requested.
-    double error_px_requested = 0, error_px_effective = 0;
+    // Requested: CutSettings::error_px. Threshold: what the cut refines to, which is more when a capacity is exhausted.
+    // Effective: no sample is farther from the surface on screen, whatever waits for items, time, a capacity or a page
+    // (Terrain::missing_px): the threshold, or more while the mesh lags; measure.h's unbounded_px when what waits may
+    // touch the eye. Thresholds of all views rise alike: where View::error_px is set, these are for it times
+    // View::error_px / error_px_requested.
+    double error_px_requested = 0, error_px_effective = 0, threshold_px = 0;
     bool converged = false;                 // nothing waits or morphs, effective == requested: the screen bound holds
     bool rebuilt = false;                   // by the bulk pass
     BudgetUse vertex_slots, triangle_slots; // triangle slots in whole segments

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "cut/evaluate.h"
+#include "cut/lag.h"
 #include "cut/mesh.h"
 #include "cut/morph.h"
 
@@ -15,15 +16,14 @@ namespace {
 void queue_activation(CutState& s, std::uint32_t vertex, std::uint32_t rank) {
     const std::uint32_t group = vertex / group_lanes;
     GroupState& b = s.groups[group];
-    const ListId list = list_of(s.lists, group), queue = static_cast<ListId>(work_lists + rank);
-    if (list == being_visited || (list >= due_lists && list < work_lists)) return; // will be evaluated
-    const std::uint32_t calls = (list >= work_lists && list < list_count ? b.due : 0) | bit_of(vertex);
-    if (list < queue || list >= deactivation_list) {
-        unlink(s.lists, group);
-        push_back(s.lists, queue, group);
-        s.work_ranks |= 1u << rank;
-    }
-    b.due = calls;
+    if (b.queue == being_visited) return; // will be evaluated
+    const bool queued = b.queue != unqueued;
+    b.calls = (queued ? b.calls : 0) | bit_of(vertex);
+    if (queued && b.queue < deactivation_queue && b.queue >= work_queues + rank) return;
+    forget(s.schedule, group);
+    unlink(s.queues, group);
+    push_back(s.queues, work_queues + rank, group);
+    s.work_ranks |= 1u << rank;
 }
 
 bool is_evicting(const CutState& s, std::uint32_t vertex) {
@@ -36,13 +36,14 @@ void reevaluate(CutState& s, std::uint32_t vertex, const Site& site, bool active
     const Evaluation v = evaluate_vertex(s, vertex, site, active);
     const std::uint32_t group = vertex / group_lanes;
     if (v.wanted == active) {
-        tighten(s.lists, group, v.slack_m, grade_of(v.code));
+        // What waits in a queue is evaluated in any case.
+        if (s.groups[group].queue == unqueued) tighten(s.schedule, group, v.slack_m, grade_of(v.code));
     } else if (!active) {
         queue_activation(s, vertex, rank_of(s, v));
-    } else if (list_of(s.lists, group) == unlisted || list_of(s.lists, group) < due_lists) {
-        unlink(s.lists, group);
-        push_back(s.lists, deactivation_list, group);
-        s.groups[group].due = static_cast<std::uint32_t>(bit_of(vertex)) << 16;
+    } else if (s.groups[group].queue == unqueued) {
+        forget(s.schedule, group);
+        push_back(s.queues, deactivation_queue, group);
+        s.groups[group].calls = static_cast<std::uint32_t>(bit_of(vertex)) << 16;
     }
 }
 
@@ -129,6 +130,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
         s.morph[slot].flat_m =
             flat_height(s, slot, site_coord(site), site.z, site.kind == VertexKind::centre, ends[0], ends[1]);
         s.morph[slot].activated_s = activation_time_s(s, v.x, v.y, v.z, v.error_m, v.radius_m);
+        if (s.morph[slot].activated_s != long_active_s) note_late(s, vertex / group_lanes / max_page_groups);
     }
     s.dirty_vertices.mark(slot);
     s.vertex_slot[vertex] = slot;

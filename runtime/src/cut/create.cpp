@@ -7,6 +7,7 @@
 
 #include "cut/change.h"
 #include "cut/evaluate.h"
+#include "cut/lag.h"
 #include "cut/mesh.h"
 #include "cut/pages.h"
 
@@ -35,16 +36,16 @@ std::uint32_t least_segments(const TerrainData& t) {
 
 // Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t page_groups, groups, vertex_slot, page_slot, evicting, queues, buckets, nodes, vertices, morph,
-        triangle_of, hole, free_vertices, indices, key_of, tiles, segment_tile, segment_below, free_segments,
+    std::size_t page_groups, groups, vertex_slot, page_slot, evicting, ticks, schedules, awake, next_due, vertices,
+        morph, triangle_of, hole, free_vertices, indices, key_of, tiles, segment_tile, segment_below, free_segments,
         vertex_bits[2], vertex_words[2], triangle_bits[2], triangle_words[2], ranges, hz_places, grids, late_s,
-        morphing_out, end;
+        morphing_out, late_pages, end;
 };
 
 static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 * 4 + 1 + 3 * 4 &&
                   cut_triangle_bytes == 3 * 4 + 4 &&
                   cut_page_slot_bytes == max_page_groups * (sizeof(GroupState) + group_lanes * 4) + sizeof(PageSlot) +
-                                             4 + max_page_groups / node_groups * sizeof(ListNode),
+                                             4 + page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) + 2 * 4,
               "hosts size their budgets by these: change them in fjell/cut.h with layout_of()");
 
 Layout layout_of(const TerrainData& t, const CutBudget& b) {
@@ -60,9 +61,10 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
     l.vertex_slot = place(groups * group_lanes, 4);
     l.page_slot = place(t.slot_count, sizeof(PageSlot));
     l.evicting = place(t.slot_count, 4);
-    l.queues = place(queue_count, sizeof(Link));
-    l.buckets = place(due_lists, sizeof(Bucket));
-    l.nodes = place(list_node_count(static_cast<std::uint32_t>(groups)), sizeof(ListNode));
+    l.ticks = place(std::size_t{t.slot_count} * page_ticks, 2);
+    l.schedules = place(t.slot_count, sizeof(PageSchedule));
+    l.awake = place(t.slot_count, sizeof(AwakePage));
+    l.next_due = place(t.slot_count, 4);
     l.vertices = place(b.vertices, sizeof(MeshVertex));
     l.morph = place(b.vertices, sizeof(MorphVertex));
     l.triangle_of = place(b.vertices, 16);
@@ -85,6 +87,7 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
     l.grids = place(static_cast<std::size_t>(t.tree.tile_log2), bulk_grid_bytes);
     l.late_s = place(b.vertices, 4);
     l.morphing_out = place(b.vertices, 4);
+    l.late_pages = place(t.slot_count, 4);
     l.end = at;
     return l;
 }
@@ -163,14 +166,17 @@ void reset(CutState& s) {
     }
     s.free_segment_count = s.segment_count;
     for (std::uint32_t i = 0; i < s.segment_count; ++i) s.free_segments[i] = s.segment_count - 1 - i;
+    forget_late_pages(s, true);
     make_corners(s);
     for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
         if (s.page_slot[slot].touched) clear_page(s, slot);
-    sync_pages(s);
-    clear_lists(s.lists, list_node_count(s.group_count)); // of the roots of pages that have just come
-    for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile)
+    for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile) // a root may wait in a page where nothing is active
         if (const std::uint32_t first = s.page_groups[tile * s.pages_per_tile]; first != no_index)
-            s.groups[first].list = unlisted;
+            s.groups[first].queue = unqueued;
+    clear_queues(s.queues);
+    clear_schedule(s.schedule);
+    sync_pages(s);
+    clear_schedule(s.schedule); // of the roots of pages that have just come
 }
 
 void begin_at_roots(CutState& s) {
@@ -184,7 +190,7 @@ void begin_at_roots(CutState& s) {
         }
         // The root's group is the first of page 0.
         if (const std::uint32_t root = s.page_groups[tile * s.pages_per_tile]; root != no_index)
-            push_due(s.lists, grade_count - 1, root);
+            make_due(s.schedule, root);
     }
 }
 
@@ -228,12 +234,16 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     part(s.vertex_slot, l.vertex_slot);
     part(s.page_slot, l.page_slot);
     part(s.evicting, l.evicting);
-    s.lists.groups = s.groups;
-    s.lists.group_count = s.group_count;
-    part(s.lists.queues, l.queues);
-    part(s.lists.buckets, l.buckets);
-    part(s.lists.nodes, l.nodes);
-    set_tick(s.lists, static_cast<double>(std::min(terrain.spacing_x_m, terrain.spacing_z_m)) / 32);
+    s.queues.groups = s.groups;
+    s.queues.group_count = s.group_count;
+    s.queues.schedule = &s.schedule;
+    clear_queues(s.queues);
+    part(s.schedule.ticks, l.ticks);
+    part(s.schedule.pages, l.schedules);
+    part(s.schedule.awake, l.awake);
+    part(s.schedule.next_due, l.next_due);
+    s.schedule.slot_count = terrain.slot_count;
+    begin_schedule(s.schedule, static_cast<double>(std::min(terrain.spacing_x_m, terrain.spacing_z_m)) / 32);
     part(s.vertices, l.vertices);
     part(s.morph, l.morph);
     part(s.triangle_of, l.triangle_of);
@@ -260,6 +270,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     part(s.bulk_grids, l.grids);
     part(s.late_s, l.late_s);
     part(s.morphing_out, l.morphing_out);
+    part(s.late_pages, l.late_pages);
     if (terrain.pages.order == Order::hierarchical_z) {
         part(s.hz_places, l.hz_places);
         make_hz_places(s);
@@ -272,7 +283,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     s.criterion.spacing_z_m = terrain.spacing_z_m;
     s.criterion.last_x = terrain.tree.columns() - 1;
     s.criterion.last_y = terrain.tree.rows() - 1;
-    for (std::uint32_t i = 0; i < s.group_count; ++i) s.groups[i].list = unlisted;
+    for (std::uint32_t i = 0; i < s.group_count; ++i) s.groups[i].queue = unqueued;
     for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.page_groups[i] = no_index;
     for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.page_slot[i].page = no_index;
     s.fresh_vertex = budget.vertices; // so that all of triangle_of is cleared

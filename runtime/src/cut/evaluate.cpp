@@ -23,12 +23,22 @@ HWY_INLINE std::uint32_t bits_of(F d, M mask) {
     return static_cast<std::uint32_t>(bytes[0]) | static_cast<std::uint32_t>(bytes[1]) << 8;
 }
 
-void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneMargins& out) {
+// Loaded: g++ 12 makes Iota() of stores one by one, and the load after them waits for all.
+constexpr std::int32_t lane_numbers[group_lanes] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+constexpr std::int32_t lane_bits[group_lanes] = {1,      1 << 1, 1 << 2,  1 << 3,  1 << 4,  1 << 5,  1 << 6,  1 << 7,
+                                                 1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15};
+
+void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
     const F d;
     const I di;
-    out.wanted = out.kept = 0;
+    const std::uint32_t looked_at = b.inactive | b.childless;
+    const auto far = hn::Set(d, 3.4e38f);
+    auto least = far;
+    auto codes = hn::Zero(di);
+    std::uint32_t wanted = 0, kept = 0;
     for (std::uint32_t lane = 0; lane < group_lanes; lane += static_cast<std::uint32_t>(hn::Lanes(d))) {
-        const auto number = hn::Iota(di, static_cast<std::int32_t>(lane));
+        if ((looked_at >> lane & ((1u << hn::Lanes(d)) - 1)) == 0) continue;
+        const auto number = hn::LoadU(di, lane_numbers + lane);
         const auto x = hn::Min(hn::Add(hn::Set(di, b.x0), hn::Mul(number, hn::Set(di, b.dx))), hn::Set(di, c.last_x));
         const auto y = hn::Min(hn::Add(hn::Set(di, b.y0), hn::Mul(number, hn::Set(di, b.dy))), hn::Set(di, c.last_y));
         const auto px = hn::Mul(hn::ConvertTo(d, x), hn::Set(d, c.spacing_x_m));
@@ -41,7 +51,7 @@ void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneMargins& out) {
         const auto error = hn::GatherIndex(d, c.error_m, error_code);
         const auto radius = hn::Mul(hn::Set(d, b.unit_m), hn::GatherIndex(d, c.radius_factor, radius_code));
         auto reach_margin = hn::Set(d, -3.4e38f), keep_margin = reach_margin, span = hn::Zero(d);
-        std::uint32_t wanted_bits = 0, kept_bits = 0;
+        auto is_wanted = hn::Lt(span, span), is_kept = is_wanted; // none
         for (std::uint32_t v = 0; v < c.views; ++v) {
             const Reach& r = c.reach[v];
             const auto dx = hn::Sub(px, hn::Set(d, r.eye_x));
@@ -49,24 +59,39 @@ void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneMargins& out) {
             const auto dz = hn::Sub(pz, hn::Set(d, r.eye_z));
             const auto squared = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
             const auto distance = hn::Sqrt(squared);
-            const auto decide = [&](const Reach& with, auto& margin) HWY_ATTR {
+            const auto decide = [&](const Reach& with, auto& margin, auto& answer) HWY_ATTR {
                 const auto reach =
                     hn::Add(hn::Mul(hn::Add(radius, hn::Mul(error, hn::Set(d, with.q))), hn::Set(d, reach_grow)),
                             hn::Set(d, with.pad));
                 margin = hn::Max(margin, hn::Sub(reach, distance));
                 span = hn::Max(span, hn::Add(reach, distance));
-                return bits_of(d, hn::Lt(squared, hn::Mul(reach, reach)));
+                answer = hn::Or(answer, hn::Lt(squared, hn::Mul(reach, reach)));
             };
-            wanted_bits |= decide(r, reach_margin);
-            if (c.hysteresis) kept_bits |= decide(c.keep[v], keep_margin);
+            decide(r, reach_margin, is_wanted);
+            if (c.hysteresis) decide(c.keep[v], keep_margin, is_kept);
         }
-        if (!c.hysteresis) keep_margin = reach_margin, kept_bits = wanted_bits;
-        hn::Store(reach_margin, d, out.reach_m + lane);
-        hn::Store(keep_margin, d, out.keep_m + lane);
-        hn::Store(span, d, out.span_m + lane);
-        out.wanted |= wanted_bits << lane;
-        out.kept |= kept_bits << lane;
+        if (!c.hysteresis) keep_margin = reach_margin, is_kept = is_wanted;
+        const std::uint32_t wanted_bits = bits_of(d, is_wanted),
+                            kept_bits = c.hysteresis ? bits_of(d, is_kept) : wanted_bits;
+        wanted |= wanted_bits << lane;
+        kept |= kept_bits << lane;
+        const auto bit = hn::LoadU(di, lane_bits);
+        const auto is_set = [&](std::uint32_t bits) HWY_ATTR {
+            return hn::RebindMask(
+                d, hn::Ne(hn::And(bit, hn::Set(di, static_cast<std::int32_t>(bits >> lane & 0xffff))), hn::Zero(di)));
+        };
+        // A lane that is on, or will be, is judged by what keeps it.
+        const std::uint32_t on = (b.inactive & wanted) | (b.childless & kept);
+        const auto margin = c.hysteresis ? hn::IfThenElse(is_set(on), keep_margin, reach_margin) : reach_margin;
+        const auto slack = hn::Max(hn::Sub(hn::Abs(margin), hn::Mul(span, hn::Set(d, slack_rounding))), hn::Zero(d));
+        const auto counts = is_set(looked_at);
+        least = hn::Min(least, hn::IfThenElse(counts, slack, far));
+        codes = hn::Max(codes, hn::IfThenElseZero(hn::RebindMask(di, counts), error_code));
     }
+    out.wanted = wanted & looked_at;
+    out.kept = kept & looked_at;
+    out.slack_m = hn::GetLane(hn::MinOfLanes(d, least));
+    out.code = static_cast<std::uint32_t>(hn::GetLane(hn::MaxOfLanes(di, codes)));
 }
 
 } // namespace fjell::HWY_NAMESPACE
@@ -80,13 +105,15 @@ namespace fjell {
 
 HWY_EXPORT(evaluate_lanes);
 
-void evaluate(const Criterion& decision, const LaneGroup& group, LaneMargins& margins) {
-    HWY_DYNAMIC_DISPATCH(evaluate_lanes)(decision, group, margins);
+void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers) {
+    HWY_DYNAMIC_DISPATCH(evaluate_lanes)(decision, group, answers);
 }
 
-void evaluate_scalar(const Criterion& c, const LaneGroup& b, LaneMargins& out) {
-    out.wanted = out.kept = 0;
+void evaluate_scalar(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
+    out = {0, 0, 3.4e38f, 0};
     for (std::int32_t lane = 0; lane < static_cast<std::int32_t>(group_lanes); ++lane) {
+        const std::uint32_t bit = 1u << lane;
+        if (((b.inactive | b.childless) & bit) == 0) continue;
         const VertexRecord record = b.records[lane];
         const float px = static_cast<float>(std::min(b.x0 + lane * b.dx, c.last_x)) * c.spacing_x_m;
         const float pz = static_cast<float>(std::min(b.y0 + lane * b.dy, c.last_y)) * c.spacing_z_m;
@@ -94,25 +121,26 @@ void evaluate_scalar(const Criterion& c, const LaneGroup& b, LaneMargins& out) {
         const float error = c.error_m[record.error];
         const float radius = b.unit_m * c.radius_factor[record.radius & (radius_codes - 1)];
         float margins[2] = {-3.4e38f, -3.4e38f}, span = 0;
-        std::uint32_t bits[2] = {0, 0};
+        bool answers[2] = {false, false};
         for (std::uint32_t v = 0; v < c.views; ++v) {
             const float dx = px - c.reach[v].eye_x, dy = py - c.reach[v].eye_y, dz = pz - c.reach[v].eye_z;
             const float squared = dx * dx + dy * dy + dz * dz;
             const float distance = std::sqrt(squared);
-            for (int keep = 0; keep <= (c.hysteresis ? 1 : 0); ++keep) {
+            for (std::size_t keep = 0; keep <= (c.hysteresis ? 1 : 0); ++keep) {
                 const Reach& r = keep ? c.keep[v] : c.reach[v];
                 const float reach = (radius + error * r.q) * reach_grow + r.pad;
                 margins[keep] = std::max(margins[keep], reach - distance);
                 span = std::max(span, reach + distance);
-                bits[keep] |= squared < reach * reach ? 1u : 0u;
+                answers[keep] = answers[keep] || squared < reach * reach;
             }
         }
-        if (!c.hysteresis) margins[1] = margins[0], bits[1] = bits[0];
-        out.reach_m[lane] = margins[0];
-        out.keep_m[lane] = margins[1];
-        out.span_m[lane] = span;
-        out.wanted |= bits[0] << lane;
-        out.kept |= bits[1] << lane;
+        if (!c.hysteresis) margins[1] = margins[0], answers[1] = answers[0];
+        out.wanted |= answers[0] ? bit : 0;
+        out.kept |= answers[1] ? bit : 0;
+        const bool on = (b.inactive & bit) != 0 ? answers[0] : answers[1];
+        const float slack = std::max(std::abs(margins[on ? 1 : 0]) - span * slack_rounding, 0.0f);
+        out.slack_m = std::min(out.slack_m, slack);
+        out.code = std::max<std::uint32_t>(out.code, record.error);
     }
 }
 

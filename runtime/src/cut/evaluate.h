@@ -1,8 +1,8 @@
-// The decision (tree/wanted.h) for the sixteen lanes of a group at once, with how far each is from changing.
+// The decision (view/wanted.h) for the sixteen lanes of a group at once, with how far each is from changing.
 //
 // For a view, margin = reach - distance in metres: how far the eye may go before the answer can change. Of several
 // views the largest counts: a vertex is wanted when any of them wants it. Margins carry rounding of some 2^-21 of
-// distance and reach; slack() takes off more than that.
+// distance and reach; a slack leaves out more than that.
 #pragma once
 
 #include <algorithm>
@@ -17,20 +17,20 @@ namespace fjell {
 struct LaneGroup {
     const VertexRecord* records; // group_lanes, contiguous, all readable
     std::int32_t x0, y0, dx, dy;
-    std::int32_t base; // height scale steps
-    float unit_m;      // of the level's radii
+    std::int32_t base;                 // height scale steps
+    float unit_m;                      // of the level's radii
+    std::uint32_t inactive, childless; // lanes that may be activated, or deactivated: a bit each. No other is looked at
 };
 
-struct LaneMargins {
-    alignas(64) float reach_m[group_lanes]; // largest of all views
-    alignas(64) float keep_m[group_lanes];
-    alignas(64) float span_m[group_lanes]; // distance + reach, for the rounding
-    std::uint32_t wanted, kept;            // a bit a lane
+struct LaneAnswers {
+    std::uint32_t wanted, kept; // of the lanes that were looked at
+    float slack_m;              // the smallest, once each is as the answers want it
+    std::uint32_t code;         // their largest error code
 };
 
-void evaluate(const Criterion& decision, const LaneGroup& group, LaneMargins& margins);
+void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers);
 // The same, bit for bit, without vector instructions.
-void evaluate_scalar(const Criterion& decision, const LaneGroup& group, LaneMargins& margins);
+void evaluate_scalar(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers);
 
 inline constexpr float slack_rounding = 0x1p-19f;
 

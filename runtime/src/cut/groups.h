@@ -32,6 +32,7 @@ struct GroupShape {
     VertexKind kind;
     std::uint8_t z;      // log2 of the step, over the slot's
     std::uint8_t i0, j0; // lane 0's square, counted from the page's first
+    std::uint8_t x, y;   // and its place, in steps from that square's corner
     bool along_y;        // lanes go south; otherwise east
 };
 static_assert(max_page_groups * group_lanes == max_page_vertices);
@@ -143,10 +144,16 @@ struct Halves {
 inline void add_step(PageShape& page, std::uint32_t n, std::uint32_t offset, int z) {
     const auto add = [&](VertexKind kind, std::uint32_t i0, std::uint32_t j0, std::uint32_t lanes, bool along_y) {
         const std::uint32_t first = offset + page_index<Order::planar>(n, kind, i0, j0);
-        page.groups[page.count++] = {static_cast<std::uint16_t>(first), static_cast<std::uint8_t>(along_y ? n + 1 : 1),
-                                     static_cast<std::uint8_t>(lanes),  kind,
-                                     static_cast<std::uint8_t>(z),      static_cast<std::uint8_t>(i0),
-                                     static_cast<std::uint8_t>(j0),     along_y};
+        page.groups[page.count++] = {static_cast<std::uint16_t>(first),
+                                     static_cast<std::uint8_t>(along_y ? n + 1 : 1),
+                                     static_cast<std::uint8_t>(lanes),
+                                     kind,
+                                     static_cast<std::uint8_t>(z),
+                                     static_cast<std::uint8_t>(i0),
+                                     static_cast<std::uint8_t>(j0),
+                                     static_cast<std::uint8_t>(2 * i0 + (kind != VertexKind::side_y)),
+                                     static_cast<std::uint8_t>(2 * j0 + (kind != VertexKind::side_x)),
+                                     along_y};
     };
     const std::uint32_t lanes = n < group_lanes ? n : group_lanes;
     for (const VertexKind kind : {VertexKind::centre, VertexKind::side_x, VertexKind::side_y})

@@ -52,8 +52,7 @@ inline constexpr float unseen_px = 0.01f;
     if (now.morph == Morph::error) {
         // Late: the frame before would have shown it above its edge already.
         const float before = morph_fraction(s.morph_before, x, y, z, error_m, radius_m);
-        if (before * static_cast<float>(s.report.error_px_effective * s.largest_ratio) <= unseen_px)
-            return long_active_s;
+        if (before * static_cast<float>(s.report.threshold_px * s.largest_ratio) <= unseen_px) return long_active_s;
     }
     if (s.late_count == s.budget.vertices) return long_active_s; // cannot be: a slot each; but no reason to fail
     s.late_s[(s.first_late + s.late_count++) % s.budget.vertices] = now.now_s;
@@ -68,7 +67,7 @@ inline constexpr float unseen_px = 0.01f;
 
 // What waited for a vertex that morphs, or for a page that is evicted, is tried again.
 inline void open_gate(CutState& s) {
-    s.gate_passes = size(s.lists, gated_lists + s.gated_turn) == 0 ? 1 : 2;
+    s.gate_passes = s.queues.sizes[gated_queues + s.gated_turn] == 0 ? 1 : 2;
 }
 
 // Forgets vertices that have reached their height.

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "cut/change.h"
+#include "cut/lag.h"
 #include "cut/morph.h"
 
 namespace fjell {
@@ -37,6 +38,11 @@ std::uint32_t outward_lanes(const PageSlot& info, const GroupShape& shape) {
     return all;
 }
 
+// The finest step of page 0.
+std::uint32_t coarse_z(const CutState& s) {
+    return static_cast<std::uint32_t>(std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0));
+}
+
 void attach_page(CutState& s, std::uint32_t slot) {
     const TerrainData& t = *s.terrain;
     const std::uint32_t page = t.slot_page[slot];
@@ -58,6 +64,11 @@ void attach_page(CutState& s, std::uint32_t slot) {
         info.i0 = position.x << page_squares_log2;
         info.j0 = position.y << page_squares_log2;
     }
+    info.x0 = info.tile_x * s.terrain->tree.side() + (info.i0 << (info.z + 1));
+    info.y0 = info.tile_y * s.terrain->tree.side() + (info.j0 << (info.z + 1));
+    // The coarsest pages come first; ticks are of the finest step in a page.
+    begin_page(s.schedule, slot, in_tile == 0 ? max_tile_log2 : info.z, in_tile == 0 ? coarse_z(s) : info.z);
+    bound_page(s, info, slot);
     s.page_groups[page] = slot * max_page_groups;
     if (in_tile == 0) bound_tile(s, info, true);
     clear_page(s, slot);
@@ -73,7 +84,7 @@ void attach_page(CutState& s, std::uint32_t slot) {
             b.parent[1] |= parents.parent[1];
             info.touched = true;
         }
-        if (b.ready() != 0) push_due(s.lists, grade_count - 1, number);
+        if (b.ready() != 0) make_due(s.schedule, number);
     }
 }
 
@@ -82,12 +93,12 @@ void detach_page(CutState& s, std::uint32_t slot) {
     FJELL_ASSERT(info.status != PageSlotStatus::empty && info.active == 0);
     for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
-        const ListId list = list_of(s.lists, number);
-        if (list < due_lists || list >= work_lists) unlink(s.lists, number);
+        unlink(s.queues, number);
         s.groups[number] = {};
-        s.groups[number].list = unlisted;
+        s.groups[number].queue = unqueued;
     }
-    forget_due(s.lists, slot * max_page_groups, max_page_groups);
+    clear_page_schedule(s.schedule, slot);
+    if (info.late) forget_late_page(s, slot);
     s.page_groups[info.page] = no_index;
     if (info.page % s.pages_per_tile == 0) bound_tile(s, info, false);
     for (std::uint32_t i = 0; i < s.evicting_count; ++i)
@@ -155,7 +166,7 @@ void clear_page(CutState& s, std::uint32_t slot) {
         const std::uint32_t number = slot * max_page_groups + k;
         GroupState& b = s.groups[number];
         b = {};
-        b.list = unlisted;
+        b.queue = unqueued;
         if (!rim) continue;
         const GroupShape& shape = s.shapes[info.shape].groups[k];
         const Site first = site_of(s, number * group_lanes);
@@ -191,7 +202,7 @@ ParentMasks parents_of(const CutState& s, std::uint32_t group, std::uint32_t lan
 
 namespace {
 
-// Lets go of what the slot being_visited, if it holds something else by now. False: the cut had to begin again.
+// Lets go of what the slot held, if it holds something else by now. False: the cut had to begin again.
 bool detach_if_changed(CutState& s, std::uint32_t slot) {
     const TerrainData& t = *s.terrain;
     const PageSlot& info = s.page_slot[slot];
@@ -236,10 +247,8 @@ namespace {
 
 // The group is evaluated in this frame.
 void revisit(CutState& s, std::uint32_t number) {
-    const ListId list = list_of(s.lists, number);
-    if (list >= due_lists && list != unlisted) return; // will be evaluated anyway
-    unlink(s.lists, number);
-    if (s.groups[number].ready() != 0) push_due(s.lists, grade_count - 1, number);
+    // What waits in a queue is evaluated anyway.
+    if (s.groups[number].queue == unqueued && s.groups[number].ready() != 0) make_due(s.schedule, number);
 }
 
 } // namespace
@@ -276,6 +285,7 @@ void morph_out_page(CutState& s, std::uint32_t slot) {
                 lowest_below(s, number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)));
             if (morphs_out(s, s.vertex_slot[v])) continue;
             begin_morphing_out(s, v);
+            note_late(s, v / group_lanes / max_page_groups);
             ++s.report.items;
             ++s.report.evaluations; // it was evaluated
         }

@@ -19,78 +19,71 @@ std::uint32_t bits(int mask) {
 
 // A group as it was evaluated.
 struct Evaluated {
-    explicit Evaluated(GroupState& group) : state(group) {} // the rest evaluate_group() sets
     GroupState& state;
-    bool evicting;
-    std::uint32_t morphing_out; // lanes that will go by themselves
-    const VertexRecord* records;
-    VertexRecord gathered[group_lanes];
-    LaneMargins margins;
+    bool evicting = false;
+    std::uint32_t morphing_out = 0; // lanes that will go by themselves
+    LaneAnswers answers{};
 
     // The lanes that could change: by the tree, they may.
     [[nodiscard]] std::uint32_t inactive() const { return evicting ? 0 : bits(state.ready() & ~state.active); }
     [[nodiscard]] std::uint32_t childless() const { return bits(state.active & ~state.parental()) & ~morphing_out; }
     // And by the decision, they should.
-    [[nodiscard]] std::uint32_t to_activate() const { return inactive() & margins.wanted; }
-    [[nodiscard]] std::uint32_t to_deactivate() const { return childless() & ~margins.kept; }
+    [[nodiscard]] std::uint32_t to_activate() const { return inactive() & answers.wanted; }
+    [[nodiscard]] std::uint32_t to_deactivate() const { return childless() & ~answers.kept; }
 };
 
-void evaluate_group(CutState& s, std::uint32_t number, Evaluated& group) {
+// Where its lanes stand, and their records: in the page, or gathered.
+LaneGroup lanes_of(const CutState& s, std::uint32_t number, VertexRecord (&gathered)[group_lanes]) {
     const std::uint32_t slot = number / max_page_groups;
     const PageSlot& info = s.page_slot[slot];
     const GroupShape& shape = s.shapes[info.shape].groups[number - slot * max_page_groups];
-    group.evicting = info.status == PageSlotStatus::evicting;
-    group.morphing_out = 0;
+    const int z = info.z + shape.z;
+    const std::int32_t apart = 2 << z;
+    LaneGroup lanes{s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first,
+                    info.x0 + (std::int32_t{shape.x} << z),
+                    info.y0 + (std::int32_t{shape.y} << z),
+                    shape.along_y ? 0 : apart,
+                    shape.along_y ? apart : 0,
+                    info.base,
+                    s.level_unit_m[2 * z + (shape.kind == VertexKind::centre ? 0 : 1)],
+                    0,
+                    0};
+    if (shape.lanes != group_lanes || shape.stride != 1 || s.hz_places) {
+        for (std::uint32_t lane = 0; lane < group_lanes; ++lane)
+            gathered[lane] = record_of(s, number * group_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
+        lanes.records = gathered;
+    }
+    return lanes;
+}
+
+Evaluated evaluate_group(CutState& s, std::uint32_t number) {
+    Evaluated group{s.groups[number]};
+    group.evicting = s.page_slot[number / max_page_groups].status == PageSlotStatus::evicting;
     for (std::uint32_t lanes = s.morphing_out_count != 0 ? group.state.active : 0u; lanes != 0; lanes &= lanes - 1) {
         const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
         if (morphs_out(s, s.vertex_slot[number * group_lanes + lane])) group.morphing_out |= 1u << lane;
     }
-    group.records = s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first;
-    if (shape.lanes != group_lanes || shape.stride != 1 || s.hz_places) {
-        for (std::uint32_t lane = 0; lane < group_lanes; ++lane)
-            group.gathered[lane] = record_of(s, number * group_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
-        group.records = group.gathered;
-    }
-    const Site first = site_of(s, number * group_lanes);
-    const Coord at = site_coord(first);
-    const std::int32_t apart = 2 << first.z;
-    const float unit_m = s.level_unit_m[2 * first.z + (shape.kind == VertexKind::centre ? 0 : 1)];
-    s.evaluate(s.criterion,
-               {group.records, at.x, at.y, shape.along_y ? 0 : apart, shape.along_y ? apart : 0, info.base, unit_m},
-               group.margins);
     ++s.report.evaluations;
     ++s.report.items;
     ++s.report.visits;
+    VertexRecord gathered[group_lanes];
+    LaneGroup lanes = lanes_of(s, number, gathered);
+    lanes.inactive = group.inactive();
+    lanes.childless = group.childless();
+    if ((lanes.inactive | lanes.childless) != 0) s.evaluate(s.criterion, lanes, group.answers);
+    return group;
 }
-
-// Of the lanes in a mask, the smallest slack; and the largest error code.
-struct Slack {
-    float slack_m = 3e38f;
-    std::uint32_t code = 0;
-
-    void include(const Evaluated& group, std::uint32_t mask, const float* margins_m) {
-        for (; mask != 0; mask &= mask - 1) {
-            const auto lane = static_cast<std::size_t>(std::countr_zero(mask));
-            const float rounding_m = group.margins.span_m[lane] * slack_rounding;
-            slack_m = std::min(slack_m, std::max(std::abs(margins_m[lane]) - rounding_m, 0.0f));
-            code = std::max<std::uint32_t>(code, group.records[lane].error);
-        }
-    }
-};
 
 // Everything in the group agrees with the decision: when might that end?
 void schedule_group(CutState& s, std::uint32_t number, const Evaluated& group) {
-    s.groups[number].list = unlisted;
+    s.groups[number].queue = unqueued;
     if ((group.inactive() | group.childless()) == 0) return;
-    Slack rest;
-    rest.include(group, group.inactive(), group.margins.reach_m);
-    rest.include(group, group.childless(), group.margins.keep_m);
-    schedule(s.lists, number, rest.slack_m, grade_of(rest.code));
+    tighten(s.schedule, number, group.answers.slack_m, grade_of(group.answers.code));
 }
 
-void queue(CutState& s, std::uint32_t number, const Evaluated& group, std::uint32_t list) {
-    push_back(s.lists, list, number);
-    s.groups[number].due = group.to_activate() | group.to_deactivate() << 16;
+void queue(CutState& s, std::uint32_t number, const Evaluated& group, std::uint32_t queue) {
+    push_back(s.queues, queue, number);
+    s.groups[number].calls = group.to_activate() | group.to_deactivate() << 16;
 }
 
 void queue_activations(CutState& s, std::uint32_t number, const Evaluated& group) {
@@ -100,23 +93,23 @@ void queue_activations(CutState& s, std::uint32_t number, const Evaluated& group
         rank = std::max(rank, rank_of(s, evaluate_vertex(s, vertex, site_of(s, vertex), false)));
     }
     s.work_ranks |= 1u << rank;
-    queue(s, number, group, work_lists + rank);
+    queue(s, number, group, work_queues + rank);
 }
 
-// Puts the group in the queue that its lanes call for, or in the calendar.
+// Puts the group in the queue that its lanes call for, or schedules it.
 void examine(CutState& s, std::uint32_t number) {
-    Evaluated group(s.groups[number]);
-    evaluate_group(s, number, group);
+    FJELL_ASSERT(s.groups[number].queue == unqueued); // what waits in a queue is not scheduled
+    forget(s.schedule, number);
+    const Evaluated group = evaluate_group(s, number);
     if (group.to_activate() != 0) return queue_activations(s, number, group);
-    if (group.to_deactivate() != 0) return queue(s, number, group, deactivation_list);
+    if (group.to_deactivate() != 0) return queue(s, number, group, deactivation_queue);
     schedule_group(s, number, group);
 }
 
 // Activates and deactivates what its lanes call for, as far as this frame's items go; deactivations only if they may.
-// What is left over keeps the group in a queue; otherwise it goes to the calendar.
+// What is left over keeps the group in a queue; otherwise it is scheduled.
 void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
-    Evaluated group(s.groups[number]);
-    evaluate_group(s, number, group);
+    const Evaluated group = evaluate_group(s, number);
     CutReport& r = s.report;
     bool blocked = false, gated = false;
     // Evaluating the group is part of the first change: with one item a frame a mesh must get somewhere, too.
@@ -154,10 +147,10 @@ void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
                 blocked = true;
             }
         }
-    if (blocked) return queue(s, number, group, blocked_lists + s.turn);
-    if (gated && may_go_on()) return queue(s, number, group, gated_lists + s.gated_turn);
+    if (blocked) return queue(s, number, group, blocked_queues + s.turn);
+    if (gated && may_go_on()) return queue(s, number, group, gated_queues + s.gated_turn);
     if (group.to_activate() != 0) return queue_activations(s, number, group);
-    if (group.to_deactivate() != 0) return queue(s, number, group, deactivation_list);
+    if (group.to_deactivate() != 0) return queue(s, number, group, deactivation_queue);
     schedule_group(s, number, group);
 }
 
@@ -260,12 +253,6 @@ inline void prefetch_corners(const CutState& s, const PlannedChange& plan) {
     FJELL_PREFETCH(&s.vertices[t[2]]);
 }
 
-std::uint32_t due(const CutState& s) {
-    std::uint32_t n = 0;
-    for (std::uint32_t grade = 0; grade < grade_count; ++grade) n += size(s.lists, due_lists + grade);
-    return n;
-}
-
 // Groups that are changed together, so that what they touch can be prefetched for all of them first.
 constexpr std::uint32_t batch_groups = 16;
 
@@ -273,7 +260,7 @@ bool out_of_time(CutState& s) {
     if (s.report.visits >= s.settings.visits) return true;
     if (s.settings.budget_us <= 0 || s.report.items == 0 ||
         std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - s.started).count() <
-            s.settings.budget_us)
+            s.settings.budget_us - s.reserved_us)
         return false;
     s.report.exhausted |= cut_budget_time;
     return true;
@@ -284,7 +271,7 @@ void prefetch_changes(const CutState& s, std::span<const std::uint32_t> groups) 
     PlannedChange plans[most];
     std::uint32_t count = 0;
     for (const std::uint32_t group : groups)
-        for (std::uint32_t lanes = s.groups[group].due; lanes != 0 && count < most; lanes &= lanes - 1) {
+        for (std::uint32_t lanes = s.groups[group].calls; lanes != 0 && count < most; lanes &= lanes - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
             plans[count++] = plan_change(s, group * group_lanes + lane % group_lanes, lane < group_lanes);
         }
@@ -294,11 +281,11 @@ void prefetch_changes(const CutState& s, std::span<const std::uint32_t> groups) 
 }
 
 // False when there was not time or items for all of them; the rest goes back to its queue.
-bool change_batch(CutState& s, std::uint32_t list, bool may_deactivate) {
+bool change_batch(CutState& s, std::uint32_t queue, bool may_deactivate) {
     std::uint32_t groups[batch_groups], count = 0;
-    for (; count < batch_groups && size(s.lists, list) != 0; ++count) {
-        groups[count] = pop_front(s.lists, list);
-        s.groups[groups[count]].list = being_visited;
+    for (; count < batch_groups && s.queues.sizes[queue] != 0; ++count) {
+        groups[count] = pop_front(s.queues, queue);
+        s.groups[groups[count]].queue = being_visited;
     }
     prefetch_changes(s, {groups, count});
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -307,7 +294,7 @@ bool change_batch(CutState& s, std::uint32_t list, bool may_deactivate) {
             continue;
         }
         // As they were: a frame that ends by its time must leave the same order as one that ends by its items.
-        while (count > i) push_front(s.lists, list, groups[--count]);
+        while (count > i) push_front(s.queues, queue, groups[--count]);
         return false;
     }
     return true;
@@ -320,105 +307,168 @@ std::uint32_t deactivation_interval(const CutState& s) {
     return room ? 16 : 3;
 }
 
-// The queue that comes next; unlisted when all are done. Deactivations come last, but first when a capacity is spent,
+// The queue that comes next; unqueued when all are done. Deactivations come last, but first when a capacity is spent,
 // and then what was blocked is tried again.
 std::uint32_t next_queue(CutState& s) {
-    const bool can_deactivate = size(s.lists, deactivation_list) != 0;
+    const bool can_deactivate = s.queues.sizes[deactivation_queue] != 0;
     if (can_deactivate && (s.full_capacities != 0 || (s.lagging && s.batches % deactivation_interval(s) == 0)))
-        return deactivation_list;
+        return deactivation_queue;
     if (s.full_capacities != 0 && s.deactivations_when_full != s.report.deactivations) {
         s.full_capacities = 0;
         s.turn ^= 1;
     }
     while (s.work_ranks != 0) {
         const auto rank = static_cast<std::uint32_t>(std::bit_width(s.work_ranks)) - 1;
-        if (size(s.lists, work_lists + rank) != 0) return work_lists + rank;
+        if (s.queues.sizes[work_queues + rank] != 0) return work_queues + rank;
         s.work_ranks &= ~(1u << rank);
     }
-    if (can_deactivate) return deactivation_list;
-    const std::uint32_t gated_before = gated_lists + (s.gated_turn ^ 1);
+    if (can_deactivate) return deactivation_queue;
+    const std::uint32_t gated_before = gated_queues + (s.gated_turn ^ 1);
     const bool open = s.gate_passes != 0 || s.morph_now.morph == Morph::none;
-    if (open && size(s.lists, gated_before) != 0) return gated_before;
-    const std::uint32_t blocked_before = blocked_lists + (s.turn ^ 1);
-    return size(s.lists, blocked_before) != 0 && s.full_capacities == 0 ? blocked_before : unlisted;
+    if (open && s.queues.sizes[gated_before] != 0) return gated_before;
+    const std::uint32_t blocked_before = blocked_queues + (s.turn ^ 1);
+    return s.queues.sizes[blocked_before] != 0 && s.full_capacities == 0 ? blocked_before : unqueued;
 }
+
+// Due pages, a batch at a time: what a visit costs is a chain of cache misses, a page's ticks, then its spent groups.
+// Each link is prefetched for the whole batch before the next one is followed.
+class PageVisits {
+public:
+    explicit PageVisits(CutState& state) : s(state) { open(); }
+    PageVisits(const PageVisits&) = delete;
+    PageVisits& operator=(const PageVisits&) = delete;
+    // What was not finished stays due.
+    ~PageVisits() {
+        while (page_count_ != 0) put_back_due(s.schedule, pages_[--page_count_]);
+    }
+
+    [[nodiscard]] bool any() const { return page_count_ != 0; }
+
+    // Evaluates one more group, if there is any.
+    void examine_next() {
+        while (any()) {
+            while (next_ != count_) {
+                if (next_ + ahead < count_) prefetch_group(s, groups_[next_ + ahead]);
+                const std::uint32_t group = groups_[next_++];
+                if (ticks_of(s.schedule, group) != spent) continue; // it was queued meanwhile
+                examine(s, group);
+                ++s.examined;
+                return;
+            }
+            while (page_count_ != 0) close_page(s.schedule, pages_[--page_count_]);
+            open();
+        }
+    }
+
+private:
+    static constexpr std::uint32_t most_pages = 16, enough_groups = 48, ahead = 8;
+
+    void open() {
+        next_ = count_ = 0;
+        std::uint32_t popped[most_pages], n = 0;
+        for (; n < most_pages; ++n) {
+            popped[n] = pop_due(s.schedule);
+            if (popped[n] == no_index) break;
+            FJELL_PREFETCH(&s.schedule.pages[popped[n]]);
+            FJELL_PREFETCH(&s.page_slot[popped[n]]);
+            const std::uint16_t* const ticks = s.schedule.ticks + std::size_t{popped[n]} * page_ticks;
+            for (std::uint32_t i = 0; i < page_ticks; i += 32) FJELL_PREFETCH(ticks + i);
+        }
+        std::uint32_t used = 0;
+        for (; used < n && count_ < enough_groups; ++used) add(popped[used]);
+        while (n > used) put_back_due(s.schedule, popped[--n]);
+        for (std::uint32_t i = 0; i < std::min(count_, ahead); ++i) prefetch_group(s, groups_[i]);
+    }
+    void add(std::uint32_t slot) {
+        pages_[page_count_++] = slot;
+        charge_page(s.schedule, slot);
+        std::uint64_t spent_groups[page_words];
+        find_spent(s.schedule, slot, spent_groups);
+        for (std::uint32_t word = 0; word < page_words; ++word)
+            for (std::uint64_t left = spent_groups[word]; left != 0; left &= left - 1) {
+                const auto n = static_cast<std::uint32_t>(std::countr_zero(left));
+                groups_[count_++] = slot * max_page_groups + word * 64 + n;
+            }
+    }
+
+    CutState& s;
+    std::uint32_t page_count_ = 0, next_ = 0, count_ = 0;
+    std::uint32_t pages_[most_pages];
+    std::uint32_t groups_[enough_groups + max_page_groups];
+};
 
 } // namespace
 
 std::uint32_t waiting_groups(const CutState& s) {
-    std::uint32_t n = 0;
-    for (std::uint32_t list = due_lists; list < list_count; ++list) n += size(s.lists, list);
+    std::uint32_t n = s.schedule.due_count;
+    for (const std::uint32_t size : s.queues.sizes) n += size;
     return n;
 }
 
 std::uint32_t blocked_groups(const CutState& s) {
-    return size(s.lists, blocked_lists) + size(s.lists, blocked_lists + 1);
+    return s.queues.sizes[blocked_queues] + s.queues.sizes[blocked_queues + 1];
 }
 
-void refine(CutState& s) {
-    const auto prefetch = [&](std::uint32_t group) { prefetch_group(s, group); };
-    std::uint32_t grade = grade_count; // of due groups, plus one
+namespace {
+
+// True when the items were spent before the work.
+bool work_off(CutState& s) {
+    PageVisits visits(s);
     // While the mesh lags, what is known to be bad does not wait for all that might be.
-    constexpr std::uint32_t many = 4096;
-    s.lagging = s.lagging || due(s) > many; // a teleport
+    s.lagging = s.lagging || s.jumped;
     const std::uint32_t most_examined = s.lagging ? 2 * batch_groups : unlimited_items;
     while (s.report.items < s.item_limit) {
-        while (grade != 0 && size(s.lists, due_lists + grade - 1) == 0) --grade;
-        if (grade != 0 && s.examined < most_examined) {
-            if (out_of_time(s)) return;
-            const std::uint32_t group = pop_due(s.lists, grade - 1, prefetch);
-            s.groups[group].list = being_visited;
-            examine(s, group);
-            ++s.examined;
+        if (visits.any() && s.examined < most_examined) {
+            if (out_of_time(s)) return false;
+            visits.examine_next();
             continue;
         }
         s.examined = 0;
-        const std::uint32_t list = next_queue(s);
-        if (list == unlisted && grade == 0) return;
-        if (list == unlisted) continue;
+        const std::uint32_t queue = next_queue(s);
+        if (queue == unqueued && !visits.any()) return false;
+        if (queue == unqueued) continue;
         const std::uint32_t full_before = s.full_capacities;
-        if (!change_batch(s, list, list == deactivation_list || !s.lagging)) break;
+        if (!change_batch(s, queue, queue == deactivation_queue || !s.lagging)) break;
         ++s.batches;
         if (s.full_capacities != full_before) s.deactivations_when_full = s.report.deactivations;
     }
-    if (s.report.items >= s.item_limit && waiting_groups(s) != blocked_groups(s) &&
-        (s.report.exhausted & cut_budget_time) == 0)
+    return s.report.items >= s.item_limit;
+}
+
+} // namespace
+
+void refine(CutState& s) {
+    if (work_off(s) && waiting_groups(s) != blocked_groups(s) && (s.report.exhausted & cut_budget_time) == 0)
         s.report.exhausted |= cut_budget_items;
 }
 
 std::uint32_t build_group(CutState& s, std::uint32_t number) {
-    Evaluated group(s.groups[number]);
-    evaluate_group(s, number, group);
+    const Evaluated group = evaluate_group(s, number);
     const std::uint32_t lanes = group.to_activate();
     if (free_vertices(s) < group_lanes) {
         s.full_capacities |= cut_budget_vertices;
         return 0;
     }
     PageSlot& info = s.page_slot[number / max_page_groups];
-    const GroupShape& shape = shape_of(s, number);
-    const Coord at = site_coord(site_of(s, number * group_lanes));
-    const std::int32_t apart = 2 << (info.z + shape.z);
-    const float unit_m = s.level_unit_m[2 * (info.z + shape.z) + (shape.kind == VertexKind::centre ? 0 : 1)];
-    Slack rest;
+    VertexRecord gathered[group_lanes];
+    const LaneGroup at = lanes_of(s, number, gathered);
     for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
         const auto lane = static_cast<std::int32_t>(std::countr_zero(left));
-        const VertexRecord record = group.records[lane];
+        const VertexRecord record = at.records[lane];
         const std::uint32_t slot = take_vertex(s);
         s.vertex_slot[number * group_lanes + static_cast<std::uint32_t>(lane)] = slot;
-        s.vertices[slot] = {std::min(at.x + (shape.along_y ? 0 : lane * apart), s.criterion.last_x),
-                            std::min(at.y + (shape.along_y ? lane * apart : 0), s.criterion.last_y),
+        s.vertices[slot] = {std::min(at.x0 + lane * at.dx, s.criterion.last_x),
+                            std::min(at.y0 + lane * at.dy, s.criterion.last_y),
                             s.criterion.base_m + static_cast<float>(record.height + info.base) * s.criterion.quantum_m};
         s.morph[slot] = {0, s.criterion.error_m[record.error],
-                         unit_m * s.criterion.radius_factor[record.radius & (radius_codes - 1)], long_active_s};
+                         at.unit_m * s.criterion.radius_factor[record.radius & (radius_codes - 1)], long_active_s};
         s.hole[slot] = is_void(record);
         ++info.active;
         for (std::size_t d = 0; d < 4; ++d) s.triangle_of[std::size_t{slot} * 4 + d] = no_index;
     }
-    group.state.active = static_cast<std::uint16_t>(lanes);
     // Of those that will have active children nobody knows yet; to look at them too is early, never late.
-    rest.include(group, group.inactive(), group.margins.reach_m);
-    rest.include(group, lanes, group.margins.keep_m);
-    schedule(s.lists, number, rest.slack_m, grade_of(rest.code));
+    tighten(s.schedule, number, group.answers.slack_m, grade_of(group.answers.code));
+    group.state.active = static_cast<std::uint16_t>(lanes);
     return lanes;
 }
 

@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "asserts.h"
-#include "cut/calendar.h"
 #include "cut/groups.h"
+#include "cut/queues.h"
+#include "cut/schedule.h"
 #include "fjell/cut.h"
 #include "pack/terrain_data.h"
 #include "view/wanted.h"
@@ -29,21 +30,19 @@ struct Criterion {
 };
 
 struct LaneGroup; // evaluate.h
-struct LaneMargins;
+struct LaneAnswers;
 
-// One group: a bit a lane in every mask. 32 bytes, so that a visit costs half a cache line beside the records.
+// One group: a bit a lane in every mask. 32 bytes, so that a visit costs half a cache line beside the records. When it
+// is due, the schedule says.
 struct GroupState {
     std::uint16_t active;
     std::uint16_t parent[2]; // that parent is active, or does not exist because it would lie outside the terrain
     std::uint16_t child[4];  // that child is active; where it is not, an active vertex draws a triangle towards it
-    std::uint16_t list;      // that the group was put in (list_of), or unlisted
+    QueueId queue;           // that the group waits in, or unqueued
     Link link;
-    // In the calendar: the tick of its grade at which it must be evaluated, 48 bits of it. In a queue: which lanes
-    // called for work, activations in the lower half; only a hint of what to prefetch.
-    std::uint32_t due;
-    std::uint16_t due_high;
-    std::uint8_t grade; // of its errors; in the calendar and after
-    std::uint8_t spare;
+    std::uint32_t
+        calls; // in a queue: lanes that called for work, activations in the lower half; a hint for prefetching
+    std::uint32_t spare;
 
     [[nodiscard]] std::uint16_t ready() const { return static_cast<std::uint16_t>(parent[0] & parent[1]); }
     [[nodiscard]] std::uint16_t parental() const {
@@ -61,13 +60,18 @@ struct PageSlot {
     std::uint32_t tile;
     std::int32_t i0, j0; // the page's first square in its tile; page 0: 0
     std::int32_t tile_x, tile_y;
-    std::int32_t base;    // height scale steps
-    std::uint32_t loads;  // TerrainData::slot_loads when the page was entered
-    std::uint16_t active; // vertices
-    std::uint8_t z;       // log2 of the step; page 0: 0, its groups say
-    std::uint8_t shape;   // 0: page 0; 1: any other
+    std::int32_t x0, y0; // its first square's corner, in samples of the terrain
+    std::int32_t base;   // height scale steps
+    std::uint32_t loads; // TerrainData::slot_loads when the page was entered
+    // What its vertices stand within, and the largest of their errors and spheres: what it could hide.
+    float low_m, high_m, error_m, radius_m;
+    std::int64_t late_ticks; // when one of them last began to morph by time
+    std::uint16_t active;    // vertices
+    std::uint8_t z;          // log2 of the step; page 0: 0, its groups say
+    std::uint8_t shape;      // 0: page 0; 1: any other
     PageSlotStatus status;
     bool touched; // its groups may say more than that nothing is active
+    bool late;    // listed among late_pages
 };
 
 // A tile's triangles: a stack of segments; all but the last are full.
@@ -158,7 +162,7 @@ struct CutState {
     std::uint16_t* hz_places;   // hierarchical Z-order: place of each group's lanes, for both shapes; else nullptr
     std::uint32_t* page_groups; // first group of each page, or no_index
     float level_unit_m[2 * max_tile_log2]; // of radii: centres at 2 z, sides at 2 z + 1
-    void (*evaluate)(const Criterion&, const LaneGroup&, LaneMargins&);
+    void (*evaluate)(const Criterion&, const LaneGroup&, LaneAnswers&);
     // Vertices.
     GroupState* groups;
     std::uint32_t* vertex_slot; // vertex slot of each active vertex
@@ -166,8 +170,9 @@ struct CutState {
     std::uint64_t seen_changes;
     std::uint32_t* evicting; // slots whose pages are being evicted
     std::uint32_t evicting_count;
-    // Lists of groups.
-    Lists lists;
+    // What is to be done, and when.
+    Schedule schedule;
+    Queues queues;
     // The mesh.
     MeshVertex* vertices;
     MorphVertex* morph;
@@ -207,11 +212,13 @@ struct CutState {
     std::uint32_t deactivations_when_full; // deactivations before it did
     std::uint32_t batches;                 // of groups, changed in this frame
     std::uint32_t examined;                // groups since the last batch, also of the frame before
+    bool jumped;                           // an eye has, so far that much is due
     bool still;                            // no eye has moved, come or gone since the frame before
     std::chrono::steady_clock::time_point started;
-    std::uint32_t work_ranks; // which work lists may hold groups, as bits
-    std::uint32_t turn;       // which of blocked_lists takes what is put back
-    std::uint32_t gated_turn; // and of gated_lists
+    double reserved_us, output_us; // of the frame's time, for its report; and what the last one took
+    std::uint32_t work_ranks;      // which work_queues may hold groups, as bits
+    std::uint32_t turn;            // which of blocked_queues takes what is put back
+    std::uint32_t gated_turn;      // and of gated_queues
     // Passes over the gated groups that are due, because a vertex has reached its height or is no longer evicted. A
     // pass may take several frames; groups that were filed before the event may lie in either list.
     std::uint8_t gate_passes;
@@ -220,6 +227,8 @@ struct CutState {
     MorphFrame morph_now, morph_before;
     float* late_s; // activated_s of vertices activated late, a ring of budget.vertices: oldest first
     std::uint32_t first_late, late_count;
+    std::uint32_t* late_pages; // slots of pages with such vertices
+    std::uint32_t late_page_count;
     std::uint32_t* morphing_out; // vertices that morph out, a ring of budget.vertices: those that began first
     std::uint32_t first_morphing_out, morphing_out_count;
 };
@@ -249,6 +258,10 @@ inline void give_vertex(CutState& s, std::uint32_t slot) {
 [[nodiscard]] inline CutState* find_cut(const LiveCut& cut) {
     CutState* const s = find(cut);
     return s != nullptr && find(s->terrain_handle) != nullptr ? s : nullptr;
+}
+// Vertices that morph by time, in or out.
+[[nodiscard]] inline std::uint32_t morphing_vertices(const CutState& s) {
+    return s.late_count + s.morphing_out_count;
 }
 inline constexpr Status no_cut{Code::invalid_handle, "cut, or its terrain"};
 

@@ -5,11 +5,12 @@
 #include <utility>
 
 #include "cut/bulk.h"
-#include "cut/calendar.h"
 #include "cut/change.h"
+#include "cut/lag.h"
 #include "cut/morph.h"
 #include "cut/pages.h"
 #include "cut/refine.h"
+#include "fjell/measure.h"
 #include "validate.h"
 
 namespace fjell {
@@ -125,8 +126,11 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     const ViewChange change(before, c);
     s.still = before.views != 0 && change.at(0) == 0;
     constexpr double rounding = 1 + 0x1p-18; // reach_grow, of the sums above, of decisions, and charge_rounding
+    double metres[grade_count];
     for (std::uint32_t grade = 0; grade < grade_count; ++grade)
-        advance(s.lists, grade, change.at(grade_error_m(s, grade)) * rounding);
+        metres[grade] = change.at(grade_error_m(s, grade)) * rounding;
+    advance(s.schedule, metres);
+    s.jumped = metres[grade_count / 2] > 1024 * s.schedule.tick_m;
 }
 
 bool may_be_seen(const CutState& s, const TileList& tile) {
@@ -204,6 +208,18 @@ double govern(Governor& g, double requested_px, double most_px, double use, bool
     return g.effective_px = next;
 }
 
+// What the mesh lacks of its threshold; 0: nothing.
+double waiting_px(CutState& s) {
+    const CutReport& r = s.report;
+    forget_late_pages(s, r.morphing == 0);
+    if (r.waiting == 0 && r.morphing == 0) return 0;
+    const double lag = lag_px(s);
+    if (r.morphing == 0 && s.morph_now.morph == Morph::none) return lag;
+    // Of vertices that stand between two heights what moves them comes on top of what the mesh around them hides; it
+    // is less than the threshold where they should not be active any more.
+    return std::min(std::max(lag, r.threshold_px) + r.threshold_px, unbounded_px);
+}
+
 void finish(CutState& s) {
     CutReport& r = s.report;
     list_ranges(s);
@@ -216,22 +232,22 @@ void finish(CutState& s) {
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) r.triangles += s.tiles[tile].total;
     r.blocked = blocked_groups(s);
     if (s.full_capacities != 0) s.governor.cause = s.full_capacities;
-    if (r.error_px_effective <= r.error_px_requested) s.governor.cause = s.full_capacities;
+    if (r.threshold_px <= r.error_px_requested) s.governor.cause = s.full_capacities;
     r.exhausted |= s.governor.cause;
-    r.morphing = s.late_count + s.morphing_out_count;
+    r.morphing = morphing_vertices(s);
     r.waiting = waiting_groups(s);
     for (std::uint32_t i = 0; i < s.evicting_count; ++i) r.waiting += s.page_slot[s.evicting[i]].active != 0;
     r.vertices_changed = s.dirty_vertices.slots;
     r.triangles_changed = s.dirty_triangles.slots;
-    const std::uint32_t gated = size(s.lists, gated_lists) + size(s.lists, gated_lists + 1);
+    const std::uint32_t gated = s.queues.sizes[gated_queues] + s.queues.sizes[gated_queues + 1];
     s.lagging = r.waiting != r.blocked + gated;
-    r.converged = r.waiting == 0 && r.morphing == 0 && r.error_px_effective <= r.error_px_requested;
+    r.converged = r.waiting == 0 && r.morphing == 0 && r.threshold_px <= r.error_px_requested;
     const double use = std::max(static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
                                 static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity);
     (void)govern(s.governor, r.error_px_requested, governor_most_px(s), use, s.full_capacities != 0, !s.lagging,
                  s.still);
-    // What pages hide that are wanted and not there bounds the screen as a threshold would.
-    r.error_px_effective = std::max(r.error_px_effective, s.terrain->missing_px);
+    // What waits, and what pages hide that are wanted and not there, bounds the screen as a threshold would.
+    r.error_px_effective = std::max({r.threshold_px, waiting_px(s), s.terrain->missing_px});
     r.converged = r.converged && s.terrain->missing_px <= r.error_px_requested;
 }
 
@@ -257,6 +273,8 @@ void begin_frame(CutState& s, const CutSettings& settings) {
     s.report = {};
     s.report.frame = ++s.frame;
     s.report.error_px_requested = settings.error_px;
+    // As much as the last one took: a frame that lags looks at what waits.
+    s.reserved_us = s.lagging ? std::min(s.output_us, settings.budget_us / 2) : 0;
     s.full_capacities = s.batches = s.deactivations_when_full = 0;
     advance_clock(s, s.frame == 1);
 }
@@ -291,12 +309,12 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     CutReport& r = s.report;
     s.governor.effective_px = std::max(s.governor.effective_px, settings.error_px);
     if (s.governor.cause == 0) s.governor.effective_px = settings.error_px;
-    r.error_px_effective = s.governor.effective_px;
+    r.threshold_px = s.governor.effective_px;
     set_views(s, views, s.governor.effective_px);
     sync_pages(s);
     // What was blocked takes its turn again; what still is goes to the other list.
-    if (size(s.lists, blocked_lists + (s.turn ^ 1)) == 0) s.turn ^= 1;
-    if (size(s.lists, gated_lists + (s.gated_turn ^ 1)) == 0) {
+    if (s.queues.sizes[blocked_queues + (s.turn ^ 1)] == 0) s.turn ^= 1;
+    if (s.queues.sizes[gated_queues + (s.gated_turn ^ 1)] == 0) {
         s.gated_turn ^= 1;
         if (s.gate_passes != 0) --s.gate_passes;
     }
@@ -308,7 +326,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     finish(s);
     r.prepare_us = microseconds(s.started, prepared);
     r.refine_us = microseconds(prepared, refined);
-    r.output_us = microseconds(refined, Clock::now());
+    s.output_us = r.output_us = microseconds(refined, Clock::now());
     report = r;
     FJELL_WALK(s.frame, validate_cut(s));
     return {};
@@ -346,7 +364,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         complete = false;
         break;
     }
-    r.error_px_effective = s.governor.effective_px;
+    r.threshold_px = s.governor.effective_px;
     if (complete)
         mark_all(s, written);
     else // refine() has marked what it wrote

@@ -1,5 +1,5 @@
 // Is a live cut what cut/state.h promises? Groups and vertices here, the mesh and what is written in validate_mesh.cpp,
-// lists in validate_lists.cpp.
+// queues and the schedule in validate_work.cpp.
 #include "validate.h"
 
 #include <bit>
@@ -90,10 +90,10 @@ Violation check_decision(const CutState& s, std::uint32_t vertex, bool on, doubl
         margin = std::max(margin, reach * static_cast<double>(reach_grow) + static_cast<double>(r.pad) - length(way));
     }
     if (in != on) return at("a vertex disagrees with the decision, and nobody knows:", s, vertex);
-    if (left_m > std::abs(margin) * (1 + 1e-4) + s.lists.tick_m * 1.01)
+    if (left_m > std::abs(margin) * (1 + 1e-4) + s.schedule.tick_m * 0.01)
         return at("a vertex could change before it is looked at:", s, vertex);
-    if (grade_of(v.error_code) > s.groups[vertex / group_lanes].grade)
-        return at("a group's grade is too low:", s, vertex);
+    if (grade_of(v.error_code) > s.schedule.awake[s.schedule.pages[vertex / group_lanes / max_page_groups].awake].grade)
+        return at("a page's grade is too low:", s, vertex);
     return {};
 }
 
@@ -110,13 +110,16 @@ Violation check_group(const CutState& s, std::uint32_t number) {
         return at("a parent mask is wrong in the group of", s, number * group_lanes);
     const bool evicting = s.page_slot[number / max_page_groups].status == PageSlotStatus::evicting;
     const Changeable lanes = changeable(s, number);
-    const ListId list = list_of(s.lists, number);
-    if ((lanes.inactive | lanes.childless) != 0 && list == unlisted && !evicting)
+    const std::uint16_t ticks = ticks_of(s.schedule, number);
+    if ((lanes.inactive | lanes.childless) != 0 && b.queue == unqueued && ticks == unscheduled && !evicting)
         return at("nobody will look at the group of", s, number * group_lanes);
-    // What is in a queue is looked at in any case, and what is evicted goes without.
-    if (list >= due_lists || evicting || s.seen_changes != s.terrain->changes) return {};
-    const double ticks = static_cast<double>(std::uint64_t{b.due_high} << 32 | b.due) + 1;
-    const double left_m = list >= soon_lists ? 0 : ticks * s.lists.tick_m - s.lists.odometer_m[b.grade];
+    // What is due or in a queue is looked at in any case, and what is evicted goes without.
+    const PageSchedule& page = s.schedule.pages[number / max_page_groups];
+    if (page.awake == no_index) return {}; // validate_schedule() says so
+    if (b.queue != unqueued || ticks == unscheduled || evicting || s.seen_changes != s.terrain->changes) return {};
+    const double left_m =
+        ticks <= soon ? 0 : page.charged_m + (ticks - soon) * tick_m(s.schedule, page) - odometer_m(s.schedule, page);
+    if (is_due(s.schedule, number / max_page_groups) && left_m <= 0) return {};
     // Until a page is evicted, what stood on it goes step by step, whatever the decision says.
     const bool leaves = lanes.inactive != 0 && some_page_leaves(s);
     for (std::uint32_t left = lanes.inactive | lanes.childless; left != 0; left &= left - 1) {
@@ -133,7 +136,8 @@ Violation check_empty(const CutState& s, std::uint32_t slot) {
     if (s.page_slot[slot].status != PageSlotStatus::empty) return {"a page slot without a page is not empty"};
     for (std::uint32_t n = 0; n < max_page_groups; ++n) {
         const GroupState& b = s.groups[slot * max_page_groups + n];
-        if (b.list != unlisted) return {"a group of no page is in a list"};
+        if (b.queue != unqueued) return {"a group of no page is in a queue"};
+        if (ticks_of(s.schedule, slot * max_page_groups + n) != unscheduled) return {"a group of no page is scheduled"};
         if ((b.active | b.parent[0] | b.parent[1] | b.parental()) != 0) return {"a group of no page is in use"};
     }
     return {};
@@ -243,9 +247,10 @@ Violation validate_cut(const CutState& s) {
     Tally vertex_slots;
     if (const Violation wrong = check_pages(s, vertex_slots)) return wrong;
     if (const Violation wrong = check_vertex_slots(s, vertex_slots)) return wrong;
-    if (const Violation wrong = validate_lists(s.lists)) return wrong;
+    if (const Violation wrong = validate_queues(s.queues)) return wrong;
+    if (const Violation wrong = validate_schedule(s.schedule, s.queues)) return wrong;
     for (std::uint32_t rank = 0; rank < rank_count; ++rank)
-        if (size(s.lists, work_lists + rank) != 0 && (s.work_ranks >> rank & 1) == 0)
+        if (s.queues.sizes[work_queues + rank] != 0 && (s.work_ranks >> rank & 1) == 0)
             return {"a queue holds work, and nobody will look at it"};
     if (const Violation wrong = validate_mesh(s)) return wrong;
     if (const Violation wrong = check_morphing(s)) return wrong;

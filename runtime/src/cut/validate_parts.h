@@ -6,8 +6,11 @@
 
 namespace fjell {
 
-// Every group that says it is in a list is there, once and where it says; nodes are in use or free.
-[[nodiscard]] Violation validate_lists(const Lists& lists);
+// Every group that says it is in a queue is there, once.
+[[nodiscard]] Violation validate_queues(const Queues& queues);
+
+// Pages that watch anything are awake, and come up no later than their groups; due pages are in their lists, once.
+[[nodiscard]] Violation validate_schedule(const Schedule& schedule, const Queues& queues);
 
 // Triangles, their segments, and the written slots.
 [[nodiscard]] Violation validate_mesh(const CutState& s);

@@ -1,0 +1,200 @@
+#include "cut/lag.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "cut/evaluate.h"
+#include "fjell/measure.h"
+
+namespace fjell {
+
+namespace {
+
+// Of the floats that positions, errors and radii are.
+constexpr double grow = 1 + 0x1p-18;
+
+// Pixels of one metre at one metre's distance, over what the view's threshold is to that of the settings: views are
+// bounded in the same units, whatever their own thresholds are.
+double unit_px(const CutState& s, std::uint32_t view) {
+    const View& v = s.views[view];
+    const double own = view_error_px(v, s.settings.error_px) / s.settings.error_px;
+    return lambda_px(v) / own * (s.settings.corner_safe ? corner_factor(v) : 1);
+}
+
+double pixels(double unit_px, double error_m, double apart_m) {
+    const double most = error_m * grow * unit_px;
+    return apart_m * unbounded_px > most ? most / apart_m : error_m > 0 ? unbounded_px : 0;
+}
+
+struct PagePixels {
+    double px;
+    std::uint32_t slot;
+};
+
+double page_px(const CutState& s, const PageSlot& page) {
+    const std::int32_t cells =
+        page.shape == 0 ? s.terrain->tree.side() : static_cast<std::int32_t>(2 * page_squares) << page.z;
+    const Criterion& c = s.criterion;
+    const auto place = [](std::int32_t at, std::int32_t last, float spacing_m) {
+        return static_cast<double>(static_cast<float>(std::min(at, last)) * spacing_m);
+    };
+    const double low[3] = {place(page.x0, c.last_x, c.spacing_x_m), static_cast<double>(page.low_m),
+                           place(page.y0, c.last_y, c.spacing_z_m)};
+    const double high[3] = {place(page.x0 + cells, c.last_x, c.spacing_x_m), static_cast<double>(page.high_m),
+                            place(page.y0 + cells, c.last_y, c.spacing_z_m)};
+    double most = 0;
+    for (std::uint32_t i = 0; i < s.view_count; ++i) {
+        const double eye[3] = {s.views[i].eye_m.x, s.views[i].eye_m.y, s.views[i].eye_m.z};
+        double squared = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double out = std::max({low[axis] - eye[axis], eye[axis] - high[axis], 0.0});
+            squared += out * out;
+        }
+        most = std::max(most, pixels(unit_px(s, i), static_cast<double>(page.error_m),
+                                     std::sqrt(squared) / grow - static_cast<double>(page.radius_m) * grow));
+    }
+    return most;
+}
+
+// Looks at vertices, as long as it may.
+class Looker {
+public:
+    explicit Looker(const CutState& state) : s(state) {}
+
+    // The largest of a page's vertices that wait, and where some morph by time, of all that are ready. Unbounded when
+    // there are too many to be looked at.
+    [[nodiscard]] double px(std::uint32_t slot) {
+        const PageSlot& page = s.page_slot[slot];
+        const bool all = page.late || page.status == PageSlotStatus::evicting;
+        double most = 0;
+        for (std::uint32_t n = 0; n < s.shapes[page.shape].count; ++n) {
+            const std::uint32_t number = slot * max_page_groups + n;
+            const GroupState& group = s.groups[number];
+            if (!all && group.queue == unqueued && !is_spent(s.schedule, number)) continue;
+            const auto lanes = static_cast<std::uint32_t>(page.late ? group.ready() : group.ready() & ~group.active);
+            const auto count = static_cast<std::uint32_t>(std::popcount(lanes));
+            if (count > left_) return unbounded_px;
+            left_ -= count;
+            most = std::max(most, lanes_px(number, lanes));
+        }
+        return most;
+    }
+
+private:
+    [[nodiscard]] double lanes_px(std::uint32_t group, std::uint32_t lanes) const {
+        double most = 0;
+        for (; lanes != 0; lanes &= lanes - 1) {
+            const std::uint32_t vertex = group * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
+            const Evaluation v = evaluate_vertex(s, vertex, site_of(s, vertex), true);
+            for (std::uint32_t i = 0; i < s.view_count; ++i) {
+                const Vec3 way = Vec3{v.x, v.y, v.z} - s.views[i].eye_m;
+                most = std::max(most, pixels(unit_px(s, i), static_cast<double>(v.error_m),
+                                             length(way) / grow - static_cast<double>(v.radius_m) * grow));
+            }
+        }
+        return most;
+    }
+    const CutState& s;
+    std::uint32_t left_ = 512; // vertices: some microseconds
+};
+
+// The pages with the highest bounds, and the highest of all others'.
+class Worst {
+public:
+    void add(const CutState& s, std::uint32_t slot) {
+        PagePixels page{page_px(s, s.page_slot[slot]), slot};
+        if (count_ < most_looked_at) {
+            pages_[count_++] = page;
+            return;
+        }
+        PagePixels& least = *std::min_element(pages_, pages_ + count_, by_px);
+        if (page.px > least.px) std::swap(page, least);
+        others_px_ = std::max(others_px_, page.px);
+    }
+    [[nodiscard]] double px(const CutState& s) {
+        std::sort(pages_, pages_ + count_, by_px);
+        Looker looker(s);
+        double most = others_px_;
+        for (; count_ != 0 && pages_[count_ - 1].px > most; --count_)
+            most = std::max(most, std::min(pages_[count_ - 1].px, looker.px(pages_[count_ - 1].slot)));
+        return most;
+    }
+
+private:
+    static constexpr std::uint32_t most_looked_at = 8;
+    static bool by_px(const PagePixels& a, const PagePixels& b) {
+        return a.px < b.px || (a.px == b.px && a.slot < b.slot);
+    }
+    PagePixels pages_[most_looked_at];
+    std::uint32_t count_ = 0;
+    double others_px_ = 0;
+};
+
+} // namespace
+
+void bound_page(const CutState& s, PageSlot& page, std::uint32_t slot) {
+    const TerrainData& t = *s.terrain;
+    const VertexRecord* const records = t.records + std::size_t{slot} * t.page_capacity;
+    std::uint32_t low = 0xffff, high = 0, error = 0, radius = 0;
+    for (std::uint32_t n = 0; n < s.shapes[page.shape].count; ++n) {
+        const GroupShape& shape = s.shapes[page.shape].groups[n];
+        for (std::uint32_t lane = 0; lane < shape.lanes; ++lane) {
+            const VertexRecord r = s.hz_places ? record_of(s, (slot * max_page_groups + n) * group_lanes + lane)
+                                               : records[shape.first + shape.stride * lane];
+            low = std::min<std::uint32_t>(low, r.height);
+            high = std::max<std::uint32_t>(high, r.height);
+            error = std::max<std::uint32_t>(error, r.error);
+            radius = std::max<std::uint32_t>(radius, r.radius & (radius_codes - 1));
+        }
+    }
+    float unit_m = 0; // coarser levels have larger ones
+    const int finest = page.shape == 0 ? 0 : page.z, coarsest = page.shape == 0 ? t.tree.tile_log2 - 1 : page.z;
+    for (int z = finest; z <= coarsest; ++z)
+        unit_m = std::max({unit_m, s.level_unit_m[2 * z], s.level_unit_m[2 * z + 1]});
+    page.low_m = t.height_scale.height_m(static_cast<std::int32_t>(low) + page.base);
+    page.high_m = t.height_scale.height_m(static_cast<std::int32_t>(high) + page.base);
+    page.error_m = t.errors.metres[error];
+    page.radius_m = unit_m * t.radii.factor[radius];
+}
+
+void note_late(CutState& s, std::uint32_t slot) {
+    PageSlot& page = s.page_slot[slot];
+    page.late_ticks = s.clock.ticks;
+    if (page.late) return;
+    page.late = true;
+    s.late_pages[s.late_page_count++] = slot;
+}
+
+void forget_late_pages(CutState& s, bool all) {
+    const auto lasts = static_cast<std::int64_t>(std::ceil(s.settings.morph_s * ticks_a_second)) + 1;
+    for (std::uint32_t i = 0; i < s.late_page_count;) {
+        PageSlot& page = s.page_slot[s.late_pages[i]];
+        if (!all && s.clock.ticks - page.late_ticks <= lasts) {
+            ++i;
+            continue;
+        }
+        page.late = false;
+        s.late_pages[i] = s.late_pages[--s.late_page_count];
+    }
+}
+
+void forget_late_page(CutState& s, std::uint32_t slot) {
+    s.page_slot[slot].late = false;
+    std::uint32_t* const end = s.late_pages + s.late_page_count--;
+    (void)std::remove(s.late_pages, end, slot);
+}
+
+double lag_px(const CutState& s) {
+    Worst worst;
+    for (std::uint32_t i = 0; i < s.schedule.awake_count; ++i) {
+        const AwakePage& page = s.schedule.awake[i];
+        if ((page.due || page.queued != 0) && !s.page_slot[page.slot].late) worst.add(s, page.slot);
+    }
+    for (std::uint32_t i = 0; i < s.late_page_count; ++i) worst.add(s, s.late_pages[i]);
+    for (std::uint32_t i = 0; i < s.evicting_count; ++i)
+        if (!s.page_slot[s.evicting[i]].late && s.page_slot[s.evicting[i]].active != 0) worst.add(s, s.evicting[i]);
+    return std::min(worst.px(s), unbounded_px);
+}
+
+} // namespace fjell

@@ -1,0 +1,27 @@
+// What a mesh that lags may hide, in pixels (invariant 4).
+//
+// A triangle hides no more than the error of the vertex that would split it, within that vertex' sphere; and errors
+// and spheres nest. So of all that is not drawn it is enough to know the vertices that are ready and not active. Those
+// that wait are in pages that are due, or with groups in queues, or that are being evicted: of every other page, all
+// are within the threshold. A page's own bound, from its box, its largest error and its largest sphere, costs little
+// and is loose where the eye is near; of the few pages whose bounds are highest the vertices are looked at, one by one.
+#pragma once
+
+#include "cut/state.h"
+
+namespace fjell {
+
+// What a page's vertices could hide: called when it comes. O(its vertices).
+void bound_page(const CutState& s, PageSlot& page, std::uint32_t slot);
+
+// A vertex has begun to morph by time: its page hides something until it has arrived.
+void note_late(CutState& s, std::uint32_t slot);
+// Their vertices have morphed in; all: no vertex morphs by time any more.
+void forget_late_pages(CutState& s, bool all);
+void forget_late_page(CutState& s, std::uint32_t slot); // it leaves
+
+// No less than the largest error on screen of what waits or morphs by time, as if it were error_px_effective;
+// unbounded_px at most. 0: nothing does. O(awake pages).
+[[nodiscard]] double lag_px(const CutState& s);
+
+} // namespace fjell

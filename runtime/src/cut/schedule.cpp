@@ -1,0 +1,298 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "cut/schedule.cpp"
+#include <hwy/foreach_target.h> // includes this file once a target
+
+#include <hwy/highway.h>
+
+#include "cut/schedule.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace fjell::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using U = hn::CappedTag<std::uint16_t, 16>;
+
+void charge_ticks(std::uint16_t* ticks, std::uint16_t by) {
+    const U d;
+    const auto less = hn::Set(d, by), never = hn::Set(d, unscheduled), last = hn::Set(d, soon);
+    for (std::size_t i = 0; i < page_ticks; i += hn::Lanes(d)) {
+        const auto before = hn::LoadU(d, ticks + i), left = hn::SaturatedSub(before, less);
+        const auto after = hn::IfThenElseZero(hn::Ne(hn::Max(left, last), last), left);
+        hn::StoreU(hn::IfThenElse(hn::Eq(before, never), never, after), d, ticks + i);
+    }
+}
+
+void spent_bits(const std::uint16_t* ticks, std::uint64_t* bits) {
+    const U d;
+    const auto none = hn::Set(d, spent);
+    for (std::size_t i = 0; i < page_words; ++i) bits[i] = 0;
+    for (std::size_t i = 0; i < page_ticks; i += hn::Lanes(d)) {
+        std::uint8_t bytes[8] = {};
+        hn::StoreMaskBits(d, hn::Eq(hn::LoadU(d, ticks + i), none), bytes);
+        const std::uint64_t found = bytes[0] | std::uint64_t{bytes[1]} << 8;
+        bits[i / 64] |= found << i % 64;
+    }
+}
+
+std::uint16_t least_ticks(const std::uint16_t* ticks) {
+    const U d;
+    auto least = hn::Set(d, unscheduled);
+    for (std::size_t i = 0; i < page_ticks; i += hn::Lanes(d)) least = hn::Min(least, hn::LoadU(d, ticks + i));
+    alignas(64) std::uint16_t lanes[16];
+    hn::StoreU(least, d, lanes);
+    std::uint16_t out = unscheduled;
+    for (std::size_t i = 0; i < hn::Lanes(d); ++i) out = lanes[i] < out ? lanes[i] : out;
+    return out;
+}
+
+} // namespace fjell::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+namespace fjell {
+
+HWY_EXPORT(charge_ticks);
+HWY_EXPORT(least_ticks);
+HWY_EXPORT(spent_bits);
+
+namespace {
+
+constexpr double never_m = 1e300;
+
+void charge_vector(std::uint16_t* ticks, std::uint16_t by) {
+    HWY_DYNAMIC_DISPATCH(charge_ticks)(ticks, by);
+}
+void spent_vector(const std::uint16_t* ticks, std::uint64_t* bits) {
+    HWY_DYNAMIC_DISPATCH(spent_bits)(ticks, bits);
+}
+std::uint16_t least_vector(const std::uint16_t* ticks) {
+    return HWY_DYNAMIC_DISPATCH(least_ticks)(ticks);
+}
+
+void wake(Schedule& s, std::uint32_t slot, std::uint32_t grade) {
+    PageSchedule& page = s.pages[slot];
+    FJELL_ASSERT(page.awake == no_index && s.awake_count < s.slot_count);
+    page.charged_m = page.seen_m = s.odometer_m[grade];
+    page.awake = s.awake_count;
+    s.awake[s.awake_count++] = {never_m, slot, static_cast<std::uint8_t>(grade), page.level, false, 0};
+}
+void sleep(Schedule& s, std::uint32_t slot) {
+    PageSchedule& page = s.pages[slot];
+    const AwakePage last = s.awake[--s.awake_count];
+    s.awake[page.awake] = last;
+    s.pages[last.slot].awake = page.awake;
+    page.awake = no_index;
+}
+
+// What it has travelled since it was charged stays; from now on it is charged by the higher grade.
+void raise_grade(Schedule& s, PageSchedule& page, AwakePage& awake, std::uint32_t grade) {
+    const double by_m = s.odometer_m[grade] - s.odometer_m[awake.grade];
+    page.charged_m += by_m;
+    page.seen_m += by_m;
+    if (awake.due_m < never_m) awake.due_m += by_m;
+    awake.grade = static_cast<std::uint8_t>(grade);
+}
+
+void push_due(Schedule& s, AwakePage& page) {
+    page.due = true;
+    page.due_m = never_m;
+    s.next_due[page.slot] = no_index;
+    DuePages& due = s.due[page.level];
+    if (s.due_levels >> page.level & 1)
+        s.next_due[due.last] = page.slot;
+    else
+        due.first = page.slot;
+    due.last = page.slot;
+    s.due_levels |= 1u << page.level;
+    ++s.due_count;
+}
+
+void take_from_due(Schedule& s, AwakePage& page) {
+    DuePages& due = s.due[page.level];
+    std::uint32_t before = no_index, at = due.first;
+    while (at != page.slot) before = std::exchange(at, s.next_due[at]);
+    (before == no_index ? due.first : s.next_due[before]) = s.next_due[page.slot];
+    if (due.last == page.slot) due.last = before;
+    if (due.first == no_index) s.due_levels &= ~(1u << page.level);
+    --s.due_count;
+    page.due = false;
+}
+
+// a + b, rounded up where more than charge_rounding of b would be lost.
+double sum(double a, double b) {
+    const double nearest = a + b;
+    return nearest - a < b * (1 - charge_rounding) ? std::nextafter(nearest, 1e300) : nearest;
+}
+
+// The odometer begins again at 0, and all times of its grade with it.
+void rewind(Schedule& s, std::uint32_t grade) {
+    const double by_m = s.odometer_m[grade];
+    for (std::uint32_t i = 0; i < s.awake_count; ++i) {
+        AwakePage& awake = s.awake[i];
+        if (awake.grade != grade) continue;
+        s.pages[awake.slot].charged_m -= by_m;
+        s.pages[awake.slot].seen_m -= by_m;
+        if (awake.due_m < never_m) awake.due_m -= by_m;
+    }
+    s.odometer_m[grade] = 0;
+}
+
+} // namespace
+
+void begin_schedule(Schedule& s, double about_m) {
+    int exponent = 0;
+    (void)std::frexp(about_m, &exponent);
+    s.tick_m = std::ldexp(1.0, exponent - 1);
+    s.vectors = {charge_vector, spent_vector, least_vector};
+    for (std::uint32_t slot = 0; slot < s.slot_count; ++slot) s.pages[slot].awake = no_index;
+    std::fill_n(s.ticks, std::size_t{s.slot_count} * page_ticks, unscheduled);
+}
+
+void clear_schedule(Schedule& s) {
+    while (s.awake_count != 0) clear_page_schedule(s, s.awake[s.awake_count - 1].slot);
+}
+
+void begin_page(Schedule& s, std::uint32_t slot, std::uint32_t level, std::uint32_t tick_log2) {
+    FJELL_ASSERT(s.pages[slot].awake == no_index && level <= max_tile_log2);
+    s.pages[slot] = {0, 0, no_index, static_cast<std::uint8_t>(level), static_cast<std::uint8_t>(tick_log2)};
+}
+
+void clear_page_schedule(Schedule& s, std::uint32_t slot) {
+    if (s.pages[slot].awake == no_index) return;
+    if (is_due(s, slot)) take_from_due(s, s.awake[s.pages[slot].awake]);
+    sleep(s, slot);
+    std::fill_n(s.ticks + std::size_t{slot} * page_ticks, page_ticks, unscheduled);
+}
+
+bool is_spent(const Schedule& s, std::uint32_t group) {
+    const std::uint32_t slot = group / max_page_groups;
+    const std::uint16_t ticks = ticks_of(s, group);
+    if (ticks == unscheduled || !is_due(s, slot)) return false;
+    const PageSchedule& page = s.pages[slot];
+    const double left = (ticks - soon) * tick_m(s, page) - (odometer_m(s, page) - page.charged_m);
+    return left <= 0;
+}
+
+void tighten(Schedule& s, std::uint32_t group, float slack_m, std::uint32_t grade) {
+    const std::uint32_t slot = group / max_page_groups;
+    PageSchedule& page = s.pages[slot];
+    if (page.awake == no_index) wake(s, slot, grade);
+    AwakePage& awake = s.awake[page.awake];
+    if (grade > awake.grade) raise_grade(s, page, awake, grade);
+    if (awake.due_m == never_m && !awake.due) page.charged_m = page.seen_m = s.odometer_m[awake.grade]; // none so far
+    const double now_m = s.odometer_m[awake.grade], one_m = tick_m(s, page);
+    const double left = (static_cast<double>(slack_m) + (now_m - page.charged_m)) / one_m;
+    const auto ticks = static_cast<std::uint16_t>(std::clamp(left, 0.0, static_cast<double>(most_ticks)));
+    std::uint16_t& of_group = ticks_of(s, group);
+    of_group = std::min(of_group, static_cast<std::uint16_t>(ticks + soon));
+    if (awake.due) return;
+    const double due_m = ticks == 0 ? now_m : page.charged_m + static_cast<double>(ticks) * one_m;
+    awake.due_m = std::min(awake.due_m, due_m);
+}
+
+void make_due(Schedule& s, std::uint32_t group) {
+    const std::uint32_t slot = group / max_page_groups;
+    if (s.pages[slot].awake == no_index) wake(s, slot, 0);
+    ticks_of(s, group) = spent;
+    if (!is_due(s, slot)) push_due(s, s.awake[s.pages[slot].awake]);
+}
+
+void count_queued(Schedule& s, std::uint32_t slot, int more) {
+    if (s.pages[slot].awake == no_index) wake(s, slot, 0);
+    AwakePage& awake = s.awake[s.pages[slot].awake];
+    FJELL_ASSERT(more > 0 || awake.queued != 0);
+    awake.queued = static_cast<std::uint8_t>(awake.queued + more);
+    // It watches nothing else: the rest of its schedule is as it was when it came.
+    if (awake.queued == 0 && awake.due_m == never_m && !awake.due) sleep(s, slot);
+}
+
+void advance(Schedule& s, const double (&metres)[grade_count]) {
+    const double most_m = s.tick_m * 0x1p17 * static_cast<double>(1u << max_tile_log2); // more than any slack
+    bool moved = false;
+    for (std::uint32_t grade = 0; grade < grade_count; ++grade) {
+        if (!(metres[grade] > 0)) continue;
+        if (s.odometer_m[grade] >= rewind_ticks * s.tick_m) rewind(s, grade);
+        s.odometer_m[grade] = sum(s.odometer_m[grade], std::min(metres[grade], most_m));
+        moved = true;
+    }
+    for (std::uint32_t i = 0; moved && i < s.awake_count; ++i)
+        if (s.odometer_m[s.awake[i].grade] > s.awake[i].due_m) push_due(s, s.awake[i]);
+}
+
+std::uint32_t pop_due(Schedule& s) {
+    if (s.due_levels == 0) return no_index;
+    const auto level = static_cast<std::uint32_t>(std::bit_width(s.due_levels)) - 1;
+    const std::uint32_t slot = s.due[level].first;
+    s.due[level].first = s.next_due[slot];
+    if (s.next_due[slot] == no_index) s.due_levels &= ~(1u << level);
+    --s.due_count;
+    return slot;
+}
+
+void put_back_due(Schedule& s, std::uint32_t slot) {
+    FJELL_ASSERT(is_due(s, slot));
+    const std::uint32_t level = s.pages[slot].level;
+    DuePages& due = s.due[level];
+    const bool alone = (s.due_levels >> level & 1) == 0;
+    s.next_due[slot] = alone ? no_index : due.first;
+    if (alone) due.last = slot;
+    due.first = slot;
+    s.due_levels |= 1u << level;
+    ++s.due_count;
+}
+
+void charge_page(Schedule& s, std::uint32_t slot) {
+    PageSchedule& page = s.pages[slot];
+    const double now_m = odometer_m(s, page), one_m = tick_m(s, page);
+    if (now_m <= page.seen_m) return;
+    const double ticks = std::max(std::ceil((now_m - page.charged_m) / one_m), 0.0);
+    page.seen_m = now_m;
+    page.charged_m += ticks * one_m;
+    s.vectors.charge(s.ticks + std::size_t{slot} * page_ticks,
+                     static_cast<std::uint16_t>(std::min(ticks, static_cast<double>(most_ticks))));
+}
+
+void close_page(Schedule& s, std::uint32_t slot) {
+    PageSchedule& page = s.pages[slot];
+    AwakePage& awake = s.awake[page.awake];
+    awake.due = false;
+    const std::uint16_t least = s.vectors.least(s.ticks + std::size_t{slot} * page_ticks);
+    if (least == unscheduled && awake.queued == 0) return sleep(s, slot);
+    awake.due_m = least == unscheduled ? never_m
+                  : least <= soon      ? s.odometer_m[awake.grade]
+                                       : page.charged_m + static_cast<double>(least - soon) * tick_m(s, page);
+}
+
+void find_spent(const Schedule& s, std::uint32_t slot, std::uint64_t (&bits)[page_words]) {
+    s.vectors.find_spent(s.ticks + std::size_t{slot} * page_ticks, bits);
+}
+
+namespace {
+
+void charge_scalar(std::uint16_t* ticks, std::uint16_t by) {
+    for (std::uint32_t i = 0; i < page_ticks; ++i)
+        if (ticks[i] != unscheduled)
+            ticks[i] = static_cast<std::uint16_t>(ticks[i] > by + soon ? ticks[i] - by : spent);
+}
+
+void spent_scalar(const std::uint16_t* ticks, std::uint64_t* bits) {
+    std::fill_n(bits, page_words, 0);
+    for (std::uint32_t i = 0; i < page_ticks; ++i) bits[i / 64] |= std::uint64_t{ticks[i] == spent} << i % 64;
+}
+
+std::uint16_t least_scalar(const std::uint16_t* ticks) {
+    return *std::min_element(ticks, ticks + page_ticks);
+}
+
+} // namespace
+
+const TickVectors scalar_ticks{charge_scalar, spent_scalar, least_scalar};
+
+} // namespace fjell
+#endif

@@ -1,0 +1,140 @@
+// When each group has to be evaluated again, page by page.
+//
+// A group whose smallest slack is d may rest until the worst eye has travelled d, plus what changes of threshold amount
+// to for its errors. For each grade of errors an odometer adds that up. A page keeps its groups' slacks side by side in
+// 16 bits each, in ticks of 1/32 of its step, less what it has been charged; and it knows when the first of them is
+// spent. So a frame compares a number a page that has anything to watch, and a page whose time has come is visited as a
+// whole: charged, and its spent groups evaluated, while its states and records stream through the cache.
+//
+// Never late: slacks are rounded down to ticks and charges up; a page is charged in whole ticks, less than one ahead of
+// its odometer, so rounding does not add up from visit to visit. Early by two ticks at most, and by no more than a
+// page's spent groups need: slacks of more than 65,534 ticks are looked at once in so many.
+//
+// An odometer cannot run out: from rewind_ticks on it begins again at 0, and its pages' times are shifted. Doubles
+// below that are 2^-20 of a tick apart, less than what slack_rounding leaves out of any span.
+//
+// Rejected: a calendar of groups (wheels of buckets, linked nodes). It looked at the same groups, each on a cold line
+// of its own, and kept 12 bytes a group to find it again. One queue in order of due times: an order that nothing needs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "asserts.h"
+#include "cut/groups.h"
+#include "tree/tree.h"
+
+namespace fjell {
+
+inline constexpr std::uint32_t grade_count = 8, grade_codes_log2 = 5; // grades of 32 error codes
+inline constexpr double rewind_ticks = 0x1p32;
+inline constexpr double charge_rounding = 0x1p-20; // share of a way that an odometer may lose
+
+[[nodiscard]] inline std::uint32_t grade_of(std::uint32_t code) {
+    return code >> grade_codes_log2;
+}
+
+inline constexpr std::uint32_t page_words = (max_page_groups + 63) / 64;      // a bit a group
+inline constexpr std::uint32_t page_ticks = (max_page_groups + 31) / 32 * 32; // numbers a page: whole cache lines
+// A group's number: spent, so that it must be evaluated now; soon, with the next movement; otherwise soon and the ticks
+// that it has left; or unscheduled.
+inline constexpr std::uint16_t spent = 0, soon = 1, most_ticks = 0xfffd, unscheduled = 0xffff;
+
+struct PageSchedule {       // of a page slot
+    double charged_m;       // the odometer of its grade up to which its groups are charged
+    double seen_m;          // and where that stood when they were
+    std::uint32_t awake;    // its place among the pages that watch anything, or no_index
+    std::uint8_t level;     // the step's log2: coarse pages come first
+    std::uint8_t tick_log2; // of its ticks, over those of the finest step
+};
+
+// What a frame reads of every page that watches anything; dense, because it reads all of them.
+struct AwakePage {
+    double due_m; // odometer of its grade beyond which it is due; while it is, never
+    std::uint32_t slot;
+    std::uint8_t grade; // highest of its groups'
+    std::uint8_t level;
+    bool due;            // its time has come, and its visit has not ended
+    std::uint8_t queued; // of its groups wait in queues
+};
+static_assert(max_page_groups <= 255);
+
+struct DuePages {
+    std::uint32_t first, last;
+};
+
+// What is done to all of a page's numbers at once.
+struct TickVectors {
+    void (*charge)(std::uint16_t* ticks, std::uint16_t by);
+    void (*find_spent)(const std::uint16_t* ticks, std::uint64_t* bits); // page_words of them
+    std::uint16_t (*least)(const std::uint16_t* ticks);
+};
+extern const TickVectors scalar_ticks; // the same results, without vector instructions
+
+struct Schedule {
+    std::uint16_t* ticks; // page_ticks a page slot
+    PageSchedule* pages;
+    AwakePage* awake;        // as many as page slots
+    std::uint32_t* next_due; // of a due page's slot: the next one of its level
+    std::uint32_t slot_count, awake_count, due_count;
+    std::uint32_t due_levels; // that hold any, as bits
+    DuePages due[max_tile_log2 + 1];
+    double odometer_m[grade_count];
+    double tick_m; // of the finest step: a power of 2, so that products with it are exact
+    TickVectors vectors;
+};
+
+// Ticks of about_m, rounded down to a power of 2. Nothing is scheduled.
+void begin_schedule(Schedule& s, double about_m);
+// Nothing is scheduled any more.
+void clear_schedule(Schedule& s);
+// A page comes to a slot, with nothing scheduled.
+void begin_page(Schedule& s, std::uint32_t slot, std::uint32_t level, std::uint32_t tick_log2);
+// Nothing in the page is scheduled any more. O(due pages of its level).
+void clear_page_schedule(Schedule& s, std::uint32_t slot);
+
+[[nodiscard]] inline std::uint16_t& ticks_of(const Schedule& s, std::uint32_t group) {
+    const std::uint32_t slot = group / max_page_groups;
+    return s.ticks[slot * page_ticks + (group - slot * max_page_groups)];
+}
+[[nodiscard]] inline bool is_due(const Schedule& s, std::uint32_t slot) {
+    const std::uint32_t awake = s.pages[slot].awake;
+    return awake != no_index && s.awake[awake].due;
+}
+// The odometer that counts for an awake page.
+[[nodiscard]] inline double odometer_m(const Schedule& s, const PageSchedule& page) {
+    return s.odometer_m[s.awake[page.awake].grade];
+}
+[[nodiscard]] inline double tick_m(const Schedule& s, const PageSchedule& page) {
+    return s.tick_m * static_cast<double>(1u << page.tick_log2);
+}
+
+// Must the group be evaluated, or would it have to be if its page were charged now?
+[[nodiscard]] bool is_spent(const Schedule& s, std::uint32_t group);
+
+// The group must be evaluated before the odometer has gone slack_m further; of several times the earliest counts.
+void tighten(Schedule& s, std::uint32_t group, float slack_m, std::uint32_t grade);
+// The group must be evaluated in this frame.
+void make_due(Schedule& s, std::uint32_t group);
+// It need not, because it waits in a queue.
+inline void forget(Schedule& s, std::uint32_t group) {
+    ticks_of(s, group) = unscheduled;
+}
+
+// So many more of its groups wait in queues: an awake page is one that is watched, or waits.
+void count_queued(Schedule& s, std::uint32_t slot, int more);
+// Each grade's odometer goes on by at least (1 - charge_rounding) of its way. Pages whose time has come become due.
+// O(awake pages) when anything moves.
+void advance(Schedule& s, const double (&metres)[grade_count]);
+
+// The next due page, coarsest first, or no_index. It stays due until it is closed or put back.
+[[nodiscard]] std::uint32_t pop_due(Schedule& s);
+// Its visit has not ended.
+void put_back_due(Schedule& s, std::uint32_t slot);
+// Charges a due page what has been travelled: the groups that are spent then are to be evaluated.
+void charge_page(Schedule& s, std::uint32_t slot);
+void find_spent(const Schedule& s, std::uint32_t slot, std::uint64_t (&bits)[page_words]); // a bit a group
+// All of them were: when is the page due again?
+void close_page(Schedule& s, std::uint32_t slot);
+
+} // namespace fjell
