@@ -66,6 +66,7 @@ void time(const State& state, Text& text, double) {
 
 void threshold(const State& state, Text& text, double) {
     const FrameEntry& e = state.measures.last();
+    if (e.error_px_effective >= 1e6) return text.add("lags, %u triangles drawn", e.triangles_drawn);
     text.add(e.error_px_effective < 100 ? "keeps %.2f px, %u triangles drawn" : "keeps %.0f px, %u triangles drawn",
              e.error_px_effective, e.triangles_drawn);
 }

@@ -358,9 +358,9 @@ void verify_frame(const Session& session, const View& view, const Profile& profi
     }
     const MeasuredError e = measure_error(session.whole_terrain(), mesh, view, inside ? &frustum : nullptr);
     entry.verified_px = e.max_px;
-    if (!entry.settled) return;
     const double limit_px = entry.error_px_effective;
     verification.exceeded = verification.exceeded || e.max_px > limit_px;
+    if (!entry.settled) return; // where the mesh lags the limit is far from tight
     if (verification.limit_px > 0 && e.max_px / limit_px <= verification.max_px / verification.limit_px) return;
     verification.frame = frame;
     verification.max_px = e.max_px;

@@ -94,7 +94,7 @@ SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& vi
         }
     info.error_px_effective =
         bound_error_px(cut, view, settings.corner_safe,
-                       reached_px(terrain, info.error_px, report.error_px_requested, report.error_px_effective));
+                       info.error_px * std::max(report.threshold_px / report.error_px_requested, 1.0));
     info.lagging = report.waiting != 0 || report.morphing != 0 || terrain.missing_px() > info.error_px;
     info.converged = !info.lagging && info.error_px_effective <= info.error_px;
     return take(terrain, live.mesh, drawn_m, info, snapshot);

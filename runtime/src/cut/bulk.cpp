@@ -1,6 +1,7 @@
 #include "cut/bulk.h"
 
 #include <bit>
+#include <utility>
 
 #include "cut/refine.h"
 
@@ -38,7 +39,7 @@ struct Row {
 // Ready lanes of a row are decided; active ones take slots. Returns them.
 std::uint32_t activate_row(CutState& s, const Row& row, std::uint32_t parents0, std::uint32_t parents1) {
     std::uint32_t active = 0;
-    s.page_slot[row.group / max_page_groups].touched = true;
+    touch(s, row.group / max_page_groups);
     for (std::uint32_t word = 0; word < row.words; ++word, parents0 >>= 16, parents1 >>= 16) {
         GroupState& b = s.groups[row.group + word];
         set_bits(b.parent[0], parents0);
@@ -88,7 +89,7 @@ public:
         }
     }
 
-    // Sides: all centres of the step must have been decided.
+    // Sides: the centres of the page, and of those to its north and west, must have been decided.
     void sides() {
         for (std::int32_t j = 0; j < n_; ++j) {
             GroupState* const here = &s.groups[row_at(VertexKind::centre, j).group];
@@ -191,46 +192,76 @@ private:
     const std::uint32_t words_;
 };
 
-// Every page of a step, or every tile of a coarse one, that is loaded.
-template <typename Do>
-void for_each_page_step(CutState& s, int z, const Do& visit) {
-    const StepGroups& step = s.steps[z];
-    const std::int32_t parts = 1 << (step.log2 - step.page_log2), n = 1 << step.page_log2;
-    for (std::int32_t tile_y = 0; tile_y < s.tiles_y; ++tile_y)
-        for (std::int32_t tile_x = 0; tile_x < s.tiles_x; ++tile_x)
-            for (std::int32_t py = 0; py < parts; ++py)
-                for (std::int32_t px = 0; px < parts; ++px) {
-                    const Site first{z, VertexKind::centre, (tile_x << step.log2) + px * n,
-                                     (tile_y << step.log2) + py * n};
-                    if (find_vertex(s, first) != no_index) visit(first);
-                }
+// One page of a step, or one tile of a coarse one. A side's parents in other pages lie to its north and west, where
+// centres have been decided; there, whose page has active vertices counts.
+bool build_page(CutState& s, const Site& first, bool may_have_centres) {
+    Step page(s, first.z, first.i, first.j);
+    if (may_have_centres) page.centres();
+    const bool active = active_in_page_of(s, first) != 0;
+    if (active || active_in_page_of(s, {first.z, VertexKind::centre, first.i - 1, first.j}) != 0 ||
+        active_in_page_of(s, {first.z, VertexKind::centre, first.i, first.j - 1}) != 0)
+        page.sides();
+    return active;
 }
 
-// Centres of a step. Without an active centre in the page over it no vertex of a page can have an active parent there.
-void build_centres(CutState& s, int z) {
+// What the bulk pass has found active, page by page of one step.
+struct BuiltPages {
+    std::uint32_t* slots;
+    std::uint32_t count = 0;
+};
+
+// A step with at most one page a tile: every tile.
+void build_tiles(CutState& s, int z, BuiltPages& built) {
+    const StepGroups& step = s.steps[z];
     const bool root = z == s.terrain->tree.tile_log2 - 1;
-    for_each_page_step(s, z, [&](const Site& first) {
-        if (root || active_in_page_of(s, {z + 1, VertexKind::centre, first.i >> 1, first.j >> 1}) != 0)
-            Step(s, z, first.i, first.j).centres();
-    });
+    for (std::int32_t tile_y = 0; tile_y < s.tiles_y; ++tile_y)
+        for (std::int32_t tile_x = 0; tile_x < s.tiles_x; ++tile_x) {
+            const Site first{z, VertexKind::centre, tile_x << step.log2, tile_y << step.log2};
+            const std::uint32_t vertex = find_vertex(s, first);
+            if (vertex == no_index) continue;
+            // Without an active centre in the page over it no vertex of a page can have an active parent there.
+            const bool below =
+                root || active_in_page_of(s, {z + 1, VertexKind::centre, first.i >> 1, first.j >> 1}) != 0;
+            if (build_page(s, first, below)) built.slots[built.count++] = vertex / group_lanes / max_page_groups;
+        }
 }
-// And its sides, some of which have a parent in the page to their north or west.
-void build_sides(CutState& s, int z) {
-    for_each_page_step(s, z, [&](const Site& first) {
-        if (active_in_page_of(s, first) != 0 ||
-            active_in_page_of(s, {z, VertexKind::centre, first.i - 1, first.j}) != 0 ||
-            active_in_page_of(s, {z, VertexKind::centre, first.i, first.j - 1}) != 0)
-            Step(s, z, first.i, first.j).sides();
-    });
+
+// A finer step: only pages under those that have active vertices, parent by parent, which keeps north and west first.
+// And their neighbours to the east and south, which nobody else comes to: those have parents of theirs.
+void build_below(CutState& s, int z, const BuiltPages& above, BuiltPages& built) {
+    constexpr std::int32_t n = page_squares;
+    const auto is_built = [&](const Site& first) {
+        return active_in_page_of(s, {z + 1, VertexKind::centre, first.i >> 1, first.j >> 1}) != 0;
+    };
+    for (std::uint32_t at = 0; at < above.count; ++at) {
+        const PageSlot& parent = s.page_slot[above.slots[at]];
+        const std::int32_t i0 = 2 * ((parent.tile_x << s.steps[z + 1].log2) + parent.i0),
+                           j0 = 2 * ((parent.tile_y << s.steps[z + 1].log2) + parent.j0);
+        for (std::int32_t quarter = 0; quarter < 4; ++quarter) {
+            const Site first{z, VertexKind::centre, i0 + quarter % 2 * n, j0 + quarter / 2 * n};
+            const std::uint32_t vertex = find_vertex(s, first);
+            if (vertex == no_index || !build_page(s, first, true)) continue;
+            built.slots[built.count++] = vertex / group_lanes / max_page_groups;
+            for (const Site& next :
+                 {Site{z, VertexKind::centre, first.i + n, first.j}, Site{z, VertexKind::centre, first.i, first.j + n}})
+                if (exists(s, next) && find_vertex(s, next) != no_index && !is_built(next))
+                    (void)build_page(s, next, false);
+        }
+    }
 }
 
 } // namespace
 
 bool build_all(CutState& s) {
+    BuiltPages above{s.bulk_pages[0]}, built{s.bulk_pages[1]};
     for (int z = s.terrain->tree.tile_log2 - 1; z >= 0; --z) {
-        build_centres(s, z);
-        build_sides(s, z);
+        built.count = 0;
+        if (s.steps[z].log2 <= page_squares_log2)
+            build_tiles(s, z, built);
+        else
+            build_below(s, z, above, built);
         if (s.full_capacities != 0) return false;
+        std::swap(above, built);
     }
     // Every active vertex has split a triangle into two, twice unless it lies on the rim.
     const std::uint32_t most =

@@ -138,7 +138,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     group.active |= bit_of(vertex);
     PageSlot& info = s.page_slot[vertex / group_lanes / max_page_groups];
     ++info.active;
-    info.touched = true;
+    touch(s, vertex / group_lanes / max_page_groups);
 
     for (int n = 0; n < count; ++n) {
         const Split& split = splits[n];
@@ -159,7 +159,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
         if (found == no_index) continue;
         GroupState& of_child = s.groups[found / group_lanes];
         of_child.parent[parent_number(site.kind, d)] |= bit_of(found);
-        s.page_slot[found / group_lanes / max_page_groups].touched = true;
+        touch(s, found / group_lanes / max_page_groups);
         if (of_child.ready() & bit_of(found)) reevaluate(s, found, child, false);
     }
     return Outcome::done;

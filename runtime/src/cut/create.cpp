@@ -39,13 +39,13 @@ struct Layout {
     std::size_t page_groups, groups, vertex_slot, page_slot, evicting, ticks, schedules, awake, next_due, vertices,
         morph, triangle_of, hole, free_vertices, indices, key_of, tiles, segment_tile, segment_below, free_segments,
         vertex_bits[2], vertex_words[2], triangle_bits[2], triangle_words[2], ranges, hz_places, grids, late_s,
-        morphing_out, late_pages, end;
+        morphing_out, late_pages, touched_pages, bulk_pages[2], end;
 };
 
 static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 * 4 + 1 + 3 * 4 &&
                   cut_triangle_bytes == 3 * 4 + 4 &&
                   cut_page_slot_bytes == max_page_groups * (sizeof(GroupState) + group_lanes * 4) + sizeof(PageSlot) +
-                                             4 + page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) + 2 * 4,
+                                             4 + page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) + 5 * 4,
               "hosts size their budgets by these: change them in fjell/cut.h with layout_of()");
 
 Layout layout_of(const TerrainData& t, const CutBudget& b) {
@@ -88,6 +88,8 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
     l.late_s = place(b.vertices, 4);
     l.morphing_out = place(b.vertices, 4);
     l.late_pages = place(t.slot_count, 4);
+    l.touched_pages = place(t.slot_count, 4);
+    for (std::size_t& pages : l.bulk_pages) pages = place(t.slot_count, 4);
     l.end = at;
     return l;
 }
@@ -168,8 +170,11 @@ void reset(CutState& s) {
     for (std::uint32_t i = 0; i < s.segment_count; ++i) s.free_segments[i] = s.segment_count - 1 - i;
     forget_late_pages(s, true);
     make_corners(s);
-    for (std::uint32_t slot = 0; slot < t.slot_count; ++slot)
+    while (s.touched_count != 0) {
+        const std::uint32_t slot = s.touched_pages[--s.touched_count];
+        s.page_slot[slot].listed = false;
         if (s.page_slot[slot].touched) clear_page(s, slot);
+    }
     for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile) // a root may wait in a page where nothing is active
         if (const std::uint32_t first = s.page_groups[tile * s.pages_per_tile]; first != no_index)
             s.groups[first].queue = unqueued;
@@ -271,6 +276,8 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     part(s.late_s, l.late_s);
     part(s.morphing_out, l.morphing_out);
     part(s.late_pages, l.late_pages);
+    part(s.touched_pages, l.touched_pages);
+    for (int i = 0; i < 2; ++i) part(s.bulk_pages[i], l.bulk_pages[i]);
     if (terrain.pages.order == Order::hierarchical_z) {
         part(s.hz_places, l.hz_places);
         make_hz_places(s);

@@ -43,12 +43,18 @@ std::uint32_t coarse_z(const CutState& s) {
     return static_cast<std::uint32_t>(std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0));
 }
 
+void empty_slot(PageSlot& info) {
+    const bool listed = info.listed;
+    info = {};
+    info.listed = listed;
+}
+
 void attach_page(CutState& s, std::uint32_t slot) {
     const TerrainData& t = *s.terrain;
     const std::uint32_t page = t.slot_page[slot];
     PageSlot& info = s.page_slot[slot];
     FJELL_ASSERT(info.status == PageSlotStatus::empty && s.page_groups[page] == no_index);
-    info = {};
+    empty_slot(info);
     info.page = page;
     info.loads = t.slot_loads[slot];
     info.tile = page / s.pages_per_tile;
@@ -82,7 +88,7 @@ void attach_page(CutState& s, std::uint32_t slot) {
             const ParentMasks parents = parents_of(s, number, lanes);
             b.parent[0] |= parents.parent[0]; // to those that do not exist
             b.parent[1] |= parents.parent[1];
-            info.touched = true;
+            touch(s, slot);
         }
         if (b.ready() != 0) make_due(s.schedule, number);
     }
@@ -103,7 +109,7 @@ void detach_page(CutState& s, std::uint32_t slot) {
     if (info.page % s.pages_per_tile == 0) bound_tile(s, info, false);
     for (std::uint32_t i = 0; i < s.evicting_count; ++i)
         if (s.evicting[i] == slot) s.evicting[i--] = s.evicting[--s.evicting_count];
-    info = {};
+    empty_slot(info);
     info.page = no_index;
 }
 

@@ -71,6 +71,7 @@ struct PageSlot {
     std::uint8_t shape;      // 0: page 0; 1: any other
     PageSlotStatus status;
     bool touched; // its groups may say more than that nothing is active
+    bool listed;  // among touched_pages: stays when the page leaves
     bool late;    // listed among late_pages
 };
 
@@ -168,6 +169,8 @@ struct CutState {
     std::uint32_t* vertex_slot; // vertex slot of each active vertex
     PageSlot* page_slot;
     std::uint64_t seen_changes;
+    std::uint32_t* touched_pages; // slots that a reset has to look at
+    std::uint32_t touched_count;
     std::uint32_t* evicting; // slots whose pages are being evicted
     std::uint32_t evicting_count;
     // What is to be done, and when.
@@ -187,7 +190,8 @@ struct CutState {
     std::uint32_t* segment_below; // the tile's segment before it
     std::uint32_t* free_segments;
     std::uint32_t free_segment_count, segment_count, segment_peak;
-    std::byte* bulk_grids; // scratch of the bulk pass: bulk_grid_bytes a step
+    std::byte* bulk_grids;        // scratch of the bulk pass: bulk_grid_bytes a step
+    std::uint32_t* bulk_pages[2]; // and pages with active vertices, of two steps
     std::uint32_t segment_log2;
     bool some_hidden;                              // the terrain has holes or ends inside tiles
     DirtyBits dirty_vertices, dirty_triangles;     // slots written by this update
@@ -233,6 +237,13 @@ struct CutState {
     std::uint32_t first_morphing_out, morphing_out_count;
 };
 
+inline void touch(CutState& s, std::uint32_t slot) {
+    PageSlot& page = s.page_slot[slot];
+    page.touched = true;
+    if (page.listed) return;
+    page.listed = true;
+    s.touched_pages[s.touched_count++] = slot;
+}
 [[nodiscard]] inline std::uint32_t free_vertices(const CutState& s) {
     return s.free_vertex_count + s.budget.vertices - s.fresh_vertex;
 }
