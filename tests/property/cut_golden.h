@@ -114,6 +114,7 @@ struct Golden {
     if (!create_cut(terrain, golden_budget(terrain), block, cut).ok()) return result;
     if (scalar) {
         data_of(cut).evaluate = evaluate_scalar;
+        data_of(cut).worst_px = worst_px_scalar;
         data_of(cut).schedule.vectors = scalar_ticks;
     }
     Fnv triangles, work;

@@ -22,7 +22,10 @@ struct Scheduled {
         s.next_due = next_due.data();
         s.slot_count = slots;
         begin_schedule(s, 0.7); // 0.5
-        for (std::uint32_t slot = 0; slot < slots; ++slot) begin_page(s, slot, slot % 5, slot % 3);
+        for (std::uint32_t slot = 0; slot < slots; ++slot) {
+            begin_page(s, slot, slot % 3);
+            set_bound(s, slot, slot % 5, 0, 0);
+        }
     }
     std::vector<std::uint16_t> ticks;
     std::vector<PageSchedule> pages;
@@ -139,7 +142,7 @@ TEST_CASE("steps that are less than an odometer's rounding add up") {
     CHECK(way_m <= 0.5);
 }
 
-TEST_CASE("coarse pages are due first, in the order in which their time came") {
+TEST_CASE("pages of a higher level are due first, in the order in which their time came") {
     Scheduled owner(10);
     for (const std::uint32_t slot : {3u, 9u, 4u, 0u, 8u}) make_due(owner.s, slot * max_page_groups);
     REQUIRE(owner.s.due_count == 5);

@@ -139,6 +139,7 @@ TEST_CASE(
     plant(walk, s.work_ranks, s.work_ranks & ~(1u << rank), "a queue holds work, and nobody will look at it");
     plant(walk, ticks_of(l, head), std::uint16_t{5}, "a group is scheduled, and in a queue");
 
+    scene.update(view_from_above(scene.pack.terrain, 0.05), unlimited_items);
     const std::uint32_t calm = scene.lane([&](const GroupState& b, std::uint32_t bit) {
         const auto group = static_cast<std::uint32_t>(&b - s.groups);
         return b.queue == unqueued && ticks_of(l, group) != unscheduled && !is_due(l, group / max_page_groups) &&
@@ -151,15 +152,15 @@ TEST_CASE(
     plant(walk, page.charged_m, page.charged_m + 1e9, "a vertex could change before it is looked at:");
     plant(walk, l.awake[page.awake].due_m, 1e200, "a page comes up later than its groups");
     plant(walk, l.awake[page.awake].due_m, -1e9, "a page's time has come, and it is not due");
-    plant(walk, page.level, static_cast<std::uint8_t>(page.level + 1), "a page is watched at another level");
+    plant(walk, page.level, static_cast<std::uint8_t>(page.level ^ 1), "a page is watched at another level");
     plant(walk, l.awake[page.awake].slot, slot ^ 1, "a page is awake elsewhere");
     plant(walk, page.awake, no_index, "a page sleeps with groups to watch");
     plant(walk, l.awake_count, l.awake_count + 1, "awake pages do not add up");
     plant(walk, l.due_count, l.due_count + 1, "due pages are counted wrongly");
     make_due(l, group);
-    const std::uint32_t level = first(max_tile_log2 + 1, [&](std::uint32_t i) { return (l.due_levels >> i & 1) != 0; });
+    const std::uint32_t level = first(due_level_count, [&](std::uint32_t i) { return (l.due_levels >> i & 1) != 0; });
     PageSchedule& due = l.pages[l.due[level].first];
-    plant(walk, due.level, static_cast<std::uint8_t>(level + 1), "a page is watched at another level");
+    plant(walk, due.level, static_cast<std::uint8_t>(level ^ 1), "a page is watched at another level");
     plant(walk, l.awake[due.awake].due, false, "a page comes up later than its groups");
     plant(walk, l.due_levels, l.due_levels & ~(1u << level), "due pages are counted wrongly");
     plant(walk, l.due[level].last, no_index, "the last due page is cut off");

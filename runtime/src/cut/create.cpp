@@ -233,6 +233,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
         s.level_unit_m[2 * z + 1] = terrain.header.level_radius_m[level + 1];
     }
     s.evaluate = evaluate;
+    s.worst_px = worst_px;
     s.clock.timed_ticks = -clock_ticks; // never
     part(s.page_groups, l.page_groups);
     part(s.groups, l.groups);

@@ -94,6 +94,44 @@ void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
     out.code = static_cast<std::uint32_t>(hn::GetLane(hn::MaxOfLanes(di, codes)));
 }
 
+float worst_of_lanes(const Criterion& c, const LaneGroup& b, const float* unit_px) {
+    const F d;
+    const I di;
+    auto worst = hn::Zero(d);
+    for (std::uint32_t lane = 0; lane < group_lanes; lane += static_cast<std::uint32_t>(hn::Lanes(d))) {
+        const std::uint32_t bits = b.inactive >> lane & 0xffff;
+        if ((bits & ((1u << hn::Lanes(d)) - 1)) == 0) continue;
+        const auto number = hn::LoadU(di, lane_numbers + lane);
+        const auto x = hn::Min(hn::Add(hn::Set(di, b.x0), hn::Mul(number, hn::Set(di, b.dx))), hn::Set(di, c.last_x));
+        const auto y = hn::Min(hn::Add(hn::Set(di, b.y0), hn::Mul(number, hn::Set(di, b.dy))), hn::Set(di, c.last_y));
+        const auto px = hn::Mul(hn::ConvertTo(d, x), hn::Set(d, c.spacing_x_m));
+        const auto pz = hn::Mul(hn::ConvertTo(d, y), hn::Set(d, c.spacing_z_m));
+        const auto record = hn::LoadU(di, reinterpret_cast<const std::int32_t*>(b.records + lane));
+        const auto height = hn::Add(hn::And(record, hn::Set(di, 0xffff)), hn::Set(di, b.base));
+        const auto py = hn::Add(hn::Set(d, c.base_m), hn::Mul(hn::ConvertTo(d, height), hn::Set(d, c.quantum_m)));
+        const auto error = hn::GatherIndex(d, c.error_m, hn::And(hn::ShiftRight<16>(record), hn::Set(di, 0xff)));
+        const auto radius =
+            hn::Mul(hn::Set(d, b.unit_m),
+                    hn::GatherIndex(d, c.radius_factor, hn::And(hn::ShiftRight<24>(record), hn::Set(di, 0x7f))));
+        const auto counts = hn::RebindMask(
+            d, hn::Ne(hn::And(hn::LoadU(di, lane_bits), hn::Set(di, static_cast<std::int32_t>(bits))), hn::Zero(di)));
+        for (std::uint32_t v = 0; v < c.views; ++v) {
+            const Reach& r = c.reach[v];
+            const auto dx = hn::Sub(px, hn::Set(d, r.eye_x));
+            const auto dy = hn::Sub(py, hn::Set(d, r.eye_y));
+            const auto dz = hn::Sub(pz, hn::Set(d, r.eye_z));
+            const auto distance = hn::Sqrt(hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz)));
+            const auto apart = hn::Sub(hn::Sub(hn::Mul(distance, hn::Set(d, 1 - apart_rounding)),
+                                               hn::Mul(radius, hn::Set(d, 1 + apart_rounding))),
+                                       hn::Set(d, r.pad));
+            const auto pixels =
+                hn::Div(hn::Mul(error, hn::Set(d, unit_px[v])), hn::Max(apart, hn::Set(d, least_apart_m)));
+            worst = hn::Max(worst, hn::IfThenElseZero(counts, pixels));
+        }
+    }
+    return hn::GetLane(hn::MaxOfLanes(d, worst));
+}
+
 } // namespace fjell::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -104,6 +142,31 @@ HWY_AFTER_NAMESPACE();
 namespace fjell {
 
 HWY_EXPORT(evaluate_lanes);
+HWY_EXPORT(worst_of_lanes);
+
+float worst_px(const Criterion& decision, const LaneGroup& group, const float* unit_px) {
+    return HWY_DYNAMIC_DISPATCH(worst_of_lanes)(decision, group, unit_px);
+}
+
+float worst_px_scalar(const Criterion& c, const LaneGroup& b, const float* unit_px) {
+    float worst = 0;
+    for (std::int32_t lane = 0; lane < static_cast<std::int32_t>(group_lanes); ++lane) {
+        if ((b.inactive >> lane & 1) == 0) continue;
+        const VertexRecord record = b.records[lane];
+        const float px = static_cast<float>(std::min(b.x0 + lane * b.dx, c.last_x)) * c.spacing_x_m;
+        const float pz = static_cast<float>(std::min(b.y0 + lane * b.dy, c.last_y)) * c.spacing_z_m;
+        const float py = c.base_m + static_cast<float>(record.height + b.base) * c.quantum_m;
+        const float radius = b.unit_m * c.radius_factor[record.radius & (radius_codes - 1)];
+        for (std::uint32_t v = 0; v < c.views; ++v) {
+            const Reach& r = c.reach[v];
+            const float dx = px - r.eye_x, dy = py - r.eye_y, dz = pz - r.eye_z;
+            const float distance = std::sqrt(dx * dx + dy * dy + dz * dz);
+            const float apart = distance * (1 - apart_rounding) - radius * (1 + apart_rounding) - r.pad;
+            worst = std::max(worst, c.error_m[record.error] * unit_px[v] / std::max(apart, least_apart_m));
+        }
+    }
+    return worst;
+}
 
 void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers) {
     HWY_DYNAMIC_DISPATCH(evaluate_lanes)(decision, group, answers);

@@ -32,6 +32,13 @@ void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& an
 // The same, bit for bit, without vector instructions.
 void evaluate_scalar(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers);
 
+// Of the lanes called inactive, the largest error on screen of what each would split, in any view: error_m * unit_px /
+// (distance - radius), and no less. unit_px: pixels of a metre at a metre's distance, a number a view.
+[[nodiscard]] float worst_px(const Criterion& decision, const LaneGroup& group, const float* unit_px);
+[[nodiscard]] float worst_px_scalar(const Criterion& decision, const LaneGroup& group, const float* unit_px);
+
+inline constexpr float apart_rounding = 0x1p-18f; // of distances and radii
+inline constexpr float least_apart_m = 1e-6f;     // or what a vertex hides may touch the eye
 inline constexpr float slack_rounding = 0x1p-19f;
 
 // Of one vertex: the same numbers as evaluate() gives for its lane, of one answer.
@@ -69,6 +76,31 @@ struct Evaluation {
     }
     v.slack_m = std::max(std::abs(margin) - span * slack_rounding, 0.0f);
     return v;
+}
+
+// Where its lanes stand, and their records: in the page, or gathered.
+[[nodiscard]] inline LaneGroup lanes_of(const CutState& s, std::uint32_t number,
+                                        VertexRecord (&gathered)[group_lanes]) {
+    const std::uint32_t slot = number / max_page_groups;
+    const PageSlot& info = s.page_slot[slot];
+    const GroupShape& shape = s.shapes[info.shape].groups[number - slot * max_page_groups];
+    const int z = info.z + shape.z;
+    const std::int32_t apart = 2 << z;
+    LaneGroup lanes{s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first,
+                    info.x0 + (std::int32_t{shape.x} << z),
+                    info.y0 + (std::int32_t{shape.y} << z),
+                    shape.along_y ? 0 : apart,
+                    shape.along_y ? apart : 0,
+                    info.base,
+                    s.level_unit_m[2 * z + (shape.kind == VertexKind::centre ? 0 : 1)],
+                    0,
+                    0};
+    if (shape.lanes != group_lanes || shape.stride != 1 || s.hz_places) {
+        for (std::uint32_t lane = 0; lane < group_lanes; ++lane)
+            gathered[lane] = record_of(s, number * group_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
+        lanes.records = gathered;
+    }
+    return lanes;
 }
 
 [[nodiscard]] inline bool seen(const CutState& s, const Evaluation& v) {

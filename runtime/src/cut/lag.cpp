@@ -32,7 +32,8 @@ struct PagePixels {
     std::uint32_t slot;
 };
 
-double page_px(const CutState& s, const PageSlot& page) {
+// How near what its vertices hide may come to a view's eye.
+double apart_m(const CutState& s, const PageSlot& page, std::uint32_t view) {
     const std::int32_t cells =
         page.shape == 0 ? s.terrain->tree.side() : static_cast<std::int32_t>(2 * page_squares) << page.z;
     const Criterion& c = s.criterion;
@@ -43,24 +44,28 @@ double page_px(const CutState& s, const PageSlot& page) {
                            place(page.y0, c.last_y, c.spacing_z_m)};
     const double high[3] = {place(page.x0 + cells, c.last_x, c.spacing_x_m), static_cast<double>(page.high_m),
                             place(page.y0 + cells, c.last_y, c.spacing_z_m)};
-    double most = 0;
-    for (std::uint32_t i = 0; i < s.view_count; ++i) {
-        const double eye[3] = {s.views[i].eye_m.x, s.views[i].eye_m.y, s.views[i].eye_m.z};
-        double squared = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            const double out = std::max({low[axis] - eye[axis], eye[axis] - high[axis], 0.0});
-            squared += out * out;
-        }
-        most = std::max(most, pixels(unit_px(s, i), static_cast<double>(page.error_m),
-                                     std::sqrt(squared) / grow - static_cast<double>(page.radius_m) * grow));
+    const double eye[3] = {s.views[view].eye_m.x, s.views[view].eye_m.y, s.views[view].eye_m.z};
+    double squared = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double out = std::max({low[axis] - eye[axis], eye[axis] - high[axis], 0.0});
+        squared += out * out;
     }
+    return std::sqrt(squared) / grow - static_cast<double>(page.radius_m) * grow;
+}
+
+double page_px(const CutState& s, const PageSlot& page) {
+    double most = 0;
+    for (std::uint32_t i = 0; i < s.view_count; ++i)
+        most = std::max(most, pixels(unit_px(s, i), static_cast<double>(page.error_m), apart_m(s, page, i)));
     return most;
 }
 
 // Looks at vertices, as long as it may.
 class Looker {
 public:
-    explicit Looker(const CutState& state) : s(state) {}
+    explicit Looker(const CutState& state) : s(state) {
+        for (std::uint32_t i = 0; i < s.view_count; ++i) units_px_[i] = static_cast<float>(unit_px(s, i) * grow);
+    }
 
     // The largest of a page's vertices that wait, and where some morph by time, of all that are ready. Unbounded when
     // there are too many to be looked at.
@@ -72,31 +77,21 @@ public:
             const std::uint32_t number = slot * max_page_groups + n;
             const GroupState& group = s.groups[number];
             if (!all && group.queue == unqueued && !is_spent(s.schedule, number)) continue;
+            VertexRecord gathered[group_lanes];
             const auto lanes = static_cast<std::uint32_t>(page.late ? group.ready() : group.ready() & ~group.active);
-            const auto count = static_cast<std::uint32_t>(std::popcount(lanes));
-            if (count > left_) return unbounded_px;
-            left_ -= count;
-            most = std::max(most, lanes_px(number, lanes));
+            if (lanes == 0) continue;
+            if (left_-- == 0) return unbounded_px;
+            LaneGroup at = lanes_of(s, number, gathered);
+            at.inactive = lanes;
+            most = std::max(most, static_cast<double>(s.worst_px(s.criterion, at, units_px_)) * grow);
         }
         return most;
     }
 
 private:
-    [[nodiscard]] double lanes_px(std::uint32_t group, std::uint32_t lanes) const {
-        double most = 0;
-        for (; lanes != 0; lanes &= lanes - 1) {
-            const std::uint32_t vertex = group * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
-            const Evaluation v = evaluate_vertex(s, vertex, site_of(s, vertex), true);
-            for (std::uint32_t i = 0; i < s.view_count; ++i) {
-                const Vec3 way = Vec3{v.x, v.y, v.z} - s.views[i].eye_m;
-                most = std::max(most, pixels(unit_px(s, i), static_cast<double>(v.error_m),
-                                             length(way) / grow - static_cast<double>(v.radius_m) * grow));
-            }
-        }
-        return most;
-    }
     const CutState& s;
-    std::uint32_t left_ = 512; // vertices: some microseconds
+    float units_px_[max_cut_views];
+    std::uint32_t left_ = 192; // groups
 };
 
 // The pages with the highest bounds, and the highest of all others'.
@@ -110,8 +105,9 @@ public:
         }
         PagePixels& least = *std::min_element(pages_, pages_ + count_, by_px);
         if (page.px > least.px) std::swap(page, least);
-        others_px_ = std::max(others_px_, page.px);
+        add_others(page.px);
     }
+    void add_others(double px) { others_px_ = std::max(others_px_, px); }
     [[nodiscard]] double px(const CutState& s) {
         std::sort(pages_, pages_ + count_, by_px);
         Looker looker(s);
@@ -122,7 +118,7 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t most_looked_at = 8;
+    static constexpr std::uint32_t most_looked_at = 16;
     static bool by_px(const PagePixels& a, const PagePixels& b) {
         return a.px < b.px || (a.px == b.px && a.slot < b.slot);
     }
@@ -132,6 +128,12 @@ private:
 };
 
 } // namespace
+
+double screen_unit_px(const CutState& s) {
+    double most = 0;
+    for (std::uint32_t i = 0; i < s.view_count; ++i) most = std::max(most, unit_px(s, i));
+    return most;
+}
 
 void bound_page(const CutState& s, PageSlot& page, std::uint32_t slot) {
     const TerrainData& t = *s.terrain;
@@ -156,6 +158,16 @@ void bound_page(const CutState& s, PageSlot& page, std::uint32_t slot) {
     page.high_m = t.height_scale.height_m(static_cast<std::int32_t>(high) + page.base);
     page.error_m = t.errors.metres[error];
     page.radius_m = unit_m * t.radii.factor[radius];
+}
+
+void note_bound(CutState& s, std::uint32_t slot) {
+    const PageSlot& page = s.page_slot[slot];
+    double apart = 1e30;
+    for (std::uint32_t i = 0; i < s.view_count; ++i) apart = std::min(apart, apart_m(s, page, i));
+    // A level for each factor of 2 over the threshold.
+    const double ratio = pixels(s.largest_unit_px, static_cast<double>(page.error_m), apart) / s.report.threshold_px;
+    const int level = ratio < 0x1p20 ? std::clamp(std::ilogb(ratio + 0x1p-20) + 8, 0, 31) : 31;
+    set_bound(s.schedule, slot, static_cast<std::uint32_t>(level), static_cast<float>(apart / grow), page.error_m);
 }
 
 void note_late(CutState& s, std::uint32_t slot) {
@@ -187,9 +199,17 @@ void forget_late_page(CutState& s, std::uint32_t slot) {
 
 double lag_px(const CutState& s) {
     Worst worst;
+    // Most pages are far away, and hide little: that what they were last known to hide tells without a look at them.
+    const double little_px = 2 * s.report.threshold_px;
     for (std::uint32_t i = 0; i < s.schedule.awake_count; ++i) {
         const AwakePage& page = s.schedule.awake[i];
-        if ((page.due || page.queued != 0) && !s.page_slot[page.slot].late) worst.add(s, page.slot);
+        if (!page.due && page.queued == 0) continue;
+        const double apart = static_cast<double>(page.apart_m) - (s.schedule.odometer_m[0] - page.from_m) * grow;
+        const double px = pixels(s.largest_unit_px, static_cast<double>(page.error_m), apart);
+        if (px <= little_px)
+            worst.add_others(px);
+        else if (!s.page_slot[page.slot].late)
+            worst.add(s, page.slot);
     }
     for (std::uint32_t i = 0; i < s.late_page_count; ++i) worst.add(s, s.late_pages[i]);
     for (std::uint32_t i = 0; i < s.evicting_count; ++i)

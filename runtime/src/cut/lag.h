@@ -11,8 +11,14 @@
 
 namespace fjell {
 
+// Pixels of a metre at a metre's distance, in the view that shows it largest.
+[[nodiscard]] double screen_unit_px(const CutState& s);
+
 // What a page's vertices could hide: called when it comes. O(its vertices).
 void bound_page(const CutState& s, PageSlot& page, std::uint32_t slot);
+
+// A visit of the page has ended: what could it hide, and so how soon must it be visited when it is due?
+void note_bound(CutState& s, std::uint32_t slot);
 
 // A vertex has begun to morph by time: its page hides something until it has arrived.
 void note_late(CutState& s, std::uint32_t slot);

@@ -72,8 +72,7 @@ void attach_page(CutState& s, std::uint32_t slot) {
     }
     info.x0 = info.tile_x * s.terrain->tree.side() + (info.i0 << (info.z + 1));
     info.y0 = info.tile_y * s.terrain->tree.side() + (info.j0 << (info.z + 1));
-    // The coarsest pages come first; ticks are of the finest step in a page.
-    begin_page(s.schedule, slot, in_tile == 0 ? max_tile_log2 : info.z, in_tile == 0 ? coarse_z(s) : info.z);
+    begin_page(s.schedule, slot, in_tile == 0 ? coarse_z(s) : info.z); // ticks are of the finest step in a page
     bound_page(s, info, slot);
     s.page_groups[page] = slot * max_page_groups;
     if (in_tile == 0) bound_tile(s, info, true);

@@ -7,6 +7,7 @@
 
 #include "cut/change.h"
 #include "cut/evaluate.h"
+#include "cut/lag.h"
 #include "cut/morph.h"
 
 namespace fjell {
@@ -31,30 +32,6 @@ struct Evaluated {
     [[nodiscard]] std::uint32_t to_activate() const { return inactive() & answers.wanted; }
     [[nodiscard]] std::uint32_t to_deactivate() const { return childless() & ~answers.kept; }
 };
-
-// Where its lanes stand, and their records: in the page, or gathered.
-LaneGroup lanes_of(const CutState& s, std::uint32_t number, VertexRecord (&gathered)[group_lanes]) {
-    const std::uint32_t slot = number / max_page_groups;
-    const PageSlot& info = s.page_slot[slot];
-    const GroupShape& shape = s.shapes[info.shape].groups[number - slot * max_page_groups];
-    const int z = info.z + shape.z;
-    const std::int32_t apart = 2 << z;
-    LaneGroup lanes{s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first,
-                    info.x0 + (std::int32_t{shape.x} << z),
-                    info.y0 + (std::int32_t{shape.y} << z),
-                    shape.along_y ? 0 : apart,
-                    shape.along_y ? apart : 0,
-                    info.base,
-                    s.level_unit_m[2 * z + (shape.kind == VertexKind::centre ? 0 : 1)],
-                    0,
-                    0};
-    if (shape.lanes != group_lanes || shape.stride != 1 || s.hz_places) {
-        for (std::uint32_t lane = 0; lane < group_lanes; ++lane)
-            gathered[lane] = record_of(s, number * group_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
-        lanes.records = gathered;
-    }
-    return lanes;
-}
 
 Evaluated evaluate_group(CutState& s, std::uint32_t number) {
     Evaluated group{s.groups[number]};
@@ -355,7 +332,10 @@ public:
                 ++s.examined;
                 return;
             }
-            while (page_count_ != 0) close_page(s.schedule, pages_[--page_count_]);
+            while (page_count_ != 0) {
+                close_page(s.schedule, pages_[--page_count_]);
+                note_bound(s, pages_[page_count_]);
+            }
             open();
         }
     }

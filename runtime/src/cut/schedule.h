@@ -27,6 +27,7 @@
 namespace fjell {
 
 inline constexpr std::uint32_t grade_count = 8, grade_codes_log2 = 5; // grades of 32 error codes
+inline constexpr std::uint32_t due_level_count = 32;                  // of due pages: how bad what they may hide is
 inline constexpr double rewind_ticks = 0x1p32;
 inline constexpr double charge_rounding = 0x1p-20; // share of a way that an odometer may lose
 
@@ -44,13 +45,17 @@ struct PageSchedule {       // of a page slot
     double charged_m;       // the odometer of its grade up to which its groups are charged
     double seen_m;          // and where that stood when they were
     std::uint32_t awake;    // its place among the pages that watch anything, or no_index
-    std::uint8_t level;     // the step's log2: coarse pages come first
+    std::uint8_t level;     // higher ones come first
     std::uint8_t tick_log2; // of its ticks, over those of the finest step
 };
 
 // What a frame reads of every page that watches anything; dense, because it reads all of them.
 struct AwakePage {
     double due_m; // odometer of its grade beyond which it is due; while it is, never
+    // What its vertices could hide (lag.h), as it was when it was last closed: no more than error_m, no nearer to an
+    // eye than apart_m, when the first odometer stood at from_m.
+    double from_m;
+    float apart_m, error_m;
     std::uint32_t slot;
     std::uint8_t grade; // highest of its groups'
     std::uint8_t level;
@@ -78,7 +83,7 @@ struct Schedule {
     std::uint32_t* next_due; // of a due page's slot: the next one of its level
     std::uint32_t slot_count, awake_count, due_count;
     std::uint32_t due_levels; // that hold any, as bits
-    DuePages due[max_tile_log2 + 1];
+    DuePages due[due_level_count];
     double odometer_m[grade_count];
     double tick_m; // of the finest step: a power of 2, so that products with it are exact
     TickVectors vectors;
@@ -89,7 +94,9 @@ void begin_schedule(Schedule& s, double about_m);
 // Nothing is scheduled any more.
 void clear_schedule(Schedule& s);
 // A page comes to a slot, with nothing scheduled.
-void begin_page(Schedule& s, std::uint32_t slot, std::uint32_t level, std::uint32_t tick_log2);
+void begin_page(Schedule& s, std::uint32_t slot, std::uint32_t tick_log2);
+// Of a page that is not due: where it comes when it is, and what it could hide.
+void set_bound(Schedule& s, std::uint32_t slot, std::uint32_t level, float apart_m, float error_m);
 // Nothing in the page is scheduled any more. O(due pages of its level).
 void clear_page_schedule(Schedule& s, std::uint32_t slot);
 
@@ -127,7 +134,8 @@ void count_queued(Schedule& s, std::uint32_t slot, int more);
 // O(awake pages) when anything moves.
 void advance(Schedule& s, const double (&metres)[grade_count]);
 
-// The next due page, coarsest first, or no_index. It stays due until it is closed or put back.
+// The next due page, or no_index: the highest level first, in the order in which their time came. It stays due until it
+// is closed or put back.
 [[nodiscard]] std::uint32_t pop_due(Schedule& s);
 // Its visit has not ended.
 void put_back_due(Schedule& s, std::uint32_t slot);

@@ -164,6 +164,7 @@ struct CutState {
     std::uint32_t* page_groups; // first group of each page, or no_index
     float level_unit_m[2 * max_tile_log2]; // of radii: centres at 2 z, sides at 2 z + 1
     void (*evaluate)(const Criterion&, const LaneGroup&, LaneAnswers&);
+    float (*worst_px)(const Criterion&, const LaneGroup&, const float*);
     // Vertices.
     GroupState* groups;
     std::uint32_t* vertex_slot; // vertex slot of each active vertex
@@ -204,6 +205,7 @@ struct CutState {
     View views[max_cut_views];
     Frustum frustums[max_cut_views];
     std::uint32_t view_count; // 0: no update yet
+    double largest_unit_px;   // screen_unit_px() (lag.h)
     double largest_ratio;     // of a view's threshold to that of the settings
     Governor governor;
     // The frame in work.

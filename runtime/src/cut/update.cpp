@@ -123,6 +123,7 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     }
     c.views = s.view_count = static_cast<std::uint32_t>(views.size());
     c.hysteresis = s.settings.hysteresis > 0;
+    s.largest_unit_px = screen_unit_px(s);
     const ViewChange change(before, c);
     s.still = before.views != 0 && change.at(0) == 0;
     constexpr double rounding = 1 + 0x1p-18; // reach_grow, of the sums above, of decisions, and charge_rounding

@@ -46,7 +46,7 @@ Violation check_page(const Schedule& s, const Queues& q, std::uint32_t slot) {
 
 Violation check_due(const Schedule& s, Tally& listed) {
     std::uint32_t count = 0;
-    for (std::uint32_t level = 0; level <= max_tile_log2; ++level) {
+    for (std::uint32_t level = 0; level < due_level_count; ++level) {
         if ((s.due_levels >> level & 1) == 0) continue;
         std::uint32_t last = no_index;
         for (std::uint32_t slot = s.due[level].first; slot != no_index; slot = s.next_due[slot]) {
