@@ -202,12 +202,12 @@ TEST_CASE("a page's records are what the pack's format says, whatever the order,
     Random random(142);
     int derived = 0, holed = 0;
     for (int round = 0; round < rounds(9, 90); ++round) {
-        const int log2 = round % 9 < 3 ? 7 : pick(random, 1, 8);
-        const int most = log2 == 8 ? 400 : 3 << log2;
+        const bool rugged = round < 3; // and whole tiles: errors of all of its finest pages follow from heights
+        const int log2 = rugged ? 7 : pick(random, 1, 8), most = log2 == 8 ? 400 : 3 << log2;
         const auto shape = static_cast<Shape>(pick(random, 0, static_cast<int>(Shape::count) - 1));
-        baker::Dem dem = random_dem(random, round < 3 ? 257 : pick(random, 2, most), pick(random, 2, most),
-                                    round < 3 ? Shape::fractal : shape);
-        if (pick(random, 0, 1)) add_random_holes(random, dem, log2);
+        baker::Dem dem = rugged ? random_dem(random, 257, 257, Shape::noise)
+                                : random_dem(random, pick(random, 2, most), pick(random, 2, most), shape);
+        if (!rugged && round % 3 != round % 2) add_random_holes(random, dem, log2);
         baker::BakeOptions options = small_bake(log2);
         options.order = static_cast<Order>(round % 3);
         const io::LoadedPack pack = bake_and_load(std::move(dem), options);
@@ -217,10 +217,10 @@ TEST_CASE("a page's records are what the pack's format says, whatever the order,
                 Reference reference(pack, tile, page);
                 CAPTURE(tile, page);
                 REQUIRE(reference.wrong() == 0);
-                derived += reference.derived();
+                derived += rugged && reference.derived();
                 holed += reference.holed();
             }
     }
-    CHECK(derived > 5);
+    CHECK(derived == 2 * 16); // linear order derives none
     CHECK(holed > 5);
 }
