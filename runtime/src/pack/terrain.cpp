@@ -129,47 +129,46 @@ struct StepRows {
     Order order;
     std::uint32_t i0, j0;
 
-    // Heights of `Count` vertices of row j.
-    template <std::uint32_t Count>
-    [[gnu::always_inline]] void read(VertexKind kind, std::uint32_t j, std::int32_t* to) const {
+    // Heights of `count` vertices of row j.
+    [[gnu::always_inline]] void read(VertexKind kind, std::uint32_t j, std::uint32_t count, std::int32_t* to) const {
         if (order == Order::planar) {
             const VertexRecord* const from = records + page_index<Order::planar>(side, kind, i0, j0 + j);
-            for (std::uint32_t i = 0; i < Count; ++i) { // whole records, so that the compiler loads many at once
+            for (std::uint32_t i = 0; i < count; ++i) { // whole records, so that the compiler loads many at once
                 std::uint32_t record;
                 std::memcpy(&record, from + i, sizeof record);
                 to[i] = base + static_cast<std::int32_t>(record & 0xffff);
             }
         } else {
-            for (std::uint32_t i = 0; i < Count; ++i)
+            for (std::uint32_t i = 0; i < count; ++i)
                 to[i] = base + records[page_index<Order::hierarchical_z>(side, kind, i0 + i, j0 + j)].height;
         }
     }
 };
 
-// What stands on even places of a row, then what on odd ones.
-template <std::uint32_t Count>
-[[gnu::always_inline]] inline void interleave_row(const std::int32_t* even, const std::int32_t* odd, std::int32_t* to) {
-    for (std::uint32_t i = 0; i < Count; ++i) {
+// What stands on even places of a row, one more, then what on odd ones.
+[[gnu::always_inline]] inline void interleave_row(const std::int32_t* even, const std::int32_t* odd, std::uint32_t odds,
+                                                  std::int32_t* to) {
+    for (std::uint32_t i = 0; i < odds; ++i) {
         to[2 * i] = even[i];
         to[2 * i + 1] = odd[i];
     }
-    to[2 * Count] = even[Count];
+    to[2 * odds] = even[odds];
 }
 
-// One step finer: from the corners of Count x Count squares to those of twice as many a side, by the step's planes.
-template <std::uint32_t Count>
-[[gnu::always_inline]] inline void refine_corners(const StepRows& rows, const std::int32_t* grid, std::int32_t* finer) {
-    constexpr std::uint32_t width = 2 * Count + 1;
-    std::int32_t even[Count + 1], odd[Count];
-    for (std::uint32_t j = 0; j < Count; ++j, grid += Count + 1, finer += 2 * width) {
-        rows.read<Count>(VertexKind::side_x, j, odd);
-        interleave_row<Count>(grid, odd, finer);
-        rows.read<Count + 1>(VertexKind::side_y, j, even);
-        rows.read<Count>(VertexKind::centre, j, odd);
-        interleave_row<Count>(even, odd, finer + width);
+// One step finer: from the corners of count x count squares to those of twice as many a side, by the step's planes.
+[[gnu::always_inline]] inline void refine_corners(const StepRows& rows, std::uint32_t count, const std::int32_t* grid,
+                                                  std::int32_t* finer) {
+    const std::uint32_t width = 2 * count + 1;
+    std::int32_t even[page_corners / 2 + 1], odd[page_corners / 2];
+    for (std::uint32_t j = 0; j < count; ++j, grid += count + 1, finer += 2 * width) {
+        rows.read(VertexKind::side_x, j, count, odd);
+        interleave_row(grid, odd, count, finer);
+        rows.read(VertexKind::side_y, j, count + 1, even);
+        rows.read(VertexKind::centre, j, count, odd);
+        interleave_row(even, odd, count, finer + width);
     }
-    rows.read<Count>(VertexKind::side_x, Count, odd);
-    interleave_row<Count>(grid, odd, finer);
+    rows.read(VertexKind::side_x, count, count, odd);
+    interleave_row(grid, odd, count, finer);
 }
 
 // Heights of the squares' corners of a page of step 1: from the page's own four corners on, step by step finer.
@@ -191,11 +190,11 @@ FJELL_CLONES void gather_corners(const TilePages& tile, Coord position, CornerSt
     std::int32_t one[17 * 17], other[9 * 9];
     for (const std::uint32_t k : {0u, 1u, 2u, 3u})
         one[k] = tile.steps_over(position, 2 * (x0 + k % 2 * page_squares), 2 * (y0 + k / 2 * page_squares));
-    refine_corners<1>(rows(5), one, other);
-    refine_corners<2>(rows(4), other, one);
-    refine_corners<4>(rows(3), one, other);
-    refine_corners<8>(rows(2), other, one);
-    refine_corners<16>(rows(1), one, out);
+    for (const int z : {5, 3}) { // 1 square a side becomes 2 and 4, then 8 and 16
+        refine_corners(rows(z), page_squares >> z, one, other);
+        refine_corners(rows(z - 1), page_squares >> (z - 1), other, one);
+    }
+    refine_corners(rows(1), page_squares / 2, one, out);
 }
 
 void store(const TerrainData& terrain, std::uint32_t page, const TerrainMemory& memory, VertexRecord* to) {
