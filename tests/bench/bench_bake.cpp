@@ -4,10 +4,13 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +19,8 @@
 #include <unistd.h>
 
 #include <nlohmann/json.hpp>
+#include <xxhash.h>
+#include <zstd.h>
 
 #include "baker/bake/bake.h"
 #include "baker/check/verify.h"
@@ -171,30 +176,109 @@ void load(benchmark::State& state) {
     state.counters["MB"] = static_cast<double>(bytes) / 1e6;
 }
 
-// Page by page, as streaming does: the finest step's pages of a tile come and go over coarser ones that stay.
-void decode(benchmark::State& state, Order order) {
-    baker::BakeOptions options;
-    options.tile_log2 = 9;
-    options.order = order;
-    options.max_texture_log2 = 2;
-    const std::string path = folder + "/decode.fjell";
-    (void)baker::bake(dem(), options, path);
-    const io::LoadedPack pack = io::load_pack(path, io::LoadTerrain::yes);
-    Terrain terrain = pack.terrain;
-    const std::uint32_t last = terrain.pages_per_tile() - 1, first = last - 31; // of 64 pages of step 1
-    std::uint32_t tile = 0;
-    double samples_decoded = 0;
-    for (auto _ : state) {
-        for (std::uint32_t page = first; page <= last; ++page) (void)unload_page(terrain, tile, page);
-        for (std::uint32_t page = first; page <= last; ++page) {
-            if (!load_page(pack.pack, terrain, tile, page).ok()) return state.SkipWithError("damaged");
-            samples_decoded += data_of(terrain).pages.page_vertices(page);
-        }
-        tile = (tile + 1) % terrain.tile_count();
+// Page by page, as streaming does: the finest step's pages of a tile come and go over coarser ones that stay. Beside
+// it, in turns with it, what of that zstd takes at least: the same bytes hashed, and decompressed by a decoder that is
+// kept.
+class DecodedPack {
+public:
+    explicit DecodedPack(Order order) {
+        baker::BakeOptions options;
+        options.tile_log2 = 9;
+        options.order = order;
+        options.max_texture_log2 = 2;
+        std::filesystem::create_directories(folder);
+        const std::string path = folder + "/decode.fjell";
+        (void)baker::bake(dem(), options, path);
+        pack_ = io::load_pack(path, io::LoadTerrain::yes);
+        last_ = pack_.terrain.pages_per_tile() - 1;
     }
-    state.counters["samples/s"] = benchmark::Counter(samples_decoded, benchmark::Counter::kIsRate);
-    state.counters["pages/s"] =
-        benchmark::Counter(32.0 * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+    [[nodiscard]] std::uint32_t tiles() const { return pack_.terrain.tile_count(); }
+    [[nodiscard]] std::uint32_t first() const { return last_ - 31; } // of 64 pages of step 1
+    [[nodiscard]] double samples() const {
+        double sum = 0;
+        for (std::uint32_t page = first(); page <= last_; ++page)
+            sum += data_of(pack_.terrain).pages.page_vertices(page);
+        return sum;
+    }
+
+    [[nodiscard]] bool load(std::uint32_t tile) {
+        for (std::uint32_t page = first(); page <= last_; ++page) (void)unload_page(pack_.terrain, tile, page);
+        bool ok = true;
+        for (std::uint32_t page = first(); page <= last_; ++page)
+            ok = load_page(pack_.pack, pack_.terrain, tile, page).ok() && ok;
+        return ok;
+    }
+    // As a stream's client and its frame do: decompressed in advance.
+    [[nodiscard]] bool insert(std::uint32_t tile) {
+        bool ok = true;
+        for (std::uint32_t page = first(); page <= last_; ++page) {
+            (void)unload_page(pack_.terrain, tile, page);
+            const std::span<const std::byte> raw = decompress(tile, page);
+            const auto start = Clock::now();
+            ok = insert_page(pack_.terrain, tile, page, raw).ok() && ok;
+            insert_s += seconds_since(start);
+        }
+        return ok;
+    }
+    void hash(std::uint32_t tile) const {
+        for (std::uint32_t page = first(); page <= last_; ++page) {
+            const std::span<const std::byte> bytes = stored(tile, page);
+            benchmark::DoNotOptimize(XXH3_64bits(bytes.data(), bytes.size()));
+        }
+    }
+    void hash_and_decompress(std::uint32_t tile) {
+        for (std::uint32_t page = first(); page <= last_; ++page) {
+            const std::span<const std::byte> bytes = stored(tile, page);
+            benchmark::DoNotOptimize(XXH3_64bits(bytes.data(), bytes.size()));
+            benchmark::DoNotOptimize(decompress(tile, page).data());
+        }
+    }
+
+    using Clock = std::chrono::steady_clock;
+    static double seconds_since(Clock::time_point start) {
+        return std::chrono::duration<double>(Clock::now() - start).count();
+    }
+    double insert_s = 0;
+
+private:
+    [[nodiscard]] std::span<const std::byte> stored(std::uint32_t tile, std::uint32_t page) const {
+        const ChunkEntry e = pack_.pack.entry(chunk_index(pack_.pack.header, {ChunkKind::geometry, tile, page}));
+        return pack_.pack.bytes.subspan(e.offset, e.stored_bytes);
+    }
+    [[nodiscard]] std::span<const std::byte> decompress(std::uint32_t tile, std::uint32_t page) {
+        const std::span<const std::byte> bytes = stored(tile, page);
+        return {raw_, ZSTD_decompressDCtx(zstd_.get(), raw_, sizeof raw_, bytes.data(), bytes.size())};
+    }
+
+    io::LoadedPack pack_;
+    std::uint32_t last_ = 0;
+    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd_{ZSTD_createDCtx(), ZSTD_freeDCtx};
+    std::byte raw_[max_page_raw_bytes(max_page_vertices)];
+};
+
+void decode(benchmark::State& state, Order order) {
+    const auto pack = std::make_unique<DecodedPack>(order);
+    double decoded = 0, hash_s = 0, zstd_s = 0;
+    std::uint32_t tile = 0;
+    for (auto _ : state) {
+        if (!pack->load(tile)) return state.SkipWithError("damaged");
+        decoded += pack->samples();
+        state.PauseTiming();
+        const std::uint32_t other = (tile + pack->tiles() / 2) % pack->tiles(); // as far away in the cache
+        auto start = DecodedPack::Clock::now();
+        pack->hash_and_decompress(other);
+        zstd_s += DecodedPack::seconds_since(start);
+        start = DecodedPack::Clock::now();
+        pack->hash((other + 1) % pack->tiles());
+        hash_s += DecodedPack::seconds_since(start);
+        if (!pack->insert((other + 2) % pack->tiles())) return state.SkipWithError("damaged");
+        tile = (tile + 1) % pack->tiles();
+        state.ResumeTiming();
+    }
+    state.counters["samples/s"] = benchmark::Counter(decoded, benchmark::Counter::kIsRate);
+    state.counters["hash_samples/s"] = decoded / hash_s;
+    state.counters["hash+zstd_samples/s"] = decoded / zstd_s;
+    state.counters["insert_samples/s"] = decoded / pack->insert_s;
 }
 
 // The program on its own, so that its resident memory is its own too.

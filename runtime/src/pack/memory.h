@@ -23,7 +23,6 @@ struct TerrainMemory {
     std::byte* raw; // room for the largest page decompressed
     std::uint32_t raw_bytes;
     PageArrays arrays;
-    std::uint32_t packed[max_page_vertices];
     CornerSteps coarse;
     std::uint32_t changed_slots[change_log];
     LeafErrors leaf;

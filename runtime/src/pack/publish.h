@@ -55,16 +55,12 @@ inline void write_record(VertexRecord* to, std::uint32_t packed) {
     __atomic_store_n(reinterpret_cast<RecordWord*>(to), packed, __ATOMIC_RELAXED);
 }
 // Two records at a time, which the machine writes at once; single ones took three times as long.
-inline void write_records(VertexRecord* to, const std::uint32_t* packed, std::uint32_t count) {
+[[nodiscard]] inline bool takes_pairs(const VertexRecord* to) {
+    return reinterpret_cast<std::uintptr_t>(to) % sizeof(std::uint64_t) == 0;
+}
+inline void write_pair(VertexRecord* to, std::uint64_t packed) {
     using Pair [[gnu::may_alias]] = std::uint64_t;
-    std::uint32_t i = 0;
-    if (reinterpret_cast<std::uintptr_t>(to) % sizeof(Pair) != 0 && count != 0) write_record(to, packed[i++]);
-    for (; i + 2 <= count; i += 2) {
-        Pair pair;
-        std::memcpy(&pair, packed + i, sizeof pair);
-        __atomic_store_n(reinterpret_cast<Pair*>(to + i), pair, __ATOMIC_RELAXED);
-    }
-    if (i < count) write_record(to + i, packed[i]);
+    __atomic_store_n(reinterpret_cast<Pair*>(to), packed, __ATOMIC_RELAXED);
 }
 
 // --- any thread

@@ -1,0 +1,39 @@
+// The loops that decoding a page of one step consists of, in the machine's vectors; and each once more one vertex at a
+// time, which says what they do, runs where there are no vectors, and is what tests compare with. All arithmetic is in
+// integers: they agree bit for bit.
+//
+// They trust their arguments: unpack_page has checked every length.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "pack/page.h"
+#include "pack/record.h"
+
+namespace fjell {
+
+// A step page's planes: centres, side_x, side_y.
+inline constexpr std::uint32_t first_side_x = page_squares * page_squares,
+                               first_side_y = first_side_x + page_squares * page_corners;
+
+// Heights of a step page from the differences that it stores: max_page_vertices low bytes, and as many high ones or
+// null. Differences are modulo 2^16, folded so that small ones of either sign are small numbers.
+void restore_heights(const std::byte* low, const std::byte* high, std::uint16_t* heights);
+void restore_heights_scalar(const std::byte* low, const std::byte* high, std::uint16_t* heights);
+
+// derive_errors (page.h) is this.
+void leaf_errors(const CornerSteps& corners, std::uint32_t nesting_steps, const LeafErrors& leaf, PageArrays& page);
+void leaf_errors_scalar(const CornerSteps& corners, std::uint32_t nesting_steps, const LeafErrors& leaf,
+                        PageArrays& page);
+
+// The first `count` vertices as records, in order, for readers of other threads (pack/publish.h).
+void write_page(const PageArrays& page, std::uint32_t count, VertexRecord* to);
+void write_page_scalar(const PageArrays& page, std::uint32_t count, VertexRecord* to);
+
+[[nodiscard]] inline std::uint32_t packed_record(const PageArrays& page, std::uint32_t vertex) {
+    return static_cast<std::uint32_t>(page.heights[vertex]) | static_cast<std::uint32_t>(page.errors[vertex]) << 16 |
+           static_cast<std::uint32_t>(page.radii[vertex]) << 24;
+}
+
+} // namespace fjell
