@@ -1,9 +1,9 @@
 // Runs a fuzz target without libFuzzer: every seed as it is, then ROUNDS mutations of the seeds in turn (a fifth of
-// them where rounds are brief), always the same ones. This is what `./dev test` runs under sanitizers; `./dev test
-// --long` explores with libFuzzer.
+// them where rounds are brief), always the same ones. This is what `./dev test` runs; `./dev test --long` explores with
+// libFuzzer.
 //
-// fuzz_X ROUNDS SEED... where SEED is a file, or a folder of them. What breaks is written to ./broken-input; it can be
-// given to `fuzz_X 0 broken-input`.
+// fuzz TARGET ROUNDS SEED... where SEED is a file, or a folder of them. What breaks is written to ./broken-input; it
+// can be given to `fuzz TARGET 0 broken-input`.
 #include <algorithm>
 #include <csignal>
 #include <cstdint>
@@ -14,16 +14,33 @@
 #include <iterator>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "support/rounds.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+// Each target's LLVMFuzzerTestOneInput, which CMake calls by the target's name.
+#define FUZZ_TARGETS(X)                                                                                                \
+    X(fuzz_checkpoint)                                                                                                 \
+    X(fuzz_netcdf)                                                                                                     \
+    X(fuzz_pack) X(fuzz_page) X(fuzz_path) X(fuzz_profile) X(fuzz_ramp) X(fuzz_recipe) X(fuzz_record) X(fuzz_terrain)
+#define DECLARE(name) int name(const std::uint8_t* data, std::size_t size);
+extern "C" {
+FUZZ_TARGETS(DECLARE)
+}
 extern "C" void __sanitizer_set_death_callback(void (*callback)()) __attribute__((weak));
 
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
+using Target = int (*)(const std::uint8_t* data, std::size_t size);
+
+Target target_of(std::string_view name) { // null: there is none
+#define RETURN_IF(target)                                                                                              \
+    if (name == #target) return target;
+    FUZZ_TARGETS(RETURN_IF)
+    return nullptr;
+}
 
 const Bytes* current = nullptr;
 
@@ -46,9 +63,9 @@ void keep_current_on_failure() {
     if (!__sanitizer_set_death_callback) (void)std::signal(SIGSEGV, on_signal);
 }
 
-void run(const Bytes& bytes) {
+void run(Target target, const Bytes& bytes) {
     current = &bytes;
-    (void)LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
+    (void)target(bytes.data(), bytes.size());
     current = nullptr;
 }
 
@@ -86,24 +103,25 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& seed) {
 } // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 3) return std::fprintf(stderr, "usage: %s ROUNDS SEED_FILE_OR_FOLDER...\n", argv[0]), 2;
+    const Target target = argc < 4 ? nullptr : target_of(argv[1]);
+    if (target == nullptr) return std::fprintf(stderr, "usage: %s TARGET ROUNDS SEED_FILE_OR_FOLDER...\n", argv[0]), 2;
     keep_current_on_failure();
     std::vector<Bytes> seeds;
-    for (int i = 2; i < argc; ++i)
+    for (int i = 3; i < argc; ++i)
         for (const auto& path : files_of(argv[i])) {
             std::ifstream file(path, std::ios::binary);
             seeds.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
             if (seeds.back().empty()) return std::fprintf(stderr, "%s: no such seed, or empty\n", path.c_str()), 2;
-            run(seeds.back());
+            run(target, seeds.back());
         }
-    if (seeds.empty()) return std::fprintf(stderr, "%s: no seeds\n", argv[0]), 2;
+    if (seeds.empty()) return std::fprintf(stderr, "%s: no seeds\n", argv[1]), 2;
     std::mt19937 random(1);
-    const long wanted = std::strtol(argv[1], nullptr, 10);
+    const long wanted = std::strtol(argv[2], nullptr, 10);
     const long rounds = fjell::test::full_rounds() ? wanted : wanted / 5;
     for (long round = 0; round < rounds; ++round) {
         Bytes bytes = seeds[static_cast<std::size_t>(round) % seeds.size()];
         mutate(bytes, random);
-        run(bytes);
+        run(target, bytes);
     }
     std::printf("%zu seeds, %ld mutations: nothing broke\n", seeds.size(), rounds);
     return 0;

@@ -94,7 +94,7 @@ Flight fly(const Terrain& terrain, CutSettings settings, std::uint32_t items, in
 
 TEST_CASE("morphing by error, no sample jumps by more than a twentieth of a pixel in a hundredth of a cell") {
     Random random(301);
-    for (int round = 0; round < rounds(2, 6); ++round) {
+    for (int round = 0; round < rounds(1, 6); ++round) {
         const auto pack = rich_terrain(random, 65, 6);
         CutSettings settings;
         settings.error_px = 1;

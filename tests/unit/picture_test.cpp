@@ -76,7 +76,7 @@ TEST_CASE("a picture has a hole where the samples have no height, and nowhere el
 TEST_CASE("a pixel shows a hole when any of its samples is one, however small the picture") {
     Random random(5);
     int holes = 0, solid = 0;
-    for (int round = 0; round < 24; ++round) {
+    for (int round = 0; round < rounds(8, 24); ++round) {
         Dem dem = random_dem(random, pick(random, 65, 500), pick(random, 65, 500),
                              static_cast<Shape>(pick(random, 0, static_cast<int>(Shape::count) - 1)));
         for (int k = pick(random, 1, 12); k > 0; --k)
@@ -115,7 +115,7 @@ TEST_CASE("a pixel shows a hole when any of its samples is one, however small th
 
 TEST_CASE("a single hole in level ground is seen, also on a rim that cuts tiles") {
     Random random(12);
-    for (int round = 0; round < 60; ++round) {
+    for (int round = 0; round < rounds(20, 60); ++round) {
         Dem dem = level(pick(random, 66, 300), pick(random, 66, 300));
         const std::int32_t x = round % 3 == 0 ? dem.columns - 1 : pick(random, 0, dem.columns - 1),
                            y = round % 3 == 1 ? dem.rows - 1 : pick(random, 0, dem.rows - 1);
@@ -208,7 +208,7 @@ TEST_CASE("the larger an error, the nearer its colour to the ramp's red end") {
 
 TEST_CASE("a single spike is not lost, wherever it is and however many samples a pixel has") {
     Random random(6);
-    for (int round = 0; round < 60; ++round) {
+    for (int round = 0; round < rounds(20, 60); ++round) {
         Dem dem = level(pick(random, 20, 300), pick(random, 20, 300));
         const std::int32_t columns = dem.columns, rows = dem.rows;
         const std::int32_t x = round % 3 == 0 ? columns - 1 : pick(random, 0, columns - 1),
@@ -231,7 +231,7 @@ TEST_CASE("a single spike is not lost, wherever it is and however many samples a
 
 TEST_CASE("where every vertex has an error, every pixel shows one") {
     Random random(11);
-    for (int round = 0; round < 20; ++round) {
+    for (int round = 0; round < rounds(7, 20); ++round) {
         // Whole tiles: next to a rim that cuts one there may be no triangle to err.
         const int tile_log2 = pick(random, 1, 7), side = 1 << tile_log2;
         Dem dem = level(pick(random, 1, 250 / side) * side + 1, pick(random, 1, 250 / side) * side + 1);
@@ -252,7 +252,7 @@ TEST_CASE("where every vertex has an error, every pixel shows one") {
 
 TEST_CASE("the ramp's largest error is at least that of every finest vertex") {
     Random random(7);
-    for (int round = 0; round < 12; ++round) {
+    for (int round = 0; round < rounds(5, 12); ++round) {
         const auto pack = bake_and_load(random_dem(random, pick(random, 2, 400), pick(random, 2, 400),
                                                    pick(random, 0, 1) ? Shape::fractal : Shape::spikes),
                                         small_bake(pick(random, 1, 8)));
