@@ -21,6 +21,7 @@
 #include "baker/bake/bake.h"
 #include "fjell/cut.h"
 #include "fjell/io/load.h"
+#include "fjell/measure.h"
 #include "fjell/recursive.h"
 #include "pack/terrain_data.h"
 #include "rivals/lean_recursion.h"
@@ -346,6 +347,36 @@ void teleport_budget(benchmark::State& state) {
     state.counters["converged"] = converged / 100'000;
 }
 
+// A cell a frame in less time than that takes: what does the mesh claim to keep, and what does it cost to say so?
+void lag(benchmark::State& state, double budget_us) {
+    const Scene& scene = mountains();
+    const Terrain& t = scene.pack.terrain;
+    const std::size_t bytes = cut_bytes(t, cut_budget);
+    const io::AlignedMemory memory = io::allocate(bytes);
+    LiveCut cut;
+    if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+    CutSettings settings;
+    settings.error_px = scene.error_px;
+    std::vector<double> claimed_px, output_us;
+    double unbounded = 0;
+    for (auto _ : state) {
+        const std::vector<View> views = flight(t, 1, 600);
+        CutReport report;
+        (void)rebuild_cut(cut, {&views[0], 1}, settings, report);
+        settings.budget_us = budget_us;
+        for (const View& view : views) {
+            (void)update_cut(cut, {&view, 1}, settings, report);
+            claimed_px.push_back(report.error_px_effective);
+            output_us.push_back(report.output_us);
+            unbounded += report.error_px_effective >= unbounded_px;
+        }
+    }
+    state.counters["claimed_p50_px"] = rank(claimed_px, 0.5);
+    state.counters["claimed_p90_px"] = rank(claimed_px, 0.9);
+    state.counters["unbounded_share"] = unbounded / static_cast<double>(claimed_px.size());
+    state.counters["output_p50_us"] = rank(output_us, 0.5);
+}
+
 // Of the vertices that a view will show in the end, the share that a mesh has.
 class Visible {
 public:
@@ -446,6 +477,8 @@ int main(int argc, char** argv) {
     declare("from-nothing/1px", [](benchmark::State& s) { from_nothing(s, 1); });
     declare("from-nothing/0.5px", [](benchmark::State& s) { from_nothing(s, 0.5); });
     declare("sizes", compare_sizes);
+    declare("lag-1500us", [](benchmark::State& s) { lag(s, 1500); });
+    declare("lag-500us", [](benchmark::State& s) { lag(s, 500); });
     declare("teleport-300us", teleport_budget);
     declare("teleport-2ms", teleport_recovery);
     benchmark::Initialize(&argc, argv);

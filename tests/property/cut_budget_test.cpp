@@ -263,6 +263,27 @@ TEST_CASE("the smallest budgets that are taken give the coarsest meshes, with ho
     }
 }
 
+TEST_CASE("the smallest budget of triangles is used, by a rebuild as by updates") {
+    Random random(150);
+    for (int round = 0; round < 6; ++round) {
+        const auto pack = rich_terrain(random, 129, 7); // one tile
+        CutBudget budget = least_cut(pack.terrain, 512);
+        budget.vertices = 3000;
+        CAPTURE(round, budget.triangles);
+        const View view = view_from_above(pack.terrain, 0.3);
+        CutSettings settings;
+        settings.error_px = 0.05;
+        for (const bool rebuilt : {false, true}) {
+            Cut cut(pack.terrain, budget);
+            if (rebuilt) REQUIRE((cut.rebuild({&view, 1}, settings).exhausted & cut_budget_triangles) != 0);
+            const Rest r = rest(cut, view, settings, 120);
+            CAPTURE(rebuilt, r.last.threshold_px, r.last.triangles);
+            CHECK(r.last.triangles > budget.segment_triangles / 2); // a whole segment is held back twice
+            CHECK(r.last.error_px_effective < 1e4);
+        }
+    }
+}
+
 TEST_CASE("a budget that just holds what is requested is found to hold it, whatever came before") {
     Random random(149);
     for (int round = 0; round < 30; ++round) {

@@ -319,25 +319,25 @@ public:
         while (page_count_ != 0) put_back_due(s.schedule, pages_[--page_count_]);
     }
 
-    [[nodiscard]] bool any() const { return page_count_ != 0; }
-
-    // Evaluates one more group, if there is any.
-    void examine_next() {
-        while (any()) {
-            while (next_ != count_) {
-                if (next_ + ahead < count_) prefetch_group(s, groups_[next_ + ahead]);
-                const std::uint32_t group = groups_[next_++];
-                if (ticks_of(s.schedule, group) != spent) continue; // it was queued meanwhile
-                examine(s, group);
-                ++s.examined;
-                return;
-            }
+    // Is there a group to be evaluated? Closes pages that have none left. Whoever looks at the clock asks first: where
+    // a frame ends must not depend on groups that were queued meanwhile, or it could not be replayed by its visits.
+    [[nodiscard]] bool any() {
+        while (page_count_ != 0) {
+            while (next_ != count_ && ticks_of(s.schedule, groups_[next_]) != spent) ++next_;
+            if (next_ != count_) return true;
             while (page_count_ != 0) {
                 close_page(s.schedule, pages_[--page_count_]);
                 note_bound(s, pages_[page_count_]);
             }
             open();
         }
+        return false;
+    }
+    // Evaluates it.
+    void examine_next() {
+        if (next_ + ahead < count_) prefetch_group(s, groups_[next_ + ahead]);
+        examine(s, groups_[next_++]);
+        ++s.examined;
     }
 
 private:
@@ -398,14 +398,15 @@ bool work_off(CutState& s) {
     s.lagging = s.lagging || s.jumped;
     const std::uint32_t most_examined = s.lagging ? 2 * batch_groups : unlimited_items;
     while (s.report.items < s.item_limit) {
-        if (visits.any() && s.examined < most_examined) {
+        const bool any_due = visits.any();
+        if (any_due && s.examined < most_examined) {
             if (out_of_time(s)) return false;
             visits.examine_next();
             continue;
         }
         s.examined = 0;
         const std::uint32_t queue = next_queue(s);
-        if (queue == unqueued && !visits.any()) return false;
+        if (queue == unqueued && !any_due) return false;
         if (queue == unqueued) continue;
         const std::uint32_t full_before = s.full_capacities;
         if (!change_batch(s, queue, queue == deactivation_queue || !s.lagging)) break;

@@ -7,8 +7,8 @@
 // whole: charged, and its spent groups evaluated, while its states and records stream through the cache.
 //
 // Never late: slacks are rounded down to ticks and charges up; a page is charged in whole ticks, less than one ahead of
-// its odometer, so rounding does not add up from visit to visit. Early by two ticks at most, and by no more than a
-// page's spent groups need: slacks of more than 65,534 ticks are looked at once in so many.
+// its odometer, so rounding does not add up from visit to visit. Early by two ticks at most:
+// slacks of more than 65,533 ticks are looked at once in so many.
 //
 // An odometer cannot run out: from rewind_ticks on it begins again at 0, and its pages' times are shifted. Doubles
 // below that are 2^-20 of a tick apart, less than what slack_rounding leaves out of any span.
@@ -45,7 +45,7 @@ struct PageSchedule {       // of a page slot
     double charged_m;       // the odometer of its grade up to which its groups are charged
     double seen_m;          // and where that stood when they were
     std::uint32_t awake;    // its place among the pages that watch anything, or no_index
-    std::uint8_t level;     // higher ones come first
+    std::uint8_t level;     // of due_level_count: the highest comes first
     std::uint8_t tick_log2; // of its ticks, over those of the finest step
 };
 
