@@ -229,6 +229,93 @@ TEST_CASE("what is selected is exactly what is wanted (invariant 7)") {
     }
 }
 
+TEST_CASE("with culling, too, what is selected is exactly what is wanted and meets the frustum, once in each tile") {
+    Random random(15);
+    for (int round = 0; round < rounds(40, 160); ++round) {
+        const auto shape = static_cast<Shape>(round % static_cast<int>(Shape::count));
+        baker::BakeOptions options = small_bake(pick(random, 1, 8));
+        options.order = static_cast<Order>(round % 3);
+        const auto pack = bake_and_load(random_dem(random, pick(random, 2, 260), pick(random, 2, 200), shape), options);
+        const Terrain& terrain = pack.terrain;
+        const TerrainData& data = data_of(terrain);
+        Recursive method(terrain, ample_budget(terrain));
+        for (int frame = 0; frame < 4; ++frame) {
+            const View view = random_view(random, terrain);
+            RefineSettings settings;
+            settings.error_px = random_threshold(random);
+            settings.metric = frame == 3 ? Metric::depth : Metric::isotropic;
+            settings.topology = frame == 2 ? Topology::strip : Topology::triangles;
+            const FrameReport report = method.update(view, settings);
+            const Reach reach = make_reach(view, settings.error_px);
+            const Frustum frustum = make_frustum(view);
+            // Of the grid, row by row, also beyond the rim.
+            const std::int32_t columns = data.tree.grid_columns(), rows = data.tree.grid_rows();
+            const auto at = [&](Coord c) { return static_cast<std::size_t>(c.y) * columns + c.x; };
+            std::vector<bool> expected(static_cast<std::size_t>(columns) * rows), used = expected, drawn = expected;
+            for (std::int32_t y = 0; y < rows; ++y)
+                for (std::int32_t x = 0; x < columns; ++x) {
+                    const TerrainData::Vertex v = data.vertex({x, y});
+                    const Coord s = data.tree.sample({x, y});
+                    const float px = terrain.x_m(s.x), pz = terrain.z_m(s.y);
+                    const Vec3 p = Vec3{px, v.height_m, pz} - view.eye_m;
+                    bool in = settings.metric == Metric::depth
+                                  ? dot(view.forward, p) - double{v.radius_m} <
+                                        std::max(double{v.error_m} * double{reach.q}, view.near_m)
+                                  : wanted(reach, px, v.height_m, pz, v.error_m, v.radius_m);
+                    for (int i = 0; i < 6; ++i)
+                        in = in && !(dot(frustum.normal[i], p) - frustum.offset[i] < -double{v.radius_m});
+                    expected[at({x, y})] = in || data.tree.is_corner({x, y});
+                }
+            const MeshView mesh = method.mesh();
+            std::size_t count = 0;
+            const std::int32_t side = data.tree.side();
+            for (const TileRange& range : mesh.tiles)
+                for (std::int32_t y = 0; y <= side; ++y)
+                    for (std::int32_t x = 0; x <= side; ++x) {
+                        const auto tile = static_cast<std::int32_t>(range.tile);
+                        const Coord c{tile % data.tree.tiles_x * side + x, tile / data.tree.tiles_x * side + y};
+                        drawn[at(c)] = true;
+                        count += expected[at(c)];
+                    }
+            for (const Triangle& t : triangles_of(mesh))
+                for (const Coord c : t) used[at(c)] = true;
+            std::size_t wrong = 0;
+            for (std::int32_t y = 0; y < data.tree.rows() - 1; ++y) // at the rim several stand at one sample
+                for (std::int32_t x = 0; x < data.tree.columns() - 1; ++x)
+                    wrong += used[at({x, y})] != (drawn[at({x, y})] && expected[at({x, y})]);
+            CAPTURE(round, frame, data.tree.tile_log2, columns, rows, settings.error_px);
+            REQUIRE(wrong == 0);
+            REQUIRE(report.vertices == count);
+        }
+    }
+}
+
+TEST_CASE("what a frame knew of a vertex is forgotten by the time that frames' numbers come again") {
+    Random random(16);
+    const auto pack = bake_and_load(random_dem(random, 33, 33, Shape::noise), small_bake(5));
+    Recursive method(pack.terrain, ample_budget(pack.terrain));
+    View away = view_from_above(pack.terrain, 0.1);
+    away.eye_m.y += away.far_m * 2;
+    RefineSettings all, none;
+    all.error_px = 0.01;
+    for (int turn = 0; turn < 2; ++turn) {
+        const FrameReport whole = method.update(view_from_above(pack.terrain, 0.1), all);
+        REQUIRE(whole.vertices > 500);
+        for (int frame = 3; frame < 21844; ++frame) REQUIRE(method.update(away, none).tiles == 0);
+        for (int frame = 0; frame < 4; ++frame) {
+            const View view = view_from_above(pack.terrain, 3);
+            RefineSettings some;
+            some.error_px = 30;
+            Recursive fresh(pack.terrain, ample_budget(pack.terrain));
+            const FrameReport expected = fresh.update(view, some), report = method.update(view, some);
+            REQUIRE(expected.vertices > 10);
+            REQUIRE(expected.vertices < 500);
+            REQUIRE(report.vertices == expected.vertices);
+            REQUIRE(triangles_of(method.mesh()) == triangles_of(fresh.mesh()));
+        }
+    }
+}
+
 TEST_CASE("the corner-safe bound is the angular one, divided by what the image's corner stretches") {
     Random random(13);
     for (int round = 0; round < 30; ++round) {

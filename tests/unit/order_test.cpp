@@ -105,7 +105,7 @@ std::uint32_t count_wrong_locations(int log2, std::uint32_t stride) {
     terrain.tree = {log2, 1, 1};
     terrain.pages = {log2, O};
     for (int level = 0; level < 2 * log2; ++level) terrain.header.level_radius_m[level] = static_cast<float>(level + 1);
-    std::array<std::array<LevelPlane, 3>, max_tile_log2> planes;
+    std::array<std::array<LevelPlane, 3>, max_tile_log2> planes{};
     for (int z = 0; z < log2; ++z)
         planes[static_cast<std::size_t>(z)] = {make_level_plane(terrain, z, VertexKind::centre),
                                                make_level_plane(terrain, z, VertexKind::side_x),
@@ -117,12 +117,14 @@ std::uint32_t count_wrong_locations(int log2, std::uint32_t stride) {
     for (std::uint32_t page = 0; page < terrain.pages.pages_per_tile(); ++page)
         set_step_page(terrain, page, {page == 1 ? no_index : page * capacity, base_of(page)}, entries.data());
     std::uint32_t wrong = 0;
+    for (auto& step : planes)
+        for (LevelPlane& plane : step) plane.pages = entries.data() + plane.first;
     for_each_vertex(terrain.pages, stride, [&](std::uint32_t x, std::uint32_t y) {
         const Coord c = to_coord(x, y);
         if (terrain.tree.is_corner(c)) return;
         const LevelPlane& plane =
             planes[static_cast<std::size_t>(Tree::step_log2(c))][static_cast<std::size_t>(Tree::kind(c))];
-        const Located found = locate<O>(plane, entries.data(), terrain.pages.side(), x, y);
+        const Located found = locate<O>(plane, pack_xy(x, y));
         const PagePlace place = terrain.pages.place_as<O>(x, y);
         wrong += found.loaded != (place.page != 1) || found.base != base_of(place.page);
         wrong += found.loaded && found.index != place.page * capacity + place.index;

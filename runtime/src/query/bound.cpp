@@ -50,7 +50,7 @@ struct RecursiveVertices {
                                               static_cast<std::uint32_t>(at.y - tile.y * side));
         const auto number = static_cast<std::uint32_t>(tile.y * t.tree.tiles_x + tile.x);
         const std::uint32_t page = t.page_table[std::size_t{number} * t.pages_per_tile + place.page].slot;
-        return page != no_index && s.states[page * t.page_capacity + place.index].status > s.pass * 3;
+        return page != no_index && is_selected(s, page * t.page_capacity + place.index);
     }
     [[nodiscard]] double drawn_m(std::uint32_t /*slot*/, double full_m) const { return full_m; }
 };

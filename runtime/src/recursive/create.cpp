@@ -23,7 +23,7 @@ std::size_t state_count(const TerrainData& terrain) {
 
 // Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t states, step_pages, slot_pages, vertices, owners, free_slots, indices, tiles, end;
+    std::size_t statuses, slots, step_pages, slot_pages, vertices, owners, free_slots, indices, tiles, x_m2, z_m2, end;
 };
 
 static_assert(recursive_vertex_bytes == sizeof(MeshVertex) + 2 * 4,
@@ -33,7 +33,8 @@ Layout layout_of(const TerrainData& terrain, const RecursiveBudget& budget) {
     Layout l{};
     std::size_t at = aligned(sizeof(RecursiveState));
     const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
-    l.states = place(state_count(terrain) * sizeof(VertexState));
+    l.statuses = place(state_count(terrain) * sizeof(std::uint16_t));
+    l.slots = place(state_count(terrain) * sizeof(std::uint32_t));
     l.step_pages = place(std::size_t{terrain.tile_count()} * entries_per_tile(terrain.pages) * sizeof(StepPageEntry));
     l.slot_pages = place(std::size_t{terrain.slot_count} * sizeof(std::uint32_t));
     l.vertices = place(std::size_t{budget.vertices} * sizeof(MeshVertex));
@@ -41,6 +42,8 @@ Layout layout_of(const TerrainData& terrain, const RecursiveBudget& budget) {
     l.free_slots = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
     l.indices = place(std::size_t{budget.indices} * sizeof(std::uint32_t));
     l.tiles = place(std::size_t{terrain.tile_count()} * sizeof(TileRange));
+    l.x_m2 = place((std::size_t{terrain.pages.side()} + 1) * sizeof(float));
+    l.z_m2 = place((std::size_t{terrain.pages.side()} + 1) * sizeof(float));
     l.end = at;
     return l;
 }
@@ -96,12 +99,15 @@ Status create_recursive(const Terrain& handle, const RecursiveBudget& budget, st
     s.terrain_handle = handle;
     s.terrain = &terrain;
     s.budget = budget;
-    s.states = reinterpret_cast<VertexState*>(at + l.states);
+    s.statuses = reinterpret_cast<std::uint16_t*>(at + l.statuses);
+    s.slots = reinterpret_cast<std::uint32_t*>(at + l.slots);
     s.vertices = reinterpret_cast<MeshVertex*>(at + l.vertices);
     s.owners = reinterpret_cast<std::uint32_t*>(at + l.owners);
     s.free_slots = reinterpret_cast<std::uint32_t*>(at + l.free_slots);
     s.indices = reinterpret_cast<std::uint32_t*>(at + l.indices);
     s.tiles = reinterpret_cast<TileRange*>(at + l.tiles);
+    s.x_m2 = reinterpret_cast<float*>(at + l.x_m2);
+    s.z_m2 = reinterpret_cast<float*>(at + l.z_m2);
     s.state_count = static_cast<std::size_t>(count);
     s.slot_pages = reinterpret_cast<std::uint32_t*>(at + l.slot_pages);
     for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.slot_pages[i] = no_index;
@@ -109,7 +115,7 @@ Status create_recursive(const Terrain& handle, const RecursiveBudget& budget, st
     s.step_pages_per_tile = entries_per_tile(terrain.pages);
     for (std::uint64_t i = 0; i < tiles * s.step_pages_per_tile; ++i) s.step_pages[i] = {no_index, 0};
     s.seen_changes = terrain.changes - 1;
-    for (std::uint64_t i = 0; i < count; ++i) s.states[i].slot = no_index;
+    for (std::uint64_t i = 0; i < count; ++i) s.slots[i] = no_index;
     for (std::uint32_t i = 0; i < budget.vertices; ++i) {
         s.owners[i] = no_index;
         s.free_slots[i] = budget.vertices - 1 - i;
@@ -131,14 +137,12 @@ void sync_pages(RecursiveState& s) {
     for (std::uint32_t slot = 0; slot < terrain.slot_count; ++slot) {
         if (s.slot_pages[slot] == terrain.slot_page[slot]) continue;
         if (!move_page(s, slot)) continue;
-        VertexState* const states = s.states + std::size_t{slot} * terrain.page_capacity;
+        std::uint32_t* const slots = s.slots + std::size_t{slot} * terrain.page_capacity;
         for (std::uint32_t i = 0; i < terrain.page_capacity; ++i) {
-            if (states[i].slot != no_index) {
-                const std::uint32_t vertex = states[i].slot & ~hole_flag;
-                s.owners[vertex] = no_index;
-                s.free_slots[s.free_count++] = vertex;
-            }
-            states[i] = {0, no_index};
+            if (slots[i] == no_index) continue;
+            const std::uint32_t vertex = std::exchange(slots[i], no_index) & ~hole_flag;
+            s.owners[vertex] = no_index;
+            s.free_slots[s.free_count++] = vertex;
         }
     }
 }

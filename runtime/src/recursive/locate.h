@@ -18,16 +18,27 @@ struct StepPageEntry {
     std::int32_t base;    // height scale steps
 };
 
+// A tile-local place: x in the low and y in the high 16 bits, 0 to 2^12. The middle of two is (a + b) >> 1, since the
+// sums of coordinates are even there.
+constexpr std::uint32_t pack_xy(std::uint32_t x, std::uint32_t y) {
+    return x | y << 16;
+}
+
+// One kind of vertices of one step. A shift takes a place to its square, x and y at once, and leaves bits of y above
+// x, which the masks take away. With a row's length r below 2^16, v * (2^16 + r) >> 16 is x + y * r.
 struct LevelPlane {
-    std::uint32_t offset;     // planar: of the plane in its page; hierarchical Z: of the step
-    std::uint32_t stride;     // planar: of a row
-    std::uint32_t squares;    // a side of the whole step
-    std::uint32_t page_side;  // squares
-    std::uint32_t digit;      // hierarchical Z: which of a square's three vertices
-    std::uint32_t shift;      // from samples to squares
-    std::uint32_t first;      // entry of the step's first page
-    std::uint32_t pitch_log2; // entries from one row of pages to the next
-    float unit_m;             // of the level's radii
+    const StepPageEntry* pages; // of the step, in the tile in work
+    std::uint32_t shift;        // from samples to squares
+    std::uint32_t page_mask;    // of a page's position in its step
+    std::uint32_t page_pitch;   // 2^16 + entries from one row of pages to the next
+    std::uint32_t inside_mask;  // of a square in its page
+    std::uint32_t stride;       // planar: 2^16 + records from one row to the next; linear: of the tile
+    std::uint32_t offset;       // planar: of the plane in its page; hierarchical Z: of the step
+    float unit_m;               // of the level's radii
+    std::uint32_t first;        // entry of the step's first page
+    std::uint32_t squares;      // a side of the whole step
+    std::uint32_t page_side;    // squares
+    std::uint32_t digit;        // hierarchical Z: which of a square's three vertices
 };
 
 // Entries that a tile's table has: page 0, then step by step twice as many a row as there are pages; in linear order
@@ -46,20 +57,25 @@ inline std::uint32_t entries_per_tile(const PageLayout& pages) {
 }
 
 inline LevelPlane make_level_plane(const TerrainData& terrain, int z, VertexKind kind) {
-    const int level = 2 * (terrain.tree.tile_log2 - 1 - z) + (kind == VertexKind::centre ? 0 : 1);
+    const PageLayout& pages = terrain.pages;
+    const int level = 2 * (pages.tile_log2 - 1 - z) + (kind == VertexKind::centre ? 0 : 1);
     LevelPlane p{};
     p.shift = static_cast<std::uint32_t>(z + 1);
     p.unit_m = terrain.header.level_radius_m[level];
-    if (terrain.pages.order == Order::linear) return p;
-    const StepLayout step = terrain.pages.step_layout(z);
+    p.stride = pages.side() + 1;
+    if (pages.order == Order::linear) return p;
+    const StepLayout step = pages.step_layout(z);
+    const bool in_pages = step.page_side == page_squares;
     p.squares = step.squares;
     p.page_side = step.page_side;
-    p.offset = step.offset +
-               (terrain.pages.order == Order::planar ? page_index<Order::planar>(step.page_side, kind, 0, 0) : 0);
-    p.stride = step.page_side + (kind == VertexKind::side_y ? 1 : 0);
+    p.offset = step.offset + (pages.order == Order::planar ? page_index<Order::planar>(step.page_side, kind, 0, 0) : 0);
+    p.stride = (1u << 16) + step.page_side + (kind == VertexKind::side_y ? 1 : 0);
     p.digit = page_index<Order::hierarchical_z>(2, kind, 0, 0);
-    p.first = step.page_side == page_squares ? first_entry(terrain.pages, z) : 0;
-    p.pitch_log2 = static_cast<std::uint32_t>(step.pages_log2 + 1);
+    p.first = in_pages ? first_entry(pages, z) : 0;
+    p.page_pitch = (1u << 16) + (2u << step.pages_log2);
+    // One more than there are, for the far borders.
+    p.page_mask = in_pages ? pack_xy(1, 1) * ((2u << step.pages_log2) - 1) : 0;
+    p.inside_mask = pack_xy(1, 1) * (in_pages ? page_squares - 1 : 2 * step.squares - 1);
     return p;
 }
 
@@ -88,33 +104,35 @@ inline constexpr std::array<std::uint16_t, page_squares> spread_table = [] {
     return table;
 }();
 
-// The vertex' page and the number of its record among all; origin no_index: not loaded. x, y: tile-local.
+// The number of a vertex' record among all; not loaded: its page is missing.
 struct Located {
     std::uint32_t index;
     std::int32_t base;
     bool loaded;
 };
 template <Order O>
-[[gnu::always_inline]] inline Located locate(const LevelPlane& p, const StepPageEntry* entries, std::uint32_t side,
-                                             std::uint32_t x, std::uint32_t y) {
-    constexpr std::uint32_t inside = page_squares - 1;
+[[gnu::always_inline]] inline Located locate(const LevelPlane& p, std::uint32_t xy) {
     if constexpr (O == Order::linear) {
-        const std::uint32_t index = y * (side + 1) + x;
-        const StepPageEntry e = entries[index / max_page_vertices];
+        const std::uint32_t index = (xy >> 16) * p.stride + (xy & 0xffff);
+        const StepPageEntry& e = p.pages[index / max_page_vertices];
         return {e.origin + index % max_page_vertices, e.base, e.origin != no_index};
     } else {
-        const std::uint32_t i = x >> p.shift, j = y >> p.shift;
-        const StepPageEntry e = entries[p.first + (j >> page_squares_log2 << p.pitch_log2) + (i >> page_squares_log2)];
+        const std::uint32_t square = xy >> p.shift;
+        const StepPageEntry& e = p.pages[((square >> page_squares_log2 & p.page_mask) * p.page_pitch) >> 16];
+        const std::uint32_t inside = square & p.inside_mask;
         std::uint32_t index = e.origin + p.offset;
-        if constexpr (O == Order::planar)
-            index += (j & inside) * p.stride + (i & inside);
-        else if (j == p.squares)
-            index += 3 * p.page_side * p.page_side + (i & inside);
-        else if (i == p.squares)
-            index += 3 * p.page_side * p.page_side + p.page_side + (j & inside);
-        else
-            index +=
-                3 * (spread_table[i & inside] | static_cast<std::uint32_t>(spread_table[j & inside]) << 1) + p.digit;
+        if constexpr (O == Order::planar) {
+            index += (inside * p.stride) >> 16;
+        } else {
+            const std::uint32_t i = inside & 0xffff, j = inside >> 16, south = xy >> 16 >> p.shift,
+                                east = (xy & 0xffff) >> p.shift;
+            if (south == p.squares)
+                index += 3 * p.page_side * p.page_side + (i & (page_squares - 1));
+            else if (east == p.squares)
+                index += 3 * p.page_side * p.page_side + p.page_side + (j & (page_squares - 1));
+            else
+                index += 3 * (spread_table[i] | static_cast<std::uint32_t>(spread_table[j]) << 1) + p.digit;
+        }
         return {index, e.base, e.origin != no_index};
     }
 }

@@ -36,10 +36,16 @@ inline constexpr float reach_grow = 1.0f + 0x1p-20f;
     return r;
 }
 
-[[nodiscard]] inline bool wanted(const Reach& r, float x, float y, float z, float error_m, float radius_m) {
-    const float dx = x - r.eye_x, dy = y - r.eye_y, dz = z - r.eye_z;
+// x2, z2: squared distances from the eye along x and z.
+[[nodiscard]] inline bool wanted_at(const Reach& r, float x2, float y, float z2, float error_m, float radius_m) {
+    const float dy = y - r.eye_y;
     const float reach = (radius_m + error_m * r.q) * reach_grow + r.pad;
-    return dx * dx + dy * dy + dz * dz < reach * reach;
+    return x2 + dy * dy + z2 < reach * reach;
+}
+
+[[nodiscard]] inline bool wanted(const Reach& r, float x, float y, float z, float error_m, float radius_m) {
+    const float dx = x - r.eye_x, dz = z - r.eye_z;
+    return wanted_at(r, dx * dx, y, dz * dz, error_m, radius_m);
 }
 
 } // namespace fjell
