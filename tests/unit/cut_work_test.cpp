@@ -15,21 +15,23 @@ namespace {
 
 struct Scheduled {
     explicit Scheduled(std::uint32_t slots)
-        : ticks(std::size_t{slots} * page_ticks), pages(slots), awake(slots), next_due(slots) {
+        : ticks(std::size_t{slots} * page_ticks), pages(slots), awake(slots), bounds(slots), next_due(slots) {
         s.ticks = ticks.data();
         s.pages = pages.data();
         s.awake = awake.data();
+        s.bounds = bounds.data();
         s.next_due = next_due.data();
         s.slot_count = slots;
         begin_schedule(s, 0.7); // 0.5
         for (std::uint32_t slot = 0; slot < slots; ++slot) {
             begin_page(s, slot, slot % 3);
-            set_bound(s, slot, slot % 5, 0, 0);
+            set_level(s, slot, slot % 5);
         }
     }
     std::vector<std::uint16_t> ticks;
     std::vector<PageSchedule> pages;
     std::vector<AwakePage> awake;
+    std::vector<HiddenBound> bounds;
     std::vector<std::uint32_t> next_due;
     Schedule s{};
 };

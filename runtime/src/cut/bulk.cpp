@@ -268,8 +268,7 @@ bool build_all(CutState& s) {
         2 * s.terrain->tile_count() + 2 * (s.budget.vertices - free_vertices(s) - corner_slots(s));
     // Every tile's last segment may be nearly empty, and that of what is not drawn; two stay back for deactivations. No
     // more, or the smallest budget that is taken could never be filled.
-    const std::uint32_t segments =
-        (most >> s.segment_log2) + s.terrain->tile_count() + (s.some_hidden ? 1 : 0) + 2;
+    const std::uint32_t segments = (most >> s.segment_log2) + s.terrain->tile_count() + (s.some_hidden ? 1 : 0) + 2;
     if (segments > s.segment_count) {
         s.full_capacities |= cut_budget_triangles;
         return false;

@@ -36,16 +36,17 @@ std::uint32_t least_segments(const TerrainData& t) {
 
 // Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t page_groups, groups, vertex_slot, page_slot, evicting, ticks, schedules, awake, next_due, vertices,
-        morph, triangle_of, hole, free_vertices, indices, key_of, tiles, segment_tile, segment_below, free_segments,
-        vertex_bits[2], vertex_words[2], triangle_bits[2], triangle_words[2], ranges, hz_places, grids, late_s,
-        morphing_out, late_pages, touched_pages, bulk_pages[2], end;
+    std::size_t page_groups, groups, vertex_slot, page_slot, evicting, ticks, schedules, awake, bounds, next_due,
+        vertices, morph, triangle_of, hole, free_vertices, indices, key_of, tiles, segment_tile, segment_below,
+        free_segments, vertex_bits[2], vertex_words[2], triangle_bits[2], triangle_words[2], ranges, hz_places, grids,
+        late_s, morphing_out, late_pages, touched_pages, bulk_pages[2], end;
 };
 
 static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 * 4 + 1 + 3 * 4 &&
                   cut_triangle_bytes == 3 * 4 + 4 &&
                   cut_page_slot_bytes == max_page_groups * (sizeof(GroupState) + group_lanes * 4) + sizeof(PageSlot) +
-                                             4 + page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) + 5 * 4,
+                                             4 + page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) +
+                                             sizeof(HiddenBound) + 5 * 4,
               "hosts size their budgets by these: change them in fjell/cut.h with layout_of()");
 
 Layout layout_of(const TerrainData& t, const CutBudget& b) {
@@ -64,6 +65,7 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
     l.ticks = place(std::size_t{t.slot_count} * page_ticks, 2);
     l.schedules = place(t.slot_count, sizeof(PageSchedule));
     l.awake = place(t.slot_count, sizeof(AwakePage));
+    l.bounds = place(t.slot_count, sizeof(HiddenBound));
     l.next_due = place(t.slot_count, 4);
     l.vertices = place(b.vertices, sizeof(MeshVertex));
     l.morph = place(b.vertices, sizeof(MorphVertex));
@@ -247,6 +249,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     part(s.schedule.ticks, l.ticks);
     part(s.schedule.pages, l.schedules);
     part(s.schedule.awake, l.awake);
+    part(s.schedule.bounds, l.bounds);
     part(s.schedule.next_due, l.next_due);
     s.schedule.slot_count = terrain.slot_count;
     begin_schedule(s.schedule, static_cast<double>(std::min(terrain.spacing_x_m, terrain.spacing_z_m)) / 32);

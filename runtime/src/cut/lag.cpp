@@ -161,13 +161,17 @@ void bound_page(const CutState& s, PageSlot& page, std::uint32_t slot) {
 }
 
 void note_bound(CutState& s, std::uint32_t slot) {
+    // Where the eye has hardly moved for it, what it was known to hide will do, less the way.
+    HiddenBound& bound = s.schedule.bounds[slot];
+    if ((s.schedule.odometer_m[0] - bound.from_m) * 8 < static_cast<double>(bound.apart_m)) return;
     const PageSlot& page = s.page_slot[slot];
     double apart = 1e30;
     for (std::uint32_t i = 0; i < s.view_count; ++i) apart = std::min(apart, apart_m(s, page, i));
     // A level for each factor of 2 over the threshold.
     const double ratio = pixels(s.largest_unit_px, static_cast<double>(page.error_m), apart) / s.report.threshold_px;
     const int level = ratio < 0x1p20 ? std::clamp(std::ilogb(ratio + 0x1p-20) + 8, 0, 31) : 31;
-    set_bound(s.schedule, slot, static_cast<std::uint32_t>(level), static_cast<float>(apart / grow), page.error_m);
+    set_level(s.schedule, slot, static_cast<std::uint32_t>(level));
+    bound = {s.schedule.odometer_m[0], static_cast<float>(apart / grow), page.error_m};
 }
 
 void note_late(CutState& s, std::uint32_t slot) {
@@ -204,8 +208,9 @@ double lag_px(const CutState& s) {
     for (std::uint32_t i = 0; i < s.schedule.awake_count; ++i) {
         const AwakePage& page = s.schedule.awake[i];
         if (!page.due && page.queued == 0) continue;
-        const double apart = static_cast<double>(page.apart_m) - (s.schedule.odometer_m[0] - page.from_m) * grow;
-        const double px = pixels(s.largest_unit_px, static_cast<double>(page.error_m), apart);
+        const HiddenBound& bound = s.schedule.bounds[page.slot];
+        const double apart = static_cast<double>(bound.apart_m) - (s.schedule.odometer_m[0] - bound.from_m) * grow;
+        const double px = pixels(s.largest_unit_px, static_cast<double>(bound.error_m), apart);
         if (px <= little_px)
             worst.add_others(px);
         else if (!s.page_slot[page.slot].late)

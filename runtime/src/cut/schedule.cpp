@@ -80,7 +80,7 @@ void wake(Schedule& s, std::uint32_t slot, std::uint32_t grade) {
     FJELL_ASSERT(page.awake == no_index && s.awake_count < s.slot_count);
     page.charged_m = page.seen_m = s.odometer_m[grade];
     page.awake = s.awake_count;
-    s.awake[s.awake_count++] = {never_m, 0, 0, 3e38f, slot, static_cast<std::uint8_t>(grade), page.level, false, 0};
+    s.awake[s.awake_count++] = {never_m, slot, static_cast<std::uint8_t>(grade), page.level, false, 0};
 }
 void sleep(Schedule& s, std::uint32_t slot) {
     PageSchedule& page = s.pages[slot];
@@ -135,12 +135,12 @@ void rewind(Schedule& s, std::uint32_t grade) {
     const double by_m = s.odometer_m[grade];
     for (std::uint32_t i = 0; i < s.awake_count; ++i) {
         AwakePage& awake = s.awake[i];
-        if (grade == 0) awake.from_m -= by_m;
         if (awake.grade != grade) continue;
         s.pages[awake.slot].charged_m -= by_m;
         s.pages[awake.slot].seen_m -= by_m;
         if (awake.due_m < never_m) awake.due_m -= by_m;
     }
+    for (std::uint32_t slot = 0; grade == 0 && slot < s.slot_count; ++slot) s.bounds[slot].from_m -= by_m;
     s.odometer_m[grade] = 0;
 }
 
@@ -162,18 +162,15 @@ void clear_schedule(Schedule& s) {
 void begin_page(Schedule& s, std::uint32_t slot, std::uint32_t tick_log2) {
     FJELL_ASSERT(s.pages[slot].awake == no_index);
     s.pages[slot] = {0, 0, no_index, due_level_count - 1, static_cast<std::uint8_t>(tick_log2)};
+    s.bounds[slot] = {0, 0, 3e38f}; // nobody knows yet
 }
 
-void set_bound(Schedule& s, std::uint32_t slot, std::uint32_t level, float apart_m, float error_m) {
+void set_level(Schedule& s, std::uint32_t slot, std::uint32_t level) {
     PageSchedule& page = s.pages[slot];
     page.level = static_cast<std::uint8_t>(level);
     if (page.awake == no_index) return;
-    AwakePage& awake = s.awake[page.awake];
-    FJELL_ASSERT(!awake.due); // or it would be looked for in another list than it is in
-    awake.level = page.level;
-    awake.from_m = s.odometer_m[0];
-    awake.apart_m = apart_m;
-    awake.error_m = error_m;
+    FJELL_ASSERT(!s.awake[page.awake].due); // or it would be looked for in another list than it is in
+    s.awake[page.awake].level = page.level;
 }
 
 void clear_page_schedule(Schedule& s, std::uint32_t slot) {

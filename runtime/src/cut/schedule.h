@@ -52,10 +52,6 @@ struct PageSchedule {       // of a page slot
 // What a frame reads of every page that watches anything; dense, because it reads all of them.
 struct AwakePage {
     double due_m; // odometer of its grade beyond which it is due; while it is, never
-    // What its vertices could hide (lag.h), as it was when it was last closed: no more than error_m, no nearer to an
-    // eye than apart_m, when the first odometer stood at from_m.
-    double from_m;
-    float apart_m, error_m;
     std::uint32_t slot;
     std::uint8_t grade; // highest of its groups'
     std::uint8_t level;
@@ -63,6 +59,13 @@ struct AwakePage {
     std::uint8_t queued; // of its groups wait in queues
 };
 static_assert(max_page_groups <= 255);
+
+// What a page's vertices could hide (lag.h), as it was when the first odometer stood at from_m: no more than error_m,
+// no nearer to an eye than apart_m.
+struct HiddenBound {
+    double from_m;
+    float apart_m, error_m;
+};
 
 struct DuePages {
     std::uint32_t first, last;
@@ -80,6 +83,7 @@ struct Schedule {
     std::uint16_t* ticks; // page_ticks a page slot
     PageSchedule* pages;
     AwakePage* awake;        // as many as page slots
+    HiddenBound* bounds;     // one a page slot
     std::uint32_t* next_due; // of a due page's slot: the next one of its level
     std::uint32_t slot_count, awake_count, due_count;
     std::uint32_t due_levels; // that hold any, as bits
@@ -95,8 +99,8 @@ void begin_schedule(Schedule& s, double about_m);
 void clear_schedule(Schedule& s);
 // A page comes to a slot, with nothing scheduled.
 void begin_page(Schedule& s, std::uint32_t slot, std::uint32_t tick_log2);
-// Of a page that is not due: where it comes when it is, and what it could hide.
-void set_bound(Schedule& s, std::uint32_t slot, std::uint32_t level, float apart_m, float error_m);
+// Of a page that is not due: where it comes when it is.
+void set_level(Schedule& s, std::uint32_t slot, std::uint32_t level);
 // Nothing in the page is scheduled any more. O(due pages of its level).
 void clear_page_schedule(Schedule& s, std::uint32_t slot);
 
