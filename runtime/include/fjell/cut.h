@@ -101,7 +101,7 @@ struct CutReport {
     std::uint32_t triangles = 0;                        // of the whole terrain
     std::uint32_t tiles_drawn = 0, triangles_drawn = 0; // of tiles that some view may see
     std::uint32_t waiting = 0; // lag: groups that have work to do, and pages whose groups have yet to be looked at
-    std::uint32_t blocked = 0;                          // of those, for want of a capacity
+    std::uint32_t blocked = 0; // of those, for want of a capacity
     // Vertices that morph by time: in, because they were activated late, or out, because their page is evicted.
     std::uint32_t morphing = 0;
     std::uint32_t exhausted = 0; // CutBudgetBits

@@ -53,11 +53,20 @@ double apart_m(const CutState& s, const PageSlot& page, std::uint32_t view) {
     return std::sqrt(squared) / grow - static_cast<double>(page.radius_m) * grow;
 }
 
-double page_px(const CutState& s, const PageSlot& page) {
-    double most = 0;
-    for (std::uint32_t i = 0; i < s.view_count; ++i)
-        most = std::max(most, pixels(unit_px(s, i), static_cast<double>(page.error_m), apart_m(s, page, i)));
-    return most;
+// What a page's vertices hide at most, as its bound has it: the eye may have moved since.
+double bound_px(const CutState& s, const HiddenBound& bound) {
+    const double way_m = (s.schedule.odometer_m[0] - bound.from_m) * grow;
+    return pixels(s.largest_unit_px, static_cast<double>(bound.error_m), static_cast<double>(bound.apart_m) - way_m);
+}
+
+// Measures it anew.
+double renew_bound(CutState& s, std::uint32_t slot) {
+    const PageSlot& page = s.page_slot[slot];
+    double apart = 1e30;
+    for (std::uint32_t i = 0; i < s.view_count; ++i) apart = std::min(apart, apart_m(s, page, i));
+    HiddenBound& bound = s.schedule.bounds[slot];
+    bound = {s.schedule.odometer_m[0], static_cast<float>(apart / (apart > 0 ? grow : 1)), page.error_m};
+    return bound_px(s, bound);
 }
 
 // Looks at vertices, as long as it may.
@@ -97,8 +106,7 @@ private:
 // The pages with the highest bounds, and the highest of all others'.
 class Worst {
 public:
-    void add(const CutState& s, std::uint32_t slot) {
-        PagePixels page{page_px(s, s.page_slot[slot]), slot};
+    void add(PagePixels page) {
         if (count_ < most_looked_at) {
             pages_[count_++] = page;
             return;
@@ -162,16 +170,12 @@ void bound_page(const CutState& s, PageSlot& page, std::uint32_t slot) {
 
 void note_bound(CutState& s, std::uint32_t slot) {
     // Where the eye has hardly moved for it, what it was known to hide will do, less the way.
-    HiddenBound& bound = s.schedule.bounds[slot];
+    const HiddenBound& bound = s.schedule.bounds[slot];
     if ((s.schedule.odometer_m[0] - bound.from_m) * 8 < static_cast<double>(bound.apart_m)) return;
-    const PageSlot& page = s.page_slot[slot];
-    double apart = 1e30;
-    for (std::uint32_t i = 0; i < s.view_count; ++i) apart = std::min(apart, apart_m(s, page, i));
     // A level for each factor of 2 over the threshold.
-    const double ratio = pixels(s.largest_unit_px, static_cast<double>(page.error_m), apart) / s.report.threshold_px;
+    const double ratio = renew_bound(s, slot) / s.report.threshold_px;
     const int level = ratio < 0x1p20 ? std::clamp(std::ilogb(ratio + 0x1p-20) + 8, 0, 31) : 31;
     set_level(s.schedule, slot, static_cast<std::uint32_t>(level));
-    bound = {s.schedule.odometer_m[0], static_cast<float>(apart / grow), page.error_m};
 }
 
 void note_late(CutState& s, std::uint32_t slot) {
@@ -201,24 +205,35 @@ void forget_late_page(CutState& s, std::uint32_t slot) {
     (void)std::remove(s.late_pages, end, slot);
 }
 
-double lag_px(const CutState& s) {
+double lag_px(CutState& s) {
+    if (s.jumped) return unbounded_px; // nothing that was known holds: it is for the next frames to find out
     Worst worst;
+    std::uint32_t renewals = 256; // a frame: after a jump of the camera the claim takes some frames to tell anything
+    const auto add = [&](std::uint32_t slot) {
+        const HiddenBound& bound = s.schedule.bounds[slot];
+        double px = bound_px(s, bound);
+        const double way_m = s.schedule.odometer_m[0] - bound.from_m;
+        if (way_m * 8 > static_cast<double>(bound.apart_m) && way_m > 0) {
+            if (renewals == 0) return worst.add_others(px);
+            --renewals;
+            px = renew_bound(s, slot);
+        }
+        worst.add({px, slot});
+    };
     // Most pages are far away, and hide little: that what they were last known to hide tells without a look at them.
     const double little_px = 2 * s.report.threshold_px;
     for (std::uint32_t i = 0; i < s.schedule.awake_count; ++i) {
         const AwakePage& page = s.schedule.awake[i];
         if (!page.due && page.queued == 0) continue;
-        const HiddenBound& bound = s.schedule.bounds[page.slot];
-        const double apart = static_cast<double>(bound.apart_m) - (s.schedule.odometer_m[0] - bound.from_m) * grow;
-        const double px = pixels(s.largest_unit_px, static_cast<double>(bound.error_m), apart);
+        const double px = bound_px(s, s.schedule.bounds[page.slot]);
         if (px <= little_px)
             worst.add_others(px);
         else if (!s.page_slot[page.slot].late)
-            worst.add(s, page.slot);
+            add(page.slot);
     }
-    for (std::uint32_t i = 0; i < s.late_page_count; ++i) worst.add(s, s.late_pages[i]);
+    for (std::uint32_t i = 0; i < s.late_page_count; ++i) add(s.late_pages[i]);
     for (std::uint32_t i = 0; i < s.evicting_count; ++i)
-        if (!s.page_slot[s.evicting[i]].late && s.page_slot[s.evicting[i]].active != 0) worst.add(s, s.evicting[i]);
+        if (!s.page_slot[s.evicting[i]].late && s.page_slot[s.evicting[i]].active != 0) add(s.evicting[i]);
     return std::min(worst.px(s), unbounded_px);
 }
 

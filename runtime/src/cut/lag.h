@@ -28,6 +28,6 @@ void forget_late_page(CutState& s, std::uint32_t slot); // it leaves
 
 // No less than the largest error on screen of what waits or morphs by time, as if it were error_px_effective;
 // unbounded_px at most. 0: nothing does. O(awake pages).
-[[nodiscard]] double lag_px(const CutState& s);
+[[nodiscard]] double lag_px(CutState& s);
 
 } // namespace fjell

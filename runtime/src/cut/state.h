@@ -221,10 +221,11 @@ struct CutState {
     bool jumped;                           // an eye has, so far that much is due
     bool still;                            // no eye has moved, come or gone since the frame before
     std::chrono::steady_clock::time_point started;
-    double reserved_us, output_us; // of the frame's time, for its report; and what the last one took
-    std::uint32_t work_ranks;      // which work_queues may hold groups, as bits
-    std::uint32_t turn;            // which of blocked_queues takes what is put back
-    std::uint32_t gated_turn;      // and of gated_queues
+    double reserved_us,
+        output_us;            // of the frame's time, for its report; and what that of the last one that lagged took
+    std::uint32_t work_ranks; // which work_queues may hold groups, as bits
+    std::uint32_t turn;       // which of blocked_queues takes what is put back
+    std::uint32_t gated_turn; // and of gated_queues
     // Passes over the gated groups that are due, because a vertex has reached its height or is no longer evicted. A
     // pass may take several frames; groups that were filed before the event may lie in either list.
     std::uint8_t gate_passes;

@@ -274,8 +274,8 @@ void begin_frame(CutState& s, const CutSettings& settings) {
     s.report = {};
     s.report.frame = ++s.frame;
     s.report.error_px_requested = settings.error_px;
-    // As much as the last one took: a frame that lags looks at what waits.
-    s.reserved_us = s.lagging ? std::min(s.output_us, settings.budget_us / 2) : 0;
+    // As much as the last one that lagged has taken: it looks at what waits, and nobody knows which will.
+    s.reserved_us = std::min(s.output_us, settings.budget_us / 2);
     s.full_capacities = s.batches = s.deactivations_when_full = 0;
     advance_clock(s, s.frame == 1);
 }
@@ -327,7 +327,8 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     finish(s);
     r.prepare_us = microseconds(s.started, prepared);
     r.refine_us = microseconds(prepared, refined);
-    s.output_us = r.output_us = microseconds(refined, Clock::now());
+    r.output_us = microseconds(refined, Clock::now());
+    if (s.lagging && !s.jumped) s.output_us = r.output_us;
     report = r;
     FJELL_WALK(s.frame, validate_cut(s));
     return {};
