@@ -187,7 +187,7 @@ TEST_CASE("a page's loops do in vectors what they do one vertex at a time, bit f
 
         for (std::uint8_t& r : a->radii) r = static_cast<std::uint8_t>(pick(random, 0, 255));
         const auto count =
-            static_cast<std::uint32_t>(pick(random, 0, 2) ? pick(random, 0, max_page_vertices) : max_page_vertices);
+            pick(random, 0, 2) ? static_cast<std::uint32_t>(pick(random, 0, max_page_vertices)) : max_page_vertices;
         const auto first = static_cast<std::size_t>(pick(random, 0, 3)); // slots of small tiles are not aligned
         std::vector<VertexRecord> to(first + count + 1, VertexRecord{1, 2, 3}), to_scalar = to;
         write_page(*a, count, to.data() + first);
