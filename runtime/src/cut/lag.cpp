@@ -172,8 +172,13 @@ void note_bound(CutState& s, std::uint32_t slot) {
     // Where the eye has hardly moved for it, what it was known to hide will do, less the way.
     const HiddenBound& bound = s.schedule.bounds[slot];
     if ((s.schedule.odometer_m[0] - bound.from_m) * 8 < static_cast<double>(bound.apart_m)) return;
-    // A level for each factor of 2 over the threshold.
-    const double ratio = renew_bound(s, slot) / s.report.threshold_px;
+    // A level for each factor of 2 over the threshold. By q, which is the same bit for bit whether a view or the
+    // settings have the threshold: so is the order of work, then.
+    (void)renew_bound(s, slot);
+    float q = 0;
+    for (std::uint32_t i = 0; i < s.criterion.views; ++i) q = std::max(q, s.criterion.reach[i].q);
+    const double ratio =
+        pixels(static_cast<double>(q), static_cast<double>(bound.error_m), static_cast<double>(bound.apart_m));
     const int level = ratio < 0x1p20 ? std::clamp(std::ilogb(ratio + 0x1p-20) + 8, 0, 31) : 31;
     set_level(s.schedule, slot, static_cast<std::uint32_t>(level));
 }
