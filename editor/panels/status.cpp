@@ -43,7 +43,7 @@ Part threshold_part(const State& state) {
                                                             : "lags";
     }
     if (e.error_px_effective >= 1e6)
-        std::snprintf(part.text, sizeof part.text, "within unbounded px, %s", why);
+        std::snprintf(part.text, sizeof part.text, "error unbounded, %s", why);
     else
         std::snprintf(part.text, sizeof part.text, "within %.4g px%s%s", e.error_px_effective, *why ? ", " : "", why);
     return part;

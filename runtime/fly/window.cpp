@@ -212,7 +212,8 @@ private:
         shown_seconds_ += seconds;
         ++shown_frames_;
         if (shown_seconds_ < title_seconds) return;
-        const bool wanting = (entry.exhausted & (flight::exhausted_vertices | flight::exhausted_triangles)) != 0;
+        const bool wanting = (entry.exhausted & (flight::exhausted_vertices | flight::exhausted_indices |
+                                                 flight::exhausted_triangles)) != 0;
         const bool missing = entry.missing_px > entry.error_px_requested;
         const std::string text = fmt::format(
             "Fjell - update {:.0f} us - {} vertices - {} triangles drawn - {:.0f} fps - {:.3g} px{}{}", entry.update_us,

@@ -61,10 +61,10 @@ SnapshotResult take(const Terrain& terrain, const MeshView& mesh, std::span<cons
     }
 }
 
-// The threshold that the method has reached for a view, whatever missing pages hide besides: that is found in the mesh.
-// Thresholds of all views rise alike.
-double reached_px(const Terrain& terrain, double asked_px, double requested_px, double effective_px) {
-    return effective_px > terrain.missing_px() ? asked_px * std::max(effective_px / requested_px, 1.0) : asked_px;
+// The threshold that the method refines to, for a view: thresholds of all views rise alike. What the mesh lacks of it
+// is found in the mesh.
+double reached_px(double asked_px, double requested_px, double threshold_px) {
+    return asked_px * std::max(threshold_px / requested_px, 1.0);
 }
 
 } // namespace
@@ -92,9 +92,8 @@ SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& vi
             const std::uint32_t vertex = live.mesh.indices[i];
             info.morphed = info.morphed || drawn_m[vertex] != live.mesh.vertices[vertex].height_m;
         }
-    info.error_px_effective =
-        bound_error_px(cut, view, settings.corner_safe,
-                       info.error_px * std::max(report.threshold_px / report.error_px_requested, 1.0));
+    info.error_px_effective = bound_error_px(cut, view, settings.corner_safe,
+                                             reached_px(info.error_px, report.error_px_requested, report.threshold_px));
     info.lagging = report.waiting != 0 || report.morphing != 0 || terrain.missing_px() > info.error_px;
     info.converged = !info.lagging && info.error_px_effective <= info.error_px;
     return take(terrain, live.mesh, drawn_m, info, snapshot);
@@ -107,7 +106,7 @@ SnapshotResult take_snapshot(const Terrain& terrain, RecursiveMethod method, con
     info.culled = settings.cull;
     info.error_px_effective =
         bound_error_px(method, view, settings.corner_safe,
-                       reached_px(terrain, info.error_px, report.error_px_requested, report.error_px_effective));
+                       reached_px(info.error_px, report.error_px_requested, report.error_px_effective));
     info.lagging = terrain.missing_px() > info.error_px;
     info.converged = !info.lagging && info.error_px_effective <= info.error_px;
     return take(terrain, recursive_mesh(method), {}, info, snapshot);

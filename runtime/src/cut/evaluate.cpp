@@ -28,6 +28,27 @@ constexpr std::int32_t lane_numbers[group_lanes] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 constexpr std::int32_t lane_bits[group_lanes] = {1,      1 << 1, 1 << 2,  1 << 3,  1 << 4,  1 << 5,  1 << 6,  1 << 7,
                                                  1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15};
 
+// Of the lanes from `first` on: where they stand, and what their records say. Through references, because vectors whose
+// length nobody knows cannot be members.
+template <typename VI, typename VF>
+HWY_INLINE void read_lanes(const Criterion& c, const LaneGroup& b, std::uint32_t first, VF& x_m, VF& y_m, VF& z_m,
+                           VI& error_code, VF& error_m, VF& radius_m) {
+    const F d;
+    const I di;
+    const auto number = hn::LoadU(di, lane_numbers + first);
+    const auto x = hn::Min(hn::Add(hn::Set(di, b.x0), hn::Mul(number, hn::Set(di, b.dx))), hn::Set(di, c.last_x));
+    const auto y = hn::Min(hn::Add(hn::Set(di, b.y0), hn::Mul(number, hn::Set(di, b.dy))), hn::Set(di, c.last_y));
+    x_m = hn::Mul(hn::ConvertTo(d, x), hn::Set(d, c.spacing_x_m));
+    z_m = hn::Mul(hn::ConvertTo(d, y), hn::Set(d, c.spacing_z_m));
+    const auto record = hn::LoadU(di, reinterpret_cast<const std::int32_t*>(b.records + first));
+    const auto height = hn::Add(hn::And(record, hn::Set(di, 0xffff)), hn::Set(di, b.base));
+    y_m = hn::Add(hn::Set(d, c.base_m), hn::Mul(hn::ConvertTo(d, height), hn::Set(d, c.quantum_m)));
+    error_code = hn::And(hn::ShiftRight<16>(record), hn::Set(di, 0xff));
+    error_m = hn::GatherIndex(d, c.error_m, error_code);
+    const auto radius_code = hn::And(hn::ShiftRight<24>(record), hn::Set(di, 0x7f));
+    radius_m = hn::Mul(hn::Set(d, b.unit_m), hn::GatherIndex(d, c.radius_factor, radius_code));
+}
+
 void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
     const F d;
     const I di;
@@ -38,18 +59,9 @@ void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
     std::uint32_t wanted = 0, kept = 0;
     for (std::uint32_t lane = 0; lane < group_lanes; lane += static_cast<std::uint32_t>(hn::Lanes(d))) {
         if ((looked_at >> lane & ((1u << hn::Lanes(d)) - 1)) == 0) continue;
-        const auto number = hn::LoadU(di, lane_numbers + lane);
-        const auto x = hn::Min(hn::Add(hn::Set(di, b.x0), hn::Mul(number, hn::Set(di, b.dx))), hn::Set(di, c.last_x));
-        const auto y = hn::Min(hn::Add(hn::Set(di, b.y0), hn::Mul(number, hn::Set(di, b.dy))), hn::Set(di, c.last_y));
-        const auto px = hn::Mul(hn::ConvertTo(d, x), hn::Set(d, c.spacing_x_m));
-        const auto pz = hn::Mul(hn::ConvertTo(d, y), hn::Set(d, c.spacing_z_m));
-        const auto record = hn::LoadU(di, reinterpret_cast<const std::int32_t*>(b.records + lane));
-        const auto height = hn::Add(hn::And(record, hn::Set(di, 0xffff)), hn::Set(di, b.base));
-        const auto py = hn::Add(hn::Set(d, c.base_m), hn::Mul(hn::ConvertTo(d, height), hn::Set(d, c.quantum_m)));
-        const auto error_code = hn::And(hn::ShiftRight<16>(record), hn::Set(di, 0xff));
-        const auto radius_code = hn::And(hn::ShiftRight<24>(record), hn::Set(di, 0x7f));
-        const auto error = hn::GatherIndex(d, c.error_m, error_code);
-        const auto radius = hn::Mul(hn::Set(d, b.unit_m), hn::GatherIndex(d, c.radius_factor, radius_code));
+        auto px = hn::Undefined(d), py = px, pz = px, error = px, radius = px;
+        auto error_code = hn::Undefined(di);
+        read_lanes(c, b, lane, px, py, pz, error_code, error, radius);
         auto reach_margin = hn::Set(d, -3.4e38f), keep_margin = reach_margin, span = hn::Zero(d);
         auto is_wanted = hn::Lt(span, span), is_kept = is_wanted; // none
         for (std::uint32_t v = 0; v < c.views; ++v) {
@@ -101,18 +113,9 @@ float worst_of_lanes(const Criterion& c, const LaneGroup& b, const float* unit_p
     for (std::uint32_t lane = 0; lane < group_lanes; lane += static_cast<std::uint32_t>(hn::Lanes(d))) {
         const std::uint32_t bits = b.inactive >> lane & 0xffff;
         if ((bits & ((1u << hn::Lanes(d)) - 1)) == 0) continue;
-        const auto number = hn::LoadU(di, lane_numbers + lane);
-        const auto x = hn::Min(hn::Add(hn::Set(di, b.x0), hn::Mul(number, hn::Set(di, b.dx))), hn::Set(di, c.last_x));
-        const auto y = hn::Min(hn::Add(hn::Set(di, b.y0), hn::Mul(number, hn::Set(di, b.dy))), hn::Set(di, c.last_y));
-        const auto px = hn::Mul(hn::ConvertTo(d, x), hn::Set(d, c.spacing_x_m));
-        const auto pz = hn::Mul(hn::ConvertTo(d, y), hn::Set(d, c.spacing_z_m));
-        const auto record = hn::LoadU(di, reinterpret_cast<const std::int32_t*>(b.records + lane));
-        const auto height = hn::Add(hn::And(record, hn::Set(di, 0xffff)), hn::Set(di, b.base));
-        const auto py = hn::Add(hn::Set(d, c.base_m), hn::Mul(hn::ConvertTo(d, height), hn::Set(d, c.quantum_m)));
-        const auto error = hn::GatherIndex(d, c.error_m, hn::And(hn::ShiftRight<16>(record), hn::Set(di, 0xff)));
-        const auto radius =
-            hn::Mul(hn::Set(d, b.unit_m),
-                    hn::GatherIndex(d, c.radius_factor, hn::And(hn::ShiftRight<24>(record), hn::Set(di, 0x7f))));
+        auto px = hn::Undefined(d), py = px, pz = px, error = px, radius = px;
+        auto error_code = hn::Undefined(di);
+        read_lanes(c, b, lane, px, py, pz, error_code, error, radius);
         const auto counts = hn::RebindMask(
             d, hn::Ne(hn::And(hn::LoadU(di, lane_bits), hn::Set(di, static_cast<std::int32_t>(bits))), hn::Zero(di)));
         for (std::uint32_t v = 0; v < c.views; ++v) {
@@ -148,21 +151,35 @@ float worst_px(const Criterion& decision, const LaneGroup& group, const float* u
     return HWY_DYNAMIC_DISPATCH(worst_of_lanes)(decision, group, unit_px);
 }
 
+namespace {
+
+struct LaneVertex {
+    float x_m, y_m, z_m, error_m, radius_m;
+    std::uint8_t error_code;
+};
+LaneVertex read_lane(const Criterion& c, const LaneGroup& b, std::int32_t lane) {
+    const VertexRecord record = b.records[lane];
+    return {static_cast<float>(std::min(b.x0 + lane * b.dx, c.last_x)) * c.spacing_x_m,
+            c.base_m + static_cast<float>(record.height + b.base) * c.quantum_m,
+            static_cast<float>(std::min(b.y0 + lane * b.dy, c.last_y)) * c.spacing_z_m,
+            c.error_m[record.error],
+            b.unit_m * c.radius_factor[record.radius & (radius_codes - 1)],
+            record.error};
+}
+
+} // namespace
+
 float worst_px_scalar(const Criterion& c, const LaneGroup& b, const float* unit_px) {
     float worst = 0;
     for (std::int32_t lane = 0; lane < static_cast<std::int32_t>(group_lanes); ++lane) {
         if ((b.inactive >> lane & 1) == 0) continue;
-        const VertexRecord record = b.records[lane];
-        const float px = static_cast<float>(std::min(b.x0 + lane * b.dx, c.last_x)) * c.spacing_x_m;
-        const float pz = static_cast<float>(std::min(b.y0 + lane * b.dy, c.last_y)) * c.spacing_z_m;
-        const float py = c.base_m + static_cast<float>(record.height + b.base) * c.quantum_m;
-        const float radius = b.unit_m * c.radius_factor[record.radius & (radius_codes - 1)];
+        const LaneVertex p = read_lane(c, b, lane);
         for (std::uint32_t v = 0; v < c.views; ++v) {
             const Reach& r = c.reach[v];
-            const float dx = px - r.eye_x, dy = py - r.eye_y, dz = pz - r.eye_z;
+            const float dx = p.x_m - r.eye_x, dy = p.y_m - r.eye_y, dz = p.z_m - r.eye_z;
             const float distance = std::sqrt(dx * dx + dy * dy + dz * dz);
-            const float apart = distance * (1 - apart_rounding) - radius * (1 + apart_rounding) - r.pad;
-            worst = std::max(worst, c.error_m[record.error] * unit_px[v] / std::max(apart, least_apart_m));
+            const float apart = distance * (1 - apart_rounding) - p.radius_m * (1 + apart_rounding) - r.pad;
+            worst = std::max(worst, p.error_m * unit_px[v] / std::max(apart, least_apart_m));
         }
     }
     return worst;
@@ -177,21 +194,16 @@ void evaluate_scalar(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
     for (std::int32_t lane = 0; lane < static_cast<std::int32_t>(group_lanes); ++lane) {
         const std::uint32_t bit = 1u << lane;
         if (((b.inactive | b.childless) & bit) == 0) continue;
-        const VertexRecord record = b.records[lane];
-        const float px = static_cast<float>(std::min(b.x0 + lane * b.dx, c.last_x)) * c.spacing_x_m;
-        const float pz = static_cast<float>(std::min(b.y0 + lane * b.dy, c.last_y)) * c.spacing_z_m;
-        const float py = c.base_m + static_cast<float>(record.height + b.base) * c.quantum_m;
-        const float error = c.error_m[record.error];
-        const float radius = b.unit_m * c.radius_factor[record.radius & (radius_codes - 1)];
+        const LaneVertex p = read_lane(c, b, lane);
         float margins[2] = {-3.4e38f, -3.4e38f}, span = 0;
         bool answers[2] = {false, false};
         for (std::uint32_t v = 0; v < c.views; ++v) {
-            const float dx = px - c.reach[v].eye_x, dy = py - c.reach[v].eye_y, dz = pz - c.reach[v].eye_z;
+            const float dx = p.x_m - c.reach[v].eye_x, dy = p.y_m - c.reach[v].eye_y, dz = p.z_m - c.reach[v].eye_z;
             const float squared = dx * dx + dy * dy + dz * dz;
             const float distance = std::sqrt(squared);
             for (std::size_t keep = 0; keep <= (c.hysteresis ? 1 : 0); ++keep) {
                 const Reach& r = keep ? c.keep[v] : c.reach[v];
-                const float reach = (radius + error * r.q) * reach_grow + r.pad;
+                const float reach = (p.radius_m + p.error_m * r.q) * reach_grow + r.pad;
                 margins[keep] = std::max(margins[keep], reach - distance);
                 span = std::max(span, reach + distance);
                 answers[keep] = answers[keep] || squared < reach * reach;
@@ -203,7 +215,7 @@ void evaluate_scalar(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
         const bool on = (b.inactive & bit) != 0 ? answers[0] : answers[1];
         const float slack = std::max(std::abs(margins[on ? 1 : 0]) - span * slack_rounding, 0.0f);
         out.slack_m = std::min(out.slack_m, slack);
-        out.code = std::max<std::uint32_t>(out.code, record.error);
+        out.code = std::max<std::uint32_t>(out.code, p.error_code);
     }
 }
 

@@ -146,24 +146,22 @@ double screen_unit_px(const CutState& s) {
 void bound_page(const CutState& s, PageSlot& page, std::uint32_t slot) {
     const TerrainData& t = *s.terrain;
     const VertexRecord* const records = t.records + std::size_t{slot} * t.page_capacity;
-    std::uint32_t low = 0xffff, high = 0, error = 0, radius = 0;
-    for (std::uint32_t n = 0; n < s.shapes[page.shape].count; ++n) {
-        const GroupShape& shape = s.shapes[page.shape].groups[n];
-        for (std::uint32_t lane = 0; lane < shape.lanes; ++lane) {
-            const VertexRecord r = s.hz_places ? record_of(s, (slot * max_page_groups + n) * group_lanes + lane)
-                                               : records[shape.first + shape.stride * lane];
-            low = std::min<std::uint32_t>(low, r.height);
-            high = std::max<std::uint32_t>(high, r.height);
-            error = std::max<std::uint32_t>(error, r.error);
-            radius = std::max<std::uint32_t>(radius, r.radius & (radius_codes - 1));
-        }
+    const std::uint32_t count = t.pages.page_vertices(page.page % s.pages_per_tile);
+    std::uint16_t low = 0xffff, high = 0;
+    std::uint8_t error = 0, radius = 0;
+    for (std::uint32_t i = 0; i < count; ++i) { // in whatever order: compilers make vectors of it
+        const VertexRecord r = records[i];
+        low = std::min(low, r.height);
+        high = std::max(high, r.height);
+        error = std::max(error, r.error);
+        radius = std::max(radius, static_cast<std::uint8_t>(r.radius & (radius_codes - 1)));
     }
     float unit_m = 0; // coarser levels have larger ones
     const int finest = page.shape == 0 ? 0 : page.z, coarsest = page.shape == 0 ? t.tree.tile_log2 - 1 : page.z;
     for (int z = finest; z <= coarsest; ++z)
         unit_m = std::max({unit_m, s.level_unit_m[2 * z], s.level_unit_m[2 * z + 1]});
-    page.low_m = t.height_scale.height_m(static_cast<std::int32_t>(low) + page.base);
-    page.high_m = t.height_scale.height_m(static_cast<std::int32_t>(high) + page.base);
+    page.low_m = t.height_scale.height_m(low + page.base);
+    page.high_m = t.height_scale.height_m(high + page.base);
     page.error_m = t.errors.metres[error];
     page.radius_m = unit_m * t.radii.factor[radius];
 }

@@ -40,8 +40,7 @@ struct GroupState {
     std::uint16_t child[4];  // that child is active; where it is not, an active vertex draws a triangle towards it
     QueueId queue;           // that the group waits in, or unqueued
     Link link;
-    std::uint32_t
-        calls; // in a queue: lanes that called for work, activations in the lower half; a hint for prefetching
+    std::uint32_t calls; // in a queue: lanes that call for work, activations in the lower half; a hint what to prefetch
     std::uint32_t spare;
 
     [[nodiscard]] std::uint16_t ready() const { return static_cast<std::uint16_t>(parent[0] & parent[1]); }
@@ -221,8 +220,8 @@ struct CutState {
     bool jumped;                           // an eye has, so far that much is due
     bool still;                            // no eye has moved, come or gone since the frame before
     std::chrono::steady_clock::time_point started;
-    double reserved_us,
-        output_us;            // of the frame's time, for its report; and what that of the last one that lagged took
+    double output_us;         // what the report of the last frame that lagged took
+    double reserved_us;       // of this frame's time, for its own
     std::uint32_t work_ranks; // which work_queues may hold groups, as bits
     std::uint32_t turn;       // which of blocked_queues takes what is put back
     std::uint32_t gated_turn; // and of gated_queues
@@ -272,10 +271,6 @@ inline void give_vertex(CutState& s, std::uint32_t slot) {
 [[nodiscard]] inline CutState* find_cut(const LiveCut& cut) {
     CutState* const s = find(cut);
     return s != nullptr && find(s->terrain_handle) != nullptr ? s : nullptr;
-}
-// Vertices that morph by time, in or out.
-[[nodiscard]] inline std::uint32_t morphing_vertices(const CutState& s) {
-    return s.late_count + s.morphing_out_count;
 }
 inline constexpr Status no_cut{Code::invalid_handle, "cut, or its terrain"};
 

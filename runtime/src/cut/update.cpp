@@ -131,6 +131,7 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     for (std::uint32_t grade = 0; grade < grade_count; ++grade)
         metres[grade] = change.at(grade_error_m(s, grade)) * rounding;
     advance(s.schedule, metres);
+    // By 32 cells, or by a threshold as far: most of what is awake is due.
     s.jumped = metres[grade_count / 2] > 1024 * s.schedule.tick_m;
 }
 
@@ -235,7 +236,7 @@ void finish(CutState& s) {
     if (s.full_capacities != 0) s.governor.cause = s.full_capacities;
     if (r.threshold_px <= r.error_px_requested) s.governor.cause = s.full_capacities;
     r.exhausted |= s.governor.cause;
-    r.morphing = morphing_vertices(s);
+    r.morphing = s.late_count + s.morphing_out_count;
     r.waiting = waiting_groups(s);
     for (std::uint32_t i = 0; i < s.evicting_count; ++i) r.waiting += s.page_slot[s.evicting[i]].active != 0;
     r.vertices_changed = s.dirty_vertices.slots;
