@@ -47,6 +47,7 @@ void add_state(Summary& s, const FrameEntry& f) {
     s.rebuilt += f.rebuilt;
     s.overruns += f.items > f.item_limit;
     s.effective_px_max = std::max(s.effective_px_max, f.error_px_effective);
+    s.threshold_px_max = std::max(s.threshold_px_max, f.threshold_px);
     s.exhausted |= f.exhausted;
     s.restarts += f.restarts;
     s.clearings += f.buffer_clearings;
@@ -156,7 +157,7 @@ FrameEntry entry_of(const FrameReport& r) {
     f.exhausted = bit_if(r.exhausted, budget_vertices, exhausted_vertices) |
                   bit_if(r.exhausted, budget_indices, exhausted_indices);
     f.error_px_requested = r.error_px_requested;
-    f.error_px_effective = r.error_px_effective;
+    f.threshold_px = f.error_px_effective = r.error_px_effective;
     f.converged = r.converged;
     f.settled = true;
     return f;
@@ -190,6 +191,7 @@ FrameEntry entry_of(const CutReport& r, const CutSettings& settings) {
     f.vertices_peak = r.vertex_slots.peak;
     f.triangles_peak = r.triangle_slots.peak;
     f.error_px_requested = r.error_px_requested;
+    f.threshold_px = r.threshold_px;
     f.error_px_effective = r.error_px_effective;
     f.converged = r.converged;
     f.rebuilt = r.rebuilt;

@@ -47,9 +47,9 @@ struct FrameEntry {
     BudgetUse vertex_slots;                              // of the method's memory; the recursive one knows no peaks
     BudgetUse triangle_slots;                            // incremental, in whole segments
     BudgetUse index_slots;                               // recursive
-    double error_px_requested = 0, error_px_effective = 0;
+    double error_px_requested = 0, threshold_px = 0, error_px_effective = 0;
     bool converged = false, rebuilt = false;
-    // Nothing waits and nothing morphs: the effective threshold holds. Every frame of the recursive method.
+    // Nothing waits and nothing morphs: the threshold holds. Every frame of the recursive method.
     bool settled = false;
     std::uint64_t upload_bytes = 0; // what a renderer must be given: written slots, or all of them when rebuilt
     std::optional<double> verified_px;
@@ -114,10 +114,10 @@ struct Summary {
     double rebuild_us = 0; // the longest
     std::uint64_t rebuild_bytes = 0;
     double ns_per_vertex = 0; // time of all updates over all selected vertices
-    double effective_px_max = 0;
+    double effective_px_max = 0, threshold_px_max = 0;
     std::uint32_t exhausted = 0, restarts = 0, clearings = 0;
     std::optional<double> verified_px_max;         // of settled frames
-    std::optional<double> verified_lagging_px_max; // of the others, which promise nothing
+    std::optional<double> verified_lagging_px_max; // of the others: no more than each one claims
     StreamSummary stream;
 };
 [[nodiscard]] Summary summarise(const FlightLog& log, bool incremental);

@@ -201,9 +201,9 @@ std::string table(const FlightOptions& o, const Summary& s, const Verification& 
     if (s.exhausted & capacities & ~work)
         row("budgets exhausted",
             fmt::format("{}; the threshold rose to {:.3g} px; raise them in the profile",
-                        fmt::join(budget_names(s.exhausted & capacities & ~work), " and "), s.effective_px_max));
+                        fmt::join(budget_names(s.exhausted & capacities & ~work), " and "), s.threshold_px_max));
     if (s.exhausted & work)
-        row("lagged for want of", fmt::format("{}; up to {} blocks waited",
+        row("lagged for want of", fmt::format("{}; up to {} groups and pages waited",
                                               fmt::join(budget_names(s.exhausted & work), " and "), s.waiting_max));
     if (s.stream.streamed) text += stream_rows(s);
     if (s.verified)

@@ -13,6 +13,7 @@
 
 #include "fjell/gl/target.h"
 #include "fjell/io/failure.h"
+#include "fjell/measure.h"
 #include "flight/camera.h"
 #include "flight/pictures.h"
 #include "gl/window.h"
@@ -215,14 +216,16 @@ private:
         const bool wanting = (entry.exhausted & (flight::exhausted_vertices | flight::exhausted_indices |
                                                  flight::exhausted_triangles)) != 0;
         const bool missing = entry.missing_px > entry.error_px_requested;
-        const std::string text = fmt::format(
-            "Fjell - update {:.0f} us - {} vertices - {} triangles drawn - {:.0f} fps - {:.3g} px{}{}", entry.update_us,
-            entry.vertices, entry.triangles_drawn, shown_frames_ / shown_seconds_, entry.error_px_effective,
-            entry.converged ? ""
-            : wanting       ? " (budget exhausted)"
-            : missing       ? " (pages missing)"
-                            : " (lags)",
-            streaming(entry));
+        const std::string text =
+            fmt::format("Fjell - update {:.0f} us - {} vertices - {} triangles drawn - {:.0f} fps - {}{}{}",
+                        entry.update_us, entry.vertices, entry.triangles_drawn, shown_frames_ / shown_seconds_,
+                        entry.error_px_effective < unbounded_px ? fmt::format("{:.3g} px", entry.error_px_effective)
+                                                                : "unbounded error",
+                        entry.converged ? ""
+                        : wanting       ? " (budget exhausted)"
+                        : missing       ? " (pages missing)"
+                                        : " (lags)",
+                        streaming(entry));
         glfwSetWindowTitle(window_->handle(), text.c_str());
         shown_seconds_ = 0;
         shown_frames_ = 0;

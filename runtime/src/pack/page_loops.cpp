@@ -43,9 +43,10 @@ using Steps = hn::CappedTag<std::int32_t, n>;
 using Codes = hn::CappedTag<std::uint8_t, n>;
 using Words8 = hn::FixedTag<std::uint16_t, 8>;
 
+// Known at run time only where registers have no fixed length (SVE): there MaxLanes() is more than a register holds.
 template <class D>
-constexpr std::uint32_t lanes(D d) {
-    return static_cast<std::uint32_t>(hn::MaxLanes(d));
+HWY_INLINE std::uint32_t lanes(D d) {
+    return static_cast<std::uint32_t>(hn::Lanes(d));
 }
 
 // --- heights
