@@ -1,280 +1,316 @@
 #include "cut/bulk.h"
 
+#include <algorithm>
 #include <bit>
 #include <utility>
 
-#include "cut/refine.h"
+#include "cut/bulk_mesh.h"
+#include "cut/evaluate.h"
+#include "pack/record.h"
 
 namespace fjell {
 
 namespace {
 
-// Bit i to bits 2i and 2i + 1.
-std::uint32_t doubled(std::uint32_t v) {
-    const std::uint32_t even = spread_bits(v);
-    return even | even << 1;
+BulkPage& visit(CutState& s, std::uint32_t slot) {
+    BulkPage& page = s.bulk.pages[slot];
+    if (page.build == s.bulk.build) return page;
+    page.build = s.bulk.build;
+    page.grades = 0;
+    std::fill_n(page.active, bulk_rows, 0);
+    std::fill_n(page.ticks, page_ticks, unscheduled);
+    s.bulk.visited[s.bulk.visited_count++] = slot;
+    return page;
 }
 
-// What two words of a row of 32 say.
-std::uint32_t row_of(const GroupState* groups, std::uint16_t GroupState::*mask) {
-    return static_cast<std::uint32_t>(groups[0].*mask) | static_cast<std::uint32_t>(groups[1].*mask) << 16;
+std::uint32_t row_bits(const BulkPage* page, std::uint32_t row) {
+    return page == nullptr ? 0 : page->active[row];
 }
 
-GroupState* group_at(CutState& s, const Site& site) {
-    if (!exists(s, site)) return nullptr;
-    const std::uint32_t vertex = find_vertex(s, site);
-    return vertex == no_index ? nullptr : &s.groups[vertex / group_lanes];
-}
-
-void set_bits(std::uint16_t& mask, std::uint32_t bits) {
-    mask |= static_cast<std::uint16_t>(bits);
-}
-
-// A row of one page (or, of coarse steps, of one tile): up to 32 vertices in one or two groups.
-struct Row {
-    std::uint32_t group; // number of the first
-    std::uint32_t words;
-};
-
-// Ready lanes of a row are decided; active ones take slots. Returns them.
-std::uint32_t activate_row(CutState& s, const Row& row, std::uint32_t parents0, std::uint32_t parents1) {
-    std::uint32_t active = 0;
-    touch(s, row.group / max_page_groups);
-    for (std::uint32_t word = 0; word < row.words; ++word, parents0 >>= 16, parents1 >>= 16) {
-        GroupState& b = s.groups[row.group + word];
-        set_bits(b.parent[0], parents0);
-        set_bits(b.parent[1], parents1);
-        if (b.ready() != 0) active |= build_group(s, row.group + word) << (16 * word);
-    }
-    return active;
-}
-
-// All squares of one step in one page, or one tile.
-class Step {
+// Decides rows of one page's vertices.
+class Decider {
 public:
-    Step(CutState& state, int z, std::int32_t i0, std::int32_t j0)
-        : s(state), groups_(page_step_at(state, z, i0, j0)), z_(z), i0_(i0), j0_(j0), n_(groups_.n),
-          words_(1u << groups_.step->words_log2) {}
+    Decider(CutState& state, const BulkSquares& squares)
+        : s(state), at_(squares), page_(visit(state, squares.slot)),
+          ticks_a_metre_(1 / tick_m(state.schedule, state.schedule.pages[squares.slot])) {}
 
-    // Centres: which of their parents are active follows from the coarser step.
-    void centres() {
-        const bool root = z_ == s.terrain->tree.tile_log2 - 1;
-        for (std::int32_t j = 0; j < n_; ++j) {
-            const Row row = row_at(VertexKind::centre, j);
-            if (root) {
-                (void)activate_row(s, row, 1, 1);
-                continue;
-            }
-            const std::int32_t jj = j0_ + j;
-            GroupState* const sides_x = group_at(s, {z_ + 1, VertexKind::side_x, i0_ >> 1, (jj + 1) >> 1});
-            GroupState* const sides_y = group_at(s, {z_ + 1, VertexKind::side_y, i0_ >> 1, jj >> 1});
-            // One more side_y, east of the last square; often another page's.
-            GroupState* const last_y = group_at(s, {z_ + 1, VertexKind::side_y, (i0_ + n_) >> 1, jj >> 1});
-            const auto half = static_cast<std::uint32_t>(n_ / 2);
-            const std::uint32_t lanes = (1u << half) - 1;
-            const std::uint32_t shift_x = lane_of(z_ + 1, i0_ >> 1), shift_last = last_lane(jj >> 1);
-            std::uint32_t x = sides_x ? sides_x->active >> shift_x & lanes : 0;
-            std::uint32_t y = sides_y ? sides_y->active >> shift_x & lanes : 0;
-            const std::uint32_t y_last = last_y ? last_y->active >> shift_last & 1u : 0;
-            if ((x | y | y_last) == 0) continue;
-            std::uint32_t parents0 = doubled(x);
-            auto parents1 = static_cast<std::uint32_t>(
-                (static_cast<std::uint64_t>(doubled(y)) | static_cast<std::uint64_t>(3 * y_last) << (2 * half)) >> 1);
-            if (n_ < 32) {
-                parents0 &= (1u << n_) - 1;
-                parents1 &= (1u << n_) - 1;
-            }
-            const std::uint32_t active = activate_row(s, row, parents0, parents1);
-            if (active != 0) add_children_of_sides(active, jj, half, sides_x, sides_y, last_y, shift_x, shift_last);
+    [[nodiscard]] const BulkPage& page() const { return page_; }
+
+    void add(std::uint32_t row, std::uint32_t ready) {
+        if (ready == 0) return;
+        const std::uint32_t words = 1u << at_.step->words_log2, first = row << at_.step->words_log2;
+        for (std::uint32_t word = 0; word < words; ++word, ready >>= group_lanes) {
+            const std::uint32_t lanes = ready & 0xffff;
+            if (lanes == 0) continue;
+            groups_[count_++] = {static_cast<std::uint16_t>(first + word), static_cast<std::uint16_t>(lanes)};
+            prefetch(first + word);
         }
     }
-
-    // Sides: the centres of the page, and of those to its north and west, must have been decided.
-    void sides() {
-        for (std::int32_t j = 0; j < n_; ++j) {
-            GroupState* const here = &s.groups[row_at(VertexKind::centre, j).group];
-            GroupState* const north = j > 0 ? &s.groups[row_at(VertexKind::centre, j - 1).group]
-                                            : group_at(s, {z_, VertexKind::centre, i0_, j0_ - 1});
-            const std::uint32_t centres = active_row(here);
-            const bool rim_north = j0_ + j == 0, rim_west = i0_ == 0;
-            const std::uint32_t above = rim_north ? all() : north ? active_row(north) : 0;
-            if ((above | centres) != 0 && (centres != 0 || !rim_north)) {
-                const std::uint32_t x = activate_row(s, row_at(VertexKind::side_x, j), above, centres);
-                if (x != 0) {
-                    add_children(here, 2, x);
-                    if (!rim_north) add_children(north, 3, x);
-                }
-            }
-            GroupState* const west = rim_west ? nullptr : group_at(s, {z_, VertexKind::centre, i0_ - 1, j0_ + j});
-            const std::uint32_t lane = lane_of(z_, i0_ - 1);
-            const std::uint32_t left = rim_west ? 1u : west ? west->active >> lane & 1u : 0;
-            if (centres != 0 || (left != 0 && !rim_west)) {
-                const std::uint32_t y =
-                    activate_row(s, row_at(VertexKind::side_y, j), (centres << 1 | left) & all(), centres);
-                if (y != 0) {
-                    add_children(here, 0, y);
-                    add_children(here, 1, y >> 1);
-                    if ((y & 1) != 0 && west) set_bits(west->child[1], 1u << lane);
-                }
-            }
-        }
-        rims();
+    // All that were added. Those that nobody sees can wait: they are due.
+    void postpone() {
+        page_.grades = std::max(page_.grades, count_ != 0 ? 1u : 0u);
+        for (std::uint32_t i = 0; i < count_; ++i) page_.ticks[groups_[i].number] = spent;
+    }
+    void decide() {
+        for (std::uint32_t i = 0; i < count_; ++i) decide(groups_[i].number, groups_[i].ready);
+        s.report.evaluations += count_;
     }
 
 private:
-    [[nodiscard]] std::uint32_t all() const { return n_ == 32 ? ~0u : (1u << n_) - 1; }
-    [[nodiscard]] Row row_at(VertexKind kind, std::int32_t j) const { return {groups_.row(kind, j), words_}; }
-    // The lane of a column of squares in its group.
-    [[nodiscard]] std::uint32_t lane_of(int z, std::int32_t i) const {
-        return static_cast<std::uint32_t>(i & ((1 << s.steps[z].log2) - 1)) % group_lanes;
-    }
-    // Of the side_y east of the last square, in the coarser step.
-    [[nodiscard]] std::uint32_t last_lane(std::int32_t j) const {
-        return find_vertex(s, {z_ + 1, VertexKind::side_y, (i0_ + n_) >> 1, j}) % group_lanes;
-    }
-    [[nodiscard]] std::uint32_t active_row(const GroupState* first) const {
-        return words_ == 2 ? row_of(first, &GroupState::active) : first->active;
-    }
-    void add_children(GroupState* first, std::size_t direction, std::uint32_t bits) const {
-        set_bits(first[0].child[direction], bits & (words_ == 2 ? 0xffffu : all()));
-        if (words_ == 2) set_bits(first[1].child[direction], bits >> 16);
+    struct Ready {
+        std::uint16_t number, ready;
+    };
+
+    void prefetch(std::uint32_t number) const {
+        const VertexRecord* const records = s.terrain->records + std::size_t{at_.slot} * s.terrain->page_capacity +
+                                            s.shapes[s.page_slot[at_.slot].shape].groups[number].first;
+        __builtin_prefetch(records);
+        __builtin_prefetch(records + group_lanes - 1);
     }
 
-    // Which child of which parent each active centre is follows from its square's parity (parent_bearing).
-    void add_children_of_sides(std::uint32_t active, std::int32_t jj, std::uint32_t half, GroupState* sides_x,
-                               GroupState* sides_y, GroupState* last_y, std::uint32_t shift_x,
-                               std::uint32_t shift_last) const {
-        const bool odd = (jj & 1) != 0;
-        const std::uint32_t even_columns = even_bits(active), odd_columns = even_bits(active >> 1);
-        if (sides_x) {
-            set_bits(sides_x->child[odd ? 0 : 2], even_columns << shift_x);
-            set_bits(sides_x->child[odd ? 1 : 3], odd_columns << shift_x);
+    void decide(std::uint32_t number, std::uint32_t ready) {
+        VertexRecord gathered[group_lanes];
+        LaneGroup lanes = lanes_of(s, at_.slot * max_page_groups + number, gathered);
+        lanes.inactive = ready;
+        LaneAnswers answers;
+        s.evaluate(s.criterion, lanes, answers);
+        if (static_cast<std::uint32_t>(std::popcount(answers.wanted)) > bulk_capacity(s) - s.bulk.taken) {
+            s.bulk.full = true;
+            return;
         }
-        const std::size_t of_odd = odd ? 2 : 0, of_even = odd ? 3 : 1;
-        const std::uint32_t lanes = (1u << half) - 1;
-        if (sides_y) {
-            set_bits(sides_y->child[of_even], even_columns << shift_x);
-            set_bits(sides_y->child[of_odd], (odd_columns << 1 & lanes) << shift_x);
-        }
-        if (last_y && (odd_columns >> (half - 1) & 1) != 0) set_bits(last_y->child[of_odd], 1u << shift_last);
+        const double ticks = static_cast<double>(answers.slack_m) * ticks_a_metre_;
+        page_.ticks[number] =
+            static_cast<std::uint16_t>(soon + static_cast<std::uint32_t>(std::min(ticks, double{most_ticks})));
+        page_.grades = std::max(page_.grades, grade_of(answers.code) + 1);
+        const std::uint32_t row = number >> at_.step->words_log2, word = number - (row << at_.step->words_log2);
+        if (page_.active[row] == 0) page_.first[row] = s.bulk.taken;
+        page_.active[row] |= answers.wanted << (group_lanes * word);
+        for (std::uint32_t left = answers.wanted; left != 0; left &= left - 1)
+            place(lanes, static_cast<std::int32_t>(std::countr_zero(left)));
     }
 
-    // The terrain's south and east rim: sides with one parent.
-    void rims() {
-        const std::int32_t rows = s.tiles_y << s.steps[z_].log2, columns = s.tiles_x << s.steps[z_].log2;
-        if (j0_ + n_ == rows) {
-            GroupState* const north = &s.groups[row_at(VertexKind::centre, n_ - 1).group];
-            if (const std::uint32_t centres = active_row(north); centres != 0) {
-                const std::uint32_t x = activate_row(s, row_at(VertexKind::side_x, n_), centres, all());
-                add_children(north, 3, x);
-            }
-        }
-        if (i0_ + n_ != columns) return;
-        for (std::int32_t j = 0; j < n_; j += group_lanes) {
-            const std::uint32_t first = find_vertex(s, {z_, VertexKind::side_y, columns, j0_ + j});
-            std::uint32_t centres = 0;
-            const std::int32_t lanes = n_ < static_cast<std::int32_t>(group_lanes) ? n_ : group_lanes;
-            for (std::int32_t lane = 0; lane < lanes; ++lane)
-                centres |= (active_row(&s.groups[row_at(VertexKind::centre, j + lane).group]) >> (n_ - 1) & 1u) << lane;
-            if (centres == 0) continue;
-            const std::uint32_t y = activate_row(s, {first / group_lanes, 1}, centres, (1u << lanes) - 1);
-            for (std::int32_t lane = 0; lane < lanes; ++lane)
-                if ((y >> lane & 1) != 0)
-                    add_children(&s.groups[row_at(VertexKind::centre, j + lane).group], 1, 1u << (n_ - 1));
-        }
+    void place(const LaneGroup& lanes, std::int32_t lane) {
+        const VertexRecord record = lanes.records[lane];
+        const std::uint32_t slot = bulk_slot(s, s.bulk.taken++);
+        const Criterion& c = s.criterion;
+        const float height_m = c.base_m + static_cast<float>(record.height + lanes.base) * c.quantum_m;
+        s.vertices[slot] = {std::min(lanes.x0 + lane * lanes.dx, c.last_x),
+                            std::min(lanes.y0 + lane * lanes.dy, c.last_y), height_m};
+        s.morph[slot] = {0, c.error_m[record.error], lanes.unit_m * c.radius_factor[record.radius & (radius_codes - 1)],
+                         long_active_s};
+        s.hole[slot] = is_void(record);
+        if (s.bulk.beside) s.dirty_vertices.mark(slot);
     }
 
     CutState& s;
-    const PageStep groups_;
-    const int z_;
-    const std::int32_t i0_, j0_; // first square, over the terrain
-    const std::int32_t n_;       // squares a side
-    const std::uint32_t words_;
+    const BulkSquares at_;
+    BulkPage& page_;
+    const double ticks_a_metre_;
+    std::uint32_t count_ = 0;
+    Ready groups_[max_page_groups];
 };
 
-// One page of a step, or one tile of a coarse one. A side's parents in other pages lie to its north and west, where
-// centres have been decided; there, whose page has active vertices counts.
-bool build_page(CutState& s, const Site& first, bool may_have_centres) {
-    Step page(s, first.z, first.i, first.j);
-    if (may_have_centres) page.centres();
-    const bool active = active_in_page_of(s, first) != 0;
-    if (active || active_in_page_of(s, {first.z, VertexKind::centre, first.i - 1, first.j}) != 0 ||
-        active_in_page_of(s, {first.z, VertexKind::centre, first.i, first.j - 1}) != 0)
-        page.sides();
-    return active;
-}
-
-// What the bulk pass has found active, page by page of one step.
-struct BuiltPages {
-    std::uint32_t* slots;
-    std::uint32_t count = 0;
-};
-
-// A step with at most one page a tile: every tile.
-void build_tiles(CutState& s, int z, BuiltPages& built) {
-    const StepGroups& step = s.steps[z];
-    const bool root = z == s.terrain->tree.tile_log2 - 1;
-    for (std::int32_t tile_y = 0; tile_y < s.tiles_y; ++tile_y)
-        for (std::int32_t tile_x = 0; tile_x < s.tiles_x; ++tile_x) {
-            const Site first{z, VertexKind::centre, tile_x << step.log2, tile_y << step.log2};
-            const std::uint32_t vertex = find_vertex(s, first);
-            if (vertex == no_index) continue;
-            // Without an active centre in the page over it no vertex of a page can have an active parent there.
-            const bool below =
-                root || active_in_page_of(s, {z + 1, VertexKind::centre, first.i >> 1, first.j >> 1}) != 0;
-            if (build_page(s, first, below)) built.slots[built.count++] = vertex / group_lanes / max_page_groups;
+// May any of a page's vertices, or what lies under them, be seen? Their spheres hold all that.
+bool may_be_seen(const CutState& s, const PageSlot& page) {
+    if (page.shape == 0) return true;
+    const TerrainData& t = *s.terrain;
+    const std::int32_t cells = static_cast<std::int32_t>(2 * page_squares) << page.z;
+    const double out = static_cast<double>(page.radius_m) * (1 + 0x1p-18);
+    for (std::uint32_t i = 0; i < s.view_count; ++i) {
+        const Vec3& eye = s.views[i].eye_m;
+        const double low[3] = {static_cast<double>(t.x_m(page.x0)) - eye.x, static_cast<double>(page.low_m) - eye.y,
+                               static_cast<double>(t.z_m(page.y0)) - eye.z},
+                     high[3] = {static_cast<double>(t.x_m(page.x0 + cells)) - eye.x,
+                                static_cast<double>(page.high_m) - eye.y,
+                                static_cast<double>(t.z_m(page.y0 + cells)) - eye.z};
+        bool inside = true;
+        for (int plane = 0; plane < 6 && inside; ++plane) {
+            const Vec3& n = s.frustums[i].normal[plane];
+            const double most = std::max(n.x * low[0], n.x * high[0]) + std::max(n.y * low[1], n.y * high[1]) +
+                                std::max(n.z * low[2], n.z * high[2]);
+            inside = most >= s.frustums[i].offset[plane] - out;
         }
-}
-
-// A finer step: only pages under those that have active vertices, parent by parent, which keeps north and west first.
-// And their neighbours to the east and south, which nobody else comes to: those have parents of theirs.
-void build_below(CutState& s, int z, const BuiltPages& above, BuiltPages& built) {
-    constexpr std::int32_t n = page_squares;
-    const auto is_built = [&](const Site& first) {
-        return active_in_page_of(s, {z + 1, VertexKind::centre, first.i >> 1, first.j >> 1}) != 0;
-    };
-    for (std::uint32_t at = 0; at < above.count; ++at) {
-        const PageSlot& parent = s.page_slot[above.slots[at]];
-        const std::int32_t i0 = 2 * ((parent.tile_x << s.steps[z + 1].log2) + parent.i0),
-                           j0 = 2 * ((parent.tile_y << s.steps[z + 1].log2) + parent.j0);
-        for (std::int32_t quarter = 0; quarter < 4; ++quarter) {
-            const Site first{z, VertexKind::centre, i0 + quarter % 2 * n, j0 + quarter / 2 * n};
-            const std::uint32_t vertex = find_vertex(s, first);
-            if (vertex == no_index || !build_page(s, first, true)) continue;
-            built.slots[built.count++] = vertex / group_lanes / max_page_groups;
-            for (const Site& next :
-                 {Site{z, VertexKind::centre, first.i + n, first.j}, Site{z, VertexKind::centre, first.i, first.j + n}})
-                if (exists(s, next) && find_vertex(s, next) != no_index && !is_built(next))
-                    (void)build_page(s, next, false);
-        }
+        if (inside) return true;
     }
+    return false;
+}
+
+// False: its parents leave none of its centres ready.
+bool decide_centres(CutState& s, const BulkSquares& at) {
+    std::uint32_t parents[2][page_squares];
+    if (at.slot == no_index || !centre_parents(s, at, parents)) return false;
+    Decider page(s, at);
+    if (s.page_slot[at.slot].status == PageSlotStatus::evicting) return false;
+    for (std::int32_t j = 0; j < at.n; ++j) page.add(at.row(VertexKind::centre, j), parents[0][j] & parents[1][j]);
+    if (s.bulk.beside && !may_be_seen(s, s.page_slot[at.slot])) {
+        page.postpone();
+        return false;
+    }
+    page.decide();
+    std::uint32_t any = 0;
+    for (std::int32_t j = 0; j < at.n; ++j) any |= page.page().active[at.row(VertexKind::centre, j)];
+    return any != 0;
+}
+
+// Of a page with active centres. Those to its north and west must have been decided.
+void decide_sides(CutState& s, const BulkSquares& at) {
+    Decider page(s, at);
+    const std::uint32_t* const centres = page.page().active + at.row(VertexKind::centre, 0);
+    const BulkPage* const north = found_at(s, at.z, at.i0, at.j0 - 1);
+    const BulkPage* const west = found_at(s, at.z, at.i0 - 1, at.j0);
+    std::uint32_t above = at.j0 == 0 ? at.all() : row_bits(north, at.row(VertexKind::centre, at.n - 1)), east = 0;
+    for (std::int32_t j = 0; j < at.n; ++j) {
+        const std::uint32_t c = centres[j];
+        const std::uint32_t left = at.i0 == 0 ? 1 : row_bits(west, at.row(VertexKind::centre, j)) >> (at.n - 1) & 1;
+        page.add(at.row(VertexKind::side_x, j), c & above);
+        page.add(at.row(VertexKind::side_y, j), c & (c << 1 | left));
+        east |= (c >> (at.n - 1) & 1) << j;
+        above = c;
+    }
+    // The terrain's south and east rim: sides with one parent. Elsewhere those are the next page's, which has to know.
+    if (at.j0 + at.n == s.tiles_y << at.step->log2)
+        page.add(at.row(VertexKind::side_x, at.n), above);
+    else if (above != 0)
+        if (const std::uint32_t next = squares_at(s, at.z, at.i0, at.j0 + at.n).slot; next != no_index) visit(s, next);
+    if (at.i0 + at.n == s.tiles_x << at.step->log2)
+        page.add(at.column(), east);
+    else if (east != 0)
+        if (const std::uint32_t next = squares_at(s, at.z, at.i0 + at.n, at.j0).slot; next != no_index) visit(s, next);
+    page.decide();
+}
+
+// The squares of a step in a page that is listed.
+BulkSquares listed_squares(const CutState& s, std::uint32_t slot, int z) {
+    const PageSlot& page = s.page_slot[slot];
+    const StepGroups& step = s.steps[z];
+    return {&step,
+            slot,
+            z,
+            (page.tile_x << step.log2) + page.i0,
+            (page.tile_y << step.log2) + page.j0,
+            1 << step.page_log2};
+}
+
+// The next page whose centres are to be decided. A step with at most one page a tile: every tile's. A finer one: those
+// under pages with active centres. No other can have an active parent.
+bool next_squares(const CutState& s, BulkSquares& squares) {
+    const BulkPass& b = s.bulk;
+    const StepGroups& step = s.steps[b.z];
+    if (step.log2 <= page_squares_log2) {
+        if (b.at == s.terrain->tile_count()) return false;
+        const auto tiles_x = static_cast<std::uint32_t>(s.tiles_x);
+        squares = squares_at(s, b.z, static_cast<std::int32_t>(b.at % tiles_x) << step.log2,
+                             static_cast<std::int32_t>(b.at / tiles_x) << step.log2);
+        return true;
+    }
+    if (b.at == 4 * b.listed_count[0]) return false;
+    const BulkSquares above = listed_squares(s, b.listed[0][b.at / 4], b.z + 1);
+    const auto quarter = static_cast<std::int32_t>(b.at % 4);
+    squares = squares_at(s, b.z, 2 * above.i0 + quarter % 2 * above.n, 2 * above.j0 + quarter / 2 * above.n);
+    return true;
 }
 
 } // namespace
 
-bool build_all(CutState& s) {
-    BuiltPages above{s.bulk_pages[0]}, built{s.bulk_pages[1]};
-    for (int z = s.terrain->tree.tile_log2 - 1; z >= 0; --z) {
-        built.count = 0;
-        if (s.steps[z].log2 <= page_squares_log2)
-            build_tiles(s, z, built);
+bool centre_parents(const CutState& s, const BulkSquares& at, std::uint32_t (&parents)[2][page_squares]) {
+    if (at.z == s.terrain->tree.tile_log2 - 1) {
+        parents[0][0] = parents[1][0] = 1;
+        return true;
+    }
+    // Their parents are sides of one quarter of a coarser page, or of all of a coarser step of the tile.
+    const BulkSquares up = squares_at(s, at.z + 1, at.i0 >> 1, at.j0 >> 1);
+    const BulkPage* const page = found_in(s, up.slot);
+    if (page == nullptr) return false;
+    const std::int32_t half = at.n / 2, i = (at.i0 >> 1) - up.i0, j0 = (at.j0 >> 1) - up.j0;
+    const std::uint32_t lanes = (1u << half) - 1;
+    std::uint32_t x[page_squares / 2 + 1], y[page_squares / 2], any = 0;
+    for (std::int32_t j = 0; j <= half; ++j) {
+        const BulkPage* of = page;
+        std::int32_t row = j0 + j;
+        if (row == up.n && up.j0 + up.n != s.tiles_y << up.step->log2) { // the next page's
+            of = found_at(s, up.z, up.i0, up.j0 + up.n);
+            row = 0;
+        }
+        x[j] = row_bits(of, up.row(VertexKind::side_x, row)) >> i & lanes;
+        any |= x[j];
+    }
+    const bool last = i + half == up.n, rim = up.i0 + up.n == s.tiles_x << up.step->log2;
+    const BulkPage* const east = last && !rim ? found_at(s, up.z, up.i0 + up.n, up.j0) : nullptr;
+    std::uint64_t y_last[page_squares / 2];
+    for (std::int32_t j = 0; j < half; ++j) {
+        y[j] = page->active[up.row(VertexKind::side_y, j0 + j)] >> i;
+        if (last)
+            y_last[j] = rim ? page->active[up.column()] >> (j0 + j) & 1
+                            : row_bits(east, up.row(VertexKind::side_y, j0 + j)) & 1;
         else
-            build_below(s, z, above, built);
-        if (s.full_capacities != 0) return false;
-        std::swap(above, built);
+            y_last[j] = y[j] >> half & 1;
+        y[j] &= lanes;
+        any |= y[j] | static_cast<std::uint32_t>(y_last[j]);
     }
-    // Every active vertex has split a triangle into two, twice unless it lies on the rim.
-    const std::uint32_t most =
-        2 * s.terrain->tile_count() + 2 * (s.budget.vertices - free_vertices(s) - corner_slots(s));
-    // Every tile's last segment may be nearly empty, and that of what is not drawn; two stay back for deactivations. No
-    // more, or the smallest budget that is taken could never be filled.
-    const std::uint32_t segments = (most >> s.segment_log2) + s.terrain->tile_count() + (s.some_hidden ? 1 : 0) + 2;
-    if (segments > s.segment_count) {
-        s.full_capacities |= cut_budget_triangles;
-        return false;
+    if (any == 0) return false;
+    for (std::int32_t j = 0; j < at.n; ++j) {
+        const std::int32_t jj = j / 2;
+        parents[0][j] = doubled(x[(j + 1) / 2]);
+        parents[1][j] = static_cast<std::uint32_t>((doubled(y[jj]) | y_last[jj] * 3 << (2 * half)) >> 1) & at.all();
     }
-    emit_triangles(s);
     return true;
+}
+
+void begin_bulk(CutState& s, bool beside) {
+    BulkPass& b = s.bulk;
+    FJELL_ASSERT(b.phase < BulkPhase::releasing);
+    if (++b.build == 0) { // as good as never
+        for (std::uint32_t slot = 0; slot < s.terrain->slot_count; ++slot) b.pages[slot].build = 0;
+        b.build = 1;
+    }
+    b.beside = beside;
+    b.full = false;
+    b.taken = b.visited_count = b.listed_count[0] = b.listed_count[1] = b.at = 0;
+    b.free_before = beside ? s.free_vertex_count : 0;
+    b.fresh_before = beside ? s.fresh_vertex : corner_slots(s);
+    b.z = s.terrain->tree.tile_log2 - 1;
+    b.phase = BulkPhase::centres;
+    std::fill_n(b.travelled_m, grade_count, 0.0);
+}
+
+namespace {
+
+BulkStatus stop(CutState& s, BulkStatus status) {
+    s.bulk.phase = status == BulkStatus::built ? BulkPhase::built : BulkPhase::idle;
+    return status;
+}
+
+} // namespace
+
+BulkStatus step_bulk(CutState& s) {
+    BulkPass& b = s.bulk;
+    FJELL_ASSERT(b.phase == BulkPhase::centres || b.phase == BulkPhase::sides || b.phase == BulkPhase::triangles);
+    if (b.phase == BulkPhase::triangles) return step_triangles(s) ? BulkStatus::unfinished : stop(s, BulkStatus::built);
+    if (b.full) return stop(s, BulkStatus::no_vertices);
+    if (b.phase == BulkPhase::centres) {
+        BulkSquares squares;
+        if (next_squares(s, squares)) {
+            ++b.at;
+            if (decide_centres(s, squares)) b.listed[1][b.listed_count[1]++] = squares.slot;
+            return BulkStatus::unfinished;
+        }
+        b.phase = BulkPhase::sides;
+        b.at = 0;
+    }
+    if (b.at != b.listed_count[1]) {
+        decide_sides(s, listed_squares(s, b.listed[1][b.at++], b.z));
+        return BulkStatus::unfinished;
+    }
+    if (b.z != 0 && b.listed_count[1] != 0) {
+        std::swap(b.listed[0], b.listed[1]);
+        b.listed_count[0] = std::exchange(b.listed_count[1], 0u);
+        --b.z;
+        b.at = 0;
+        b.phase = BulkPhase::centres;
+        return BulkStatus::unfinished;
+    }
+    b.phase = BulkPhase::triangles;
+    return begin_triangles(s) ? BulkStatus::unfinished : stop(s, BulkStatus::no_triangles);
 }
 
 } // namespace fjell

@@ -2,43 +2,84 @@
 //
 // One by one an activation costs hundreds of nanoseconds, because everything it touches is somewhere else. Here a row
 // of a page is a word: which vertices are ready follows from their parents' words by spreading bits, a group is
-// evaluated once, and its vertices take slots in order. Triangles come last, page by page on the way down, when it is
+// evaluated once, and its vertices take slots in order. Triangles come next, page by page on the way down, when it is
 // known which children are active; a page's corners are handed down as a grid of slots, so that no vertex is looked up.
+// Both use only slots that are free. What they find becomes the cut's state at the end, page by page.
+//
+// All of it is done in units of one page, so that it may stop after any of them.
 #pragma once
 
 #include "cut/find.h"
 
 namespace fjell {
 
-// The cut must be as reset() leaves it, with its decision set. Activates all that the decision wants. False when a
-// capacity does not suffice, which the report then names; the cut must be reset.
-[[nodiscard]] bool build_all(CutState& s);
+// Begins anew, with the decision as it is set; what was under way is forgotten, unless it has been installed, which
+// must be finished. beside: only in slots that are free, so that what is drawn stays as it is; otherwise in all of
+// them.
+void begin_bulk(CutState& s, bool beside);
 
-// Its second half, for all tiles: the vertices are active, and triangle slots suffice.
-void emit_triangles(CutState& s);
+enum class BulkStatus : std::uint8_t { unfinished, built, no_vertices, no_triangles };
+// The next unit of deciding and building. no_vertices, no_triangles: the capacities do not suffice; idle again, and
+// nothing has changed.
+[[nodiscard]] BulkStatus step_bulk(CutState& s);
 
-// The groups of one step in one page or, of coarse steps, in one tile.
-struct PageStep {
+// What was built is the cut's mesh from now on. Its state follows, and must be whole before anything is changed.
+// O(tiles and segments).
+void install_mesh(CutState& s);
+// The next unit of that. False: all is done.
+[[nodiscard]] bool step_install(CutState& s);
+
+// The squares of one step in one page or, of coarse steps, in one tile; and of what the pass has found there.
+struct BulkSquares {
     const StepGroups* step;
-    std::uint32_t first;                                                     // group of the page
-    std::int32_t n;                                                          // squares a side
+    std::uint32_t slot;
+    int z;
+    std::int32_t i0, j0, n; // first square, over the terrain; squares a side
+
     [[nodiscard]] std::uint32_t row(VertexKind kind, std::int32_t j) const { // j: 0..n for side_x
         const std::uint32_t plane = kind == VertexKind::centre   ? step->centres
                                     : kind == VertexKind::side_x ? step->sides_x
                                                                  : step->sides_y;
-        return first + plane + (static_cast<std::uint32_t>(j) << step->words_log2);
+        return (plane >> step->words_log2) + static_cast<std::uint32_t>(j);
     }
+    [[nodiscard]] std::uint32_t column() const { return step->column >> step->words_log2; }
+    [[nodiscard]] std::uint32_t all() const { return n == 32 ? ~0u : (1u << n) - 1; }
 };
-[[nodiscard]] inline PageStep page_step_at(const CutState& s, int z, std::int32_t i0, std::int32_t j0) {
+
+// Those that a square lies in. Its slot is no_index when its page is not loaded. The square must exist.
+[[nodiscard]] inline BulkSquares squares_at(const CutState& s, int z, std::int32_t i, std::int32_t j) {
     const StepGroups& step = s.steps[z];
-    return {&step, find_vertex(s, {z, VertexKind::centre, i0, j0}) / group_lanes - step.centres, 1 << step.page_log2};
+    const std::uint32_t vertex = find_vertex(s, {z, VertexKind::centre, i, j});
+    const std::int32_t n = 1 << step.page_log2;
+    return {&step, vertex == no_index ? no_index : vertex / group_lanes / max_page_groups, z, i & -n, j & -n, n};
 }
 
-// How many vertices are active in the page of a square; 0 where there is none.
-[[nodiscard]] inline std::uint32_t active_in_page_of(const CutState& s, const Site& centre) {
-    if (!exists(s, centre)) return 0;
-    const std::uint32_t vertex = find_vertex(s, centre);
-    return vertex == no_index ? 0 : s.page_slot[vertex / group_lanes / max_page_groups].active;
+// What the pass has found in a page; nullptr: nothing.
+[[nodiscard]] inline const BulkPage* found_in(const CutState& s, std::uint32_t slot) {
+    return slot != no_index && s.bulk.pages[slot].build == s.bulk.build ? &s.bulk.pages[slot] : nullptr;
+}
+[[nodiscard]] inline const BulkPage* found_at(const CutState& s, int z, std::int32_t i, std::int32_t j) {
+    if (i < 0 || j < 0 || i >= s.tiles_x << s.steps[z].log2 || j >= s.tiles_y << s.steps[z].log2) return nullptr;
+    return found_in(s, squares_at(s, z, i, j).slot);
+}
+
+// Which parents of a page's centres are active, a word a row. False: none at all.
+[[nodiscard]] bool centre_parents(const CutState& s, const BulkSquares& at, std::uint32_t (&parents)[2][page_squares]);
+
+// Bit i to bits 2i and 2i + 1.
+[[nodiscard]] inline std::uint32_t doubled(std::uint32_t v) {
+    const std::uint32_t even = spread_bits(v);
+    return even | even << 1;
+}
+
+// The slot of the n-th vertex that the pass has taken.
+[[nodiscard]] inline std::uint32_t bulk_slot(const CutState& s, std::uint32_t n) {
+    const BulkPass& b = s.bulk;
+    return n < b.free_before ? s.free_vertices[b.free_before - 1 - n] : b.fresh_before + (n - b.free_before);
+}
+// How many there are.
+[[nodiscard]] inline std::uint32_t bulk_capacity(const CutState& s) {
+    return s.bulk.free_before + s.budget.vertices - s.bulk.fresh_before;
 }
 
 } // namespace fjell

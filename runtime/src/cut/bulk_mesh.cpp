@@ -1,7 +1,9 @@
-// The bulk pass' triangles: page by page on the way down, when it is known which vertices are active.
-#include <bit>
+#include "cut/bulk_mesh.h"
 
-#include "cut/bulk.h"
+#include <bit>
+#include <cstring>
+
+#include "cut/bulk_masks.h"
 #include "cut/mesh.h"
 #include "cut/morph.h"
 
@@ -9,234 +11,293 @@ namespace fjell {
 
 namespace {
 
-// Slots of the vertices in and around one page, by their place on the grid of its step: x, y from -1 to 2n.
-// Only those of active vertices mean anything.
-struct SlotGrid {
-    static constexpr std::int32_t pitch = 2 * page_squares + 2;
-    std::uint32_t at[pitch * pitch];
-    [[nodiscard]] std::uint32_t& operator()(std::int32_t x, std::int32_t y) { return at[(y + 1) * pitch + x + 1]; }
-};
-static_assert(sizeof(SlotGrid) == bulk_grid_bytes);
-
-// Triangles of one page of a step after the other, on the way down.
+// Triangles of one page after the other.
 class Emitter {
 public:
-    explicit Emitter(CutState& state) : s(state) {}
+    explicit Emitter(CutState& state) : s(state), b(state.bulk) {}
 
-    void tile(std::uint32_t number) {
-        const auto tx = static_cast<std::int32_t>(number) % s.tiles_x,
-                   ty = static_cast<std::int32_t>(number) / s.tiles_x;
-        const int z = s.terrain->tree.tile_log2 - 1;
-        tile_ = number;
-        open();
-        SlotGrid& grid = grid_of(z);
-        for (std::int32_t y = 0; y < 2; ++y)
-            for (std::int32_t x = 0; x < 2; ++x)
-                grid(2 * x, 2 * y) = static_cast<std::uint32_t>((ty + y) * (s.tiles_x + 1) + tx + x);
-        if (find_vertex(s, {z, VertexKind::centre, tx, ty}) == no_index || !page(z, tx, ty)) base(grid);
-        close();
+    // The next page; false: all tiles are done.
+    bool step() {
+        while (b.depth != 0 || b.at != s.terrain->tile_count()) {
+            if (b.depth == 0) {
+                tile_ = b.at++;
+                if (begin_tile()) return true;
+                continue;
+            }
+            const BulkPlace& place = b.places[b.depth - 1];
+            tile_ = b.at - 1;
+            if (place.quarter == quarters()) {
+                --b.depth;
+                continue;
+            }
+            if (descend()) return true;
+        }
+        return false;
     }
 
 private:
-    SlotGrid& grid_of(int z) { return reinterpret_cast<SlotGrid*>(s.bulk_grids)[z]; }
+    // z of the place on top: the root's is the coarsest.
+    [[nodiscard]] int z_now() const { return s.terrain->tree.tile_log2 - static_cast<int>(b.depth); }
+    // Pages of the next step under one of this.
+    [[nodiscard]] std::uint32_t quarters() const {
+        const int z = z_now();
+        return z == 0 ? 0 : s.steps[z - 1].log2 > page_squares_log2 ? 4 : 1;
+    }
 
     // The tile's last segment, written without going through its list.
     void open() {
-        const TileList& list = s.tiles[tile_];
+        const TileStack& list = b.tiles[tile_];
         next_ = end_ = 0;
         if (list.last_segment == no_index) return;
         next_ = (list.last_segment << s.segment_log2) + list.in_last;
         end_ = (list.last_segment + 1) << s.segment_log2;
     }
     void close() {
-        TileList& list = s.tiles[tile_];
+        TileStack& list = b.tiles[tile_];
         if (list.last_segment == no_index) return;
         const std::uint32_t in_last = next_ - (list.last_segment << s.segment_log2);
+        if (b.beside) s.dirty_triangles.mark_range((list.last_segment << s.segment_log2) + list.in_last, next_);
         list.total += in_last - list.in_last;
         list.in_last = in_last;
     }
-    void triangle(std::uint32_t tile, const MeshTriangle& t, std::uint32_t direction) {
+    std::uint32_t triangle(std::uint32_t tile, const MeshTriangle& t, std::uint32_t direction, bool named = true) {
         const std::uint32_t list = list_for(s, tile, t);
         if (list == tile_) close();
-        put_triangle(s, take_triangle(s, list), t, t.right * 4 + direction);
+        const std::uint32_t slot = take_triangle(s, b.tiles[list], list), key = t.right * 4 + direction;
+        const std::uint32_t before = s.triangle_of[key];
+        write_triangle(s, slot, t, key);
+        if (!named) s.triangle_of[key] = before;
         if (list == tile_) open();
+        return slot;
     }
 
-    void base(SlotGrid& grid) {
-        const std::uint32_t nw = grid(0, 0), ne = grid(2, 0), sw = grid(0, 2), se = grid(2, 2);
-        triangle(tile_, {ne, nw, se}, 2);
-        triangle(tile_, {sw, se, nw}, 1);
+    bool begin_tile() {
+        const auto tx = static_cast<std::int32_t>(tile_) % s.tiles_x, ty = static_cast<std::int32_t>(tile_) / s.tiles_x;
+        const int z = s.terrain->tree.tile_log2 - 1;
+        SlotGrid& grid = b.grids[z];
+        const auto corner = [&](std::int32_t x, std::int32_t y) {
+            return static_cast<std::uint32_t>((ty + y) * (s.tiles_x + 1) + tx + x);
+        };
+        for (std::int32_t y = 0; y < 2; ++y)
+            for (std::int32_t x = 0; x < 2; ++x) grid.corner[y][x] = corner(x, y);
+        const BulkSquares root = squares_at(s, z, tx, ty);
+        const BulkPage* const found = found_in(s, root.slot);
+        std::uint32_t(&base)[2] = b.bases[tile_];
+        base[0] = base[1] = no_index;
+        if (found == nullptr || found->active[root.row(VertexKind::centre, 0)] == 0) {
+            open();
+            // Their keys are the drawn mesh's until this one is.
+            base[0] = triangle(tile_, {corner(1, 0), corner(0, 0), corner(1, 1)}, 2, false);
+            base[1] = triangle(tile_, {corner(0, 1), corner(1, 1), corner(0, 0)}, 1, false);
+            close();
+            return false;
+        }
+        page(root);
+        return true;
     }
+
+    // The next quarter of the place on top, when it has anything.
+    bool descend() {
+        BulkPlace& place = b.places[b.depth - 1];
+        const int z = z_now();
+        const std::int32_t n = 1 << s.steps[z].page_log2, finer = 1 << s.steps[z - 1].page_log2, half = finer / 2;
+        const auto quarter = static_cast<std::int32_t>(place.quarter++);
+        const std::int32_t qx = quarter % 2 * half, qy = quarter / 2 * half; // n != half: four of them
+        FJELL_ASSERT(qx < n && qy < n);
+        const BulkSquares at = squares_at(s, z - 1, 2 * (place.i0 + qx), 2 * (place.j0 + qy));
+        const BulkPage* const found = found_in(s, at.slot);
+        if (found == nullptr) return false;
+        std::uint32_t any = 0;
+        for (std::int32_t j = 0; j < finer; ++j) any |= found->active[at.row(VertexKind::centre, j)];
+        if (any == 0) return false;
+        hand_down(b.grids[z], b.grids[z - 1], static_cast<std::uint32_t>(qx), static_cast<std::uint32_t>(qy),
+                  static_cast<std::uint32_t>(half));
+        page(at);
+        return true;
+    }
+
+    // What stands around and in the squares from (qx, qy) on are the corners of the finer ones.
+    static void hand_down(const SlotGrid& from, SlotGrid& to, std::uint32_t qx, std::uint32_t qy, std::uint32_t half) {
+        const auto interleave_rows = [half](const std::uint32_t* even, const std::uint32_t* odd, std::uint32_t* out) {
+            for (std::uint32_t i = 0; i < half; ++i) out[2 * i] = even[i], out[2 * i + 1] = odd[i];
+            out[2 * half] = even[half];
+        };
+        for (std::uint32_t j = 0; j <= half; ++j) {
+            interleave_rows(from.corner[qy + j] + qx, from.side_x[qy + j] + qx, to.corner[2 * j]);
+            if (j != half)
+                interleave_rows(from.side_y[qy + j] + qx, from.centre[qy + j + 1] + qx + 1, to.corner[2 * j + 1]);
+        }
+    }
+
+    // A page with active centres, whose grid has the corners of its squares.
+    void page(const BulkSquares& at) {
+        at_ = at;
+        grid_ = &b.grids[at.z];
+        b.places[b.depth++] = {at.i0, at.j0, 0};
+        masks_.gather(s, at);
+        if (masks_.any_side) masks_.gather_finer(s, at);
+        scatter();
+        open();
+        const std::int32_t tile_side = (1 << at.step->log2) - 1;
+        const bool west_border = (at.i0 & tile_side) == 0;
+        for (std::int32_t j = 0; j < at.n; ++j) {
+            centre_row(j);
+            const bool north_border = ((at.j0 + j) & tile_side) == 0;
+            if (masks_.side_x[j] != 0) side_x_row(j, north_border);
+            if (const std::uint32_t own = static_cast<std::uint32_t>(masks_.side_y[j]) & at.all(); own != 0)
+                side_y_row(j, own, west_border);
+        }
+        if (masks_.owns_south && masks_.side_x[at.n] != 0) side_x_row(at.n, true);
+        if (masks_.owns_east)
+            for (std::int32_t j = 0; j < at.n; ++j)
+                if (masks_.side_y[j] >> at.n & 1) border_side(VertexKind::side_y, at.n, j, drawn_y(j, at.n));
+        close();
+    }
+
+    // --- slots
+
+    void put_slots(std::uint32_t* to, std::uint32_t active, std::uint32_t first) const {
+        for (; active != 0; active &= active - 1) to[std::countr_zero(active)] = bulk_slot(s, first++);
+    }
+    [[nodiscard]] std::uint32_t slot_in(const BulkPage& page, std::uint32_t row, std::uint32_t lane) const {
+        const std::uint32_t before = page.active[row] & ((1u << lane) - 1);
+        return bulk_slot(s, page.first[row] + static_cast<std::uint32_t>(std::popcount(before)));
+    }
+    void scatter() {
+        const BulkPage& own = *masks_.own;
+        SlotGrid& g = *grid_;
+        const std::int32_t n = at_.n;
+        for (std::int32_t j = 0; j < n; ++j) {
+            const std::uint32_t c = at_.row(VertexKind::centre, j), x = at_.row(VertexKind::side_x, j),
+                                y = at_.row(VertexKind::side_y, j);
+            put_slots(g.centre[j + 1] + 1, own.active[c], own.first[c]);
+            put_slots(g.side_x[j], own.active[x], own.first[x]);
+            put_slots(g.side_y[j], own.active[y], own.first[y]);
+            if ((masks_.side_y[j] & 1) != 0 && masks_.west != nullptr)
+                g.centre[j + 1][0] = slot_in(*masks_.west, c, static_cast<std::uint32_t>(n) - 1);
+            if ((masks_.side_y[j] >> n & 1) != 0)
+                g.side_y[j][n] = masks_.owns_east ? slot_in(own, at_.column(), static_cast<std::uint32_t>(j))
+                                                  : slot_in(*masks_.east, y, 0);
+        }
+        if (masks_.north != nullptr && masks_.side_x[0] != 0) {
+            const std::uint32_t row = at_.row(VertexKind::centre, n - 1);
+            put_slots(g.centre[0] + 1, masks_.north->active[row], masks_.north->first[row]);
+        }
+        if (masks_.side_x[n] != 0) {
+            const BulkPage& of = masks_.owns_south ? own : *masks_.south;
+            const std::uint32_t row = at_.row(VertexKind::side_x, masks_.owns_south ? n : 0);
+            put_slots(g.side_x[n], of.active[row], of.first[row]);
+        }
+    }
+
+    // --- triangles
 
     // The triangles around a vertex: direction d lies between corners[d][0] and corners[d][1].
     void fan(std::uint32_t v, const std::uint32_t (&corners)[4][2], std::uint32_t drawn) {
         if (s.some_hidden || next_ + 4 > end_) {
+            std::memset(s.triangle_of + std::size_t{v} * 4, 0xff, 16);
             for (std::uint32_t d = 0; d < 4; ++d)
                 if (drawn >> d & 1) triangle(tile_, {v, corners[d][0], corners[d][1]}, d);
             return;
         }
         // All four are written, the next over one that is not drawn: no branch can be mispredicted.
+        std::uint32_t* t = s.indices + std::size_t{next_} * 3;
+        std::uint32_t keys[4];
         for (std::uint32_t d = 0; d < 4; ++d) {
             const std::uint32_t is_drawn = drawn >> d & 1;
-            std::uint32_t* const t = s.indices + std::size_t{next_} * 3;
             t[0] = v, t[1] = corners[d][0], t[2] = corners[d][1];
             s.key_of[next_] = v * 4 + d;
-            s.triangle_of[v * 4 + d] = next_ | (is_drawn - 1); // no_index when not
+            keys[d] = next_ | (is_drawn - 1); // no_index when not
             next_ += is_drawn;
+            t += 3 * is_drawn;
+        }
+        std::memcpy(s.triangle_of + std::size_t{v} * 4, keys, sizeof keys);
+    }
+
+    void centre_row(std::int32_t j) {
+        const std::uint32_t active = masks_.centre[j + 1];
+        if (active == 0) return;
+        const SlotGrid& g = *grid_;
+        const std::uint32_t* const up = g.corner[j];
+        const std::uint32_t* const down = g.corner[j + 1];
+        const std::uint64_t west = ~masks_.side_y[j], east = west >> 1;
+        const std::uint32_t north = ~masks_.side_x[j], south = ~masks_.side_x[j + 1];
+        for (std::uint32_t left = active; left != 0; left &= left - 1) {
+            const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
+            const std::uint32_t nw = up[i], ne = up[i + 1], sw = down[i], se = down[i + 1], v = g.centre[j + 1][i + 1];
+            const std::uint32_t drawn = static_cast<std::uint32_t>(west >> i & 1) |
+                                        static_cast<std::uint32_t>(east >> i & 1) << 1 | (north >> i & 1) << 2 |
+                                        (south >> i & 1) << 3;
+            fan(v, {{nw, sw}, {se, ne}, {ne, nw}, {sw, se}}, drawn);
+            // Squares alternate which diagonal a centre splits (parent_bearing).
+            const std::int32_t square =
+                at_.z == s.terrain->tree.tile_log2 - 1 ? 0 : at_.i0 + static_cast<std::int32_t>(i) + at_.j0 + j;
+            const bool falling = square % 2 == 0;
+            flatten(v, VertexKind::centre, static_cast<std::int32_t>(i), j, falling ? nw : ne, falling ? se : sw);
         }
     }
 
-    // Slots of a row's active vertices, to every other place of the grid. Answers whether there are any.
-    bool scatter_slots(SlotGrid& grid, std::uint32_t group, std::int32_t count, std::int32_t x, std::int32_t y) {
-        std::uint32_t any = 0;
-        std::uint32_t* to = &grid(x, y);
-        for (std::int32_t done = 0; done < count; done += group_lanes, ++group, to += 2 * group_lanes) {
-            if (s.groups[group].active == 0) continue;
-            any |= s.groups[group].active;
-            const std::uint32_t* const from = s.vertex_slot + std::size_t{group} * group_lanes;
-            if (count < static_cast<std::int32_t>(group_lanes))
-                for (std::int32_t lane = 0; lane < count; ++lane) to[2 * lane] = from[lane];
-            else
-                for (std::uint32_t lane = 0; lane < group_lanes; ++lane) to[2 * lane] = from[lane];
-        }
-        return any != 0;
+    [[nodiscard]] std::uint32_t drawn_x(std::int32_t j, std::int32_t i) const {
+        const std::uint64_t up = masks_.finer_row(2 * j - 1), down = masks_.finer_row(2 * j);
+        return ~static_cast<std::uint32_t>((up >> 2 * i & 3) | (down >> 2 * i & 3) << 2) & 15;
     }
-    void scatter_slot(SlotGrid& grid, const Site& site, std::int32_t x, std::int32_t y) {
-        if (!exists(s, site)) return;
-        const std::uint32_t vertex = find_vertex(s, site);
-        if (vertex != no_index) grid(x, y) = s.vertex_slot[vertex];
+    // The columns 2i - 1 and 2i.
+    [[nodiscard]] std::uint32_t drawn_y(std::int32_t j, std::int32_t i) const {
+        const auto two = [&](std::int32_t row) {
+            const std::uint64_t of = masks_.finer_row(row);
+            const std::uint64_t at_it = i == static_cast<std::int32_t>(page_squares) ? 0 : of >> 2 * i & 1;
+            return (i == 0 ? masks_.finer_west_of(row) : of >> (2 * i - 1) & 1) | at_it << 1;
+        };
+        return ~static_cast<std::uint32_t>(two(2 * j) | two(2 * j + 1) << 2) & 15;
     }
 
-    // The grid has the corners of the page's squares. False when no centre is active, and so nothing below.
-    bool page(int z, std::int32_t i0, std::int32_t j0) {
-        SlotGrid& grid = grid_of(z);
-        const PageStep groups = page_step_at(s, z, i0, j0);
-        const std::int32_t n = groups.n;
-        bool any = false, below = false;
-        for (std::int32_t j = 0; j < n; ++j)
-            any = scatter_slots(grid, groups.row(VertexKind::centre, j), n, 1, 2 * j + 1) || any;
-        if (!any) return false;
-        for (std::int32_t j = 0; j < n; ++j) {
-            below = scatter_slots(grid, groups.row(VertexKind::side_x, j), n, 1, 2 * j) || below;
-            below = scatter_slots(grid, groups.row(VertexKind::side_y, j), n, 0, 2 * j + 1) || below;
-        }
-        below = borders(grid, z, i0, j0, n) || below;
-        rows(grid, z, i0, j0, groups);
-        if (below && z > 0) descend(grid, z, i0, j0, n);
-        return true;
-    }
-
-    // What lies around the page and belongs to its neighbours: apexes to the north and west, sides to the south and
-    // east.
-    bool borders(SlotGrid& grid, int z, std::int32_t i0, std::int32_t j0, std::int32_t n) {
-        const Site north{z, VertexKind::centre, i0, j0 - 1}, south{z, VertexKind::side_x, i0, j0 + n};
-        if (exists(s, north))
-            if (const std::uint32_t v = find_vertex(s, north); v != no_index)
-                (void)scatter_slots(grid, v / group_lanes, n, 1, -1);
-        bool below = false;
-        if (const std::uint32_t v = find_vertex(s, south); v != no_index)
-            below = scatter_slots(grid, v / group_lanes, n, 1, 2 * n);
-        for (std::int32_t j = 0; j < n; ++j) {
-            scatter_slot(grid, {z, VertexKind::centre, i0 - 1, j0 + j}, -1, 2 * j + 1);
-            const std::uint32_t v = find_vertex(s, {z, VertexKind::side_y, i0 + n, j0 + j});
-            if (v == no_index || !(s.groups[v / group_lanes].active & bit_of(v))) continue;
-            grid(2 * n, 2 * j + 1) = s.vertex_slot[v];
-            below = true;
-        }
-        return below;
-    }
-
-    void rows(SlotGrid& grid, int z, std::int32_t i0, std::int32_t j0, const PageStep& groups) {
-        z_ = z;
-        corner_ = {2 * i0, 2 * j0};
-        const std::int32_t n = groups.n, tile_side = (1 << groups.step->log2) - 1;
-        for (std::int32_t j = 0; j < n; ++j) {
-            centre_row(grid, groups.row(VertexKind::centre, j), n, 2 * j + 1);
-            const bool north_border = ((j0 + j) & tile_side) == 0;
-            side_row(grid, {z, VertexKind::side_x, i0, j0 + j}, groups.row(VertexKind::side_x, j), n, 2 * j,
-                     north_border);
-            side_row(grid, {z, VertexKind::side_y, i0, j0 + j}, groups.row(VertexKind::side_y, j), n, 2 * j + 1,
-                     (i0 & tile_side) == 0);
-        }
-        if (j0 + n == s.tiles_y << groups.step->log2)
-            side_row(grid, {z, VertexKind::side_x, i0, j0 + n}, groups.row(VertexKind::side_x, n), n, 2 * n, true);
-        if (i0 + n == s.tiles_x << groups.step->log2)
-            for (std::int32_t j = 0; j < n; ++j) {
-                const Site site{z, VertexKind::side_y, i0 + n, j0 + j};
-                const std::uint32_t v = find_vertex(s, site);
-                const GroupState& b = s.groups[v / group_lanes];
-                if (b.active & bit_of(v)) border_side(grid, site, 2 * n, 2 * j + 1, drawn_by(b, v % group_lanes));
+    void side_x_row(std::int32_t j, bool border) {
+        const SlotGrid& g = *grid_;
+        for (std::uint32_t left = masks_.side_x[j]; left != 0; left &= left - 1) {
+            const auto i = std::countr_zero(left);
+            const std::uint32_t drawn = drawn_x(j, i);
+            if (border) {
+                border_side(VertexKind::side_x, i, j, drawn);
+                continue;
             }
-    }
-
-    [[nodiscard]] static std::uint32_t drawn_by(const GroupState& b, std::uint32_t lane) {
-        std::uint32_t drawn = 0;
-        for (std::uint32_t d = 0; d < 4; ++d) drawn |= (~static_cast<std::uint32_t>(b.child[d]) >> lane & 1u) << d;
-        return drawn;
-    }
-
-    void descend(SlotGrid& grid, int z, std::int32_t i0, std::int32_t j0, std::int32_t n) {
-        const std::int32_t finer = 1 << s.steps[z - 1].page_log2; // squares of a page there: 2n, or n in four pages
-        for (std::int32_t qy = 0; qy < 2 * n; qy += finer)
-            for (std::int32_t qx = 0; qx < 2 * n; qx += finer) {
-                if (active_in_page_of(s, {z - 1, VertexKind::centre, 2 * i0 + qx, 2 * j0 + qy}) == 0) continue;
-                SlotGrid& to = grid_of(z - 1);
-                for (std::int32_t y = 0; y <= finer; ++y) {
-                    const std::uint32_t* const from = &grid(qx, qy + y);
-                    std::uint32_t* const row = &to(0, 2 * y);
-                    for (std::int32_t x = 0; x <= finer; ++x) row[2 * x] = from[x];
-                }
-                (void)page(z - 1, 2 * i0 + qx, 2 * j0 + qy);
-            }
-    }
-
-    void centre_row(SlotGrid& grid, std::uint32_t group, std::int32_t count, std::int32_t y) {
-        for (std::int32_t x0 = 1; x0 < 2 * count; x0 += 2 * static_cast<std::int32_t>(group_lanes), ++group) {
-            const GroupState& b = s.groups[group];
-            for (std::uint32_t active = b.active; active != 0; active &= active - 1) {
-                const auto lane = static_cast<std::uint32_t>(std::countr_zero(active));
-                const std::int32_t x = x0 + 2 * static_cast<std::int32_t>(lane);
-                const std::uint32_t nw = grid(x - 1, y - 1), ne = grid(x + 1, y - 1), sw = grid(x - 1, y + 1),
-                                    se = grid(x + 1, y + 1), v = grid(x, y);
-                fan(v, {{nw, sw}, {se, ne}, {ne, nw}, {sw, se}}, drawn_by(b, lane));
-                // Squares alternate which diagonal a centre splits (parent_bearing).
-                const bool falling = ((x >> 1) + (y >> 1)) % 2 == 0;
-                flatten(v, x, y, falling ? nw : ne, falling ? se : sw);
-            }
+            const std::uint32_t v = g.side_x[j][i], west = g.corner[j][i], east = g.corner[j][i + 1],
+                                north = g.centre[j][i + 1], south = g.centre[j + 1][i + 1];
+            fan(v, {{north, west}, {east, north}, {west, south}, {south, east}}, drawn);
+            flatten(v, VertexKind::side_x, i, j, west, east);
         }
     }
-
-    void side_row(SlotGrid& grid, const Site& first, std::uint32_t group, std::int32_t count, std::int32_t y,
-                  bool border) {
-        const bool side_x = first.kind == VertexKind::side_x;
-        for (std::int32_t along = 0; along < count; along += static_cast<std::int32_t>(group_lanes), ++group) {
-            const GroupState& b = s.groups[group];
-            for (std::uint32_t active = b.active; active != 0; active &= active - 1) {
-                const auto lane = static_cast<std::uint32_t>(std::countr_zero(active));
-                const std::int32_t i = along + static_cast<std::int32_t>(lane), x = 2 * i + (side_x ? 1 : 0);
-                if (border && (side_x || i == 0)) {
-                    border_side(grid, {first.z, first.kind, first.i + i, first.j}, x, y, drawn_by(b, lane));
-                    continue;
-                }
-                const std::uint32_t v = grid(x, y), west = grid(x - 1, y), east = grid(x + 1, y),
-                                    north = grid(x, y - 1), south = grid(x, y + 1);
-                fan(v, {{north, west}, {east, north}, {west, south}, {south, east}}, drawn_by(b, lane));
-                flatten(v, x, y, side_x ? west : north, side_x ? east : south);
+    void side_y_row(std::int32_t j, std::uint32_t active, bool border) {
+        const SlotGrid& g = *grid_;
+        for (std::uint32_t left = active; left != 0; left &= left - 1) {
+            const auto i = std::countr_zero(left);
+            const std::uint32_t drawn = drawn_y(j, i);
+            if (border && i == 0) {
+                border_side(VertexKind::side_y, i, j, drawn);
+                continue;
             }
+            const std::uint32_t v = g.side_y[j][i], west = g.centre[j + 1][i], east = g.centre[j + 1][i + 1],
+                                north = g.corner[j][i], south = g.corner[j + 1][i];
+            fan(v, {{north, west}, {east, north}, {west, south}, {south, east}}, drawn);
+            flatten(v, VertexKind::side_y, i, j, north, south);
         }
     }
 
     // A side between two tiles, or on the terrain's rim: each triangle belongs to the tile of its apex.
-    void border_side(SlotGrid& grid, const Site& site, std::int32_t x, std::int32_t y, std::uint32_t drawn) {
-        const bool side_x = site.kind == VertexKind::side_x;
-        const std::uint32_t v = grid(x, y), west = grid(x - 1, y), east = grid(x + 1, y), north = grid(x, y - 1),
-                            south = grid(x, y + 1);
+    void border_side(VertexKind kind, std::int32_t i, std::int32_t j, std::uint32_t drawn) {
+        const SlotGrid& g = *grid_;
+        const bool side_x = kind == VertexKind::side_x;
+        const std::uint32_t v = side_x ? g.side_x[j][i] : g.side_y[j][i], nw = g.corner[j][i];
+        const std::uint32_t west = side_x ? nw : g.centre[j + 1][i], north = side_x ? g.centre[j][i + 1] : nw;
+        const std::uint32_t east = side_x ? g.corner[j][i + 1] : i == at_.n ? no_index : g.centre[j + 1][i + 1];
+        const std::uint32_t south = !side_x ? g.corner[j + 1][i] : j == at_.n ? no_index : g.centre[j + 1][i + 1];
         const MeshTriangle quadrants[4] = {{v, north, west}, {v, east, north}, {v, west, south}, {v, south, east}};
+        std::memset(s.triangle_of + std::size_t{v} * 4, 0xff, 16);
+        const Site site{at_.z, kind, at_.i0 + i, at_.j0 + j};
         for (std::uint32_t d = 0; d < 4; ++d) {
             const Site apex = parent_site(site, static_cast<int>(side_x ? d >> 1 : d & 1));
             if ((drawn >> d & 1) != 0 && exists(s, apex)) triangle(tile_of(apex), quadrants[d], d);
         }
-        flatten(v, x, y, side_x ? west : north, side_x ? east : south);
+        flatten(v, kind, i, j, side_x ? west : north, side_x ? east : south);
     }
 
     [[nodiscard]] std::uint32_t tile_of(const Site& centre) const {
@@ -244,25 +305,39 @@ private:
         return static_cast<std::uint32_t>((centre.j >> log2) * s.tiles_x + (centre.i >> log2));
     }
 
-    // x, y: in the grid of the page in work.
-    void flatten(std::uint32_t v, std::int32_t x, std::int32_t y, std::uint32_t a, std::uint32_t b) {
+    void flatten(std::uint32_t v, VertexKind kind, std::int32_t i, std::int32_t j, std::uint32_t a, std::uint32_t c) {
         if (s.morph_now.morph == Morph::none) return;
-        const Coord at{(corner_.x + x) << z_, (corner_.y + y) << z_};
-        s.morph[v].flat_m = flat_height(s, v, at, z_, (x & y & 1) != 0, a, b);
+        const Coord at = site_coord({at_.z, kind, at_.i0 + i, at_.j0 + j});
+        s.morph[v].flat_m = flat_height(s, v, at, at_.z, kind == VertexKind::centre, a, c);
     }
 
     CutState& s;
+    BulkPass& b;
     std::uint32_t tile_ = 0;
     std::uint32_t next_ = 0, end_ = 0; // slots of the tile's last segment
-    int z_ = 0;
-    Coord corner_; // of the page in work, in its steps
+    BulkSquares at_{};                 // the page in work
+    SlotGrid* grid_ = nullptr;
+    BulkMasks masks_;
 };
 
 } // namespace
 
-void emit_triangles(CutState& s) {
+bool begin_triangles(CutState& s) {
+    // Every active vertex has split a triangle into two, twice unless it lies on the rim.
+    const std::uint32_t most = 2 * s.terrain->tile_count() + 2 * s.bulk.taken;
+    // Every tile's last segment may be nearly empty, and that of what is not drawn; two stay back for deactivations. No
+    // more, or the smallest budget that is taken could never be filled.
+    const std::uint32_t segments = (most >> s.segment_log2) + s.terrain->tile_count() + (s.some_hidden ? 1 : 0) + 2;
+    if (segments > (s.bulk.beside ? s.free_segment_count : s.segment_count)) return false;
+    if (!s.bulk.beside) free_all_segments(s);
+    for (std::uint32_t i = 0; i <= s.terrain->tile_count(); ++i) s.bulk.tiles[i] = {no_index, 0, 0, 0};
+    s.bulk.at = s.bulk.depth = 0;
+    return true;
+}
+
+bool step_triangles(CutState& s) {
     Emitter emitter(s);
-    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) emitter.tile(tile);
+    return emitter.step();
 }
 
 } // namespace fjell

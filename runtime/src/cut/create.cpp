@@ -39,14 +39,14 @@ struct Layout {
     std::size_t page_groups, groups, vertex_slot, page_slot, evicting, ticks, schedules, awake, bounds, next_due,
         vertices, morph, triangle_of, hole, free_vertices, indices, key_of, tiles, segment_tile, segment_below,
         free_segments, vertex_bits[2], vertex_words[2], triangle_bits[2], triangle_words[2], ranges, hz_places, grids,
-        late_s, morphing_out, late_pages, touched_pages, bulk_pages[2], end;
+        late_s, morphing_out, late_pages, touched_pages, bulk_pages, bulk_slots[3], bulk_tiles, bulk_bases, end;
 };
 
 static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 * 4 + 1 + 3 * 4 &&
                   cut_triangle_bytes == 3 * 4 + 4 &&
                   cut_page_slot_bytes == max_page_groups * (sizeof(GroupState) + group_lanes * 4) + sizeof(PageSlot) +
                                              4 + page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) +
-                                             sizeof(HiddenBound) + 5 * 4,
+                                             sizeof(HiddenBound) + sizeof(BulkPage) + 6 * 4,
               "hosts size their budgets by these: change them in fjell/cut.h with layout_of()");
 
 Layout layout_of(const TerrainData& t, const CutBudget& b) {
@@ -86,12 +86,15 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
     }
     l.ranges = place(segments, sizeof(TileRange));
     l.hz_places = place(t.pages.order == Order::hierarchical_z ? 2 * max_page_vertices : 0, 2);
-    l.grids = place(static_cast<std::size_t>(t.tree.tile_log2), bulk_grid_bytes);
+    l.grids = place(static_cast<std::size_t>(t.tree.tile_log2), sizeof(SlotGrid));
     l.late_s = place(b.vertices, 4);
     l.morphing_out = place(b.vertices, 4);
     l.late_pages = place(t.slot_count, 4);
     l.touched_pages = place(t.slot_count, 4);
-    for (std::size_t& pages : l.bulk_pages) pages = place(t.slot_count, 4);
+    l.bulk_pages = place(t.slot_count, sizeof(BulkPage));
+    for (std::size_t& slots : l.bulk_slots) slots = place(t.slot_count, 4);
+    l.bulk_tiles = place(t.tile_count() + 1, sizeof(TileStack));
+    l.bulk_bases = place(t.tile_count(), 8);
     l.end = at;
     return l;
 }
@@ -155,6 +158,12 @@ void make_corners(CutState& s) {
 
 void reset(CutState& s) {
     const TerrainData& t = *s.terrain;
+    // What the bulk pass has built in slots that were free goes, too.
+    const BulkPass& b = s.bulk;
+    if (b.phase == BulkPhase::triangles || b.phase == BulkPhase::built)
+        s.fresh_vertex = std::max(s.fresh_vertex, b.fresh_before + (b.taken - std::min(b.taken, b.free_before)));
+    s.bulk.phase = BulkPhase::idle;
+    s.bulk.mapped = 0;
     s.work_ranks = 0;
     s.late_count = s.morphing_out_count = 0;
     s.dirty_vertices.clear();
@@ -163,13 +172,7 @@ void reset(CutState& s) {
     for (std::size_t i = 0; i < std::size_t{s.fresh_vertex} * 4; ++i) s.triangle_of[i] = no_index;
     s.free_vertex_count = 0;
     s.fresh_vertex = corner_count(t);
-    for (std::uint32_t i = 0; i <= t.tile_count(); ++i) {
-        TileList& tile = s.tiles[i];
-        tile.last_segment = no_index;
-        tile.in_last = tile.total = tile.segments = 0;
-    }
-    s.free_segment_count = s.segment_count;
-    for (std::uint32_t i = 0; i < s.segment_count; ++i) s.free_segments[i] = s.segment_count - 1 - i;
+    free_all_segments(s);
     forget_late_pages(s, true);
     make_corners(s);
     while (s.touched_count != 0) {
@@ -276,12 +279,16 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     bits_part(s.untaken_vertices, l.vertex_bits[1], l.vertex_words[1]);
     bits_part(s.untaken_triangles, l.triangle_bits[1], l.triangle_words[1]);
     part(s.ranges, l.ranges);
-    part(s.bulk_grids, l.grids);
+    part(s.bulk.grids, l.grids);
+    part(s.bulk.pages, l.bulk_pages);
+    part(s.bulk.visited, l.bulk_slots[0]);
+    for (int i = 0; i < 2; ++i) part(s.bulk.listed[i], l.bulk_slots[i + 1]);
+    part(s.bulk.tiles, l.bulk_tiles);
+    part(s.bulk.bases, l.bulk_bases);
     part(s.late_s, l.late_s);
     part(s.morphing_out, l.morphing_out);
     part(s.late_pages, l.late_pages);
     part(s.touched_pages, l.touched_pages);
-    for (int i = 0; i < 2; ++i) part(s.bulk_pages[i], l.bulk_pages[i]);
     if (terrain.pages.order == Order::hierarchical_z) {
         part(s.hz_places, l.hz_places);
         make_hz_places(s);

@@ -43,15 +43,22 @@ inline void write_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& 
     s.dirty_triangles.mark(slot);
 }
 
+// No triangle stays: the first segments are the next that are taken.
+inline void free_all_segments(CutState& s) {
+    for (std::uint32_t i = 0; i <= s.terrain->tile_count(); ++i)
+        static_cast<TileStack&>(s.tiles[i]) = {no_index, 0, 0, 0};
+    s.free_segment_count = s.segment_count;
+    for (std::uint32_t i = 0; i < s.segment_count; ++i) s.free_segments[i] = s.segment_count - 1 - i;
+}
+
 // Slots that a tile can still take without a new segment.
 [[nodiscard]] inline std::uint32_t room_in(const CutState& s, std::uint32_t tile) {
     const TileList& list = s.tiles[tile];
     return list.last_segment == no_index ? 0 : (1u << s.segment_log2) - list.in_last;
 }
 
-// The next slot of a tile. There must be room: in the tile's last segment or a free one.
-inline std::uint32_t take_triangle(CutState& s, std::uint32_t tile) {
-    TileList& list = s.tiles[tile];
+// The next slot of a tile's list. There must be room: in its last segment or a free one.
+inline std::uint32_t take_triangle(CutState& s, TileStack& list, std::uint32_t tile) {
     if (list.last_segment == no_index || list.in_last == 1u << s.segment_log2) {
         FJELL_ASSERT(s.free_segment_count != 0);
         const std::uint32_t segment = s.free_segments[--s.free_segment_count];
@@ -68,7 +75,7 @@ inline std::uint32_t take_triangle(CutState& s, std::uint32_t tile) {
 }
 inline void append_triangle(CutState& s, std::uint32_t tile, const MeshTriangle& t, std::uint32_t key) {
     FJELL_ASSERT(s.triangle_of[key] == no_index); // or the one of that key would stay in the mesh, over this one
-    write_triangle(s, take_triangle(s, tile), t, key);
+    write_triangle(s, take_triangle(s, s.tiles[tile], tile), t, key);
 }
 
 inline void remove_triangle(CutState& s, std::uint32_t slot) {

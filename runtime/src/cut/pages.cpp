@@ -207,11 +207,16 @@ ParentMasks parents_of(const CutState& s, std::uint32_t group, std::uint32_t lan
 
 namespace {
 
-// Lets go of what the slot held, if it holds something else by now. False: the cut had to begin again.
-bool detach_if_changed(CutState& s, std::uint32_t slot) {
+// Does the slot hold another page than the cut has there, or none?
+bool has_changed(const CutState& s, std::uint32_t slot) {
     const TerrainData& t = *s.terrain;
     const PageSlot& info = s.page_slot[slot];
-    if (info.page == no_index || (info.page == t.slot_page[slot] && info.loads == t.slot_loads[slot])) return true;
+    return info.page != no_index && (info.page != t.slot_page[slot] || info.loads != t.slot_loads[slot]);
+}
+
+// Lets go of what the slot held, if it holds something else by now. False: the cut had to begin again.
+bool detach_if_changed(CutState& s, std::uint32_t slot) {
+    if (!has_changed(s, slot)) return true;
     // The host did not call cut_release_page, or did not wait for it: the vertices must be deactivated all the same.
     for (std::uint32_t v = first_active(s, slot); v != no_index; v = first_active(s, slot)) {
         if (deactivate(s, lowest_below(s, v)) == Outcome::done) continue;
@@ -233,6 +238,16 @@ void attach_if_loaded(CutState& s, std::uint32_t slot) {
 
 void rescan_pages(CutState& s) {
     s.seen_changes = s.terrain->changes - change_log - 1; // more than the log remembers
+}
+
+bool has_lost_pages(const CutState& s) {
+    const TerrainData& t = *s.terrain;
+    const std::uint64_t count = t.changes - s.seen_changes;
+    const bool all = count > change_log;
+    for (std::uint64_t n = 0; n < (all ? t.slot_count : count); ++n)
+        if (has_changed(s, all ? static_cast<std::uint32_t>(n) : t.changed_slots[(s.seen_changes + n) % change_log]))
+            return true;
+    return false;
 }
 
 void sync_pages(CutState& s) {

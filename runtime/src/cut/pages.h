@@ -8,6 +8,8 @@ namespace fjell {
 // Attaches every page that was loaded and detaches those that were unloaded. O(changes since the last call), or
 // O(slots) when those were more than the terrain's log remembers.
 void sync_pages(CutState& s);
+// Has the host unloaded a page that the cut holds? The same complexity.
+[[nodiscard]] bool has_lost_pages(const CutState& s);
 // The next sync_pages() visits all slots.
 void rescan_pages(CutState& s);
 

@@ -233,15 +233,19 @@ inline void prefetch_corners(const CutState& s, const PlannedChange& plan) {
 // Groups that are changed together, so that what they touch can be prefetched for all of them first.
 constexpr std::uint32_t batch_groups = 16;
 
-bool out_of_time(CutState& s) {
+} // namespace
+
+bool out_of_time(CutState& s, bool done_something) {
     if (s.report.visits >= s.settings.visits) return true;
-    if (s.settings.budget_us <= 0 || s.report.items == 0 ||
+    if (s.settings.budget_us <= 0 || !done_something ||
         std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - s.started).count() <
             s.settings.budget_us - s.reserved_us)
         return false;
     s.report.exhausted |= cut_budget_time;
     return true;
 }
+
+namespace {
 
 void prefetch_changes(const CutState& s, std::span<const std::uint32_t> groups) {
     constexpr std::uint32_t most = 6 * batch_groups; // of changes; more would push each other out of the cache
@@ -266,7 +270,7 @@ bool change_batch(CutState& s, std::uint32_t queue, bool may_deactivate) {
     }
     prefetch_changes(s, {groups, count});
     for (std::uint32_t i = 0; i < count; ++i) {
-        if (s.report.items < s.item_limit && !out_of_time(s)) {
+        if (s.report.items < s.item_limit && !out_of_time(s, s.report.items != 0)) {
             change_group(s, groups[i], may_deactivate);
             continue;
         }
@@ -400,7 +404,7 @@ bool work_off(CutState& s) {
     while (s.report.items < s.item_limit) {
         const bool any_due = visits.any();
         if (any_due && s.examined < most_examined) {
-            if (out_of_time(s)) return false;
+            if (out_of_time(s, s.report.items != 0)) return false;
             visits.examine_next();
             continue;
         }
@@ -421,36 +425,6 @@ bool work_off(CutState& s) {
 void refine(CutState& s) {
     if (work_off(s) && waiting_groups(s) != blocked_groups(s) && (s.report.exhausted & cut_budget_time) == 0)
         s.report.exhausted |= cut_budget_items;
-}
-
-std::uint32_t build_group(CutState& s, std::uint32_t number) {
-    const Evaluated group = evaluate_group(s, number);
-    const std::uint32_t lanes = group.to_activate();
-    if (free_vertices(s) < group_lanes) {
-        s.full_capacities |= cut_budget_vertices;
-        return 0;
-    }
-    PageSlot& info = s.page_slot[number / max_page_groups];
-    VertexRecord gathered[group_lanes];
-    const LaneGroup at = lanes_of(s, number, gathered);
-    for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
-        const auto lane = static_cast<std::int32_t>(std::countr_zero(left));
-        const VertexRecord record = at.records[lane];
-        const std::uint32_t slot = take_vertex(s);
-        s.vertex_slot[number * group_lanes + static_cast<std::uint32_t>(lane)] = slot;
-        s.vertices[slot] = {std::min(at.x0 + lane * at.dx, s.criterion.last_x),
-                            std::min(at.y0 + lane * at.dy, s.criterion.last_y),
-                            s.criterion.base_m + static_cast<float>(record.height + info.base) * s.criterion.quantum_m};
-        s.morph[slot] = {0, s.criterion.error_m[record.error],
-                         at.unit_m * s.criterion.radius_factor[record.radius & (radius_codes - 1)], long_active_s};
-        s.hole[slot] = is_void(record);
-        ++info.active;
-        for (std::size_t d = 0; d < 4; ++d) s.triangle_of[std::size_t{slot} * 4 + d] = no_index;
-    }
-    // Of those that will have active children nobody knows yet; to look at them too is early, never late.
-    tighten(s.schedule, number, group.answers.slack_m, grade_of(group.answers.code));
-    group.state.active = static_cast<std::uint16_t>(lanes);
-    return lanes;
 }
 
 } // namespace fjell

@@ -11,12 +11,11 @@ namespace fjell {
 // Visits groups, worst first, until nothing is left or the items or the time are spent.
 void refine(CutState& s);
 
+// Has the frame done what it may? Its time counts once it has done something.
+[[nodiscard]] bool out_of_time(CutState& s, bool done_something);
+
 // Groups that still have work, and those of them that wait for a capacity. Of the last refine().
 [[nodiscard]] std::uint32_t waiting_groups(const CutState& s);
 [[nodiscard]] std::uint32_t blocked_groups(const CutState& s);
-
-// For the bulk pass: evaluates a group none of whose lanes is active, activates all that are ready and wanted without
-// their triangles, and schedules it. Returns them. When vertex slots run out it says so in the report and returns none.
-[[nodiscard]] std::uint32_t build_group(CutState& s, std::uint32_t group);
 
 } // namespace fjell

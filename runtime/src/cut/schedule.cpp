@@ -206,6 +206,26 @@ void tighten(Schedule& s, std::uint32_t group, float slack_m, std::uint32_t grad
     awake.due_m = std::min(awake.due_m, due_m);
 }
 
+void forget_due(Schedule& s) {
+    for (std::uint32_t i = 0; i < s.awake_count; ++i) {
+        s.awake[i].due = false;
+        s.awake[i].due_m = never_m;
+    }
+    s.due_levels = s.due_count = 0;
+}
+
+void install_ticks(Schedule& s, std::uint32_t slot, const std::uint16_t* ticks, std::uint32_t grade,
+                   const double (&travelled_m)[grade_count]) {
+    wake(s, slot, grade);
+    PageSchedule& page = s.pages[slot];
+    AwakePage& awake = s.awake[page.awake];
+    page.charged_m = page.seen_m = s.odometer_m[grade] - travelled_m[grade];
+    std::copy_n(ticks, page_ticks, s.ticks + std::size_t{slot} * page_ticks);
+    const std::uint16_t least = s.vectors.least(ticks);
+    awake.due_m = page.charged_m + (least > soon ? static_cast<double>(least - soon) * tick_m(s, page) : 0.0);
+    if (least == spent || s.odometer_m[grade] > awake.due_m) push_due(s, awake);
+}
+
 void make_due(Schedule& s, std::uint32_t group) {
     const std::uint32_t slot = group / max_page_groups;
     if (s.pages[slot].awake == no_index) wake(s, slot, 0);

@@ -127,6 +127,11 @@ void clear_page_schedule(Schedule& s, std::uint32_t slot);
 void tighten(Schedule& s, std::uint32_t group, float slack_m, std::uint32_t grade);
 // The group must be evaluated in this frame.
 void make_due(Schedule& s, std::uint32_t group);
+// No page is due, or comes to be: each one's schedule is about to be cleared. O(awake pages).
+void forget_due(Schedule& s);
+// A page that is not awake wakes with these ticks (page_ticks of them) of its grade, as they were travelled_m ago.
+void install_ticks(Schedule& s, std::uint32_t slot, const std::uint16_t* ticks, std::uint32_t grade,
+                   const double (&travelled_m)[grade_count]);
 // It need not, because it waits in a queue.
 inline void forget(Schedule& s, std::uint32_t group) {
     ticks_of(s, group) = unscheduled;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "asserts.h"
+#include "cut/bulk_pages.h"
 #include "cut/groups.h"
 #include "cut/queues.h"
 #include "cut/schedule.h"
@@ -50,8 +51,6 @@ struct GroupState {
 };
 static_assert(sizeof(GroupState) == 32, "two groups a cache line");
 
-inline constexpr std::size_t bulk_grid_bytes = 4 * (2 * page_squares + 2) * (2 * page_squares + 2);
-
 enum class PageSlotStatus : std::uint8_t { empty, live, evicting };
 
 struct PageSlot {
@@ -74,12 +73,8 @@ struct PageSlot {
     bool late;    // listed among late_pages
 };
 
-// A tile's triangles: a stack of segments; all but the last are full.
-struct TileList {
-    std::uint32_t last_segment;
-    std::uint32_t in_last;
-    std::uint32_t total;
-    std::uint32_t segments;
+// A tile's triangles: all segments but the last are full.
+struct TileList : TileStack {
     bool bounded; // by the root's sphere; not while page 0 is missing
     double centre_m[3];
     double radius_m;
@@ -97,6 +92,19 @@ struct DirtyBits {
         if (word == 0) words[word_count++] = slot / 64;
         slots += (word & bit) == 0;
         word |= bit;
+    }
+    void mark_range(std::uint32_t first, std::uint32_t end) {
+        for (; first < end && (first % 64 != 0 || end - first < 64); ++first) mark(first);
+        for (; end - first >= 64; first += 64) {
+            if (bits[first / 64] != 0) {
+                for (std::uint32_t slot = first; slot < first + 64; ++slot) mark(slot);
+                continue;
+            }
+            bits[first / 64] = ~std::uint64_t{0};
+            words[word_count++] = first / 64;
+            slots += 64;
+        }
+        for (; first < end; ++first) mark(first);
     }
     void mark_first(std::uint32_t count) { // slots 0 to count - 1, and no others
         clear();
@@ -176,6 +184,7 @@ struct CutState {
     // What is to be done, and when.
     Schedule schedule;
     Queues queues;
+    BulkPass bulk;
     // The mesh.
     MeshVertex* vertices;
     MorphVertex* morph;
@@ -190,8 +199,6 @@ struct CutState {
     std::uint32_t* segment_below; // the tile's segment before it
     std::uint32_t* free_segments;
     std::uint32_t free_segment_count, segment_count, segment_peak;
-    std::byte* bulk_grids;        // scratch of the bulk pass: bulk_grid_bytes a step
-    std::uint32_t* bulk_pages[2]; // and pages with active vertices, of two steps
     std::uint32_t segment_log2;
     bool some_hidden;                              // the terrain has holes or ends inside tiles
     DirtyBits dirty_vertices, dirty_triangles;     // slots written by this update
@@ -218,6 +225,7 @@ struct CutState {
     std::uint32_t batches;                 // of groups, changed in this frame
     std::uint32_t examined;                // groups since the last batch, also of the frame before
     bool jumped;                           // an eye has, so far that much is due
+    bool leapt;                            // and it is not only a threshold that has
     bool still;                            // no eye has moved, come or gone since the frame before
     std::chrono::steady_clock::time_point started;
     double output_us;         // what the report of the last frame that lagged took
@@ -247,7 +255,7 @@ inline void touch(CutState& s, std::uint32_t slot) {
     s.touched_pages[s.touched_count++] = slot;
 }
 [[nodiscard]] inline std::uint32_t free_vertices(const CutState& s) {
-    return s.free_vertex_count + s.budget.vertices - s.fresh_vertex;
+    return s.free_vertex_count - s.bulk.mapped + s.budget.vertices - s.fresh_vertex;
 }
 // The corners of all tiles have the first vertex slots.
 [[nodiscard]] inline std::uint32_t corner_slots(const CutState& s) {

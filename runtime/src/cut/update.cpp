@@ -95,13 +95,26 @@ double view_threshold_px(const View& view, const CutSettings& settings, double e
     return view.error_px > 0 ? view.error_px * (effective_px / settings.error_px) : effective_px;
 }
 
+// What it has begun to build comes to its end; what it has only decided is forgotten.
+void finish_bulk(CutState& s) {
+    BulkPass& b = s.bulk;
+    while (b.phase == BulkPhase::triangles) (void)step_bulk(s);
+    if (b.phase == BulkPhase::built) install_mesh(s);
+    while (b.phase >= BulkPhase::releasing && step_install(s)) {
+    }
+    b.phase = BulkPhase::idle;
+}
+
 // Sets the views; what they may have changed becomes due.
 void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     const Criterion before = s.criterion;
     Criterion& c = s.criterion;
     // Two levels of nesting lie between a vertex and the ends of the edge that it splits.
     const double nested = 1 + static_cast<double>(s.terrain->header.nesting);
-    if (s.settings.morph != Morph::none && s.morph_now.morph == Morph::none) flatten_all(s);
+    if (s.settings.morph != Morph::none && s.morph_now.morph == Morph::none) {
+        finish_bulk(s); // its triangles could not be flattened one by one
+        flatten_all(s);
+    }
     const double early = s.settings.morph == Morph::none ? 1 : nested * nested;
     s.morph_before = s.morph_now;
     s.morph_now.morph = s.settings.morph;
@@ -131,8 +144,11 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     for (std::uint32_t grade = 0; grade < grade_count; ++grade)
         metres[grade] = change.at(grade_error_m(s, grade)) * rounding;
     advance(s.schedule, metres);
+    for (std::uint32_t grade = 0; grade < grade_count; ++grade)
+        s.bulk.travelled_m[grade] = (s.bulk.travelled_m[grade] + metres[grade]) * (1 + 0x1p-50);
     // By 32 cells, or by a threshold as far: most of what is awake is due.
     s.jumped = metres[grade_count / 2] > 1024 * s.schedule.tick_m;
+    s.leapt = change.at(0) > 1024 * s.schedule.tick_m;
 }
 
 bool may_be_seen(const CutState& s, const TileList& tile) {
@@ -215,6 +231,7 @@ double waiting_px(CutState& s) {
     const CutReport& r = s.report;
     forget_late_pages(s, r.morphing == 0);
     if (r.waiting == 0 && r.morphing == 0) return 0;
+    if (s.bulk.phase != BulkPhase::idle) return unbounded_px; // nobody has looked at what is drawn
     const double lag = lag_px(s);
     if (r.morphing == 0 && s.morph_now.morph == Morph::none) return lag;
     // Of vertices that stand between two heights what moves them comes on top of what the mesh around them hides; it
@@ -238,6 +255,9 @@ void finish(CutState& s) {
     r.exhausted |= s.governor.cause;
     r.morphing = s.late_count + s.morphing_out_count;
     r.waiting = waiting_groups(s);
+    const bool building = s.bulk.phase != BulkPhase::idle;
+    r.waiting += building;
+    if (s.bulk.phase >= BulkPhase::releasing) r.vertices = corner_slots(s) + s.bulk.taken;
     for (std::uint32_t i = 0; i < s.evicting_count; ++i) r.waiting += s.page_slot[s.evicting[i]].active != 0;
     r.vertices_changed = s.dirty_vertices.slots;
     r.triangles_changed = s.dirty_triangles.slots;
@@ -281,10 +301,73 @@ void begin_frame(CutState& s, const CutSettings& settings) {
     advance_clock(s, s.frame == 1);
 }
 
+// From nothing, with all slots. What does not fit leaves the cut as it is.
+BulkStatus build_bulk(CutState& s) {
+    begin_bulk(s, false);
+    BulkStatus status = BulkStatus::unfinished;
+    while (status == BulkStatus::unfinished) status = step_bulk(s);
+    if (status != BulkStatus::built) return status;
+    install_mesh(s);
+    finish_bulk(s);
+    return status;
+}
+
 // Every slot that is in use: after a rebuild they are the first ones. written: so many vertices were, at most.
 void mark_all(CutState& s, std::uint32_t written) {
     s.dirty_vertices.mark_first(std::max(s.fresh_vertex, written));
     s.dirty_triangles.mark_first((s.segment_count - s.free_segment_count) << s.segment_log2);
+}
+
+// Is it worth while to build anew what is seen, beside what there is? Not where work is counted one by one, or where
+// there is hardly any room.
+bool may_build_beside(const CutState& s) {
+    const std::uint32_t free = free_vertices(s);
+    return s.settings.items == unlimited_items && free >= (s.budget.vertices - free) / 4;
+}
+
+// After a jump of the camera: builds what is seen, as long as the frame may. True: it has not come to its end, and what
+// is drawn is as it was. What is not seen is due when it has.
+bool run_bulk(CutState& s) {
+    BulkPass& b = s.bulk;
+    if (b.phase != BulkPhase::idle && has_lost_pages(s)) {
+        if (b.phase >= BulkPhase::triangles) {
+            rescan_pages(s);
+            reset(s);
+            begin_at_roots(s);
+        }
+        b.phase = BulkPhase::idle;
+        return false;
+    }
+    b.again = b.again || s.leapt;
+    if (b.again && b.phase < BulkPhase::triangles) {
+        b.again = false;
+        b.phase = BulkPhase::idle;
+        if (!may_build_beside(s)) return false;
+        begin_bulk(s, true);
+    }
+    if (b.phase == BulkPhase::idle) return false;
+    CutReport& r = s.report;
+    do {
+        ++r.visits;
+        if (b.phase >= BulkPhase::releasing) {
+            if (step_install(s)) continue;
+            s.jumped = false;
+            return false;
+        }
+        switch (step_bulk(s)) {
+        case BulkStatus::unfinished: break;
+        case BulkStatus::built: {
+            const std::uint32_t before = s.budget.vertices - free_vertices(s) - corner_slots(s);
+            install_mesh(s);
+            r.activations += b.taken;
+            r.deactivations += before;
+            break;
+        }
+        case BulkStatus::no_vertices:
+        case BulkStatus::no_triangles: return false; // one by one, then
+        }
+    } while (!out_of_time(s, true));
+    return true;
 }
 
 } // namespace
@@ -313,6 +396,16 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     if (s.governor.cause == 0) s.governor.effective_px = settings.error_px;
     r.threshold_px = s.governor.effective_px;
     set_views(s, views, s.governor.effective_px);
+    if (run_bulk(s)) {
+        const auto built = Clock::now();
+        finish(s);
+        r.items = r.evaluations + r.activations + r.deactivations;
+        r.refine_us = microseconds(s.started, built);
+        r.output_us = microseconds(built, Clock::now());
+        report = r;
+        return {};
+    }
+    r.items = r.evaluations + r.activations + r.deactivations;
     sync_pages(s);
     // What was blocked takes its turn again; what still is goes to the other list.
     if (s.queues.sizes[blocked_queues + (s.turn ^ 1)] == 0) s.turn ^= 1;
@@ -350,12 +443,14 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     s.governor = {settings.error_px, 0, governor_full, false, 0};
     bool complete = true;
     std::uint32_t written = 0; // vertex slots, by attempts that failed
+    finish_bulk(s);
+    if (s.terrain->changes != s.seen_changes) reset(s);
     for (;;) {
-        reset(s);
         set_views(s, views, s.governor.effective_px);
-        if (build_all(s)) break;
-        written = std::max(written, s.fresh_vertex);
-        s.governor.cause |= std::exchange(s.full_capacities, 0u);
+        const BulkStatus status = build_bulk(s);
+        if (status == BulkStatus::built) break;
+        written = std::max(written, corner_slots(s) + s.bulk.taken);
+        s.governor.cause |= status == BulkStatus::no_vertices ? cut_budget_vertices : cut_budget_triangles;
         r.evaluations = 0;
         s.governor.failed_px = s.governor.effective_px;
         s.governor.effective_px *= governor_up;
@@ -398,7 +493,8 @@ Status cut_release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, boo
         info.status = PageSlotStatus::evicting;
         s.evicting[s.evicting_count++] = slot;
     }
-    released = info.active == 0;
+    // What the bulk pass has found there may be about to be drawn.
+    released = info.active == 0 && (s.bulk.phase == BulkPhase::idle || found_in(s, slot) == nullptr);
     return {};
 }
 

@@ -43,10 +43,21 @@ Violation check_triangles(const CutState& s) {
         if (const Violation wrong = check_tile(s, tile, segments)) return wrong;
         listed += s.tiles[tile].total;
     }
+    // What the bulk pass builds beside.
+    if (s.bulk.phase == BulkPhase::triangles || s.bulk.phase == BulkPhase::built) {
+        for (std::uint32_t tile = 0; tile <= s.terrain->tile_count(); ++tile) {
+            const TileStack& list = s.bulk.tiles[tile];
+            for (std::uint32_t segment = list.last_segment; segment != no_index; segment = s.segment_below[segment])
+                segments.add(segment);
+            listed += list.total;
+            if (tile < s.bulk.at && s.bulk.bases[tile][0] != no_index) listed -= 2;
+        }
+    }
     if (s.free_segment_count > s.segment_count) return {"more segments are free than there are"};
     for (std::uint32_t i = 0; i < s.free_segment_count; ++i) segments.add(s.free_segments[i]);
     all.add_range(0, s.segment_count);
     if (!(segments == all)) return {"a segment is used or free twice, or lost"};
+    if (s.bulk.phase >= BulkPhase::releasing) return {}; // some of what was drawn before is still named
     for (std::size_t key = 0; key < std::size_t{s.budget.vertices} * 4; ++key) made += s.triangle_of[key] != no_index;
     return made == listed ? Violation{} : Violation{"a triangle is made that no tile has"};
 }
