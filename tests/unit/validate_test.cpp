@@ -171,9 +171,9 @@ TEST_CASE("a walk over a cut names every triangle, segment and written slot that
     CutState& s = scene.s;
     const Walk& walk = scene.walk;
     TileList& tile = s.tiles[0];
-    const std::uint32_t slot = tile.last_segment << s.segment_log2, key = s.key_of[slot];
-    plant(walk, s.key_of[slot], key ^ 1, "a triangle's key leads elsewhere");
-    plant(walk, s.key_of[slot], key ^ 4, "a triangle's right angle is not its maker's");
+    const std::uint32_t slot = tile.last_segment << s.segment_log2, key = key_of(s, slot);
+    plant(walk, s.triangle_of[key], slot ^ 1, "a triangle");
+    plant(walk, s.indices[std::size_t{slot} * 3], 0u, "a triangle's right angle does not know it");
     plant(walk, s.indices[std::size_t{slot} * 3 + 1], s.budget.vertices, "a triangle's corner was never taken");
     plant(walk, s.triangle_of[key], no_index, "a triangle");
     plant(walk, tile.total, tile.total + 1, "a tile counts its triangles wrongly");

@@ -45,7 +45,7 @@ struct CutBudget {
 };
 // Bytes of cut_bytes() for a slot of each buffer (some bits of bookkeeping not counted), and for each page slot of the
 // terrain (TerrainBudget::page_slots).
-inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 16, cut_page_slot_bytes = 20'700;
+inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 12, cut_page_slot_bytes = 20'700;
 
 // How a vertex appears and disappears: geomorphing (thesis 5.4.1). With error and time
 // vertices are activated at error_px / (1 + nesting)^2, on the edge that they split, and reach their height at

@@ -73,8 +73,11 @@ private:
         LaneGroup lanes = lanes_of(s, at_.slot * max_page_groups + number, gathered);
         lanes.inactive = ready;
         LaneAnswers answers;
-        s.evaluate(s.criterion, lanes, answers);
-        if (static_cast<std::uint32_t>(std::popcount(answers.wanted)) > bulk_capacity(s) - s.bulk.taken) {
+        LaneNumbers numbers;
+        evaluate_and_keep(s.criterion, lanes, answers, numbers);
+        if (bulk_capacity(s) -
+            s.bulk.taken<group_lanes&& static_cast<std::uint32_t>(std::popcount(answers.wanted))> bulk_capacity(s) -
+            s.bulk.taken) {
             s.bulk.full = true;
             return;
         }
@@ -85,21 +88,32 @@ private:
         const std::uint32_t row = number >> at_.step->words_log2, word = number - (row << at_.step->words_log2);
         if (page_.active[row] == 0) page_.first[row] = s.bulk.taken;
         page_.active[row] |= answers.wanted << (group_lanes * word);
-        for (std::uint32_t left = answers.wanted; left != 0; left &= left - 1)
-            place(lanes, static_cast<std::int32_t>(std::countr_zero(left)));
+        place(lanes, answers.wanted, numbers);
     }
 
-    void place(const LaneGroup& lanes, std::int32_t lane) {
-        const VertexRecord record = lanes.records[lane];
-        const std::uint32_t slot = bulk_slot(s, s.bulk.taken++);
-        const Criterion& c = s.criterion;
-        const float height_m = c.base_m + static_cast<float>(record.height + lanes.base) * c.quantum_m;
-        s.vertices[slot] = {std::min(lanes.x0 + lane * lanes.dx, c.last_x),
-                            std::min(lanes.y0 + lane * lanes.dy, c.last_y), height_m};
-        s.morph[slot] = {0, c.error_m[record.error], lanes.unit_m * c.radius_factor[record.radius & (radius_codes - 1)],
-                         long_active_s};
-        s.hole[slot] = is_void(record);
-        if (s.bulk.beside) s.dirty_vertices.mark(slot);
+    void place(const LaneGroup& lanes, std::uint32_t wanted, const LaneNumbers& numbers) {
+        const BulkSlots slots(s);
+        const std::uint32_t first = s.bulk.taken, dx = static_cast<std::uint32_t>(lanes.dx),
+                            dy = static_cast<std::uint32_t>(lanes.dy), x0 = static_cast<std::uint32_t>(lanes.x0),
+                            y0 = static_cast<std::uint32_t>(lanes.y0);
+        const auto last_x = static_cast<std::uint32_t>(s.criterion.last_x),
+                   last_y = static_cast<std::uint32_t>(s.criterion.last_y);
+        const VertexRecord* const records = lanes.records;
+        MeshVertex* const vertices = s.vertices;
+        MorphVertex* const morph = s.morph;
+        std::uint8_t* const hole = s.hole;
+        std::uint32_t number = first;
+        for (std::uint32_t left = wanted; left != 0; left &= left - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
+            const std::uint32_t slot = slots[number++];
+            vertices[slot] = {static_cast<std::int32_t>(std::min(x0 + lane * dx, last_x)),
+                              static_cast<std::int32_t>(std::min(y0 + lane * dy, last_y)), numbers.height_m[lane]};
+            morph[slot] = {0, numbers.error_m[lane], numbers.radius_m[lane], long_active_s};
+            hole[slot] = is_void(records[lane]);
+        }
+        s.bulk.taken = number;
+        if (s.bulk.beside)
+            for (std::uint32_t n = first; n != number; ++n) s.dirty_vertices.mark(slots[n]);
     }
 
     CutState& s;
@@ -236,7 +250,7 @@ bool centre_parents(const CutState& s, const BulkSquares& at, std::uint32_t (&pa
     }
     const bool last = i + half == up.n, rim = up.i0 + up.n == s.tiles_x << up.step->log2;
     const BulkPage* const east = last && !rim ? found_at(s, up.z, up.i0 + up.n, up.j0) : nullptr;
-    std::uint64_t y_last[page_squares / 2];
+    std::uint32_t y_last[page_squares / 2];
     for (std::int32_t j = 0; j < half; ++j) {
         y[j] = page->active[up.row(VertexKind::side_y, j0 + j)] >> i;
         if (last)
@@ -245,13 +259,19 @@ bool centre_parents(const CutState& s, const BulkSquares& at, std::uint32_t (&pa
         else
             y_last[j] = y[j] >> half & 1;
         y[j] &= lanes;
-        any |= y[j] | static_cast<std::uint32_t>(y_last[j]);
+        any |= y[j] | y_last[j];
     }
     if (any == 0) return false;
-    for (std::int32_t j = 0; j < at.n; ++j) {
-        const std::int32_t jj = j / 2;
-        parents[0][j] = doubled(x[(j + 1) / 2]);
-        parents[1][j] = static_cast<std::uint32_t>((doubled(y[jj]) | y_last[jj] * 3 << (2 * half)) >> 1) & at.all();
+    for (std::int32_t j = 0; j <= half; ++j)
+        if (x[j] != 0) x[j] = doubled(x[j]);
+    for (std::int32_t j = 0; j < half; ++j)
+        if ((y[j] | y_last[j]) != 0)
+            y[j] = static_cast<std::uint32_t>((doubled(y[j]) | std::uint64_t{y_last[j]} * 3 << (2 * half)) >> 1) &
+                   at.all();
+    for (std::int32_t j = 0; j < half; ++j) {
+        parents[0][2 * j] = x[j];
+        parents[0][2 * j + 1] = x[j + 1];
+        parents[1][2 * j] = parents[1][2 * j + 1] = y[j];
     }
     return true;
 }

@@ -72,11 +72,19 @@ struct BulkSquares {
     return even | even << 1;
 }
 
-// The slot of the n-th vertex that the pass has taken.
-[[nodiscard]] inline std::uint32_t bulk_slot(const CutState& s, std::uint32_t n) {
-    const BulkPass& b = s.bulk;
-    return n < b.free_before ? s.free_vertices[b.free_before - 1 - n] : b.fresh_before + (n - b.free_before);
-}
+// The slots of the vertices that the pass has taken, by their numbers.
+class BulkSlots {
+public:
+    explicit BulkSlots(const CutState& s)
+        : stack_(s.free_vertices), free_(s.bulk.free_before), fresh_(s.bulk.fresh_before - s.bulk.free_before) {}
+    [[nodiscard]] std::uint32_t operator[](std::uint32_t n) const {
+        return n < free_ ? stack_[free_ - 1 - n] : fresh_ + n;
+    }
+
+private:
+    const std::uint32_t* stack_;
+    std::uint32_t free_, fresh_;
+};
 // How many there are.
 [[nodiscard]] inline std::uint32_t bulk_capacity(const CutState& s) {
     return s.bulk.free_before + s.budget.vertices - s.bulk.fresh_before;

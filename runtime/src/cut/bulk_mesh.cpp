@@ -1,5 +1,7 @@
 #include "cut/bulk_mesh.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 
@@ -11,10 +13,53 @@ namespace fjell {
 
 namespace {
 
+// Two corners of a triangle as they lie in memory: one word, so that one move writes both.
+static_assert(std::endian::native == std::endian::little);
+constexpr std::uint64_t two(std::uint64_t a, std::uint64_t c) {
+    return a | c << 32;
+}
+std::uint64_t two_at(const std::uint32_t* at) {
+    std::uint64_t both = 0;
+    std::memcpy(&both, at, sizeof both);
+    return both;
+}
+std::uint64_t swapped(std::uint64_t both) {
+    return both >> 32 | both << 32;
+}
+constexpr std::uint64_t lower = 0xffff'ffff;
+
+// Where the four triangles around a vertex go when only some of them are drawn. Words of two, again.
+struct Fan {
+    std::uint64_t number[2]; // in triangles after the first one's slot
+    std::uint64_t none[2];   // all ones: it is not drawn
+    std::uint32_t bytes[4];  // in indices after the first one's
+    std::uint32_t count;
+};
+constexpr std::array<Fan, 16> fans = [] {
+    std::array<Fan, 16> made{};
+    for (std::uint32_t drawn = 0; drawn < 16; ++drawn) {
+        Fan& fan = made[drawn];
+        std::uint32_t number[4] = {}, none[4] = {};
+        for (std::uint32_t d = 0; d < 4; ++d) {
+            const std::uint32_t is_drawn = drawn >> d & 1;
+            number[d] = fan.count;
+            fan.bytes[d] = 12 * fan.count;
+            none[d] = is_drawn - 1;
+            fan.count += is_drawn;
+        }
+        for (std::uint32_t n = 0; n < 2; ++n) {
+            fan.number[n] = two(number[2 * n], number[2 * n + 1]);
+            fan.none[n] = two(none[2 * n], none[2 * n + 1]);
+        }
+    }
+    return made;
+}();
+
 // Triangles of one page after the other.
 class Emitter {
 public:
-    explicit Emitter(CutState& state) : s(state), b(state.bulk) {}
+    explicit Emitter(CutState& state)
+        : s(state), b(state.bulk), slots_(state), morphs_(state.morph_now.morph != Morph::none) {}
 
     // The next page; false: all tiles are done.
     bool step() {
@@ -47,16 +92,16 @@ private:
     // The tile's last segment, written without going through its list.
     void open() {
         const TileStack& list = b.tiles[tile_];
-        next_ = end_ = 0;
+        out_ = {s.indices, s.triangle_of, 0, 0};
         if (list.last_segment == no_index) return;
-        next_ = (list.last_segment << s.segment_log2) + list.in_last;
-        end_ = (list.last_segment + 1) << s.segment_log2;
+        out_.next = (list.last_segment << s.segment_log2) + list.in_last;
+        if (!s.some_hidden) out_.end = (list.last_segment + 1) << s.segment_log2; // each one is looked at, otherwise
     }
     void close() {
         TileStack& list = b.tiles[tile_];
         if (list.last_segment == no_index) return;
-        const std::uint32_t in_last = next_ - (list.last_segment << s.segment_log2);
-        if (b.beside) s.dirty_triangles.mark_range((list.last_segment << s.segment_log2) + list.in_last, next_);
+        const std::uint32_t in_last = out_.next - (list.last_segment << s.segment_log2);
+        if (b.beside) s.dirty_triangles.mark_range((list.last_segment << s.segment_log2) + list.in_last, out_.next);
         list.total += in_last - list.in_last;
         list.in_last = in_last;
     }
@@ -118,8 +163,13 @@ private:
 
     // What stands around and in the squares from (qx, qy) on are the corners of the finer ones.
     static void hand_down(const SlotGrid& from, SlotGrid& to, std::uint32_t qx, std::uint32_t qy, std::uint32_t half) {
+        // A number of turns that is known makes vectors of it.
         const auto interleave_rows = [half](const std::uint32_t* even, const std::uint32_t* odd, std::uint32_t* out) {
-            for (std::uint32_t i = 0; i < half; ++i) out[2 * i] = even[i], out[2 * i + 1] = odd[i];
+            constexpr std::uint32_t most = page_squares / 2;
+            if (half == most)
+                for (std::uint32_t i = 0; i < most; ++i) out[2 * i] = even[i], out[2 * i + 1] = odd[i];
+            else
+                for (std::uint32_t i = 0; i < half; ++i) out[2 * i] = even[i], out[2 * i + 1] = odd[i];
             out[2 * half] = even[half];
         };
         for (std::uint32_t j = 0; j <= half; ++j) {
@@ -141,7 +191,7 @@ private:
         const std::int32_t tile_side = (1 << at.step->log2) - 1;
         const bool west_border = (at.i0 & tile_side) == 0;
         for (std::int32_t j = 0; j < at.n; ++j) {
-            centre_row(j);
+            if (masks_.centre[j + 1] != 0) centre_row(j);
             const bool north_border = ((at.j0 + j) & tile_side) == 0;
             if (masks_.side_x[j] != 0) side_x_row(j, north_border);
             if (const std::uint32_t own = static_cast<std::uint32_t>(masks_.side_y[j]) & at.all(); own != 0)
@@ -157,11 +207,12 @@ private:
     // --- slots
 
     void put_slots(std::uint32_t* to, std::uint32_t active, std::uint32_t first) const {
-        for (; active != 0; active &= active - 1) to[std::countr_zero(active)] = bulk_slot(s, first++);
+        const BulkSlots slots = slots_;
+        for (; active != 0; active &= active - 1) to[std::countr_zero(active)] = slots[first++];
     }
     [[nodiscard]] std::uint32_t slot_in(const BulkPage& page, std::uint32_t row, std::uint32_t lane) const {
         const std::uint32_t before = page.active[row] & ((1u << lane) - 1);
-        return bulk_slot(s, page.first[row] + static_cast<std::uint32_t>(std::popcount(before)));
+        return slots_[page.first[row] + static_cast<std::uint32_t>(std::popcount(before))];
     }
     void scatter() {
         const BulkPage& own = *masks_.own;
@@ -192,48 +243,70 @@ private:
 
     // --- triangles
 
-    // The triangles around a vertex: direction d lies between corners[d][0] and corners[d][1].
-    void fan(std::uint32_t v, const std::uint32_t (&corners)[4][2], std::uint32_t drawn) {
-        if (s.some_hidden || next_ + 4 > end_) {
-            std::memset(s.triangle_of + std::size_t{v} * 4, 0xff, 16);
-            for (std::uint32_t d = 0; d < 4; ++d)
-                if (drawn >> d & 1) triangle(tile_, {v, corners[d][0], corners[d][1]}, d);
+    // Where triangles go: the next slots of the tile's last segment.
+    struct Out {
+        std::uint32_t *indices, *triangle_of;
+        std::uint32_t next, end;
+    };
+    // The triangles around a vertex: the one in direction d has those two other corners.
+    [[gnu::noinline]] void fan_one_by_one(std::uint32_t v, std::uint64_t west, std::uint64_t east, std::uint64_t north,
+                                          std::uint64_t south, std::uint32_t drawn) {
+        std::fill_n(s.triangle_of + std::size_t{v} * 4, 4, no_index);
+        const std::uint64_t corners[4] = {west, east, north, south};
+        for (std::uint32_t d = 0; d < 4; ++d)
+            if (drawn >> d & 1)
+                (void)triangle(
+                    tile_, {v, static_cast<std::uint32_t>(corners[d]), static_cast<std::uint32_t>(corners[d] >> 32)},
+                    d);
+    }
+    void fan(Out& out, std::uint32_t v, std::uint64_t c0, std::uint64_t c1, std::uint64_t c2, std::uint64_t c3,
+             std::uint32_t drawn) {
+        if (out.next + 4 > out.end) {
+            out_ = out;
+            fan_one_by_one(v, c0, c1, c2, c3, drawn);
+            out = out_;
             return;
         }
         // All four are written, the next over one that is not drawn: no branch can be mispredicted.
-        std::uint32_t* t = s.indices + std::size_t{next_} * 3;
-        std::uint32_t keys[4];
-        for (std::uint32_t d = 0; d < 4; ++d) {
-            const std::uint32_t is_drawn = drawn >> d & 1;
-            t[0] = v, t[1] = corners[d][0], t[2] = corners[d][1];
-            s.key_of[next_] = v * 4 + d;
-            keys[d] = next_ | (is_drawn - 1); // no_index when not
-            next_ += is_drawn;
-            t += 3 * is_drawn;
-        }
-        std::memcpy(s.triangle_of + std::size_t{v} * 4, keys, sizeof keys);
+        const Fan& fan = fans[drawn];
+        auto* const triangles = reinterpret_cast<std::byte*>(out.indices + std::size_t{out.next} * 3);
+        const auto put = [&](std::uint32_t d, std::uint64_t corners) {
+            std::byte* const t = triangles + fan.bytes[d];
+            std::memcpy(t, &v, 4);
+            std::memcpy(t + 4, &corners, 8);
+        };
+        put(0, c0), put(1, c1), put(2, c2), put(3, c3);
+        const std::uint64_t next = two(out.next, out.next);
+        const std::uint64_t named[2] = {(next + fan.number[0]) | fan.none[0], (next + fan.number[1]) | fan.none[1]};
+        std::memcpy(out.triangle_of + std::size_t{v} * 4, named, sizeof named);
+        out.next += fan.count;
     }
 
     void centre_row(std::int32_t j) {
-        const std::uint32_t active = masks_.centre[j + 1];
-        if (active == 0) return;
         const SlotGrid& g = *grid_;
         const std::uint32_t* const up = g.corner[j];
         const std::uint32_t* const down = g.corner[j + 1];
-        const std::uint64_t west = ~masks_.side_y[j], east = west >> 1;
+        const std::uint32_t* const slots = g.centre[j + 1] + 1;
+        const std::uint64_t sides_y = ~masks_.side_y[j];
         const std::uint32_t north = ~masks_.side_x[j], south = ~masks_.side_x[j + 1];
-        for (std::uint32_t left = active; left != 0; left &= left - 1) {
+        Out out = out_;
+        for (std::uint32_t left = masks_.centre[j + 1]; left != 0; left &= left - 1) {
             const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
-            const std::uint32_t nw = up[i], ne = up[i + 1], sw = down[i], se = down[i + 1], v = g.centre[j + 1][i + 1];
-            const std::uint32_t drawn = static_cast<std::uint32_t>(west >> i & 1) |
-                                        static_cast<std::uint32_t>(east >> i & 1) << 1 | (north >> i & 1) << 2 |
-                                        (south >> i & 1) << 3;
-            fan(v, {{nw, sw}, {se, ne}, {ne, nw}, {sw, se}}, drawn);
-            // Squares alternate which diagonal a centre splits (parent_bearing).
-            const std::int32_t square =
-                at_.z == s.terrain->tree.tile_log2 - 1 ? 0 : at_.i0 + static_cast<std::int32_t>(i) + at_.j0 + j;
-            const bool falling = square % 2 == 0;
-            flatten(v, VertexKind::centre, static_cast<std::int32_t>(i), j, falling ? nw : ne, falling ? se : sw);
+            const std::uint64_t above = two_at(up + i), below = two_at(down + i); // west, then east
+            const std::uint32_t drawn =
+                (static_cast<std::uint32_t>(sides_y >> i) & 3) | (north >> i & 1) << 2 | (south >> i & 1) << 3;
+            fan(out, slots[i], two(above & lower, below), two(below >> 32, above >> 32), swapped(above), below, drawn);
+        }
+        out_ = out;
+        if (!morphs_) return;
+        // Squares alternate which diagonal a centre splits (parent_bearing).
+        const auto parity =
+            static_cast<std::uint32_t>(at_.z == s.terrain->tree.tile_log2 - 1 ? 0 : at_.i0 + at_.j0 + j);
+        for (std::uint32_t left = masks_.centre[j + 1]; left != 0; left &= left - 1) {
+            const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
+            const bool falling = (parity + i) % 2 == 0;
+            flatten(slots[i], VertexKind::centre, static_cast<std::int32_t>(i), j, falling ? up[i] : up[i + 1],
+                    falling ? down[i + 1] : down[i]);
         }
     }
 
@@ -253,32 +326,53 @@ private:
 
     void side_x_row(std::int32_t j, bool border) {
         const SlotGrid& g = *grid_;
+        if (border) {
+            for (std::uint32_t left = masks_.side_x[j]; left != 0; left &= left - 1)
+                border_side(VertexKind::side_x, std::countr_zero(left), j, drawn_x(j, std::countr_zero(left)));
+            return;
+        }
+        const std::uint32_t *const slots = g.side_x[j], *const ends = g.corner[j], *const norths = g.centre[j] + 1,
+                                   *const souths = g.centre[j + 1] + 1;
+        const std::uint64_t up = ~masks_.finer_row(2 * j - 1), down = ~masks_.finer_row(2 * j);
+        Out out = out_;
         for (std::uint32_t left = masks_.side_x[j]; left != 0; left &= left - 1) {
+            const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
+            const std::uint32_t drawn = static_cast<std::uint32_t>((up >> 2 * i & 3) | (down >> 2 * i & 3) << 2);
+            const std::uint64_t sides = two_at(ends + i), north = norths[i], south = souths[i]; // west, then east
+            fan(out, slots[i], two(north, sides), two(sides >> 32, north), two(sides & lower, south),
+                two(south, sides >> 32), drawn);
+        }
+        out_ = out;
+        for (std::uint32_t left = morphs_ ? masks_.side_x[j] : 0; left != 0; left &= left - 1) {
             const auto i = std::countr_zero(left);
-            const std::uint32_t drawn = drawn_x(j, i);
-            if (border) {
-                border_side(VertexKind::side_x, i, j, drawn);
-                continue;
-            }
-            const std::uint32_t v = g.side_x[j][i], west = g.corner[j][i], east = g.corner[j][i + 1],
-                                north = g.centre[j][i + 1], south = g.centre[j + 1][i + 1];
-            fan(v, {{north, west}, {east, north}, {west, south}, {south, east}}, drawn);
-            flatten(v, VertexKind::side_x, i, j, west, east);
+            flatten(slots[i], VertexKind::side_x, i, j, ends[i], ends[i + 1]);
         }
     }
     void side_y_row(std::int32_t j, std::uint32_t active, bool border) {
         const SlotGrid& g = *grid_;
+        if (border && (active & 1) != 0) {
+            border_side(VertexKind::side_y, 0, j, drawn_y(j, 0));
+            active &= ~1u;
+        }
+        const std::uint32_t *const slots = g.side_y[j], *const ends = g.centre[j + 1], *const norths = g.corner[j],
+                                   *const souths = g.corner[j + 1];
+        // Moved by a column, so that a side's own two come together.
+        const auto columns = [&](std::int32_t row) {
+            return ~(masks_.finer_row(row) << 1 | masks_.finer_west_of(row));
+        };
+        const std::uint64_t up = columns(2 * j), down = columns(2 * j + 1);
+        Out out = out_;
         for (std::uint32_t left = active; left != 0; left &= left - 1) {
+            const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
+            const std::uint32_t drawn = static_cast<std::uint32_t>((up >> 2 * i & 3) | (down >> 2 * i & 3) << 2);
+            const std::uint64_t sides = two_at(ends + i), north = norths[i], south = souths[i]; // west, then east
+            fan(out, slots[i], two(north, sides), two(sides >> 32, north), two(sides & lower, south),
+                two(south, sides >> 32), drawn);
+        }
+        out_ = out;
+        for (std::uint32_t left = morphs_ ? active : 0; left != 0; left &= left - 1) {
             const auto i = std::countr_zero(left);
-            const std::uint32_t drawn = drawn_y(j, i);
-            if (border && i == 0) {
-                border_side(VertexKind::side_y, i, j, drawn);
-                continue;
-            }
-            const std::uint32_t v = g.side_y[j][i], west = g.centre[j + 1][i], east = g.centre[j + 1][i + 1],
-                                north = g.corner[j][i], south = g.corner[j + 1][i];
-            fan(v, {{north, west}, {east, north}, {west, south}, {south, east}}, drawn);
-            flatten(v, VertexKind::side_y, i, j, north, south);
+            flatten(slots[i], VertexKind::side_y, i, j, norths[i], souths[i]);
         }
     }
 
@@ -291,13 +385,13 @@ private:
         const std::uint32_t east = side_x ? g.corner[j][i + 1] : i == at_.n ? no_index : g.centre[j + 1][i + 1];
         const std::uint32_t south = !side_x ? g.corner[j + 1][i] : j == at_.n ? no_index : g.centre[j + 1][i + 1];
         const MeshTriangle quadrants[4] = {{v, north, west}, {v, east, north}, {v, west, south}, {v, south, east}};
-        std::memset(s.triangle_of + std::size_t{v} * 4, 0xff, 16);
+        std::fill_n(s.triangle_of + std::size_t{v} * 4, 4, no_index);
         const Site site{at_.z, kind, at_.i0 + i, at_.j0 + j};
         for (std::uint32_t d = 0; d < 4; ++d) {
             const Site apex = parent_site(site, static_cast<int>(side_x ? d >> 1 : d & 1));
             if ((drawn >> d & 1) != 0 && exists(s, apex)) triangle(tile_of(apex), quadrants[d], d);
         }
-        flatten(v, kind, i, j, side_x ? west : north, side_x ? east : south);
+        if (morphs_) flatten(v, kind, i, j, side_x ? west : north, side_x ? east : south);
     }
 
     [[nodiscard]] std::uint32_t tile_of(const Site& centre) const {
@@ -306,16 +400,17 @@ private:
     }
 
     void flatten(std::uint32_t v, VertexKind kind, std::int32_t i, std::int32_t j, std::uint32_t a, std::uint32_t c) {
-        if (s.morph_now.morph == Morph::none) return;
         const Coord at = site_coord({at_.z, kind, at_.i0 + i, at_.j0 + j});
         s.morph[v].flat_m = flat_height(s, v, at, at_.z, kind == VertexKind::centre, a, c);
     }
 
     CutState& s;
     BulkPass& b;
+    const BulkSlots slots_;
+    const bool morphs_;
     std::uint32_t tile_ = 0;
-    std::uint32_t next_ = 0, end_ = 0; // slots of the tile's last segment
-    BulkSquares at_{};                 // the page in work
+    Out out_{};
+    BulkSquares at_{}; // the page in work
     SlotGrid* grid_ = nullptr;
     BulkMasks masks_;
 };

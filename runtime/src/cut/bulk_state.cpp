@@ -16,7 +16,7 @@ namespace {
 // A page's groups.
 class Installer {
 public:
-    Installer(CutState& state, std::uint32_t slot) : s(state), slot_(slot), page_(s.bulk.pages[slot]) {}
+    Installer(CutState& state, std::uint32_t slot) : s(state), slot_(slot), page_(s.bulk.pages[slot]), taken_(state) {}
 
     void page() {
         PageSlot& info = s.page_slot[slot_];
@@ -74,8 +74,8 @@ private:
         }
         std::uint32_t number = page_.first[row];
         std::uint32_t* const slots = s.vertex_slot + std::size_t{first} * group_lanes;
-        for (std::uint32_t left = active; left != 0; left &= left - 1)
-            slots[std::countr_zero(left)] = bulk_slot(s, number++);
+        const BulkSlots taken = taken_;
+        for (std::uint32_t left = active; left != 0; left &= left - 1) slots[std::countr_zero(left)] = taken[number++];
         return static_cast<std::uint32_t>(std::popcount(active));
     }
 
@@ -113,12 +113,14 @@ private:
     }
 
     [[nodiscard]] static std::uint32_t even_of(std::uint64_t v) {
+        if (v == 0) return 0; // as most are
         return even_bits(static_cast<std::uint32_t>(v)) | even_bits(static_cast<std::uint32_t>(v >> 32)) << 16;
     }
 
     CutState& s;
     const std::uint32_t slot_;
     const BulkPage& page_;
+    const BulkSlots taken_;
     BulkSquares at_{};
     BulkMasks masks_;
 };
@@ -131,7 +133,6 @@ void release(CutState& s, std::uint32_t slot) {
         for (std::uint32_t left = s.groups[number].active; left != 0; left &= left - 1, --page.active) {
             const std::uint32_t vertex =
                 s.vertex_slot[number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(left))];
-            std::fill_n(s.triangle_of + std::size_t{vertex} * 4, 4, no_index);
             s.free_vertices[s.free_vertex_count++] = vertex;
         }
     }
@@ -161,12 +162,8 @@ void install_mesh(CutState& s) {
         b.mapped = std::min(b.taken, b.free_before);
         s.fresh_vertex = b.fresh_before + (b.taken - b.mapped);
     } else {
-        const std::uint32_t fresh = b.fresh_before + b.taken;
-        if (fresh < s.fresh_vertex)
-            std::fill(s.triangle_of + std::size_t{fresh} * 4, s.triangle_of + std::size_t{s.fresh_vertex} * 4,
-                      no_index);
         s.free_vertex_count = 0;
-        s.fresh_vertex = fresh;
+        s.fresh_vertex = b.fresh_before + b.taken;
     }
     s.work_ranks = 0;
     s.late_count = s.morphing_out_count = 0;

@@ -145,7 +145,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
         const std::uint32_t old = s.triangle_of[split.key];
         const std::uint32_t* const t = s.indices + std::size_t{old} * 3;
         const std::uint32_t p = t[0], a = t[1], b = t[2];
-        replace_triangle(s, old, split.tile, {slot, p, a}, slot * 4 + split.halves.first);
+        replace_triangle(s, split.key, split.tile, {slot, p, a}, slot * 4 + split.halves.first);
         const MeshTriangle second{slot, b, p};
         append_triangle(s, list_for(s, split.tile, second), second, slot * 4 + split.halves.second);
         if (split.parent == no_index) continue;
@@ -181,8 +181,9 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
         // (v, parent, a) and (v, b, parent) become (parent, a, b) again.
         const std::uint32_t p = s.indices[std::size_t{first} * 3 + 1], a = s.indices[std::size_t{first} * 3 + 2];
         const std::uint32_t b = s.indices[std::size_t{s.triangle_of[slot * 4 + split.halves.second]} * 3 + 1];
-        replace_triangle(s, first, split.tile, {p, a, b}, split.key);
-        remove_triangle(s, s.triangle_of[slot * 4 + split.halves.second]);
+        const std::uint32_t second_key = slot * 4 + split.halves.second;
+        replace_triangle(s, slot * 4 + split.halves.first, split.tile, {p, a, b}, split.key);
+        remove_triangle(s, s.triangle_of[second_key], second_key);
     }
     give_vertex(s, slot);
     GroupState& group = s.groups[vertex / group_lanes];

@@ -37,13 +37,13 @@ std::uint32_t least_segments(const TerrainData& t) {
 // Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
     std::size_t page_groups, groups, vertex_slot, page_slot, evicting, ticks, schedules, awake, bounds, next_due,
-        vertices, morph, triangle_of, hole, free_vertices, indices, key_of, tiles, segment_tile, segment_below,
-        free_segments, vertex_bits[2], vertex_words[2], triangle_bits[2], triangle_words[2], ranges, hz_places, grids,
-        late_s, morphing_out, late_pages, touched_pages, bulk_pages, bulk_slots[3], bulk_tiles, bulk_bases, end;
+        vertices, morph, triangle_of, hole, free_vertices, indices, tiles, segment_tile, segment_below, free_segments,
+        vertex_bits[2], vertex_words[2], triangle_bits[2], triangle_words[2], ranges, hz_places, grids, late_s,
+        morphing_out, late_pages, touched_pages, bulk_pages, bulk_slots[3], bulk_tiles, bulk_bases, end;
 };
 
 static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 * 4 + 1 + 3 * 4 &&
-                  cut_triangle_bytes == 3 * 4 + 4 &&
+                  cut_triangle_bytes == 3 * 4 &&
                   cut_page_slot_bytes == max_page_groups * (sizeof(GroupState) + group_lanes * 4) + sizeof(PageSlot) +
                                              4 + page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) +
                                              sizeof(HiddenBound) + sizeof(BulkPage) + 6 * 4,
@@ -73,7 +73,6 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
     l.hole = place(b.vertices, 1);
     l.free_vertices = place(b.vertices, 4);
     l.indices = place(triangles, 12);
-    l.key_of = place(triangles, 4);
     l.tiles = place(t.tile_count() + 1, sizeof(TileList));
     l.segment_tile = place(segments, 4);
     l.segment_below = place(segments, 4);
@@ -158,18 +157,13 @@ void make_corners(CutState& s) {
 
 void reset(CutState& s) {
     const TerrainData& t = *s.terrain;
-    // What the bulk pass has built in slots that were free goes, too.
-    const BulkPass& b = s.bulk;
-    if (b.phase == BulkPhase::triangles || b.phase == BulkPhase::built)
-        s.fresh_vertex = std::max(s.fresh_vertex, b.fresh_before + (b.taken - std::min(b.taken, b.free_before)));
     s.bulk.phase = BulkPhase::idle;
     s.bulk.mapped = 0;
     s.work_ranks = 0;
     s.late_count = s.morphing_out_count = 0;
     s.dirty_vertices.clear();
     s.dirty_triangles.clear();
-    // Only slots that were in use; those beyond are clear.
-    for (std::size_t i = 0; i < std::size_t{s.fresh_vertex} * 4; ++i) s.triangle_of[i] = no_index;
+    for (std::uint32_t i = 0; i < corner_count(t) * 4; ++i) s.triangle_of[i] = no_index;
     s.free_vertex_count = 0;
     s.fresh_vertex = corner_count(t);
     free_all_segments(s);
@@ -262,7 +256,6 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     part(s.hole, l.hole);
     part(s.free_vertices, l.free_vertices);
     part(s.indices, l.indices);
-    part(s.key_of, l.key_of);
     part(s.tiles, l.tiles);
     part(s.segment_tile, l.segment_tile);
     part(s.segment_below, l.segment_below);
@@ -304,7 +297,6 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     for (std::uint32_t i = 0; i < s.group_count; ++i) s.groups[i].queue = unqueued;
     for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.page_groups[i] = no_index;
     for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.page_slot[i].page = no_index;
-    s.fresh_vertex = budget.vertices; // so that all of triangle_of is cleared
     rescan_pages(s);
     reset(s);
     begin_at_roots(s);

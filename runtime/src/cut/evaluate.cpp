@@ -49,7 +49,8 @@ HWY_INLINE void read_lanes(const Criterion& c, const LaneGroup& b, std::uint32_t
     radius_m = hn::Mul(hn::Set(d, b.unit_m), hn::GatherIndex(d, c.radius_factor, radius_code));
 }
 
-void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
+template <bool Keep>
+HWY_INLINE void evaluate_all(const Criterion& c, const LaneGroup& b, LaneAnswers& out, LaneNumbers* numbers) {
     const F d;
     const I di;
     const std::uint32_t looked_at = b.inactive | b.childless;
@@ -62,6 +63,11 @@ void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
         auto px = hn::Undefined(d), py = px, pz = px, error = px, radius = px;
         auto error_code = hn::Undefined(di);
         read_lanes(c, b, lane, px, py, pz, error_code, error, radius);
+        if constexpr (Keep) {
+            hn::StoreU(py, d, numbers->height_m + lane);
+            hn::StoreU(error, d, numbers->error_m + lane);
+            hn::StoreU(radius, d, numbers->radius_m + lane);
+        }
         auto reach_margin = hn::Set(d, -3.4e38f), keep_margin = reach_margin, span = hn::Zero(d);
         auto is_wanted = hn::Lt(span, span), is_kept = is_wanted; // none
         for (std::uint32_t v = 0; v < c.views; ++v) {
@@ -106,6 +112,13 @@ void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
     out.code = static_cast<std::uint32_t>(hn::GetLane(hn::MaxOfLanes(di, codes)));
 }
 
+void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
+    evaluate_all<false>(c, b, out, nullptr);
+}
+void evaluate_and_keep_lanes(const Criterion& c, const LaneGroup& b, LaneAnswers& out, LaneNumbers& numbers) {
+    evaluate_all<true>(c, b, out, &numbers);
+}
+
 float worst_of_lanes(const Criterion& c, const LaneGroup& b, const float* unit_px) {
     const F d;
     const I di;
@@ -145,6 +158,7 @@ HWY_AFTER_NAMESPACE();
 namespace fjell {
 
 HWY_EXPORT(evaluate_lanes);
+HWY_EXPORT(evaluate_and_keep_lanes);
 HWY_EXPORT(worst_of_lanes);
 
 float worst_px(const Criterion& decision, const LaneGroup& group, const float* unit_px) {
@@ -187,6 +201,10 @@ float worst_px_scalar(const Criterion& c, const LaneGroup& b, const float* unit_
 
 void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers) {
     HWY_DYNAMIC_DISPATCH(evaluate_lanes)(decision, group, answers);
+}
+
+void evaluate_and_keep(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers, LaneNumbers& numbers) {
+    HWY_DYNAMIC_DISPATCH(evaluate_and_keep_lanes)(decision, group, answers, numbers);
 }
 
 void evaluate_scalar(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {

@@ -29,6 +29,11 @@ struct LaneAnswers {
 };
 
 void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers);
+// And what the lanes that were looked at, and those beside them, hold.
+struct LaneNumbers {
+    float height_m[group_lanes], error_m[group_lanes], radius_m[group_lanes];
+};
+void evaluate_and_keep(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers, LaneNumbers& numbers);
 // The same, bit for bit, without vector instructions.
 void evaluate_scalar(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers);
 

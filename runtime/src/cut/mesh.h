@@ -35,8 +35,13 @@ struct MeshTriangle {
 inline void put_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t key) {
     std::uint32_t* const out = s.indices + std::size_t{slot} * 3;
     out[0] = t.right, out[1] = t.a, out[2] = t.b;
-    s.key_of[slot] = key;
     s.triangle_of[key] = slot;
+}
+// The key of the triangle in a slot: it is the one of its right angle's that leads there.
+[[nodiscard]] inline std::uint32_t key_of(const CutState& s, std::uint32_t slot) {
+    std::uint32_t key = s.indices[std::size_t{slot} * 3] * 4;
+    while (s.triangle_of[key] != slot) ++key;
+    return key;
 }
 inline void write_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t key) {
     put_triangle(s, slot, t, key);
@@ -78,15 +83,15 @@ inline void append_triangle(CutState& s, std::uint32_t tile, const MeshTriangle&
     write_triangle(s, take_triangle(s, s.tiles[tile], tile), t, key);
 }
 
-inline void remove_triangle(CutState& s, std::uint32_t slot) {
+inline void remove_triangle(CutState& s, std::uint32_t slot, std::uint32_t key) {
     TileList& list = s.tiles[s.segment_tile[slot >> s.segment_log2]];
-    FJELL_ASSERT(list.in_last != 0 && s.triangle_of[s.key_of[slot]] == slot);
+    FJELL_ASSERT(list.in_last != 0 && s.triangle_of[key] == slot);
     const std::uint32_t last = (list.last_segment << s.segment_log2) + --list.in_last;
     --list.total;
-    s.triangle_of[s.key_of[slot]] = no_index;
+    s.triangle_of[key] = no_index;
     if (last != slot) {
         const std::uint32_t* const from = s.indices + std::size_t{last} * 3;
-        write_triangle(s, slot, {from[0], from[1], from[2]}, s.key_of[last]);
+        write_triangle(s, slot, {from[0], from[1], from[2]}, key_of(s, last));
     }
     if (list.in_last != 0) return;
     const std::uint32_t segment = list.last_segment;
@@ -96,18 +101,18 @@ inline void remove_triangle(CutState& s, std::uint32_t slot) {
     --list.segments;
 }
 
-// The triangle in this slot becomes another one of the same tile, drawn or not.
-inline void replace_triangle(CutState& s, std::uint32_t slot, std::uint32_t tile, const MeshTriangle& t,
-                             std::uint32_t key) {
+// The triangle of this key becomes another one of the same tile, drawn or not.
+inline void replace_triangle(CutState& s, std::uint32_t key, std::uint32_t tile, const MeshTriangle& t,
+                             std::uint32_t new_key) {
+    const std::uint32_t slot = s.triangle_of[key];
     if (s.segment_tile[slot >> s.segment_log2] == list_for(s, tile, t)) {
-        FJELL_ASSERT(s.triangle_of[s.key_of[slot]] == slot);
-        s.triangle_of[s.key_of[slot]] = no_index;
-        FJELL_ASSERT(s.triangle_of[key] == no_index);
-        write_triangle(s, slot, t, key);
+        s.triangle_of[key] = no_index;
+        FJELL_ASSERT(s.triangle_of[new_key] == no_index);
+        write_triangle(s, slot, t, new_key);
         return;
     }
-    remove_triangle(s, slot);
-    append_triangle(s, list_for(s, tile, t), t, key);
+    remove_triangle(s, slot, key);
+    append_triangle(s, list_for(s, tile, t), t, new_key);
 }
 
 } // namespace fjell

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "cut/change.h"
 #include "cut/lag.h"
@@ -167,12 +168,12 @@ void clear_page(CutState& s, std::uint32_t slot) {
     const std::int32_t i0 = (info.tile_x << s.steps[info.z].log2) + info.i0,
                        j0 = (info.tile_y << s.steps[info.z].log2) + info.j0;
     const bool rim = info.shape == 0 || i0 == 0 || j0 == 0 || i0 + n >= columns || j0 + n >= rows;
-    for (std::uint32_t k = 0; k < s.shapes[info.shape].count; ++k) {
+    static_assert(unqueued == 0);
+    std::memset(static_cast<void*>(s.groups + std::size_t{slot} * max_page_groups), 0,
+                s.shapes[info.shape].count * sizeof(GroupState));
+    for (std::uint32_t k = 0; rim && k < s.shapes[info.shape].count; ++k) {
         const std::uint32_t number = slot * max_page_groups + k;
         GroupState& b = s.groups[number];
-        b = {};
-        b.queue = unqueued;
-        if (!rim) continue;
         const GroupShape& shape = s.shapes[info.shape].groups[k];
         const Site first = site_of(s, number * group_lanes);
         // A border has a lane in each page that holds it; only the owner's counts.

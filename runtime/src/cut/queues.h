@@ -17,13 +17,13 @@ struct Link { // the queue's next and previous group; its head has the number af
 inline constexpr std::uint32_t rank_count = 32; // of work: 16 by screen error, and 16 more for what a frustum shows
 
 using QueueId = std::uint16_t;
-inline constexpr QueueId work_queues = 0;                         // one a rank: vertices to activate
-inline constexpr QueueId deactivation_queue = rank_count;         // vertices to deactivate
-inline constexpr QueueId blocked_queues = deactivation_queue + 1; // for want of a capacity; two that take turns
+inline constexpr QueueId unqueued = 0;                                  // so that a group of zeros is in none
+inline constexpr QueueId work_queues = 1;                               // one a rank: vertices to activate
+inline constexpr QueueId deactivation_queue = work_queues + rank_count; // vertices to deactivate
+inline constexpr QueueId blocked_queues = deactivation_queue + 1;       // for want of a capacity; two that take turns
 inline constexpr QueueId gated_queues = blocked_queues + 2; // behind a vertex that is morphing; two that take turns
 inline constexpr QueueId queue_count = gated_queues + 2;
 inline constexpr QueueId being_visited = 0xfffe; // taken from its queue, about to be evaluated
-inline constexpr QueueId unqueued = 0xffff;
 
 struct Queues {
     GroupState* groups;

@@ -218,7 +218,6 @@ inline void prefetch_triangles(const CutState& s, PlannedChange& plan) {
         triangle = s.triangle_of[triangle];
         if (triangle == no_index) continue;
         FJELL_PREFETCH(&s.indices[std::size_t{triangle} * 3]);
-        FJELL_PREFETCH(&s.key_of[triangle]);
     }
 }
 

@@ -193,7 +193,6 @@ struct CutState {
     std::uint32_t* free_vertices; // a stack of given-back slots; those from fresh_vertex on were never taken
     std::uint32_t free_vertex_count, fresh_vertex, vertex_peak;
     std::uint32_t* indices; // 3 a triangle slot: right angle first
-    std::uint32_t* key_of;  // of a triangle slot: the vertex slot at its right angle * 4 + direction
     TileList* tiles;        // and one more: triangles that are not drawn
     std::uint32_t* segment_tile;
     std::uint32_t* segment_below; // the tile's segment before it
@@ -265,8 +264,7 @@ inline void touch(CutState& s, std::uint32_t slot) {
     FJELL_ASSERT(free_vertices(s) != 0);
     const std::uint32_t slot = s.free_vertex_count != 0 ? s.free_vertices[--s.free_vertex_count] : s.fresh_vertex++;
     FJELL_ASSERT(slot >= corner_slots(s) && slot < s.fresh_vertex);
-    // Free: no triangle has its right angle there. Two vertices in one slot would only show as a wrong picture.
-    for (std::uint32_t d = 0; d < 4; ++d) FJELL_ASSERT(s.triangle_of[slot * 4 + d] == no_index);
+    for (std::uint32_t d = 0; d < 4; ++d) s.triangle_of[slot * 4 + d] = no_index; // whoever had the slot is forgotten
     return slot;
 }
 inline void give_vertex(CutState& s, std::uint32_t slot) {

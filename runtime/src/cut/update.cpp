@@ -339,35 +339,31 @@ bool run_bulk(CutState& s) {
         return false;
     }
     b.again = b.again || s.leapt;
-    if (b.again && b.phase < BulkPhase::triangles) {
-        b.again = false;
-        b.phase = BulkPhase::idle;
-        if (!may_build_beside(s)) return false;
-        begin_bulk(s, true);
-    }
-    if (b.phase == BulkPhase::idle) return false;
     CutReport& r = s.report;
     do {
+        if (b.again && b.phase < BulkPhase::triangles) {
+            b.again = false;
+            b.phase = BulkPhase::idle;
+            if (may_build_beside(s)) begin_bulk(s, true);
+        }
+        if (b.phase == BulkPhase::idle) return false;
         ++r.visits;
         if (b.phase >= BulkPhase::releasing) {
-            if (step_install(s)) continue;
-            s.jumped = false;
-            return false;
+            s.jumped = step_install(s) && s.jumped;
+            continue;
         }
         switch (step_bulk(s)) {
         case BulkStatus::unfinished: break;
-        case BulkStatus::built: {
-            const std::uint32_t before = s.budget.vertices - free_vertices(s) - corner_slots(s);
-            install_mesh(s);
+        case BulkStatus::built:
+            r.deactivations += s.budget.vertices - free_vertices(s) - corner_slots(s);
             r.activations += b.taken;
-            r.deactivations += before;
+            install_mesh(s);
             break;
-        }
         case BulkStatus::no_vertices:
         case BulkStatus::no_triangles: return false; // one by one, then
         }
     } while (!out_of_time(s, true));
-    return true;
+    return b.phase != BulkPhase::idle;
 }
 
 } // namespace

@@ -202,9 +202,6 @@ Violation check_vertex_slots(const CutState& s, Tally taken) {
         const std::uint32_t slot = s.free_vertices[i];
         if (slot < corner_slots(s) || slot >= s.fresh_vertex) return {"a vertex slot is free that was never taken"};
         taken.add(slot);
-        if (s.bulk.phase == BulkPhase::triangles || s.bulk.phase == BulkPhase::built) continue; // it uses some
-        for (std::uint32_t d = 0; d < 4; ++d)
-            if (s.triangle_of[slot * 4 + d] != no_index) return {"a free vertex slot has a triangle"};
     }
     Tally all;
     all.add_range(corner_slots(s), s.fresh_vertex);
