@@ -31,6 +31,81 @@ TEST_CASE("a cut built at once is the same as one refined step by step, and live
     }
 }
 
+TEST_CASE("after a jump of the camera a whole mesh stands beside the one that is built, after every unit of work") {
+    Random random(104);
+    int frames_in[static_cast<std::size_t>(BulkPhase::installing) + 1] = {}, rested = 0;
+    for (int round = 0; round < rounds(24, 120); ++round) {
+        const auto pack = random_terrain(random, round % 4 == 3 ? 300 : 140, round % 4 == 3 ? 8 : 6);
+        const Terrain& terrain = pack.terrain;
+        CutBudget budget = ample_cut(terrain, 2);
+        if (round % 3 == 0) budget.vertices = std::max(budget.vertices / 4, terrain.tile_count() * 4 + 200);
+        Cut cut(terrain, budget);
+        std::vector<View> views{random_view(random, terrain)};
+        CutSettings settings;
+        settings.error_px = random_threshold(random);
+        settings.morph = round % 4 == 1 ? Morph::error : Morph::none;
+        const auto step = [&](std::uint32_t visits) {
+            settings.visits = visits;
+            settings.now_s += 1.0 / 60;
+            const CutReport report = cut.update(views, settings);
+            CAPTURE(round, settings.error_px, visits, views.size(), budget.vertices, static_cast<int>(settings.morph));
+            REQUIRE(check_frame(cut, terrain, report, settings) == "");
+            ++frames_in[static_cast<std::size_t>(cut.state().bulk.phase)];
+            REQUIRE((cut.state().bulk.phase == BulkPhase::idle || !report.converged));
+            return report;
+        };
+        for (int leg = 0; leg < 3; ++leg) {
+            for (int frame = 0; frame < 14; ++frame) {
+                for (View& view : views) view = moved(random, view, random_step_m(random, terrain));
+                if (frame % 7 == 0) views[0] = random_view(random, terrain);
+                if (frame == 10 && views.size() == 1) views.push_back(random_view(random, terrain));
+                if (frame == 12 && views.size() == 2) views.pop_back();
+                (void)step(static_cast<std::uint32_t>(pick(random, 1, leg == 2 ? 400 : 25)));
+            }
+            if (budget.vertices != ample_cut(terrain, 2).vertices) continue;
+            for (int frame = 0; frame < 40 && !step(unlimited_items).converged; ++frame) {
+            }
+            REQUIRE(difference(active_set(cut), settings.morph == Morph::none
+                                                    ? target_set(terrain, terrain, views, settings.error_px)
+                                                    : active_set(cut)) == "");
+            ++rested;
+        }
+    }
+    CAPTURE(frames_in);
+    for (const BulkPhase phase :
+         {BulkPhase::centres, BulkPhase::sides, BulkPhase::triangles, BulkPhase::releasing, BulkPhase::installing})
+        CHECK(frames_in[static_cast<std::size_t>(phase)] > rounds(10, 50));
+    CHECK(rested > rounds(30, 150));
+}
+
+TEST_CASE("a jump that the clock has cut into frames is replayed by their visits") {
+    Random random(105);
+    int building = 0;
+    for (int round = 0; round < rounds(6, 40); ++round) {
+        const auto pack = random_terrain(random, 300, 8);
+        const Terrain& terrain = pack.terrain;
+        Cut flown(terrain, ample_cut(terrain)), replayed(terrain, ample_cut(terrain));
+        View view = random_view(random, terrain);
+        CutSettings settings;
+        settings.error_px = random_threshold(random);
+        for (int frame = 0; frame < 20; ++frame) {
+            view = frame % 8 == 0 ? random_view(random, terrain) : moved(random, view, random_step_m(random, terrain));
+            settings.budget_us = pick(random, 0, 3) ? uniform(random, 1, 60) : 0;
+            settings.visits = unlimited_items;
+            const CutReport report = flown.update({&view, 1}, settings);
+            building += flown.state().bulk.phase != BulkPhase::idle;
+            settings.budget_us = 0;
+            settings.visits = report.visits;
+            const CutReport again = replayed.update({&view, 1}, settings);
+            CAPTURE(round, frame, report.visits);
+            REQUIRE(again.visits == report.visits);
+            REQUIRE(again.vertices == report.vertices);
+            REQUIRE(triangles_of(replayed.mesh()) == triangles_of(flown.mesh()));
+        }
+    }
+    CHECK(building > 0);
+}
+
 TEST_CASE("a host that copies only what was written has the mesh, from the first frame on") {
     Random random(103);
     for (int round = 0; round < rounds(30, 120); ++round) {
@@ -54,6 +129,7 @@ TEST_CASE("a host that copies only what was written has the mesh, from the first
             settings.morph = frame > 6 ? Morph::error : Morph::none;
             settings.now_s = frame;
             settings.items = pick(random, 0, 1) ? unlimited_items : 200;
+            settings.visits = pick(random, 0, 1) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 1, 90));
             pick(random, 0, 3) == 0 ? cut.rebuild({&view, 1}, settings) : cut.update({&view, 1}, settings);
             const CutMesh live = cut_mesh(cut.cut);
             const CutChanges changes = cut_take_changes(cut.cut);

@@ -106,12 +106,14 @@ void live_with(std::uint32_t seed, bool abrupt, int count) {
                 if (pick(random, 0, 4) == 0) view = random_view(random, pack.terrain);
                 view = moved(random, view, random_step_m(random, pack.terrain));
                 settings.items = pick(random, 0, 2) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 0, 99));
+                settings.visits =
+                    pick(random, 0, 1) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 1, 60));
                 const CutReport report = cut.update({&view, 1}, settings);
                 CAPTURE(round, leg, frame, settings.error_px, settings.items, paged.terrain.pages_missing());
                 REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
                 incomplete += paged.terrain.pages_missing() != 0;
             }
-            settings.items = unlimited_items;
+            settings.items = settings.visits = unlimited_items;
             CutReport report;
             for (int frame = 0; frame < 4; ++frame) {
                 host.collect();

@@ -105,7 +105,7 @@ TEST_CASE("a walk over a cut names every mask, slot and page that was tampered w
     plant(walk, s.vertex_slot[leaf], s.budget.vertices, "no vertex slot for");
     REQUIRE(s.free_vertex_count > 1);
     plant(walk, s.free_vertices[0], s.free_vertices[1], "a vertex slot is used or free twice, or lost");
-    plant(walk, s.free_vertices[0], s.vertex_slot[leaf], "a free vertex slot has a triangle");
+    plant(walk, s.free_vertices[0], s.vertex_slot[leaf], "a vertex slot is used or free twice, or lost");
     plant(walk, s.free_vertex_count, s.free_vertex_count - 1, "a vertex slot is used or free twice, or lost");
     plant(walk, s.fresh_vertex, s.fresh_vertex + 1, "a vertex slot is used or free twice, or lost");
 

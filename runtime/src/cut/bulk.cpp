@@ -23,6 +23,10 @@ BulkPage& visit(CutState& s, std::uint32_t slot) {
     return page;
 }
 
+void visit_at(CutState& s, int z, std::int32_t i, std::int32_t j) {
+    if (const std::uint32_t slot = squares_at(s, z, i, j).slot; slot != no_index) (void)visit(s, slot);
+}
+
 std::uint32_t row_bits(const BulkPage* page, std::uint32_t row) {
     return page == nullptr ? 0 : page->active[row];
 }
@@ -149,47 +153,70 @@ bool may_be_seen(const CutState& s, const PageSlot& page) {
     return false;
 }
 
-// False: its parents leave none of its centres ready.
-bool decide_centres(CutState& s, const BulkSquares& at) {
+// A full page is decided in parts, so that a unit of work stays small where time counts: the rows from `first` on.
+struct Part {
+    std::int32_t first, end;
+};
+std::uint32_t parts_of(const CutState& s, const BulkSquares& at) {
+    return s.bulk.beside && at.n == static_cast<std::int32_t>(page_squares) ? 4 : 1;
+}
+Part part_of(const CutState& s, const BulkSquares& at, std::uint32_t part) {
+    const std::int32_t rows = at.n / static_cast<std::int32_t>(parts_of(s, at)),
+                       first = static_cast<std::int32_t>(part) * rows;
+    return {first, first + rows};
+}
+
+// False: there is nothing to decide in any part.
+bool decide_centres(CutState& s, const BulkSquares& at, const Part& part) {
     std::uint32_t parents[2][page_squares];
     if (at.slot == no_index || !centre_parents(s, at, parents)) return false;
     Decider page(s, at);
     if (s.page_slot[at.slot].status == PageSlotStatus::evicting) return false;
-    for (std::int32_t j = 0; j < at.n; ++j) page.add(at.row(VertexKind::centre, j), parents[0][j] & parents[1][j]);
-    if (s.bulk.beside && !may_be_seen(s, s.page_slot[at.slot])) {
+    const bool waits = s.bulk.beside && !may_be_seen(s, s.page_slot[at.slot]);
+    for (std::int32_t j = waits ? 0 : part.first; j < (waits ? at.n : part.end); ++j)
+        page.add(at.row(VertexKind::centre, j), parents[0][j] & parents[1][j]);
+    if (waits)
         page.postpone();
-        return false;
-    }
-    page.decide();
-    std::uint32_t any = 0;
-    for (std::int32_t j = 0; j < at.n; ++j) any |= page.page().active[at.row(VertexKind::centre, j)];
-    return any != 0;
+    else
+        page.decide();
+    return !waits;
+}
+
+bool has_centres(const CutState& s, const BulkSquares& at) {
+    const std::uint32_t* const centres = s.bulk.pages[at.slot].active + at.row(VertexKind::centre, 0);
+    return std::any_of(centres, centres + at.n, [](std::uint32_t row) { return row != 0; });
 }
 
 // Of a page with active centres. Those to its north and west must have been decided.
-void decide_sides(CutState& s, const BulkSquares& at) {
+void decide_sides(CutState& s, const BulkSquares& at, const Part& part) {
     Decider page(s, at);
     const std::uint32_t* const centres = page.page().active + at.row(VertexKind::centre, 0);
     const BulkPage* const north = found_at(s, at.z, at.i0, at.j0 - 1);
     const BulkPage* const west = found_at(s, at.z, at.i0 - 1, at.j0);
-    std::uint32_t above = at.j0 == 0 ? at.all() : row_bits(north, at.row(VertexKind::centre, at.n - 1)), east = 0;
-    for (std::int32_t j = 0; j < at.n; ++j) {
+    for (std::int32_t j = part.first; j < part.end; ++j) {
         const std::uint32_t c = centres[j];
+        const std::uint32_t above = j != 0       ? centres[j - 1]
+                                    : at.j0 == 0 ? at.all()
+                                                 : row_bits(north, at.row(VertexKind::centre, at.n - 1));
         const std::uint32_t left = at.i0 == 0 ? 1 : row_bits(west, at.row(VertexKind::centre, j)) >> (at.n - 1) & 1;
         page.add(at.row(VertexKind::side_x, j), c & above);
         page.add(at.row(VertexKind::side_y, j), c & (c << 1 | left));
-        east |= (c >> (at.n - 1) & 1) << j;
-        above = c;
     }
-    // The terrain's south and east rim: sides with one parent. Elsewhere those are the next page's, which has to know.
-    if (at.j0 + at.n == s.tiles_y << at.step->log2)
-        page.add(at.row(VertexKind::side_x, at.n), above);
-    else if (above != 0)
-        if (const std::uint32_t next = squares_at(s, at.z, at.i0, at.j0 + at.n).slot; next != no_index) visit(s, next);
-    if (at.i0 + at.n == s.tiles_x << at.step->log2)
-        page.add(at.column(), east);
-    else if (east != 0)
-        if (const std::uint32_t next = squares_at(s, at.z, at.i0 + at.n, at.j0).slot; next != no_index) visit(s, next);
+    if (part.end == at.n) {
+        // The terrain's south and east rim: sides with one parent. Elsewhere those are the next page's, which has to
+        // know.
+        const std::uint32_t last = centres[at.n - 1];
+        std::uint32_t east = 0;
+        for (std::int32_t j = 0; j < at.n; ++j) east |= (centres[j] >> (at.n - 1) & 1) << j;
+        if (at.j0 + at.n == s.tiles_y << at.step->log2)
+            page.add(at.row(VertexKind::side_x, at.n), last);
+        else if (last != 0)
+            visit_at(s, at.z, at.i0, at.j0 + at.n);
+        if (at.i0 + at.n == s.tiles_x << at.step->log2)
+            page.add(at.column(), east);
+        else if (east != 0)
+            visit_at(s, at.z, at.i0 + at.n, at.j0);
+    }
     page.decide();
 }
 
@@ -285,7 +312,7 @@ void begin_bulk(CutState& s, bool beside) {
     }
     b.beside = beside;
     b.full = false;
-    b.taken = b.visited_count = b.listed_count[0] = b.listed_count[1] = b.at = 0;
+    b.taken = b.visited_count = b.listed_count[0] = b.listed_count[1] = b.at = b.part = 0;
     b.free_before = beside ? s.free_vertex_count : 0;
     b.fresh_before = beside ? s.fresh_vertex : corner_slots(s);
     b.z = s.terrain->tree.tile_log2 - 1;
@@ -310,15 +337,24 @@ BulkStatus step_bulk(CutState& s) {
     if (b.phase == BulkPhase::centres) {
         BulkSquares squares;
         if (next_squares(s, squares)) {
+            if (decide_centres(s, squares, part_of(s, squares, b.part))) {
+                if (++b.part != parts_of(s, squares)) return BulkStatus::unfinished;
+                if (has_centres(s, squares)) b.listed[1][b.listed_count[1]++] = squares.slot;
+            }
+            b.part = 0;
             ++b.at;
-            if (decide_centres(s, squares)) b.listed[1][b.listed_count[1]++] = squares.slot;
             return BulkStatus::unfinished;
         }
         b.phase = BulkPhase::sides;
         b.at = 0;
     }
     if (b.at != b.listed_count[1]) {
-        decide_sides(s, listed_squares(s, b.listed[1][b.at++], b.z));
+        const BulkSquares squares = listed_squares(s, b.listed[1][b.at], b.z);
+        decide_sides(s, squares, part_of(s, squares, b.part));
+        if (++b.part == parts_of(s, squares)) {
+            b.part = 0;
+            ++b.at;
+        }
         return BulkStatus::unfinished;
     }
     if (b.z != 0 && b.listed_count[1] != 0) {

@@ -71,6 +71,10 @@ public:
             }
             const BulkPlace& place = b.places[b.depth - 1];
             tile_ = b.at - 1;
+            if (place.rows != 1u << s.steps[z_now()].page_log2) {
+                resume();
+                return true;
+            }
             if (place.quarter == quarters()) {
                 --b.depth;
                 continue;
@@ -181,26 +185,41 @@ private:
 
     // A page with active centres, whose grid has the corners of its squares.
     void page(const BulkSquares& at) {
+        b.places[b.depth++] = {at.i0, at.j0, 0, 0};
+        gather(at);
+        scatter();
+        rows();
+    }
+    // More of its rows.
+    void resume() {
+        const BulkPlace& place = b.places[b.depth - 1];
+        gather(squares_at(s, z_now(), place.i0, place.j0));
+        rows();
+    }
+    void gather(const BulkSquares& at) {
         at_ = at;
         grid_ = &b.grids[at.z];
-        b.places[b.depth++] = {at.i0, at.j0, 0};
         masks_.gather(s, at);
         if (masks_.any_side) masks_.gather_finer(s, at);
-        scatter();
+    }
+    // A unit of work: a quarter of a full page.
+    void rows() {
+        BulkPlace& place = b.places[b.depth - 1];
+        const auto first = static_cast<std::int32_t>(place.rows), end = b.beside ? std::min(first + 8, at_.n) : at_.n;
+        place.rows = static_cast<std::uint32_t>(end);
         open();
-        const std::int32_t tile_side = (1 << at.step->log2) - 1;
-        const bool west_border = (at.i0 & tile_side) == 0;
-        for (std::int32_t j = 0; j < at.n; ++j) {
+        const std::int32_t tile_side = (1 << at_.step->log2) - 1;
+        const bool west_border = (at_.i0 & tile_side) == 0;
+        for (std::int32_t j = first; j < end; ++j) {
             if (masks_.centre[j + 1] != 0) centre_row(j);
-            const bool north_border = ((at.j0 + j) & tile_side) == 0;
+            const bool north_border = ((at_.j0 + j) & tile_side) == 0;
             if (masks_.side_x[j] != 0) side_x_row(j, north_border);
-            if (const std::uint32_t own = static_cast<std::uint32_t>(masks_.side_y[j]) & at.all(); own != 0)
+            if (const std::uint32_t own = static_cast<std::uint32_t>(masks_.side_y[j]) & at_.all(); own != 0)
                 side_y_row(j, own, west_border);
+            if (masks_.owns_east && (masks_.side_y[j] >> at_.n & 1) != 0)
+                border_side(VertexKind::side_y, at_.n, j, drawn_y(j, at_.n));
         }
-        if (masks_.owns_south && masks_.side_x[at.n] != 0) side_x_row(at.n, true);
-        if (masks_.owns_east)
-            for (std::int32_t j = 0; j < at.n; ++j)
-                if (masks_.side_y[j] >> at.n & 1) border_side(VertexKind::side_y, at.n, j, drawn_y(j, at.n));
+        if (end == at_.n && masks_.owns_south && masks_.side_x[end] != 0) side_x_row(end, true);
         close();
     }
 
@@ -402,6 +421,7 @@ private:
     void flatten(std::uint32_t v, VertexKind kind, std::int32_t i, std::int32_t j, std::uint32_t a, std::uint32_t c) {
         const Coord at = site_coord({at_.z, kind, at_.i0 + i, at_.j0 + j});
         s.morph[v].flat_m = flat_height(s, v, at, at_.z, kind == VertexKind::centre, a, c);
+        if (b.beside) s.dirty_vertices.mark(v); // it may have been placed in an earlier frame
     }
 
     CutState& s;

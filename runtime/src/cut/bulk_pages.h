@@ -53,6 +53,7 @@ enum class BulkPhase : std::uint8_t {
 // A page on the way down.
 struct BulkPlace {
     std::int32_t i0, j0;   // its first square, over the terrain
+    std::uint32_t rows;    // whose triangles are there
     std::uint32_t quarter; // of it that comes next
 };
 
@@ -72,8 +73,9 @@ struct BulkPass {
     std::uint32_t free_before, fresh_before; // of CutState::free_vertices, when the pass began
     std::uint32_t mapped;                    // entries of that stack that say so while the state follows
     BulkPhase phase;
-    std::int32_t z;   // step in work
-    std::uint32_t at; // next tile or page
+    std::int32_t z;     // step in work
+    std::uint32_t at;   // next tile or page
+    std::uint32_t part; // of it
     std::uint32_t depth;
     double travelled_m[grade_count]; // by the odometers, since the pass began
     BulkPlace places[max_tile_log2];

@@ -329,15 +329,9 @@ bool may_build_beside(const CutState& s) {
 // is drawn is as it was. What is not seen is due when it has.
 bool run_bulk(CutState& s) {
     BulkPass& b = s.bulk;
-    if (b.phase != BulkPhase::idle && has_lost_pages(s)) {
-        if (b.phase >= BulkPhase::triangles) {
-            rescan_pages(s);
-            reset(s);
-            begin_at_roots(s);
-        }
-        b.phase = BulkPhase::idle;
-        return false;
-    }
+    // A page that the host has unloaded without waiting takes its vertices along, at once; and who has begun to count
+    // items has this frame's.
+    if (b.phase != BulkPhase::idle && (s.settings.items != unlimited_items || has_lost_pages(s))) finish_bulk(s);
     b.again = b.again || s.leapt;
     CutReport& r = s.report;
     do {
