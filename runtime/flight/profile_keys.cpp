@@ -191,8 +191,8 @@ constexpr ProfileKey keys[] = {
      .least = min_budget,
      .most = max_triangles,
      .logarithmic = true,
-     .about = "Slots of the index buffer. Triangles, 16 to 536870912. 16 bytes each, 12 on the GPU. About two an "
-              "active vertex, and up to an eighth of them is idle in half-full segments. When they do not suffice, the "
+     .about = "Slots of the index buffer. Triangles, 16 to 536870912. 12 bytes each, on the GPU, too. About two "
+              "an active vertex, and up to an eighth of them is idle in half-full segments. When they do not suffice, the "
               "threshold rises and the report says \"triangles\". (Incremental.)",
      .rebuild = Rebuild::method,
      .used_by = UsedBy::incremental,

@@ -65,7 +65,7 @@ struct CutSettings {
     double hysteresis = 0;                  // a vertex is deactivated only below error_px / (1 + hysteresis); 0 to 10
     bool corner_safe = false;               // bound pixels in the image's corners too
     std::uint32_t items = unlimited_items;  // work that this frame may do
-    std::uint32_t visits = unlimited_items; // groups that it may visit: replays a frame that budget_us ended
+    std::uint32_t visits = unlimited_items; // groups and units of building: replays a frame that budget_us ended
     double budget_us = 0;                   // time that it may take; 0: no limit
     Morph morph = Morph::none;
     double morph_s = 0.25; // time that a vertex activated late takes to reach its height; 0.01 to 10
@@ -134,6 +134,10 @@ Status destroy_cut(LiveCut cut);
 // Refines and coarsens the cut for the views, as far as the items go: a vertex is wanted when any view wants it. views:
 // 1 to CutBudget::views of them. A view is what it sees, not its place among them: views that change places, or come
 // and go where an equal one stays, cost nothing; any other costs what a move from or to the nearest one would.
+// After a jump of 32 cells or more, and in the first frame, what the views see is built beside what is drawn, which
+// stays until it stands: in as many frames as the time budget makes of it, with what is not seen to follow. That takes
+// slots that are free, a quarter of those in use at least, and CutSettings::items unlimited; otherwise the cut is
+// refined vertex by vertex, worst first.
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
 
 // Builds the cut from scratch: for the first frame, after a teleport, for an export. Not bounded in
