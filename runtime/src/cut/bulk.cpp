@@ -4,7 +4,6 @@
 #include <bit>
 #include <utility>
 
-#include "cut/bulk_mesh.h"
 #include "cut/evaluate.h"
 #include "pack/record.h"
 

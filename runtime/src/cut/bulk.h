@@ -6,7 +6,7 @@
 // known which children are active; a page's corners are handed down as a grid of slots, so that no vertex is looked up.
 // Both use only slots that are free. What they find becomes the cut's state at the end, page by page.
 //
-// All of it is done in units of one page, so that it may stop after any of them.
+// All of it is done in units of a quarter of a page at most, so that it may stop after any of them.
 #pragma once
 
 #include "cut/find.h"
@@ -22,6 +22,11 @@ enum class BulkStatus : std::uint8_t { unfinished, built, no_vertices, no_triang
 // The next unit of deciding and building. no_vertices, no_triangles: the capacities do not suffice; idle again, and
 // nothing has changed.
 [[nodiscard]] BulkStatus step_bulk(CutState& s);
+
+// Of it the triangles, once all vertices are decided (bulk_mesh.cpp). begin: false when there might not be segments
+// enough. step: those of one more quarter of a page; false when there is none.
+[[nodiscard]] bool begin_triangles(CutState& s);
+[[nodiscard]] bool step_triangles(CutState& s);
 
 // What was built is the cut's mesh from now on. Its state follows, and must be whole before anything is changed.
 // O(tiles and segments).

@@ -1,4 +1,4 @@
-#include "cut/bulk_mesh.h"
+// The bulk pass' triangles: page by page on the way down, when it is known which vertices are active.
 
 #include <algorithm>
 #include <array>
