@@ -51,54 +51,54 @@ static GLuint compile(GLenum stage, const char* source) {
     return shader;
 }
 
-const char* drawer_create(Drawer* drawer, const FjellCutBudget* budget) {
-    memset(drawer, 0, sizeof *drawer);
+const char* renderer_create(Renderer* renderer, const FjellCutBudget* budget) {
+    memset(renderer, 0, sizeof *renderer);
     const GLuint shaders[2] = {compile(GL_VERTEX_SHADER, vertex_shader), compile(GL_FRAGMENT_SHADER, fragment_shader)};
-    drawer->program = glCreateProgram();
+    renderer->program = glCreateProgram();
     for (int i = 0; i < 2; ++i) {
-        glAttachShader(drawer->program, shaders[i]);
+        glAttachShader(renderer->program, shaders[i]);
         glDeleteShader(shaders[i]); /* with the program */
     }
-    glLinkProgram(drawer->program);
+    glLinkProgram(renderer->program);
     GLint linked = 0;
-    glGetProgramiv(drawer->program, GL_LINK_STATUS, &linked);
+    glGetProgramiv(renderer->program, GL_LINK_STATUS, &linked);
     if (!linked) return "the shaders do not link: update the graphics driver";
 
     /* As many slots as the budget has: they stay where they are, so the buffers never grow. */
-    glGenVertexArrays(1, &drawer->format);
-    glBindVertexArray(drawer->format);
-    glGenBuffers(1, &drawer->vertices);
-    glBindBuffer(GL_ARRAY_BUFFER, drawer->vertices);
+    glGenVertexArrays(1, &renderer->format);
+    glBindVertexArray(renderer->format);
+    glGenBuffers(1, &renderer->vertices);
+    glBindBuffer(GL_ARRAY_BUFFER, renderer->vertices);
     glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(budget->vertices * sizeof(FjellMeshVertex)), NULL, GL_DYNAMIC_DRAW);
     glVertexAttribIPointer(0, 2, GL_INT, sizeof(FjellMeshVertex), (void*)offsetof(FjellMeshVertex, column));
     glVertexAttribPointer(1, 1, GL_FLOAT, GL_FALSE, sizeof(FjellMeshVertex),
                           (void*)offsetof(FjellMeshVertex, height_m));
     glEnableVertexAttribArray(0);
     glEnableVertexAttribArray(1);
-    glGenBuffers(1, &drawer->indices);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, drawer->indices);
+    glGenBuffers(1, &renderer->indices);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, renderer->indices);
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(budget->triangles * 3 * sizeof(uint32_t)), NULL,
                  GL_DYNAMIC_DRAW);
     glBindVertexArray(0);
     return glGetError() == GL_NO_ERROR ? NULL : "the buffers do not fit the graphics memory: lower the cut's budget";
 }
 
-void drawer_destroy(Drawer* drawer) {
-    glDeleteBuffers(1, &drawer->vertices);
-    glDeleteBuffers(1, &drawer->indices);
-    glDeleteVertexArrays(1, &drawer->format);
-    glDeleteProgram(drawer->program);
+void renderer_destroy(Renderer* renderer) {
+    glDeleteBuffers(1, &renderer->vertices);
+    glDeleteBuffers(1, &renderer->indices);
+    glDeleteVertexArrays(1, &renderer->format);
+    glDeleteProgram(renderer->program);
 }
 
-void drawer_upload(Drawer* drawer, const FjellCutMesh* cut, const FjellCutChanges* changes) {
-    glBindVertexArray(drawer->format);
-    glBindBuffer(GL_ARRAY_BUFFER, drawer->vertices);
+void renderer_upload(Renderer* renderer, const FjellCutMesh* cut, const FjellCutChanges* changes) {
+    glBindVertexArray(renderer->format);
+    glBindBuffer(GL_ARRAY_BUFFER, renderer->vertices);
     FjellRun run = {0};
     while (fjell_next_run(changes->vertex_bits, changes->vertex_words, changes->vertex_word_count, &run)) {
         const size_t bytes = run.count * sizeof(FjellMeshVertex);
         glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)(run.first * sizeof(FjellMeshVertex)), (GLsizeiptr)bytes,
                         cut->mesh.vertices + run.first);
-        drawer->uploaded_bytes += bytes;
+        renderer->uploaded_bytes += bytes;
     }
     const size_t triangle_bytes = 3 * sizeof(uint32_t);
     memset(&run, 0, sizeof run);
@@ -106,7 +106,7 @@ void drawer_upload(Drawer* drawer, const FjellCutMesh* cut, const FjellCutChange
         const size_t bytes = run.count * triangle_bytes;
         glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, (GLintptr)(run.first * triangle_bytes), (GLsizeiptr)bytes,
                         cut->mesh.indices + (size_t)3 * run.first);
-        drawer->uploaded_bytes += bytes;
+        renderer->uploaded_bytes += bytes;
     }
     glBindVertexArray(0);
 }
@@ -122,7 +122,7 @@ static float set_depth(void) {
     return has_clip_control ? 1.0f : 2.0f;
 }
 
-static void set_view(const Drawer* drawer, FjellTerrain terrain, const FjellView* view, FjellCoord origin) {
+static void set_view(const Renderer* renderer, FjellTerrain terrain, const FjellView* view, FjellCoord origin) {
     const double dx = fjell_terrain_spacing_x_m(terrain), dz = fjell_terrain_spacing_z_m(terrain);
     const double eye_x = view->eye_m.x - origin.x * dx, eye_z = view->eye_m.z - origin.y * dz; /* doubles until here */
     const FjellVec3 f = view->forward, u = view->up;
@@ -130,7 +130,7 @@ static void set_view(const Drawer* drawer, FjellTerrain terrain, const FjellView
     const float rows[9] = {(float)r.x, (float)r.y,  (float)r.z,  (float)u.x, (float)u.y,
                            (float)u.z, (float)-f.x, (float)-f.y, (float)-f.z}; /* the camera looks along -z */
     const double wide = view->right - view->left, high = view->top - view->bottom, range = view->far_m - view->near_m;
-    const GLuint p = drawer->program;
+    const GLuint p = renderer->program;
     glUniform2i(glGetUniformLocation(p, "origin"), origin.x, origin.y);
     glUniform2f(glGetUniformLocation(p, "spacing_m"), (float)dx, (float)dz);
     glUniform3f(glGetUniformLocation(p, "eye_m"), (float)eye_x, (float)view->eye_m.y, (float)eye_z);
@@ -142,11 +142,11 @@ static void set_view(const Drawer* drawer, FjellTerrain terrain, const FjellView
     glUniform1f(glGetUniformLocation(p, "depth_scale"), set_depth());
 }
 
-void drawer_draw(const Drawer* drawer, FjellTerrain terrain, const FjellCutMesh* cut, const FjellView* view,
-                 FjellCoord origin) {
-    glUseProgram(drawer->program);
-    set_view(drawer, terrain, view, origin);
-    glBindVertexArray(drawer->format);
+void renderer_draw(const Renderer* renderer, FjellTerrain terrain, const FjellCutMesh* cut, const FjellView* view,
+                   FjellCoord origin) {
+    glUseProgram(renderer->program);
+    set_view(renderer, terrain, view, origin);
+    glBindVertexArray(renderer->format);
     for (size_t i = 0; i < cut->mesh.tile_count; ++i) { /* of tiles that the view may see */
         const FjellTileRange* range = cut->mesh.tiles + i;
         glDrawElements(GL_TRIANGLES, (GLsizei)range->index_count, GL_UNSIGNED_INT,

@@ -6,19 +6,19 @@
 #include <epoxy/gl.h>
 #include <fjell/fjell_c.h>
 
-typedef struct Drawer {
+typedef struct Renderer {
     GLuint program, format, vertices, indices;
     size_t uploaded_bytes; /* by all uploads so far */
-} Drawer;
+} Renderer;
 
 /* NULL, or one line that says what is wrong. */
-const char* drawer_create(Drawer* drawer, const FjellCutBudget* budget);
-void drawer_destroy(Drawer* drawer);
+const char* renderer_create(Renderer* renderer, const FjellCutBudget* budget);
+void renderer_destroy(Renderer* renderer);
 /* changes: what was written since the last upload. */
-void drawer_upload(Drawer* drawer, const FjellCutMesh* cut, const FjellCutChanges* changes);
+void renderer_upload(Renderer* renderer, const FjellCutMesh* cut, const FjellCutChanges* changes);
 /* Into the current framebuffer and viewport. Depth is reversed: cleared to 0, and best in floats. The origin is that of
    the host's scene: everything on the GPU is counted from there. */
-void drawer_draw(const Drawer* drawer, FjellTerrain terrain, const FjellCutMesh* cut, const FjellView* view,
-                 FjellCoord origin);
+void renderer_draw(const Renderer* renderer, FjellTerrain terrain, const FjellCutMesh* cut, const FjellView* view,
+                   FjellCoord origin);
 
 #endif

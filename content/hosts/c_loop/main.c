@@ -123,13 +123,13 @@ static GLuint create_target(void) {
     return target;
 }
 
-static void draw(const World* world, const Drawer* drawer, const FjellCutMesh* mesh, const FjellView* view,
+static void draw(const World* world, const Renderer* renderer, const FjellCutMesh* mesh, const FjellView* view,
                  FjellCoord origin) {
     glViewport(0, 0, width_px, height_px);
     glClearColor(0.62f, 0.72f, 0.84f, 1);
     glClearDepth(0); /* far away */
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    drawer_draw(drawer, world->terrain, mesh, view, origin);
+    renderer_draw(renderer, world->terrain, mesh, view, origin);
 }
 
 static void show(GLFWwindow* window, GLuint target) {
@@ -157,8 +157,8 @@ static int write_picture(const char* path) {
 /* --- the loop --- */
 
 static int play(World* world, GLFWwindow* window, const char* picture, int frames) {
-    Drawer drawer;
-    const char* const error = drawer_create(&drawer, &world->budget);
+    Renderer renderer;
+    const char* const error = renderer_create(&renderer, &world->budget);
     if (error != NULL) return fail("graphics", error);
     const GLuint target = create_target();
     FjellCutSettings settings = fjell_cut_settings_default();
@@ -177,17 +177,17 @@ static int play(World* world, GLFWwindow* window, const char* picture, int frame
         rebased += rebase(world, &view, &origin);
         const FjellCutMesh mesh = fjell_cut_mesh(world->cut);
         const FjellCutChanges changes = fjell_cut_take_changes(world->cut);
-        drawer_upload(&drawer, &mesh, &changes);
-        if (picture == NULL || frame == frames - 1) draw(world, &drawer, &mesh, &view, origin);
+        renderer_upload(&renderer, &mesh, &changes);
+        if (picture == NULL || frame == frames - 1) draw(world, &renderer, &mesh, &view, origin);
         if (picture == NULL) show(window, target);
     }
     for (uint32_t bit = 1; bit <= report.exhausted; bit <<= 1)
         if (report.exhausted & bit) fprintf(stderr, "c_loop: raise %s\n", fjell_cut_budget_field(bit));
     printf("eye %.17g,%.17g,%.17g\n", view.eye_m.x, view.eye_m.y, view.eye_m.z);
     printf("converged %d: %u triangles, %u drawn; %zu bytes uploaded, rebased %d times\n", report.converged,
-           report.triangles, report.triangles_drawn, drawer.uploaded_bytes, rebased);
+           report.triangles, report.triangles_drawn, renderer.uploaded_bytes, rebased);
     const int code = picture == NULL ? 0 : write_picture(picture);
-    drawer_destroy(&drawer);
+    renderer_destroy(&renderer);
     return code;
 }
 

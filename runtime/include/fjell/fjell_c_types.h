@@ -7,6 +7,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#if UINTPTR_MAX < UINT64_MAX
+#error "Fjell needs 64 bits: sizes such as fjell_cut_bytes() would wrap in less"
+#endif
+
 // --- fjell/status.h ---
 
 typedef uint8_t FjellCode;
@@ -69,13 +73,13 @@ typedef struct FjellCoord {
 
 enum { FJELL_ORDER_PLANAR, FJELL_ORDER_HIERARCHICAL_Z, FJELL_ORDER_LINEAR }; // Order
 enum { FJELL_ESTIMATE_MAX, FJELL_ESTIMATE_MIDPOINT };                        // Estimate
-enum {
+enum {                                                                       // ChunkKind
     FJELL_CHUNK_CORNERS,
     FJELL_CHUNK_GEOMETRY,
     FJELL_CHUNK_COLOUR,
     FJELL_CHUNK_NORMAL,
     FJELL_CHUNK_CRS
-}; // ChunkKind
+};
 
 typedef struct FjellPackHeader {
     char magic[8];
