@@ -1,6 +1,6 @@
 /* A game loop in C99: a window, a pack in memory, a cut, and a renderer of its own (draw.c).
-     c_loop PACK                      flies over it until the window is closed
-     c_loop PACK PICTURE.ppm FRAMES   flies so many frames without showing them, and writes the last one */
+     c_loop PACK                                 flies over it until the window is closed
+     c_loop PACK PICTURE.ppm FRAMES [VERTICES]   flies so many frames without showing them, and writes the last one */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -52,7 +52,7 @@ static int read_file(World* world, const char* path) {
     return good ? 0 : fail(path, "cannot be read");
 }
 
-static int create(World* world, const char* path) {
+static int create(World* world, const char* path, uint32_t vertices) {
     if (read_file(world, path) != 0) return 1;
     FjellStatus status = fjell_open_pack(world->file, world->file_bytes, &world->pack);
     if (status.code != FJELL_OK) return refused(status);
@@ -64,8 +64,8 @@ static int create(World* world, const char* path) {
     if (status.code != FJELL_OK) return refused(status);
 
     world->budget = fjell_cut_budget_default();
-    world->budget.vertices = 200000;
-    world->budget.triangles = 400000;
+    world->budget.vertices = vertices;
+    world->budget.triangles = 2 * vertices;
     const size_t cut_bytes = fjell_cut_bytes(world->terrain, &world->budget);
     world->cut_memory = malloc(cut_bytes + 63);
     if (world->cut_memory == NULL) return fail("memory", "the cut does not fit; lower its budget");
@@ -192,10 +192,10 @@ static int play(World* world, GLFWwindow* window, const char* picture, int frame
 }
 
 int main(int argc, char** argv) {
-    if (argc != 2 && argc != 4) return fail("usage", "c_loop PACK [PICTURE.ppm FRAMES]"), 2;
-    const char* const picture = argc == 4 ? argv[2] : NULL;
+    if (argc != 2 && argc != 4 && argc != 5) return fail("usage", "c_loop PACK [PICTURE.ppm FRAMES [VERTICES]]"), 2;
+    const char* const picture = argc > 2 ? argv[2] : NULL;
     World world = {0};
-    int code = create(&world, argv[1]);
+    int code = create(&world, argv[1], argc > 4 ? (uint32_t)atoi(argv[4]) : 200000);
     if (code == 0 && !glfwInit()) code = fail("graphics", "there is no display");
     if (code == 0) {
         glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
