@@ -146,12 +146,13 @@ public:
     bool ok; // struct_size is one that the library knows
 };
 
-// Views as an update takes them; one more than any cut has, so that too many are refused where they always are.
+// Views as an update takes them. Of more than any cut has none is read, and one more is passed on, so that they are
+// refused where they always are.
 class Views {
 public:
     Views(const FjellView* first, std::size_t count)
         : ok(fits(first)), count_(first == nullptr ? 0 : std::min<std::size_t>(count, max_cut_views + 1)) {
-        for (std::size_t i = 0; ok && i < count_; ++i) {
+        for (std::size_t i = 0; ok && count_ <= max_cut_views && i < count_; ++i) {
             const auto* at = reinterpret_cast<const std::byte*>(first) + i * first->struct_size;
             std::memcpy(&view_[i], at + sizeof(std::size_t), known_bytes(first));
         }
