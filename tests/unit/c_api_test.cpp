@@ -230,6 +230,28 @@ TEST_CASE("fields that an older host does not know have their defaults, and its 
     for (const std::size_t count : {std::size_t{9}, std::size_t{1} << 60}) // not read
         CHECK(std::string_view(fjell_update_cut(cut, first, count, &settings, &report).field) == many.field);
 
+    // Each view lies where that host has it.
+    const View seen[2] = {view_of(0), make_view({1200, 500, 700}, {-1, -1, 0}, {0, 1, 0}, 1, 1280, 720, 1, 1e5)};
+    for (std::size_t i = 0; i < 2; ++i) {
+        std::memcpy(views.data() + i * known, &known, sizeof known);
+        std::memcpy(views.data() + i * known + sizeof known, &seen[i], known - sizeof known);
+    }
+    CutBudget for_two{.vertices = 40'000, .triangles = 80'000, .views = 2};
+    LiveCut expected;
+    REQUIRE(create_cut(pack.terrain, for_two, memory.span(cut_bytes(pack.terrain, for_two)), expected).ok());
+    CutReport of_two;
+    REQUIRE(update_cut(expected, seen, {}, of_two).ok());
+    budget = fjell_cut_budget_default();
+    budget.vertices = for_two.vertices;
+    budget.triangles = for_two.triangles;
+    budget.views = 2;
+    FjellLiveCut two{};
+    const std::size_t more = fjell_cut_bytes(terrain, &budget);
+    REQUIRE(fjell_create_cut(terrain, &budget, memory.give(&memory, more), more, &two).code == FJELL_OK);
+    report.struct_size = sizeof report;
+    REQUIRE(fjell_update_cut(two, first, 2, nullptr, &report).code == FJELL_OK);
+    check_same(report, of_two);
+
     // Of a newer header than the library, or of none.
     for (const std::size_t wrong : {std::size_t{0}, std::size_t{7}, sizeof(FjellCutReport) + 8, ~std::size_t{0}}) {
         const auto refuses = [&](FjellStatus s) {
@@ -248,6 +270,31 @@ TEST_CASE("fields that an older host does not know have their defaults, and its 
         refuses(fjell_make_view({}, {1, 0, 0}, {0, 1, 0}, 1, 1, 1, 1, 2, &wrong_view));
         CHECK(fjell_cut_bytes(terrain, &budget) == 0);
     }
+}
+
+TEST_CASE("C finds the runs of written slots that for_each_run() visits") {
+    Random random(1702);
+    using Run = std::pair<std::uint32_t, std::uint32_t>;
+    for (int round = 0; round < 2000; ++round) {
+        std::uint64_t bits[4];
+        std::vector<std::uint32_t> words;
+        for (std::uint32_t i = 0; i < 4; ++i) { // few long runs, which touch the ends of words
+            const auto random_64 = [&] { return std::uint64_t{random()} << 32 | random(); };
+            bits[i] = ~std::uint64_t{0} << (random_64() % 64) ^ ~std::uint64_t{0} << (random_64() % 64);
+            if (pick(random, 0, 3) == 0) bits[i] = ~bits[i];
+            if (pick(random, 0, 7) == 0) bits[i] = random_64();
+            if (pick(random, 0, 4) != 0) words.push_back(i);
+        }
+        std::vector<Run> expected, found;
+        for_each_run(bits, words, [&](std::uint32_t first, std::uint32_t count) {
+            expected.push_back({first, count});
+        });
+        FjellRun run{};
+        while (fjell_next_run(bits, words.data(), words.size(), &run)) found.push_back({run.first, run.count});
+        REQUIRE(found == expected);
+    }
+    FjellRun none{};
+    CHECK(!fjell_next_run(nullptr, nullptr, 0, &none));
 }
 
 TEST_CASE("spans are a pointer and a count in C, also inside what lies in arrays") {
