@@ -1,7 +1,7 @@
 /* What hosts that were compiled earlier rely on: how large each type of fjell/fjell_c.h is, and where its fields lie.
    Fails to compile when that changes. Of a type with struct_size fields may be added at the end, and its size with
-   them; anything else breaks such hosts, so it waits for the next minor version (CHANGELOG.md, under breaking changes).
- */
+   them, but never in what is padding today: an older host has not set that. Anything else breaks such hosts, and waits
+   for the next minor version (CHANGELOG.md, under breaking changes). */
 #include <fjell/fjell_c.h>
 
 #define NAME2(line) abi_##line

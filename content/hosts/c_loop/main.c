@@ -83,16 +83,23 @@ static void destroy(World* world) { /* what uses the other goes first; a handle 
 
 /* --- the camera --- */
 
+/* This engine's axes: x east, y north, z up. Fjell's: x east, y up, z south. Both are right-handed, so that triangles
+   keep their winding. */
+static FjellVec3 from_engine(double x, double y, double z) {
+    const FjellVec3 v = {x, z, -y};
+    return v;
+}
+
 /* 20 cells a second to the south-east, 250 m above the ground. */
 static FjellStatus look(const World* world, double now_s, FjellView* view) {
     const double speed_m = 20 * fjell_terrain_spacing_x_m(world->terrain);
-    FjellVec3 eye_m = {fjell_terrain_extent_x_m(world->terrain) / 3 + speed_m * now_s, 0,
-                       fjell_terrain_extent_z_m(world->terrain) / 3 + speed_m * now_s / 2};
-    const FjellGroundHeight ground = fjell_ground_height(world->terrain, eye_m.x, eye_m.z, 0);
-    eye_m.y = ground.height_m + 250;
-    const FjellVec3 ahead = {1, -0.15, 0.5}, up = {0, 1, 0};
+    const double x = fjell_terrain_extent_x_m(world->terrain) / 3 + speed_m * now_s;
+    const double y = -fjell_terrain_extent_z_m(world->terrain) / 3 - speed_m * now_s / 2;
+    const FjellVec3 below = from_engine(x, y, 0);
+    const double z = fjell_ground_height(world->terrain, below.x, below.z, 0).height_m + 250;
     view->struct_size = sizeof *view;
-    return fjell_make_view(eye_m, ahead, up, 1.0, width_px, height_px, 1, 1e6, view);
+    return fjell_make_view(from_engine(x, y, z), from_engine(1, -0.5, -0.15), from_engine(0, 0, 1), 1.0, width_px,
+                           height_px, 1, 1e6, view);
 }
 
 /* The scene's origin is a sample near the eye. An engine counts its objects, physics and sound from there in floats,
