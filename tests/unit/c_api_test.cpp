@@ -1,41 +1,19 @@
 // The library for C (fjell/fjell_c.h) beside the one for C++: the same calls, answers and refusals. c_host.c is the
 // host, compiled as C99; c_abi.c holds what a host that was compiled earlier relies on.
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <string_view>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
-#include "fjell/fjell.h"
-#include "support/terrain_fixture.h"
-#include "unit/c_host.h"
+#include "unit/c_api_scene.h"
 
 using namespace fjell;
 using namespace fjell::test;
 
 namespace {
-
-struct Memory : Allocator {
-    Memory() : Allocator{&give} {}
-    static void* give(Allocator* self, std::size_t bytes) {
-        auto& pieces = static_cast<Memory*>(self)->pieces;
-        pieces.push_back(io::allocate(bytes));
-        return pieces.back().get();
-    }
-    std::span<std::byte> span(std::size_t bytes) { return {static_cast<std::byte*>(give(this, bytes)), bytes}; }
-    std::vector<io::AlignedMemory> pieces;
-};
-
-// 1,600 m x 890 m of hills.
-io::LoadedPack a_pack() {
-    Random random(1701);
-    baker::Dem dem = random_dem(random, 161, 90, Shape::fractal);
-    const auto [low, high] = std::ranges::minmax(dem.heights_m);
-    for (float& height_m : dem.heights_m) height_m = 400 * (height_m - low) / (high - low);
-    dem.spacing_m[0] = dem.spacing_m[1] = 10;
-    return bake_and_load(std::move(dem), small_bake(6));
-}
 
 // Times differ from run to run.
 void check_same(const FjellCutReport& c, const CutReport& cpp) {
@@ -58,10 +36,6 @@ void check_same(const FjellCutReport& c, const CutReport& cpp) {
     CHECK(c.triangle_slots.capacity == cpp.triangle_slots.capacity);
     CHECK(c.vertices_changed == cpp.vertices_changed);
     CHECK(c.triangles_changed == cpp.triangles_changed);
-}
-
-View view_of(int frame) {
-    return make_view({100 + 5.0 * frame, 800, 100}, {1, -1, 0.5}, {0, 1, 0}, 1, 1280, 720, 1, 1e5);
 }
 
 template <typename C, typename Cpp>
