@@ -12,7 +12,7 @@
 //   is NULL is not written.
 // - All other structs stay as they are while FJELL_VERSION_MINOR does.
 // - Enumerators are constants, and a field that holds one is as wide as in C++.
-// No function allocates, prints or throws. Where zstd allocates, the C++ header says so.
+// No function prints or throws, and none allocates but where its C++ header says that zstd may.
 #ifndef FJELL_FJELL_C_H
 #define FJELL_FJELL_C_H
 
