@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 
 #include "asserts.h"
 #include "fjell/coord.h"
@@ -60,8 +61,9 @@ struct Tally {
 }
 [[gnu::cold, gnu::noinline]] inline void abort_if(const Violation& found, const char* file, int line) {
     if (!found) return;
-    (void)std::fprintf(stderr, "%s:%d: %s (%d, %d)\n", file, line, found.what, found.at.x, found.at.y);
-    std::abort();
+    char what[200]; // and where
+    (void)std::snprintf(what, sizeof what, "%s (%d, %d)", found.what, found.at.x, found.at.y);
+    fail_assert(file, line, what);
 }
 // Aborts with what a walk finds after an event; events are numbered from 1 on.
 #define FJELL_WALK(event, walk)                                                                                        \

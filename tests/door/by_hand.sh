@@ -20,3 +20,13 @@ game-build/game terrain.fjell picture.png
 export PKG_CONFIG_PATH=~/fjell-0.2/lib/pkgconfig
 g++ -std=c++20 engine.cpp main.cpp -o game $(pkg-config --cflags --libs fjell-io)
 ./game terrain.fjell
+
+cmake -S fjell/content/hosts/c_loop -B c_loop-build -DCMAKE_PREFIX_PATH=~/fjell-0.2
+cmake --build c_loop-build
+
+cc -std=c99 -c fjell/content/hosts/c_loop/*.c $(pkg-config --cflags fjell glfw3 epoxy)
+c++ main.o draw.o -o c_loop $(pkg-config --libs fjell glfw3 epoxy) -lm
+
+[[ ${DISPLAY:-} ]] || { echo "skipped: the host in C, which opens a window (there is no display)"; exit; }
+c_loop-build/c_loop terrain.fjell picture.ppm 120
+./c_loop terrain.fjell picture.ppm 120

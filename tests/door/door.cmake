@@ -1,6 +1,6 @@
 # Configures, builds and runs an outside project with nothing but a compiler and Fjell, and looks at what it got.
 #   cmake -DHOST=PROJECT -DFOLDER=BUILD -DPACK=FILE -DCOMPILER=C++ -DVERSION=V [-DSAID=FILE] [-DPREFIX=INSTALLED]
-#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DFAULTS=LIBRARY] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON] [-DFULL=ON] -P door.cmake
+#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DFAULTS=LIBRARY] [-DXVFB=XVFB-RUN -DFLY=FJELL-FLY] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON] [-DFULL=ON] -P door.cmake
 # LINK: add_subdirectory, FetchContent, find_package or pkg-config. SAID: what the first game printed; all others must
 # print the same.
 cmake_minimum_required(VERSION 3.25)
@@ -49,7 +49,7 @@ else()
   endif()
   # Without optimisation: what is asked is whether it builds, and a game is built so every day.
   must("configuring" ${CMAKE_COMMAND} -S ${HOST} -B ${FOLDER} -G Ninja -DCMAKE_BUILD_TYPE=Debug
-    -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${FLAGS}" ${options})
+    -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${FLAGS}" "-DCMAKE_C_FLAGS=${FLAGS}" ${options})
   if(COMPILE_ONLY) # the library once more takes half a minute: its own build has shown that it compiles
     message(STATUS "skipped: building the library as a part of the game (FJELL_TEST_ROUNDS=full does)")
     must("compiling" ${CMAKE_COMMAND} --build ${FOLDER} --target CMakeFiles/engine.dir/engine.cpp.o)
@@ -137,6 +137,42 @@ if(HOST MATCHES "hosts/game$")
   if(NOT code EQUAL 1 OR NOT errors MATCHES "game: tile 0: the file could not be read" OR NOT EXISTS ${FOLDER}/failed.png)
     message(FATAL_ERROR "with a disk that fails the game ends with ${code} and says ${output}${errors}")
   endif()
+  return()
+endif()
+
+if(HOST MATCHES "hosts/c_loop$")
+  set(picture ${FOLDER}/picture.ppm)
+  must("flying" ${XVFB} -a ${FOLDER}/c_loop ${PACK} ${picture} 120)
+  if(NOT output MATCHES "^eye ([-0-9.e]+),([-0-9.e]+),([-0-9.e]+)\nconverged 1: ([1-9][0-9]*) triangles, [1-9][0-9]* drawn; ([1-9][0-9]*) bytes uploaded, rebased [2-9] times\n$")
+    message(FATAL_ERROR "the host in C says: ${output}")
+  endif()
+  set(eye ${CMAKE_MATCH_1} ${CMAKE_MATCH_2} ${CMAKE_MATCH_3})
+  set(triangles ${CMAKE_MATCH_4})
+  # What fjell-fly makes of the same view. Which way it looks decides nothing: the cut is refined all around.
+  list(JOIN eye "," from)
+  must("fjell-fly" ${FLY} ${PACK} --headless --frames 1 --size 640x360 --fov 57.29577951308232 --error-px 2 --morph none
+    --eye ${from} --look 1e6,0,5e5 --json -)
+  string(JSON expected GET "${output}" triangles_mean)
+  if(NOT expected EQUAL triangles)
+    message(FATAL_ERROR "the host in C has ${triangles} triangles, fjell-fly ${expected}")
+  endif()
+  # Ground below, sky above: between a tenth and a half of the picture is the colour that it was cleared to.
+  file(READ ${picture} hex HEX)
+  string(REGEX MATCHALL "9eb8d6" sky "${hex}")
+  list(LENGTH sky sky)
+  if(sky LESS 23040 OR sky GREATER 115200)
+    message(FATAL_ERROR "${sky} of 230,400 pixels are sky: see ${picture}")
+  endif()
+  # What is wrong is one sentence.
+  function(must_say text)
+    execute_process(COMMAND ${FOLDER}/c_loop ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE errors)
+    if(NOT code EQUAL 1 OR NOT errors MATCHES "^c_loop: ${text}\n$")
+      message(FATAL_ERROR "the host in C ends with ${code} and says ${output}${errors}where \"${text}\" is expected")
+    endif()
+  endfunction()
+  must_say(".*/none.fjell: cannot be opened; give a pack that fjell-bake has written" ${FOLDER}/none.fjell)
+  must_say(".*: this is not a Fjell pack; bake the height field with fjell-bake first" ${picture})
+  must_say("CutBudget::vertices \\(4 a tile\\): the budget cannot hold the coarsest mesh; raise the field" ${PACK} ${picture} 1 3)
   return()
 endif()
 

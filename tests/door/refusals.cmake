@@ -1,5 +1,5 @@
 # What a host is refused, and how it is told.
-#   cmake -DSTATIC=PREFIX -DSHARED=PREFIX -DFOLDER=SCRATCH -DCOMPILER=C++ -DVERSION=V -P refusals.cmake
+#   cmake -DSTATIC=PREFIX -DSHARED=PREFIX -DFOLDER=SCRATCH -DCOMPILER=C++ -DCC=C -DVERSION=V -P refusals.cmake
 cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/must.cmake)
 file(REMOVE_RECURSE ${FOLDER})
@@ -12,6 +12,10 @@ list(FILTER publics EXCLUDE REGEX "/glm.h$") # needs GLM
 foreach(public ${publics})
   must("${public} by itself" ${COMPILER} -std=c++20 -I${headers} -fsyntax-only -include ${public} -x c++ /dev/null)
 endforeach()
+file(WRITE ${FOLDER}/host.c "#include <fjell/fjell_c.h>\n")
+must("a plain host in C" ${CC} -std=c99 -Wall -Wextra -pedantic -Werror -I${headers} -fsyntax-only ${FOLDER}/host.c)
+must("a host in C++11 that uses it" ${COMPILER} -std=c++11 -Wall -Wextra -pedantic -Werror -I${headers} -fsyntax-only -x c++ ${FOLDER}/host.c)
+must_fail("32 bits from C" "Fjell needs 64 bits" ${CC} -std=c99 -m32 -ffreestanding -I${headers} -fsyntax-only ${FOLDER}/host.c)
 foreach(flag -ffast-math -ffinite-math-only)
   must_fail(${flag} "must be compiled without -ffast-math" ${COMPILER} -std=c++20 ${flag} -I${headers} -fsyntax-only ${FOLDER}/host.cpp)
 endforeach()

@@ -1,7 +1,10 @@
-// The guide's game (content/hosts/game) beside the library: its shader and its renderer do what ours do.
+// The guide's game (content/hosts/game) beside the library: its shader and its renderer do what ours do. So does the
+// renderer of the host in C (content/hosts/c_loop).
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -9,6 +12,9 @@
 
 #include "hosts/game/draw.h"
 #include "hosts/game/walk.h"
+extern "C" {
+#include "hosts/c_loop/draw.h"
+}
 #include "picture_scene.h"
 #include "support/program.h"
 
@@ -180,4 +186,53 @@ TEST_CASE("the guide's renderer draws what ours draws, from uploads of what chan
         CHECK(apart(drawn(drawer, scene, cut, strips), ours) < ours.size() / 10'000);
     }
     CHECK(apart(pictures[0], pictures[1]) > pictures[0].size() / 100); // or the measure is blind
+}
+
+TEST_CASE("the C host's renderer draws what ours draws, from uploads of what changed and from any origin",
+          "[picture]") {
+    Scene scene(mountains(513), 6);
+    scene.make_cut();
+    const auto terrain = std::bit_cast<FjellTerrain>(scene.loaded.terrain);
+    const auto cut = std::bit_cast<FjellLiveCut>(scene.cut);
+    FjellCutBudget budget = fjell_cut_budget_default();
+    budget.vertices = capacities(cut_mesh(scene.cut)).vertices;
+    budget.triangles = capacities(cut_mesh(scene.cut)).triangles;
+    Renderer c_host;
+    const char* const error = renderer_create(&c_host, &budget);
+    REQUIRE(error == nullptr);
+    std::vector<std::vector<float>> pictures;
+    std::size_t first_upload = 0;
+    for (const double south : {0.9, 0.899, 0.7}) {
+        const View view = scene.camera(0.5, south, 200, 5, -10);
+        scene.follow(view, 3);
+        const FjellCutChanges taken = fjell_cut_take_changes(cut); // once, for both
+        const FjellCutMesh mesh = fjell_cut_mesh(cut);
+        const std::size_t before = c_host.uploaded_bytes;
+        renderer_upload(&c_host, &mesh, &taken);
+        if (first_upload == 0) first_upload = c_host.uploaded_bytes;
+        if (south == 0.899) CHECK(c_host.uploaded_bytes - before < first_upload / 4);
+        const CutChanges changes{{taken.vertex_bits, taken.vertex_bit_words},
+                                 {taken.triangle_bits, taken.triangle_bit_words},
+                                 {taken.vertex_words, taken.vertex_word_count},
+                                 {taken.triangle_words, taken.triangle_word_count}};
+        REQUIRE(scene.renderer->draw(cut_mesh(scene.cut), changes, view, {}, *scene.target) == "");
+        std::vector<float> ours, theirs;
+        scene.target->read_depth(ours);
+        FjellView seen = fjell_view_default();
+        std::memcpy(&seen.eye_m, &view, sizeof view);
+        for (const FjellCoord origin : {FjellCoord{250, 460}, FjellCoord{0, 0}}) {
+            glBindFramebuffer(GL_FRAMEBUFFER, scene.target->framebuffer());
+            glViewport(0, 0, static_cast<GLsizei>(width_px), static_cast<GLsizei>(height_px));
+            glDepthMask(GL_TRUE);
+            glClearDepth(0);
+            glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+            renderer_draw(&c_host, terrain, &mesh, &seen, origin);
+            scene.target->read_depth(theirs);
+            CHECK(apart(theirs, ours) < ours.size() / 5000); // silhouettes, where a rounding shows
+        }
+        pictures.push_back(theirs);
+    }
+    CHECK(apart(pictures[0], pictures[2]) > pictures[0].size() / 100); // or the measure is blind
+    renderer_destroy(&c_host);
+    CHECK(context().log().errors == 0);
 }

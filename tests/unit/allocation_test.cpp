@@ -1,8 +1,10 @@
 // invariant 5, as far as it goes for the recursive method and queries: they allocate nothing.
 #include <catch2/catch.hpp>
 
+#include <bit>
 #include <vector>
 
+#include "fjell/fjell_c.h"
 #include "fjell/query.h"
 #include "support/count_allocations.h"
 #include "support/terrain_fixture.h"
@@ -43,6 +45,37 @@ TEST_CASE("a frame allocates nothing, whatever the view, and also when a budget 
     counting = false;
     std::free(planted);
     REQUIRE(allocations == 1);
+}
+
+TEST_CASE("a cut that C creates, updates and reads allocates nothing") {
+    if (!interposed) {
+        WARN("skipped: a sanitizer has malloc to itself");
+        return;
+    }
+    Random random(43);
+    const auto pack = bake_and_load(random_dem(random, 200, 120, Shape::fractal), small_bake(5));
+    const auto terrain = std::bit_cast<FjellTerrain>(pack.terrain);
+    const FjellCutBudget budget = fjell_cut_budget_default();
+    const std::size_t bytes = fjell_cut_bytes(terrain, &budget);
+    const io::AlignedMemory memory = io::allocate(bytes);
+    FjellLiveCut cut{};
+    std::size_t written = 0;
+    allocations = 0;
+    counting = true;
+    FjellStatus status = fjell_create_cut(terrain, &budget, memory.get(), bytes, &cut);
+    for (int frame = 0; frame < 20 && status.code == FJELL_OK; ++frame) {
+        const double x_m = frame * double{fjell_terrain_extent_x_m(terrain)} / 20;
+        FjellView view = fjell_view_default();
+        (void)fjell_make_view({x_m, fjell_ground_height(terrain, x_m, 0, 0).height_m + 1, 0}, {0, 0, 1}, {0, 1, 0}, 1,
+                              640, 480, 0.1, 1e6, &view);
+        status = fjell_update_cut(cut, &view, 1, nullptr, nullptr);
+        written += fjell_cut_take_changes(cut).vertex_word_count;
+        written += fjell_cut_mesh(cut).mesh.tile_count;
+    }
+    counting = false;
+    REQUIRE(status.code == FJELL_OK);
+    CHECK(allocations == 0);
+    CHECK(written > 20);
 }
 
 TEST_CASE("heights, rays and patches allocate nothing, with pages or without") {

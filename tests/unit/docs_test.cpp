@@ -116,8 +116,8 @@ const std::set<std::string>& words_of_sources() {
         for (const std::string& file : files()) {
             if (file.ends_with(".md") || file.ends_with("docs_test.cpp")) continue;
             const std::string extension = fs::path(file).extension().string();
-            static const std::set<std::string> texts{".h",   ".cpp",   ".txt", ".toml", ".json",
-                                                     ".mjs", ".cmake", ".in",  ""};
+            static const std::set<std::string> texts{".h",    ".c",   ".cpp",   ".txt", ".toml",
+                                                     ".json", ".mjs", ".cmake", ".in",  ""};
             if (texts.count(extension) == 0) continue;
             std::string word;
             for (const char c : slurp(root / file) + ' ') {
@@ -210,13 +210,13 @@ bool quotes(const Block& block) {
     return false;
 }
 
-// Whose files a test builds and runs: tests/door does the first two.
-const std::vector<std::string> built{"content/hosts/game/", "tests/door/", "tests/unit/"};
+// Whose files a test builds and runs: tests/door does the first three.
+const std::vector<std::string> built{"content/hosts/c_loop/", "content/hosts/game/", "tests/door/", "tests/unit/"};
 
 } // namespace
 
 TEST_CASE("every block of code in the README and the guides is quoted from a file that a test builds and runs") {
-    const std::set<std::string> languages{"cpp", "glsl", "cmake", "sh"};
+    const std::set<std::string> languages{"c", "cpp", "glsl", "cmake", "sh"};
     int code = 0;
     for (const Page& page : pages()) {
         if (page.name != "README.md" && !page.name.starts_with("docs/guides/")) continue;
@@ -282,7 +282,7 @@ TEST_CASE("every path that the documents name exists") {
     std::set<std::string> names;
     for (const std::string& file : files()) names.insert(fs::path(file).filename().string());
     const std::regex rooted("(runtime|baker|editor|content|profiles|tests|docs|fjell|io|gl|gltf|flight|fly)/[^ ]*");
-    const std::regex file_name("[a-z0-9_./-]+\\.(h|cpp|md|svg|cmake)");
+    const std::regex file_name("[a-z0-9_./-]+\\.(h|c|cpp|md|svg|cmake)");
     for (const Page& page : pages()) {
         for (const std::string& token : in_backticks(page)) {
             INFO(page.name << ": " << token);

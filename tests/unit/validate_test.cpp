@@ -2,9 +2,13 @@
 #include <catch2/catch.hpp>
 
 #include <bit>
+#include <csignal>
 #include <functional>
 #include <utility>
 #include <vector>
+
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "cut/find.h"
 #include "cut/mesh.h"
@@ -12,6 +16,7 @@
 #include "stream/requests.h"
 #include "support/cut_scene.h"
 #include "support/stream_scene.h"
+#include "validate.h"
 
 using namespace fjell;
 using namespace fjell::test;
@@ -258,11 +263,64 @@ TEST_CASE("a walk over a stream names every page, request and layer that was tam
     plant(walk, array.free_count, array.free_count ^ 1, "a layer is used or free twice, or lost");
 }
 
-#ifdef FJELL_VALIDATE
+namespace {
 
-#include <csignal>
-#include <sys/wait.h>
-#include <unistd.h>
+// What a child that aborts has written on stderr; it must abort.
+std::string last_words(const std::function<void()>& child_does) {
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        std::signal(SIGABRT, SIG_DFL);
+        dup2(ends[1], STDERR_FILENO);
+        child_does();
+        _exit(0);
+    }
+    close(ends[1]);
+    std::string said;
+    char piece[256];
+    for (ssize_t n = 0; (n = read(ends[0], piece, sizeof piece)) > 0;) said.append(piece, static_cast<std::size_t>(n));
+    close(ends[0]);
+    int status = 0;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    CHECK((WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT));
+    return said;
+}
+
+void host_log(const char* condition, const char* file, int line) {
+    dprintf(STDERR_FILENO, "host's log: %s (%s, %d)", condition, file, line);
+}
+
+} // namespace
+
+TEST_CASE("an assert that fails is the host's handler's to report, or a line on stderr, and aborts") {
+    const auto fail = [] { fail_assert("cut.cpp", 7, "used <= capacity"); };
+    CHECK(last_words(fail) == "cut.cpp:7: must hold: used <= capacity\n");
+    CHECK(last_words([&] {
+              (void)set_assert_handler(host_log);
+              fail();
+          }) == "host's log: used <= capacity (cut.cpp, 7)");
+    CHECK(last_words([&] {
+              (void)set_assert_handler(host_log);
+              (void)set_assert_handler(nullptr);
+              fail();
+          }) == "cut.cpp:7: must hold: used <= capacity\n");
+#ifdef FJELL_VALIDATE
+    CHECK(set_assert_handler(nullptr)); // compiled in
+    CHECK(last_words([] {
+              (void)set_assert_handler(host_log);
+              Scene scene;
+              scene.s.tiles[0].total += 1;
+              while (!std::has_single_bit(scene.s.frame + 1))
+                  scene.update(view_from_above(scene.pack.terrain, 0.05), 0);
+              scene.update(view_from_above(scene.pack.terrain, 0.05), 400);
+          }).starts_with("host's log: "));
+#else
+    CHECK_FALSE(set_assert_handler(nullptr));
+#endif
+}
+
+#ifdef FJELL_VALIDATE
 
 TEST_CASE("the library walks by itself and asserts: it aborts a process whose cut was tampered with") {
     const auto aborts = [](const std::function<void(Scene&)>& tamper) {

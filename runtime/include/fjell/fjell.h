@@ -2,6 +2,7 @@
 // their own (fjell/io, fjell/gl, fjell/gltf), and so has GLM (fjell/glm.h), which the library does without.
 #pragma once
 
+#include "fjell/asserts.h"
 #include "fjell/coord.h"
 #include "fjell/cut.h"
 #include "fjell/export.h"

@@ -55,17 +55,16 @@ template <std::uint32_t Stride>
     }
 }
 
-} // namespace
-
-FJELL_CLONES void expand_radii(const std::uint8_t* stored, std::uint8_t* radii) {
+// Clones are of this source alone: a shared library shows others to its hosts, hidden or not (g++ 12).
+FJELL_CLONES void expand_codes(const std::uint8_t* stored, std::uint8_t* radii) {
     constexpr std::uint32_t blocks = n >> radius_squares_log2;
     expand_plane<n>(stored, n, radii);
     expand_plane<n>(stored + blocks * blocks, n + 1, radii + first_side_x);
     expand_plane<n + 1>(stored + blocks * (2 * blocks + 1), n, radii + first_side_y);
 }
 
-FJELL_CLONES Status unpack_page(const PageLayout& pages, std::uint32_t page, std::span<const std::byte> raw,
-                                PageArrays& out) {
+FJELL_CLONES Status unpack(const PageLayout& pages, std::uint32_t page, std::span<const std::byte> raw,
+                           PageArrays& out) {
     const Status corrupt{Code::corrupt, "geometry page"};
     const std::uint32_t count = pages.page_vertices(page);
     Cursor cursor{raw};
@@ -100,7 +99,7 @@ FJELL_CLONES Status unpack_page(const PageLayout& pages, std::uint32_t page, std
     for (std::uint32_t i = 0; i < (step_page ? page_radii : count); ++i) all |= codes[i];
     if (all >= radius_codes) return corrupt;
     if (step_page)
-        expand_radii(codes, out.radii);
+        expand_codes(codes, out.radii);
     else
         std::memcpy(out.radii, codes, count);
     if (holes)
@@ -108,6 +107,16 @@ FJELL_CLONES Status unpack_page(const PageLayout& pages, std::uint32_t page, std
             out.radii[i] |=
                 static_cast<std::uint8_t>(((std::to_integer<unsigned>(holes[i / 8]) >> (i % 8)) & 1) * void_bit);
     return {};
+}
+
+} // namespace
+
+void expand_radii(const std::uint8_t* stored, std::uint8_t* radii) {
+    expand_codes(stored, radii);
+}
+
+Status unpack_page(const PageLayout& pages, std::uint32_t page, std::span<const std::byte> raw, PageArrays& out) {
+    return unpack(pages, page, raw, out);
 }
 
 LeafErrors::LeafErrors(const ErrorScale& scale, float quantum_m)

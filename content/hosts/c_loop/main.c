@@ -1,0 +1,223 @@
+/* A game loop in C99: a window, a pack in memory, a cut, and a renderer of its own (draw.c).
+     c_loop PACK                                 flies over it until the window is closed
+     c_loop PACK PICTURE.ppm FRAMES [VERTICES]   flies so many frames without showing them, and writes the last one */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <epoxy/gl.h>
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include "draw.h"
+
+enum { width_px = 640, height_px = 360 };
+
+static int fail(const char* what, const char* why) {
+    fprintf(stderr, "c_loop: %s: %s\n", what, why);
+    return 1;
+}
+static int refused(FjellStatus status) {
+    return fail(status.field, fjell_message(status.code)); /* what is at fault, and what to do about it */
+}
+
+/* --- what the host owns --- */
+
+typedef struct World {
+    void* file; /* the pack lies in it */
+    size_t file_bytes;
+    void *terrain_memory, *cut_memory;
+    FjellPack pack;
+    FjellTerrain terrain;
+    FjellCutBudget budget;
+    FjellLiveCut cut;
+} World;
+
+/* The library takes memory in pieces that are aligned to 64 bytes, and allocates none itself. */
+static void* aligned(void* piece) {
+    return (char*)piece + (64 - (uintptr_t)piece % 64) % 64;
+}
+
+static int read_file(World* world, const char* path) {
+    FILE* const file = fopen(path, "rb");
+    if (file == NULL) return fail(path, "cannot be opened; give a pack that fjell-bake has written");
+    long bytes = -1;
+    if (fseek(file, 0, SEEK_END) == 0) bytes = ftell(file);
+    rewind(file);
+    world->file_bytes = bytes < 0 ? 0 : (size_t)bytes;
+    world->file = malloc(world->file_bytes + 1);
+    const int good =
+        bytes >= 0 && world->file != NULL && fread(world->file, 1, world->file_bytes, file) == world->file_bytes;
+    fclose(file);
+    return good ? 0 : fail(path, "cannot be read");
+}
+
+static int create(World* world, const char* path, uint32_t vertices) {
+    if (read_file(world, path) != 0) return 1;
+    FjellStatus status = fjell_open_pack(world->file, world->file_bytes, &world->pack);
+    if (status.code != FJELL_OK) return refused(status);
+
+    const size_t terrain_bytes = fjell_terrain_bytes(&world->pack.header, NULL); /* NULL: the defaults */
+    world->terrain_memory = malloc(terrain_bytes + 63);
+    if (world->terrain_memory == NULL) return fail("memory", "the terrain does not fit; stream it");
+    status = fjell_load_terrain(&world->pack, aligned(world->terrain_memory), terrain_bytes, &world->terrain);
+    if (status.code != FJELL_OK) return refused(status);
+
+    world->budget = fjell_cut_budget_default();
+    world->budget.vertices = vertices;
+    world->budget.triangles = 2 * vertices;
+    const size_t cut_bytes = fjell_cut_bytes(world->terrain, &world->budget);
+    world->cut_memory = malloc(cut_bytes + 63);
+    if (world->cut_memory == NULL) return fail("memory", "the cut does not fit; lower its budget");
+    status = fjell_create_cut(world->terrain, &world->budget, aligned(world->cut_memory), cut_bytes, &world->cut);
+    return status.code == FJELL_OK ? 0 : refused(status);
+}
+
+static void destroy(World* world) { /* what uses the other goes first; a handle that is still {0} is refused */
+    (void)fjell_destroy_cut(world->cut);
+    (void)fjell_destroy_terrain(world->terrain);
+    free(world->cut_memory);
+    free(world->terrain_memory);
+    free(world->file);
+}
+
+/* --- the camera --- */
+
+/* This engine's axes: x east, y north, z up. Fjell's: x east, y up, z south. Both are right-handed, so that triangles
+   keep their winding. */
+static FjellVec3 from_engine(double x, double y, double z) {
+    const FjellVec3 v = {x, z, -y};
+    return v;
+}
+
+/* 20 cells a second to the south-east, 250 m above the ground. */
+static FjellStatus look(const World* world, double now_s, FjellView* view) {
+    const double speed_m = 20 * fjell_terrain_spacing_x_m(world->terrain);
+    const double x = fjell_terrain_extent_x_m(world->terrain) / 3 + speed_m * now_s;
+    const double y = -fjell_terrain_extent_z_m(world->terrain) / 3 - speed_m * now_s / 2;
+    const FjellVec3 below = from_engine(x, y, 0);
+    const double z = fjell_ground_height(world->terrain, below.x, below.z, 0).height_m + 250;
+    view->struct_size = sizeof *view;
+    return fjell_make_view(from_engine(x, y, z), from_engine(1, -0.5, -0.15), from_engine(0, 0, 1), 1.0, width_px,
+                           height_px, 1, 1e6, view);
+}
+
+/* The scene's origin is a sample near the eye. An engine counts its objects, physics and sound from there in floats,
+   and moves them when it moves. Returns whether it has. */
+static int rebase(const World* world, const FjellView* view, FjellCoord* origin) {
+    const double dx = fjell_terrain_spacing_x_m(world->terrain), dz = fjell_terrain_spacing_z_m(world->terrain);
+    const double far_m = 1000;
+    if (fabs(view->eye_m.x - origin->x * dx) < far_m && fabs(view->eye_m.z - origin->y * dz) < far_m) return 0;
+    origin->x = (int32_t)floor(view->eye_m.x / dx);
+    origin->y = (int32_t)floor(view->eye_m.z / dz);
+    return 1;
+}
+
+/* --- the picture --- */
+
+/* Drawn into a framebuffer of our own, because a window's has no depth in floats. */
+static GLuint create_target(void) {
+    GLuint target = 0, parts[2];
+    glGenFramebuffers(1, &target);
+    glGenRenderbuffers(2, parts);
+    glBindFramebuffer(GL_FRAMEBUFFER, target);
+    glBindRenderbuffer(GL_RENDERBUFFER, parts[0]);
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width_px, height_px);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, parts[0]);
+    glBindRenderbuffer(GL_RENDERBUFFER, parts[1]);
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, width_px, height_px);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, parts[1]);
+    return target;
+}
+
+static void draw(const World* world, const Renderer* renderer, const FjellCutMesh* mesh, const FjellView* view,
+                 FjellCoord origin) {
+    glViewport(0, 0, width_px, height_px);
+    glClearColor(0.62f, 0.72f, 0.84f, 1);
+    glClearDepth(0); /* far away */
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    renderer_draw(renderer, world->terrain, mesh, view, origin);
+}
+
+static void show(GLFWwindow* window, GLuint target) {
+    int width, height;
+    glfwGetFramebufferSize(window, &width, &height);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    glBlitFramebuffer(0, 0, width_px, height_px, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_LINEAR);
+    glBindFramebuffer(GL_FRAMEBUFFER, target);
+    glfwSwapBuffers(window);
+    glfwPollEvents();
+}
+
+static int write_picture(const char* path) {
+    static unsigned char rgb[height_px][width_px][3];
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, width_px, height_px, GL_RGB, GL_UNSIGNED_BYTE, rgb);
+    FILE* const file = fopen(path, "wb");
+    if (file == NULL) return fail(path, "cannot be written");
+    fprintf(file, "P6\n%d %d\n255\n", width_px, height_px);
+    for (int row = height_px - 1; row >= 0; --row)
+        fwrite(rgb[row], sizeof rgb[row], 1, file); /* OpenGL's first is the lowest */
+    return fclose(file) == 0 ? 0 : fail(path, "cannot be written");
+}
+
+/* --- the loop --- */
+
+static int play(World* world, GLFWwindow* window, const char* picture, int frames) {
+    Renderer renderer;
+    const char* const error = renderer_create(&renderer, &world->budget);
+    if (error != NULL) return fail("graphics", error);
+    const GLuint target = create_target();
+    FjellCutSettings settings = fjell_cut_settings_default();
+    settings.error_px = 2;
+    settings.items = 20000;
+    FjellCutReport report = {.struct_size = sizeof report};
+    FjellView view;
+    FjellCoord origin = {0, 0};
+    int rebased = 0;
+    for (int frame = 0; picture == NULL ? !glfwWindowShouldClose(window) : frame < frames; ++frame) {
+        FjellStatus status = look(world, picture == NULL ? glfwGetTime() : frame / 60.0, &view);
+        if (status.code ==
+            FJELL_OK) /* every frame: no allocation, no lock, no system call; the first one from nothing */
+            status = (frame == 0 ? fjell_rebuild_cut : fjell_update_cut)(world->cut, &view, 1, &settings, &report);
+        if (status.code != FJELL_OK) return refused(status);
+        rebased += rebase(world, &view, &origin);
+        const FjellCutMesh mesh = fjell_cut_mesh(world->cut);
+        const FjellCutChanges changes = fjell_cut_take_changes(world->cut);
+        renderer_upload(&renderer, &mesh, &changes);
+        if (picture == NULL || frame == frames - 1) draw(world, &renderer, &mesh, &view, origin);
+        if (picture == NULL) show(window, target);
+    }
+    for (uint32_t bit = 1; bit <= report.exhausted; bit <<= 1)
+        if (report.exhausted & bit) fprintf(stderr, "c_loop: raise %s\n", fjell_cut_budget_field(bit));
+    printf("eye %.17g,%.17g,%.17g\n", view.eye_m.x, view.eye_m.y, view.eye_m.z);
+    printf("converged %d: %u triangles, %u drawn; %zu bytes uploaded, rebased %d times\n", report.converged,
+           report.triangles, report.triangles_drawn, renderer.uploaded_bytes, rebased);
+    const int code = picture == NULL ? 0 : write_picture(picture);
+    renderer_destroy(&renderer);
+    return code;
+}
+
+int main(int argc, char** argv) {
+    if (argc != 2 && argc != 4 && argc != 5) return fail("usage", "c_loop PACK [PICTURE.ppm FRAMES [VERTICES]]"), 2;
+    const char* const picture = argc > 2 ? argv[2] : NULL;
+    World world = {0};
+    int code = create(&world, argv[1], argc > 4 ? (uint32_t)atoi(argv[4]) : 200000);
+    if (code == 0 && !glfwInit()) code = fail("graphics", "there is no display");
+    if (code == 0) {
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+        glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+        glfwWindowHint(GLFW_VISIBLE, picture == NULL);
+        GLFWwindow* const window = glfwCreateWindow(width_px, height_px, "c_loop", NULL, NULL);
+        if (window == NULL) {
+            code = fail("graphics", "there is no OpenGL 3.3");
+        } else {
+            glfwMakeContextCurrent(window);
+            code = play(&world, window, picture, picture == NULL ? 0 : atoi(argv[3]));
+        }
+        glfwTerminate();
+    }
+    destroy(&world);
+    return code;
+}

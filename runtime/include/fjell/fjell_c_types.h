@@ -1,0 +1,484 @@
+// The types of fjell/fjell_c.h, which says what C needs otherwise than C++. Fields are those of the C++ types of the
+// same name, whose headers give units and ranges; the library asserts while it is compiled that they lie alike.
+#ifndef FJELL_FJELL_C_TYPES_H
+#define FJELL_FJELL_C_TYPES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#if UINTPTR_MAX < UINT64_MAX
+#error "Fjell needs 64 bits: sizes such as fjell_cut_bytes() would wrap in less"
+#endif
+
+// --- fjell/status.h ---
+
+typedef uint8_t FjellCode;
+enum {
+    FJELL_OK,
+    FJELL_TRUNCATED,
+    FJELL_NOT_A_PACK,
+    FJELL_WRONG_VERSION,
+    FJELL_WRONG_LAYOUT,
+    FJELL_CORRUPT,
+    FJELL_OUT_OF_RANGE,
+    FJELL_MEMORY_TOO_SMALL,
+    FJELL_BUDGET_TOO_SMALL,
+    FJELL_OUT_OF_SLOTS,
+    FJELL_COARSER_PAGE_FIRST,
+    FJELL_NOT_SUPPORTED,
+    FJELL_UNREADABLE,
+    FJELL_INVALID_HANDLE,
+    FJELL_WRONG_PACK,
+    FJELL_WRONG_TERRAIN
+};
+
+typedef struct FjellStatus {
+    FjellCode code;    // FJELL_OK is 0
+    const char* field; // static storage, never NULL
+} FjellStatus;
+
+// --- fjell/asserts.h ---
+
+typedef void (*FjellAssertHandler)(const char* condition, const char* file, int line);
+
+// --- fjell/handle.h, fjell/coord.h ---
+
+typedef struct FjellTerrain {
+    void* object;
+    uint64_t identity;
+} FjellTerrain;
+typedef struct FjellLiveCut {
+    void* object;
+    uint64_t identity;
+} FjellLiveCut;
+typedef struct FjellRecursiveMethod {
+    void* object;
+    uint64_t identity;
+} FjellRecursiveMethod;
+typedef struct FjellStream {
+    void* object;
+    uint64_t identity;
+} FjellStream;
+
+typedef struct FjellCoord {
+    int32_t x, y;
+} FjellCoord;
+
+// --- fjell/pack.h ---
+
+#define FJELL_MAX_TILE_LOG2 12
+#define FJELL_MAX_TEXTURE_LOG2 12
+#define FJELL_NO_CHUNK UINT64_MAX
+
+enum { FJELL_ORDER_PLANAR, FJELL_ORDER_HIERARCHICAL_Z, FJELL_ORDER_LINEAR }; // Order
+enum { FJELL_ESTIMATE_MAX, FJELL_ESTIMATE_MIDPOINT };                        // Estimate
+enum {                                                                       // ChunkKind
+    FJELL_CHUNK_CORNERS,
+    FJELL_CHUNK_GEOMETRY,
+    FJELL_CHUNK_COLOUR,
+    FJELL_CHUNK_NORMAL,
+    FJELL_CHUNK_CRS
+};
+
+typedef struct FjellPackHeader {
+    char magic[8];
+    uint32_t version;
+    uint32_t header_bytes;
+    uint64_t layout_hash;
+    uint64_t file_bytes;
+    uint64_t directory_offset;
+    uint64_t directory_count; // chunks, sizeof(FjellChunkEntry) bytes each
+    uint64_t directory_hash;
+    uint32_t columns, rows; // samples
+    uint32_t tiles_x, tiles_y;
+    uint32_t tile_log2;
+    uint32_t order;    // FJELL_ORDER_...
+    uint32_t estimate; // FJELL_ESTIMATE_...
+    float nesting;
+    double spacing_m[2];
+    double origin_m[2];
+    float base_m, quantum_m;
+    float min_m, max_m;
+    float max_error_m;
+    uint32_t colour_log2;
+    uint32_t normal_log2;
+    uint32_t crs_bytes;
+    float error_floor_m;
+    float error_ratio;
+    uint32_t error_nesting_steps;
+    uint32_t height_steps;
+    uint64_t voids;
+    float level_radius_m[2 * FJELL_MAX_TILE_LOG2];
+    double crs_step[2];
+    uint64_t notes_offset, notes_hash;
+    uint64_t notes_bytes;
+    uint64_t reserved[24];
+    uint64_t header_hash;
+} FjellPackHeader;
+
+typedef struct FjellPageBound {
+    uint16_t low, high;
+    uint8_t error;
+    uint8_t radius;
+    uint16_t reserved;
+} FjellPageBound;
+
+typedef struct FjellChunkEntry {
+    uint64_t offset;
+    uint64_t hash;
+    uint32_t stored_bytes;
+    uint32_t raw_bytes;
+    FjellPageBound bound;
+} FjellChunkEntry;
+
+typedef struct FjellChunkId {
+    uint32_t kind; // FJELL_CHUNK_...
+    uint32_t tile, item;
+} FjellChunkId;
+
+typedef struct FjellPack {
+    FjellPackHeader header;
+    const void* bytes; // the whole file; NULL for a pack that is streamed
+    size_t byte_count;
+    const void* directory;
+} FjellPack;
+
+// --- fjell/texture.h ---
+
+#define FJELL_COLOUR_BLOCK_BYTES 8
+#define FJELL_NORMAL_BLOCK_BYTES 16
+
+// --- fjell/terrain.h ---
+
+typedef struct FjellTerrainBudget {
+    size_t struct_size;
+    uint32_t page_slots;
+} FjellTerrainBudget;
+
+// --- fjell/view.h ---
+
+typedef struct FjellVec3 {
+    double x, y, z;
+} FjellVec3;
+
+// In an array of views all have the struct_size of the first.
+typedef struct FjellView {
+    size_t struct_size;
+    FjellVec3 eye_m;
+    FjellVec3 forward;
+    FjellVec3 up;
+    double left, right;
+    double bottom, top;
+    uint32_t width_px, height_px;
+    double near_m, far_m;
+    double error_px;
+} FjellView;
+
+typedef struct FjellFrustum {
+    FjellVec3 normal[6];
+    double offset[6];
+} FjellFrustum;
+
+// --- fjell/mesh.h ---
+
+enum { FJELL_TOPOLOGY_TRIANGLES, FJELL_TOPOLOGY_STRIP }; // Topology
+
+typedef struct FjellMeshVertex {
+    int32_t column, row;
+    float height_m;
+} FjellMeshVertex;
+
+typedef struct FjellTileRange {
+    uint32_t tile;
+    uint32_t first_index;
+    uint32_t index_count;
+    uint32_t triangles;
+} FjellTileRange;
+
+typedef struct FjellMeshView {
+    const FjellMeshVertex* vertices;
+    size_t vertex_count;
+    const uint32_t* indices;
+    size_t index_count;
+    const FjellTileRange* tiles;
+    size_t tile_count;
+    uint32_t dirty_begin, dirty_end;
+    uint8_t topology; // FJELL_TOPOLOGY_...
+} FjellMeshView;
+
+// --- fjell/cut.h ---
+
+#define FJELL_MAX_CUT_VIEWS 8
+#define FJELL_UNLIMITED_ITEMS UINT32_MAX
+#define FJELL_LONG_ACTIVE_S (-1e30f)
+#define FJELL_MORPH_CLOCK_S 1024.0f
+
+enum { FJELL_MORPH_NONE, FJELL_MORPH_ERROR, FJELL_MORPH_TIME }; // Morph
+enum {                                                          // CutBudgetBit
+    FJELL_CUT_BUDGET_VERTICES = 1,
+    FJELL_CUT_BUDGET_TRIANGLES = 2,
+    FJELL_CUT_BUDGET_ITEMS = 4,
+    FJELL_CUT_BUDGET_TIME = 8
+};
+
+typedef struct FjellCutBudget {
+    size_t struct_size;
+    uint32_t vertices;
+    uint32_t triangles;
+    uint32_t segment_triangles;
+    uint32_t views;
+} FjellCutBudget;
+
+typedef struct FjellCutSettings {
+    size_t struct_size;
+    double error_px;
+    double hysteresis;
+    bool corner_safe;
+    uint32_t items;
+    uint32_t visits;
+    double budget_us;
+    uint8_t morph; // FJELL_MORPH_...
+    double morph_s;
+    double now_s;
+} FjellCutSettings;
+
+typedef struct FjellBudgetUse {
+    uint32_t used, peak, capacity;
+} FjellBudgetUse;
+
+typedef struct FjellCutReport {
+    size_t struct_size;
+    uint64_t frame;
+    uint32_t items;
+    uint32_t visits;
+    uint32_t evaluations, activations, deactivations;
+    uint32_t vertices;
+    uint32_t triangles;
+    uint32_t tiles_drawn, triangles_drawn;
+    uint32_t waiting;
+    uint32_t blocked;
+    uint32_t morphing;
+    uint32_t exhausted; // FJELL_CUT_BUDGET_...
+    double error_px_requested, error_px_effective, threshold_px;
+    bool converged;
+    bool rebuilt;
+    FjellBudgetUse vertex_slots, triangle_slots;
+    uint32_t vertices_changed, triangles_changed;
+    double prepare_us, refine_us, output_us;
+} FjellCutReport;
+
+typedef struct FjellMorphVertex {
+    float flat_m;
+    float error_m;
+    float radius_m;
+    float activated_s;
+} FjellMorphVertex;
+
+typedef struct FjellMorphView {
+    float eye_x, eye_y, eye_z;
+    float q_start, q_full;
+} FjellMorphView;
+
+typedef struct FjellMorphFrame {
+    uint8_t morph; // FJELL_MORPH_...
+    uint32_t views;
+    FjellMorphView view[FJELL_MAX_CUT_VIEWS];
+    float now_s, morph_s;
+} FjellMorphFrame;
+
+typedef struct FjellCutMesh {
+    FjellMeshView mesh;
+    const FjellMorphVertex* morph;
+    size_t morph_count;
+    FjellMorphFrame frame;
+} FjellCutMesh;
+
+typedef struct FjellCutChanges {
+    const uint64_t* vertex_bits;
+    size_t vertex_bit_words;
+    const uint64_t* triangle_bits;
+    size_t triangle_bit_words;
+    const uint32_t* vertex_words;
+    size_t vertex_word_count;
+    const uint32_t* triangle_words;
+    size_t triangle_word_count;
+} FjellCutChanges;
+
+// Slots that were written, one after the other. Begin with {0}.
+typedef struct FjellRun {
+    uint32_t first, count;
+    size_t words_begun; // the library's, and so is what follows
+    uint64_t bits_left;
+} FjellRun;
+
+// --- fjell/recursive.h ---
+
+enum { FJELL_METRIC_ISOTROPIC, FJELL_METRIC_DEPTH };          // Metric
+enum { FJELL_BUDGET_VERTICES = 1, FJELL_BUDGET_INDICES = 2 }; // BudgetBit
+
+typedef struct FjellRecursiveBudget {
+    size_t struct_size;
+    uint32_t vertices;
+    uint32_t indices;
+} FjellRecursiveBudget;
+
+typedef struct FjellRefineSettings {
+    size_t struct_size;
+    double error_px;
+    uint8_t metric; // FJELL_METRIC_...
+    bool cull;
+    bool corner_safe;
+    uint8_t topology; // FJELL_TOPOLOGY_...
+} FjellRefineSettings;
+
+typedef struct FjellFrameReport {
+    size_t struct_size;
+    uint64_t frame;
+    uint32_t vertices;
+    uint32_t triangles;
+    uint32_t tiles;
+    uint32_t vertices_written;
+    uint32_t buffer_clearings;
+    uint32_t restarts;
+    uint32_t exhausted; // FJELL_BUDGET_...
+    double error_px_requested, error_px_effective;
+    bool converged;
+} FjellFrameReport;
+
+// --- fjell/measure.h ---
+
+#define FJELL_UNBOUNDED_PX 1e7
+
+typedef struct FjellMeasuredError {
+    double max_px;
+    double max_m;
+    FjellCoord sample_px, sample_m;
+    uint64_t samples;
+} FjellMeasuredError;
+
+// --- fjell/query.h ---
+
+typedef struct FjellGroundHeight {
+    bool inside;
+    bool hole;
+    bool finest;
+    double height_m;
+    FjellVec3 normal;
+    float error_m;
+} FjellGroundHeight;
+
+typedef struct FjellGroundHit {
+    bool hit;
+    bool finest;
+    double distance_m;
+    FjellVec3 position_m;
+    FjellVec3 normal;
+    float error_m;
+} FjellGroundHit;
+
+typedef struct FjellGroundPatch {
+    float error_m;
+    bool finest;
+} FjellGroundPatch;
+
+// --- fjell/stream.h ---
+
+#define FJELL_MAP_KINDS 2
+
+enum { FJELL_MAP_COLOUR, FJELL_MAP_NORMAL };                                            // MapKind
+enum { FJELL_PAGE_INSERTED, FJELL_PAGE_RELEASED, FJELL_PAGE_KEPT, FJELL_PAGE_REMOVED }; // PageEvent
+enum {                                                                                  // StreamBudgetBit
+    FJELL_STREAM_PAGE_SLOTS = 1,
+    FJELL_STREAM_MAP_BYTES = 2,
+    FJELL_STREAM_PAGES = 4,
+    FJELL_STREAM_UPLOAD = 8,
+    FJELL_STREAM_TESTS = 16,
+    FJELL_STREAM_REQUESTS = 32
+};
+
+typedef struct FjellMapLayers {
+    uint32_t tail_log2;
+    uint32_t top_log2;
+    uint32_t layers[FJELL_MAX_TEXTURE_LOG2 + 1];
+} FjellMapLayers;
+
+typedef struct FjellStreamBudget {
+    size_t struct_size;
+    uint32_t page_requests;
+    uint32_t map_requests;
+    uint64_t map_bytes;
+    uint32_t tail_log2;
+} FjellStreamBudget;
+
+typedef struct FjellStreamSettings {
+    size_t struct_size;
+    double texel_px;
+    double lookahead_s;
+    double fade_s;
+    double now_s;
+    uint32_t pages;
+    uint32_t tests;
+    uint32_t map_bytes;
+} FjellStreamSettings;
+
+typedef struct FjellStreamFailure {
+    FjellChunkId id;
+    FjellCode code;
+} FjellStreamFailure;
+
+typedef struct FjellPageArrival {
+    uint32_t tile, page;
+    uint8_t event; // FJELL_PAGE_...
+} FjellPageArrival;
+
+typedef struct FjellStreamReport {
+    size_t struct_size;
+    uint64_t frame;
+    bool converged;
+    bool maps_converged;
+    bool complete;
+    double missing_px;
+    double missing_mips;
+    uint32_t exhausted; // FJELL_STREAM_...
+    uint32_t pages_wanted;
+    uint32_t pages_inserted, pages_left;
+    uint32_t pages_evicting;
+    uint32_t mips_uploaded, mips_left;
+    uint32_t in_flight;
+    uint32_t cancelled;
+    uint32_t failed;
+    uint64_t bytes_read;
+    uint64_t pages_read, mips_read;
+    uint64_t map_upload_bytes;
+    FjellBudgetUse page_slots;
+    uint64_t map_bytes_used, map_bytes_capacity;
+    double update_us;
+} FjellStreamReport;
+
+typedef struct FjellMapCommand {
+    uint8_t map; // FJELL_MAP_...
+    uint8_t side_log2;
+    uint8_t from_log2;
+    uint8_t upload_mips;
+    uint32_t tile;
+    uint32_t layer, from_layer;
+    const void* blocks;
+    size_t block_bytes;
+} FjellMapCommand;
+
+typedef struct FjellTileMap {
+    uint32_t layer;
+    uint8_t side_log2;
+    float min_lod;
+} FjellTileMap;
+
+typedef struct FjellStreamRequest {
+    uint32_t ticket;
+    FjellChunkId id;
+    uint32_t chunks;
+    uint64_t offset;
+    uint32_t bytes;
+} FjellStreamRequest;
+
+#endif

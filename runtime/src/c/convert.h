@@ -1,0 +1,175 @@
+// Between a type of C and the type of C++ that it stands for. Nothing is decided here: layout.cpp asserts that the two
+// lie alike in memory, a descriptor and a report behind their struct_size, so that every conversion is a cast or a
+// copy.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+#include <span>
+
+#include "fjell/fjell.h"
+#include "fjell/fjell_c.h"
+
+namespace fjell::c_api {
+
+template <typename C>
+struct CppOf;
+template <typename Cpp>
+struct COf;
+#define FJELL_C_TYPE(C, Cpp)                                                                                           \
+    template <>                                                                                                        \
+    struct CppOf<C> {                                                                                                  \
+        using Type = Cpp;                                                                                              \
+    };                                                                                                                 \
+    template <>                                                                                                        \
+    struct COf<Cpp> {                                                                                                  \
+        using Type = C;                                                                                                \
+    };
+FJELL_C_TYPE(FjellStatus, Status)
+FJELL_C_TYPE(FjellTerrain, Terrain)
+FJELL_C_TYPE(FjellLiveCut, LiveCut)
+FJELL_C_TYPE(FjellRecursiveMethod, RecursiveMethod)
+FJELL_C_TYPE(FjellStream, Stream)
+FJELL_C_TYPE(FjellCoord, Coord)
+FJELL_C_TYPE(FjellPackHeader, PackHeader)
+FJELL_C_TYPE(FjellPageBound, PageBound)
+FJELL_C_TYPE(FjellChunkEntry, ChunkEntry)
+FJELL_C_TYPE(FjellChunkId, ChunkId)
+FJELL_C_TYPE(FjellPack, Pack)
+FJELL_C_TYPE(FjellTerrainBudget, TerrainBudget)
+FJELL_C_TYPE(FjellVec3, Vec3)
+FJELL_C_TYPE(FjellView, View)
+FJELL_C_TYPE(FjellFrustum, Frustum)
+FJELL_C_TYPE(FjellMeshVertex, MeshVertex)
+FJELL_C_TYPE(FjellTileRange, TileRange)
+FJELL_C_TYPE(FjellCutBudget, CutBudget)
+FJELL_C_TYPE(FjellCutSettings, CutSettings)
+FJELL_C_TYPE(FjellBudgetUse, BudgetUse)
+FJELL_C_TYPE(FjellCutReport, CutReport)
+FJELL_C_TYPE(FjellMorphVertex, MorphVertex)
+FJELL_C_TYPE(FjellMorphView, MorphView)
+FJELL_C_TYPE(FjellMorphFrame, MorphFrame)
+FJELL_C_TYPE(FjellRecursiveBudget, RecursiveBudget)
+FJELL_C_TYPE(FjellRefineSettings, RefineSettings)
+FJELL_C_TYPE(FjellFrameReport, FrameReport)
+FJELL_C_TYPE(FjellMeasuredError, MeasuredError)
+FJELL_C_TYPE(FjellGroundHeight, GroundHeight)
+FJELL_C_TYPE(FjellGroundHit, GroundHit)
+FJELL_C_TYPE(FjellGroundPatch, GroundPatch)
+FJELL_C_TYPE(FjellMapLayers, MapLayers)
+FJELL_C_TYPE(FjellStreamBudget, StreamBudget)
+FJELL_C_TYPE(FjellStreamSettings, StreamSettings)
+FJELL_C_TYPE(FjellStreamReport, StreamReport)
+FJELL_C_TYPE(FjellStreamFailure, StreamFailure)
+FJELL_C_TYPE(FjellPageArrival, PageArrival)
+FJELL_C_TYPE(FjellMapCommand, MapCommand)
+FJELL_C_TYPE(FjellTileMap, TileMap)
+FJELL_C_TYPE(FjellStreamRequest, StreamRequest)
+#undef FJELL_C_TYPE
+
+// --- values, without struct_size ---
+
+template <typename C>
+[[nodiscard]] auto to_cpp(const C& value) {
+    return std::bit_cast<typename CppOf<C>::Type>(value);
+}
+template <typename Cpp>
+[[nodiscard]] auto to_c(const Cpp& value) {
+    return std::bit_cast<typename COf<Cpp>::Type>(value);
+}
+
+// What a pointer of the host's points to; for NULL one that is all defaults.
+template <typename C>
+[[nodiscard]] const auto& at(const C* from) {
+    static constexpr typename CppOf<C>::Type none{};
+    return from == nullptr ? none : *reinterpret_cast<const typename CppOf<C>::Type*>(from);
+}
+
+// Where a call is to write; NULL is refused as the argument of that name.
+[[nodiscard]] inline FjellStatus refused(const char* argument) {
+    return {FJELL_OUT_OF_RANGE, argument};
+}
+// A call that returned a status has made this: the host gets it when all is well.
+template <typename Cpp>
+[[nodiscard]] FjellStatus give(Status status, const Cpp& made, typename COf<Cpp>::Type* to) {
+    if (status.ok()) *to = to_c(made);
+    return to_c(status);
+}
+
+// --- spans ---
+
+template <typename T>
+[[nodiscard]] std::span<T> span_of(T* first, std::size_t count) {
+    return {first, first == nullptr ? 0 : count};
+}
+[[nodiscard]] inline std::span<const std::byte> span_of(const void* first, std::size_t bytes) {
+    return span_of(static_cast<const std::byte*>(first), bytes);
+}
+[[nodiscard]] inline std::span<std::byte> span_of(void* first, std::size_t bytes) {
+    return span_of(static_cast<std::byte*>(first), bytes);
+}
+template <typename Cpp>
+[[nodiscard]] auto elements(std::span<const Cpp> span) {
+    return reinterpret_cast<const typename COf<Cpp>::Type*>(span.data());
+}
+template <typename Cpp>
+[[nodiscard]] auto elements(std::span<const Cpp> span, std::size_t* count) {
+    if (count != nullptr) *count = span.size();
+    return elements(span);
+}
+
+// --- descriptors and reports, which begin with struct_size ---
+
+inline constexpr char struct_size[] = "struct_size";
+
+template <typename C>
+[[nodiscard]] bool fits(const C* sized) {
+    return sized == nullptr || (sized->struct_size >= sizeof(std::size_t) && sized->struct_size <= sizeof(C));
+}
+// How much of the C++ type the host knows of.
+template <typename C>
+[[nodiscard]] std::size_t known_bytes(const C* sized) {
+    return std::min(sized->struct_size - sizeof(std::size_t), sizeof(typename CppOf<C>::Type));
+}
+
+// A descriptor: what the host has set, over the defaults.
+template <typename C>
+class In {
+public:
+    explicit In(const C* from) : ok(fits(from)) {
+        if (ok && from != nullptr)
+            std::memcpy(&value, reinterpret_cast<const std::byte*>(from) + sizeof(std::size_t), known_bytes(from));
+    }
+    typename CppOf<C>::Type value{};
+    bool ok; // struct_size is one that the library knows
+};
+
+// Views as an update takes them. Of more than any cut has none is read, and one more is passed on, so that they are
+// refused where they always are.
+class Views {
+public:
+    Views(const FjellView* first, std::size_t count)
+        : ok(fits(first)), count_(first == nullptr ? 0 : std::min<std::size_t>(count, max_cut_views + 1)) {
+        for (std::size_t i = 0; ok && count_ <= max_cut_views && i < count_; ++i) {
+            const auto* at = reinterpret_cast<const std::byte*>(first) + i * first->struct_size;
+            std::memcpy(&view_[i], at + sizeof(std::size_t), known_bytes(first));
+        }
+    }
+    [[nodiscard]] std::span<const View> all() const { return {view_, count_}; }
+    bool ok;
+
+private:
+    View view_[max_cut_views + 1];
+    std::size_t count_;
+};
+
+// As much of a report as the host knows.
+template <typename Cpp>
+void write(const Cpp& from, typename COf<Cpp>::Type* to) {
+    if (to != nullptr && fits(to))
+        std::memcpy(reinterpret_cast<std::byte*>(to) + sizeof(std::size_t), &from, known_bytes(to));
+}
+
+} // namespace fjell::c_api

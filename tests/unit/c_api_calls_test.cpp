@@ -1,0 +1,202 @@
+// Every call of the library for C that c_host.c does not make, beside its C++ one.
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "unit/c_api_scene.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+// Both lie alike: padding aside, which neither sets.
+template <typename C, typename Cpp>
+bool same(const C& c, const Cpp& cpp) {
+    static_assert(sizeof(C) == sizeof(Cpp));
+    return std::memcmp(&c, &cpp, sizeof c) == 0;
+}
+template <typename Cpp>
+auto as_c(const Cpp& handle) {
+    if constexpr (std::is_same_v<Cpp, Terrain>) return std::bit_cast<FjellTerrain>(handle);
+    if constexpr (std::is_same_v<Cpp, LiveCut>) return std::bit_cast<FjellLiveCut>(handle);
+    if constexpr (std::is_same_v<Cpp, Stream>) return std::bit_cast<FjellStream>(handle);
+}
+
+} // namespace
+
+TEST_CASE("what C asks of a pack, a terrain, a map and a view is answered as in C++") {
+    const auto pack = a_pack();
+    FjellPack c;
+    REQUIRE(fjell_open_pack(pack.file.data(), pack.file.size(), &c).code == FJELL_OK);
+    const PackHeader& header = pack.pack.header;
+    REQUIRE(fjell_chunk_count(&c.header) == chunk_count(header));
+    std::vector<std::byte> theirs, ours;
+    int kinds = 0;
+    for (std::uint64_t chunk = 0; chunk < chunk_count(header); ++chunk) {
+        const ChunkId id = chunk_id(header, chunk);
+        const FjellChunkId c_id = fjell_chunk_id(&c.header, chunk);
+        kinds |= 1 << c_id.kind;
+        CHECK(same(c_id, id));
+        CHECK(fjell_chunk_index(&c.header, c_id) == chunk);
+        CHECK(fjell_chunk_raw_bytes(&c.header, c_id) == chunk_raw_bytes(header, id));
+        const ChunkEntry entry = pack.pack.entry(chunk);
+        const FjellChunkEntry c_entry = fjell_pack_entry(&c, chunk);
+        CHECK(same(c_entry, entry));
+        ours.assign(entry.raw_bytes, std::byte{});
+        REQUIRE(read_chunk(pack.pack, id, ours).ok());
+        for (const bool by_hand : {false, true}) {
+            theirs.assign(entry.raw_bytes, std::byte{});
+            const FjellStatus s = by_hand ? fjell_decode_chunk(&c_entry, pack.file.data() + entry.offset,
+                                                               entry.stored_bytes, theirs.data(), theirs.size())
+                                          : fjell_read_chunk(&c, c_id, theirs.data(), theirs.size());
+            CHECK(s.code == FJELL_OK);
+            CHECK(theirs == ours);
+        }
+    }
+    CHECK((kinds & 1 << FJELL_CHUNK_NORMAL) != 0); // with maps
+    std::uint8_t rgb[2][48], xz[2][32];
+    CHECK(fjell_decode_colour(pack.file.data(), 8, 4, rgb[0], 48).code == FJELL_OK);
+    CHECK(fjell_decode_normal(pack.file.data(), 16, 4, xz[0], 32).code == FJELL_OK);
+    REQUIRE(decode_colour(std::span(pack.file).first(8), 4, rgb[1]).ok());
+    REQUIRE(decode_normal(std::span(pack.file).first(16), 4, xz[1]).ok());
+    CHECK(std::ranges::equal(rgb[0], rgb[1]));
+    CHECK(std::ranges::equal(xz[0], xz[1]));
+    CHECK(fjell_check_ranges(&c.header).code == FJELL_OK);
+    CHECK(fjell_check_ranges(nullptr).code == static_cast<FjellCode>(check_ranges(PackHeader{}).code));
+
+    const Terrain& t = pack.terrain;
+    const FjellTerrain terrain = as_c(t);
+    CHECK(fjell_terrain_valid(terrain));
+    CHECK(!fjell_terrain_valid(FjellTerrain{}));
+    CHECK(same(*fjell_terrain_header(terrain), t.header()));
+    CHECK(fjell_terrain_columns(terrain) == t.columns());
+    CHECK(fjell_terrain_rows(terrain) == t.rows());
+    CHECK(fjell_terrain_spacing_x_m(terrain) == t.spacing_x_m());
+    CHECK(fjell_terrain_spacing_z_m(terrain) == t.spacing_z_m());
+    CHECK(fjell_terrain_x_m(terrain, 7) == t.x_m(7));
+    CHECK(fjell_terrain_z_m(terrain, 9) == t.z_m(9));
+    CHECK(fjell_terrain_extent_x_m(terrain) == t.extent_x_m());
+    CHECK(fjell_terrain_extent_z_m(terrain) == t.extent_z_m());
+    CHECK(t.extent_x_m() != t.extent_z_m());
+    CHECK(fjell_terrain_has_voids(terrain) == t.has_voids());
+    CHECK(fjell_terrain_tile_count(terrain) == t.tile_count());
+    CHECK(fjell_terrain_pages_per_tile(terrain) == t.pages_per_tile());
+    REQUIRE(fjell_unload_page(terrain, 0, t.pages_per_tile() - 1).code == FJELL_OK);
+    CHECK(fjell_terrain_page_count(terrain) == t.page_count());
+    CHECK(fjell_terrain_page_slots(terrain) == t.page_slots());
+    CHECK(fjell_terrain_pages_loaded(terrain) == t.pages_loaded());
+    CHECK(fjell_terrain_pages_missing(terrain) == 1);
+    CHECK(fjell_load_page(&c, terrain, 0, t.pages_per_tile() - 1).code == FJELL_OK);
+    CHECK(fjell_terrain_pages_missing(terrain) == 0);
+    CHECK(fjell_terrain_missing_px(terrain) == t.missing_px());
+
+    View view = view_of(1);
+    view.left -= 0.1;
+    FjellView seen = fjell_view_default();
+    std::memcpy(&seen.eye_m, &view, sizeof view);
+    CHECK(same(fjell_make_frustum(&seen), make_frustum(view)));
+    CHECK(fjell_lambda_px(&seen) == lambda_px(view));
+    CHECK(fjell_corner_factor(&seen) == corner_factor(view));
+    CHECK(fjell_validate_view(&seen).code == FJELL_OK);
+    seen.top = seen.bottom;
+    CHECK(std::string_view(fjell_validate_view(&seen).field) == validate([&] {
+                                                                    View flat = view;
+                                                                    flat.top = flat.bottom;
+                                                                    return flat;
+                                                                }())
+                                                                    .field);
+}
+
+TEST_CASE("what C reads of a stream and of vertices that morph is what C++ reads") {
+    const auto pack = a_pack();
+    Memory memory;
+    PagedTerrain bare(pack.pack, {});
+    const CutBudget budget{.vertices = 40'000, .triangles = 80'000};
+    LiveCut cut;
+    REQUIRE(create_cut(bare.terrain, budget, memory.span(cut_bytes(bare.terrain, budget)), cut).ok());
+    const StreamBudget streaming{.map_bytes = 1 << 20, .tail_log2 = 2};
+    Stream stream;
+    REQUIRE(create_stream(pack.pack, bare.terrain, cut, streaming,
+                          memory.span(stream_bytes(pack.pack, bare.terrain, streaming)), stream)
+                .ok());
+    FjellStreamBudget c_budget = fjell_stream_budget_default();
+    c_budget.map_bytes = streaming.map_bytes;
+    c_budget.tail_log2 = 2;
+    const auto* const header = fjell_terrain_header(as_c(bare.terrain));
+    std::size_t arrivals = 0, commands = 0, lod = 0, failed = 0;
+    for (int frame = 0; frame < 30; ++frame) {
+        const View view = view_of(frame);
+        const CutSettings settings{.items = 300, .morph = Morph::error, .now_s = frame * 0.1};
+        StreamReport streamed;
+        CutReport report;
+        REQUIRE(update_stream(stream, {&view, 1}, settings, {.now_s = frame * 0.1}, streamed).ok());
+        REQUIRE(update_cut(cut, {&view, 1}, settings, report).ok());
+        std::size_t count = 0;
+        const FjellPageArrival* const arrived = fjell_stream_page_arrivals(as_c(stream), &count);
+        REQUIRE(count == stream_page_arrivals(stream).size());
+        for (std::size_t i = 0; i < count; ++i, ++arrivals)
+            CHECK(arrived[i].page == stream_page_arrivals(stream)[i].page);
+        const FjellMapCommand* const command = fjell_stream_map_commands(as_c(stream), &count);
+        REQUIRE(count == stream_map_commands(stream).size());
+        for (std::size_t i = 0; i < count; ++i, ++commands) {
+            CHECK(command[i].layer == stream_map_commands(stream)[i].layer);
+            CHECK(command[i].blocks == stream_map_commands(stream)[i].blocks.data());
+            CHECK(command[i].block_bytes == stream_map_commands(stream)[i].blocks.size());
+        }
+        const FjellStreamFailure* const failure = fjell_stream_failures(as_c(stream), &count);
+        REQUIRE(count == stream_failures(stream).size());
+        for (std::size_t i = 0; i < count; ++i, ++failed) CHECK(failure[i].code == FJELL_UNREADABLE);
+        if (frame == 20) CHECK(fjell_stream_retry_failed(as_c(stream)).code == FJELL_OK);
+        for (const MapKind kind : {MapKind::colour, MapKind::normal}) {
+            const auto number = static_cast<std::uint8_t>(kind);
+            const FjellTileMap* const maps = fjell_stream_tile_maps(as_c(stream), number, &count);
+            const std::span<const TileMap> expected = stream_tile_maps(stream, kind);
+            REQUIRE(count == expected.size());
+            float grid[2][9] = {};
+            for (std::uint32_t tile = 0; tile < count; ++tile, ++lod) {
+                CHECK(maps[tile].layer == expected[tile].layer);
+                CHECK(fjell_min_lod_grid(maps, count, header->tiles_x, tile, grid[0]).code == FJELL_OK);
+                REQUIRE(min_lod_grid(expected, header->tiles_x, tile, grid[1]).ok());
+                CHECK(same(grid[0], grid[1]));
+            }
+            const FjellMapLayers layers = fjell_map_layers(header, &c_budget, number);
+            CHECK(same(layers, map_layers(pack.pack.header, streaming, kind)));
+            CHECK(same(fjell_stream_map_layers(as_c(stream), number), stream_map_layers(stream, kind)));
+            CHECK(fjell_map_layer_bytes(&layers, number) == map_layer_bytes(stream_map_layers(stream, kind), kind));
+        }
+        StreamRequest request;
+        for (int n = 0; stream_next_request(stream, request); ++n)
+            (void)(frame == 3 && n == 0 ? fjell_stream_fail(as_c(stream), request.ticket, false)
+                                        : fjell_stream_provide(as_c(stream), request.ticket,
+                                                               pack.file.data() + request.offset, request.bytes));
+    }
+    CHECK((arrivals > 3 && commands > 3 && lod > 3 && failed > 0));
+
+    const FjellCutMesh mesh = fjell_cut_mesh(as_c(cut));
+    REQUIRE(mesh.morph_count == mesh.mesh.vertex_count);
+    const FjellMorphFrame frame = fjell_cut_morph(as_c(cut));
+    CHECK((frame.morph == FJELL_MORPH_ERROR && frame.views == 1 && frame.now_s > 0));
+    CHECK(same(frame.view[0], cut_mesh(cut).frame.view[0]));
+    int between = 0;
+    for (std::size_t i = 0; i < mesh.mesh.index_count; ++i) {
+        const std::uint32_t slot = mesh.mesh.indices[i];
+        if (slot >= mesh.morph_count) continue;
+        const float height_m =
+            fjell_morphed_height_m(as_c(bare.terrain), &mesh.mesh.vertices[slot], &mesh.morph[slot], &frame);
+        REQUIRE(height_m == morphed_height_m(bare.terrain, cut_mesh(cut).mesh.vertices[slot], cut_mesh(cut).morph[slot],
+                                             cut_morph(cut)));
+        between += height_m != mesh.mesh.vertices[slot].height_m;
+    }
+    CHECK(between > 0);
+    CHECK(fjell_morph_age_s(1, 1000) == morph_age_s(1, 1000));
+    bool released = true;
+    REQUIRE(fjell_cut_release_page(as_c(cut), 0, 0, &released).code == FJELL_OK);
+    CHECK(!released);
+    CHECK(fjell_cut_cancel_release(as_c(cut), 0, 0).code == FJELL_OK);
+}
