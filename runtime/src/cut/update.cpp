@@ -338,6 +338,7 @@ bool run_bulk(CutState& s) {
         if (b.again && b.phase < BulkPhase::triangles) {
             b.again = false;
             b.phase = BulkPhase::idle;
+            sync_pages(s); // a slot may hold another page by now
             if (may_build_beside(s)) begin_bulk(s, true);
         }
         if (b.phase == BulkPhase::idle) return false;
