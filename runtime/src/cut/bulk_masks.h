@@ -6,15 +6,16 @@
 namespace fjell {
 
 struct BulkMasks {
-    const BulkPage *own, *north, *west, *south, *east; // nullptr: nothing was found there
-    bool owns_south, owns_east;                        // the terrain ends there
-    bool any_side;
+    // nullptr: nothing was found there.
+    const BulkPage *own = nullptr, *north = nullptr, *west = nullptr, *south = nullptr, *east = nullptr;
+    bool owns_south = false, owns_east = false; // the terrain ends there
+    bool any_side = false;
     std::uint32_t centre[page_squares + 1]; // the first is the row north of the page
     std::uint32_t side_x[page_squares + 1]; // the last is the next page's, unless the terrain ends
     std::uint64_t side_y[page_squares];     // and so is the lane after the last
     // Centres of the finer step: rows -1 to 2n - 1; of the column to the west, a bit a row from 0 on.
     std::uint64_t finer[2 * page_squares + 2];
-    std::uint64_t finer_west;
+    std::uint64_t finer_west = 0;
 
     [[nodiscard]] std::uint64_t finer_row(std::int32_t j) const { return finer[j + 1]; }
     [[nodiscard]] std::uint64_t finer_west_of(std::int32_t j) const { return finer_west >> j & 1; }
