@@ -121,8 +121,8 @@ void Pictures::follow(const Session& session, const FrameEntry& entry) {
 }
 
 void Pictures::write(const Session& session, const View& view, std::size_t frame, double time_s) {
-    std::string error = state_->renderer->draw_uploaded(session.mesh(), view, draw_options(state_->mode, state_->profile, time_s),
-                                                       *state_->target);
+    std::string error = state_->renderer->draw_uploaded(
+        session.mesh(), view, draw_options(state_->mode, state_->profile, time_s), *state_->target);
     require(error.empty(), error);
     state_->target->read_colour(state_->image);
     error = gl::write_png(state_->image, fmt::format("{}/frame_{:05}.png", state_->folder, frame));

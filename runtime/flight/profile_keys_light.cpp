@@ -22,7 +22,8 @@ constexpr ProfileKey keys[] = {
      .label = "Sun by",
      .kind = KeyKind::choice,
      .choices = suns,
-     .about = "Where the sun's place comes from. \"direction\": azimuth_deg and elevation_deg. \"time\": year, month, day and hour_utc, seen from latitude_deg and longitude_deg, to 0.02 degrees.",
+     .about = "Where the sun's place comes from. \"direction\": azimuth_deg and elevation_deg. \"time\": year, month, "
+              "day and hour_utc, seen from latitude_deg and longitude_deg, to 0.02 degrees.",
      .get = At<&Profile::light, &Light::sun>::get,
      .set = At<&Profile::light, &Light::sun>::set},
     {.table = "light",
@@ -30,7 +31,8 @@ constexpr ProfileKey keys[] = {
      .label = "Azimuth",
      .unit = "deg",
      .most = 360,
-     .about = "The sun's azimuth, clockwise from north. Degrees, 0 to 360. From the upper left (315) relief looks as on maps. (By direction.)",
+     .about = "The sun's azimuth, clockwise from north. Degrees, 0 to 360. From the upper left (315) relief looks as "
+              "on maps. (By direction.)",
      .get = At<&Profile::light, &Light::azimuth_deg>::get,
      .set = At<&Profile::light, &Light::azimuth_deg>::set},
     {.table = "light",
@@ -39,7 +41,8 @@ constexpr ProfileKey keys[] = {
      .unit = "deg",
      .least = gl::min_sun_elevation_deg,
      .most = 90,
-     .about = "The sun's elevation above the horizon. Degrees, -18 to 90. Below 0 the sky alone gives light. (By direction.)",
+     .about = "The sun's elevation above the horizon. Degrees, -18 to 90. Below 0 the sky alone gives light. (By "
+              "direction.)",
      .get = At<&Profile::light, &Light::elevation_deg>::get,
      .set = At<&Profile::light, &Light::elevation_deg>::set},
     {.table = "light",
@@ -92,7 +95,8 @@ constexpr ProfileKey keys[] = {
      .label = "Hour, UTC",
      .unit = "h",
      .most = 24,
-     .about = "Universal time: what a clock in Greenwich shows in winter. Hours, 0 to 24; 17.5 is half past five in the afternoon. (By time.)",
+     .about = "Universal time: what a clock in Greenwich shows in winter. Hours, 0 to 24; 17.5 is half past five in "
+              "the afternoon. (By time.)",
      .get = At<&Profile::light, &Light::hour_utc>::get,
      .set = At<&Profile::light, &Light::hour_utc>::set},
     {.table = "light",
@@ -100,7 +104,9 @@ constexpr ProfileKey keys[] = {
      .label = "Air",
      .kind = KeyKind::choice,
      .choices = airs,
-     .about = "How the sky and the air before the ground are drawn. \"simple\": two colours of the sky, and haze of one density. \"physical\": from a table of the sky, bluer with the distance and thinner with the height.",
+     .about =
+         "How the sky and the air before the ground are drawn. \"simple\": two colours of the sky, and haze of one "
+         "density. \"physical\": from a table of the sky, bluer with the distance and thinner with the height.",
      .get = At<&Profile::light, &Light::air>::get,
      .set = At<&Profile::light, &Light::air>::set},
     {.table = "light",
@@ -110,7 +116,9 @@ constexpr ProfileKey keys[] = {
      .least = gl::min_visibility_km,
      .most = gl::max_visibility_km,
      .logarithmic = true,
-     .about = "How far a dark ridge can be told from the sky at sea level. Kilometres, 1 to 280: 280 is pure air, 160 a clear day, 20 haze, 5 a dull one. Terrain of more than 400 km across is taken for a model of that size.",
+     .about =
+         "How far a dark ridge can be told from the sky at sea level. Kilometres, 1 to 280: 280 is pure air, 160 a "
+         "clear day, 20 haze, 5 a dull one. Terrain of more than 400 km across is taken for a model of that size.",
      .get = At<&Profile::light, &Light::visibility_km>::get,
      .set = At<&Profile::light, &Light::visibility_km>::set},
     {.table = "light",
@@ -118,7 +126,8 @@ constexpr ProfileKey keys[] = {
      .label = "Exposure",
      .kind = KeyKind::choice,
      .choices = exposures,
-     .about = "\"automatic\": by the light that falls on the lowest ground, as an incident-light meter measures it; whatever is looked at, so pictures of one sun match. \"fixed\": by ev100.",
+     .about = "\"automatic\": by the light that falls on the lowest ground, as an incident-light meter measures it; "
+              "whatever is looked at, so pictures of one sun match. \"fixed\": by ev100.",
      .get = At<&Profile::light, &Light::exposure>::get,
      .set = At<&Profile::light, &Light::exposure>::set},
     {.table = "light",
@@ -127,7 +136,8 @@ constexpr ProfileKey keys[] = {
      .unit = "EV",
      .least = gl::min_ev100,
      .most = gl::max_ev100,
-     .about = "Exposure value at ISO 100. Stops, -6 to 20: 15 for ground in the sun, 12 at sunrise, 6 at dusk. (Fixed.)",
+     .about =
+         "Exposure value at ISO 100. Stops, -6 to 20: 15 for ground in the sun, 12 at sunrise, 6 at dusk. (Fixed.)",
      .get = At<&Profile::light, &Light::ev100>::get,
      .set = At<&Profile::light, &Light::ev100>::set},
     {.table = "light",
@@ -144,7 +154,8 @@ constexpr ProfileKey keys[] = {
      .label = "Tone curve",
      .kind = KeyKind::choice,
      .choices = curves,
-     .about = "How light becomes a picture. \"none\": in proportion, cut off at white. \"filmic\": it rolls off towards white, as film does.",
+     .about = "How light becomes a picture. \"none\": in proportion, cut off at white. \"filmic\": it rolls off "
+              "towards white, as film does.",
      .get = At<&Profile::light, &Light::tone_curve>::get,
      .set = At<&Profile::light, &Light::tone_curve>::set},
     {.table = "light",
@@ -158,7 +169,8 @@ constexpr ProfileKey keys[] = {
      .name = "detail",
      .label = "Detail",
      .kind = KeyKind::flag,
-     .about = "Fine noise on ground so near that a texel of its map covers many pixels: true or false. Seven texture reads a pixel.",
+     .about = "Fine noise on ground so near that a texel of its map covers many pixels: true or false. Five texture "
+              "reads a pixel.",
      .get = At<&Profile::light, &Light::detail>::get,
      .set = At<&Profile::light, &Light::detail>::set},
     {.table = "light",

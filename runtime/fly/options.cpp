@@ -189,7 +189,8 @@ void parse_light(std::string_view text, Profile& profile) {
         if (!key) {
             std::string names;
             for (const ProfileKey& known : profile_keys())
-                if (std::string_view(known.table) == "light") names += (names.empty() ? "" : ", ") + std::string(known.name);
+                if (std::string_view(known.table) == "light")
+                    names += (names.empty() ? "" : ", ") + std::string(known.name);
             throw Failure(2, fmt::format("--light {}: must be KEY=VALUE, with one of the keys {}", part, names));
         }
         double value = 0;

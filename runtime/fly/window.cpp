@@ -188,7 +188,8 @@ private:
         if (options_.verify_every && frame % options_.verify_every == 0)
             verify_frame(session_, view, profile_, frame, entry, verification);
         std::string error = upload_mesh(*renderer_, session_, entry);
-        if (error.empty()) error = renderer_->draw_uploaded(session_.mesh(), view, draw_options(mode_, profile_, now_s), *target_);
+        if (error.empty())
+            error = renderer_->draw_uploaded(session_.mesh(), view, draw_options(mode_, profile_, now_s), *target_);
         require(error.empty(), error);
         target_->present(target_->width(), target_->height());
         window_->swap();

@@ -73,8 +73,10 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
     const SampleToTexel colour = sample_to_texel(header.colour_log2, header.tile_log2);
     const SampleToTexel normal = sample_to_texel(header.normal_log2, header.tile_log2);
     set4(block.grid, spacing_x_m, spacing_z_m, colour.scale, colour.offset);
-    const double farthest_m = std::max(1.5 * diagonal_m, 2 * view.near_m);
-    set4(block.grid2, normal.scale, normal.offset, view.near_m, 1 / std::log2(farthest_m / view.near_m));
+    // Mode::distance begins a twentieth of a cell away, or its greys would lie where nothing is.
+    const double near_m = std::max(view.near_m, 0.05 * std::min(spacing_x_m, spacing_z_m));
+    const double farthest_m = std::max(1.5 * diagonal_m, 2 * near_m);
+    set4(block.grid2, normal.scale, normal.offset, near_m, 1 / std::log2(farthest_m / near_m));
     const Vec3 right = cross(view.forward, view.up);
     const Vec3 middle =
         view.forward + right * ((view.right + view.left) / 2) + view.up * ((view.top + view.bottom) / 2);

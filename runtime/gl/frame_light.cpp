@@ -34,7 +34,8 @@ double exposure_of(const LightSettings& light, const SkyLight& ground, double su
     return bias * pi / std::pow(std::max(sky + sun, 1e-3), 0.85);
 }
 
-// The power of two times `unit_m` that is nearest to `wish_m`: noise then repeats with the samples, wherever the eye is.
+// The power of two times `unit_m` that is nearest to `wish_m`: noise then repeats with the samples, wherever the eye
+// is.
 double nearest_power(double wish_m, double unit_m) {
     return unit_m * std::exp2(std::round(std::log2(wish_m / unit_m)));
 }
@@ -56,7 +57,7 @@ void Renderer::State::set_noise(const View& view, FrameBlock& block, double shru
         return std::fmod(corner, repeats_m) + (metres - corner);
     };
     put(block.noise_at, place(view.eye_m.x, spacing_x_m, block.tile[2]), view.eye_m.y,
-         place(view.eye_m.z, spacing_z_m, block.tile[3]), 0);
+        place(view.eye_m.z, spacing_z_m, block.tile[3]), 0);
 }
 
 void Renderer::State::set_light(const View& view, const DrawOptions& now, FrameBlock& block) const {
@@ -68,8 +69,9 @@ void Renderer::State::set_light(const View& view, const DrawOptions& now, FrameB
     const double altitude = std::max(eye_m * shrunk, 0.0);
     put(block.sun, sun.x, sun.y, sun.z, now.lit ? 1 : 0);
     const double level = std::hypot(sun.x, sun.z);
-    const double slice = std::sqrt(std::clamp(altitude / sky_top_m, 0.0, 1.0));
-    put(block.sun_level, level > 1e-9 ? sun.x / level : 1, level > 1e-9 ? sun.z / level : 0, slice, 0);
+    const double at_slice = std::sqrt(std::clamp(altitude / sky_top_m, 0.0, 1.0)) * (sky_slices - 1);
+    const double slice = std::min(std::floor(at_slice), sky_slices - 2.0);
+    put(block.sun_level, level > 1e-9 ? sun.x / level : 1, level > 1e-9 ? sun.z / level : 0, slice, at_slice - slice);
     put(block.sun_low, sun_at(tables, low_m * shrunk, sun.y), low_m - eye_m);
     put(block.sun_high, sun_at(tables, high_m * shrunk, sun.y), 1 / (high_m - low_m));
     const SkyLight at_eye = light_at(tables, altitude), ground = light_at(tables, low_m * shrunk);
@@ -84,13 +86,15 @@ void Renderer::State::set_light(const View& view, const DrawOptions& now, FrameB
         put(block.air[0], tables.rayleigh * thin(rayleigh_height_m), shrunk / rayleigh_height_m);
         put(block.air[1], tables.mie * thin(mie_height_m), shrunk / mie_height_m);
     } else {
-        const auto mean = [&](double height) { return static_cast<float>(mean_density(altitude, low_m * shrunk, height)); };
+        const auto mean = [&](double height) {
+            return static_cast<float>(mean_density(altitude, low_m * shrunk, height));
+        };
         put(block.air[0], (tables.rayleigh * mean(rayleigh_height_m) + tables.mie * mean(mie_height_m)) * metre);
     }
     const bool filmic = light.tone_curve == ToneCurve::filmic;
     // The curve gives middle grey back, and a little more, at twice the light.
-    put(block.film, exposure_of(light, ground, sun.y) * (filmic ? 2.0 : 1.0), filmic ? 1 : 0,
-         light.dither ? 1 : 0, std::fmod(now.time_s, 4096.0));
+    put(block.film, exposure_of(light, ground, sun.y) * (filmic ? 2.0 : 1.0), filmic ? 1 : 0, light.dither ? 1 : 0,
+        std::fmod(now.time_s, 4096.0));
     const bool wet = light.water && eye_m > light.water_level_m;
     put(block.water, light.water_level_m - eye_m, wet ? 1 : 0, 0, 0);
     put(block.water_tint, 0.30 * shrunk, 0.075 * shrunk, 0.05 * shrunk, 0);

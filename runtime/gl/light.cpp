@@ -81,8 +81,8 @@ SunPosition sun_position(const LightSettings& light) {
     const double sidereal = 280.46061837 + 360.98564736629 * days + t * t * (0.000387933 - t / 38710000);
     const double hour = turn(sidereal + light.longitude_deg - ascension / degree) * degree;
     const double latitude = light.latitude_deg * degree; // chapter 13
-    const double south = std::sin(hour), west = std::cos(hour) * std::sin(latitude) -
-                                                std::tan(declination) * std::cos(latitude);
+    const double south = std::sin(hour),
+                 west = std::cos(hour) * std::sin(latitude) - std::tan(declination) * std::cos(latitude);
     SunPosition at;
     at.azimuth_deg = turn(std::atan2(south, west) / degree + 180);
     at.elevation_deg = std::asin(std::clamp(std::sin(latitude) * std::sin(declination) +

@@ -9,12 +9,13 @@ namespace {
 
 Texture make_sky_map() {
     unsigned name = 0;
-    glCreateTextures(GL_TEXTURE_3D, 1, &name);
+    // An array and not 3-D: Mesa 22's software driver crashes where 3-D textures stand beside indexed arrays of
+    // samplers.
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
     glTextureStorage3D(name, 1, GL_RGB16F, sky_columns, sky_rows, sky_slices);
     glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
-        glTextureParameteri(name, axis, GL_CLAMP_TO_EDGE);
+    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) glTextureParameteri(name, axis, GL_CLAMP_TO_EDGE);
     return Texture(name);
 }
 

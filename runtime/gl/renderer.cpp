@@ -61,12 +61,8 @@ std::string Renderer::State::make_program_of(const DrawOptions& now) {
     const Mode mode = now.mode;
     Program& program = program_of(now);
     if (program.get() != 0) return {};
-    const char* const modes[mode_count] = {"#define SHADED\n",
-                                           "#define LEVELS\n",
-                                           "#define DISTANCE\n",
-                                           "#define TILES\n",
-                                           "#define MIPS\n",
-                                           "#define RESIDENCY\n",
+    const char* const modes[mode_count] = {"#define SHADED\n", "#define LEVELS\n", "#define DISTANCE\n",
+                                           "#define TILES\n",  "#define MIPS\n",   "#define RESIDENCY\n",
                                            "#define ERROR\n"};
     std::string before = arrays_define("COLOUR_MAPS", maps.kind[0]) + arrays_define("NORMAL_MAPS", maps.kind[1]);
     before += modes[static_cast<int>(mode)];
@@ -91,8 +87,8 @@ std::string Renderer::State::make_sky_program() {
     std::string error;
     Program& program = sky[light_bits & light_air];
     if (program.get() == 0)
-        program = make_program({"sky", light_defines(light_bits & light_air) + common_shader(), sky_vertex_shader(),
-                                "", std::string(light_shader()) + sky_fragment_shader()},
+        program = make_program({"sky", light_defines(light_bits & light_air) + common_shader(), sky_vertex_shader(), "",
+                                std::string(light_shader()) + sky_fragment_shader()},
                                error);
     return error;
 }

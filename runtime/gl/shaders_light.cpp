@@ -7,7 +7,7 @@ namespace fjell::gl {
 const char* light_shader() {
     return R"(
 #ifdef AIR
-layout(binding = 16) uniform sampler3D sky_map;
+layout(binding = 16) uniform sampler2DArray sky_map;
 #endif
 
 float luminance(vec3 colour) { return dot(colour, vec3(0.2126, 0.7152, 0.0722)); }
@@ -36,8 +36,10 @@ vec3 sky_radiance(vec3 direction) {
     // The table's axes: sky.h.
     float level = max(dot(direction.xz, direction.xz), 1e-8);
     float towards = dot(direction.xz, sun_level.xy) * inversesqrt(level);
-    vec3 at = vec3(sqrt(max(0.5 - 0.5 * towards, 0.0)), sqrt(up), sun_level.z);
-    return texture(sky_map, at * vec3(39.0 / 40.0, 55.0 / 56.0, 2.0 / 3.0) + vec3(0.5 / 40.0, 0.5 / 56.0, 1.0 / 6.0)).rgb;
+    vec2 at = vec2(sqrt(max(0.5 - 0.5 * towards, 0.0)), sqrt(up)) * vec2(39.0 / 40.0, 55.0 / 56.0) +
+              vec2(0.5 / 40.0, 0.5 / 56.0);
+    return mix(texture(sky_map, vec3(at, sun_level.z)).rgb, texture(sky_map, vec3(at, sun_level.z + 1.0)).rgb,
+               sun_level.w);
 #else
     return mix(sky_simple[1].rgb, haze_source(direction), exp(-3.5 * up));
 #endif
@@ -91,7 +93,7 @@ vec3 picture(vec3 colour) {
     }
     if (film.z > 0.0) {
         float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
-        colour += noise * film.z * (0.0003 + 0.0082 * sqrt(colour));
+        colour += noise * film.z * max(0.0064 * sqrt(colour) + 0.0026 * colour, 0.0003);
     }
     return colour;
 }

@@ -70,7 +70,8 @@ void fill_transmittance(Sky& sky) {
             const float r = std::max(std::sqrt(level * level + ground_m * ground_m), ground_m + 1);
             const float least = top_m - r;
             const float d = least + (level + longest_m - least) * static_cast<float>(i) / (depth_columns - 1);
-            const float mu = d <= 0 ? 1 : std::clamp((longest_m * longest_m - level * level - d * d) / (2 * r * d), -1.0f, 1.0f);
+            const float mu =
+                d <= 0 ? 1 : std::clamp((longest_m * longest_m - level * level - d * d) / (2 * r * d), -1.0f, 1.0f);
             constexpr int steps = 32;
             Rgb depth;
             for (int k = 0; k < steps; ++k) { // denser near the beginning, where the air is
@@ -84,7 +85,8 @@ void fill_transmittance(Sky& sky) {
 }
 
 Rgb multiple(const Sky& sky, float altitude_m, float sun_mu) {
-    return bilinear(sky.scattered, scatter_columns, scatter_rows, 0.5f + 0.5f * sun_mu, std::sqrt(altitude_m / 100'000));
+    return bilinear(sky.scattered, scatter_columns, scatter_rows, 0.5f + 0.5f * sun_mu,
+                    std::sqrt(altitude_m / 100'000));
 }
 
 // Light that a ray gathers, by how it was scattered last and without phase functions; and what is left of light from
@@ -139,13 +141,15 @@ void fill_multiple(Sky& sky) {
                 again = again + (Rgb{1, 1, 1} - light.left); // all extinction as scattering: ozone and soot take little
                 if (!lands) continue;
                 const float sun_there = (r * sun_mu + d * cos_sun) / ground_m;
-                second = second + light.left * sun_colour * transmittance(sky, ground_m, sun_there) * above_horizon(ground_m, sun_there) *
+                second = second + light.left * sun_colour * transmittance(sky, ground_m, sun_there) *
+                                      above_horizon(ground_m, sun_there) *
                                       (std::max(sun_there, 0.0f) * ground_albedo / pi);
             }
             constexpr float n = 1.0f / (heights * turns);
             const auto series = [](float light, float on) { return light / (1 - std::min(0.95f * on, 0.9f)); };
-            sky.scattered[static_cast<std::size_t>(j * scatter_columns + i)] = {
-                series(second.r * n, again.r * n), series(second.g * n, again.g * n), series(second.b * n, again.b * n)};
+            sky.scattered[static_cast<std::size_t>(j * scatter_columns + i)] = {series(second.r * n, again.r * n),
+                                                                                series(second.g * n, again.g * n),
+                                                                                series(second.b * n, again.b * n)};
         }
 }
 
@@ -222,7 +226,8 @@ void fill_source(const Sky& sky, int slice, float sun_y, SkyLight& light) {
 Rgb sun_at(const Sky& sky, double altitude_m, double sun_y) {
     const float r = ground_m + static_cast<float>(std::clamp(altitude_m, 1.0, 60'000.0));
     const auto mu = static_cast<float>(sun_y);
-    return sun_colour * transmittance(sky, r, std::max(mu, -std::sqrt(1 - ground_m * ground_m / (r * r)))) * above_horizon(r, mu);
+    return sun_colour * transmittance(sky, r, std::max(mu, -std::sqrt(1 - ground_m * ground_m / (r * r)))) *
+           above_horizon(r, mu);
 }
 
 void make_sky(Vec3 sun, double visibility_km, Sky& sky) {
@@ -242,7 +247,8 @@ void make_sky(Vec3 sun, double visibility_km, Sky& sky) {
 
 SkyLight light_at(const Sky& sky, double altitude_m) {
     int first = 0;
-    const float share = lerp_at(static_cast<float>(std::sqrt(std::clamp(altitude_m / sky_top_m, 0.0, 1.0))), sky_slices, first);
+    const float share =
+        lerp_at(static_cast<float>(std::sqrt(std::clamp(altitude_m / sky_top_m, 0.0, 1.0))), sky_slices, first);
     const SkyLight &a = sky.light[static_cast<std::size_t>(first)], &b = sky.light[static_cast<std::size_t>(first) + 1];
     const auto mix = [&](Rgb x, Rgb y) { return x * (1 - share) + y * share; };
     SkyLight light;

@@ -35,7 +35,8 @@ inline constexpr double sky_top_m = 16000;
 // At one altitude.
 struct SkyLight {
     Rgb sun; // irradiance across its rays
-    // Irradiance / pi on a surface of normal n: [0] + [1] n.y + [2] (n along the sun's azimuth). With the ground's bounce.
+    // Irradiance / pi on a surface of normal n: [0] + [1] n.y + [2] (n along the sun's azimuth). With the ground's
+    // bounce.
     std::array<Rgb, 3> ambient;
     // Light that a long level ray gathers, phase functions left out: Rayleigh's, Mie's, multiple scattering; of the
     // first two also what there is more of towards the sun's azimuth.

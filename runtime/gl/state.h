@@ -54,7 +54,7 @@ struct Renderer::State {
     unsigned light_bits = 0; // of the draw
     // By Mode, wireframe, borders, all_there() and, of the shaded mode, the light's variant; made at first use.
     Program programs[mode_count][2][2][2][light_variants];
-    Program sky[2]; // with the simple and with the physical air
+    Program sky[2];                       // with the simple and with the physical air
     const MeshVertex* uploaded = nullptr; // whose vertices the buffer holds
     std::size_t uploaded_count = 0;
     const std::uint32_t* kept_indices = nullptr; // of a live cut, which the buffer holds; null: it holds one draw's
@@ -65,8 +65,10 @@ struct Renderer::State {
     [[nodiscard]] bool all_there(Mode mode) const { return maps.all_there && mode <= Mode::distance; }
     [[nodiscard]] Program& program_of(const DrawOptions& now) {
         const bool borders = now.tile_borders || now.page_borders;
-        return programs[static_cast<int>(now.mode)][now.wireframe ? 1 : 0][borders ? 1 : 0]
-                       [all_there(now.mode) ? 1 : 0][now.mode != Mode::shaded ? 0 : now.lit ? light_bits : light_none];
+        return programs[static_cast<int>(now.mode)][now.wireframe ? 1 : 0][borders ? 1 : 0][all_there(now.mode) ? 1 : 0]
+                       [now.mode != Mode::shaded ? 0
+                        : now.lit                ? light_bits
+                                                 : light_none];
     }
     std::string make_program_of(const DrawOptions& now);
     std::string make_sky_program();

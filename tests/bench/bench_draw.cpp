@@ -1,9 +1,9 @@
 // Frames a second by triangles and resolution: textured, lit, hazed, from a flight whose mesh changes and is uploaded.
 //
 // Names: draw/threshold at 720 rows/picture; the counter triangles_drawn says how many that is. light/feature, at 12 px
-// and 1280 x 720: what a feature of light costs a pixel, to be read against light/bare of the same run; near: 100 m over
-// the ground, where detail shows. sky/tables: what a sun that moves costs the CPU. On a machine without a
-// GPU this is Mesa's software renderer, and its cost in pixels, not ours.
+// and 1280 x 720: what a feature of light costs a pixel, to be read against light/bare of the same run; near: 100 m
+// over the ground, where detail shows. sky/tables: what a sun that moves costs the CPU. On a machine without a GPU this
+// is Mesa's software renderer, and its cost in pixels, not ours.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

@@ -115,7 +115,7 @@ struct Scene {
     LiveCut cut; // after make_cut()
     std::unique_ptr<gl::Target> target;
     std::unique_ptr<gl::Renderer> renderer;
-    // The cheapest, which is exact too: detail makes bits of colour of a coordinate's last bits. Tests of light set it.
+    // The cheapest: most pictures are about geometry and maps. Tests of light set it.
     gl::LightSettings light{.air = gl::Air::simple, .dither = false, .detail = false};
 
     Scene(baker::Dem dem, int tile_log2, Order order = Order::planar) {

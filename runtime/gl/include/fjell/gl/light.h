@@ -49,7 +49,7 @@ struct LightSettings {
     double visibility_km = 160;
 
     Exposure exposure = Exposure::automatic;
-    double ev100 = 14.5;         // fixed: exposure value at ISO 100, -6 to 20 stops; sunlit ground 14 to 15
+    double ev100 = 15;           // fixed: exposure value at ISO 100, -6 to 20 stops; sunlit ground 14 to 15
     double exposure_bias_ev = 0; // brighter by so many stops, -8 to 8; automatic and fixed
     ToneCurve tone_curve = ToneCurve::filmic;
     bool dither = true; // noise of half an 8-bit step, so that skies have no bands
