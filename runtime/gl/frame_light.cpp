@@ -25,13 +25,13 @@ double mean_density(double from_m, double to_m, double height_m) {
 }
 
 // What a white card's light is multiplied by to be 1. Automatic: the card lies on the lowest ground, tilted towards a
-// sun that is low. Film follows it for 85% of the stops, so that dusk is darker than noon.
+// sun that is low. Film follows it for four of five stops, so that dusk is darker than noon.
 double exposure_of(const LightSettings& light, const SkyLight& ground, double sun_y) {
     const double bias = std::exp2(light.exposure_bias_ev);
     if (light.exposure == Exposure::fixed) return bias * sun_lux / (1.2 * std::exp2(light.ev100));
     const double sky = pi * static_cast<double>(luminance(ground.ambient[0] + ground.ambient[1]));
     const double sun = static_cast<double>(luminance(ground.sun)) * std::clamp(sun_y + 0.25, 0.0, 1.0);
-    return bias * pi / std::pow(std::max(sky + sun, 1e-3), 0.85);
+    return bias * pi / std::pow(std::max(sky + sun, 1e-3), 0.8);
 }
 
 // The power of two times `unit_m` that is nearest to `wish_m`: noise then repeats with the samples, wherever the eye

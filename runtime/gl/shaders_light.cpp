@@ -67,14 +67,25 @@ vec3 sky_light(vec3 normal) {
     return ambient[0].rgb + ambient[1].rgb * normal.y + ambient[2].rgb * dot(normal.xz, sun_level.xy);
 }
 
+// What a surface of water shows of the sky and the sun, and of what is below. calm: 0 where waves are finer than a pixel,
+// which widens the sun's glint (Blinn and Phong, normalised).
+vec3 on_water(vec3 below, vec3 direction, vec3 normal, float calm, float rise) {
+    float facing = max(dot(normal, -direction), 0.02);
+    float fresnel = 0.02 + 0.98 * pow(1.0 - facing, 5.0) / (1.0 + 4.0 * (1.0 - facing)); // rough: less at grazing angles
+    vec3 mirrored = reflect(direction, normal);
+    vec3 reflected = sky_radiance(vec3(mirrored.x, abs(mirrored.y), mirrored.z));
+    vec3 half_way = normalize(sun.xyz - direction);
+    float power = mix(60.0, 400.0, calm), off = 1.0 - max(dot(half_way, -direction), 0.0), off2 = off * off;
+    float glint = (power + 8.0) * 0.0398 * pow(max(dot(half_way, normal), 0.0), power);
+    return mix(below, reflected, fresnel) +
+           sun_at(rise) * (glint * max(sun.y, 0.0) * (0.02 + 0.98 * off2 * off2 * off));
+}
+
 // The level ground or sea that lies around the terrain and under it, at the lowest height: no horizon is a knife's edge.
 vec3 backdrop(vec3 direction) {
     float down = max(-direction.y, 1e-6), metres = -backdrop_at.w / down;
     vec3 lit = backdrop_at.rgb * (sun_at(backdrop_at.w) * (0.31831 * max(sun.y, 0.0)) + sky_light(vec3(0.0, 1.0, 0.0)));
-    if (water.y > 0.0) {
-        float f = 0.02 + 0.98 * pow(1.0 - down, 5.0) / (1.0 + 4.0 * (1.0 - down));
-        lit = mix(lit, sky_radiance(vec3(direction.x, abs(direction.y), direction.z)), f);
-    }
+    if (water.y > 0.0) lit = on_water(lit, direction, vec3(0.0, 1.0, 0.0), 0.0, backdrop_at.w);
     if (haze.x <= 0.0) return lit;
     vec3 far = mix(sky_radiance(vec3(direction.x, 0.0, direction.z)), haze_source(direction), smoothstep(0.0, 0.1, down));
     return mix(far, lit, through_air(metres, backdrop_at.w));
@@ -147,17 +158,7 @@ vec3 under_water(vec3 ground, vec3 direction, float way, float depth, float rise
     vec3 body = vec3(0.012, 0.045, 0.06) * arriving;
     float calm;
     vec3 normal = wave_normal(direction * (water.x / direction.y), calm);
-    float facing = max(dot(normal, -direction), 0.02);
-    float fresnel = 0.02 + 0.98 * pow(1.0 - facing, 5.0) / (1.0 + 4.0 * (1.0 - facing)); // rough: less at grazing angles
-    vec3 mirrored = reflect(direction, normal);
-    vec3 reflected = sky_radiance(vec3(mirrored.x, abs(mirrored.y), mirrored.z));
-    vec3 half_way = normalize(sun.xyz - direction);
-    float power = mix(60.0, 400.0, calm);
-    float glint = (power + 8.0) * 0.0398 * pow(max(dot(half_way, normal), 0.0), power); // Blinn and Phong, normalised
-    float facing_sun = 1.0 - max(dot(half_way, -direction), 0.0);
-    float sun_fresnel = 0.02 + 0.98 * facing_sun * facing_sun * facing_sun * facing_sun * facing_sun;
-    reflected += sun_at(rise) * (step(0.0, sun.y) * sun_fresnel / fresnel * glint * max(sun.y, 0.0));
-    return mix(mix(body, ground, clear), reflected, fresnel);
+    return on_water(mix(body, ground, clear), direction, normal, calm, rise);
 }
 #endif
 

@@ -33,16 +33,26 @@ struct Lit {
     }
 };
 
+// One for all tests: what is dear is compiling its shaders. Never destroyed, like its context.
+Lit& shared() {
+    static Lit& lit = *new Lit;
+    return lit;
+}
+
 double mean_of(const gl::Image& image) {
     double sum = 0;
     for (const std::uint8_t code : image.rgb) sum += linear(code);
     return sum / static_cast<double>(image.rgb.size());
 }
+// Of green light.
 double spread_of(const gl::Image& image) {
-    const double mean = mean_of(image);
-    double sum = 0;
-    for (const std::uint8_t code : image.rgb) sum += (linear(code) - mean) * (linear(code) - mean);
-    return std::sqrt(sum / static_cast<double>(image.rgb.size()));
+    double sum = 0, squares = 0;
+    for (std::size_t i = 1; i < image.rgb.size(); i += 3) {
+        sum += linear(image.rgb[i]);
+        squares += linear(image.rgb[i]) * linear(image.rgb[i]);
+    }
+    const double n = static_cast<double>(image.rgb.size()) / 3;
+    return std::sqrt(squares / n - sum / n * (sum / n));
 }
 double mean_apart(const gl::Image& a, const gl::Image& b) {
     double sum = 0;
@@ -56,22 +66,22 @@ constexpr gl::LightSettings plain_light{.dither = false, .detail = false};
 } // namespace
 
 TEST_CASE("from above a clear day does not wash the terrain out, and a hazy one does", "[picture]") {
-    Lit lit;
-    const View above = lit.camera(0.5, 0.5, 6000, 0, -90);
+    Lit& lit = shared();
+    const View above = lit.camera(0.5, 0.5, 2500, 0, -90); // ground all over
     for (gl::LightSettings clear : {plain_light, cheap_light}) {
         clear.exposure = gl::Exposure::fixed; // in proportion to the light, so that spreads compare
         clear.tone_curve = gl::ToneCurve::none;
         gl::LightSettings dull = clear;
         dull.visibility_km = 3;
         const double without = spread_of(lit.draw(above, clear, false)), with = spread_of(lit.draw(above, clear));
-        // Of 5 km of air straight down 0.92 of green light comes through (sky.h), 0.84 of blue.
-        CHECK(with > 0.8 * without);
+        // Through 2.5 km of air straight down come 0.95 of green light (sky.h).
+        CHECK(with > 0.9 * without);
         CHECK(spread_of(lit.draw(above, dull)) < 0.8 * without); // the measure sees haze
     }
 }
 
 TEST_CASE("the terrain's rim fades into what lies behind it", "[picture]") {
-    Lit lit;
+    Lit& lit = shared();
     const View far_rim = lit.camera(0.5, 0.5, 1500, 20, -14);
     // The largest step from row to row below the horizon, over columns: an edge all along the rim stands out.
     const auto edge = [](const gl::Image& image) {
@@ -84,14 +94,15 @@ TEST_CASE("the terrain's rim fades into what lies behind it", "[picture]") {
         }
         return worst;
     };
-    CAPTURE(edge(lit.draw(far_rim, plain_light)), edge(lit.draw(far_rim, plain_light, false)));
-    CHECK(edge(lit.draw(far_rim, plain_light)) <= 9);       // three codes a colour
-    CHECK(edge(lit.draw(far_rim, plain_light, false)) > 9); // without air there is no fade: the measure sees the rim
+    const int with = edge(lit.draw(far_rim, plain_light)), without = edge(lit.draw(far_rim, plain_light, false));
+    CAPTURE(with, without);
+    CHECK(without > 100); // without air there is no fade: the measure sees the rim
+    CHECK(with < without / 8);
 }
 
 TEST_CASE("water lies over the ground below its level and nowhere else, and moves with the given time alone",
           "[picture]") {
-    Lit lit;
+    Lit& lit = shared();
     const Terrain& terrain = lit.scene.loaded.terrain;
     const View above = lit.camera(0.5, 0.5, 3000, 0, -90);
     gl::LightSettings wet = plain_light;
@@ -118,7 +129,7 @@ TEST_CASE("water lies over the ground below its level and nowhere else, and move
 }
 
 TEST_CASE("detail roughens near ground and leaves far ground as it was baked", "[picture]") {
-    Lit lit;
+    Lit& lit = shared();
     gl::LightSettings detailed = plain_light;
     detailed.detail = true;
     const View near_by = lit.camera(0.5, 0.5, 20, 0, -20), far_off = lit.camera(0.5, 0.5, 100'000, 0, -90);
@@ -128,8 +139,8 @@ TEST_CASE("detail roughens near ground and leaves far ground as it was baked", "
 
 TEST_CASE("exposure follows the sun and not the view, stops double the light, and dusk is darker than noon",
           "[picture]") {
-    Lit lit;
-    const View view = lit.camera(0.5, 0.9, 300, 0, -20);
+    Lit& lit = shared();
+    const View view = lit.camera(0.5, 0.5, 2000, 0, -90);
     gl::LightSettings light = plain_light;
     light.tone_curve = gl::ToneCurve::none;
     light.exposure_bias_ev = -2; // nothing is cut off
@@ -154,7 +165,7 @@ TEST_CASE("exposure follows the sun and not the view, stops double the light, an
 }
 
 TEST_CASE("a dithered sky has no bands", "[picture]") {
-    Lit lit;
+    Lit& lit = shared();
     const View sky = lit.camera(0.5, 0.5, 300, 150, 50);
     // Pixels like the one beside: in a band all of them are.
     const auto alike = [](const gl::Image& image) {
@@ -174,7 +185,7 @@ TEST_CASE("a dithered sky has no bands", "[picture]") {
 
 TEST_CASE("every light draws, its tables are made anew when the sun moves, and one out of range is refused",
           "[picture]") {
-    Lit lit;
+    Lit& lit = shared();
     const View view = lit.camera(0.5, 0.9, 300, 0, -5);
     std::vector<gl::Image> images;
     for (const auto air : {gl::Air::simple, gl::Air::physical})
