@@ -6,7 +6,7 @@
 // drawn; it has three altitudes instead of following the eye; aerial perspective is a closed form in the shader, fed by
 // SkyLight::source. Radiance is that of a sun of irradiance 1 above the air,
 // seen by film for daylight.
-// Internal to runtime/gl. Memory: 90 KB. Complexity: make_sky() some 10 ms.
+// Internal to runtime/gl. Memory: 90 KB. Complexity: make_sky() some 20 ms.
 #pragma once
 
 #include <array>
