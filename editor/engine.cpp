@@ -163,7 +163,7 @@ void Engine::set_error_options(const State& state, gl::DrawOptions& options) {
 }
 
 void Engine::draw(const State& state, const gl::Target& target) {
-    gl::DrawOptions options = flight::draw_options(state.interface.mode);
+    gl::DrawOptions options = flight::draw_options(state.interface.mode, state.document.profile(), 0);
     options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
     options.tile_borders = state.shows(Overlay::tile_borders);
     options.page_borders = state.shows(Overlay::page_borders);

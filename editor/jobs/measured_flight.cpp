@@ -122,8 +122,8 @@ double MeasuredFlight::Impl::update(const View& view, flight::FrameEntry& entry)
 
 double MeasuredFlight::Impl::draw(const View& view) {
     const auto start = Clock::now();
-    const std::string error =
-        renderer->draw_uploaded(session.mesh(), view, flight::draw_options(flight::PictureMode::shaded), *target);
+    const std::string error = renderer->draw_uploaded(
+        session.mesh(), view, flight::draw_options(flight::PictureMode::shaded, plan.profile, 0), *target);
     require(error.empty(), error);
     glFinish();
     return microseconds(Clock::now() - start);

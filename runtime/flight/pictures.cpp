@@ -6,7 +6,6 @@
 
 #include "fjell/gl/context.h"
 #include "fjell/gl/image.h"
-#include "fjell/gl/target.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::flight {
@@ -14,8 +13,6 @@ namespace fjell::flight {
 namespace {
 
 using io::Failure;
-
-constexpr std::uint32_t samples_a_pixel = 4;
 
 void require(bool made, const std::string& error) {
     if (!made) throw Failure(3, error);
@@ -27,14 +24,17 @@ struct Pictures::State { // in the order of destruction, last first
     std::unique_ptr<gl::Headless> context;
     std::unique_ptr<gl::Target> target;
     std::unique_ptr<gl::Renderer> renderer;
-    gl::DrawOptions draw;
+    PictureMode mode = PictureMode::shaded;
+    Profile profile;
     std::string folder;
     gl::Image image;
     std::size_t written = 0;
 };
 
-gl::DrawOptions draw_options(PictureMode mode) {
+gl::DrawOptions draw_options(PictureMode mode, const Profile& profile, double time_s) {
     gl::DrawOptions draw;
+    draw.light = profile.light;
+    draw.time_s = time_s;
     draw.wireframe = mode == PictureMode::wire;
     switch (mode) {
     case PictureMode::shaded:
@@ -46,6 +46,11 @@ gl::DrawOptions draw_options(PictureMode mode) {
     case PictureMode::distance: draw.mode = gl::Mode::distance; break;
     }
     return draw;
+}
+
+std::unique_ptr<gl::Target> make_target(std::uint32_t width, std::uint32_t height, const Profile& profile,
+                                        std::string& error) {
+    return gl::Target::create({width, height, std::min(profile.samples, gl::max_target_samples())}, error);
 }
 
 std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const Session& session, std::string& error) {
@@ -67,6 +72,7 @@ std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const 
         slots.colour = stream_map_layers(session.streamed->stream(), MapKind::colour);
         slots.normal = stream_map_layers(session.streamed->stream(), MapKind::normal);
     }
+    slots.light = options.profile.light;
     return gl::Renderer::create(session.terrain(), session.loaded.pack, slots, error);
 }
 
@@ -88,14 +94,15 @@ Pictures::Pictures(const FlightOptions& options, const Session& session) : state
     std::string error;
     state_->context = gl::Headless::create({}, error);
     require(state_->context != nullptr, error);
-    state_->target = gl::Target::create({options.profile.width_px, options.profile.height_px, samples_a_pixel}, error);
+    state_->target = make_target(options.profile.width_px, options.profile.height_px, options.profile, error);
     require(state_->target != nullptr, error);
     state_->renderer = make_renderer(options, session, error);
     if (!state_->renderer && !session.streamed)
         (void)io::check_all_chunks(session.loaded.pack,
                                    session.loaded.path); // a damaged pack is not the machine's fault
     require(state_->renderer != nullptr, error);
-    state_->draw = draw_options(options.mode);
+    state_->mode = options.mode;
+    state_->profile = options.profile;
     state_->folder = options.render_folder;
 }
 
@@ -113,8 +120,9 @@ void Pictures::follow(const Session& session, const FrameEntry& entry) {
     require(error.empty(), error);
 }
 
-void Pictures::write(const Session& session, const View& view, std::size_t frame) {
-    std::string error = state_->renderer->draw_uploaded(session.mesh(), view, state_->draw, *state_->target);
+void Pictures::write(const Session& session, const View& view, std::size_t frame, double time_s) {
+    std::string error = state_->renderer->draw_uploaded(
+        session.mesh(), view, draw_options(state_->mode, state_->profile, time_s), *state_->target);
     require(error.empty(), error);
     state_->target->read_colour(state_->image);
     error = gl::write_png(state_->image, fmt::format("{}/frame_{:05}.png", state_->folder, frame));

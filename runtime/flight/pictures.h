@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "fjell/gl/renderer.h"
+#include "fjell/gl/target.h"
 #include "flight/options.h"
 #include "flight/session.h"
 
@@ -15,7 +16,11 @@ namespace fjell::flight {
 // What write() below may call a picture: frame_NNNNN.png.
 [[nodiscard]] bool is_picture_name(std::string_view name);
 
-[[nodiscard]] gl::DrawOptions draw_options(PictureMode mode);
+// The profile's light, in this mode. time_s: of the flight, for what moves by itself.
+[[nodiscard]] gl::DrawOptions draw_options(PictureMode mode, const Profile& profile, double time_s);
+// A target of this size with the profile's samples, or as many as this GPU has. Empty with an error.
+[[nodiscard]] std::unique_ptr<gl::Target> make_target(std::uint32_t width, std::uint32_t height, const Profile& profile,
+                                                      std::string& error);
 
 // A renderer with room for the session's mesh, whichever method makes it. Empty with an error, as Renderer::create.
 [[nodiscard]] std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const Session& session,
@@ -34,7 +39,7 @@ public:
     // Uploads what the last update wrote; call it after every update. Throws Failure 3.
     void follow(const Session& session, const FrameEntry& entry);
     // Draws the mesh of the last update and writes FOLDER/frame_NNNNN.png. Throws Failure 3.
-    void write(const Session& session, const View& view, std::size_t frame);
+    void write(const Session& session, const View& view, std::size_t frame, double time_s);
     [[nodiscard]] std::size_t written() const;
 
 private:

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "fjell/cut.h"
+#include "fjell/gl/light.h"
 #include "fjell/recursive.h"
 #include "fjell/stream.h"
 
@@ -28,12 +29,14 @@ struct Profile {
     StreamSettings stream;                          // [stream] texel_px, lookahead_s, fade_s, pages, tests, map_kb
     std::uint32_t width_px = 1280, height_px = 720; // [view] width_px, height_px
     double fov_deg = 45;                            // [view] fov_deg: vertical
+    std::uint32_t samples = 4;                      // [view] samples: a pixel, fewer where the GPU has no more
+    gl::LightSettings light;                        // [light]
 };
 
 // Ranges, for the command line too.
 inline constexpr double min_error_px = 0.01, max_error_px = 1000;
 inline constexpr double min_fov_deg = 1, max_fov_deg = 150;
-inline constexpr std::uint32_t max_size_px = 16384;
+inline constexpr std::uint32_t max_size_px = 16384, max_samples = 16;
 inline constexpr std::uint32_t min_budget = 16, max_vertices = 1u << 27, max_indices = 1u << 30;
 inline constexpr std::uint32_t max_triangles = 1u << 29, max_items = unlimited_items - 1;
 inline constexpr std::uint32_t max_page_slots = 1u << 24, max_page_requests = 256, max_map_requests = 64;

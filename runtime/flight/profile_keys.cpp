@@ -1,36 +1,13 @@
 #include "flight/profile_keys.h"
 
 #include <iterator>
-#include <type_traits>
+#include <vector>
+
+#include "flight/profile_fields.h"
 
 namespace fjell::flight {
 
 namespace {
-
-// Where a value lies in a profile: a field, or a field of a part. shift: it is given in units of 1 << shift bytes.
-template <auto Part, auto Field = nullptr, int shift = 0>
-struct At {
-    template <typename P>
-    static auto& in(P& profile) {
-        if constexpr (std::is_null_pointer_v<decltype(Field)>)
-            return profile.*Part;
-        else
-            return profile.*Part.*Field;
-    }
-    static double get(const Profile& profile) {
-        if constexpr (shift != 0)
-            return static_cast<double>(in(profile) >> shift);
-        else
-            return static_cast<double>(in(profile));
-    }
-    static void set(Profile& profile, double value) {
-        using T = std::remove_reference_t<decltype(in(profile))>;
-        if constexpr (shift != 0)
-            in(profile) = static_cast<T>(static_cast<std::uint64_t>(value) << shift);
-        else
-            in(profile) = static_cast<T>(value);
-    }
-};
 
 // One key for both methods' vertex buffers: only one of them is made.
 struct Vertices {
@@ -66,11 +43,12 @@ constexpr ProfileTable tables[] = {
      "Streaming (--stream on, or auto with a pack of more pages than page_slots): pages of geometry and mips of maps "
      "are read when the views want them."},
     {"view", "View"},
+    {"light", "Light and air"},
 };
 
 constexpr auto whole = KeyKind::whole, flag = KeyKind::flag, choice = KeyKind::choice;
 
-constexpr ProfileKey keys[] = {
+constexpr ProfileKey keys_before_light[] = {
     {.table = "refine",
      .name = "method",
      .label = "Method",
@@ -428,11 +406,27 @@ constexpr ProfileKey keys[] = {
               "more vertices.",
      .get = At<&Profile::fov_deg>::get,
      .set = At<&Profile::fov_deg>::set},
+    {.table = "view",
+     .name = "samples",
+     .label = "Samples a pixel",
+     .kind = whole,
+     .unit = "samples",
+     .least = 1,
+     .most = max_samples,
+     .about = "Samples a pixel that smooth edges (MSAA). Samples, 1 to 16; no more than the GPU has. 4 take 32 bytes a "
+              "pixel, and in software nearly twice the time. fjell-fly's pictures and window; the editor's has one.",
+     .get = At<&Profile::samples>::get,
+     .set = At<&Profile::samples>::set},
 };
 
 } // namespace
 
 std::span<const ProfileKey> profile_keys() {
+    static const std::vector<ProfileKey> keys = [] {
+        std::vector<ProfileKey> all(std::begin(keys_before_light), std::end(keys_before_light));
+        all.insert(all.end(), light_keys().begin(), light_keys().end());
+        return all;
+    }();
     return keys;
 }
 
@@ -443,14 +437,14 @@ std::span<const ProfileTable> profile_tables() {
 const ProfileKey* find_profile_key(std::string_view dotted) {
     const std::size_t dot = dotted.find('.');
     if (dot == std::string_view::npos) return nullptr;
-    for (const ProfileKey& key : keys)
+    for (const ProfileKey& key : profile_keys())
         if (dotted.substr(0, dot) == key.table && dotted.substr(dot + 1) == key.name) return &key;
     return nullptr;
 }
 
 std::vector<const ProfileKey*> differing_keys(const Profile& a, const Profile& b) {
     std::vector<const ProfileKey*> differing;
-    for (const ProfileKey& key : keys)
+    for (const ProfileKey& key : profile_keys())
         if (key.get(a) != key.get(b)) differing.push_back(&key);
     return differing;
 }

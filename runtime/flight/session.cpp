@@ -240,7 +240,7 @@ View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile) {
     const Vec3 farthest{std::max(std::abs(eye.x), std::abs(eye.x - width_m)),
                         std::max(std::abs(eye.y - h.min_m), std::abs(eye.y - h.max_m)),
                         std::max(std::abs(eye.z), std::abs(eye.z - depth_m))};
-    const double near_m = 0.05 * std::min(h.spacing_m[0], h.spacing_m[1]);
+    const double near_m = std::min(0.05 * std::min(h.spacing_m[0], h.spacing_m[1]), 0.5);
     const double far_m = std::max(1.01 * length(farthest), 2 * near_m);
     return make_view(eye, pose.direction, pose.up, profile.fov_deg * std::numbers::pi / 180, profile.width_px,
                      profile.height_px, near_m, far_m);

@@ -92,8 +92,8 @@ void remake_method(const FlightOptions& options, Session& session);
 // The path the options ask for: a file, a seed's, or an orbit.
 [[nodiscard]] CameraPath path_of(const FlightOptions& options);
 
-// The far plane lies behind the terrain's farthest corner; the near one a twentieth of a cell ahead: depth is reversed
-// and float, so their ratio costs nothing.
+// The far plane lies behind the terrain's farthest corner; the near one a twentieth of a cell ahead, and half a
+// metre at most: depth is reversed and float, so their ratio costs nothing.
 [[nodiscard]] View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile);
 
 // Times one update; of a streamed pack the stream's first. The incremental method builds its first frame from scratch

@@ -99,7 +99,7 @@ public:
 
     void write(std::size_t frame, const View& view, const FrameEntry& entry) {
         if (drawn(frame)) {
-            pictures_->write(session_, view, frame);
+            pictures_->write(session_, view, frame, static_cast<double>(frame) / options_.hz);
             note_shortfall(options_, entry, fmt::format("{}: the picture of frame {}", options_.render_folder, frame),
                            true, shortfall_);
         }

@@ -14,6 +14,7 @@
 #include "fjell/pack.h"
 #include "flight/path.h"
 #include "flight/pictures.h"
+#include "flight/profile_keys.h"
 #include "io/command_line.h"
 #include "io/file.h"
 
@@ -31,7 +32,8 @@ struct Flags {
     std::optional<std::uint32_t> items;
     std::string method, morph, metric, topology, cull, size, mode = "shaded", stream = "auto";
     bool corner_safe = false;
-    std::vector<std::string> exports;
+    std::vector<std::string> exports, light;
+    std::optional<std::uint32_t> samples;
     std::optional<std::uint64_t> seed;
     std::string eye, look;
 };
@@ -58,6 +60,15 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--fov", f.fov_deg, "vertical field of view in degrees")
         ->check(io::within(min_fov_deg, max_fov_deg));
     app.add_option("--size", f.size, "picture in pixels, WIDTHxHEIGHT");
+}
+
+void declare_light(CLI::App& app, Flags& f) {
+    app.add_option("--light", f.light,
+                   "KEY=VALUE[,KEY=VALUE]: sun, air, exposure, water: any key of [light] of a profile, as in "
+                   "elevation_deg=5,water=true; may be repeated")
+        ->allow_extra_args(false);
+    app.add_option("--samples", f.samples, "samples a pixel that smooth edges; no more than the GPU has")
+        ->check(io::whole_within(1, max_samples));
 }
 
 void declare_methods(CLI::App& app, FlightOptions& o, Flags& f) {
@@ -167,6 +178,28 @@ Vec3 parse_place(const char* flag, const std::string& text) {
     return {at[0], at[1], at[2]};
 }
 
+// Every part is one key of [light], in the words of its table.
+void parse_light(std::string_view text, Profile& profile) {
+    while (!text.empty()) {
+        const std::string_view part = text.substr(0, text.find(','));
+        text.remove_prefix(std::min(part.size() + 1, text.size()));
+        const std::size_t equals = part.find('=');
+        const ProfileKey* const key =
+            equals == part.npos ? nullptr : find_profile_key(fmt::format("light.{}", part.substr(0, equals)));
+        if (!key) {
+            std::string names;
+            for (const ProfileKey& known : profile_keys())
+                if (std::string_view(known.table) == "light")
+                    names += (names.empty() ? "" : ", ") + std::string(known.name);
+            throw Failure(2, fmt::format("--light {}: must be KEY=VALUE, with one of the keys {}", part, names));
+        }
+        double value = 0;
+        const std::string error = parse_value(*key, part.substr(equals + 1), value);
+        if (!error.empty()) throw Failure(2, fmt::format("--light {}: {}", part, error));
+        key->set(profile, value);
+    }
+}
+
 Export parse_export(const std::string& text, std::size_t frames) {
     const std::size_t colon = std::min(text.find(':'), text.size());
     const auto frame = whole(std::string_view(text).substr(0, colon));
@@ -193,6 +226,8 @@ void apply(const Flags& f, FlightOptions& o) {
     if (f.corner_safe) refine.corner_safe = true;
     o.streaming = f.stream == "on" ? Streaming::on : f.stream == "off" ? Streaming::off : Streaming::automatic;
     if (!f.size.empty()) parse_size(f.size, o.profile);
+    if (f.samples) o.profile.samples = *f.samples;
+    for (const std::string& text : f.light) parse_light(text, o.profile);
     if (o.wait) o.profile.stream.fade_s = o.profile.stream.lookahead_s = 0; // time stands still, nothing lies ahead
     for (int i = 0; i < picture_modes; ++i)
         if (f.mode == picture_mode_names[i]) o.mode = static_cast<PictureMode>(i);
@@ -301,6 +336,7 @@ bool parse_options(int argc, char** argv, FlightOptions& options) {
     CLI::App app{"Flies a camera over a Fjell pack, in a window or --headless."};
     app.set_version_flag("--version", fmt::format("fjell-fly, pack version {}", pack_version));
     declare_flight(app, options, flags);
+    declare_light(app, flags);
     declare_methods(app, options, flags);
     declare_streaming(app, options, flags);
     declare_outputs(app, options, flags);

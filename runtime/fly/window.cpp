@@ -11,7 +11,6 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include "fjell/gl/target.h"
 #include "fjell/io/failure.h"
 #include "fjell/measure.h"
 #include "flight/camera.h"
@@ -175,7 +174,7 @@ private:
         if (target_ && target_->width() == width && target_->height() == height) return true;
         std::string error;
         target_.reset(); // the old one's memory first
-        target_ = gl::Target::create({width, height, 1}, error);
+        target_ = make_target(width, height, profile_, error);
         require(target_ != nullptr, error);
         profile_.width_px = width;
         profile_.height_px = height;
@@ -189,7 +188,8 @@ private:
         if (options_.verify_every && frame % options_.verify_every == 0)
             verify_frame(session_, view, profile_, frame, entry, verification);
         std::string error = upload_mesh(*renderer_, session_, entry);
-        if (error.empty()) error = renderer_->draw_uploaded(session_.mesh(), view, draw_options(mode_), *target_);
+        if (error.empty())
+            error = renderer_->draw_uploaded(session_.mesh(), view, draw_options(mode_, profile_, now_s), *target_);
         require(error.empty(), error);
         target_->present(target_->width(), target_->height());
         window_->swap();

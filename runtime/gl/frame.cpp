@@ -73,18 +73,14 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
     const SampleToTexel colour = sample_to_texel(header.colour_log2, header.tile_log2);
     const SampleToTexel normal = sample_to_texel(header.normal_log2, header.tile_log2);
     set4(block.grid, spacing_x_m, spacing_z_m, colour.scale, colour.offset);
-    const double farthest_m = std::max(1.5 * diagonal_m, 2 * view.near_m);
-    set4(block.grid2, normal.scale, normal.offset, view.near_m, 1 / std::log2(farthest_m / view.near_m));
-    constexpr double degree = 3.14159265358979323846 / 180;
-    const double azimuth = now.sun_azimuth_deg * degree, elevation = now.sun_elevation_deg * degree;
-    set4(block.sun, std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
-         -std::cos(azimuth) * std::cos(elevation), now.lit ? 1 : 0);
-    // A legend's colours must reach the eye as they are.
-    const double haze_m = now.haze_m != 0 ? now.haze_m : now.mode == Mode::shaded ? 2.5 * diagonal_m : -1;
+    // Mode::distance begins a twentieth of a cell away, or its greys would lie where nothing is.
+    const double near_m = std::max(view.near_m, 0.05 * std::min(spacing_x_m, spacing_z_m));
+    const double farthest_m = std::max(1.5 * diagonal_m, 2 * near_m);
+    set4(block.grid2, normal.scale, normal.offset, near_m, 1 / std::log2(farthest_m / near_m));
     const Vec3 right = cross(view.forward, view.up);
     const Vec3 middle =
         view.forward + right * ((view.right + view.left) / 2) + view.up * ((view.top + view.bottom) / 2);
-    set4(block.haze, haze_m > 0 ? 1 / haze_m : 0, middle.x, middle.y, middle.z);
+    set4(block.haze, now.haze ? 1 : 0, middle.x, middle.y, middle.z);
     const Vec3 x = right * ((view.right - view.left) / 2), y = view.up * ((view.top - view.bottom) / 2);
     set4(block.ray_x, x.x, x.y, x.z, 0);
     set4(block.ray_y, y.x, y.y, y.z, 0);
@@ -108,6 +104,7 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
     set_colour(block.page_border, page_border_rgb, now.page_borders && blocks ? 0.8 : 0);
     block.last[0] = static_cast<std::int32_t>(header.columns) - 1;
     block.last[1] = static_cast<std::int32_t>(header.rows) - 1;
+    set_light(view, now, block);
     if (now.mode == Mode::error) set_error(view, now, block);
     for (int i = 0; i < max_triangle_levels; ++i)
         set_colour(block.legend[i], legend_rgb(now.mode, i, block.tile[0], block.tile[1]), 1);

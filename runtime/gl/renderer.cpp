@@ -34,6 +34,14 @@ std::string arrays_define(const char* name, const MapArrays& arrays) {
     return arrays.present() ? std::string("#define ") + name + " " + std::to_string(arrays.sizes) + "\n" : "";
 }
 
+std::string light_defines(unsigned bits) {
+    std::string defines = bits == light_none ? "" : "#define LIT\n";
+    if ((bits & light_air) != 0) defines += "#define AIR\n";
+    if ((bits & light_detail) != 0) defines += "#define DETAIL\n";
+    if ((bits & light_water) != 0) defines += "#define WATER\n";
+    return defines;
+}
+
 // GL guarantees 128 MB to a buffer that a shader writes.
 std::string check_limits(const RendererOptions& options) {
     if (options.vertices == 0 || options.indices == 0)
@@ -53,24 +61,35 @@ std::string Renderer::State::make_program_of(const DrawOptions& now) {
     const Mode mode = now.mode;
     Program& program = program_of(now);
     if (program.get() != 0) return {};
-    const char* const modes[mode_count] = {"",
-                                           "#define LEVELS\n",
-                                           "#define DISTANCE\n",
-                                           "#define TILES\n",
-                                           "#define MIPS\n",
-                                           "#define RESIDENCY\n",
+    const char* const modes[mode_count] = {"#define SHADED\n", "#define LEVELS\n", "#define DISTANCE\n",
+                                           "#define TILES\n",  "#define MIPS\n",   "#define RESIDENCY\n",
                                            "#define ERROR\n"};
     std::string before = arrays_define("COLOUR_MAPS", maps.kind[0]) + arrays_define("NORMAL_MAPS", maps.kind[1]);
     before += modes[static_cast<int>(mode)];
     if (all_there(mode)) before += "#define ALL_THERE\n";
     if (now.wireframe) before += "#define WIREFRAME\n";
     if (now.tile_borders || now.page_borders) before += "#define BORDERS\n";
+    const bool shaded = mode == Mode::shaded;
+    if (shaded) before += light_defines(now.lit ? light_bits : light_none);
     before += common_shader();
+    std::string fragment = terrain_fragment_shader();
+    if (shaded && now.lit) fragment += std::string(light_shader()) + ground_light_shader();
+    fragment += terrain_main_shader();
     const bool per_triangle = now.wireframe || mode == Mode::levels || mode == Mode::error;
     std::string error;
     program = make_program({"terrain", std::move(before), terrain_vertex_shader(),
-                            per_triangle ? terrain_geometry_shader() : "", terrain_fragment_shader()},
+                            per_triangle ? terrain_geometry_shader() : "", std::move(fragment)},
                            error);
+    return error;
+}
+
+std::string Renderer::State::make_sky_program() {
+    std::string error;
+    Program& program = sky[light_bits & light_air];
+    if (program.get() == 0)
+        program = make_program({"sky", light_defines(light_bits & light_air) + common_shader(), sky_vertex_shader(), "",
+                                std::string(light_shader()) + sky_fragment_shader()},
+                               error);
     return error;
 }
 
@@ -122,9 +141,7 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
     // multisampled triangles: frames of half a minute were seen.
     const float anisotropy = is_software() ? 1.0f : options.anisotropy > 0 ? options.anisotropy : 8.0f;
     if (error.empty()) error = make_maps(pack, {options.colour, options.normal}, anisotropy, s.maps);
-    if (error.empty()) error = s.make_program_of({});
-    if (error.empty())
-        s.sky = make_program({"sky", common_shader(), sky_vertex_shader(), "", sky_fragment_shader()}, error);
+    if (error.empty()) error = s.prepare({.light = options.light});
     if (error.empty() && options.morph) error = s.scatter.create();
     if (!error.empty()) return nullptr;
     s.stats.texture_bytes = s.maps.bytes;
@@ -180,7 +197,10 @@ std::string Renderer::State::prepare(const DrawOptions& now) {
         if (!heights.present()) return "Mode::error has nothing to compare with: call set_heights() before";
         if (!(now.error_full_px > 0)) return "DrawOptions::error_full_px must be above 0";
     }
+    if (std::string error = lighting.follow(now.light); !error.empty()) return error;
+    light_bits = lighting.variant(now.light);
     if (std::string error = make_program_of(now); !error.empty()) return error;
+    if (std::string error = make_sky_program(); !error.empty()) return error;
     return now.mode == Mode::residency ? residency.follow(terrain) : std::string();
 }
 
@@ -235,7 +255,7 @@ void Renderer::State::draw_picture(const DrawData& data, unsigned primitive, con
     }
     if (now.sky && now.mode != Mode::distance) {
         glDepthMask(GL_FALSE);
-        glUseProgram(sky.get());
+        glUseProgram(sky[light_bits & light_air].get());
         glBindVertexArray(empty_array.get());
         glDrawArrays(GL_TRIANGLES, 0, 3);
     }
@@ -265,6 +285,7 @@ std::string Renderer::draw_uploaded(const MeshView& mesh, const View& view, cons
     const DrawData data = s.write_draw(mesh, view, options);
     s.set_up(target);
     s.bind_maps(options.mode);
+    s.lighting.bind();
     s.draw_picture(data, mesh.topology == Topology::strip ? GL_TRIANGLE_STRIP : GL_TRIANGLES, options);
 
     glDepthMask(GL_TRUE);

@@ -2,7 +2,6 @@
 
 namespace fjell::gl {
 
-// Linear light. The haze takes the sky's colour at the horizon, so distant ridges fade into what is behind them.
 const char* common_shader() {
     return R"(
 layout(std140, binding = 0) uniform Frame {
@@ -27,6 +26,17 @@ layout(std140, binding = 0) uniform Frame {
     vec4 error_eye;
     ivec4 heights;
     vec4 rounding;
+    vec4 sun_low, sun_high;
+    vec4 ambient[3];
+    vec4 source[5];
+    vec4 sky_simple[3];
+    vec4 air[2];
+    vec4 sun_level;
+    vec4 film;
+    vec4 water, water_tint;
+    vec4 backdrop_at;
+    vec4 noise_scale, noise_at;
+    vec4 to_rim;
 };
 
 // What stages hand on: metres from the eye; samples from the tile's first; the tile's block; what modes need.
@@ -41,21 +51,6 @@ layout(std140, binding = 0) uniform Frame {
 #define SURFACE_HEIGHT
 #endif
 #define SURFACE vec3 position; vec2 sample_at; flat int block; SURFACE_END SURFACE_HEIGHT
-
-const vec3 horizon = vec3(0.56, 0.68, 0.80), zenith = vec3(0.09, 0.22, 0.52);
-
-vec3 sun_glow(vec3 direction) {
-    float glow = max(dot(direction, sun.xyz), 0.0);
-    glow *= glow;
-    glow *= glow;
-    return vec3(0.20, 0.15, 0.08) * (glow * glow);
-}
-
-vec3 sky_colour(vec3 direction) {
-    vec3 colour = mix(zenith, horizon, exp(-3.5 * max(direction.y, 0.0)));
-    colour *= 0.7 + 0.3 * exp(-2.0 * max(-direction.y, 0.0)); // beyond the terrain's edge: haze, a little darker
-    return colour + sun_glow(direction);
-}
 )";
 }
 
@@ -360,21 +355,15 @@ vec3 albedo(vec3 normal) {
 #endif
 }
 
-// Sun, and a hemisphere from the bounce of the ground to the blue of the sky. Level ground under a sun at 40 degrees
-// comes out close to its own colour, so that ortho-images look like themselves.
+#ifndef SHADED
+// For modes whose colours mean something: a white sun, and a hemisphere from the bounce of the ground to the blue of the
+// sky. Level ground under a sun at 40 degrees comes out close to its own colour.
 vec3 light(vec3 normal) {
     float sunlight = max(dot(normal, sun.xyz), 0.0);
     vec3 ambient = mix(vec3(0.16, 0.14, 0.12), vec3(0.24, 0.30, 0.40), 0.5 + 0.5 * normal.y);
     return vec3(1.28, 1.20, 1.05) * sunlight + ambient;
 }
-
-vec3 through_haze(vec3 colour) {
-    float squared = dot(surface.position, surface.position), inverse = inversesqrt(squared);
-    vec3 direction = surface.position * inverse;
-    // Blue light is scattered first: transmittances to the powers 3/4, 1 and 3/2 from one exponential.
-    float a = exp(-0.25 * haze.x * squared * inverse), a2 = a * a, a3 = a2 * a;
-    return mix(horizon + sun_glow(vec3(direction.x, 0.0, direction.z)), colour, vec3(a3, a2 * a2, a3 * a3));
-}
+#endif
 
 #ifdef WIREFRAME
 // Half a line on this side of each edge, 0.9 pixels wide; the neighbour draws the other half. Measured by how fast the
@@ -415,7 +404,11 @@ vec3 with_borders(vec3 colour) {
     return with_line(colour, tile_border, to_tile, samples_a_pixel, side, 1.25);
 }
 #endif
+)";
+}
 
+const char* terrain_main_shader() {
+    return R"(
 void main() {
 #if defined(DISTANCE)
     // Logarithmic, so that the near and the far both show; as light, because sRGB's curve then lifts the far, where
@@ -424,12 +417,14 @@ void main() {
 #else
     vec3 normal = world_normal();
     vec3 colour = albedo(normal);
-#ifdef ERROR
+#if defined(LIT)
+    colour = shaded(colour, normal);
+#elif defined(SHADED) // bare
+#elif defined(ERROR)
     if (sun.w > 0.0) colour *= 0.35 + 0.65 * min(dot(light(normal), vec3(1.0 / 3.0)), 1.0); // the legend stays readable
 #else
     if (sun.w > 0.0) colour *= light(normal);
 #endif
-    if (haze.x > 0.0) colour = through_haze(colour);
 #endif
 #ifdef WIREFRAME
     colour = mix(colour, line.rgb, wire_opacity());
@@ -439,26 +434,6 @@ void main() {
 #endif
     out_colour = vec4(colour, 1.0);
 }
-)";
-}
-
-// One triangle over the whole picture at depth 0, the farthest: it passes only where nothing was drawn.
-const char* sky_vertex_shader() {
-    return R"(
-out vec3 v_ray;
-void main() {
-    vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
-    v_ray = haze.yzw + corner.x * ray_x.xyz + corner.y * ray_y.xyz;
-    gl_Position = vec4(corner, 0.0, 1.0);
-}
-)";
-}
-
-const char* sky_fragment_shader() {
-    return R"(
-in vec3 v_ray;
-layout(location = 0) out vec4 out_colour;
-void main() { out_colour = vec4(sky_colour(normalize(v_ray)), 1.0); }
 )";
 }
 

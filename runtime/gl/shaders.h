@@ -33,8 +33,21 @@ struct FrameBlock {
     float error_eye[4];                   // metres from the eye; share of a metre's error at a metre's distance
     std::int32_t heights[4];              // log2 of the grid's step, 1 where diagonals alternate; texels of a layer
     float rounding[4];                    // metres that floats may add to an error
+    // Light: linear rgb of a sun of irradiance 1 above the air (sky.h); heights in metres above the eye.
+    float sun_low[4], sun_high[4]; // at the terrain's lowest and highest place; the lowest; 1 / their difference
+    float ambient[3][4];           // SkyLight::ambient
+    float source[5][4];            // SkyLight::source
+    float sky_simple[3][4];        // of the simple air: horizon, zenith, glow around the sun
+    float air[2][4];               // extinction at the eye [1/m], Rayleigh's and Mie's; 1 / height [1/m]
+    float sun_level[4]; // the sun's azimuth as a unit vector, x and z; the sky table's slice and share of the next
+    float film[4];      // exposure; 1: filmic; 1: dithered; time [s]
+    float water[4], water_tint[4]; // level, 1 where it is seen; extinction in water [1/m]
+    float backdrop[4];             // ground around the terrain: rgb; height
+    float noise_scale[4];          // tiles of noise a metre: the coarsest on ground, waves
+    float noise_at[4];             // of the eye, from where the noise repeats [m]
+    float to_rim[4];               // from the eye to the terrain's rim: west, east, north, south [m]
 };
-static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6) * 16 &&
+static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6 + 23) * 16 &&
                   offsetof(FrameBlock, tile) == 208,
               "FrameBlock is uploaded: change the block `Frame` in shaders.cpp with it");
 
@@ -50,16 +63,20 @@ struct TileBlock {
 static_assert(sizeof(TileBlock) == 112 && offsetof(TileBlock, mip) == 32,
               "TileBlock is uploaded: change attribute 2 of the renderer and TileBlock in shaders.cpp with it");
 
-// The block `Frame` and the sky's colours: goes in front of every shader below.
+// The block `Frame`: goes in front of every shader below.
 [[nodiscard]] const char* common_shader();
 [[nodiscard]] const char* terrain_vertex_shader();
 // Names each triangle's level and corners for the fragment shader; needed by LEVELS, ERROR and WIREFRAME only.
 [[nodiscard]] const char* terrain_geometry_shader();
-// Defines: COLOUR_MAPS and NORMAL_MAPS, how many array textures there are of each, when there are any; LEVELS,
-// DISTANCE, TILES, MIPS, RESIDENCY or ERROR for a mode other than shaded; WIREFRAME; BORDERS; ALL_THERE: one array of
-// each, layer = tile.
+// The ground's fragment shader: terrain_fragment_shader(), for LIT light_shader() and ground_light_shader(), then
+// terrain_main_shader(). Defines: COLOUR_MAPS and NORMAL_MAPS, how many array textures there are of each, when there
+// are any; SHADED, LEVELS, DISTANCE, TILES, MIPS, RESIDENCY or ERROR for the mode; WIREFRAME; BORDERS; ALL_THERE: one
+// array of each, layer = tile; with SHADED also LIT, and with that AIR: physical, DETAIL, WATER.
 [[nodiscard]] const char* terrain_fragment_shader();
+[[nodiscard]] const char* light_shader();
+[[nodiscard]] const char* ground_light_shader();
+[[nodiscard]] const char* terrain_main_shader();
 [[nodiscard]] const char* sky_vertex_shader();
-[[nodiscard]] const char* sky_fragment_shader();
+[[nodiscard]] const char* sky_fragment_shader(); // after light_shader()
 
 } // namespace fjell::gl

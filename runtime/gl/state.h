@@ -10,6 +10,7 @@
 
 #include "fjell/gl/renderer.h"
 #include "gl/heights.h"
+#include "gl/lighting.h"
 #include "gl/maps.h"
 #include "gl/objects.h"
 #include "gl/residency.h"
@@ -49,8 +50,11 @@ struct Renderer::State {
     MeshBuffers mesh;
     MorphFrame morph_frame; // of the cut uploaded last
     VertexArray terrain_array, empty_array;
-    Program programs[mode_count][2][2][2]; // by Mode, wireframe, borders, all_there(); those but the first at first use
-    Program sky;
+    Lighting lighting;
+    unsigned light_bits = 0; // of the draw
+    // By Mode, wireframe, borders, all_there() and, of the shaded mode, the light's variant; made at first use.
+    Program programs[mode_count][2][2][2][light_variants];
+    Program sky[2];                       // with the simple and with the physical air
     const MeshVertex* uploaded = nullptr; // whose vertices the buffer holds
     std::size_t uploaded_count = 0;
     const std::uint32_t* kept_indices = nullptr; // of a live cut, which the buffer holds; null: it holds one draw's
@@ -61,10 +65,13 @@ struct Renderer::State {
     [[nodiscard]] bool all_there(Mode mode) const { return maps.all_there && mode <= Mode::distance; }
     [[nodiscard]] Program& program_of(const DrawOptions& now) {
         const bool borders = now.tile_borders || now.page_borders;
-        return programs[static_cast<int>(now.mode)][now.wireframe ? 1 : 0][borders ? 1 : 0]
-                       [all_there(now.mode) ? 1 : 0];
+        return programs[static_cast<int>(now.mode)][now.wireframe ? 1 : 0][borders ? 1 : 0][all_there(now.mode) ? 1 : 0]
+                       [now.mode != Mode::shaded ? 0
+                        : now.lit                ? light_bits
+                                                 : light_none];
     }
     std::string make_program_of(const DrawOptions& now);
+    std::string make_sky_program();
     void make_buffers();
     [[nodiscard]] std::size_t range_capacity() const;
     [[nodiscard]] std::size_t ring_bytes() const;
@@ -81,6 +88,8 @@ struct Renderer::State {
     // frame.cpp
     FrameBlock make_frame(const View& view, const DrawOptions& now) const;
     void set_error(const View& view, const DrawOptions& now, FrameBlock& block) const;
+    void set_light(const View& view, const DrawOptions& now, FrameBlock& block) const; // frame_light.cpp
+    void set_noise(const View& view, FrameBlock& block, double shrunk) const;
     TileBlock make_tile(std::uint32_t tile, std::uint32_t index) const;
     DrawData write_draw(const MeshView& mesh, const View& view, const DrawOptions& now);
 };

@@ -22,14 +22,14 @@ struct Target::Objects {
 namespace {
 
 std::string check_size(const TargetOptions& options) {
-    int largest = 0, samples = 0;
+    int largest = 0;
     glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
-    glGetIntegerv(GL_MAX_SAMPLES, &samples);
+    const std::uint32_t samples = max_target_samples();
     const auto limit = static_cast<std::uint32_t>(largest);
     if (options.width < 1 || options.height < 1 || options.width > limit || options.height > limit)
         return "a picture of " + std::to_string(options.width) + "x" + std::to_string(options.height) +
                " pixels is not possible here: each side must be 1 to " + std::to_string(limit);
-    if (options.samples < 1 || options.samples > static_cast<std::uint32_t>(samples))
+    if (options.samples < 1 || options.samples > samples)
         return std::to_string(options.samples) + " samples a pixel are not possible here: 1 to " +
                std::to_string(samples);
     return {};
@@ -64,6 +64,12 @@ void flip_rows(void* pixels, std::size_t row_bytes, std::size_t rows) {
 }
 
 } // namespace
+
+std::uint32_t max_target_samples() {
+    int samples = 1;
+    glGetIntegerv(GL_MAX_SAMPLES, &samples);
+    return static_cast<std::uint32_t>(samples);
+}
 
 Target::Target() : objects_(std::make_unique<Objects>()) {}
 Target::~Target() = default;

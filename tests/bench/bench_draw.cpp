@@ -1,9 +1,12 @@
 // Frames a second by triangles and resolution: textured, lit, hazed, from a flight whose mesh changes and is uploaded.
 //
-// Names: draw/threshold at 720 rows/picture; the counter triangles_drawn says how many that is. On a machine without a
-// GPU this is Mesa's software renderer, and its cost in pixels, not ours.
+// Names: draw/threshold at 720 rows/picture; the counter triangles_drawn says how many that is. light/feature, at 12 px
+// and 1280 x 720: what a feature of light costs a pixel, to be read against light/bare of the same run; near: 100 m
+// over the ground, where detail shows. sky/tables: what a sun that moves costs the CPU. On a machine without a GPU this
+// is Mesa's software renderer, and its cost in pixels, not ours.
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -18,6 +21,7 @@
 #include "fjell/gl/renderer.h"
 #include "fjell/gl/target.h"
 #include "fjell/io/load.h"
+#include "gl/sky.h"
 #include "pack/terrain_data.h"
 
 namespace {
@@ -47,12 +51,20 @@ const io::LoadedPack& scene() {
     return pack;
 }
 
-void draw(benchmark::State& state, double error_px, std::uint32_t width, std::uint32_t height) {
+struct Picture {
+    double error_px = 12;
+    std::uint32_t width = 1280, height = 720, samples = 1;
+    double above_m = 3500;
+    gl::DrawOptions options{};
+};
+
+void draw(benchmark::State& state, const Picture& picture) {
+    const auto [error_px, width, height, samples, above_m, drawing] = picture;
     const io::LoadedPack& pack = scene();
     std::string error;
     const auto context = gl::Headless::create({}, error);
     require(error);
-    const auto target = gl::Target::create({width, height, 1}, error);
+    const auto target = gl::Target::create({width, height, samples}, error);
     require(error);
     const CutBudget budget{1u << 21, 1u << 22, 1024, 1};
     const std::size_t bytes = cut_bytes(pack.terrain, budget);
@@ -62,26 +74,27 @@ void draw(benchmark::State& state, double error_px, std::uint32_t width, std::ui
     gl::RendererOptions options{budget.vertices, 3 * budget.triangles};
     options.ranges = budget.triangles / budget.segment_triangles;
     options.morph = true;
+    options.light = drawing.light;
     const auto renderer = gl::Renderer::create(pack.terrain, pack.pack, options, error);
     require(error);
     CutSettings settings;
     settings.error_px = error_px;
     CutReport report;
     const double extent = pack.terrain.x_m(data_of(pack.terrain).tree.columns() - 1);
-    Vec3 eye{0.5 * extent, 3500, 0.5 * extent};
+    Vec3 eye{0.5 * extent, above_m, 0.5 * extent};
     const auto view = [&] {
         return make_view(eye, {0.8, -0.2, -0.6}, {0, 1, 0}, 0.7853981633974483, width, height, 3, 3 * extent);
     };
     View now = view();
     (void)rebuild_cut(cut, {&now, 1}, settings, report);
     double drawn = 0, uploaded = 0;
-    require(renderer->draw(cut_mesh(cut), cut_take_changes(cut), now, {}, *target)); // uploads all
+    require(renderer->draw(cut_mesh(cut), cut_take_changes(cut), now, drawing, *target)); // uploads all
     glFinish();
     for (auto _ : state) {
         eye = eye + Vec3{0.8, 0, -0.6} * 15.0; // a quarter of a cell
         now = view();
         (void)update_cut(cut, {&now, 1}, settings, report);
-        require(renderer->draw(cut_mesh(cut), cut_take_changes(cut), now, {}, *target));
+        require(renderer->draw(cut_mesh(cut), cut_take_changes(cut), now, drawing, *target));
         glFinish();
         drawn += report.triangles_drawn;
         uploaded += static_cast<double>(renderer->stats().bytes_uploaded);
@@ -93,19 +106,58 @@ void draw(benchmark::State& state, double error_px, std::uint32_t width, std::ui
     state.SetLabel(reinterpret_cast<const char*>(glGetString(GL_RENDERER)));
 }
 
+void add(const std::string& name, const Picture& picture) {
+    benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& s) { draw(s, picture); })
+        ->Iterations(20)
+        ->UseRealTime()
+        ->MeasureProcessCPUTime() // of all threads: neighbours on the machine count less
+        ->Unit(benchmark::kMillisecond);
+}
+
+gl::DrawOptions lit(gl::Air air, bool detail, bool dither, bool filmic, bool water) {
+    gl::DrawOptions options;
+    options.light.air = air;
+    options.light.detail = detail;
+    options.light.dither = dither;
+    options.light.tone_curve = filmic ? gl::ToneCurve::filmic : gl::ToneCurve::none;
+    options.light.water = water;
+    options.light.water_level_m = 900;
+    return options;
+}
+
+void sky_tables(benchmark::State& state) {
+    gl::Sky sky;
+    double height = 0.1;
+    for (auto _ : state) {
+        height = height < 0.9 ? height + 0.01 : 0.1;
+        gl::make_sky({std::sqrt(1 - height * height), height, 0}, 160, sky);
+        benchmark::DoNotOptimize(sky.radiance.data());
+    }
+}
+
 const int registered = [] {
     const std::pair<const char*, double> meshes[] = {{"12px", 12}, {"5px", 5}, {"2px", 2}, {"1px", 1}};
     const std::pair<std::uint32_t, std::uint32_t> pictures[] = {{640, 360}, {1280, 720}, {1920, 1080}};
     for (const auto& [name, error_px] : meshes)
-        for (const auto& [width, height] : pictures)
-            benchmark::RegisterBenchmark(
-                (std::string("draw/") + name + "/" + std::to_string(width) + "x" + std::to_string(height)).c_str(),
-                [=](benchmark::State& s) {
-                    draw(s, error_px * height / 720, width, height); // about as many triangles
-                })
-                ->Iterations(20)
-                ->UseRealTime()
-                ->Unit(benchmark::kMillisecond);
+        for (const auto& [width, height] : pictures) // about as many triangles in each
+            add(std::string("draw/") + name + "/" + std::to_string(width) + "x" + std::to_string(height),
+                {.error_px = error_px * height / 720, .width = width, .height = height});
+    constexpr auto simple = gl::Air::simple, physical = gl::Air::physical;
+    const std::pair<const char*, gl::DrawOptions> features[] = {
+        {"bare", {.lit = false}},
+        {"simple-linear", lit(simple, false, false, false, false)},
+        {"simple", lit(simple, false, false, true, false)},
+        {"simple-dither", lit(simple, false, true, true, false)},
+        {"physical", lit(physical, false, true, true, false)},
+        {"physical-detail", lit(physical, true, true, true, false)},
+        {"physical-detail-water", lit(physical, true, true, true, true)},
+    };
+    for (const auto& [name, options] : features) {
+        add(std::string("light/") + name, {.options = options});
+        add(std::string("light-near/") + name, {.above_m = 2400, .options = options});
+    }
+    add("light/physical-detail-4-samples", {.samples = 4, .options = features[5].second});
+    benchmark::RegisterBenchmark("sky/tables", sky_tables)->Unit(benchmark::kMillisecond);
     return 0;
 }();
 

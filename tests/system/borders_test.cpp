@@ -110,7 +110,7 @@ TEST_CASE("borders of tiles and pages lie where they are, over every mode, and c
          {gl::Mode::shaded, gl::Mode::levels, gl::Mode::distance, gl::Mode::tiles, gl::Mode::mips, gl::Mode::residency})
         for (const View& view : {from_above(scene, 20'000, -90), from_above(scene, 3000, -25)}) {
             const MeshView mesh = scene.refined(view, 1); // level: nothing but the tiles' corners
-            gl::DrawOptions drawing{.mode = mode, .sky = false, .lit = false, .haze_m = -1};
+            gl::DrawOptions drawing{.mode = mode, .sky = false, .lit = false, .haze = false};
             const Picture without = scene.draw(mesh, view, drawing);
             for (int which = 1; which <= 3; ++which) {
                 drawing.tile_borders = (which & 1) != 0;
@@ -157,7 +157,7 @@ TEST_CASE("borders far from the origin are bit for bit those near it", "[picture
     const auto picture = [&](double column, bool borders) {
         const View view = make_view({column * border_spacing_m, 1500, 64 * border_spacing_m}, {0.6, -0.8, 0},
                                     {0.8, 0.6, 0}, pi / 8, width_px, height_px, 1, 1e5);
-        return scene.draw(mesh.view(), view, {.tile_borders = borders, .page_borders = borders, .haze_m = -1}).colour;
+        return scene.draw(mesh.view(), view, {.tile_borders = borders, .page_borders = borders, .haze = false}).colour;
     };
     const gl::Image near_by = picture(100.125, true), far_away = picture(100.125 + 128 * 60, true);
     CHECK((near_by.rgb == far_away.rgb));

@@ -127,7 +127,7 @@ void make_holes(test::Random& random, baker::Dem& dem) {
 }
 
 gl::DrawOptions bare(double full_px) {
-    gl::DrawOptions drawing{.mode = gl::Mode::error, .sky = false, .lit = false, .haze_m = -1};
+    gl::DrawOptions drawing{.mode = gl::Mode::error, .sky = false, .lit = false, .haze = false};
     drawing.error_full_px = static_cast<float>(full_px);
     return drawing;
 }

@@ -29,7 +29,7 @@ TEST_CASE("a picture far from the origin is bit for bit the one near it", "[pict
     const auto look = [&](double column) {
         const View view =
             make_view({column * 1000, 2000, 9250}, {0.8, -0.6, 0}, {0.6, 0.8, 0}, pi / 8, width_px, height_px, 1, 1e5);
-        return scene.draw(mesh.view(), view, {.haze_m = -1});
+        return scene.draw(mesh.view(), view, {.haze = false});
     };
     const Picture near_by = look(16.125), far_away = look(16.125 + 8 * 1016);
     CHECK(std::count(near_by.depth.begin(), near_by.depth.end(), 0.0f) == 0);
@@ -45,7 +45,7 @@ TEST_CASE("10,000 km from the origin a picture is the one near it, under motion 
     const auto look = [&](double x, double above_m) {
         const View view =
             make_view({x, above_m, 155'000}, {0.8, -0.6, 0}, {0.6, 0.8, 0}, pi / 8, width_px, height_px, 100, 1e7);
-        return scene.draw(mesh.view(), view, {.haze_m = -1});
+        return scene.draw(mesh.view(), view, {.haze = false});
     };
     constexpr double start_m = 83'125, above_m = 30'000;
     // Steps that a double holds exactly, so that the eye stands in its cell exactly alike: the same bits.

@@ -422,6 +422,12 @@ TEST_CASE("wrong usage is one line and exit code 2") {
     refuses("small.fjell --headless --frames -3", 2, "--frames");
     refuses("small.fjell --headless --size 640", 2, "--size 640: must be WIDTHxHEIGHT");
     refuses("small.fjell --headless --size 0x10", 2, "--size");
+    refuses("small.fjell --headless --samples 0", 2, "--samples");
+    refuses("small.fjell --headless --light elevation_deg=91", 2,
+            "--light elevation_deg=91: must be a number from -18 to 90");
+    refuses("small.fjell --headless --light air=thick", 2, "--light air=thick: must be");
+    refuses("small.fjell --headless --light water=true,moon=1", 2,
+            "--light moon=1: must be KEY=VALUE, with one of the keys sun, ");
     refuses("small.fjell --headless --fov 180", 2, "--fov");
     refuses("small.fjell --headless --hz nan", 2, "--hz");
     refuses("small.fjell --headless --export out.glb", 2, "FRAME:OUT.glb");

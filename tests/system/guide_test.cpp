@@ -176,7 +176,7 @@ TEST_CASE("the guide's renderer draws what ours draws, from uploads of what chan
         const View& view = back ? from : to;
         const CutChanges changes = cut_take_changes(scene.cut); // once, for both
         drawer.upload(cut, changes);
-        REQUIRE(scene.renderer->draw(cut, changes, view, {}, *scene.target) == "");
+        REQUIRE(scene.renderer->draw(cut, changes, view, {.light = scene.light}, *scene.target) == "");
         std::vector<float> ours;
         scene.target->read_depth(ours);
         pictures.push_back(drawn(drawer, scene, cut, {&view, 1}));

@@ -27,7 +27,7 @@ struct Drawer {
     // Over a picture of the mesh.
     gl::Image draw(const MeshView& mesh, const View& view, std::span<const gl::Line> some,
                    std::span<const gl::Ball> balls, const gl::LineStyle& style) {
-        REQUIRE(scene.renderer->draw(mesh, view, {}, *scene.target).empty());
+        REQUIRE(scene.renderer->draw(mesh, view, {.light = scene.light}, *scene.target).empty());
         const std::string error = lines->draw(some, balls, view, *scene.target, style);
         INFO(error);
         REQUIRE(error.empty());

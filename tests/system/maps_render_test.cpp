@@ -195,8 +195,8 @@ TEST_CASE("neighbours of different mips meet without a seam", "[picture]") {
         REQUIRE(std::count(picture.depth.begin(), picture.depth.end(), 0.0f) == 0);
         return Steps(picture.colour);
     };
-    const gl::DrawOptions lit{.haze_m = -1}, bare{.lit = false, .haze_m = -1},
-        mips{.mode = gl::Mode::mips, .lit = false, .haze_m = -1};
+    const gl::DrawOptions lit{.haze = false}, bare{.lit = false, .haze = false},
+        mips{.mode = gl::Mode::mips, .lit = false, .haze = false};
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind)
         for (const std::uint32_t tile : {0u, 1u, 2u, 3u}) streamed.load_tail(kind, tile);
     streamed.show();
@@ -232,7 +232,7 @@ TEST_CASE("a mip fades in without a jump", "[picture]") {
                 for (std::uint32_t tile = 0; tile < kind.size(); ++tile)
                     kind[tile].min_lod = all || (tile + tile / 4) % 2 ? 2 - static_cast<float>(i) / steps : 2;
             streamed.show();
-            return streamed.scene.draw(mesh.view(), view, {.lit = false, .haze_m = -1}).colour;
+            return streamed.scene.draw(mesh.view(), view, {.lit = false, .haze = false}).colour;
         };
         const gl::Image coarse = at(0), fine = at(steps);
         REQUIRE(largest_step(coarse, fine) > 10);
@@ -304,7 +304,7 @@ TEST_CASE("the modes of tiles, mips and residency show what their legends say", 
     const auto close = [](const gl::Rgb8& a, const gl::Rgb8& b) { // sRGB -> linear -> sRGB may round once
         return std::abs(a[0] - b[0]) <= 1 && std::abs(a[1] - b[1]) <= 1 && std::abs(a[2] - b[2]) <= 1;
     };
-    const gl::DrawOptions bare{.sky = false, .lit = false, .haze_m = -1};
+    const gl::DrawOptions bare{.sky = false, .lit = false, .haze = false};
     gl::DrawOptions drawing = bare;
 
     drawing.mode = gl::Mode::tiles;

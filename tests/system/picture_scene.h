@@ -115,6 +115,8 @@ struct Scene {
     LiveCut cut; // after make_cut()
     std::unique_ptr<gl::Target> target;
     std::unique_ptr<gl::Renderer> renderer;
+    // The cheapest: most pictures are about geometry and maps. Tests of light set it.
+    gl::LightSettings light{.air = gl::Air::simple, .dither = false, .detail = false};
 
     Scene(baker::Dem dem, int tile_log2, Order order = Order::planar) {
         context();
@@ -144,7 +146,8 @@ struct Scene {
                                         {.vertices = budget.vertices,
                                          .indices = std::max(budget.indices, 3 * chunks(terrain) * segment_triangles),
                                          .ranges = chunks(terrain),
-                                         .morph = true},
+                                         .morph = true,
+                                         .light = light},
                                         error);
         INFO(error);
         REQUIRE(renderer);
@@ -207,8 +210,9 @@ struct Scene {
     }
 
     template <typename Mesh> // MeshView or CutMesh
-    Picture draw(const Mesh& mesh, const View& view, const gl::DrawOptions& options = {}) {
+    Picture draw(const Mesh& mesh, const View& view, gl::DrawOptions options = {}) {
         std::string error;
+        options.light = light;
         if constexpr (std::is_same_v<Mesh, CutMesh>)
             error = renderer->draw(mesh, cut_take_changes(cut), view, options, *target);
         else

@@ -232,7 +232,7 @@ TEST_CASE("every triangle has the colour of its level", "[picture]") {
     const View view = scene.camera(0.5, 0.5, 7000, 0, -90);
     const MeshView mesh = scene.refined(view, 4);
     const Picture picture =
-        scene.draw(mesh, view, {.mode = gl::Mode::levels, .sky = false, .lit = false, .haze_m = -1});
+        scene.draw(mesh, view, {.mode = gl::Mode::levels, .sky = false, .lit = false, .haze = false});
     const Vec3 right = cross(view.forward, view.up);
     std::set<int> seen;
     std::size_t looked_at = 0, wrong = 0;

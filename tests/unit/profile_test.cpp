@@ -45,11 +45,16 @@ TEST_CASE("every shipped profile loads and names every key") {
         CHECK(p.cut_budget.vertices == p.budget.vertices);
         const std::vector<std::byte> bytes = io::read_file(file.path().string());
         const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-        for (const char* key : {"method",      "error_px",      "corner_safe",  "hysteresis", "morph",     "morph_s",
-                                "metric",      "cull",          "topology",     "vertices",   "triangles", "views",
-                                "items",       "budget_us",     "indices",      "width_px",   "height_px", "fov_deg",
-                                "page_slots",  "page_requests", "map_requests", "map_mb",     "tail_log2", "texel_px",
-                                "lookahead_s", "fade_s",        "pages",        "tests",      "map_kb"}) {
+        for (const char* key : {"method",        "error_px",    "corner_safe",   "hysteresis",       "morph",
+                                "morph_s",       "metric",      "cull",          "topology",         "vertices",
+                                "triangles",     "views",       "items",         "budget_us",        "indices",
+                                "width_px",      "height_px",   "fov_deg",       "page_slots",       "page_requests",
+                                "map_requests",  "map_mb",      "tail_log2",     "texel_px",         "lookahead_s",
+                                "fade_s",        "pages",       "tests",         "map_kb",           "samples",
+                                "sun",           "azimuth_deg", "elevation_deg", "latitude_deg",     "longitude_deg",
+                                "year",          "month",       "day",           "hour_utc",         "air",
+                                "visibility_km", "exposure",    "ev100",         "exposure_bias_ev", "tone_curve",
+                                "dither",        "detail",      "water",         "water_level_m"}) {
             INFO(file.path() << ' ' << key);
             std::string line = "\n"; // by +=: g++ 12 warns of an impossible overlap in +
             line += key;
@@ -128,6 +133,34 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     CHECK(stream.tests == 70000);
     CHECK(stream.map_bytes == 9 * 1024);
     CHECK(stream.now_s == 2.5);
+    const Profile l = parse_profile(
+        "[view]\nsamples = 2\n[light]\nsun = \"time\"\nlatitude_deg = -41.5\nlongitude_deg = 174\nyear = 2030\nmonth = "
+        "2\n"
+        "day = 3\nhour_utc = 4.5\nair = \"simple\"\nvisibility_km = 30\nexposure = \"fixed\"\nev100 = 12\n"
+        "exposure_bias_ev = -1\ntone_curve = \"none\"\ndither = false\ndetail = false\nwater = true\nwater_level_m = "
+        "7.5\n"
+        "azimuth_deg = 1\nelevation_deg = 2\n",
+        "p.toml");
+    CHECK(l.samples == 2);
+    CHECK(l.light.sun == gl::SunBy::time);
+    CHECK(l.light.latitude_deg == -41.5);
+    CHECK(l.light.longitude_deg == 174);
+    CHECK(l.light.year == 2030);
+    CHECK(l.light.month == 2);
+    CHECK(l.light.day == 3);
+    CHECK(l.light.hour_utc == 4.5);
+    CHECK(l.light.air == gl::Air::simple);
+    CHECK(l.light.visibility_km == 30);
+    CHECK(l.light.exposure == gl::Exposure::fixed);
+    CHECK(l.light.ev100 == 12);
+    CHECK(l.light.exposure_bias_ev == -1);
+    CHECK(l.light.tone_curve == gl::ToneCurve::none);
+    CHECK_FALSE(l.light.dither);
+    CHECK_FALSE(l.light.detail);
+    CHECK(l.light.water);
+    CHECK(l.light.water_level_m == 7.5);
+    CHECK(l.light.azimuth_deg == 1);
+    CHECK(l.light.elevation_deg == 2);
 }
 
 TEST_CASE("a bad profile is refused in one line with file, line and key") {
@@ -163,6 +196,9 @@ TEST_CASE("a bad profile is refused in one line with file, line and key") {
     refuses("[stream]\ntests = 3\n", "p.toml:2: stream.tests: must be a whole number from 1024");
     refuses("[view]\nwidth_px = 0\n", "p.toml:2: view.width_px: must be a whole number from 1 to 16384");
     refuses("[view]\nfov_deg = 180\n", "p.toml:2: view.fov_deg: must be a number from 1 to 150");
+    refuses("[view]\nsamples = 0\n", "p.toml:2: view.samples: must be a whole number from 1 to 16");
+    refuses("[light]\nair = \"thick\"\n", "p.toml:2: light.air: must be \"simple\" or \"physical\"");
+    refuses("[light]\nvisibility_km = 0\n", "p.toml:2: light.visibility_km: must be a number from 1 to 280");
     refuses("[refine]\nerror_px = \n", "p.toml:2: is not TOML");
     refuses("[refine]\nerror_px = 1\nerror_px = 2\n", "p.toml:3: a key or a table is there twice");
     refuses("[refine]\nmetric = \"depth\"\ncull = false\n", "p.toml: refine.metric \"depth\" needs refine.cull = true");

@@ -23,6 +23,7 @@
 
 #include "fjell/cut.h"
 #include "fjell/export.h"
+#include "fjell/gl/light.h"
 #include "fjell/gl/target.h"
 #include "fjell/mesh.h"
 #include "fjell/pack.h"
@@ -47,6 +48,7 @@ struct RendererOptions {
     // Streamed maps (stream_map_layers()): array textures of these sizes, empty at first. top_log2 0: all of the pack's
     // map is loaded at creation. At most 8 sizes of each kind.
     MapLayers colour{}, normal{};
+    LightSettings light{};          // of the first draw: its shaders are compiled at creation; others when first used
     std::uint32_t texture_side = 0; // texels a side that set_heights() uses at most; 0: as many as the driver takes
 };
 
@@ -76,13 +78,11 @@ struct DrawOptions {
     // Lines on the surface, over any mode: around tiles, and around squares of 64 x 64 samples, the pages of the finest
     // step (none in linear order, whose pages are rows). Where they would lie closer than 6 pixels they fade out.
     bool tile_borders = false, page_borders = false;
-    bool sky = true;             // false: black
-    bool lit = true;             // false: bare colours, to compare
-    float sun_azimuth_deg = 315; // clockwise from north: from the upper left, as maps are lit
-    float sun_elevation_deg = 40;
-    // Distance at which haze hides 63%; 0: two and a half times the terrain's diagonal when shaded, none in other
-    // modes; below 0: none.
-    float haze_m = 0;
+    bool sky = true;  // false: black
+    bool lit = true;  // false: bare colours, to compare; with Mode::shaded without haze, film and water too
+    bool haze = true; // Mode::shaded: air before the ground. Legends' colours are never hazed
+    LightSettings light{};
+    double time_s = 0; // moves the water's waves, and nothing else
     // Mode::error: vertical metres * lambda / distance from an eye, whatever their direction, as the cut measures them.
     float error_full_px = 1;           // what is red: the threshold that was promised; above it is magenta
     std::optional<Vec3> error_eye_m{}; // whose picture was refined; none: the view's

@@ -25,6 +25,9 @@ struct TargetOptions {
     std::uint32_t samples = 1;                // a pixel; 4 smooths edges at about the cost of a second picture
 };
 
+// Samples a pixel that the current context's driver gives at most.
+[[nodiscard]] std::uint32_t max_target_samples();
+
 // A picture to draw into.
 class Target {
 public:

@@ -1,0 +1,200 @@
+// The keys of [light]: gl::LightSettings.
+#include "flight/profile_fields.h"
+
+namespace fjell::flight {
+
+namespace {
+
+using Light = gl::LightSettings;
+
+// In the order of the enumerations.
+constexpr const char* suns[] = {"direction", "time"};
+constexpr const char* airs[] = {"simple", "physical"};
+constexpr const char* exposures[] = {"automatic", "fixed"};
+constexpr const char* curves[] = {"none", "filmic"};
+static_assert(static_cast<int>(gl::SunBy::time) == 1 && static_cast<int>(gl::Air::physical) == 1 &&
+                  static_cast<int>(gl::Exposure::fixed) == 1 && static_cast<int>(gl::ToneCurve::filmic) == 1,
+              "choices are named in the order of their values: change the names above too");
+
+constexpr ProfileKey keys[] = {
+    {.table = "light",
+     .name = "sun",
+     .label = "Sun by",
+     .kind = KeyKind::choice,
+     .choices = suns,
+     .about = "Where the sun's place comes from. \"direction\": azimuth_deg and elevation_deg. \"time\": year, month, "
+              "day and hour_utc, seen from latitude_deg and longitude_deg, to 0.02 degrees.",
+     .get = At<&Profile::light, &Light::sun>::get,
+     .set = At<&Profile::light, &Light::sun>::set},
+    {.table = "light",
+     .name = "azimuth_deg",
+     .label = "Azimuth",
+     .unit = "deg",
+     .most = 360,
+     .about = "The sun's azimuth, clockwise from north. Degrees, 0 to 360. From the upper left (315) relief looks as "
+              "on maps. (By direction.)",
+     .get = At<&Profile::light, &Light::azimuth_deg>::get,
+     .set = At<&Profile::light, &Light::azimuth_deg>::set},
+    {.table = "light",
+     .name = "elevation_deg",
+     .label = "Elevation",
+     .unit = "deg",
+     .least = gl::min_sun_elevation_deg,
+     .most = 90,
+     .about = "The sun's elevation above the horizon. Degrees, -18 to 90. Below 0 the sky alone gives light. (By "
+              "direction.)",
+     .get = At<&Profile::light, &Light::elevation_deg>::get,
+     .set = At<&Profile::light, &Light::elevation_deg>::set},
+    {.table = "light",
+     .name = "latitude_deg",
+     .label = "Latitude",
+     .unit = "deg",
+     .least = -90,
+     .most = 90,
+     .about = "Where the terrain lies: latitude, north positive. Degrees, -90 to 90. (By time.)",
+     .get = At<&Profile::light, &Light::latitude_deg>::get,
+     .set = At<&Profile::light, &Light::latitude_deg>::set},
+    {.table = "light",
+     .name = "longitude_deg",
+     .label = "Longitude",
+     .unit = "deg",
+     .least = -180,
+     .most = 180,
+     .about = "Where the terrain lies: longitude, east positive. Degrees, -180 to 180. (By time.)",
+     .get = At<&Profile::light, &Light::longitude_deg>::get,
+     .set = At<&Profile::light, &Light::longitude_deg>::set},
+    {.table = "light",
+     .name = "year",
+     .label = "Year",
+     .kind = KeyKind::whole,
+     .least = gl::min_sun_year,
+     .most = gl::max_sun_year,
+     .about = "Year. Years, 1950 to 2050. (By time.)",
+     .get = At<&Profile::light, &Light::year>::get,
+     .set = At<&Profile::light, &Light::year>::set},
+    {.table = "light",
+     .name = "month",
+     .label = "Month",
+     .kind = KeyKind::whole,
+     .least = 1,
+     .most = 12,
+     .about = "Month. 1 to 12. (By time.)",
+     .get = At<&Profile::light, &Light::month>::get,
+     .set = At<&Profile::light, &Light::month>::set},
+    {.table = "light",
+     .name = "day",
+     .label = "Day",
+     .kind = KeyKind::whole,
+     .least = 1,
+     .most = 31,
+     .about = "Day of the month. 1 to 31; past the month's end it counts on into the next. (By time.)",
+     .get = At<&Profile::light, &Light::day>::get,
+     .set = At<&Profile::light, &Light::day>::set},
+    {.table = "light",
+     .name = "hour_utc",
+     .label = "Hour, UTC",
+     .unit = "h",
+     .most = 24,
+     .about = "Universal time: what a clock in Greenwich shows in winter. Hours, 0 to 24; 17.5 is half past five in "
+              "the afternoon. (By time.)",
+     .get = At<&Profile::light, &Light::hour_utc>::get,
+     .set = At<&Profile::light, &Light::hour_utc>::set},
+    {.table = "light",
+     .name = "air",
+     .label = "Air",
+     .kind = KeyKind::choice,
+     .choices = airs,
+     .about =
+         "How the sky and the air before the ground are drawn. \"simple\": two colours of the sky, and haze of one "
+         "density. \"physical\": from a table of the sky, bluer with the distance and thinner with the height.",
+     .get = At<&Profile::light, &Light::air>::get,
+     .set = At<&Profile::light, &Light::air>::set},
+    {.table = "light",
+     .name = "visibility_km",
+     .label = "Visibility",
+     .unit = "km",
+     .least = gl::min_visibility_km,
+     .most = gl::max_visibility_km,
+     .logarithmic = true,
+     .about =
+         "How far a dark ridge can be told from the sky at sea level. Kilometres, 1 to 280: 280 is pure air, 160 a "
+         "clear day, 20 haze, 5 a dull one. Terrain of more than 400 km across is taken for a model of that size.",
+     .get = At<&Profile::light, &Light::visibility_km>::get,
+     .set = At<&Profile::light, &Light::visibility_km>::set},
+    {.table = "light",
+     .name = "exposure",
+     .label = "Exposure",
+     .kind = KeyKind::choice,
+     .choices = exposures,
+     .about = "\"automatic\": by the light that falls on the lowest ground, as an incident-light meter measures it; "
+              "whatever is looked at, so pictures of one sun match. \"fixed\": by ev100.",
+     .get = At<&Profile::light, &Light::exposure>::get,
+     .set = At<&Profile::light, &Light::exposure>::set},
+    {.table = "light",
+     .name = "ev100",
+     .label = "Exposure value",
+     .unit = "EV",
+     .least = gl::min_ev100,
+     .most = gl::max_ev100,
+     .about =
+         "Exposure value at ISO 100. Stops, -6 to 20: 15 for ground in the sun, 12 at sunrise, 6 at dusk. (Fixed.)",
+     .get = At<&Profile::light, &Light::ev100>::get,
+     .set = At<&Profile::light, &Light::ev100>::set},
+    {.table = "light",
+     .name = "exposure_bias_ev",
+     .label = "Brighter by",
+     .unit = "EV",
+     .least = -gl::max_exposure_bias_ev,
+     .most = gl::max_exposure_bias_ev,
+     .about = "Brighter by so many stops, automatic and fixed. Stops, -8 to 8.",
+     .get = At<&Profile::light, &Light::exposure_bias_ev>::get,
+     .set = At<&Profile::light, &Light::exposure_bias_ev>::set},
+    {.table = "light",
+     .name = "tone_curve",
+     .label = "Tone curve",
+     .kind = KeyKind::choice,
+     .choices = curves,
+     .about = "How light becomes a picture. \"none\": in proportion, cut off at white. \"filmic\": it rolls off "
+              "towards white, as film does.",
+     .get = At<&Profile::light, &Light::tone_curve>::get,
+     .set = At<&Profile::light, &Light::tone_curve>::set},
+    {.table = "light",
+     .name = "dither",
+     .label = "Dither",
+     .kind = KeyKind::flag,
+     .about = "Noise of half an 8-bit step, so that skies show no bands: true or false.",
+     .get = At<&Profile::light, &Light::dither>::get,
+     .set = At<&Profile::light, &Light::dither>::set},
+    {.table = "light",
+     .name = "detail",
+     .label = "Detail",
+     .kind = KeyKind::flag,
+     .about = "Fine noise on ground so near that a texel of its map covers many pixels: true or false. Five texture "
+              "reads a pixel.",
+     .get = At<&Profile::light, &Light::detail>::get,
+     .set = At<&Profile::light, &Light::detail>::set},
+    {.table = "light",
+     .name = "water",
+     .label = "Water",
+     .kind = KeyKind::flag,
+     .about = "A sheet of water at water_level_m over the ground that lies below it: true or false.",
+     .get = At<&Profile::light, &Light::water>::get,
+     .set = At<&Profile::light, &Light::water>::set},
+    {.table = "light",
+     .name = "water_level_m",
+     .label = "Water level",
+     .unit = "m",
+     .least = gl::min_water_level_m,
+     .most = gl::max_water_level_m,
+     .about = "Height of the water, as the terrain's heights are counted. Metres, -12000 to 100000.",
+     .get = At<&Profile::light, &Light::water_level_m>::get,
+     .set = At<&Profile::light, &Light::water_level_m>::set},
+};
+
+} // namespace
+
+std::span<const ProfileKey> light_keys() {
+    return keys;
+}
+
+} // namespace fjell::flight

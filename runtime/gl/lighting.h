@@ -1,0 +1,35 @@
+// What a draw's light takes: the sky's tables, and the two textures that shaders read.
+//
+// Internal to runtime/gl. Made at the first draw that needs them; the tables anew when the sun or the air changes.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "fjell/gl/light.h"
+#include "gl/objects.h"
+#include "gl/sky.h"
+
+namespace fjell::gl {
+
+inline constexpr unsigned sky_unit = 16, noise_unit = 17; // behind those of both kinds of maps
+
+// Which lines of the ground's shader are compiled: bits.
+inline constexpr unsigned light_air = 1, light_detail = 2, light_water = 4, light_none = 8, light_variants = 9;
+
+struct Lighting {
+    Sky sky;
+    Vec3 sun;                 // that the tables are for
+    double visibility_km = 0; // 0: there are no tables yet
+    Texture sky_map, noise_map;
+    bool in_map = false; // whether sky_map holds the tables
+    int units = 0;       // that this GPU gives a fragment shader
+
+    // Bits of the variant for these settings. A GPU of only 16 texture units has the simple air and no detail.
+    [[nodiscard]] unsigned variant(const LightSettings& light);
+    // Tables and textures for these settings. Refuses settings out of range.
+    [[nodiscard]] std::string follow(const LightSettings& light);
+    void bind() const;
+};
+
+} // namespace fjell::gl

@@ -1,0 +1,222 @@
+// Light, air and water, in GLSL: what shaders.cpp colours the ground with, and the sky behind it.
+#include "gl/shaders.h"
+
+namespace fjell::gl {
+
+// In front of the fragment shaders of the sky and of shaded ground. Defines: AIR for the physical air.
+const char* light_shader() {
+    return R"(
+#ifdef AIR
+layout(binding = 16) uniform sampler2DArray sky_map;
+#endif
+
+float luminance(vec3 colour) { return dot(colour, vec3(0.2126, 0.7152, 0.0722)); }
+
+// Light that level air scatters towards the eye from a direction until nothing shines through it any more.
+vec3 haze_source(vec3 direction) {
+#ifdef AIR
+    float to_sun = dot(direction, sun.xyz), towards = dot(direction.xz, sun_level.xy);
+    float g = 1.64 - 1.6 * to_sun; // Mie's phase function: Cornette and Shanks, g = 0.8 (sky.h)
+    float lobe = 1.0 + to_sun * to_sun;
+    float mie = 0.01628 * lobe * inversesqrt(g * g * g);
+    return max(source[0].rgb + source[3].rgb * towards, 0.0) * (0.0596831 * lobe) +
+           max(source[1].rgb + source[4].rgb * towards, 0.0) * mie + source[2].rgb;
+#else
+    float glow = max(dot(direction, sun.xyz), 0.0);
+    glow *= glow;
+    glow *= glow;
+    return sky_simple[0].rgb + sky_simple[2].rgb * (glow * glow);
+#endif
+}
+
+// Above the horizon.
+vec3 sky_radiance(vec3 direction) {
+    float up = max(direction.y, 0.0);
+#ifdef AIR
+    // The table's axes: sky.h.
+    float level = max(dot(direction.xz, direction.xz), 1e-8);
+    float towards = dot(direction.xz, sun_level.xy) * inversesqrt(level);
+    vec2 at = vec2(sqrt(max(0.5 - 0.5 * towards, 0.0)), sqrt(up)) * vec2(39.0 / 40.0, 55.0 / 56.0) +
+              vec2(0.5 / 40.0, 0.5 / 56.0);
+    return mix(texture(sky_map, vec3(at, sun_level.z)).rgb, texture(sky_map, vec3(at, sun_level.z + 1.0)).rgb,
+               sun_level.w);
+#else
+    return mix(sky_simple[1].rgb, haze_source(direction), exp(-3.5 * up));
+#endif
+}
+
+// What of light comes through the air on a way of so many metres that ends so many metres above the eye.
+vec3 through_air(float metres, float rise) {
+#ifdef AIR
+    // Densities fall by e every 8000 and 1200 m (sky.h): their means over the way, relative to the eye's.
+    vec2 x = clamp(rise * vec2(air[0].w, air[1].w), -30.0, 30.0);
+    vec2 mean = mix((1.0 - exp(-x)) / x, 1.0 - 0.5 * x, lessThan(abs(x), vec2(1e-3)));
+    return exp(-metres * (air[0].rgb * mean.x + air[1].rgb * mean.y));
+#else
+    // Blue light is scattered first: transmittances to the powers 3/4, 1 and 3/2 from one exponential.
+    float a = exp(-0.25 * metres * air[0].g), a2 = a * a, a3 = a2 * a;
+    return vec3(a3, a2 * a2, a3 * a3);
+#endif
+}
+
+vec3 sun_at(float rise) {
+    return mix(sun_low.rgb, sun_high.rgb, clamp((rise - sun_low.w) * sun_high.w, 0.0, 1.0));
+}
+// Of a white surface: the sun's light and the sky's, over pi.
+vec3 sky_light(vec3 normal) {
+    return ambient[0].rgb + ambient[1].rgb * normal.y + ambient[2].rgb * dot(normal.xz, sun_level.xy);
+}
+
+// What a surface of water shows of the sky and the sun, and of what is below. calm: 0 where waves are finer than a pixel,
+// which widens the sun's glint (Blinn and Phong, normalised).
+vec3 on_water(vec3 below, vec3 direction, vec3 normal, float calm, float rise) {
+    float facing = max(dot(normal, -direction), 0.02);
+    float fresnel = 0.02 + 0.98 * pow(1.0 - facing, 5.0) / (1.0 + 4.0 * (1.0 - facing)); // rough: less at grazing angles
+    vec3 mirrored = reflect(direction, normal);
+    vec3 reflected = sky_radiance(vec3(mirrored.x, abs(mirrored.y), mirrored.z));
+    vec3 half_way = normalize(sun.xyz - direction);
+    float power = mix(60.0, 400.0, calm), off = 1.0 - max(dot(half_way, -direction), 0.0), off2 = off * off;
+    float glint = (power + 8.0) * 0.0398 * pow(max(dot(half_way, normal), 0.0), power);
+    return mix(below, reflected, fresnel) +
+           sun_at(rise) * (glint * max(sun.y, 0.0) * (0.02 + 0.98 * off2 * off2 * off));
+}
+
+// The level ground or sea that lies around the terrain and under it, at the lowest height: no horizon is a knife's edge.
+vec3 backdrop(vec3 direction) {
+    float down = max(-direction.y, 1e-6), metres = -backdrop_at.w / down;
+    vec3 lit = backdrop_at.rgb * (sun_at(backdrop_at.w) * (0.31831 * max(sun.y, 0.0)) + sky_light(vec3(0.0, 1.0, 0.0)));
+    if (water.y > 0.0) lit = on_water(lit, direction, vec3(0.0, 1.0, 0.0), 0.0, backdrop_at.w);
+    if (haze.x <= 0.0) return lit;
+    vec3 far = mix(sky_radiance(vec3(direction.x, 0.0, direction.z)), haze_source(direction), smoothstep(0.0, 0.1, down));
+    return mix(far, lit, through_air(metres, backdrop_at.w));
+}
+
+// Exposure; S. Hill's fit of the ACES curve (BakingLab, 2016), whose matrices let bright colours pale; half an 8-bit step of noise (J. Jimenez, Interleaved Gradient
+// Noise, 2014), as wide in linear light as sRGB's curve makes it.
+vec3 picture(vec3 colour) {
+    colour = max(colour, 0.0) * film.x;
+    if (film.y > 0.0) {
+        const mat3 to_film = mat3(0.59719, 0.07600, 0.02840, 0.35458, 0.90834, 0.13383, 0.04823, 0.01566, 0.83777);
+        const mat3 from_film = mat3(1.60475, -0.10208, -0.00327, -0.53108, 1.10813, -0.07276, -0.07367, -0.00605, 1.07602);
+        vec3 c = to_film * colour;
+        c = (c * (c + 0.0245786) - 0.000090537) / (c * (0.983729 * c + 0.4329510) + 0.238081);
+        colour = clamp(from_film * c, 0.0, 1.0);
+    }
+    if (film.z > 0.0) {
+        float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
+        colour += noise * film.z * max(0.0064 * sqrt(colour) + 0.0026 * colour, 0.0003);
+    }
+    return colour;
+}
+)";
+}
+
+// For shaded ground. Defines: DETAIL, WATER.
+const char* ground_light_shader() {
+    return R"(
+#if defined(DETAIL) || defined(WATER)
+layout(binding = 17) uniform sampler2D noise_map;
+#endif
+
+#ifdef DETAIL
+// 17 times finer and turned by 28 degrees, so that no two scales line up; whole numbers keep what repeats repeating.
+const mat2 finer = mat2(15.0, 8.0, -8.0, 15.0);
+
+// Roughens what a map's texels, as large as a cell, leave smooth: steep ground more than level ground, from three sides
+// where it is steep. Mips fade the noise out with the distance, so nothing pops and far ground is as it was baked.
+void add_detail(inout vec3 base, inout vec3 normal) {
+    vec3 at = (surface.position + noise_at.xyz) * noise_scale.x; // from the corner of the eye's cell
+    vec3 side = normal * normal;
+    side *= side;
+    side /= side.x + side.y + side.z;
+    float rough = smoothstep(0.03, 0.35, 1.0 - normal.y);
+    vec2 top = finer * at.xz, east = finer * at.zy, south = finer * at.xy;
+    vec4 coarse = texture(noise_map, at.xz);
+    vec4 middle = mat3x4(texture(noise_map, east), texture(noise_map, top), texture(noise_map, south)) * side;
+    vec4 fine = texture(noise_map, finer * (side.y > 0.5 ? top : side.x > side.z ? east : south));
+    vec4 all = (coarse - 0.5) + (middle - 0.5) + 0.8 * (fine - 0.5);
+    base *= clamp(1.0 + mix(1.2 * all.z, 1.6 * all.w, rough), 0.3, 1.9);
+    normal = normalize(normal - mix(0.7, 1.6, rough) * vec3(all.x, 0.0, all.y));
+}
+#endif
+
+#ifdef WATER
+// Two trains of small waves.
+vec3 wave_normal(vec3 at, out float calm) {
+    vec2 place = at.xz + noise_at.xz;
+    vec2 first = texture(noise_map, place * noise_scale.y + film.w * vec2(0.021, 0.013)).xy;
+    vec2 second = texture(noise_map, place.yx * (noise_scale.y * 0.25) - film.w * vec2(0.006, 0.004)).xy;
+    vec2 slope = first + second - 1.0;
+    calm = clamp(1.0 - 8.0 * noise_scale.y * length(fwidth(at.xz)), 0.0, 1.0); // waves finer than a pixel: a wider glint
+    return normalize(vec3(-0.22 * slope.x, 1.0, -0.22 * slope.y));
+}
+
+// Light from the ground below, dimmed and tinted by its depth, and the sky and the sun on the surface.
+vec3 under_water(vec3 ground, vec3 direction, float way, float depth, float rise) {
+    vec3 clear = exp(-(depth + 1.1 * way) * water_tint.rgb);
+    vec3 arriving = sun_at(rise) * max(sun.y, 0.0) * 0.31831 + sky_light(vec3(0.0, 1.0, 0.0));
+    vec3 body = vec3(0.012, 0.045, 0.06) * arriving;
+    float calm;
+    vec3 normal = wave_normal(direction * (water.x / direction.y), calm);
+    return on_water(mix(body, ground, clear), direction, normal, calm, rise);
+}
+#endif
+
+// The ground's colour as the eye's film gets it. base: diffuse, of which no more light leaves than comes.
+vec3 shaded(vec3 base, vec3 normal) {
+    float squared = dot(surface.position, surface.position), inverse = inversesqrt(squared), metres = squared * inverse;
+    vec3 direction = surface.position * inverse;
+#ifdef DETAIL
+    add_detail(base, normal);
+#endif
+    float rise = surface.position.y;
+    vec3 colour = base * (sun_at(rise) * (0.31831 * max(dot(normal, sun.xyz), 0.0)) + sky_light(normal));
+#ifdef WATER
+    if (water.y > 0.0 && rise < water.x) {
+        float to_surface = water.x / direction.y;
+        colour = under_water(colour, direction, metres - to_surface, water.x - rise, water.x);
+        metres = to_surface;
+        rise = water.x;
+    }
+#endif
+    if (haze.x > 0.0) {
+        colour = mix(haze_source(direction), colour, through_air(metres, rise));
+        // The terrain's rim fades into what lies behind it, over a twelfth of its distance.
+        vec2 inside = min(to_rim.xz + surface.position.xz, to_rim.yw - surface.position.xz);
+        float rim = min(inside.x, inside.y) * 12.0;
+        if (rim < metres && direction.y < 0.0) colour = mix(backdrop(direction), colour, smoothstep(0.0, 1.0, rim * inverse));
+    }
+    return picture(colour);
+}
+)";
+}
+
+// One triangle over the whole picture at depth 0, the farthest: it passes only where nothing was drawn.
+const char* sky_vertex_shader() {
+    return R"(
+out vec3 v_ray;
+void main() {
+    vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+    v_ray = haze.yzw + corner.x * ray_x.xyz + corner.y * ray_y.xyz;
+    gl_Position = vec4(corner, 0.0, 1.0);
+}
+)";
+}
+
+const char* sky_fragment_shader() {
+    return R"(
+in vec3 v_ray;
+layout(location = 0) out vec4 out_colour;
+void main() {
+    vec3 direction = normalize(v_ray);
+    vec3 colour = direction.y < 0.0 ? backdrop(direction) : sky_radiance(direction);
+    // The sun's disc is 0.53 degrees wide; its edge is as soft as a pixel.
+    float off = length(cross(direction, sun.xyz)), soft = max(fwidth(off), 1e-5);
+    if (direction.y >= 0.0 && dot(direction, sun.xyz) > 0.0)
+        colour += sun_low.rgb * (40.0 * clamp((0.00465 - off) / soft + 0.5, 0.0, 1.0));
+    out_colour = vec4(picture(colour), 1.0);
+}
+)";
+}
+
+} // namespace fjell::gl
