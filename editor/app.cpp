@@ -96,11 +96,16 @@ App::App(Options options) : options_(std::move(options)) {
     io.LogFilename = nullptr;
     state_.headless = options_.headless;
     if (options_.script != "-") state_.files.script = options_.script;
-    make_surface_and_graphics();
     start_persistence(state_, !options_.headless);
+    if (options_.width == 0) { // the size it had, or ours
+        const Look last = options_.headless ? Look{} : state_.files.settings.look;
+        options_.width = last.width_px != 0 ? last.width_px : 1280;
+        options_.height = last.height_px != 0 ? last.height_px : 720;
+    }
+    make_surface_and_graphics();
     double& scale = state_.interface.scale;
     scale = options_.scale;
-    if (scale <= 0 && !options_.headless) scale = state_.files.settings.scale;
+    if (scale <= 0 && !options_.headless) scale = state_.files.settings.look.scale;
     if (scale <= 0) scale = std::clamp(surface_->content_scale(), 0.5, 4.0);
     ui::apply_style(scale);
     styled_ = scale;
@@ -197,14 +202,7 @@ void App::open_input() {
     attempt([&] {
         if (!options_.headless || file_kind_of(input) != FileKind::heights)
             return apply(OpenFile{input, true}, context);
-        BakePack bake;
-        bake.inputs = {input};
-        bake.output = pack_beside(input);
-        std::error_code ignored;
-        if (std::filesystem::exists(bake.output, ignored))
-            throw Failure(2, bake.output + ": exists already; open that pack, or bake elsewhere: --do \"bake " + input +
-                                 " OTHER.fjell\"");
-        handle(bake, context);
+        bake_beside(input, context);
         baking_input_ = true;
     });
 }
@@ -265,7 +263,13 @@ bool App::run_script() {
         } else if (std::holds_alternative<LoseGraphics>(command)) {
             replace_surface();
         } else {
+            const bool ran = jobs_.running();
             apply(command, context);
+            // Heights that a script opens are baked first; what follows is about the terrain.
+            if (std::holds_alternative<OpenFile>(command) && options_.headless && !ran && jobs_.running()) {
+                waiting_settled_ = true;
+                wait_until_frame_ = state_.frame + 2;
+            }
         }
     }
     const bool waiting = state_.frame < wait_until_frame_ || (waiting_settled_ && !settled());
@@ -384,7 +388,7 @@ void App::paint_overview() {
 // Commands look through it, whether a terrain is drawn already or not.
 void App::place_view() {
     Interface& i = state_.interface;
-    const ui::Layout l = ui::layout(static_cast<float>(i.width_px), static_cast<float>(i.height_px), i.scale);
+    const ui::Layout l = ui::layout(static_cast<float>(i.width_px), static_cast<float>(i.height_px), i);
     i.view_x_px = static_cast<std::uint32_t>(l.view.x);
     i.view_y_px = static_cast<std::uint32_t>(l.view.y);
     i.view_width_px = std::max(static_cast<std::uint32_t>(l.view.width), 1u);

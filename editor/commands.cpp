@@ -60,6 +60,8 @@ template void Commands::push(SetPictureMode);
 template void Commands::push(SetOverlay);
 template void Commands::push(ShowPanel);
 template void Commands::push(ShowDialog);
+template void Commands::push(SetSwitch);
+template void Commands::push(ArrangeColumn);
 template void Commands::push(SetScale);
 template void Commands::push(DismissMessage);
 template void Commands::push(BakePack);

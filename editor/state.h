@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "editor/arrangement.h"
 #include "editor/command.h"
 #include "editor/document.h"
 #include "editor/files/folder_listing.h"
@@ -91,7 +92,9 @@ struct Files {
     Recovery recovery;
     std::optional<Command> waiting; // for changes to be saved or discarded
     bool saving = false;            // and the user wants them saved
-    double scale_seen = 0;          // of the interface, in the frame before
+    std::optional<Look> look_begun; // of the first frame, which the command line may have asked for
+    Look look_seen;                 // of the frame before
+    double look_changed_s = 0;
     // Recreated when one of the three below has changed.
     std::string title;        // of the window
     std::string profile_name; // with a star when it is not saved
@@ -104,14 +107,16 @@ struct Files {
 
 struct Interface {
     double scale = 1;
-    Panel left = Panel::tune, right = Panel::time;
-    Panel newest = Panel::tune; // what one column shows, where there is no room for two
+    Arrangement arrangement;
+    bool picture_only = false;    // neither panels nor menu nor status line
+    bool panel_keys = false;      // the keyboard is the panels', not the camera's
+    bool half_resolution = false; // of the picture while the camera moves
     Dialog dialog = Dialog::none;
     flight::PictureMode mode = flight::PictureMode::shaded;
-    std::array<bool, overlays> overlay{false, false, false, false, false, false, true}; // the path
-    std::vector<std::string> recent;                                                    // packs, the latest first
-    std::uint32_t width_px = 0, height_px = 0;                                          // of the window
-    std::uint32_t view_x_px = 0, view_y_px = 0, view_width_px = 0, view_height_px = 0;  // of the picture in it
+    std::array<bool, overlays> overlay = first_overlays;
+    std::vector<std::string> recent;                                                   // packs, the latest first
+    std::uint32_t width_px = 0, height_px = 0;                                         // of the window
+    std::uint32_t view_x_px = 0, view_y_px = 0, view_width_px = 0, view_height_px = 0; // of the picture in it
 };
 
 // The terrain from above (editor/scene/overview.h), north up.

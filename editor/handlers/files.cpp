@@ -7,6 +7,7 @@
 #include "editor/files/persistence.h"
 #include "editor/files/sample.h"
 #include "editor/handlers/handlers.h"
+#include "editor/jobs/factories.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -39,8 +40,22 @@ void handle(const OpenFile& c, HandlerContext context) {
         if (!context.engine.is_open())
             throw io::Failure(2, fmt::format("{}: a camera path; open a terrain for it first", c.path));
         return handle(OpenPath{c.path, c.discard}, context);
-    case FileKind::heights: state.bake_input = c.path; return handle(ShowDialog{Dialog::bake}, context);
+    case FileKind::heights:
+        if (state.headless) return bake_beside(c.path, context); // nobody is there to fill in a dialog
+        state.bake_input = c.path;
+        return handle(ShowDialog{Dialog::bake}, context);
     }
+}
+
+void bake_beside(const std::string& heights, HandlerContext context) {
+    BakePack bake;
+    bake.inputs = {heights};
+    bake.output = pack_beside(heights);
+    std::error_code ignored;
+    if (fs::exists(bake.output, ignored))
+        throw io::Failure(2, bake.output + ": exists already; open that pack, or bake elsewhere: --do \"bake " +
+                                 heights + " OTHER.fjell\"");
+    handle(bake, context);
 }
 
 void handle(const OpenSample&, HandlerContext context) {

@@ -111,8 +111,9 @@ void write_over(const State& state, const ui::Rect& view) {
 
 void draw_view(const State& state, const ui::Layout& layout, Commands& commands) {
     const ImGuiIO& io = ImGui::GetIO();
-    const bool is_typing = io.WantTextInput || io.WantCaptureKeyboard;
-    if (!io.WantTextInput && pressed(key::f1)) {
+    const bool modal = is_modal(state.interface.dialog), panel_keys = state.interface.panel_keys;
+    const bool is_typing = modal || panel_keys || io.WantTextInput || io.WantCaptureKeyboard;
+    if (!modal && !io.WantTextInput && pressed(key::f1)) {
         const bool shown = state.interface.dialog == Dialog::keys;
         commands.push(ShowDialog{shown ? Dialog::none : Dialog::keys});
     }
@@ -122,11 +123,13 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
     }
     MoveCamera move;
     move.seconds = std::min(static_cast<double>(io.DeltaTime), 0.25);
-    if (!is_typing && !io.KeyCtrl && !io.KeyAlt && !io.KeySuper && state.interface.dialog == Dialog::none) {
+    if (!is_typing && !io.KeyCtrl && !io.KeyAlt && !io.KeySuper) {
         steer(move);
         handle_key_presses(state, commands);
     }
     if (!io.WantCaptureMouse) point(state, move);
+    if (panel_keys && !io.WantCaptureMouse && ImGui::IsMouseClicked(ImGuiMouseButton_Left))
+        commands.push(SetSwitch{Switch::panel_keys, false});
     commands.push(move);
     write_over(state, layout.view);
 }

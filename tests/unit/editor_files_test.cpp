@@ -51,7 +51,7 @@ TEST_CASE("settings are read as they were written, and damaged ones are the defa
     Settings settings;
     settings.recent = {"/a/b.fjell", "/c \"d\".fjell"};
     settings.folder = "/a";
-    settings.scale = 1.5;
+    settings.look.scale = 1.5;
     write_settings(folder / "config", settings);
     CHECK(read_settings(folder / "config", problem) == settings);
     CHECK(problem.empty());
@@ -65,7 +65,7 @@ TEST_CASE("settings are read as they were written, and damaged ones are the defa
         CHECK(problem.find('\n') == std::string::npos);
     }
     spit(file, "{\"recent\": [], \"scale\": 1e9}");
-    CHECK(read_settings(folder / "config", problem).scale == 0);
+    CHECK(read_settings(folder / "config", problem).look.scale == 0);
     spit(folder / "file", "");
     CHECK_THROWS_AS(write_settings(folder / "file/fjell", settings), io::Failure);
 }
