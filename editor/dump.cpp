@@ -188,6 +188,9 @@ json measures_json(const State& state) {
             {"stream_us", ring(Series::stream_us)},
             {"exhausted", flight::budget_names(e.exhausted)},
             {"draw_us", ring(Series::draw_us)},
+            {"upload_us", ring(Series::upload_us)},
+            {"present_us", ring(Series::present_us)},
+            {"other_us", ring(Series::other_us)},
             {"levels", levels}};
 }
 
@@ -198,6 +201,10 @@ std::string dump(const State& state) {
     for (const ui::Mark& m : ui::marks()) marks[m.name] = {m.rect.x, m.rect.y, m.rect.width, m.rect.height};
     const Scene& s = state.scene;
     const json all = {{"frame", state.frame},
+                      {"terrain_draws", state.terrain_draws},
+                      {"drawn_px", {state.drawn_px[0], state.drawn_px[1]}},
+                      {"rested_s", state.rested_s},
+                      {"opening", state.opening},
                       {"scene",
                        {{"path", s.path},
                         {"columns", s.columns},

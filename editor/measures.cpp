@@ -46,21 +46,29 @@ int triangle_level(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c
     return 2 * (static_cast<int>(tile_log2) - longest_log2) + (wide == deep ? 0 : 1);
 }
 
-void Measures::record(const flight::FrameEntry& entry, double frame_us, double draw_us, double editor_us) {
+void Measures::record(const flight::FrameEntry& entry, const FrameTimes& times, const flight::Pose& pose, bool drawn) {
     last_ = entry;
     ++frames_;
+    if (!drawn) return;        // at rest, a frame costs what a window without a terrain costs
     if (entry.rebuilt) return; // once, and hundreds of times as much as a frame: it would be all that graphs show
     const auto push = [&](Series series, auto value) {
         rings_[static_cast<std::size_t>(series)].push(static_cast<float>(value));
     };
-    push(Series::frame_us, frame_us);
+    push(Series::frame_us, times.frame_us);
     push(Series::update_us, entry.update_us);
     push(Series::stream_us, entry.stream_us);
     push(Series::prepare_us, entry.prepare_us);
     push(Series::refine_us, entry.refine_us);
     push(Series::output_us, entry.output_us);
-    push(Series::draw_us, draw_us);
-    push(Series::editor_us, editor_us);
+    push(Series::upload_us, times.upload_us);
+    push(Series::draw_us, times.draw_us);
+    push(Series::present_us, times.present_us);
+    push(Series::editor_us, times.editor_us);
+    push(Series::other_us, std::max(times.frame_us - entry.update_us - entry.stream_us - times.upload_us -
+                                        times.draw_us - times.present_us - times.editor_us,
+                                    0.0));
+    kept_[kept_next_] = {entry, times, pose, frames_};
+    kept_next_ = (kept_next_ + 1) % measured_frames;
     push(Series::requested_px, entry.error_px_requested);
     push(Series::effective_px, entry.error_px_effective);
     push(Series::vertices, entry.vertices);
@@ -84,7 +92,13 @@ void Measures::record(const flight::FrameEntry& entry, double frame_us, double d
 }
 
 void Measures::clear() {
-    *this = {};
+    for (Ring& ring : rings_) ring.clear();
+    last_ = {};
+    shown_ = counting_ = {};
+    peaks_ = {};
+    range_ = index_ = 0;
+    frames_ = 0;
+    kept_next_ = 0;
 }
 
 void Measures::count_levels(const MeshView& mesh, std::uint32_t tile_log2) {

@@ -127,6 +127,7 @@ struct OverviewImage {
 
 struct State {
     Scene scene;
+    std::string opening; // a pack that is being read; empty: none
     Document document;
     Route route;
     Eye eye;
@@ -141,7 +142,11 @@ struct State {
     Interface interface;
     InputCounts input;
     double now_s = 0;
+    double frame_s = 0;  // since the frame before, at most 0.25, without what the editor rested
+    double rested_s = 0; // in all: nothing changed, and nothing was drawn
     std::uint64_t frame = 0;
+    std::uint64_t terrain_draws = 0; // frames whose terrain was drawn anew
+    std::uint32_t drawn_px[2] = {};  // of the last of these
     bool quit = false;
     bool headless = false;              // messages go to the terminal too
     int exit_code = 0;                  // of a headless run: the first failure's

@@ -31,10 +31,13 @@ void handle(const OpenFile& c, HandlerContext context) {
     State& state = context.state;
     switch (file_kind_of(c.path)) {
     case FileKind::pack:
-        context.engine.open(c.path, state.document.profile());
-        state.document.accept();
-        start_at_scene(context);
-        return remember_pack(c.path, state);
+        // A frame that waits is seen in a window that shows something already.
+        if (!state.headless && state.frame != 0) {
+            context.engine.begin_opening(c.path, state.document.profile());
+            state.opening = c.path;
+            return;
+        }
+        return open_now(c.path, context);
     case FileKind::profile: return handle(OpenProfile{c.path, c.discard}, context);
     case FileKind::path:
         if (!context.engine.is_open())
@@ -45,6 +48,17 @@ void handle(const OpenFile& c, HandlerContext context) {
         state.bake_input = c.path;
         return handle(ShowDialog{Dialog::bake}, context);
     }
+}
+
+void open_now(const std::string& pack, HandlerContext context) {
+    context.engine.open(pack, context.state.document.profile());
+    show_opened(pack, context);
+}
+
+void show_opened(const std::string& pack, HandlerContext context) {
+    context.state.document.accept();
+    start_at_scene(context);
+    remember_pack(pack, context.state);
 }
 
 void bake_beside(const std::string& heights, HandlerContext context) {

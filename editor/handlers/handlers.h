@@ -16,6 +16,9 @@ void handle(const CompareProfile& c, HandlerContext context);
 void handle(const StopComparing& c, HandlerContext context);
 
 // files.cpp
+// Reads the pack while the caller waits. What the engine has opened, as the scene: camera, measures, recent files.
+void open_now(const std::string& pack, HandlerContext context);
+void show_opened(const std::string& pack, HandlerContext context);
 // Heights to a pack beside them, never over a file. Failure: io::Failure 2 where there is one.
 void bake_beside(const std::string& heights, HandlerContext context);
 void handle(const OpenFile& c, HandlerContext context);
