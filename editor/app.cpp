@@ -465,6 +465,7 @@ void App::draw_terrain() {
     drawn_view_ = state_.eye.view;
     picture_old_ = half; // until it is drawn whole
     ++state_.terrain_draws;
+    if (half) ++state_.half_draws;
     state_.drawn_px[0] = target.width();
     state_.drawn_px[1] = target.height();
     state_.heights_share = engine_.heights_share();

@@ -22,8 +22,9 @@ constexpr double look_s = 0.1, look_soon_s = 0.01; // for signals and jobs, whic
 bool only_panels(const Command& command) {
     return std::holds_alternative<MoveCamera>(command) || std::holds_alternative<ShowPanel>(command) ||
            std::holds_alternative<ShowDialog>(command) || std::holds_alternative<ArrangeColumn>(command) ||
-           std::holds_alternative<SetSwitch>(command) || std::holds_alternative<DismissMessage>(command) ||
-           std::holds_alternative<BrowseFolder>(command) || std::holds_alternative<BrowseAllKinds>(command);
+           std::holds_alternative<SetSwitch>(command) || std::holds_alternative<ChooseFrame>(command) ||
+           std::holds_alternative<DismissMessage>(command) || std::holds_alternative<BrowseFolder>(command) ||
+           std::holds_alternative<BrowseAllKinds>(command);
 }
 
 } // namespace

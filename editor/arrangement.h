@@ -14,7 +14,7 @@ namespace fjell::editor {
 struct Arrangement {
     bool panels = true; // shown at all
     std::array<bool, columns> folded{};
-    std::array<float, columns> width_px{330, 330};
+    std::array<float, columns> width_px{325, 325};
     std::array<float, columns> split{0.6F, 0.55F}; // the upper section's share of a column that stacks two
     std::array<Panel, editor::panels> latest;      // the one that was turned to last comes first
 

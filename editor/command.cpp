@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "editor/arrangement.h"
+#include "editor/measures.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -315,6 +316,12 @@ std::vector<Verb> picture_verbs() {
          "width in pixels of a scale of 1, the upper section's share, or on|off", arrange_column},
         {"scale", "S", "scale of the interface, 0.5 to 4",
          [](Words& w) { return SetScale{Words::number_in(w.text("a scale"), "a scale", 0.5, 4)}; }},
+        {"frame-report", "AGO|off", "shows what a measured frame cost, 0 the newest",
+         [](Words& w) {
+             const std::string word = w.text("frames ago");
+             if (word == "off") return Command(ChooseFrame{});
+             return Command(ChooseFrame{true, Words::count_of(word, "frames ago", 0, measured_frames - 1.0)});
+         }},
         {"dismiss", "", "hides the message", plain<DismissMessage>()},
     };
 }

@@ -150,6 +150,10 @@ struct ArrangeColumn { // its width in unscaled pixels, its upper section's shar
 struct SetScale {
     double scale = 1; // of the user interface
 };
+struct ChooseFrame { // of those measured: its report is shown
+    bool on = false;
+    std::size_t ago = 0; // 0: the newest
+};
 struct DismissMessage {};
 
 // --- jobs beside the frame; one at a time ---
@@ -210,8 +214,9 @@ using Command =
                  JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath,
                  SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath,
                  SetPathSeconds, LoopPath, SetPictureMode, SetOverlay, ShowPanel, ShowDialog, SetSwitch, ArrangeColumn,
-                 SetScale, DismissMessage, BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob,
-                 TakeScreenshot, ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled>;
+                 SetScale, ChooseFrame, DismissMessage, BakePack, TuneThreshold, RunBenchmark, ExportMesh,
+                 PreviewExport, CancelJob, TakeScreenshot, ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames,
+                 WaitSettled>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once. push() takes any Command's
 // alternative; it is compiled in commands.cpp alone, or else every panel would compile the variant's moves again.

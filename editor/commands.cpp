@@ -63,6 +63,7 @@ template void Commands::push(ShowDialog);
 template void Commands::push(SetSwitch);
 template void Commands::push(ArrangeColumn);
 template void Commands::push(SetScale);
+template void Commands::push(ChooseFrame);
 template void Commands::push(DismissMessage);
 template void Commands::push(BakePack);
 template void Commands::push(TuneThreshold);

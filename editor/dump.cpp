@@ -166,6 +166,22 @@ json messages_json(const State& state) {
     return list;
 }
 
+// Parts that add up to the frame.
+json times_json(const State& state) {
+    if (!state.chosen) return {};
+    const MeasuredFrame& f = *state.chosen;
+    return {{"ago", state.measures.recorded() - f.number},
+            {"frame_us", f.times.frame_us},
+            {"update_us", f.entry.update_us},
+            {"stream_us", f.entry.stream_us},
+            {"upload_us", f.times.upload_us},
+            {"draw_us", f.times.draw_us},
+            {"present_us", f.times.present_us},
+            {"editor_us", f.times.editor_us},
+            {"triangles_drawn", f.entry.triangles_drawn},
+            {"position_m", vector_json(f.pose.position_m)}};
+}
+
 json measures_json(const State& state) {
     const flight::FrameEntry& e = state.measures.last();
     const auto ring = [&](Series series) {
@@ -176,6 +192,8 @@ json measures_json(const State& state) {
     for (std::uint32_t i = 0; i < state.measures.levels().levels; ++i)
         levels.push_back(state.measures.levels().triangles[i]);
     return {{"frames", state.measures.frames()},
+            {"recorded", state.measures.recorded()},
+            {"chosen", times_json(state)},
             {"vertices", e.vertices},
             {"triangles", e.triangles},
             {"triangles_drawn", e.triangles_drawn},
@@ -202,6 +220,7 @@ std::string dump(const State& state) {
     const Scene& s = state.scene;
     const json all = {{"frame", state.frame},
                       {"terrain_draws", state.terrain_draws},
+                      {"half_draws", state.half_draws},
                       {"drawn_px", {state.drawn_px[0], state.drawn_px[1]}},
                       {"rested_s", state.rested_s},
                       {"opening", state.opening},

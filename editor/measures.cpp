@@ -18,7 +18,7 @@ void Ring::push(float value) {
 }
 
 void Ring::clear() {
-    first_ = size_ = 0;
+    first_ = size_ = 0; // the next ones begin at 0, so mean() may read in any order
 }
 
 Quantiles Ring::quantiles() const {
@@ -35,6 +35,23 @@ Quantiles Ring::quantiles() const {
     return {rank(0.5), rank(0.99), *std::max_element(sorted.begin(), end), value(size_ - 1)};
 }
 
+double Ring::mean() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < size_; ++i) sum += static_cast<double>(values_[i]); // in any order
+    return size_ == 0 ? 0 : sum / static_cast<double>(size_);
+}
+
+float Ring::usual_most() const {
+    if (size_ == 0) return 0;
+    std::array<float, measured_frames> sorted;
+    for (std::size_t i = 0; i < size_; ++i) sorted[i] = std::abs(value(i));
+    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(size_);
+    const std::size_t left_out = size_ < 8 ? 0 : std::max<std::size_t>(size_ / 100, 1);
+    const auto at = end - static_cast<std::ptrdiff_t>(left_out + 1);
+    std::nth_element(sorted.begin(), at, end);
+    return *at;
+}
+
 int triangle_level(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c, std::uint32_t tile_log2) {
     const std::int64_t bx = std::int64_t{b.column} - a.column, bz = std::int64_t{b.row} - a.row;
     const std::int64_t cx = std::int64_t{c.column} - a.column, cz = std::int64_t{c.row} - a.row;
@@ -49,8 +66,10 @@ int triangle_level(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c
 void Measures::record(const flight::FrameEntry& entry, const FrameTimes& times, const flight::Pose& pose, bool drawn) {
     last_ = entry;
     ++frames_;
-    if (!drawn) return;        // at rest, a frame costs what a window without a terrain costs
-    if (entry.rebuilt) return; // once, and hundreds of times as much as a frame: it would be all that graphs show
+    if (!drawn) return; // at rest, a frame costs what a window without a terrain costs
+    const bool settles = std::exchange(settling_, entry.rebuilt);
+    if (entry.rebuilt || settles)
+        return; // once, and hundreds of times as much as a frame: it would be all that graphs show
     const auto push = [&](Series series, auto value) {
         rings_[static_cast<std::size_t>(series)].push(static_cast<float>(value));
     };
@@ -67,7 +86,7 @@ void Measures::record(const flight::FrameEntry& entry, const FrameTimes& times, 
     push(Series::other_us, std::max(times.frame_us - entry.update_us - entry.stream_us - times.upload_us -
                                         times.draw_us - times.present_us - times.editor_us,
                                     0.0));
-    kept_[kept_next_] = {entry, times, pose, frames_};
+    kept_[kept_next_] = {entry, times, pose, ++recorded_};
     kept_next_ = (kept_next_ + 1) % measured_frames;
     push(Series::requested_px, entry.error_px_requested);
     push(Series::effective_px, entry.error_px_effective);
@@ -99,6 +118,8 @@ void Measures::clear() {
     range_ = index_ = 0;
     frames_ = 0;
     kept_next_ = 0;
+    recorded_ = 0;
+    settling_ = false;
 }
 
 void Measures::count_levels(const MeshView& mesh, std::uint32_t tile_log2) {

@@ -62,6 +62,10 @@ public:
     // value(i): the i-th oldest.
     [[nodiscard]] float value(std::size_t i) const { return values_[(first_ + i) % measured_frames]; }
     [[nodiscard]] Quantiles quantiles() const; // nearest rank; zeros of none
+    [[nodiscard]] double mean() const;         // 0 of none
+    // The largest magnitude without the largest hundredth of them, and without one at least where there are some: what
+    // a scale reaches to, so that single frames do not flatten all others.
+    [[nodiscard]] float usual_most() const;
 
 private:
     std::array<float, measured_frames> values_{};
@@ -73,7 +77,7 @@ struct MeasuredFrame {
     flight::FrameEntry entry;
     FrameTimes times;
     flight::Pose pose;
-    std::uint64_t number = 0; // of Measures::frames()
+    std::uint64_t number = 0; // of Measures::recorded(), this one counted
 };
 
 // The most of each since the measures were cleared.
@@ -102,10 +106,12 @@ public:
     [[nodiscard]] const Peaks& peaks() const { return peaks_; }
     [[nodiscard]] std::uint64_t frames() const { return frames_; }
 
-    // Once a frame, with the pose it was drawn from. One that was built from nothing, and one whose terrain was not
-    // drawn anew (drawn: false), is the last one, and none of the series'.
+    // Once a frame, with the pose it was drawn from. One that was built from nothing, the one after it, and one whose
+    // terrain was not drawn anew (drawn: false) are the last one, and none of the series'.
     void record(const flight::FrameEntry& entry, const FrameTimes& times, const flight::Pose& pose, bool drawn = true);
-    // The frames of the series: 0 the newest. At most ring().size().
+    // Frames that the series were given, in all.
+    [[nodiscard]] std::uint64_t recorded() const { return recorded_; }
+    // The frames of the series: 0 the newest; below ring().size().
     [[nodiscard]] const MeasuredFrame& frame(std::size_t ago) const {
         return kept_[(kept_next_ + 2 * measured_frames - 1 - ago) % measured_frames];
     }
@@ -124,6 +130,8 @@ private:
     std::uint64_t frames_ = 0;
     std::vector<MeasuredFrame> kept_ = std::vector<MeasuredFrame>(measured_frames);
     std::size_t kept_next_ = 0;
+    std::uint64_t recorded_ = 0;
+    bool settling_ = false; // the frame after one that was built from nothing: the driver compiles
 };
 
 } // namespace fjell::editor

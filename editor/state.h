@@ -132,6 +132,7 @@ struct State {
     Route route;
     Eye eye;
     Measures measures;
+    std::optional<MeasuredFrame> chosen; // that the time panel reports on
     OverviewImage overview;
     io::StreamReaderCounters reader; // of a streamed pack
     JobView job;
@@ -146,6 +147,7 @@ struct State {
     double rested_s = 0; // in all: nothing changed, and nothing was drawn
     std::uint64_t frame = 0;
     std::uint64_t terrain_draws = 0; // frames whose terrain was drawn anew
+    std::uint64_t half_draws = 0;    // of those, at half resolution
     std::uint32_t drawn_px[2] = {};  // of the last of these
     bool quit = false;
     bool headless = false;              // messages go to the terminal too

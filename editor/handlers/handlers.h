@@ -77,6 +77,7 @@ void handle(const ShowDialog& c, HandlerContext context);
 void handle(const SetSwitch& c, HandlerContext context);
 void handle(const ArrangeColumn& c, HandlerContext context);
 void handle(const SetScale& c, HandlerContext context);
+void handle(const ChooseFrame& c, HandlerContext context);
 void handle(const DismissMessage& c, HandlerContext context);
 
 // jobs.cpp

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "editor/handlers/handlers.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::editor {
 
@@ -79,6 +80,14 @@ void handle(const ShowDialog& c, HandlerContext context) {
 
 void handle(const SetScale& c, HandlerContext context) {
     context.state.interface.scale = std::clamp(c.scale, 0.5, 4.0);
+}
+
+void handle(const ChooseFrame& c, HandlerContext context) {
+    State& state = context.state;
+    if (!c.on) return state.chosen.reset();
+    if (c.ago >= state.measures.ring(Series::frame_us).size())
+        throw io::Failure(2, "not so many frames have been measured yet; fly on");
+    state.chosen = state.measures.frame(c.ago);
 }
 
 void handle(const DismissMessage&, HandlerContext context) {

@@ -65,7 +65,7 @@ void draw_places(const State& state, Commands& commands, FileBrowserForm& form) 
 
 // True: that file was chosen by a double click.
 bool draw_entry(const FolderListing::Entry& entry, const State& state, Commands& commands, FileBrowserForm& form) {
-    const ByteText bytes = byte_text(static_cast<double>(entry.bytes));
+    const NumberText bytes = byte_text(static_cast<double>(entry.bytes));
     const char* const size = entry.folder ? "folder" : bytes.text;
     char label[300];
     (void)std::snprintf(label, sizeof label, "%.255s%s", entry.name.c_str(), entry.folder ? "/" : "");

@@ -145,8 +145,8 @@ void draw_snapshot(const State& state, Commands& commands) {
         fields::cancel("export", commands);
     const ExportPreview& p = state.job.preview;
     if (p.bytes != 0) {
-        ui::row("Vertices", "%llu", static_cast<unsigned long long>(p.vertices));
-        ui::row("Triangles", "%llu", static_cast<unsigned long long>(p.triangles));
+        ui::row("Vertices", "%s", count_text(static_cast<double>(p.vertices)).text);
+        ui::row("Triangles", "%s", count_text(static_cast<double>(p.triangles)).text);
         ui::row("File", "%s within %.3g px", byte_text(static_cast<double>(p.bytes)).text, p.error_px);
     }
     const bool counted = state.job.kind == JobKind::preview && !state.job.running && p.bytes != 0;

@@ -162,13 +162,14 @@ void draw_profile_name(const State& state, Commands& commands) {
     if (unsaved) ImGui::PopStyleColor();
     ui::mark("menu", "profile");
     if (ImGui::IsItemClicked()) save(state, commands);
-    if (ImGui::IsItemHovered()) {
+    if (ui::begin_tip()) {
         char text[700];
         const std::string& path = state.document.path();
         (void)std::snprintf(text, sizeof text, "The profile: %.500s%s",
                             path.empty() ? "the defaults, not saved to a file yet" : path.c_str(),
                             unsaved ? "\nIt has changes that are not saved; a click saves them." : "");
-        ui::tip(text);
+        ImGui::TextUnformatted(text);
+        ui::end_tip();
     }
 }
 
