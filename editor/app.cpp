@@ -316,6 +316,7 @@ void App::frame() {
     const bool drawn = picture_old_;
     draw();
     if (recording) ui::record_marks(false);
+    state_.measures.observe(entry_); // before a dump tells of it
     finish_requests();
     const auto present = Clock::now();
     surface_->present();
@@ -323,7 +324,7 @@ void App::frame() {
     times_.present_us += microseconds(end - present);
     times_.frame_us = microseconds(end - start);
     const OwnCode own(watch_);
-    state_.measures.record(entry_, times_, state_.eye.pose(), drawn);
+    state_.measures.record(times_, state_.eye.pose(), drawn);
 }
 
 double App::interface() {

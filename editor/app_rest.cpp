@@ -16,7 +16,7 @@ namespace {
 
 constexpr double stirred_for_s = 0.3;              // dialogs dim, lists open: what ImGui does over several frames
 constexpr std::uint64_t stirred_frames = 3;        // a command, what it changes, and where things then lie
-constexpr double look_s = 0.1, look_soon_s = 0.01; // for signals and jobs, which wake nobody; and while a test asks
+constexpr double look_s = 0.1, look_soon_s = 0.002; // for signals and jobs, which wake nobody; and while a test asks
 
 // What shows in panels alone. Everything else may show in the terrain's picture.
 bool only_panels(const Command& command) {

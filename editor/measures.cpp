@@ -63,9 +63,13 @@ int triangle_level(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c
     return 2 * (static_cast<int>(tile_log2) - longest_log2) + (wide == deep ? 0 : 1);
 }
 
-void Measures::record(const flight::FrameEntry& entry, const FrameTimes& times, const flight::Pose& pose, bool drawn) {
+void Measures::observe(const flight::FrameEntry& entry) {
     last_ = entry;
     ++frames_;
+}
+
+void Measures::record(const FrameTimes& times, const flight::Pose& pose, bool drawn) {
+    const flight::FrameEntry& entry = last_;
     if (!drawn) return; // at rest, a frame costs what a window without a terrain costs
     const bool settles = std::exchange(settling_, entry.rebuilt);
     if (entry.rebuilt || settles)

@@ -106,9 +106,11 @@ public:
     [[nodiscard]] const Peaks& peaks() const { return peaks_; }
     [[nodiscard]] std::uint64_t frames() const { return frames_; }
 
-    // Once a frame, with the pose it was drawn from. One that was built from nothing, the one after it, and one whose
-    // terrain was not drawn anew (drawn: false) are the last one, and none of the series'.
-    void record(const flight::FrameEntry& entry, const FrameTimes& times, const flight::Pose& pose, bool drawn = true);
+    // Once a frame: what its update gave, and when it is over what it cost and the pose it was drawn from. One that was
+    // built from nothing, the one after it, and one whose terrain was not drawn anew (drawn: false) are none of the
+    // series'.
+    void observe(const flight::FrameEntry& entry);
+    void record(const FrameTimes& times, const flight::Pose& pose, bool drawn);
     // Frames that the series were given, in all.
     [[nodiscard]] std::uint64_t recorded() const { return recorded_; }
     // The frames of the series: 0 the newest; below ring().size().

@@ -115,32 +115,36 @@ TEST_CASE("a scale reaches to what is usual: one value in a hundred, and one of 
 
 TEST_CASE("a frame is recorded once, and one that was built from nothing counts as none of the others") {
     Measures measures;
-    const FrameTimes times{16000, 500, 3000, 11000, 400};
     flight::FrameEntry entry;
+    const FrameTimes times{16000, 500, 3000, 11000, 400};
+    const auto record = [&](double camera_m, bool drawn) {
+        measures.observe(entry);
+        measures.record(times, {{0, camera_m, 0}, {}, {}}, drawn);
+    };
     entry.update_us = 9000;
     entry.items = 70;
     entry.rebuilt = true;
-    measures.record(entry, times, {});
+    record(0, true);
     CHECK(measures.frames() == 1);
     CHECK(measures.last().items == 70);
     CHECK(measures.ring(Series::frame_us).size() == 0);
     CHECK(measures.peaks().update_us == 0);
     entry.rebuilt = false;
-    measures.record(entry, times, {}); // in which the driver compiles for it
+    record(0, true); // in which the driver compiles for it
     CHECK(measures.ring(Series::frame_us).size() == 0);
     entry.update_us = 800;
-    measures.record(entry, times, {});
+    record(0, true);
     CHECK(measures.ring(Series::frame_us).size() == 1);
     CHECK(measures.ring(Series::editor_us).quantiles().last == 400);
     CHECK(measures.ring(Series::draw_us).quantiles().last == 3000);
     CHECK(measures.ring(Series::other_us).quantiles().last == 16000 - 800 - 500 - 3000 - 11000 - 400);
     entry.items = 10;
-    measures.record(entry, times, {{1, 2, 3}, {}, {}});
+    record(2, true);
     CHECK(measures.frame(0).entry.items == 10);
     CHECK(measures.frame(0).pose.position_m.y == 2);
     CHECK(measures.frame(1).entry.items == 70);
     CHECK(measures.frame(0).number == measures.recorded());
-    measures.record(entry, times, {}, false); // the picture of before was shown again
+    record(0, false); // the picture of before was shown again
     CHECK(measures.ring(Series::frame_us).size() == 2);
     CHECK(measures.peaks().update_us == 800);
     CHECK(measures.peaks().items == 70);
