@@ -333,6 +333,11 @@ double App::interface() {
     surface_->size(state_.interface.width_px, state_.interface.height_px);
     const OwnCode own(watch_);
     const auto start = Clock::now();
+    // Arrows, Tab and Space move in panels and dialogs while those have the keyboard; otherwise they are the camera's.
+    int& flags = ImGui::GetIO().ConfigFlags;
+    const bool keys = state_.interface.panel_keys || is_modal(state_.interface.dialog) ||
+                      ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+    flags = keys ? flags | ImGuiConfigFlags_NavEnableKeyboard : flags & ~ImGuiConfigFlags_NavEnableKeyboard;
     ImGui::NewFrame();
     place_view();
     draw_panels(state_, commands_);

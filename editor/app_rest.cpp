@@ -14,8 +14,8 @@ namespace fjell::editor {
 
 namespace {
 
-constexpr double stirred_for_s = 0.3;              // dialogs dim, lists open: what ImGui does over several frames
-constexpr std::uint64_t stirred_frames = 3;        // a command, what it changes, and where things then lie
+constexpr double stirred_for_s = 0.3;               // dialogs dim, lists open: what ImGui does over several frames
+constexpr std::uint64_t stirred_frames = 3;         // a command, what it changes, and where things then lie
 constexpr double look_s = 0.1, look_soon_s = 0.002; // for signals and jobs, which wake nobody; and while a test asks
 
 // What shows in panels alone. Everything else may show in the terrain's picture.
@@ -93,6 +93,7 @@ void App::rest() {
         if (dump_asked_for() || jobs_.news() || engine_.opening_done()) break;
         update_file_state(state_); // what is not saved is kept at its time, frames or not
     }
+    if (state_.now_s >= until_s) stirred_frame_ = state_.frame; // a tip takes a frame to find its size
     rested_ = state_.now_s - begun_s;
     state_.rested_s += rested_;
 }

@@ -1,6 +1,7 @@
 #include "editor/panels/panels.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace fjell::editor {
 
@@ -49,6 +50,8 @@ void draw_section(const char* name, const ui::Section& section, const State& sta
     const ImGuiStyle& style = ImGui::GetStyle();
     const float width = ImGui::GetContentRegionAvail().x + style.WindowPadding.x / 2;
     ImGui::SetNextWindowContentSize({width - style.ScrollbarSize - style.WindowPadding.x / 2, 0});
+    static bool had_keys = false;
+    if (!std::exchange(had_keys, state.interface.panel_keys) && had_keys) ImGui::SetNextWindowFocus();
     // Each where it was scrolled to.
     ImGui::BeginChild(titles[static_cast<int>(shown)], {width, 0}, false, key_flags(state));
     draws[static_cast<int>(shown)](state, commands);

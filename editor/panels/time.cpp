@@ -148,7 +148,10 @@ void draw_time(const State& state, Commands& commands) {
     };
     const double budget_us = state.document.profile().cut.budget_us;
     const bool limited = state.document.profile().method == flight::Method::incremental && budget_us > 0;
-    draw_parts(state);
+    if (m.ring(Series::frame_us).size() == 0)
+        ImGui::TextWrapped("No frame has been measured yet: fly. A still view costs nothing.");
+    else
+        draw_parts(state);
     if (state.chosen) draw_report(state, commands);
     graph({"update", "ms", 7, limited ? budget_us / 1000 : 0, "budget"},
           {{ring(Series::update_us), blue, "update", 1e-3F, true}});
