@@ -41,7 +41,7 @@ void App::note(const Command& command) {
 }
 
 void App::judge_picture() {
-    moving_ = engine_.is_open() && std::memcmp(&drawn_view_, &state_.eye.view, sizeof(View)) != 0;
+    moving_ = engine_.is_open() && shown_ != nullptr && std::memcmp(&drawn_view_, &state_.eye.view, sizeof(View)) != 0;
     const flight::FrameEntry& e = entry_;
     const StreamReport& r = e.stream;
     const bool mesh = e.rebuilt || e.activations != 0 || e.deactivations != 0 || e.morphing != 0 ||

@@ -2,6 +2,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include <imgui_internal.h> // NavLastIds
+
 #include "editor/panels/panels.h"
 
 namespace fjell::editor {
@@ -202,7 +204,10 @@ void draw_shortcuts(const State& state, Commands& commands) {
 void draw_menu(const State& state, Commands& commands) {
     if (!ImGui::BeginMainMenuBar()) return;
     const bool open = state.scene.open();
-    if (pressed(key::f10, false) && !is_modal(state.interface.dialog)) ImGui::OpenPopup("File");
+    if (pressed(key::f10, false) && !is_modal(state.interface.dialog)) {
+        ImGui::OpenPopup("File");
+        ImGui::GetCurrentWindow()->NavLastIds[ImGuiNavLayer_Menu] = ImGui::GetID("File"); // arrows go on from there
+    }
     const auto menu = [&](const char* label, const char* name, auto draw) {
         if (ImGui::BeginMenu(label)) {
             draw(state, commands);
