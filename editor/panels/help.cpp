@@ -33,7 +33,7 @@ constexpr Key all_keys[] = {
     {"Tab", "hide the panels, or show them"},
     {"F11", "the picture alone; again or Esc: all of it"},
     {"F6", "keys move in the panels (arrows, Tab, Space); again or Esc: back"},
-    {"F10", "the menu"},
+    {"F10", "the menu, again: the next one (arrows, Space)"},
     {"Enter, Esc", "in a dialog: its main button, or close it"},
     {"Profile and program", nullptr},
     {"[  ]", "a smaller, a larger threshold"},

@@ -2,8 +2,6 @@
 #include <cstdio>
 #include <cstring>
 
-#include <imgui_internal.h> // NavLastIds
-
 #include "editor/panels/panels.h"
 
 namespace fjell::editor {
@@ -204,26 +202,31 @@ void draw_shortcuts(const State& state, Commands& commands) {
 void draw_menu(const State& state, Commands& commands) {
     if (!ImGui::BeginMainMenuBar()) return;
     const bool open = state.scene.open();
-    if (pressed(key::f10, false) && !is_modal(state.interface.dialog)) {
-        ImGui::OpenPopup("File");
-        ImGui::GetCurrentWindow()->NavLastIds[ImGuiNavLayer_Menu] = ImGui::GetID("File"); // arrows go on from there
-    }
-    const auto menu = [&](const char* label, const char* name, auto draw) {
-        if (ImGui::BeginMenu(label)) {
+    // F10 opens the first menu, and again the one after that which is open.
+    static int shown = -1;
+    constexpr const char* labels[] = {"File", "Edit", "Camera", "View", "Tools", "Help"};
+    if (pressed(key::f10, false) && !is_modal(state.interface.dialog))
+        ImGui::OpenPopup(labels[(shown + 1) % static_cast<int>(std::size(labels))]);
+    int i = 0;
+    shown = -1;
+    const auto menu = [&](const char* name, auto draw) {
+        if (ImGui::BeginMenu(labels[i])) {
+            shown = i;
             draw(state, commands);
             ImGui::EndMenu();
         }
+        ++i;
         ui::mark("menu", name);
     };
-    menu("File", "file", draw_file);
-    menu("Edit", "edit", draw_edit);
-    menu("Camera", "camera", draw_camera_menu);
-    menu("View", "view", draw_view_menu);
-    menu("Tools", "tools", [open](const State&, Commands& c) {
+    menu("file", draw_file);
+    menu("edit", draw_edit);
+    menu("camera", draw_camera_menu);
+    menu("view", draw_view_menu);
+    menu("tools", [open](const State&, Commands& c) {
         item("tune", "Auto-tune", "", open, c, ShowPanel{Panel::auto_tune});
         item("benchmark", "Benchmark", "", open, c, ShowPanel{Panel::benchmark});
     });
-    menu("Help", "help", [](const State&, Commands& c) {
+    menu("help", [](const State&, Commands& c) {
         item("keys", "Keys", "F1", true, c, ShowDialog{Dialog::keys});
         item("messages", "Messages", "", true, c, ShowDialog{Dialog::messages});
     });
