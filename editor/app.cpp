@@ -335,8 +335,9 @@ double App::interface() {
     const auto start = Clock::now();
     // Arrows, Tab and Space move in panels and dialogs while those have the keyboard; otherwise they are the camera's.
     int& flags = ImGui::GetIO().ConfigFlags;
-    const bool keys = state_.interface.panel_keys || is_modal(state_.interface.dialog) ||
-                      ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+    const bool keys = !options_.headless && // which has no keyboard
+                      (state_.interface.panel_keys || is_modal(state_.interface.dialog) ||
+                       ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup));
     flags = keys ? flags | ImGuiConfigFlags_NavEnableKeyboard : flags & ~ImGuiConfigFlags_NavEnableKeyboard;
     ImGui::NewFrame();
     place_view();
