@@ -35,7 +35,7 @@ void show(const Look& look, Interface& i) {
 // What the command line has asked for, and nobody has changed since, is of this run alone.
 void save_look(State& state) {
     Files& files = state.files;
-    if (!files.look_begun || files.look_seen == *files.look_begun) return;
+    if (!files.persists || !files.look_begun || files.look_seen == *files.look_begun) return;
     Look look = files.look_seen;
     const Look &begun = *files.look_begun, &kept = files.settings.look;
     if (look.scale == begun.scale) look.scale = kept.scale;
