@@ -15,7 +15,6 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "editor/clock.h"
 #include "editor/dump.h"
 #include "editor/files/file_kind.h"
 #include "editor/files/persistence.h"
@@ -46,7 +45,7 @@ private:
     void (*watch_)(bool begins);
 };
 
-constexpr double overview_us = 150; // of a frame, for painting the overview
+constexpr double overview_us = 150, overview_idle_us = 4000; // of a frame, for painting the overview
 
 // SIGUSR1 asks for FJELL_EDITOR_DUMP: how tests look inside.
 volatile std::sig_atomic_t dump_requested = 0;
@@ -85,6 +84,14 @@ void write_text(const std::string& path, const std::string& text) {
 
 } // namespace
 
+bool App::dump_is_wanted() {
+    return dump_file() != nullptr;
+}
+
+bool App::dump_asked_for() {
+    return dump_requested != 0;
+}
+
 App::App(Options options) : options_(std::move(options)) {
     script_ = read_script(options_);
     // Before there is a window: whoever sees that may ask already.
@@ -96,11 +103,16 @@ App::App(Options options) : options_(std::move(options)) {
     io.LogFilename = nullptr;
     state_.headless = options_.headless;
     if (options_.script != "-") state_.files.script = options_.script;
-    make_surface_and_graphics();
     start_persistence(state_, !options_.headless);
+    if (options_.width == 0) { // the size it had, or ours
+        const Look last = options_.headless ? Look{} : state_.files.settings.look;
+        options_.width = last.width_px != 0 ? last.width_px : 1280;
+        options_.height = last.height_px != 0 ? last.height_px : 720;
+    }
+    make_surface_and_graphics();
     double& scale = state_.interface.scale;
     scale = options_.scale;
-    if (scale <= 0 && !options_.headless) scale = state_.files.settings.scale;
+    if (scale <= 0 && !options_.headless) scale = state_.files.settings.look.scale;
     if (scale <= 0) scale = std::clamp(surface_->content_scale(), 0.5, 4.0);
     ui::apply_style(scale);
     styled_ = scale;
@@ -109,7 +121,9 @@ App::App(Options options) : options_(std::move(options)) {
 App::~App() {
     finish_persistence(state_, ended_);
     jobs_.cancel();
+    shown_ = nullptr;
     target_.reset();
+    half_target_.reset();
     overview_.drop_graphics(state_.overview);
     engine_.drop_graphics();
     engine_.close();
@@ -123,6 +137,9 @@ void App::make_surface_and_graphics() {
     shown_title_.clear();
     if (!surface_) throw Failure(3, error);
     state_.graphics = surface_->description();
+    for (const char* name : {"llvmpipe", "softpipe", "SwiftShader"})
+        software_ = software_ || state_.graphics.find(name) != std::string::npos;
+    picture_old_ = true;
 }
 
 // Everything on the GPU is gone, or shall be: what is open and edited stays.
@@ -131,7 +148,9 @@ void App::replace_surface() {
     surface_->size(width, height);
     options_.width = std::max(width, 320u);
     options_.height = std::max(height, 320u);
+    shown_ = nullptr;
     target_.reset();
+    half_target_.reset();
     overview_.drop_graphics(state_.overview);
     engine_.drop_graphics();
     const InputCounts counted = surface_->input;
@@ -171,6 +190,7 @@ int App::run() {
         io::check_interrupt();
         if (surface_->lost()) replace_surface();
         if (!run_script()) break;
+        if (!options_.headless) rest();
         frame();
         // Nothing else holds a headless run back; what a job measures is not to be disturbed by it.
         if (options_.headless && jobs_.running()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -197,14 +217,7 @@ void App::open_input() {
     attempt([&] {
         if (!options_.headless || file_kind_of(input) != FileKind::heights)
             return apply(OpenFile{input, true}, context);
-        BakePack bake;
-        bake.inputs = {input};
-        bake.output = pack_beside(input);
-        std::error_code ignored;
-        if (std::filesystem::exists(bake.output, ignored))
-            throw Failure(2, bake.output + ": exists already; open that pack, or bake elsewhere: --do \"bake " + input +
-                                 " OTHER.fjell\"");
-        handle(bake, context);
+        bake_beside(input, context);
         baking_input_ = true;
     });
 }
@@ -236,7 +249,7 @@ bool App::settled() const {
 
 // Carries on with the script where nothing waits. False: a headless run is over.
 bool App::run_script() {
-    if (baking_input_) return true;
+    if (baking_input_ || engine_.opening()) return true;
     if (state_.frame == 0) return true; // how large the picture is, is known after a frame
     const HandlerContext context{state_, engine_, jobs_};
     while (script_at_ < script_.size()) {
@@ -265,7 +278,15 @@ bool App::run_script() {
         } else if (std::holds_alternative<LoseGraphics>(command)) {
             replace_surface();
         } else {
+            const bool ran = jobs_.running();
             apply(command, context);
+            note(command);
+            if (engine_.opening()) return true;
+            // Heights that a script opens are baked first; what follows is about the terrain.
+            if (std::holds_alternative<OpenFile>(command) && options_.headless && !ran && jobs_.running()) {
+                waiting_settled_ = true;
+                wait_until_frame_ = state_.frame + 2;
+            }
         }
     }
     const bool waiting = state_.frame < wait_until_frame_ || (waiting_settled_ && !settled());
@@ -274,28 +295,36 @@ bool App::run_script() {
 
 void App::frame() {
     const auto start = Clock::now();
-    static Clock::time_point last = start; // of the frame before
-    const double frame_us = microseconds(start - std::exchange(last, start));
-    state_.now_s += std::min(frame_us * 1e-6, 0.25);
+    const double since_us = frame_began_ == Clock::time_point{} ? 0 : microseconds(start - frame_began_);
+    frame_began_ = start;
+    // What the editor rested has passed, and nothing moved in it.
+    state_.frame_s = std::clamp(since_us * 1e-6 - std::exchange(rested_, 0), 0.0, 0.25);
+    state_.now_s += state_.frame_s;
+    if (options_.headless) state_.frame_s = 1.0 / 60;
     ++state_.frame;
+    times_ = {};
     dumping_ = dump_requested != 0; // asked for later, it waits for a frame that records its marks
     for (Command& command : next_frame_) after_frame_.push_back(std::move(command));
     next_frame_.clear();
     const bool recording = dumping_ || !after_frame_.empty();
     if (recording) ui::record_marks(true);
     paint_overview(); // before the panels, which show its texture
-    const double panels_us = interface();
-    const double commands_us = handle_commands();
-    double own_us = panels_us + commands_us;
-    attempt([&] { own_us += move_and_update(); });
+    times_.editor_us = interface();
+    times_.editor_us += handle_commands();
+    attempt([&] { times_.editor_us += move_and_update(); });
+    judge_picture();
+    const bool drawn = picture_old_;
     draw();
-    {
-        const OwnCode own(watch_);
-        state_.measures.record(entry_, frame_us, draw_us_, own_us);
-    }
     if (recording) ui::record_marks(false);
+    state_.measures.observe(entry_); // before a dump tells of it
     finish_requests();
+    const auto present = Clock::now();
     surface_->present();
+    const auto end = Clock::now();
+    times_.present_us += microseconds(end - present);
+    times_.frame_us = microseconds(end - start);
+    const OwnCode own(watch_);
+    state_.measures.record(times_, state_.eye.pose(), drawn);
 }
 
 double App::interface() {
@@ -304,6 +333,12 @@ double App::interface() {
     surface_->size(state_.interface.width_px, state_.interface.height_px);
     const OwnCode own(watch_);
     const auto start = Clock::now();
+    // Arrows, Tab and Space move in panels and dialogs while those have the keyboard; otherwise they are the camera's.
+    int& flags = ImGui::GetIO().ConfigFlags;
+    const bool keys = !options_.headless && // which has no keyboard
+                      (state_.interface.panel_keys || is_modal(state_.interface.dialog) ||
+                       ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup));
+    flags = keys ? flags | ImGuiConfigFlags_NavEnableKeyboard : flags & ~ImGuiConfigFlags_NavEnableKeyboard;
     ImGui::NewFrame();
     place_view();
     draw_panels(state_, commands_);
@@ -315,18 +350,24 @@ double App::handle_commands() {
     std::optional<OwnCode> own(watch_);
     const auto start = Clock::now();
     const HandlerContext context{state_, engine_, jobs_};
-    for (const std::string& file : std::exchange(surface_->dropped, {})) apply(OpenFile{file, false}, context);
+    for (const std::string& file : std::exchange(surface_->dropped, {})) apply(OpenFile{file, false}, context), stir();
     for (const Command& command : commands_.list()) {
         // The panels of this frame are drawn already, with the dialog that asked: the next one's are shown.
         if (std::holds_alternative<TakeScreenshot>(command) || std::holds_alternative<DumpState>(command))
             next_frame_.push_back(command);
         else
             apply(command, context);
+        note(command);
     }
     commands_.clear();
-    if (jobs_.poll(state_.job)) handle_job_result(context);
+    if (jobs_.poll(state_.job)) {
+        handle_job_result(context);
+        picture_old_ = true;
+        stir();
+    }
     own.reset();
     const auto follow = Clock::now();
+    if (engine_.opening_done()) finish_opening();
     follow_document(context); // rebuilding a terrain is not what the editor costs
     const auto followed = Clock::now();
     own.emplace(watch_);
@@ -345,24 +386,27 @@ double App::handle_commands() {
 
 double App::move_and_update() {
     entry_ = {};
-    draw_us_ = 0;
     if (!engine_.is_open()) return 0;
-    fit_target();
-    if (!target_) return 0;
     const auto start = Clock::now();
     {
         const OwnCode own(watch_);
-        move_camera({state_, engine_, jobs_}, std::min(static_cast<double>(ImGui::GetIO().DeltaTime), 0.25));
+        move_camera({state_, engine_, jobs_}, state_.frame_s);
     }
     const auto moved = Clock::now();
     const View& refining = state_.eye.refining ? *state_.eye.refining : state_.eye.view;
-    entry_ = engine_.update(refining, state_.document.profile(), state_.now_s, draw_us_);
+    entry_ = engine_.update(refining, state_.document.profile(), state_.now_s, times_.upload_us);
     const OwnCode own(watch_);
     const auto updated = Clock::now();
     const flight::Session& session = engine_.session();
     if (session.streamed) state_.reader = session.streamed->reader();
     state_.measures.count_levels(session.mesh(), session.loaded.pack.header.tile_log2);
     return microseconds(moved - start) + microseconds(Clock::now() - updated);
+}
+
+void App::finish_opening() {
+    state_.opening.clear();
+    stir();
+    attempt([&] { show_opened(engine_.finish_opening(), {state_, engine_, jobs_}); });
 }
 
 // Its own time is bounded, and it is done soon: it does not count as what every frame costs.
@@ -376,7 +420,9 @@ void App::paint_overview() {
     }
     if (engine_.is_open()) {
         const flight::Session& session = engine_.session();
-        overview_.advance(session.terrain(), !session.streamed || session.streamed->report().complete, overview_us);
+        // Where no terrain is to be drawn there is time.
+        overview_.advance(session.terrain(), !session.streamed || session.streamed->report().complete,
+                          picture_old_ ? overview_us : overview_idle_us);
     }
     overview_.upload(state_.overview);
 }
@@ -384,20 +430,26 @@ void App::paint_overview() {
 // Commands look through it, whether a terrain is drawn already or not.
 void App::place_view() {
     Interface& i = state_.interface;
-    const ui::Layout l = ui::layout(static_cast<float>(i.width_px), static_cast<float>(i.height_px), i.scale);
+    const ui::Layout l = ui::layout(static_cast<float>(i.width_px), static_cast<float>(i.height_px), i);
     i.view_x_px = static_cast<std::uint32_t>(l.view.x);
     i.view_y_px = static_cast<std::uint32_t>(l.view.y);
     i.view_width_px = std::max(static_cast<std::uint32_t>(l.view.width), 1u);
     i.view_height_px = std::max(static_cast<std::uint32_t>(l.view.height), 1u);
 }
 
-void App::fit_target() {
+gl::Target& App::fit_target(bool half) {
     const Interface& i = state_.interface;
-    if (target_ && target_->width() == i.view_width_px && target_->height() == i.view_height_px) return;
+    const std::uint32_t divisor = half ? 2 : 1;
+    const std::uint32_t width = std::max(i.view_width_px / divisor, 1u),
+                        height = std::max(i.view_height_px / divisor, 1u);
+    std::unique_ptr<gl::Target>& target = half ? half_target_ : target_;
+    if (target && target->width() == width && target->height() == height) return *target;
+    if (shown_ == target.get()) shown_ = nullptr;
     std::string error;
-    target_.reset(); // the old one's memory first
-    target_ = gl::Target::create({i.view_width_px, i.view_height_px, 1}, error);
-    if (!target_) throw Failure(3, error);
+    target.reset(); // the old one's memory first
+    target = gl::Target::create({width, height, 1}, error);
+    if (!target) throw Failure(3, error);
+    return *target;
 }
 
 // What the terrain or the driver refuses in a frame is told; the panels go on.
@@ -411,23 +463,37 @@ void App::attempt(const std::function<void()>& what) {
 
 void App::draw_terrain() {
     const auto start = Clock::now();
-    engine_.draw(state_, *target_);
+    // Who asks for a picture gets it whole.
+    const bool half = moving_ && state_.interface.half_resolution && software_ && after_frame_.empty();
+    const gl::Target& target = fit_target(half);
+    shown_ = nullptr;
+    engine_.draw(state_, target);
+    shown_ = &target;
+    drawn_view_ = state_.eye.view;
+    picture_old_ = half; // until it is drawn whole
+    ++state_.terrain_draws;
+    if (half) ++state_.half_draws;
+    state_.drawn_px[0] = target.width();
+    state_.drawn_px[1] = target.height();
     state_.heights_share = engine_.heights_share();
-    draw_us_ += microseconds(Clock::now() - start);
     state_.drawn = engine_.stats();
-    const Interface& i = state_.interface;
-    blit(*target_, surface_->framebuffer(), i.height_px, i.view_x_px, i.view_y_px);
+    times_.draw_us = microseconds(Clock::now() - start);
 }
 
 void App::draw() {
     const unsigned framebuffer = surface_->framebuffer();
+    if (engine_.is_open() && picture_old_) attempt([&] { draw_terrain(); });
+    const auto start = Clock::now();
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
     glDisable(GL_FRAMEBUFFER_SRGB);
     glClearColor(0.06F, 0.065F, 0.075F, 1);
     glClear(GL_COLOR_BUFFER_BIT);
-    if (engine_.is_open() && target_) attempt([&] { draw_terrain(); });
+    const Interface& i = state_.interface;
+    if (engine_.is_open() && shown_ != nullptr)
+        blit(*shown_, framebuffer, i.height_px, {i.view_x_px, i.view_y_px, i.view_width_px, i.view_height_px});
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     surface_->draw_interface();
+    times_.present_us = microseconds(Clock::now() - start);
 }
 
 void App::finish_requests() {
@@ -436,6 +502,7 @@ void App::finish_requests() {
         styled_ = state_.interface.scale;
         ui::apply_style(styled_);
         surface_->fonts_changed();
+        stir();
     }
     if (dumping_ && dump_file() != nullptr) {
         dump_requested = 0;
@@ -448,8 +515,8 @@ void App::finish_requests() {
                 gl::Image image;
                 if (shot->with_panels)
                     surface_->read(image);
-                else if (target_)
-                    target_->read_colour(image);
+                else if (shown_ != nullptr)
+                    shown_->read_colour(image);
                 const std::string error = gl::write_png(image, shot->path);
                 if (!error.empty()) throw Failure(3, error);
             } else if (const auto* file = std::get_if<DumpState>(&command)) {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "editor/clock.h"
 #include "editor/command.h"
 #include "editor/engine.h"
 #include "editor/handlers/apply.h"
@@ -49,6 +50,7 @@ private:
     void draw_terrain();
     void attempt(const std::function<void()>& what);
     void paint_overview();
+    void finish_opening();  // of a pack that a thread has read
     void finish_requests(); // screenshots and dumps of the frame that was just drawn
     bool run_script();      // false: it is over
     bool settled() const;   // all that was requested is done and drawn
@@ -57,7 +59,17 @@ private:
     void make_surface_and_graphics();
     void replace_surface();
     void place_view();
-    void fit_target();
+    gl::Target& fit_target(bool half);
+
+    // When there is something to draw (app_rest.cpp).
+    void rest(); // returns when there is
+    [[nodiscard]] bool at_rest() const;
+    [[nodiscard]] double next_change_s() const; // until something shows or goes of itself
+    [[nodiscard]] static bool dump_is_wanted(); // by a test, now and then: FJELL_EDITOR_DUMP
+    [[nodiscard]] static bool dump_asked_for(); // now
+    void stir();                                // the next frames are drawn
+    void note(const Command& command);          // that was applied
+    void judge_picture();                       // sets picture_old_, of this frame's view and mesh
 
     Options options_;
     State state_;
@@ -74,7 +86,7 @@ private:
     bool ended_ = false;       // as it should: not by a signal or a failure
     double styled_ = 0;        // the scale that fonts were made for
     flight::FrameEntry entry_; // of this frame
-    double draw_us_ = 0;       // and what giving it to the driver took
+    FrameTimes times_;
     void (*watch_)(bool begins) = [](bool) {};
     std::vector<Command> after_frame_; // Screenshot and DumpState, once the frame is drawn
     std::vector<Command> next_frame_;  // those that panels ask for: of the frame after theirs
@@ -82,8 +94,18 @@ private:
     std::unique_ptr<Surface> surface_;
     Engine engine_;
     Overview overview_;
-    std::uint64_t overview_of_ = 0; // Engine::terrains() that the overview shows
-    std::unique_ptr<gl::Target> target_;
+    std::uint64_t overview_of_ = 0;                    // Engine::terrains() that the overview shows
+    std::unique_ptr<gl::Target> target_, half_target_; // the terrain's picture, and that of a moving camera
+    const gl::Target* shown_ = nullptr;                // the one that was drawn last
+    bool software_ = false;                            // draws
+    bool picture_old_ = true;                          // the terrain's, of this frame
+    bool moving_ = false;                              // the camera, since the last picture
+    View drawn_view_;                                  // of the last picture
+    double frame_s_ = 0;                               // the clock of the last frame
+    double stirred_s_ = 0;                             // when, by State::now_s
+    std::uint64_t stirred_frame_ = 0;
+    Clock::time_point frame_began_{};
+    double rested_ = 0; // before this frame, seconds
 };
 
 } // namespace fjell::editor

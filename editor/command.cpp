@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "editor/arrangement.h"
+#include "editor/measures.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -129,6 +131,19 @@ Command place_camera(Words& w) {
     c.position_m = {w.number("x in metres"), w.number("y in metres"), w.number("z in metres")};
     c.heading_rad = w.number("the heading in degrees") * degree;
     c.pitch_rad = w.number("the pitch in degrees") * degree;
+    return c;
+}
+
+Command arrange_column(Words& w) {
+    ArrangeColumn c;
+    c.column = w.one_of<Column>(column_names, "column");
+    c.part = w.one_of<ColumnPart>(column_part_names, "part of a column");
+    if (c.part == ColumnPart::folded)
+        c.value = w.on() ? 1 : 0;
+    else if (c.part == ColumnPart::width)
+        c.value = Words::number_in(w.text("a width"), "a width", least_column_px, most_column_px);
+    else
+        c.value = Words::number_in(w.text("a share"), "a share", 0, 1);
     return c;
 }
 
@@ -287,12 +302,26 @@ std::vector<Verb> picture_verbs() {
              const auto overlay = w.one_of<Overlay>(overlay_names, "overlay");
              return SetOverlay{overlay, w.on()};
          }},
-        {"panel", "NAME", "tune, camera, show, time, budgets, streaming or levels",
+        {"panel", "NAME", "tune, camera, show, time, budgets, streaming, levels, auto-tune or benchmark",
          [](Words& w) { return ShowPanel{w.one_of<Panel>(panel_names, "panel")}; }},
         {"dialog", "NAME", "opens a dialog; none closes it",
          [](Words& w) { return ShowDialog{w.one_of<Dialog>(dialog_names, "dialog")}; }},
+        {"interface", "panels|picture-only|panel-keys|half-resolution on|off",
+         "panels beside the picture, the picture alone, keys that move in the panels, half resolution while it moves",
+         [](Words& w) {
+             const auto which = w.one_of<Switch>(switch_names, "switch");
+             return SetSwitch{which, w.on()};
+         }},
+        {"column", "left|right width|split|folded VALUE",
+         "width in pixels of a scale of 1, the upper section's share, or on|off", arrange_column},
         {"scale", "S", "scale of the interface, 0.5 to 4",
          [](Words& w) { return SetScale{Words::number_in(w.text("a scale"), "a scale", 0.5, 4)}; }},
+        {"frame-report", "AGO|off", "shows what a measured frame cost, 0 the newest",
+         [](Words& w) {
+             const std::string word = w.text("frames ago");
+             if (word == "off") return Command(ChooseFrame{});
+             return Command(ChooseFrame{true, Words::count_of(word, "frames ago", 0, measured_frames - 1.0)});
+         }},
         {"dismiss", "", "hides the message", plain<DismissMessage>()},
     };
 }

@@ -138,8 +138,21 @@ struct ShowPanel {
 struct ShowDialog {
     Dialog dialog = Dialog::none;
 };
+struct SetSwitch {
+    Switch which = Switch::show_panels;
+    bool on = false;
+};
+struct ArrangeColumn { // its width in unscaled pixels, its upper section's share, or 1: it is folded
+    Column column = Column::left;
+    ColumnPart part = ColumnPart::width;
+    double value = 0;
+};
 struct SetScale {
     double scale = 1; // of the user interface
+};
+struct ChooseFrame { // of those measured: its report is shown
+    bool on = false;
+    std::size_t ago = 0; // 0: the newest
 };
 struct DismissMessage {};
 
@@ -200,9 +213,10 @@ using Command =
                  StopComparing, BrowseFolder, BrowseAllKinds, AnswerUnsaved, RecoverChanges, MoveCamera, PlaceCamera,
                  JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath,
                  SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath,
-                 SetPathSeconds, LoopPath, SetPictureMode, SetOverlay, ShowPanel, ShowDialog, SetScale, DismissMessage,
-                 BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot,
-                 ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled>;
+                 SetPathSeconds, LoopPath, SetPictureMode, SetOverlay, ShowPanel, ShowDialog, SetSwitch, ArrangeColumn,
+                 SetScale, ChooseFrame, DismissMessage, BakePack, TuneThreshold, RunBenchmark, ExportMesh,
+                 PreviewExport, CancelJob, TakeScreenshot, ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames,
+                 WaitSettled>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once. push() takes any Command's
 // alternative; it is compiled in commands.cpp alone, or else every panel would compile the variant's moves again.

@@ -95,8 +95,20 @@ json interface_json(const State& state) {
     json overlay;
     for (std::size_t k = 0; k < i.overlay.size(); ++k) overlay[overlay_names[k]] = i.overlay[k];
     return {{"scale", i.scale},
-            {"left", panel_names[static_cast<int>(i.left)]},
-            {"right", panel_names[static_cast<int>(i.right)]},
+            {"left", panel_names[static_cast<int>(i.arrangement.shown(left_groups))]},
+            {"right", panel_names[static_cast<int>(i.arrangement.shown(right_groups))]},
+            {"newest", panel_names[static_cast<int>(i.arrangement.latest.front())]},
+            {"panels", i.arrangement.panels},
+            {"picture_only", i.picture_only},
+            {"panel_keys", i.panel_keys},
+            {"half_resolution", i.half_resolution},
+            {"columns",
+             {{{"width_px", i.arrangement.width_px[0]},
+               {"split", i.arrangement.split[0]},
+               {"folded", i.arrangement.folded[0]}},
+              {{"width_px", i.arrangement.width_px[1]},
+               {"split", i.arrangement.split[1]},
+               {"folded", i.arrangement.folded[1]}}}},
             {"dialog", dialog_names[static_cast<int>(i.dialog)]},
             {"mode", flight::picture_mode_names[static_cast<int>(i.mode)]},
             {"overlay", overlay},
@@ -154,6 +166,22 @@ json messages_json(const State& state) {
     return list;
 }
 
+// Parts that add up to the frame.
+json times_json(const State& state) {
+    if (!state.chosen) return {};
+    const MeasuredFrame& f = *state.chosen;
+    return {{"ago", state.measures.recorded() - f.number},
+            {"frame_us", f.times.frame_us},
+            {"update_us", f.entry.update_us},
+            {"stream_us", f.entry.stream_us},
+            {"upload_us", f.times.upload_us},
+            {"draw_us", f.times.draw_us},
+            {"present_us", f.times.present_us},
+            {"editor_us", f.times.editor_us},
+            {"triangles_drawn", f.entry.triangles_drawn},
+            {"position_m", vector_json(f.pose.position_m)}};
+}
+
 json measures_json(const State& state) {
     const flight::FrameEntry& e = state.measures.last();
     const auto ring = [&](Series series) {
@@ -164,6 +192,8 @@ json measures_json(const State& state) {
     for (std::uint32_t i = 0; i < state.measures.levels().levels; ++i)
         levels.push_back(state.measures.levels().triangles[i]);
     return {{"frames", state.measures.frames()},
+            {"recorded", state.measures.recorded()},
+            {"chosen", times_json(state)},
             {"vertices", e.vertices},
             {"triangles", e.triangles},
             {"triangles_drawn", e.triangles_drawn},
@@ -176,6 +206,9 @@ json measures_json(const State& state) {
             {"stream_us", ring(Series::stream_us)},
             {"exhausted", flight::budget_names(e.exhausted)},
             {"draw_us", ring(Series::draw_us)},
+            {"upload_us", ring(Series::upload_us)},
+            {"present_us", ring(Series::present_us)},
+            {"other_us", ring(Series::other_us)},
             {"levels", levels}};
 }
 
@@ -186,6 +219,11 @@ std::string dump(const State& state) {
     for (const ui::Mark& m : ui::marks()) marks[m.name] = {m.rect.x, m.rect.y, m.rect.width, m.rect.height};
     const Scene& s = state.scene;
     const json all = {{"frame", state.frame},
+                      {"terrain_draws", state.terrain_draws},
+                      {"half_draws", state.half_draws},
+                      {"drawn_px", {state.drawn_px[0], state.drawn_px[1]}},
+                      {"rested_s", state.rested_s},
+                      {"opening", state.opening},
                       {"scene",
                        {{"path", s.path},
                         {"columns", s.columns},

@@ -64,6 +64,34 @@ void Engine::open(const std::string& pack, const flight::Profile& profile) {
     o.pack = pack;
     auto session = std::make_unique<flight::Session>();
     flight::open_session(o, *session);
+    adopt(std::move(session), pack, profile);
+}
+
+void Engine::begin_opening(const std::string& pack, const flight::Profile& profile) {
+    if (opening()) throw io::Failure(2, opening_pack_ + ": is still being opened; wait for it");
+    flight::FlightOptions o = options(profile);
+    o.pack = pack;
+    opening_pack_ = pack;
+    opening_profile_ = profile;
+    opening_ = std::async(std::launch::async, [o = std::move(o)] {
+        auto session = std::make_unique<flight::Session>();
+        flight::open_session(o, *session);
+        return session;
+    });
+}
+
+bool Engine::opening_done() const {
+    return opening() && opening_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+std::string Engine::finish_opening() {
+    adopt(opening_.get(), opening_pack_, opening_profile_);
+    return opening_pack_;
+}
+
+void Engine::adopt(std::unique_ptr<flight::Session> session, const std::string& pack, const flight::Profile& profile) {
+    flight::FlightOptions o = options(profile);
+    o.pack = pack;
     unread_told_ = 0;
     if (session->streamed)
         session->streamed->on_failure([this](const std::string& line) { messages_.push_back(line); });

@@ -5,6 +5,7 @@
 // was open before stays open, as it was.
 #pragma once
 
+#include <future>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +28,13 @@ public:
     Engine& operator=(const Engine&) = delete;
 
     void open(const std::string& pack, const flight::Profile& profile);
+    // The same, read by a thread: what is shown goes on until finish_opening() replaces it. Failure: io::Failure 2
+    // while another one is read.
+    void begin_opening(const std::string& pack, const flight::Profile& profile);
+    [[nodiscard]] bool opening() const { return opening_.valid(); }
+    [[nodiscard]] bool opening_done() const; // finish_opening() will not wait
+    // The pack that was opened.
+    std::string finish_opening();
     void close();
     [[nodiscard]] bool is_open() const { return session_ != nullptr; }
     [[nodiscard]] const flight::Session& session() const { return *session_; }
@@ -54,6 +62,8 @@ public:
 private:
     [[nodiscard]] flight::FlightOptions options(const flight::Profile& profile) const;
     void set_error_options(const State& state, gl::DrawOptions& options);
+    // Shows it; the pack and the profile that it was opened with.
+    void adopt(std::unique_ptr<flight::Session> session, const std::string& pack, const flight::Profile& profile);
     void set_renderer(std::unique_ptr<gl::Renderer> renderer);
     void tell_unread();
     void remake(const flight::Profile& profile); // the method's memory, and a renderer for it
@@ -68,6 +78,9 @@ private:
     FullHeights heights_;
     SceneLines scene_lines_;
     std::unique_ptr<gl::Lines> lines_; // made when there are some
+    std::string opening_pack_;
+    flight::Profile opening_profile_;
+    std::future<std::unique_ptr<flight::Session>> opening_;
 };
 
 } // namespace fjell::editor

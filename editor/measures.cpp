@@ -18,7 +18,7 @@ void Ring::push(float value) {
 }
 
 void Ring::clear() {
-    first_ = size_ = 0;
+    first_ = size_ = 0; // the next ones begin at 0, so mean() may read in any order
 }
 
 Quantiles Ring::quantiles() const {
@@ -35,6 +35,23 @@ Quantiles Ring::quantiles() const {
     return {rank(0.5), rank(0.99), *std::max_element(sorted.begin(), end), value(size_ - 1)};
 }
 
+double Ring::mean() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < size_; ++i) sum += static_cast<double>(values_[i]); // in any order
+    return size_ == 0 ? 0 : sum / static_cast<double>(size_);
+}
+
+float Ring::usual_most() const {
+    if (size_ == 0) return 0;
+    std::array<float, measured_frames> sorted;
+    for (std::size_t i = 0; i < size_; ++i) sorted[i] = std::abs(value(i));
+    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(size_);
+    const std::size_t left_out = size_ < 8 ? 0 : std::max<std::size_t>(size_ / 100, 1);
+    const auto at = end - static_cast<std::ptrdiff_t>(left_out + 1);
+    std::nth_element(sorted.begin(), at, end);
+    return *at;
+}
+
 int triangle_level(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c, std::uint32_t tile_log2) {
     const std::int64_t bx = std::int64_t{b.column} - a.column, bz = std::int64_t{b.row} - a.row;
     const std::int64_t cx = std::int64_t{c.column} - a.column, cz = std::int64_t{c.row} - a.row;
@@ -46,21 +63,35 @@ int triangle_level(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c
     return 2 * (static_cast<int>(tile_log2) - longest_log2) + (wide == deep ? 0 : 1);
 }
 
-void Measures::record(const flight::FrameEntry& entry, double frame_us, double draw_us, double editor_us) {
+void Measures::observe(const flight::FrameEntry& entry) {
     last_ = entry;
     ++frames_;
-    if (entry.rebuilt) return; // once, and hundreds of times as much as a frame: it would be all that graphs show
+}
+
+void Measures::record(const FrameTimes& times, const flight::Pose& pose, bool drawn) {
+    const flight::FrameEntry& entry = last_;
+    if (!drawn) return; // at rest, a frame costs what a window without a terrain costs
+    const bool settles = std::exchange(settling_, entry.rebuilt);
+    if (entry.rebuilt || settles)
+        return; // once, and hundreds of times as much as a frame: it would be all that graphs show
     const auto push = [&](Series series, auto value) {
         rings_[static_cast<std::size_t>(series)].push(static_cast<float>(value));
     };
-    push(Series::frame_us, frame_us);
+    push(Series::frame_us, times.frame_us);
     push(Series::update_us, entry.update_us);
     push(Series::stream_us, entry.stream_us);
     push(Series::prepare_us, entry.prepare_us);
     push(Series::refine_us, entry.refine_us);
     push(Series::output_us, entry.output_us);
-    push(Series::draw_us, draw_us);
-    push(Series::editor_us, editor_us);
+    push(Series::upload_us, times.upload_us);
+    push(Series::draw_us, times.draw_us);
+    push(Series::present_us, times.present_us);
+    push(Series::editor_us, times.editor_us);
+    push(Series::other_us, std::max(times.frame_us - entry.update_us - entry.stream_us - times.upload_us -
+                                        times.draw_us - times.present_us - times.editor_us,
+                                    0.0));
+    kept_[kept_next_] = {entry, times, pose, ++recorded_};
+    kept_next_ = (kept_next_ + 1) % measured_frames;
     push(Series::requested_px, entry.error_px_requested);
     push(Series::effective_px, entry.error_px_effective);
     push(Series::vertices, entry.vertices);
@@ -84,7 +115,15 @@ void Measures::record(const flight::FrameEntry& entry, double frame_us, double d
 }
 
 void Measures::clear() {
-    *this = {};
+    for (Ring& ring : rings_) ring.clear();
+    last_ = {};
+    shown_ = counting_ = {};
+    peaks_ = {};
+    range_ = index_ = 0;
+    frames_ = 0;
+    kept_next_ = 0;
+    recorded_ = 0;
+    settling_ = false;
 }
 
 void Measures::count_levels(const MeshView& mesh, std::uint32_t tile_log2) {

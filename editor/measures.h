@@ -13,20 +13,24 @@
 #include "fjell/gl/palette.h"
 #include "fjell/mesh.h"
 #include "flight/log.h"
+#include "flight/path.h"
 
 namespace fjell::editor {
 
 inline constexpr std::size_t measured_frames = 512;
 
 enum class Series : std::uint8_t {
-    frame_us, // from swap to swap
+    frame_us, // all of it; the parts of it are those down to other_us
     update_us,
     stream_us,
     prepare_us, // of update_us, as the next two: incremental
     refine_us,
     output_us,
-    draw_us,   // upload and drawing, the CPU's part
-    editor_us, // panels, commands, measures: the editor's own
+    upload_us,
+    draw_us,    // the terrain: what giving it to the driver took
+    present_us, // the picture copied, panels drawn, the swap: where the driver catches up
+    editor_us,  // panels, commands, measures: the editor's own
+    other_us,   // input, the overview, what is rebuilt
     requested_px,
     effective_px,
     vertices,
@@ -39,6 +43,11 @@ enum class Series : std::uint8_t {
     count
 };
 inline constexpr std::size_t series_count = static_cast<std::size_t>(Series::count);
+
+// What a frame took, microseconds. All but the update, which its entry has.
+struct FrameTimes {
+    double frame_us = 0, upload_us = 0, draw_us = 0, present_us = 0, editor_us = 0;
+};
 
 struct Quantiles {
     float p50 = 0, p99 = 0, max = 0, last = 0;
@@ -53,10 +62,22 @@ public:
     // value(i): the i-th oldest.
     [[nodiscard]] float value(std::size_t i) const { return values_[(first_ + i) % measured_frames]; }
     [[nodiscard]] Quantiles quantiles() const; // nearest rank; zeros of none
+    [[nodiscard]] double mean() const;         // 0 of none
+    // The largest magnitude without the largest hundredth of them, and without one at least where there are some: what
+    // a scale reaches to, so that single frames do not flatten all others.
+    [[nodiscard]] float usual_most() const;
 
 private:
     std::array<float, measured_frames> values_{};
     std::size_t first_ = 0, size_ = 0;
+};
+
+// A frame of the series whole: to be looked at again.
+struct MeasuredFrame {
+    flight::FrameEntry entry;
+    FrameTimes times;
+    flight::Pose pose;
+    std::uint64_t number = 0; // of Measures::recorded(), this one counted
 };
 
 // The most of each since the measures were cleared.
@@ -85,8 +106,17 @@ public:
     [[nodiscard]] const Peaks& peaks() const { return peaks_; }
     [[nodiscard]] std::uint64_t frames() const { return frames_; }
 
-    // Once a frame. One that was built from nothing is the last one, and none of the series'.
-    void record(const flight::FrameEntry& entry, double frame_us, double draw_us, double editor_us);
+    // Once a frame: what its update gave, and when it is over what it cost and the pose it was drawn from. One that was
+    // built from nothing, the one after it, and one whose terrain was not drawn anew (drawn: false) are none of the
+    // series'.
+    void observe(const flight::FrameEntry& entry);
+    void record(const FrameTimes& times, const flight::Pose& pose, bool drawn);
+    // Frames that the series were given, in all.
+    [[nodiscard]] std::uint64_t recorded() const { return recorded_; }
+    // The frames of the series: 0 the newest; below ring().size().
+    [[nodiscard]] const MeasuredFrame& frame(std::size_t ago) const {
+        return kept_[(kept_next_ + 2 * measured_frames - 1 - ago) % measured_frames];
+    }
     // Counts some thousand triangles a call, so that no frame pays for a large mesh; shown when all are counted.
     // The mesh may change between calls: the counts are then of several frames. O(indices_a_call).
     void count_levels(const MeshView& mesh, std::uint32_t tile_log2);
@@ -100,6 +130,10 @@ private:
     Peaks peaks_;
     std::size_t range_ = 0, index_ = 0; // where counting goes on: in MeshView::tiles, and in that range
     std::uint64_t frames_ = 0;
+    std::vector<MeasuredFrame> kept_ = std::vector<MeasuredFrame>(measured_frames);
+    std::size_t kept_next_ = 0;
+    std::uint64_t recorded_ = 0;
+    bool settling_ = false; // the frame after one that was built from nothing: the driver compiles
 };
 
 } // namespace fjell::editor

@@ -1,6 +1,7 @@
 // The editor's enumerations and their names, as scripts and panels spell them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <iterator>
 
@@ -15,11 +16,35 @@ enum class Overlay : std::uint8_t { wireframe, tile_borders, page_borders, spher
 inline constexpr const char* overlay_names[] = {"wireframe", "tile-borders", "page-borders", "spheres",
                                                 "culled",    "error",        "path"};
 inline constexpr int overlays = static_cast<int>(std::size(overlay_names));
+inline constexpr std::array<bool, overlays> first_overlays{false, false, false, false, false, false, true}; // the path
 
 // Those of the left column, then those of the right one.
-enum class Panel : std::uint8_t { tune, camera, show, time, budgets, streaming, levels };
-inline constexpr const char* panel_names[] = {"tune", "camera", "show", "time", "budgets", "streaming", "levels"};
+enum class Panel : std::uint8_t { tune, camera, show, time, budgets, streaming, levels, auto_tune, benchmark };
+inline constexpr const char* panel_names[] = {"tune",      "camera", "show",      "time",     "budgets",
+                                              "streaming", "levels", "auto-tune", "benchmark"};
 inline constexpr int panels = static_cast<int>(std::size(panel_names)), left_panels = 3;
+// Panels of one group share a section of a column, however much room there is: two groups a column.
+inline constexpr unsigned group_bit(Panel panel) {
+    constexpr unsigned groups[] = {1, 2, 1, 4, 8, 8, 4, 4, 4};
+    static_assert(std::size(groups) == panels, "a panel was added: give it a group");
+    return groups[static_cast<std::size_t>(panel)];
+}
+inline constexpr unsigned left_groups = 3, right_groups = 12;
+
+enum class Column : std::uint8_t { left, right }; // one alone is the left one
+inline constexpr const char* column_names[] = {"left", "right"};
+inline constexpr int columns = static_cast<int>(std::size(column_names));
+enum class ColumnPart : std::uint8_t { width, split, folded };
+inline constexpr const char* column_part_names[] = {"width", "split", "folded"};
+
+// Of the window as a whole.
+enum class Switch : std::uint8_t {
+    show_panels,    // beside the picture
+    picture_only,   // neither panels nor menu nor status line
+    panel_keys,     // keys move in the panels, not the camera
+    half_resolution // while the camera moves
+};
+inline constexpr const char* switch_names[] = {"panels", "picture-only", "panel-keys", "half-resolution"};
 
 // At most one is open, over everything else.
 enum class Dialog : std::uint8_t {
@@ -30,8 +55,6 @@ enum class Dialog : std::uint8_t {
     save_path,
     compare,
     bake,
-    tune,
-    benchmark,
     snapshot,
     screenshot,
     keys,
@@ -39,10 +62,14 @@ enum class Dialog : std::uint8_t {
     unsaved, // before what would lose changes
     recover  // changes that an earlier run did not save
 };
-inline constexpr const char* dialog_names[] = {"none",       "start", "open",     "save-profile", "save-path",
-                                               "compare",    "bake",  "tune",     "benchmark",    "export",
-                                               "screenshot", "keys",  "messages", "unsaved",      "recover"};
+inline constexpr const char* dialog_names[] = {"none",     "start",   "open",   "save-profile", "save-path",
+                                               "compare",  "bake",    "export", "screenshot",   "keys",
+                                               "messages", "unsaved", "recover"};
 inline constexpr int dialogs = static_cast<int>(std::size(dialog_names));
+// Nothing beneath these reacts.
+inline constexpr bool is_modal(Dialog dialog) {
+    return dialog != Dialog::none && dialog != Dialog::start && dialog != Dialog::keys && dialog != Dialog::messages;
+}
 
 // To the question about unsaved changes.
 enum class Answer : std::uint8_t { save, discard, cancel };

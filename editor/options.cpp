@@ -45,7 +45,7 @@ bool parse_options(int argc, char** argv, Options& options) {
         ->allow_extra_args(false);
     app.add_option("--script", options.script, "a file of commands, one a line; -: standard input");
     app.add_flag("--headless", options.headless, "no window: for scripts; quits when they are done");
-    app.add_option("--size", size, "window in pixels, WIDTHxHEIGHT (default 1280x720)");
+    app.add_option("--size", size, "window in pixels, WIDTHxHEIGHT; default: as last time, or 1280x720");
     app.add_option("--scale", options.scale,
                    "scale of the interface, 0.5 to 4; default: as last time, or the desktop's")
         ->check(io::within(0.5, 4.0));

@@ -14,8 +14,8 @@ struct Options {
     std::string script;                // a file of commands, "-": standard input
     std::vector<std::string> commands; // --do: before the script's
     bool headless = false;
-    std::uint32_t width = 1280, height = 720;
-    double scale = 0; // 0: the desktop's
+    std::uint32_t width = 0, height = 0; // 0: as last time, or 1280x720
+    double scale = 0;                    // 0: the desktop's
     bool vsync = true;
 };
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "editor/arrangement.h"
 #include "editor/command.h"
 #include "editor/document.h"
 #include "editor/files/folder_listing.h"
@@ -91,7 +92,9 @@ struct Files {
     Recovery recovery;
     std::optional<Command> waiting; // for changes to be saved or discarded
     bool saving = false;            // and the user wants them saved
-    double scale_seen = 0;          // of the interface, in the frame before
+    std::optional<Look> look_begun; // of the first frame, which the command line may have asked for
+    Look look_seen;                 // of the frame before
+    double look_changed_s = 0;
     // Recreated when one of the three below has changed.
     std::string title;        // of the window
     std::string profile_name; // with a star when it is not saved
@@ -104,14 +107,16 @@ struct Files {
 
 struct Interface {
     double scale = 1;
-    Panel left = Panel::tune, right = Panel::time;
-    Panel newest = Panel::tune; // what one column shows, where there is no room for two
+    Arrangement arrangement;
+    bool picture_only = false;    // neither panels nor menu nor status line
+    bool panel_keys = false;      // the keyboard is the panels', not the camera's
+    bool half_resolution = false; // of the picture while the camera moves
     Dialog dialog = Dialog::none;
     flight::PictureMode mode = flight::PictureMode::shaded;
-    std::array<bool, overlays> overlay{false, false, false, false, false, false, true}; // the path
-    std::vector<std::string> recent;                                                    // packs, the latest first
-    std::uint32_t width_px = 0, height_px = 0;                                          // of the window
-    std::uint32_t view_x_px = 0, view_y_px = 0, view_width_px = 0, view_height_px = 0;  // of the picture in it
+    std::array<bool, overlays> overlay = first_overlays;
+    std::vector<std::string> recent;                                                   // packs, the latest first
+    std::uint32_t width_px = 0, height_px = 0;                                         // of the window
+    std::uint32_t view_x_px = 0, view_y_px = 0, view_width_px = 0, view_height_px = 0; // of the picture in it
 };
 
 // The terrain from above (editor/scene/overview.h), north up.
@@ -122,10 +127,12 @@ struct OverviewImage {
 
 struct State {
     Scene scene;
+    std::string opening; // a pack that is being read; empty: none
     Document document;
     Route route;
     Eye eye;
     Measures measures;
+    std::optional<MeasuredFrame> chosen; // that the time panel reports on
     OverviewImage overview;
     io::StreamReaderCounters reader; // of a streamed pack
     JobView job;
@@ -136,7 +143,12 @@ struct State {
     Interface interface;
     InputCounts input;
     double now_s = 0;
+    double frame_s = 0;  // since the frame before, at most 0.25, without what the editor rested
+    double rested_s = 0; // in all: nothing changed, and nothing was drawn
     std::uint64_t frame = 0;
+    std::uint64_t terrain_draws = 0; // frames whose terrain was drawn anew
+    std::uint64_t half_draws = 0;    // of those, at half resolution
+    std::uint32_t drawn_px[2] = {};  // of the last of these
     bool quit = false;
     bool headless = false;              // messages go to the terminal too
     int exit_code = 0;                  // of a headless run: the first failure's

@@ -45,9 +45,8 @@ public:
 
     void begin_frame() override {
         ImGuiIO& io = ImGui::GetIO();
-        for (std::size_t i = 0; i < pressed_; ++i)
-            if (glfwGetKey(window_->handle(), keys_[i]) != GLFW_PRESS) io.KeysDown[keys_[i]] = false;
-        pressed_ = 0;
+        for (std::size_t i = 0; i < held_; ++i)
+            if (glfwGetKey(window_->handle(), held_keys_[i]) != GLFW_PRESS) io.KeysDown[held_keys_[i]] = false;
         window_->poll();
         for (std::size_t i = 0; i < pressed_; ++i) io.KeysDown[keys_[i]] = true;
         if (pressed_ != 0) {
@@ -55,11 +54,18 @@ public:
             io.KeyShift = (mods_ & GLFW_MOD_SHIFT) != 0;
             io.KeyAlt = (mods_ & GLFW_MOD_ALT) != 0;
         }
+        held_keys_ = keys_;
+        held_ = std::exchange(pressed_, 0);
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
         input.pointer_px[0] = static_cast<double>(io.MousePos.x);
         input.pointer_px[1] = static_cast<double>(io.MousePos.y);
         input.focused = glfwGetWindowAttrib(window_->handle(), GLFW_FOCUSED) != 0;
+    }
+    bool wait(double most_s) override { // presses are remembered for begin_frame()
+        const double start = glfwGetTime();
+        glfwWaitEventsTimeout(most_s);
+        return glfwGetTime() - start < 0.95 * most_s;
     }
     void size(std::uint32_t& width, std::uint32_t& height) const override { window_->framebuffer_size(width, height); }
     unsigned framebuffer() const override { return 0; }
@@ -91,8 +97,8 @@ private:
     }
 
     std::unique_ptr<gl::Window> window_;
-    std::array<int, 16> keys_{};
-    std::size_t pressed_ = 0;
+    std::array<int, 16> keys_{}, held_keys_{};
+    std::size_t pressed_ = 0, held_ = 0; // since the last frame, and in it
     int mods_ = 0;
 };
 
@@ -110,6 +116,7 @@ public:
         io.DisplaySize = {static_cast<float>(target_->width()), static_cast<float>(target_->height())};
         io.DeltaTime = 1.0F / 60;
     }
+    bool wait(double) override { return false; }
     void size(std::uint32_t& width, std::uint32_t& height) const override {
         width = target_->width();
         height = target_->height();
@@ -170,14 +177,14 @@ std::unique_ptr<Surface> make_surface(const SurfaceOptions& options, std::string
     return target ? std::make_unique<HeadlessSurface>(std::move(context), std::move(target)) : nullptr;
 }
 
-void blit(const gl::Target& target, unsigned framebuffer, std::uint32_t framebuffer_height, std::uint32_t x,
-          std::uint32_t y) {
+void blit(const gl::Target& target, unsigned framebuffer, std::uint32_t framebuffer_height, const Place& to) {
     const auto w = static_cast<GLint>(target.width()), h = static_cast<GLint>(target.height());
-    const auto left = static_cast<GLint>(x);
-    const GLint bottom = static_cast<GLint>(framebuffer_height) - static_cast<GLint>(y) - h;
+    const auto left = static_cast<GLint>(to.x), wide = static_cast<GLint>(to.width),
+               high = static_cast<GLint>(to.height);
+    const GLint bottom = static_cast<GLint>(framebuffer_height) - static_cast<GLint>(to.y) - high;
     glDisable(GL_FRAMEBUFFER_SRGB); // a raw copy: both hold sRGB bytes
-    glBlitNamedFramebuffer(target.framebuffer(), framebuffer, 0, 0, w, h, left, bottom, left + w, bottom + h,
-                           GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBlitNamedFramebuffer(target.framebuffer(), framebuffer, 0, 0, w, h, left, bottom, left + wide, bottom + high,
+                           GL_COLOR_BUFFER_BIT, w == wide && h == high ? GL_NEAREST : GL_LINEAR);
 }
 
 } // namespace fjell::editor

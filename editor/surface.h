@@ -24,6 +24,8 @@ public:
     Surface& operator=(const Surface&) = delete;
 
     virtual void begin_frame() = 0; // input, and ImGui's display size and time
+    // Until something happens to the window, at most that long; false: nothing did.
+    virtual bool wait(double most_s) = 0;
     // 0 x 0 while minimised.
     virtual void size(std::uint32_t& width, std::uint32_t& height) const = 0;
     [[nodiscard]] virtual unsigned framebuffer() const = 0;
@@ -50,8 +52,10 @@ struct SurfaceOptions {
 };
 [[nodiscard]] std::unique_ptr<Surface> make_surface(const SurfaceOptions& options, std::string& error);
 
-// Copies a target's picture to that place of a framebuffer, y from the top.
-void blit(const gl::Target& target, unsigned framebuffer, std::uint32_t framebuffer_height, std::uint32_t x,
-          std::uint32_t y);
+// Copies a target's picture to that place of a framebuffer, y from the top, stretched where it is smaller.
+struct Place {
+    std::uint32_t x = 0, y = 0, width = 0, height = 0;
+};
+void blit(const gl::Target& target, unsigned framebuffer, std::uint32_t framebuffer_height, const Place& to);
 
 } // namespace fjell::editor

@@ -8,6 +8,7 @@ namespace fjell::editor {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr double look_rest_s = 1;
 
 void save_settings(State& state, Settings settings) {
     if (settings == state.files.settings) return;
@@ -16,8 +17,36 @@ void save_settings(State& state, Settings settings) {
     try {
         write_settings(state.files.standard_folders.config, state.files.settings);
     } catch (const std::exception& failure) {
-        post_message(state, Severity::warning, std::string("recent files cannot be saved: ") + failure.what());
+        post_message(state, Severity::warning, std::string("settings cannot be saved: ") + failure.what());
     }
+}
+
+Look look_of(const Interface& i) {
+    return {i.scale, i.width_px, i.height_px, i.arrangement, i.mode, i.overlay, i.half_resolution};
+}
+
+void show(const Look& look, Interface& i) {
+    i.arrangement = look.arrangement;
+    i.mode = look.mode;
+    i.overlay = look.overlay;
+    i.half_resolution = look.half_resolution;
+}
+
+// What the command line has asked for, and nobody has changed since, is of this run alone.
+void save_look(State& state) {
+    Files& files = state.files;
+    if (!files.persists || !files.look_begun || files.look_seen == *files.look_begun) return;
+    Look look = files.look_seen;
+    const Look &begun = *files.look_begun, &kept = files.settings.look;
+    if (look.scale == begun.scale) look.scale = kept.scale;
+    if (look.width_px == begun.width_px && look.height_px == begun.height_px) {
+        look.width_px = kept.width_px;
+        look.height_px = kept.height_px;
+    }
+    if (look == kept) return;
+    Settings settings = files.settings;
+    settings.look = look;
+    save_settings(state, std::move(settings));
 }
 
 std::vector<Difference> differences_of(const Document& document) {
@@ -43,7 +72,7 @@ void remember_pack(const std::string& path, State& state) {
     Settings settings =
         state.files.persists ? read_settings(state.files.standard_folders.config, problem) : state.files.settings;
     if (!problem.empty()) settings = state.files.settings;
-    settings.scale = state.files.settings.scale;
+    settings.look = state.files.settings.look;
     settings.folder = state.files.browser.folder().empty() ? settings.folder : state.files.browser.folder();
     remember(settings.recent, path);
     state.interface.recent = settings.recent;
@@ -64,6 +93,7 @@ void start_persistence(State& state, bool window) {
     files.settings = read_settings(files.standard_folders.config, problem);
     if (!problem.empty()) post_message(state, Severity::warning, std::move(problem));
     state.interface.recent = files.settings.recent;
+    if (window) show(files.settings.look, state.interface);
     files.recovery.find(files.standard_folders.state);
     files.persists = window;
     if (!window) return; // a script's changes are its own affair
@@ -85,11 +115,13 @@ void update_file_state(State& state) {
     files.recovery.keep(document, state.route, state.scene.path, state.now_s);
     if (std::string problem = files.recovery.take_problem(); !problem.empty())
         post_message(state, Severity::warning, std::move(problem));
-    const double scale = state.interface.scale, seen = std::exchange(files.scale_seen, scale);
-    if (seen != 0 && seen != scale) {
-        Settings settings = files.settings;
-        settings.scale = scale;
-        save_settings(state, std::move(settings));
+    const Look look = look_of(state.interface);
+    if (!files.look_begun && look.width_px != 0) files.look_begun = files.look_seen = look;
+    if (!(look == files.look_seen)) {
+        files.look_seen = look;
+        files.look_changed_s = state.now_s;
+    } else if (state.now_s - files.look_changed_s > look_rest_s) { // not in the middle of a drag
+        save_look(state);
     }
 }
 
@@ -101,6 +133,7 @@ void finish_persistence(State& state, bool wanted) {
     Settings settings = files.settings;
     if (!files.browser.folder().empty()) settings.folder = files.browser.folder();
     save_settings(state, std::move(settings));
+    save_look(state);
 }
 
 } // namespace fjell::editor

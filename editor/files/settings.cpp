@@ -30,6 +30,120 @@ std::string folder_of(const char* name, const std::string& home, const char* oth
     return home.empty() ? "" : home + otherwise + "/fjell";
 }
 
+// Reads what is there and is meant; the names of what is not are collected.
+class KeyReader {
+public:
+    KeyReader(const json& object, std::string before) : object_(object), before_(std::move(before)) {}
+
+    // read(value) throws what nlohmann::json does, or Failure, for what means nothing.
+    template <typename Read>
+    void key(const char* name, const Read& read) {
+        if (!object_.contains(name)) return;
+        try {
+            read(object_.at(name));
+        } catch (const std::exception&) {
+            bad += (bad.empty() ? "" : ", ") + before_ + name;
+        }
+    }
+    template <typename T>
+    void value(const char* name, T& to) {
+        key(name, [&](const json& j) { to = j.get<T>(); });
+    }
+    template <typename T>
+    void number(const char* name, T& to, T least, T most) {
+        key(name, [&](const json& j) {
+            const T read = j.get<T>();
+            if (!(read >= least && read <= most)) throw Failure(1, "out of range");
+            to = read;
+        });
+    }
+
+    std::string bad;
+
+private:
+    const json& object_;
+    std::string before_;
+};
+
+template <std::size_t N>
+std::size_t index_of(const json& name, const char* const (&names)[N]) {
+    for (std::size_t i = 0; i < N; ++i)
+        if (name.get_ref<const std::string&>() == names[i]) return i;
+    throw Failure(1, "no such name");
+}
+
+void read_settings(KeyReader& keys, Settings& s) {
+    keys.key("recent", [&](const json& packs) {
+        std::vector<std::string> recent;
+        if (!packs.is_array()) throw Failure(1, "no list");
+        for (const json& pack : packs)
+            if (recent.size() < most_recent && !pack.get<std::string>().empty())
+                recent.push_back(pack.get<std::string>());
+        s.recent = std::move(recent);
+    });
+    keys.value("folder", s.folder);
+}
+
+void read_arrangement(KeyReader& keys, Arrangement& a) {
+    keys.value("panels", a.panels);
+    keys.key("panels_latest", [&](const json& names) {
+        std::vector<Panel> turned_to; // those that this editor does not have yet, or no more, go last
+        for (const json& name : names) turned_to.push_back(static_cast<Panel>(index_of(name, panel_names)));
+        for (auto panel = turned_to.rbegin(); panel != turned_to.rend(); ++panel) a.turn_to(*panel);
+    });
+    for (std::size_t i = 0; i < columns; ++i)
+        keys.key(column_names[i], [&](const json& column) {
+            KeyReader part(column, "");
+            part.number("width_px", a.width_px[i], least_column_px, most_column_px);
+            part.number("split", a.split[i], least_split, most_split);
+            part.value("folded", a.folded[i]);
+            if (!part.bad.empty()) throw Failure(1, part.bad);
+        });
+}
+
+void read_look(KeyReader& keys, Look& look) {
+    keys.key("scale", [&](const json& j) {
+        const auto scale = j.get<double>();
+        if (scale != 0 && !(scale >= 0.5 && scale <= 4)) throw Failure(1, "out of range");
+        look.scale = scale;
+    });
+    keys.key("window_px", [&](const json& j) {
+        const auto width = j.at(0).get<double>(), height = j.at(1).get<double>();
+        for (const double px : {width, height})
+            if (px != 0 && !(px >= 320 && px <= 8192)) throw Failure(1, "out of range");
+        look.width_px = static_cast<std::uint32_t>(width);
+        look.height_px = static_cast<std::uint32_t>(height);
+    });
+    keys.key("mode", [&](const json& name) {
+        look.mode = static_cast<flight::PictureMode>(index_of(name, flight::picture_mode_names));
+    });
+    keys.key("overlays", [&](const json& names) {
+        std::array<bool, overlays> shown{};
+        for (const json& name : names) shown[index_of(name, overlay_names)] = true;
+        look.overlay = shown;
+    });
+    keys.value("half_resolution", look.half_resolution);
+    read_arrangement(keys, look.arrangement);
+}
+
+json look_json(const Look& look) {
+    const Arrangement& a = look.arrangement;
+    json shown = json::array(), latest = json::array();
+    for (std::size_t i = 0; i < look.overlay.size(); ++i)
+        if (look.overlay[i]) shown.push_back(overlay_names[i]);
+    for (const Panel panel : a.latest) latest.push_back(panel_names[static_cast<std::size_t>(panel)]);
+    json all = {{"scale", look.scale},
+                {"window_px", {look.width_px, look.height_px}},
+                {"mode", flight::picture_mode_names[static_cast<std::size_t>(look.mode)]},
+                {"overlays", shown},
+                {"half_resolution", look.half_resolution},
+                {"panels", a.panels},
+                {"panels_latest", latest}};
+    for (std::size_t i = 0; i < columns; ++i)
+        all[column_names[i]] = {{"width_px", a.width_px[i]}, {"split", a.split[i]}, {"folded", a.folded[i]}};
+    return all;
+}
+
 std::string settings_file(const std::string& folder) {
     return folder + "/editor.json";
 }
@@ -49,32 +163,41 @@ Settings read_settings(const std::string& config_folder, std::string& problem) {
     problem.clear();
     std::error_code ignored;
     const std::string file = settings_file(config_folder);
-    if (config_folder.empty() || !fs::exists(file, ignored)) return {};
+    Settings s;
+    if (config_folder.empty() || !fs::exists(file, ignored)) return s;
     try {
-        const json j = io::parse_json(io::read_text(file), file);
-        Settings s;
-        for (const json& pack : j.at("recent"))
-            if (s.recent.size() < most_recent && !pack.get<std::string>().empty())
-                s.recent.push_back(pack.get<std::string>());
-        s.folder = j.value("folder", "");
-        s.scale = j.value("scale", 0.0);
-        if (s.scale != 0 && !(s.scale >= 0.5 && s.scale <= 4)) s.scale = 0;
-        return s;
-    } catch (const Failure& failure) {
+        const json all = io::parse_json(io::read_text(file), file);
+        if (!all.is_object()) throw Failure(1, file + ": no settings");
+        KeyReader keys(all, "");
+        read_settings(keys, s);
+        read_look(keys, s.look);
+        if (!keys.bad.empty())
+            problem = fmt::format("{}: {} cannot be understood and {} as by default", file, keys.bad,
+                                  keys.bad.find(',') == std::string::npos ? "is" : "are");
+    } catch (const std::exception& failure) {
         problem = failure.what();
-    } catch (const json::exception&) {
-        problem = fmt::format("{}: damaged; recent files are lost, and it will be rewritten", file);
+        return {};
     }
-    return {};
+    if (!problem.empty()) problem += "; the file will be kept as " + file + ".damaged";
+    return s;
 }
 
 void write_settings(const std::string& config_folder, const Settings& settings) {
     if (config_folder.empty()) return;
     std::error_code ignored; // what is wrong with the folder, the file says
     fs::create_directories(config_folder, ignored);
-    const json j = {{"recent", settings.recent}, {"folder", settings.folder}, {"scale", settings.scale}};
-    const std::string text = j.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
-    io::AtomicFile file(settings_file(config_folder));
+    const std::string path = settings_file(config_folder);
+    std::string problem;
+    (void)read_settings(config_folder, problem);
+    json all = json::object();
+    if (!problem.empty())
+        fs::copy_file(path, path + ".damaged", fs::copy_options::overwrite_existing, ignored);
+    else if (fs::exists(path, ignored))
+        all = io::parse_json(io::read_text(path), path);
+    all.update({{"recent", settings.recent}, {"folder", settings.folder}});
+    all.update(look_json(settings.look));
+    const std::string text = all.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+    io::AtomicFile file(path);
     file.write(std::as_bytes(std::span(text)));
     file.commit();
 }

@@ -23,6 +23,7 @@ void follow_document(HandlerContext context) {
         if (!rebuilt) return;
         state.scene = context.engine.scene();
         state.measures.clear();
+        state.chosen.reset();
     } catch (const std::exception& failure) {
         state.document.revert();
         state.scene = context.engine.scene(); // closed when what was before cannot be had any more either

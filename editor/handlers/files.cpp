@@ -7,6 +7,7 @@
 #include "editor/files/persistence.h"
 #include "editor/files/sample.h"
 #include "editor/handlers/handlers.h"
+#include "editor/jobs/factories.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -30,17 +31,45 @@ void handle(const OpenFile& c, HandlerContext context) {
     State& state = context.state;
     switch (file_kind_of(c.path)) {
     case FileKind::pack:
-        context.engine.open(c.path, state.document.profile());
-        state.document.accept();
-        start_at_scene(context);
-        return remember_pack(c.path, state);
+        // A frame that waits is seen in a window that shows something already.
+        if (!state.headless && state.frame != 0) {
+            context.engine.begin_opening(c.path, state.document.profile());
+            state.opening = c.path;
+            return;
+        }
+        return open_now(c.path, context);
     case FileKind::profile: return handle(OpenProfile{c.path, c.discard}, context);
     case FileKind::path:
         if (!context.engine.is_open())
             throw io::Failure(2, fmt::format("{}: a camera path; open a terrain for it first", c.path));
         return handle(OpenPath{c.path, c.discard}, context);
-    case FileKind::heights: state.bake_input = c.path; return handle(ShowDialog{Dialog::bake}, context);
+    case FileKind::heights:
+        if (state.headless) return bake_beside(c.path, context); // nobody is there to fill in a dialog
+        state.bake_input = c.path;
+        return handle(ShowDialog{Dialog::bake}, context);
     }
+}
+
+void open_now(const std::string& pack, HandlerContext context) {
+    context.engine.open(pack, context.state.document.profile());
+    show_opened(pack, context);
+}
+
+void show_opened(const std::string& pack, HandlerContext context) {
+    context.state.document.accept();
+    start_at_scene(context);
+    remember_pack(pack, context.state);
+}
+
+void bake_beside(const std::string& heights, HandlerContext context) {
+    BakePack bake;
+    bake.inputs = {heights};
+    bake.output = pack_beside(heights);
+    std::error_code ignored;
+    if (fs::exists(bake.output, ignored))
+        throw io::Failure(2, bake.output + ": exists already; open that pack, or bake elsewhere: --do \"bake " +
+                                 heights + " OTHER.fjell\"");
+    handle(bake, context);
 }
 
 void handle(const OpenSample&, HandlerContext context) {

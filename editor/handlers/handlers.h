@@ -16,6 +16,11 @@ void handle(const CompareProfile& c, HandlerContext context);
 void handle(const StopComparing& c, HandlerContext context);
 
 // files.cpp
+// Reads the pack while the caller waits. What the engine has opened, as the scene: camera, measures, recent files.
+void open_now(const std::string& pack, HandlerContext context);
+void show_opened(const std::string& pack, HandlerContext context);
+// Heights to a pack beside them, never over a file. Failure: io::Failure 2 where there is one.
+void bake_beside(const std::string& heights, HandlerContext context);
 void handle(const OpenFile& c, HandlerContext context);
 void handle(const OpenSample& c, HandlerContext context);
 void handle(const BrowseFolder& c, HandlerContext context);
@@ -69,7 +74,10 @@ void handle(const SetPictureMode& c, HandlerContext context);
 void handle(const SetOverlay& c, HandlerContext context);
 void handle(const ShowPanel& c, HandlerContext context);
 void handle(const ShowDialog& c, HandlerContext context);
+void handle(const SetSwitch& c, HandlerContext context);
+void handle(const ArrangeColumn& c, HandlerContext context);
 void handle(const SetScale& c, HandlerContext context);
+void handle(const ChooseFrame& c, HandlerContext context);
 void handle(const DismissMessage& c, HandlerContext context);
 
 // jobs.cpp

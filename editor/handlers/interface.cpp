@@ -4,6 +4,7 @@
 #include <string>
 
 #include "editor/handlers/handlers.h"
+#include "fjell/io/failure.h"
 
 namespace fjell::editor {
 
@@ -35,9 +36,39 @@ void handle(const SetOverlay& c, HandlerContext context) {
 }
 
 void handle(const ShowPanel& c, HandlerContext context) {
+    Arrangement& a = context.state.interface.arrangement;
+    a.turn_to(c.panel);
+    a.panels = true; // it was asked for: it is seen
+    context.state.interface.picture_only = false;
+    for (bool& folded : a.folded) folded = false;
+}
+
+void handle(const SetSwitch& c, HandlerContext context) {
     Interface& i = context.state.interface;
-    (static_cast<int>(c.panel) >= left_panels ? i.right : i.left) = c.panel;
-    i.newest = c.panel;
+    switch (c.which) {
+    case Switch::show_panels: i.arrangement.panels = c.on; break;
+    case Switch::picture_only: i.picture_only = c.on; break;
+    case Switch::panel_keys: i.panel_keys = c.on; break;
+    case Switch::half_resolution: i.half_resolution = c.on; break;
+    }
+    if (!c.on && c.which == Switch::show_panels) i.panel_keys = false; // nobody would see where they go
+    if (c.on && c.which == Switch::picture_only) i.panel_keys = false;
+    if (c.on && c.which == Switch::show_panels) i.picture_only = false;
+    if (c.on && c.which == Switch::panel_keys) {
+        i.arrangement.panels = true;
+        i.picture_only = false;
+    }
+}
+
+void handle(const ArrangeColumn& c, HandlerContext context) {
+    Arrangement& a = context.state.interface.arrangement;
+    const auto column = static_cast<std::size_t>(c.column);
+    const auto value = static_cast<float>(c.value);
+    switch (c.part) {
+    case ColumnPart::width: a.width_px[column] = std::clamp(value, least_column_px, most_column_px); break;
+    case ColumnPart::split: a.split[column] = std::clamp(value, least_split, most_split); break;
+    case ColumnPart::folded: a.folded[column] = c.value != 0; break;
+    }
 }
 
 void handle(const ShowDialog& c, HandlerContext context) {
@@ -49,6 +80,14 @@ void handle(const ShowDialog& c, HandlerContext context) {
 
 void handle(const SetScale& c, HandlerContext context) {
     context.state.interface.scale = std::clamp(c.scale, 0.5, 4.0);
+}
+
+void handle(const ChooseFrame& c, HandlerContext context) {
+    State& state = context.state;
+    if (!c.on) return state.chosen.reset();
+    if (c.ago >= state.measures.ring(Series::frame_us).size())
+        throw io::Failure(2, "not so many frames have been measured yet; fly on");
+    state.chosen = state.measures.frame(c.ago);
 }
 
 void handle(const DismissMessage&, HandlerContext context) {

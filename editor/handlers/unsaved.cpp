@@ -32,6 +32,15 @@ bool would_lose(const Command& command, const State& state) {
     return (loses_profile(command) && state.document.unsaved()) || (loses_path(command) && state.route.unsaved());
 }
 
+// At once, because the path that is restored lies over it.
+void try_opening(const std::string& pack, HandlerContext context) {
+    try {
+        open_now(pack, context);
+    } catch (const std::exception& failure) {
+        post_failure(context.state, failure);
+    }
+}
+
 // As a file to be opened like any other: where, or empty for none.
 std::string written_path(const Unsaved& unsaved, const std::string& folder) {
     if (unsaved.points.empty()) return {};
@@ -101,7 +110,7 @@ void handle(const RecoverChanges& c, HandlerContext context) {
     const Unsaved found = *recovery.found();
     if (c.restore) {
         const std::string path = written_path(found, state.files.standard_folders.state);
-        if (!found.pack.empty() && !state.scene.open()) apply(OpenFile{found.pack, true}, context);
+        if (!found.pack.empty() && !state.scene.open()) try_opening(found.pack, context);
         if (found.profile_changed) state.document.restore(found.profile, found.path);
         if (!path.empty()) {
             post_message(state, Severity::note, "the unsaved camera path was written to " + path);

@@ -95,6 +95,11 @@ public:
     void start(JobKind kind, Body body);
     void cancel();
     [[nodiscard]] bool running() const { return thread_.joinable(); }
+    // poll() would bring something new.
+    [[nodiscard]] bool news() const {
+        return control_ &&
+               (control_->changed_.load(std::memory_order_acquire) || control_->done_.load(std::memory_order_acquire));
+    }
     // Brings the view up to date; allocates nothing when nothing has changed. True once, when a job has ended.
     bool poll(JobView& view);
 

@@ -21,11 +21,8 @@ struct Line {
     Unit unit = Unit::count;
 };
 
-void amount(char (&text)[16], double value, Unit unit) {
-    if (unit == Unit::bytes)
-        (void)std::snprintf(text, sizeof text, "%s", byte_text(value).text);
-    else
-        ui::short_number(text, value);
+NumberText amount(double value, Unit unit) {
+    return unit == Unit::bytes ? byte_text(value) : count_text(value);
 }
 
 ImU32 fullness_colour(double share, bool exhausted) {
@@ -33,11 +30,10 @@ ImU32 fullness_colour(double share, bool exhausted) {
 }
 
 void draw_line(const Line& line, const State& state, Commands& commands) {
-    char used[16], peak[16], capacity[16] = "no limit", value[64];
-    amount(used, line.used, line.unit);
-    amount(peak, line.peak, line.unit);
-    if (line.capacity > 0) amount(capacity, line.capacity, line.unit);
-    std::snprintf(value, sizeof value, "%s | %s | %s", used, peak, capacity);
+    char value[112];
+    std::snprintf(value, sizeof value, "%s | %s | %s", amount(line.used, line.unit).text,
+                  amount(line.peak, line.unit).text,
+                  line.capacity > 0 ? amount(line.capacity, line.unit).text : "no limit");
     const bool exhausted = (state.measures.last().exhausted & line.bit) != 0;
     const double share = line.capacity > 0 ? line.used / line.capacity : 0;
     const double mark = line.capacity > 0 ? line.peak / line.capacity : -1;
@@ -45,12 +41,9 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
     ui::bar(line.label, value, share, mark, fullness_colour(share, exhausted));
     ImGui::EndGroup();
     ui::mark("budget", line.key);
-    if (ImGui::IsItemHovered()) {
-        ImGui::BeginTooltip();
-        ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
+    if (ui::begin_tip()) {
         ImGui::Text("%s\nRaise it with %s.", line.about, line.key);
-        ImGui::PopTextWrapPos();
-        ImGui::EndTooltip();
+        ui::end_tip();
     }
     if (!exhausted) return;
     const flight::ProfileKey* const key = flight::find_profile_key(line.key);

@@ -65,7 +65,7 @@ void draw_places(const State& state, Commands& commands, FileBrowserForm& form) 
 
 // True: that file was chosen by a double click.
 bool draw_entry(const FolderListing::Entry& entry, const State& state, Commands& commands, FileBrowserForm& form) {
-    const ByteText bytes = byte_text(static_cast<double>(entry.bytes));
+    const NumberText bytes = byte_text(static_cast<double>(entry.bytes));
     const char* const size = entry.folder ? "folder" : bytes.text;
     char label[300];
     (void)std::snprintf(label, sizeof label, "%.255s%s", entry.name.c_str(), entry.folder ? "/" : "");
@@ -150,16 +150,17 @@ bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& 
     const float least = 4 * ImGui::GetTextLineHeightWithSpacing();
     bool chosen = draw_list(state, commands, form, std::max(ImGui::GetContentRegionAvail().y - below, least));
     ImGui::SetNextItemWidth(-1);
+    ui::focus_first();
     chosen = ImGui::InputTextWithHint("##name", "a name or a full path", form.name, sizeof form.name,
                                       ImGuiInputTextFlags_EnterReturnsTrue) ||
              chosen;
     ui::mark("browse", "name");
     ImGui::BeginDisabled(form.name[0] == '\0');
-    chosen = ImGui::Button(button) || chosen;
+    chosen = ui::button(button, true) || chosen;
     ui::mark("browse", "choose");
     ImGui::EndDisabled();
     ImGui::SameLine();
-    if (ImGui::Button("Cancel")) commands.push(ShowDialog{Dialog::none});
+    if (ui::button("Cancel")) commands.push(ShowDialog{Dialog::none});
     ui::mark("browse", "cancel");
     ImGui::SameLine();
     bool all = state.files.browser.all();
@@ -170,13 +171,27 @@ bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& 
 }
 
 bool draw_overwrite(FileBrowserForm& form) {
+    constexpr const char* title = "Overwrite?";
+    if (!form.asks) return false;
+    if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
+    const float em = ImGui::GetFontSize();
+    const ImVec2 from = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+    ImGui::SetNextWindowPos({from.x + size.x / 2, from.y + 0.35F * size.y}, ImGuiCond_Appearing, {0.5F, 0});
+    ImGui::SetNextWindowSize({std::min(24 * em, size.x), 0});
+    if (!ImGui::BeginPopupModal(title, &form.asks, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings))
+        return false;
     ImGui::TextWrapped("%s exists already.", form.name);
     ImGui::Spacing();
-    const bool yes = ImGui::Button("Overwrite");
+    const bool yes = ui::button("Overwrite");
     ui::mark("overwrite", "yes");
     ImGui::SameLine();
-    if (ImGui::Button("Choose another name") || yes) form.asks = false;
+    const bool escaped = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);
+    if (ui::button("Choose another name", true) || yes || escaped) {
+        form.asks = false;
+        ImGui::CloseCurrentPopup();
+    }
     ui::mark("overwrite", "no");
+    ImGui::EndPopup();
     return yes;
 }
 

@@ -41,12 +41,13 @@ void add_extension(const char* extension) {
 bool save_as(const State& state, Commands& commands, const std::string& own, const char* otherwise,
              const char* extension) {
     begin_file_browser(browser_form, state, own.empty() ? otherwise : last_part(own));
-    if (browser_form.asks) return draw_overwrite(browser_form);
-    if (!draw_file_browser(state, commands, browser_form, "Save")) return false;
-    add_extension(extension);
-    const std::string path = state.files.browser.path_of(browser_form.name);
-    browser_form.asks = exists(path) && path != own;
-    return !browser_form.asks;
+    if (draw_file_browser(state, commands, browser_form, "Save")) {
+        add_extension(extension);
+        const std::string path = state.files.browser.path_of(browser_form.name);
+        browser_form.asks = exists(path) && path != own;
+        if (!browser_form.asks) return true;
+    }
+    return draw_overwrite(browser_form);
 }
 
 void draw_sample_progress(const State& state, Commands& commands) {
@@ -108,7 +109,7 @@ void draw_differences(const State& state, Commands& commands) {
 // The answers stand in one line at the bottom of what they answer.
 bool answer(const char* label, const char* name, bool first) {
     if (!first) ImGui::SameLine();
-    const bool pressed = ImGui::Button(label);
+    const bool pressed = ui::button(label, first); // the first one loses nothing
     ui::mark("answer", name);
     return pressed;
 }
@@ -147,7 +148,7 @@ void draw_save_path(const State& state, Commands& commands) {
 void draw_compare(const State& state, Commands& commands) {
     if (state.document.compared() == nullptr) {
         begin_file_browser(browser_form, state, "");
-        if (ImGui::Button("With the saved profile")) commands.push(CompareProfile{});
+        if (ui::button("With the saved profile")) commands.push(CompareProfile{});
         ui::mark("compare", "saved");
         ImGui::SameLine();
         ImGui::TextUnformatted("or with another profile:");
@@ -156,17 +157,17 @@ void draw_compare(const State& state, Commands& commands) {
         return;
     }
     draw_differences(state, commands);
-    if (ImGui::Button("Compare another")) commands.push(StopComparing{});
+    if (ui::button("Compare another")) commands.push(StopComparing{});
     ui::mark("compare", "another");
     ui::tip("Compares with another profile.");
     ImGui::SameLine();
-    if (ImGui::Button("Stop comparing")) {
+    if (ui::button("Stop comparing")) {
         commands.push(StopComparing{});
         commands.push(ShowDialog{Dialog::none});
     }
     ui::mark("compare", "off");
     ImGui::SameLine();
-    if (ImGui::Button("Close")) commands.push(ShowDialog{Dialog::none});
+    if (ui::button("Close", true)) commands.push(ShowDialog{Dialog::none});
     ui::mark("compare", "close");
     ui::tip("The other profile's values stay visible in the Tune panel.");
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "editor/number_text.h"
+
 namespace fjell::editor::ui {
 
 namespace {
@@ -40,11 +42,10 @@ Scale scale_of(const Graph& graph, std::initializer_list<GraphLine> lines) {
     bool down = false;
     for (const GraphLine& line : lines) {
         down = down || line.factor < 0;
-        for (std::size_t i = 0; i < line.values->size(); ++i) {
-            const auto v = static_cast<double>(line.values->value(i) * std::abs(line.factor));
-            most = std::max(most, v);
-            least = std::min(least, v);
-        }
+        most = std::max(most, static_cast<double>(line.values->usual_most() * std::abs(line.factor)));
+        if (!graph.logarithmic) continue;
+        for (std::size_t i = 0; i < line.values->size(); ++i)
+            least = std::min(least, static_cast<double>(line.values->value(i) * std::abs(line.factor)));
     }
     if (graph.logarithmic) {
         s.least = std::pow(10.0, std::floor(std::log10(std::max(least, least_logarithmic))));
@@ -91,6 +92,17 @@ void draw_line(ImDrawList& list, const Scale& s, const GraphLine& line) {
     list.AddPolyline(points.data(), static_cast<int>(size), line.colour, 0, std::max(1.0F, ImGui::GetFontSize() / 12));
 }
 
+// Triangles at the rim that values go beyond.
+void draw_beyond(ImDrawList& list, const Scale& s, const GraphLine& line) {
+    const float w = 0.22F * ImGui::GetFontSize();
+    for (std::size_t i = 0; i < line.values->size(); ++i) {
+        const auto v = static_cast<double>(line.values->value(i) * line.factor);
+        if (std::abs(v) <= s.most * (1 + 1e-9)) continue;
+        const float x = s.x(i, line.values->size()), rim = v > 0 ? s.low.y : s.high.y, in = v > 0 ? 2 * w : -2 * w;
+        list.AddTriangleFilled({x, rim}, {x - w, rim + in}, {x + w, rim + in}, warning_colour);
+    }
+}
+
 void draw_budget(ImDrawList& list, const Graph& graph, const Scale& s) {
     if (!(graph.budget > 0)) return;
     const float y = s.y(graph.budget);
@@ -115,8 +127,9 @@ void draw_legend(ImDrawList& list, const Scale& s, std::initializer_list<GraphLi
     }
 }
 
-void hover(ImDrawList& list, const Graph& graph, const Scale& s, std::initializer_list<GraphLine> lines) {
-    if (!ImGui::IsItemHovered()) return;
+// Of the frame under the pointer: frames ago.
+std::size_t hover(ImDrawList& list, const Graph& graph, const Scale& s, std::initializer_list<GraphLine> lines) {
+    if (!ImGui::IsItemHovered()) return no_frame;
     const float at = std::clamp((s.high.x - ImGui::GetMousePos().x) / (s.high.x - s.low.x), 0.0F, 1.0F);
     const auto ago = static_cast<std::size_t>(std::lround(at * static_cast<float>(measured_frames - 1)));
     const float x = s.high.x - at * (s.high.x - s.low.x);
@@ -127,22 +140,27 @@ void hover(ImDrawList& list, const Graph& graph, const Scale& s, std::initialize
         const std::size_t size = line.values->size();
         if (ago >= size) continue;
         ImGui::PushStyleColor(ImGuiCol_Text, line.colour | IM_COL32_A_MASK);
-        ImGui::Text("%s %.4g %s", line.label,
-                    static_cast<double>(line.values->value(size - 1 - ago) * std::abs(line.factor)), graph.unit);
+        const auto value = static_cast<double>(line.values->value(size - 1 - ago) * std::abs(line.factor));
+        if (value >= 1000)
+            ImGui::Text("%s %s %s", line.label, count_text(value).text, graph.unit);
+        else
+            ImGui::Text("%s %.3g %s", line.label, value, graph.unit);
         ImGui::PopStyleColor();
     }
+    ImGui::TextDisabled("click: its report, in the Time panel");
     ImGui::EndTooltip();
+    return ago;
 }
 
 } // namespace
 
-void graph(const Graph& graph, std::initializer_list<GraphLine> lines) {
+std::size_t graph(const Graph& graph, std::initializer_list<GraphLine> lines) {
     const float em = ImGui::GetFontSize(), width = std::max(ImGui::GetContentRegionAvail().x, 6 * em);
     const auto height = static_cast<float>(graph.height_em) * em;
     const ImVec2 from = ImGui::GetCursorScreenPos();
-    ImGui::InvisibleButton(graph.name, {width, height});
+    const bool clicked = ImGui::InvisibleButton(graph.name, {width, height});
     mark("graph", graph.name);
-    if (!ImGui::IsItemVisible()) return;
+    if (!ImGui::IsItemVisible()) return no_frame;
     Scale s = scale_of(graph, lines);
     s.low = {from.x + 3.6F * em, from.y + 1.9F * em};
     s.high = {from.x + width - 1, from.y + height - 0.6F * em};
@@ -152,9 +170,46 @@ void graph(const Graph& graph, std::initializer_list<GraphLine> lines) {
     draw_legend(list, s, lines);
     list.PushClipRect(s.low, s.high, true);
     for (const GraphLine& line : lines) draw_line(list, s, line);
+    for (const GraphLine& line : lines) draw_beyond(list, s, line);
+    if (graph.chosen < measured_frames) {
+        const float x = s.x(0, graph.chosen + 1);
+        list.AddLine({x, s.low.y}, {x, s.high.y}, IM_COL32_WHITE, std::max(1.0F, em / 10));
+    }
     list.PopClipRect();
     draw_budget(list, graph, s);
-    hover(list, graph, s, lines);
+    const std::size_t ago = hover(list, graph, s, lines);
+    return clicked ? ago : no_frame;
+}
+
+void stacked_bar(const char* name, std::span<const Share> shares) {
+    const float em = ImGui::GetFontSize(), width = ImGui::GetContentRegionAvail().x, height = 0.9F * em;
+    const ImVec2 from = ImGui::GetCursorScreenPos();
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    double sum = 0;
+    for (const Share& share : shares) sum += share.us;
+    list.AddRectFilled(from, {from.x + width, from.y + height}, paper);
+    float x = from.x;
+    for (const Share& share : shares) {
+        const float wide = sum > 0 ? static_cast<float>(share.us / sum) * width : 0;
+        list.AddRectFilled({x, from.y}, {x + wide, from.y + height}, share.colour);
+        x += wide;
+    }
+    ImGui::Dummy({width, height});
+    mark("bar", name);
+    bool first = true;
+    for (const Share& share : shares) {
+        char text[48];
+        std::snprintf(text, sizeof text, "%s %s", share.label, ms_text(share.us).text);
+        const float needs = ImGui::CalcTextSize(text).x + 1.2F * em + ImGui::GetStyle().ItemSpacing.x;
+        if (!first) {
+            ImGui::SameLine(0, 0.7F * em);
+            if (ImGui::GetContentRegionAvail().x < needs) ImGui::NewLine();
+        }
+        first = false;
+        swatch(share.colour);
+        ImGui::TextUnformatted(text);
+        tip(share.about);
+    }
 }
 
 double round_up(double value) {

@@ -4,11 +4,14 @@
 #pragma once
 
 #include <initializer_list>
+#include <span>
 
 #include "editor/measures.h"
 #include "editor/panels/ui.h"
 
 namespace fjell::editor::ui {
+
+inline constexpr std::size_t no_frame = ~std::size_t{0};
 
 struct GraphLine {
     const Ring* values = nullptr;
@@ -23,11 +26,13 @@ struct Graph {
     double height_em = 6; // in text heights
     double budget = 0;    // a line across, in the graph's unit; 0: none
     const char* budget_label = "";
-    bool logarithmic = false; // values below 1e-3 count as that
+    bool logarithmic = false;      // values below 1e-3 count as that
+    std::size_t chosen = no_frame; // frames ago: marked
 };
 // Over the column's width: lines from the oldest frame on the left to the newest, gridlines with numbers, the budget's
-// line, a legend, and what the frame under the mouse had.
-void graph(const Graph& graph, std::initializer_list<GraphLine> lines);
+// line, a legend, and what the frame under the mouse had. The scale reaches to what is usual; what is above has a mark
+// at the top. The frame that was clicked, in frames ago, or no_frame.
+std::size_t graph(const Graph& graph, std::initializer_list<GraphLine> lines);
 
 // The next round number of 1, 2 and 5 times a power of ten that is not below value; 1 for 0 and less.
 [[nodiscard]] double round_up(double value);
@@ -37,6 +42,15 @@ void short_number(char (&text)[16], double value);
 // A bar over the column's width under a line "label   value": share 0..1 of it full, mark 0..1 a notch (the peak;
 // below 0: none).
 void bar(const char* label, const char* value, double share, double mark, ImU32 colour);
+// Parts of a whole beside each other over the column's width, which stands for the sum; the legend below says how much
+// each is, in milliseconds.
+struct Share {
+    const char* label = "";
+    double us = 0;
+    ImU32 colour = 0;
+    const char* about = "";
+};
+void stacked_bar(const char* name, std::span<const Share> shares);
 // A square of that colour, for legends, in the line of the text that follows.
 void swatch(ImU32 colour);
 

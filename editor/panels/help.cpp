@@ -29,6 +29,12 @@ constexpr Key all_keys[] = {
     {"Picture", nullptr},
     {"M, Shift M", "next and previous picture mode"},
     {"G", "wireframe"},
+    {"Window", nullptr},
+    {"Tab", "hide the panels, or show them"},
+    {"F11", "the picture alone; again or Esc: all of it"},
+    {"F6", "keys move in the panels (arrows, Tab, Space); again or Esc: back"},
+    {"F10", "the menu, again: the next one (arrows, Space)"},
+    {"Enter, Esc", "in a dialog: its main button, or close it"},
     {"Profile and program", nullptr},
     {"[  ]", "a smaller, a larger threshold"},
     {"Ctrl Z, Ctrl Shift Z", "undo, redo"},
@@ -41,8 +47,8 @@ constexpr Key all_keys[] = {
 
 } // namespace
 
-void draw_keys(const State&, Commands&) {
-    ImGui::BeginChild("list");
+void draw_keys(const State&, Commands& commands) {
+    ImGui::BeginChild("list", {0, -ImGui::GetFrameHeightWithSpacing()});
     if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
         ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed,
                                 ImGui::CalcTextSize("Right drag, Shift drag").x + ImGui::GetFontSize());
@@ -62,6 +68,8 @@ void draw_keys(const State&, Commands&) {
         ImGui::EndTable();
     }
     ImGui::EndChild();
+    if (ui::button("Close", true)) commands.push(ShowDialog{Dialog::none});
+    ui::mark("keys", "close");
 }
 
 void draw_messages(const State& state, Commands& commands) {
@@ -82,7 +90,7 @@ void draw_messages(const State& state, Commands& commands) {
         ImGui::PopStyleColor();
     }
     ImGui::EndChild();
-    if (ImGui::Button("Close")) commands.push(ShowDialog{Dialog::none});
+    if (ui::button("Close", true)) commands.push(ShowDialog{Dialog::none});
     ui::mark("messages", "close");
 }
 

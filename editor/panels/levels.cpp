@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "editor/number_text.h"
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
 #include "fjell/gl/palette.h"
@@ -14,7 +15,7 @@ namespace {
 
 // "0  64 cells": a bar as long as its share of the fullest level.
 void level_bar(const LevelHistogram& levels, std::uint32_t level, int tile_log2, double cell_m) {
-    const float em = ImGui::GetFontSize(), names = 6 * em, numbers = 4.2F * em;
+    const float em = ImGui::GetFontSize(), names = 6 * em, numbers = 4.8F * em;
     const ImVec2 from = ImGui::GetCursorScreenPos();
     const float width = std::max(ImGui::GetContentRegionAvail().x, names + numbers + em);
     const float room = width - names - numbers;
@@ -32,14 +33,13 @@ void level_bar(const LevelHistogram& levels, std::uint32_t level, int tile_log2,
     const float x = from.x + names;
     list.AddRectFilled({x, from.y + 0.1F * em}, {x + std::max(share * room, count > 0 ? 1.0F : 0.0F), from.y + em},
                        ui::colour(gl::level_rgb(static_cast<int>(level), tile_log2)));
-    char number[16];
-    ui::short_number(number, count);
+    const NumberText shown = count_text(count);
+    const char* const number = shown.text;
     list.AddText({from.x + width - ImGui::CalcTextSize(number).x, from.y}, ImGui::GetColorU32(ImGuiCol_Text), number);
     ImGui::Dummy({width, 1.15F * em});
-    if (!ImGui::IsItemHovered()) return;
-    ImGui::BeginTooltip();
-    ImGui::Text("level %u: %u triangles with legs of %.4g m", level, count, leg_m);
-    ImGui::EndTooltip();
+    char about[96];
+    std::snprintf(about, sizeof about, "level %u: %s triangles with legs of %.4g m", level, number, leg_m);
+    ui::tip(about);
 }
 
 } // namespace
@@ -58,7 +58,7 @@ void draw_levels(const State& state, Commands& commands) {
             "triangle's two equal sides.");
     for (std::uint32_t i = 0; i < levels.levels; ++i)
         level_bar(levels, i, tile_log2, std::min(state.scene.spacing_m[0], state.scene.spacing_m[1]));
-    ui::row("Total", "%llu", static_cast<unsigned long long>(all));
+    ui::row("Total", "%s", count_text(static_cast<double>(all)).text);
     bool shown = state.interface.mode == flight::PictureMode::levels;
     if (ImGui::Checkbox("Colour the picture by level", &shown))
         commands.push(SetPictureMode{shown ? flight::PictureMode::levels : flight::PictureMode::shaded});

@@ -28,24 +28,25 @@ void change_threshold(const State& state, double factor, Commands& commands) {
     commands.push(SetKey{key, std::clamp(value, key->least, key->most), false});
 }
 
+namespace key {
+constexpr int escape = 256, tab = 258, f6 = 295, f10 = 299, f11 = 300;
+}
+
 // ImGui 1.86 knows most letters by the window system's number only, GLFW's are those of ASCII.
-bool pressed(char key, bool repeat) {
+bool pressed(int key, bool repeat) {
     return ImGui::IsKeyPressed(key, repeat);
 }
 
-void shortcuts(const State& state, Commands& commands) {
-    const ImGuiIO& io = ImGui::GetIO();
-    if (io.WantTextInput || io.KeyAlt || io.KeySuper) return;
-    if (!io.KeyCtrl) {
-        if (pressed('[', true)) change_threshold(state, 1 / threshold_step, commands);
-        if (pressed(']', true)) change_threshold(state, threshold_step, commands);
-        return;
+// Keys that belong to the window rather than to the profile.
+void window_keys(const State& state, Commands& commands) {
+    const Interface& i = state.interface;
+    if (pressed(key::tab, false) && !i.panel_keys) commands.push(SetSwitch{Switch::show_panels, !i.arrangement.panels});
+    if (pressed(key::f11, false)) commands.push(SetSwitch{Switch::picture_only, !i.picture_only});
+    if (pressed(key::f6, false)) commands.push(SetSwitch{Switch::panel_keys, !i.panel_keys});
+    if (pressed(key::escape, false) && i.dialog == Dialog::none && !ImGui::IsAnyItemActive()) {
+        if (i.picture_only) commands.push(SetSwitch{Switch::picture_only, false});
+        if (i.panel_keys) commands.push(SetSwitch{Switch::panel_keys, false});
     }
-    if (pressed('Z', true)) io.KeyShift ? commands.push(Redo{}) : commands.push(Undo{});
-    if (pressed('Y', true)) commands.push(Redo{});
-    if (pressed('O', false)) commands.push(ShowDialog{Dialog::open_file});
-    if (pressed('S', false)) io.KeyShift ? commands.push(ShowDialog{Dialog::save_profile}) : save(state, commands);
-    if (pressed('Q', false)) commands.push(Quit{});
 }
 
 void draw_recent(const State& state, Commands& commands) {
@@ -91,17 +92,55 @@ void draw_edit(const State& state, Commands& commands) {
     ui::mark("menu", "raise");
 }
 
+void draw_camera_menu(const State& state, Commands& commands) {
+    const bool open = state.scene.open();
+    constexpr const char* names[] = {"Fly", "Orbit", "Follow the path"};
+    constexpr const char* keys[] = {"1", "2", "3"};
+    for (int i = 0; i < 3; ++i) {
+        const auto navigation = static_cast<Navigation>(i);
+        if (ImGui::MenuItem(names[i], keys[i], state.eye.navigation == navigation, open))
+            commands.push(SetNavigation{navigation});
+    }
+    item("home", "Look at the whole terrain", "Home", open, commands, ViewAll{});
+    if (ImGui::MenuItem("Freeze refinement", "F", state.eye.frozen, open))
+        commands.push(FreezeRefinement{!state.eye.frozen});
+    ImGui::Separator();
+    const Route& route = state.route;
+    item("record", route.recording() ? "Stop recording" : "Record a path", "R", open, commands,
+         RecordPath{!route.recording()});
+    item("add-point", "Add a point", "N", open, commands, AddPoint{});
+    item("play", route.playing() ? "Pause" : "Play the path", "P", open && !route.empty(), commands,
+         PlayPath{!route.playing()});
+}
+
+void draw_window_items(const State& state, Commands& commands) {
+    const Interface& i = state.interface;
+    const auto entry = [&](const char* label, const char* keys, Switch which, bool on) {
+        if (ImGui::MenuItem(label, keys, on)) commands.push(SetSwitch{which, !on});
+        ui::mark("menu", switch_names[static_cast<int>(which)]);
+    };
+    entry("Panels", "Tab", Switch::show_panels, i.arrangement.panels);
+    entry("Picture only", "F11", Switch::picture_only, i.picture_only);
+    entry("Keys move in panels", "F6", Switch::panel_keys, i.panel_keys);
+    entry("Half resolution while moving", "", Switch::half_resolution, i.half_resolution);
+}
+
 void draw_view_menu(const State& state, Commands& commands) {
+    const int next = (static_cast<int>(state.interface.mode) + 1) % flight::picture_modes;
     for (int i = 0; i < flight::picture_modes; ++i) {
         const auto mode = static_cast<flight::PictureMode>(i);
-        if (ImGui::MenuItem(label_of(mode), "", state.interface.mode == mode)) commands.push(SetPictureMode{mode});
+        if (ImGui::MenuItem(label_of(mode), i == next ? "M" : "", state.interface.mode == mode))
+            commands.push(SetPictureMode{mode});
     }
     ImGui::Separator();
     for (int i = 0; i < overlays; ++i) {
         const auto overlay = static_cast<Overlay>(i);
         const bool on = state.shows(overlay);
-        if (ImGui::MenuItem(label_of(overlay), "", on)) commands.push(SetOverlay{overlay, !on});
+        if (ImGui::MenuItem(label_of(overlay), overlay == Overlay::wireframe ? "G" : "", on))
+            commands.push(SetOverlay{overlay, !on});
     }
+    ImGui::Separator();
+    draw_window_items(state, commands);
     ImGui::Separator();
     constexpr struct {
         const char* label;
@@ -123,13 +162,14 @@ void draw_profile_name(const State& state, Commands& commands) {
     if (unsaved) ImGui::PopStyleColor();
     ui::mark("menu", "profile");
     if (ImGui::IsItemClicked()) save(state, commands);
-    if (ImGui::IsItemHovered()) {
+    if (ui::begin_tip()) {
         char text[700];
         const std::string& path = state.document.path();
         (void)std::snprintf(text, sizeof text, "The profile: %.500s%s",
                             path.empty() ? "the defaults, not saved to a file yet" : path.c_str(),
                             unsaved ? "\nIt has changes that are not saved; a click saves them." : "");
-        ui::tip(text);
+        ImGui::TextUnformatted(text);
+        ui::end_tip();
     }
 }
 
@@ -142,38 +182,54 @@ void release_held(const State& state, Commands& commands) {
 
 } // namespace
 
-void draw_menu(const State& state, Commands& commands) {
+void draw_shortcuts(const State& state, Commands& commands) {
     release_held(state, commands);
-    shortcuts(state, commands);
+    const ImGuiIO& io = ImGui::GetIO();
+    if (io.WantTextInput || io.KeyAlt || io.KeySuper || is_modal(state.interface.dialog)) return;
+    if (!io.KeyCtrl) {
+        window_keys(state, commands);
+        if (pressed('[', true)) change_threshold(state, 1 / threshold_step, commands);
+        if (pressed(']', true)) change_threshold(state, threshold_step, commands);
+        return;
+    }
+    if (pressed('Z', true)) io.KeyShift ? commands.push(Redo{}) : commands.push(Undo{});
+    if (pressed('Y', true)) commands.push(Redo{});
+    if (pressed('O', false)) commands.push(ShowDialog{Dialog::open_file});
+    if (pressed('S', false)) io.KeyShift ? commands.push(ShowDialog{Dialog::save_profile}) : save(state, commands);
+    if (pressed('Q', false)) commands.push(Quit{});
+}
+
+void draw_menu(const State& state, Commands& commands) {
     if (!ImGui::BeginMainMenuBar()) return;
     const bool open = state.scene.open();
-    if (ImGui::BeginMenu("File")) {
-        draw_file(state, commands);
-        ImGui::EndMenu();
-    }
-    ui::mark("menu", "file");
-    if (ImGui::BeginMenu("Edit")) {
-        draw_edit(state, commands);
-        ImGui::EndMenu();
-    }
-    ui::mark("menu", "edit");
-    if (ImGui::BeginMenu("View")) {
-        draw_view_menu(state, commands);
-        ImGui::EndMenu();
-    }
-    ui::mark("menu", "view");
-    if (ImGui::BeginMenu("Tools")) {
-        item("tune", "Auto-tune...", "", open, commands, ShowDialog{Dialog::tune});
-        item("benchmark", "Benchmark...", "", open, commands, ShowDialog{Dialog::benchmark});
-        ImGui::EndMenu();
-    }
-    ui::mark("menu", "tools");
-    if (ImGui::BeginMenu("Help")) {
-        item("keys", "Keys", "F1", true, commands, ShowDialog{Dialog::keys});
-        item("messages", "Messages", "", true, commands, ShowDialog{Dialog::messages});
-        ImGui::EndMenu();
-    }
-    ui::mark("menu", "help");
+    // F10 opens the first menu, and again the one after that which is open.
+    static int shown = -1;
+    constexpr const char* labels[] = {"File", "Edit", "Camera", "View", "Tools", "Help"};
+    if (pressed(key::f10, false) && !is_modal(state.interface.dialog))
+        ImGui::OpenPopup(labels[(shown + 1) % static_cast<int>(std::size(labels))]);
+    int i = 0;
+    shown = -1;
+    const auto menu = [&](const char* name, auto draw) {
+        if (ImGui::BeginMenu(labels[i])) {
+            shown = i;
+            draw(state, commands);
+            ImGui::EndMenu();
+        }
+        ++i;
+        ui::mark("menu", name);
+    };
+    menu("file", draw_file);
+    menu("edit", draw_edit);
+    menu("camera", draw_camera_menu);
+    menu("view", draw_view_menu);
+    menu("tools", [open](const State&, Commands& c) {
+        item("tune", "Auto-tune", "", open, c, ShowPanel{Panel::auto_tune});
+        item("benchmark", "Benchmark", "", open, c, ShowPanel{Panel::benchmark});
+    });
+    menu("help", [](const State&, Commands& c) {
+        item("keys", "Keys", "F1", true, c, ShowDialog{Dialog::keys});
+        item("messages", "Messages", "", true, c, ShowDialog{Dialog::messages});
+    });
     draw_profile_name(state, commands);
     ImGui::EndMainMenuBar();
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "editor/command.h"
+#include "editor/panels/layout.h"
 #include "editor/panels/ui.h"
 #include "editor/state.h"
 
@@ -11,6 +12,8 @@ namespace fjell::editor {
 void draw_panels(const State& state, Commands& commands);
 
 void draw_menu(const State& state, Commands& commands);
+// Keys that do what the menu has.
+void draw_shortcuts(const State& state, Commands& commands);
 void draw_status(const State& state, const ui::Layout& layout, Commands& commands);
 // Within the status line: what the job that runs is at, and a button that stops it; then on the same line.
 void draw_job_status(const State& state, Commands& commands);
@@ -25,6 +28,8 @@ void draw_time(const State& state, Commands& commands);
 void draw_budgets(const State& state, Commands& commands);
 void draw_streaming(const State& state, Commands& commands);
 void draw_levels(const State& state, Commands& commands);
+void draw_auto_tune(const State& state, Commands& commands);
+void draw_benchmark(const State& state, Commands& commands);
 
 // Inside the camera panel.
 void draw_overview(const State& state, Commands& commands);
@@ -44,8 +49,6 @@ void draw_compare(const State& state, Commands& commands);
 void draw_unsaved(const State& state, Commands& commands);
 void draw_recover(const State& state, Commands& commands);
 void draw_bake(const State& state, Commands& commands);
-void draw_auto_tune(const State& state, Commands& commands);
-void draw_benchmark(const State& state, Commands& commands);
 void draw_snapshot(const State& state, Commands& commands);
 void draw_screenshot(const State& state, Commands& commands);
 void draw_keys(const State& state, Commands& commands);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 
+#include "editor/number_text.h"
 #include "editor/panels/panels.h"
 
 namespace fjell::editor {
@@ -72,15 +73,17 @@ std::size_t make_parts(const State& state, Parts& parts) {
         return 1;
     }
     parts[n++] = threshold_part(state);
-    Part& update = parts[n++] = {"", plain, 2, "update", "99% of the last 512 updates took at most this long."};
-    std::snprintf(update.text, sizeof update.text, "update p99 %.2f ms",
-                  static_cast<double>(m.ring(Series::update_us).quantiles().p99) / 1000);
-    Part& fps = parts[n++] = {"", plain, 3, "fps", "Frames per second, from the median frame time."};
-    const float frame_us = m.ring(Series::frame_us).quantiles().p50;
-    std::snprintf(fps.text, sizeof fps.text, "%.0f fps", frame_us > 0 ? 1e6 / static_cast<double>(frame_us) : 0.0);
+    if (m.ring(Series::update_us).size() != 0) {
+        Part& update = parts[n++] = {"", plain, 2, "update", "99% of the last 512 updates took at most this long."};
+        std::snprintf(update.text, sizeof update.text, "update p99 %s ms",
+                      ms_text(static_cast<double>(m.ring(Series::update_us).quantiles().p99)).text);
+        Part& fps = parts[n++] = {"", plain, 3, "fps", "Frames per second, from the median frame time."};
+        const float frame_us = m.ring(Series::frame_us).quantiles().p50;
+        std::snprintf(fps.text, sizeof fps.text, "%.0f fps", frame_us > 0 ? 1e6 / static_cast<double>(frame_us) : 0.0);
+    }
     if (m.last().streamed) parts[n++] = stream_part(state);
     Part& drawn = parts[n++] = {"", plain, 5, "triangles", "Triangles drawn in this frame."};
-    std::snprintf(drawn.text, sizeof drawn.text, "%u triangles", m.last().triangles_drawn);
+    std::snprintf(drawn.text, sizeof drawn.text, "%s triangles", count_text(m.last().triangles_drawn).text);
     return n;
 }
 

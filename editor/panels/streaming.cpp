@@ -23,16 +23,16 @@ void bytes_row(const char* label, double bytes, const char* about) {
 }
 
 void draw_not_streamed(const State& state, Commands& commands) {
-    ImGui::TextWrapped("The whole terrain is in memory: all of its %u pages were read when it was opened.",
-                       state.scene.pages);
+    ImGui::TextWrapped("The whole terrain is in memory: all of its %s pages were read when it was opened.",
+                       count_text(state.scene.pages).text);
     ImGui::Spacing();
     ImGui::TextWrapped("To stream it, give the profile fewer page slots than the pack has pages (stream.page_slots in "
                        "the Tune panel), at least one per tile. Pages are then read when the view wants them.");
     const std::uint32_t tiles = state.scene.tiles_x * state.scene.tiles_y;
     const std::uint32_t slots = std::max(tiles, state.scene.pages / 2);
     if (slots >= state.scene.pages) return;
-    char label[48];
-    std::snprintf(label, sizeof label, "Stream with %u page slots", slots);
+    char label[64];
+    std::snprintf(label, sizeof label, "Stream with %s page slots", count_text(slots).text);
     if (ImGui::Button(label))
         commands.push(SetKey{flight::find_profile_key("stream.page_slots"), static_cast<double>(slots), false});
     ui::mark("streaming", "begin");
@@ -49,7 +49,7 @@ void draw_geometry(const StreamReport& r) {
     ui::tip("Arrived pages that were accepted in this frame, and those left for the next ones (stream.pages).");
     ui::row("Draining", "%u", r.pages_evicting);
     ui::tip("Pages that are no longer wanted, evicted as soon as the mesh does not use them.");
-    ui::row("Page slots", "%u of %u", r.page_slots.used, r.page_slots.capacity);
+    ui::row("Page slots", "%s of %s", count_text(r.page_slots.used).text, count_text(r.page_slots.capacity).text);
     if (r.missing_px >= 1e7)
         ui::row("Missing error", "unbounded");
     else
@@ -71,16 +71,16 @@ void draw_reading(const StreamReport& r, const io::StreamReaderCounters& reader)
     ui::heading("Reading");
     ui::row("In flight", "%u", r.in_flight);
     ui::tip("Pages and mips that were requested and have not arrived (stream.page_requests, stream.map_requests).");
-    ui::row("Pages, mips", "%llu, %llu", static_cast<unsigned long long>(r.pages_read),
-            static_cast<unsigned long long>(r.mips_read));
+    ui::row("Pages, mips", "%s, %s", count_text(static_cast<double>(r.pages_read)).text,
+            count_text(static_cast<double>(r.mips_read)).text);
     bytes_row("Bytes", static_cast<double>(r.bytes_read), "Compressed, in total.");
-    ui::row("Reads", "%llu", static_cast<unsigned long long>(reader.reads));
+    ui::row("Reads", "%s", count_text(static_cast<double>(reader.reads)).text);
     const double a_second = reader.read_s > 0 ? static_cast<double>(reader.bytes) / reader.read_s : 0;
     ui::row("Read rate", "%s/s", byte_text(a_second).text);
     ui::tip("Over the time that the reader's thread spent reading.");
     ui::row("Decompression", "%.2f s", reader.provide_s);
     ui::tip("Checking and decompressing on the reader's thread, in total.");
-    ui::row("Withdrawn", "%llu", static_cast<unsigned long long>(reader.unwanted));
+    ui::row("Withdrawn", "%s", count_text(static_cast<double>(reader.unwanted)).text);
     ui::tip("Requests that were no longer wanted when their turn came.");
     const bool failed = r.failed > 0 || reader.errors > 0;
     if (failed) ImGui::PushStyleColor(ImGuiCol_Text, ui::bad);
@@ -103,9 +103,9 @@ void draw_streaming(const State& state, Commands& commands) {
     const StreamReport& r = state.measures.last().stream;
     flag("Streaming", r.complete, "coarse terrain loaded", "loading coarse terrain",
          "Whether the coarsest page and the smallest mips of every tile are loaded.");
-    ui::graph({"queue", "pages, mips", 7, 0, "", false},
-              {{&state.measures.ring(Series::pages_wanted), IM_COL32(235, 160, 90, 255), "wanted", 1, true},
-               {&state.measures.ring(Series::requested), IM_COL32(125, 175, 235, 255), "in flight", 1, false}});
+    (void)ui::graph({"queue", "pages, mips", 7, 0, "", false},
+                    {{&state.measures.ring(Series::pages_wanted), IM_COL32(235, 160, 90, 255), "wanted", 1, true},
+                     {&state.measures.ring(Series::requested), IM_COL32(125, 175, 235, 255), "in flight", 1, false}});
     draw_geometry(r);
     draw_maps(r);
     draw_reading(r, state.reader);

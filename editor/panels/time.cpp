@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "editor/number_text.h"
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
 
@@ -11,7 +12,14 @@ namespace {
 
 constexpr ImU32 blue = IM_COL32(125, 175, 235, 255), teal = IM_COL32(95, 200, 190, 255),
                 orange = IM_COL32(235, 160, 90, 255), violet = IM_COL32(185, 150, 230, 255);
+constexpr ImU32 yellow = IM_COL32(225, 205, 110, 255), green = IM_COL32(120, 190, 120, 255),
+                grey = IM_COL32(140, 146, 158, 255);
 constexpr double frame_budget_ms = 1000.0 / 60;
+constexpr const char *upload_about = "What has changed of the mesh, to the driver.",
+                     *draw_about = "The terrain: what giving it to the driver took.",
+                     *present_about = "The picture copied, panels drawn, the swap. The GPU, or the software renderer, "
+                                      "catches up here with what it was given; with vertical sync it waits here.",
+                     *other_about = "Input, the overview, and what is rebuilt.";
 
 // A row of the table: its quantiles in milliseconds.
 void quantiles(const char* label, const State& state, Series series, const char* about) {
@@ -22,12 +30,8 @@ void quantiles(const char* label, const State& state, Series series, const char*
     ui::tip(about);
     for (const float us : {q.p50, q.p99, q.max, q.last}) {
         ImGui::TableNextColumn();
-        char text[24];
-        std::snprintf(text, sizeof text,
-                      us >= 99950  ? "%.0f"
-                      : us >= 9995 ? "%.1f"
-                                   : "%.2f",
-                      static_cast<double>(us) / 1000);
+        const NumberText ms = ms_text(static_cast<double>(us));
+        const char* const text = ms.text;
         const float width = ImGui::CalcTextSize(text).x;
         ImGui::SetCursorPosX(ImGui::GetCursorPosX() + std::max(0.0F, ImGui::GetContentRegionAvail().x - width));
         ImGui::TextUnformatted(text);
@@ -52,7 +56,7 @@ void draw_table(const State& state) {
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::quiet), "ms");
     for (const char* name : {"p50", "p99", "max", "last"}) right_aligned(name);
     quantiles("Frame", state, Series::frame_us,
-              "From one swap of the picture to the next; with vertical sync, whole refresh intervals.");
+              "All that the editor does for a frame whose terrain has changed. Waiting for input does not count.");
     quantiles("Update", state, Series::update_us, "The method's update on the CPU.");
     if (state.measures.last().prepare_us > 0 || state.measures.ring(Series::refine_us).quantiles().max > 0) {
         quantiles("  prepare", state, Series::prepare_us,
@@ -63,40 +67,107 @@ void draw_table(const State& state) {
     }
     if (state.scene.streamed)
         quantiles("Stream", state, Series::stream_us, "Accepting arrived pages and mips, and requesting others.");
-    quantiles("Draw", state, Series::draw_us,
-              "Upload and drawing, the CPU's part; with a software renderer, all of it.");
+    quantiles("Upload", state, Series::upload_us, upload_about);
+    quantiles("Draw", state, Series::draw_us, draw_about);
+    quantiles("Present", state, Series::present_us, present_about);
     quantiles("Editor", state, Series::editor_us,
               "The editor's own code: panels, commands and measures. Should stay below 1 ms.");
+    quantiles("Other", state, Series::other_us, other_about);
     ImGui::EndTable();
+}
+
+// The clicked frame, or the mean of all.
+void draw_parts(const State& state) {
+    const Measures& m = state.measures;
+    const auto mean = [&](Series series) { return m.ring(series).mean(); };
+    double update_us = mean(Series::update_us) + mean(Series::stream_us);
+    FrameTimes t{mean(Series::frame_us), mean(Series::upload_us), mean(Series::draw_us), mean(Series::present_us),
+                 mean(Series::editor_us)};
+    if (state.chosen) {
+        t = state.chosen->times;
+        update_us = state.chosen->entry.update_us + state.chosen->entry.stream_us;
+    }
+    const double parts_us = update_us + t.upload_us + t.draw_us + t.present_us + t.editor_us;
+    const ui::Share shares[] = {{"update", update_us, blue, "The method's update on the CPU, and streaming."},
+                                {"upload", t.upload_us, yellow, upload_about},
+                                {"draw", t.draw_us, orange, draw_about},
+                                {"present", t.present_us, green, present_about},
+                                {"editor", t.editor_us, violet, "The editor's own code."},
+                                {"other", std::max(t.frame_us - parts_us, 0.0), grey, other_about}};
+    char value[64];
+    std::snprintf(value, sizeof value, "%s ms", ms_text(t.frame_us).text);
+    ui::row(state.chosen ? "Frame" : "Frame, mean of those measured", "%s", value);
+    ui::stacked_bar("frame", shares);
+}
+
+// What the clicked frame reported, and the way to where it was drawn from.
+void draw_report(const State& state, Commands& commands) {
+    const MeasuredFrame& f = *state.chosen;
+    const flight::FrameEntry& e = f.entry;
+    ui::heading("This frame");
+    const std::uint64_t ago = state.measures.recorded() - f.number;
+    ui::row("Before the newest", "%s frames", count_text(static_cast<double>(ago)).text);
+    if (e.error_px_effective < 1e6)
+        ui::row("Threshold", "%.3g px of %.3g", e.error_px_effective, e.error_px_requested);
+    else
+        ui::row("Threshold", "unbounded");
+    ui::row("Work items", "%s", count_text(e.items).text);
+    ui::row("Activated, deactivated", "%s, %s", count_text(e.activations).text, count_text(e.deactivations).text);
+    ui::row("Triangles drawn", "%s", count_text(e.triangles_drawn).text);
+    ui::row("Uploaded", "%s", byte_text(static_cast<double>(e.upload_bytes)).text);
+    const Vec3& p = f.pose.position_m;
+    ui::row("Camera", "%.0f E  %.0f S  %.0f m", p.x, p.z, p.y);
+    if (ImGui::Button("Go to its camera")) {
+        const flight::FreeCamera camera = flight::free_camera(f.pose, state.eye.free.speed_m_s);
+        commands.push(PlayPath{false});
+        commands.push(PlaceCamera{camera.position_m, camera.heading, camera.pitch});
+    }
+    ui::mark("frame", "camera");
+    ui::tip("Places the camera where this frame was drawn from.");
+    ImGui::SameLine();
+    if (ImGui::Button("All frames")) commands.push(ChooseFrame{});
+    ui::mark("frame", "all");
+    ui::tip("Shows the mean of all measured frames again.");
 }
 
 } // namespace
 
-void draw_time(const State& state, Commands&) {
+void draw_time(const State& state, Commands& commands) {
     if (!state.scene.open()) {
         ImGui::TextWrapped("No terrain is open.");
         return;
     }
     const Measures& m = state.measures;
     const auto ring = [&](Series series) { return &m.ring(series); };
+    const std::size_t chosen =
+        state.chosen ? static_cast<std::size_t>(m.recorded() - state.chosen->number) : ui::no_frame;
+    const auto graph = [&](ui::Graph g, std::initializer_list<ui::GraphLine> lines) {
+        g.chosen = chosen;
+        const std::size_t ago = ui::graph(g, lines);
+        if (ago < m.ring(Series::frame_us).size()) commands.push(ChooseFrame{true, ago});
+    };
     const double budget_us = state.document.profile().cut.budget_us;
     const bool limited = state.document.profile().method == flight::Method::incremental && budget_us > 0;
-    ui::graph({"update", "ms", 7, limited ? budget_us / 1000 : 0, "budget", false},
-              {{ring(Series::update_us), blue, "update", 1e-3F, true}});
-    ui::graph({"frame", "ms", 7, frame_budget_ms, "16.7 ms: 60 Hz", false},
-              {{ring(Series::frame_us), teal, "frame", 1e-3F, true},
-               {ring(Series::draw_us), orange, "draw", 1e-3F, false},
-               {ring(Series::editor_us), violet, "editor", 1e-3F, false}});
+    if (m.ring(Series::frame_us).size() == 0)
+        ImGui::TextWrapped("No frame has been measured yet: fly. A still view costs nothing.");
+    else
+        draw_parts(state);
+    if (state.chosen) draw_report(state, commands);
+    graph({"update", "ms", 7, limited ? budget_us / 1000 : 0, "budget"},
+          {{ring(Series::update_us), blue, "update", 1e-3F, true}});
+    graph({"frame", "ms", 7, frame_budget_ms, "16.7 ms: 60 Hz"},
+          {{ring(Series::frame_us), teal, "frame", 1e-3F, true},
+           {ring(Series::draw_us), orange, "draw", 1e-3F, false},
+           {ring(Series::editor_us), violet, "editor", 1e-3F, false}});
     draw_table(state);
     ui::heading("Threshold");
-    ui::graph({"threshold", "px", 6.5, 0, "", true}, {{ring(Series::effective_px), orange, "effective", 1, false},
-                                                      {ring(Series::requested_px), blue, "requested", 1, false}});
+    graph({"threshold", "px", 6.5, 0, "", true}, {{ring(Series::effective_px), orange, "effective", 1, false},
+                                                  {ring(Series::requested_px), blue, "requested", 1, false}});
     ui::heading("Changes per frame");
-    ui::graph({"changes", "vertices", 6.5, 0, "", false},
-              {{ring(Series::activations), teal, "activated", 1, true},
-               {ring(Series::deactivations), orange, "deactivated", -1, true}});
+    graph({"changes", "vertices", 6.5}, {{ring(Series::activations), teal, "activated", 1, true},
+                                         {ring(Series::deactivations), orange, "deactivated", -1, true}});
     ui::heading("Upload per frame");
-    ui::graph({"upload", "kB", 5.5, 0, "", false}, {{ring(Series::uploaded_bytes), violet, "mesh", 1e-3F, true}});
+    graph({"upload", "kB", 5.5}, {{ring(Series::uploaded_bytes), violet, "mesh", 1e-3F, true}});
 }
 
 } // namespace fjell::editor

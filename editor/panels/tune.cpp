@@ -45,7 +45,7 @@ const char* rebuilds(flight::Rebuild rebuild) {
 }
 
 void tip(const Row& row) {
-    if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+    if (!ui::begin_tip()) return;
     const flight::ProfileKey& key = row.key;
     char text[1400], range[96] = "";
     if (key.kind == flight::KeyKind::number || key.kind == flight::KeyKind::whole)
@@ -53,7 +53,8 @@ void tip(const Row& row) {
                             *key.unit != '\0' ? " " : "", key.unit);
     (void)std::snprintf(text, sizeof text, "%s\n\n%s%s%s%s", key.about, range, rebuilds(key.rebuild),
                         row.idle != nullptr ? "\n\nNot used now: " : "", row.idle != nullptr ? row.idle : "");
-    ui::tip(text);
+    ImGui::TextUnformatted(text);
+    ui::end_tip();
 }
 
 // The label, its unit, and what takes a change back.
@@ -77,13 +78,14 @@ void draw_label(const Row& row) {
     ImGui::SameLine(ImGui::GetContentRegionMax().x - width);
     if (ImGui::Button("reset")) row.commands.push(SetKey{&row.key, saved, false});
     ui::mark("reset", row.name);
-    if (!ImGui::IsItemHovered()) return;
+    if (!ui::begin_tip()) return;
     char was[64], text[96];
     write_value(row.key, saved, was, sizeof was);
     const bool choice = row.key.kind == flight::KeyKind::choice;
     (void)std::snprintf(text, sizeof text, "Reset to the saved value: %s",
                         choice ? row.key.choices[static_cast<std::size_t>(saved)] : was);
-    ui::tip(text);
+    ImGui::TextUnformatted(text);
+    ui::end_tip();
 }
 
 void draw_field(Row& row) {

@@ -24,6 +24,7 @@ struct Text {
         va_end(values);
         if (n > 0) used += static_cast<std::size_t>(n);
     }
+    void count(const char* before, double number) { add("%s%s", before, count_text(number).text); }
     void bytes(double bytes) { add("%s", byte_text(bytes).text); }
 };
 
@@ -35,10 +36,8 @@ void vertices(const State& state, Text& text, double value) {
     text.add(" + ");
     text.bytes(value * static_cast<double>(sizeof(MeshVertex) + (incremental ? sizeof(MorphVertex) : 0)));
     text.add(" GPU");
-    if (incremental)
-        text.add(", used %u, peak %u", e.vertices, e.vertices_peak);
-    else
-        text.add(", used %u", e.vertices);
+    text.count(", used ", e.vertices);
+    if (incremental) text.count(", peak ", e.vertices_peak);
 }
 
 void triangles(const State& state, Text& text, double value) {
@@ -46,7 +45,8 @@ void triangles(const State& state, Text& text, double value) {
     text.bytes(value * 16);
     text.add(" + ");
     text.bytes(value * 12);
-    text.add(" GPU, used %u, peak %u", e.triangles, e.triangles_peak);
+    text.count(" GPU, used ", e.triangles);
+    text.count(", peak ", e.triangles_peak);
 }
 
 void indices(const State&, Text& text, double value) {
@@ -57,25 +57,30 @@ void indices(const State&, Text& text, double value) {
 }
 
 void items(const State& state, Text& text, double) {
-    text.add("last frame %u", state.measures.last().items);
+    text.count("last frame ", state.measures.last().items);
 }
 
 void time(const State& state, Text& text, double) {
-    text.add("last update %.0f us", state.measures.last().update_us);
+    text.add("last update %s us", count_text(state.measures.last().update_us).text);
 }
 
 void threshold(const State& state, Text& text, double) {
     const FrameEntry& e = state.measures.last();
-    if (e.error_px_effective >= 1e6) return text.add("lags, %u triangles drawn", e.triangles_drawn);
-    text.add(e.error_px_effective < 100 ? "keeps %.2f px, %u triangles drawn" : "keeps %.0f px, %u triangles drawn",
-             e.error_px_effective, e.triangles_drawn);
+    if (e.error_px_effective >= 1e6)
+        text.add("lags");
+    else
+        text.add("keeps %.*f px", e.error_px_effective < 100 ? 2 : 0, e.error_px_effective);
+    text.count(", ", e.triangles_drawn);
+    text.add(" triangles drawn");
 }
 
 void page_slots(const State& state, Text& text, double value) {
     text.bytes(value * 12.5e3);
-    if (state.scene.pages != 0) text.add(", the pack has %u", state.scene.pages);
+    if (state.scene.pages != 0) text.count(", the pack has ", state.scene.pages);
     const FrameEntry& e = state.measures.last();
-    if (e.streamed) text.add(", used %u, peak %u", e.stream.page_slots.used, e.stream.page_slots.peak);
+    if (!e.streamed) return;
+    text.count(", used ", e.stream.page_slots.used);
+    text.count(", peak ", e.stream.page_slots.peak);
 }
 
 void page_requests(const State& state, Text& text, double value) {

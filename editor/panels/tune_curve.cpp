@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdio>
 
+#include "editor/number_text.h"
 #include "editor/panels/ui.h"
 
 namespace fjell::editor {
@@ -117,8 +118,9 @@ void draw_hover(ImDrawList& list, const TunePoint& p, const Axes& time, const Ax
         list.AddLine({a->x(p.error_px), a->low.y}, {a->x(p.error_px), a->high.y}, best_colour);
     ImGui::BeginTooltip();
     ImGui::Text("%.3g px", p.error_px);
-    ImGui::Text("p50 %.0f us, p99 %.0f us, max %.0f us", p.p50_us, p.p99_us, p.max_us);
-    ImGui::Text("%.0f vertices; %u flights of %u frames", p.vertices, p.flights, p.frames);
+    ImGui::Text("p50 %s us, p99 %s us, max %s us", count_text(p.p50_us).text, count_text(p.p99_us).text,
+                count_text(p.max_us).text);
+    ImGui::Text("%s vertices; %u flights of %u frames", count_text(p.vertices).text, p.flights, p.frames);
     if (p.reached < 0.9999) ImGui::Text("%.1f%% of the frames reached it", 100 * p.reached);
     ImGui::TextUnformatted(p.keeps ? "keeps the budget" : "does not keep the budget");
     ImGui::EndTooltip();

@@ -13,8 +13,18 @@ namespace {
 constexpr const char* font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr double font_px = 14;
 
-std::vector<Mark> standard_folders;
+std::vector<Mark> all_marks;
 bool recording = false;
+
+constexpr double tip_rest_s = 0.45;
+// The item that the pointer rests on.
+struct Resting {
+    ImVec2 at;
+    double since_s = 0;
+    int frame = -2; // in which it was seen last
+    bool clicked = false;
+};
+Resting resting;
 
 void colours(ImGuiStyle& style) {
     ImGui::StyleColorsDark(&style);
@@ -66,33 +76,19 @@ void apply_style(double scale) {
     fonts->AddFontDefault(&own);
 }
 
-Layout layout(float width, float height, double scale) {
-    const auto s = static_cast<float>(scale);
-    Layout l;
-    l.menu_height = ImGui::GetFrameHeight();
-    l.status_height = ImGui::GetFrameHeight() + 2 * s;
-    const float top = l.menu_height, rest = std::max(height - top - l.status_height, 1.0F);
-    const float left = std::min(340 * s, width * 0.55F), right = 350 * s;
-    const bool two = width >= left + right + 480 * s;
-    l.left = {0, top, left, rest};
-    if (two) l.right = {width - right, top, right, rest};
-    l.view = {left, top, std::max(width - left - (two ? right : 0), 1.0F), rest};
-    return l;
-}
-
 void mark(const char* group, const char* name) {
     if (!recording) return;
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-    standard_folders.push_back({std::string(group) + "." + name, {low.x, low.y, high.x - low.x, high.y - low.y}});
+    all_marks.push_back({std::string(group) + "." + name, {low.x, low.y, high.x - low.x, high.y - low.y}});
 }
 
 void record_marks(bool on) {
     recording = on;
-    if (on) standard_folders.clear();
+    if (on) all_marks.clear();
 }
 
 const std::vector<Mark>& marks() {
-    return standard_folders;
+    return all_marks;
 }
 
 ImU32 severity_colour(Severity severity) {
@@ -103,36 +99,71 @@ ImU32 colour(const gl::Rgb8& rgb) {
     return IM_COL32(rgb[0], rgb[1], rgb[2], 255);
 }
 
-void tip(const char* text) {
+bool begin_tip() {
     // While it is dragged, what it does beside it shall be seen.
-    if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled) || ImGui::IsItemActive()) return;
+    if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return false;
+    const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+    const ImGuiIO& io = ImGui::GetIO();
+    const int frame = ImGui::GetFrameCount();
+    const bool same = resting.frame >= frame - 1 && resting.at.x == low.x && resting.at.y == low.y;
+    if (!same) resting = {low, ImGui::GetTime(), frame, false};
+    resting.frame = frame;
+    if (io.MouseDelta.x != 0 || io.MouseDelta.y != 0) resting.since_s = ImGui::GetTime();
+    if (ImGui::IsAnyMouseDown() || io.MouseWheel != 0) resting.clicked = true;
+    if (resting.clicked || ImGui::IsItemActive() || ImGui::GetTime() - resting.since_s < tip_rest_s) return false;
+    // Above what it explains, so that what that has done, further down, is seen; at the top there is no room for it.
+    const ImVec2 display = io.DisplaySize;
+    const bool above = low.y > 0.35F * display.y, right = low.x > display.x / 2;
+    const float gap = 0.4F * ImGui::GetFontSize();
+    ImGui::SetNextWindowPos({right ? high.x : low.x, above ? low.y - gap : high.y + gap}, ImGuiCond_Always,
+                            {right ? 1.0F : 0.0F, above ? 1.0F : 0.0F});
+    ImGui::PushStyleVar(ImGuiStyleVar_Alpha, 1); // over a disabled item, too
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
-    ImGui::TextUnformatted(text);
-    ImGui::PopTextWrapPos();
-    ImGui::EndTooltip();
+    return true;
 }
 
-void begin_column(const char* name, const Rect& rect) {
+void end_tip() {
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+    ImGui::PopStyleVar();
+}
+
+void tip(const char* text) {
+    if (!begin_tip()) return;
+    ImGui::TextUnformatted(text);
+    end_tip();
+}
+
+double tip_due_s() {
+    if (resting.frame < ImGui::GetFrameCount() || resting.clicked) return -1;
+    return tip_rest_s - (ImGui::GetTime() - resting.since_s);
+}
+
+void begin_column(const char* name, const Rect& rect, ImGuiWindowFlags more) {
     ImGui::SetNextWindowPos({rect.x, rect.y});
     ImGui::SetNextWindowSize({rect.width, rect.height});
     ImGui::Begin(name, nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoBringToFrontOnFocus |
-                     ImGuiWindowFlags_NoSavedSettings);
+                     ImGuiWindowFlags_NoSavedSettings | more);
 }
 
-void begin_dialog(const char* title, double width, double height, const State& state, bool& open) {
-    const ImVec2 display = ImGui::GetIO().DisplaySize;
-    const auto fit = [&](double unscaled, float most) {
-        return std::min(static_cast<float>(unscaled * state.interface.scale), 0.96F * most);
-    };
-    ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5F, 0.5F});
-    ImGui::SetNextWindowSize({fit(width, display.x), fit(height, display.y)}, ImGuiCond_Always);
-    ImGui::SetNextWindowSizeConstraints({0, 0}, {display.x, 0.96F * display.y});
-    ImGui::Begin(title, &open,
-                 ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
-                     ImGuiWindowFlags_NoSavedSettings);
+bool button(const char* label, bool primary) {
+    static int keyboard_at = -2; // frame in which the keyboard was at a button
+    const bool pressed = ImGui::Button(label);
+    const bool at = ImGui::IsItemFocused() && ImGui::GetIO().NavVisible;
+    if (at) keyboard_at = ImGui::GetFrameCount();
+    const auto struck = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
+    // A list that is dropped down, or a question over the dialog, has the focus instead.
+    const bool enter = (struck(ImGuiKey_Enter) || struck(ImGuiKey_KeyPadEnter)) && !ImGui::IsWindowAppearing() &&
+                       ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows) &&
+                       (ImGui::GetStyle().Alpha > 0.99F); // not disabled
+    return pressed || (enter && (at || (primary && keyboard_at < ImGui::GetFrameCount() - 1)));
+}
+
+void focus_first() {
+    if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
 }
 
 void heading(const char* text) {

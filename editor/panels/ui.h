@@ -23,12 +23,6 @@ void apply_style(double scale);
 struct Rect {
     float x = 0, y = 0, width = 0, height = 0;
 };
-struct Layout {
-    float menu_height = 0, status_height = 0;
-    Rect left, right, view; // right: empty when there is room for one column only, which then has all panels
-    [[nodiscard]] bool one_column() const { return right.width <= 0; }
-};
-[[nodiscard]] Layout layout(float width, float height, double scale);
 
 // The last item's place, under a name that tests know: "tune.refine.error_px". Recorded on request only.
 struct Mark {
@@ -39,13 +33,20 @@ void mark(const char* group, const char* name);
 void record_marks(bool on); // starts again
 [[nodiscard]] const std::vector<Mark>& marks();
 
-// The last item's explanation, when the mouse rests on it.
+// The last item's explanation, once the mouse has rested on it for a while: beside it, never over what lies below the
+// pointer, and not again after a click before the pointer has left.
 void tip(const char* text);
-// A column's window: fixed, with a scroll bar when it needs one. Ends with ImGui::End().
-void begin_column(const char* name, const Rect& rect);
-// A dialog in the middle, as large as given in unscaled pixels, height 0: as its content, and never beyond the
-// window; `open` becomes false when it is closed. Ends with ImGui::End().
-void begin_dialog(const char* title, double width, double height, const State& state, bool& open);
+// Whether to say it now, of the last item: for tips whose text is made first.
+[[nodiscard]] bool begin_tip();
+void end_tip();
+// How long until a tip is due, seconds; below 0: none is. For whoever draws frames only when something changes.
+[[nodiscard]] double tip_due_s();
+// A column's window: fixed. Ends with ImGui::End().
+void begin_column(const char* name, const Rect& rect, ImGuiWindowFlags more = 0);
+// A dialog's button. Enter presses the one that the keyboard is at, or else the primary one.
+[[nodiscard]] bool button(const char* label, bool primary = false);
+// The next item gets the keyboard, when its dialog has just opened.
+void focus_first();
 void heading(const char* text);
 // "label   value" over the width of the column, the value on its right.
 void row(const char* label, const char* format, ...) IM_FMTARGS(2);

@@ -62,9 +62,9 @@ void handle_key_presses(const State& state, Commands& commands) {
     if (pressed(key::home)) commands.push(ViewAll{});
     if (pressed('G')) commands.push(SetOverlay{Overlay::wireframe, !state.shows(Overlay::wireframe)});
     if (pressed('M')) {
-        const int modes = flight::picture_modes, step = ImGui::GetIO().KeyShift ? modes - 1 : 1;
+        const int count = flight::picture_modes, step = ImGui::GetIO().KeyShift ? count - 1 : 1;
         commands.push(
-            SetPictureMode{static_cast<flight::PictureMode>((static_cast<int>(state.interface.mode) + step) % modes)});
+            SetPictureMode{static_cast<flight::PictureMode>((static_cast<int>(state.interface.mode) + step) % count)});
     }
 }
 
@@ -111,22 +111,29 @@ void write_over(const State& state, const ui::Rect& view) {
 
 void draw_view(const State& state, const ui::Layout& layout, Commands& commands) {
     const ImGuiIO& io = ImGui::GetIO();
-    const bool is_typing = io.WantTextInput || io.WantCaptureKeyboard;
-    if (!io.WantTextInput && pressed(key::f1)) {
+    const bool modal = is_modal(state.interface.dialog), panel_keys = state.interface.panel_keys;
+    const bool is_typing = modal || panel_keys || io.WantTextInput || io.WantCaptureKeyboard;
+    if (!modal && !io.WantTextInput && pressed(key::f1)) {
         const bool shown = state.interface.dialog == Dialog::keys;
         commands.push(ShowDialog{shown ? Dialog::none : Dialog::keys});
     }
-    if (!state.scene.open()) {
+    if (!state.opening.empty()) {
+        char text[600];
+        std::snprintf(text, sizeof text, "Opening %.500s", state.opening.c_str());
+        plate(layout.view, 0.5F, 0.5F, IM_COL32_WHITE, text);
+    } else if (!state.scene.open()) {
         plate(layout.view, 0.5F, 0.5F, ui::quiet, "No terrain is open: use File > Open, or drop a file here");
-        return;
     }
+    if (!state.scene.open()) return;
     MoveCamera move;
-    move.seconds = std::min(static_cast<double>(io.DeltaTime), 0.25);
-    if (!is_typing && !io.KeyCtrl && !io.KeyAlt && !io.KeySuper && state.interface.dialog == Dialog::none) {
+    move.seconds = state.frame_s;
+    if (!is_typing && !io.KeyCtrl && !io.KeyAlt && !io.KeySuper) {
         steer(move);
         handle_key_presses(state, commands);
     }
     if (!io.WantCaptureMouse) point(state, move);
+    if (panel_keys && !io.WantCaptureMouse && ImGui::IsMouseClicked(ImGuiMouseButton_Left))
+        commands.push(SetSwitch{Switch::panel_keys, false});
     commands.push(move);
     write_over(state, layout.view);
 }

@@ -58,7 +58,7 @@ void add(const std::string& name, const std::string& sight) {
 
 int main(int argc, char** argv) {
     for (const char* panel : editor::panel_names) add(std::string("panel:") + panel, std::string("panel ") + panel);
-    for (const char* dialog : {"open", "compare", "tune", "export", "keys", "messages"})
+    for (const char* dialog : {"open", "compare", "export", "keys", "messages"})
         add(std::string("dialog:") + dialog, std::string("dialog ") + dialog);
     benchmark::Initialize(&argc, argv);
     benchmark::RunSpecifiedBenchmarks();

@@ -219,3 +219,48 @@ TEST_CASE("jobs without a terrain, beside another job or out of range are refuse
     CHECK_THAT(last_message(place.after({"frames 2", "export no/m.glb", "wait"}, "hills.fjell")),
                Catch::Contains("no/m.glb"));
 }
+
+TEST_CASE("heights that a script opens are baked beside themselves without a dialog, and never over a file") {
+    const EditorFiles place;
+    spit(place.folder / "dem.asc", "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 30\n1 2 3\n3 4 5\n5 6 7\n");
+    const json state = place.after({"open dem.asc", "set refine.error_px 3"});
+    CHECK(place.last_code == 0);
+    CHECK(state["interface"]["dialog"] == "none");
+    CHECK(state["scene"]["path"] == "dem.fjell");
+    const std::string pack = slurp(place.folder / "dem.fjell");
+    const json refused = place.after({"open dem.asc"});
+    CHECK(place.last_code == 2);
+    CHECK(last_message(refused).find("dem.fjell: exists already") != std::string::npos);
+    CHECK(slurp(place.folder / "dem.fjell") == pack);
+}
+
+TEST_CASE(
+    "a still view is drawn once, a moving one at half resolution if asked, and what stands still again is whole") {
+    const EditorFiles place;
+    place.bake();
+    const auto draws = [](const json& s) { return s["terrain_draws"].get<std::uint64_t>(); };
+    const json still = place.after({"wait", "frames 4", "dump before.json", "frames 30"}, "hills.fjell");
+    const json before = json::parse(slurp(place.folder / "before.json"));
+    CHECK(still["frame"] >= before["frame"].get<std::uint64_t>() + 30);
+    CHECK(draws(still) == draws(before));
+    // A report is of one frame, whose parts make the whole.
+    const json flown = place.after({"wait", "interface half-resolution on", "navigate orbit", "add-point",
+                                    "jump 9000 9000", "add-point", "play-path on", "frames 20", "frame-report 5"},
+                                   "hills.fjell");
+    CHECK(draws(flown) > 15);
+    const json& view = flown["interface"]["view_px"];
+    const bool software = flown["graphics"].get<std::string>().find("llvmpipe") != std::string::npos;
+    CHECK((flown["half_draws"] > 10) == software); // where a GPU draws, a picture costs too little for that
+    CHECK(still["half_draws"] == 0);
+    const json& f = flown["measures"]["chosen"];
+    REQUIRE(f.is_object());
+    double parts_us = 0;
+    for (const char* part : {"update_us", "stream_us", "upload_us", "draw_us", "present_us", "editor_us"})
+        parts_us += f[part].get<double>();
+    CHECK(parts_us <= f["frame_us"].get<double>());
+    CHECK(parts_us > 0.5 * f["frame_us"].get<double>());
+    const json stopped = place.after({"wait", "interface half-resolution on", "add-point", "jump 9000 9000",
+                                      "add-point", "play-path on", "frames 5", "play-path off", "wait"},
+                                     "hills.fjell");
+    CHECK(stopped["drawn_px"] == json({view[2], view[3]}));
+}

@@ -252,7 +252,8 @@ TEST_CASE("quitting asks about unsaved changes, and a crash does not lose them")
     const std::string profile = home / "mine.toml";
     spit(profile, slurp(FJELL_SOURCE_DIR "/profiles/tiny.toml"));
     const std::string original = slurp(profile);
-    const std::vector<std::string> arguments{small_pack(), "--profile", profile};
+    const std::vector<std::string> arguments{small_pack(), "--profile", profile,   "--size",
+                                             small_window, "--scale",   half_scale};
     const auto change = [](EditorWindow& editor) {
         editor.key("bracketright");
         return editor.until("a change", [](const json& s) { return s["document"]["unsaved"] == true; });
@@ -262,11 +263,12 @@ TEST_CASE("quitting asks about unsaved changes, and a crash does not lose them")
         const json changed = change(editor)["profile"]["refine.error_px"];
         editor.key("ctrl+q");
         editor.until("the question", shows_dialog("unsaved"));
-        editor.click("answer.cancel");
+        editor.key("Escape");
         editor.until("no question", shows_dialog("none"));
         CHECK(slurp(profile) == original);
         editor.key("ctrl+q");
-        editor.click("answer.save");
+        editor.until("the question", shows_dialog("unsaved"));
+        editor.key("Return"); // saves
         CHECK(editor.exit_code() == 0);
         CHECK(slurp(profile).find("error_px = " + changed.dump()) != std::string::npos);
     }
@@ -300,9 +302,9 @@ TEST_CASE("a corrupt pack, a folder that takes nothing and a lost graphics conte
     for (std::size_t i = 0; i < 64; ++i) damaged[i * 7 + 8] ^= 0x55;
     spit(home / "damaged.fjell", damaged);
     EditorWindow editor(display(), home.path,
-                        {small_pack(), "--do", "frames 80", "--do", "open " + home / "damaged.fjell", "--do",
-                         "set refine.error_px 3", "--do", "save-profile /proc/none.toml", "--do", "lose-graphics",
-                         "--do", "wait"});
+                        {small_pack(), "--size", small_window, "--scale", half_scale, "--do", "frames 2", "--do",
+                         "open " + home / "damaged.fjell", "--do", "set refine.error_px 3", "--do",
+                         "save-profile /proc/none.toml", "--do", "lose-graphics", "--do", "wait"});
     const json state = editor.until("the script's end", [](const json& s) {
         return s["messages"].size() >= 3 && s["measures"]["converged"] == true;
     });
@@ -322,22 +324,87 @@ TEST_CASE("a corrupt pack, a folder that takes nothing and a lost graphics conte
     editor.until("undone", [](const json& s) { return s["profile"]["refine.error_px"] == 1; });
 }
 
-TEST_CASE("escape closes a dialog, but first what is being typed in it") {
+TEST_CASE("a dialog has the keyboard, nothing beneath it reacts, and escape closes it, but first what is typed") {
     if (no_windows()) return;
     SmallTerrain terrain;
     EditorWindow& editor = terrain.editor;
     editor.key("F1");
     editor.until("the keys", shows_dialog("keys"));
     editor.key("Escape");
-    editor.until("no dialog", shows_dialog("none"));
+    const json before = editor.until("no dialog", shows_dialog("none"));
+    const Place panel = editor.place("panel.show");
     editor.key("ctrl+o");
     editor.until("the file dialog", shows_dialog("open"));
-    editor.click("browse.name");
+    editor.click_at(panel.x + panel.width / 2, panel.y + panel.height / 2);
+    editor.wheel(2);
+    editor.key("bracketright");
+    json beneath = editor.state();
+    CHECK(beneath["interface"]["left"] == "tune");
+    CHECK(beneath["interface"]["dialog"] == "open");
+    CHECK(beneath["profile"] == before["profile"]);
+    CHECK(beneath["camera"]["speed_m_s"] == before["camera"]["speed_m_s"]);
+    editor.key("Escape");
+    editor.until("no dialog", shows_dialog("none"));
+    editor.key("ctrl+o"); // its first field has the keyboard
     editor.key("a");
     editor.key("Escape");
     CHECK(editor.state()["interface"]["dialog"] == "open");
     editor.key("Escape");
     editor.until("no dialog", shows_dialog("none"));
+}
+
+TEST_CASE("panels hide, fold and are resized by hand, and the next run looks as this one did") {
+    if (no_windows()) return;
+    const TemporaryFolder home;
+    json last;
+    {
+        EditorWindow editor(display(), home.path, {small_pack(), "--size", small_window, "--scale", half_scale});
+        const json before = editor.until("a picture", converged);
+        const Place view = view_of(before), strip = editor.place("handle.left-column");
+        CHECK(view.width >= 0.65 * 600);
+        editor.key("Tab");
+        editor.until("no panels", [](const json& s) { return s["interface"]["view_px"][2] == 600; });
+        editor.key("Tab");
+        editor.key("F11");
+        editor.until("the picture alone", [](const json& s) { return s["interface"]["view_px"][3] == 320; });
+        editor.key("Escape");
+        const json again = editor.until(
+            "all of it", [&](const json& s) { return s["interface"]["view_px"] == before["interface"]["view_px"]; });
+        const double x = strip.x + strip.width / 2, y = strip.y + strip.height / 2;
+        editor.drag_at(x, y, x + 40, y);
+        last = editor.until("a wider column", [&](const json& s) {
+            return s["interface"]["columns"][0]["width_px"] > 325 + 70 && view_of(s).width < view.width - 35;
+        });
+        editor.key("m");
+        editor.click_at(x + 40, y);
+        editor.until("a folded column", [&](const json& s) { return view_of(s).width > view.width; });
+        editor.resize(640, 330);
+        last = editor.until("its mesh", converged);
+        editor.key("ctrl+q");
+        CHECK(editor.exit_code() == 0);
+    }
+    EditorWindow editor(display(), home.path, {small_pack(), "--scale", half_scale});
+    const json next = editor.until("a picture", converged);
+    for (const char* key : {"columns", "window_px", "view_px", "mode"})
+        CHECK(next["interface"][key] == last["interface"][key]);
+    CHECK(next["messages"].empty());
+}
+
+TEST_CASE("an editor at rest draws nothing, and what moves in its panels alone draws no terrain") {
+    if (no_windows()) return;
+    SmallTerrain terrain;
+    EditorWindow& editor = terrain.editor;
+    editor.until("a picture", converged);
+    const json at_rest = editor.until("rest", [](const json& s) { return s["rested_s"] > 0.05; });
+    editor.click("panel.camera");
+    editor.key("F1");
+    const json after = editor.until("the keys", shows_dialog("keys"));
+    CHECK(after["frame"] > at_rest["frame"]);
+    CHECK(after["terrain_draws"] == at_rest["terrain_draws"]);
+    editor.until("rest again", [&](const json& s) { return s["rested_s"] > after["rested_s"]; });
+    editor.key("Escape");
+    editor.key("m"); // another mode is another picture
+    editor.until("a picture of it", [&](const json& s) { return s["terrain_draws"] > at_rest["terrain_draws"]; });
 }
 
 TEST_CASE("a click on the overview jumps there") {

@@ -46,28 +46,58 @@ TEST_CASE("settings, state and cache are where XDG says, at home otherwise, and 
 TEST_CASE("settings are read as they were written, and damaged ones are the defaults, with one line to say so") {
     const TemporaryFolder folder;
     std::string problem;
-    CHECK(read_settings(folder / "config", problem) == Settings{});
+    const auto read = [&] { return read_settings(folder / "config", problem); };
+    CHECK(read() == Settings{});
     CHECK(problem.empty()); // there are none yet
     Settings settings;
     settings.recent = {"/a/b.fjell", "/c \"d\".fjell"};
     settings.folder = "/a";
-    settings.scale = 1.5;
+    settings.look = {1.5, 1700, 900, {}, flight::PictureMode::levels, {true, false, false, true}, false};
+    settings.look.arrangement.turn_to(Panel::budgets);
+    settings.look.arrangement.folded[1] = true;
+    settings.look.arrangement.width_px[0] = 411;
+    settings.look.arrangement.split[1] = 0.25F;
+    settings.look.arrangement.panels = false;
     write_settings(folder / "config", settings);
-    CHECK(read_settings(folder / "config", problem) == settings);
+    CHECK(read() == settings);
     CHECK(problem.empty());
-    const std::string file = folder / "config/editor.json";
+    const std::string file = folder / "config/editor.json", kept = file + ".damaged";
+    CHECK_FALSE(std::filesystem::exists(kept));
     for (const char* text :
-         {"", "{", "[]", "{\"recent\": 3}", "{\"recent\": [3]}", "{\"recent\": [], \"scale\": \"x\"}"}) {
+         {"", "{", "[]", "{\"recent\": 3}", "{\"recent\": [3]}", "{\"recent\": [], \"scale\": \"x\"}",
+          "{\"scale\": 1e9}", "{\"panels\": 3}", "{\"left\": {\"width_px\": 1}}", "{\"window_px\": [9]}",
+          "{\"mode\": \"pretty\"}", "{\"panels_latest\": [\"sound\"]}"}) {
         INFO(text);
         spit(file, text);
-        CHECK(read_settings(folder / "config", problem) == Settings{});
+        CHECK(read() == Settings{});
         CHECK(problem.find("editor.json") != std::string::npos);
         CHECK(problem.find('\n') == std::string::npos);
+        write_settings(folder / "config", settings);
+        CHECK(slurp(kept) == text); // nothing is lost
+        CHECK(read() == settings);
     }
-    spit(file, "{\"recent\": [], \"scale\": 1e9}");
-    CHECK(read_settings(folder / "config", problem).scale == 0);
     spit(folder / "file", "");
     CHECK_THROWS_AS(write_settings(folder / "file/fjell", settings), io::Failure);
+}
+
+TEST_CASE("a key of the settings that means nothing costs that key alone, and an older or newer editor's cost none") {
+    const TemporaryFolder folder;
+    std::filesystem::create_directories(folder / "config");
+    const std::string file = folder / "config/editor.json";
+    std::string problem;
+    spit(file, R"({"recent": ["/a.fjell"], "folder": "/b", "scale": "large", "mode": "levels"})");
+    Settings settings = read_settings(folder / "config", problem);
+    CHECK(problem.find("scale cannot be understood") != std::string::npos);
+    CHECK(settings.recent.size() == 1);
+    CHECK(settings.look.mode == flight::PictureMode::levels);
+    spit(file, R"({"recent": ["/a.fjell"], "folder": "/b", "scale": 2})"); // as the first editors wrote it
+    settings = read_settings(folder / "config", problem);
+    CHECK(problem.empty());
+    CHECK(settings.look.scale == 2);
+    CHECK(settings.look.arrangement == Arrangement{});
+    spit(file, R"({"recent": [], "colours": {"night": true}})");
+    write_settings(folder / "config", settings);
+    CHECK(slurp(file).find("night") != std::string::npos);
 }
 
 TEST_CASE("recent files are absolute, the latest first, each once, ten at most") {

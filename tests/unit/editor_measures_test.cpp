@@ -99,25 +99,53 @@ TEST_CASE("quantiles are the nearest ranks of what was sorted") {
     }
 }
 
+TEST_CASE("a scale reaches to what is usual: one value in a hundred, and one of few, does not stretch it") {
+    Ring ring;
+    CHECK(ring.usual_most() == 0);
+    ring.push(500);
+    CHECK(ring.usual_most() == 500); // there is nothing else
+    for (int i = 1; i <= 20; ++i) ring.push(static_cast<float>(-i));
+    CHECK(ring.usual_most() == 20); // magnitudes
+    for (std::size_t i = 0; i < measured_frames; ++i) ring.push(i % 100 == 7 ? 9000.0F : 3.0F);
+    CHECK(ring.usual_most() == 9000); // six of 512 are more than a hundredth
+    for (std::size_t i = 0; i < measured_frames; ++i) ring.push(i % 128 == 7 ? 9000.0F : 3.0F);
+    CHECK(ring.usual_most() == 3);
+    CHECK(ring.mean() == Approx(3 + 4 * 8997.0 / measured_frames));
+}
+
 TEST_CASE("a frame is recorded once, and one that was built from nothing counts as none of the others") {
     Measures measures;
     flight::FrameEntry entry;
+    const FrameTimes times{16000, 500, 3000, 11000, 400};
+    const auto record = [&](double camera_m, bool drawn) {
+        measures.observe(entry);
+        measures.record(times, {{0, camera_m, 0}, {}, {}}, drawn);
+    };
     entry.update_us = 9000;
     entry.items = 70;
     entry.rebuilt = true;
-    measures.record(entry, 16000, 3000, 400);
+    record(0, true);
     CHECK(measures.frames() == 1);
     CHECK(measures.last().items == 70);
     CHECK(measures.ring(Series::frame_us).size() == 0);
     CHECK(measures.peaks().update_us == 0);
     entry.rebuilt = false;
+    record(0, true); // in which the driver compiles for it
+    CHECK(measures.ring(Series::frame_us).size() == 0);
     entry.update_us = 800;
-    measures.record(entry, 16000, 3000, 400);
+    record(0, true);
     CHECK(measures.ring(Series::frame_us).size() == 1);
     CHECK(measures.ring(Series::editor_us).quantiles().last == 400);
     CHECK(measures.ring(Series::draw_us).quantiles().last == 3000);
+    CHECK(measures.ring(Series::other_us).quantiles().last == 16000 - 800 - 500 - 3000 - 11000 - 400);
     entry.items = 10;
-    measures.record(entry, 16000, 3000, 400);
+    record(2, true);
+    CHECK(measures.frame(0).entry.items == 10);
+    CHECK(measures.frame(0).pose.position_m.y == 2);
+    CHECK(measures.frame(1).entry.items == 70);
+    CHECK(measures.frame(0).number == measures.recorded());
+    record(0, false); // the picture of before was shown again
+    CHECK(measures.ring(Series::frame_us).size() == 2);
     CHECK(measures.peaks().update_us == 800);
     CHECK(measures.peaks().items == 70);
     CHECK(measures.last().items == 10);
@@ -197,4 +225,10 @@ TEST_CASE("a size in bytes has three digits, and the unit that leaves one to thr
         {99'949, "99.9 kB"}, {99'960, "100 kB"}, {999'400, "999 kB"}, {999'500, "1.00 MB"}, {12.34e6, "12.3 MB"},
         {525e6, "525 MB"},   {1.5e9, "1.50 GB"}, {2e12, "2.00 TB"},   {1e15, "1000 TB"}};
     for (const auto& [bytes, text] : sizes) CHECK(std::string(byte_text(bytes).text) == text);
+    const std::pair<double, const char*> counts[] = {
+        {0, "0"}, {999, "999"}, {1000, "1,000"}, {12345.4, "12,345"}, {1234567, "1,234,567"}};
+    for (const auto& [count, text] : counts) CHECK(std::string(count_text(count).text) == text);
+    const std::pair<double, const char*> times[] = {{0, "0.00"},    {274, "0.27"},  {9994, "9.99"},
+                                                    {9996, "10.0"}, {99960, "100"}, {1250000, "1,250"}};
+    for (const auto& [us, text] : times) CHECK(std::string(ms_text(us).text) == text);
 }

@@ -309,6 +309,12 @@ TEST_CASE("what cannot be opened is a message, heights are offered to be baked")
     editor.run("open " + folder / "dem.asc");
     CHECK(editor.state.interface.dialog == Dialog::bake);
     CHECK(editor.state.bake_input == folder / "dem.asc");
+    Editor script;
+    script.state.headless = true;
+    script.run("open " + folder / "dem.asc");
+    CHECK(script.state.interface.dialog == Dialog::none);
+    CHECK(script.jobs.running()); // baked beside, as from the command line
+    script.jobs.cancel();
 }
 
 TEST_CASE("the keys in which a compared profile differs are listed, until theirs are taken") {
@@ -396,6 +402,50 @@ TEST_CASE("packs that were opened are recent in the next run, and headless ones 
     CHECK(next.state.interface.recent == std::vector<std::string>{"/packs/b.fjell", "/packs/a.fjell"});
     CHECK(names_in(home.folder / "state/fjell").empty());
     CHECK(next.state.messages.all.empty());
+}
+
+TEST_CASE("how the window looks is kept once it has come to rest, but not what the command line alone has asked for") {
+    const Home home;
+    const auto frame = [](Editor& editor, double now_s) {
+        editor.state.now_s = now_s;
+        update_file_state(editor.state);
+    };
+    const auto kept = [&] {
+        std::string problem;
+        return read_settings(home.folder / "config/fjell", problem).look;
+    };
+    {
+        Editor editor;
+        start_persistence(editor.state, true);
+        editor.state.interface.scale = 0.5; // --scale 0.5 --size 600x320
+        editor.state.interface.width_px = 600;
+        editor.state.interface.height_px = 320;
+        frame(editor, 0);
+        frame(editor, 5);
+        CHECK(kept() == Look{}); // nothing has changed
+        editor.run("column left width 400");
+        editor.run("panel levels");
+        frame(editor, 6);
+        frame(editor, 6.5);
+        CHECK(kept() == Look{}); // it may still be dragged
+        frame(editor, 7.5);
+        CHECK(kept().arrangement == editor.state.interface.arrangement);
+        CHECK(kept().scale == 0);
+        CHECK(kept().width_px == 0);
+        editor.run("mode wire");
+        editor.state.interface.width_px = 700;
+        frame(editor, 8);
+        finish_persistence(editor.state, true); // at once
+    }
+    CHECK(kept().mode == flight::PictureMode::wire);
+    CHECK(kept().width_px == 700);
+    Editor next;
+    start_persistence(next.state, true);
+    CHECK(next.state.interface.arrangement.shown(left_groups | right_groups) == Panel::levels);
+    CHECK(next.state.interface.mode == flight::PictureMode::wire);
+    Editor script;
+    start_persistence(script.state, false); // a script's pictures are those of everybody
+    CHECK(script.state.interface.arrangement == Arrangement{});
 }
 
 TEST_CASE("settings in which a key is given twice are refused with their line") {

@@ -1,0 +1,42 @@
+// Fields of forms, with their labels under each other, and how a form's job goes: for dialogs and panels of jobs.
+//
+// Thread: the frame's, inside a window. Each is marked as "group.name" and explains itself.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "editor/command.h"
+#include "editor/panels/ui.h"
+#include "editor/state.h"
+
+namespace fjell::editor::fields {
+
+inline constexpr std::size_t path_bytes = 1024;
+using PathText = char[path_bytes];
+void copy(PathText& to, const std::string& from);
+
+// The label's column; the field that follows takes the rest.
+void label(const char* text);
+void path(const char* text, const char* group, const char* name, PathText& text_of, const char* hint,
+          const char* about);
+void number(const char* text, const char* group, const char* name, double& value, const char* format,
+            const char* about);
+void whole(const char* text, const char* group, const char* name, int& value, const char* about); // at least 0
+void choice(const char* text, const char* group, const char* name, int& value, const char* const* names, int count,
+            const char* about);
+// True when it is pressed; grey while it cannot be.
+[[nodiscard]] bool button(const char* text, const char* group, const char* name, bool enabled, const char* about,
+                          bool primary = false);
+
+[[nodiscard]] bool runs(const State& state, JobKind kind);
+void cancel(const char* group, Commands& commands);
+// How the last job of that kind ended, or how far this one is; or that another one runs.
+void outcome(const State& state, JobKind kind, bool with_rate = false);
+
+// A name after the pack's, where the program was started: terrain.fjell and ".csv" make terrain.csv. made_for: the pack
+// that it was suggested for; another one's name is none of a path.
+inline constexpr const char* nothing_yet = "\n";
+void suggest(PathText& path, std::string& made_for, const State& state, const char* ending);
+
+} // namespace fjell::editor::fields
