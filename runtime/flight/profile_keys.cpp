@@ -169,9 +169,10 @@ constexpr ProfileKey keys_before_light[] = {
      .least = min_budget,
      .most = max_triangles,
      .logarithmic = true,
-     .about = "Slots of the index buffer. Triangles, 16 to 536870912. 12 bytes each, on the GPU, too. About two "
-              "an active vertex, and up to an eighth of them is idle in half-full segments. When they do not suffice, the "
-              "threshold rises and the report says \"triangles\". (Incremental.)",
+     .about =
+         "Slots of the index buffer. Triangles, 16 to 536870912. 12 bytes each, on the GPU, too. About two "
+         "an active vertex, and up to an eighth of them is idle in half-full segments. When they do not suffice, the "
+         "threshold rises and the report says \"triangles\". (Incremental.)",
      .rebuild = Rebuild::method,
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut_budget, &CutBudget::triangles>::get,
