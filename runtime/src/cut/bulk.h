@@ -34,6 +34,14 @@ void install_mesh(CutState& s);
 // The next unit of that. False: all is done.
 [[nodiscard]] bool step_install(CutState& s);
 
+// What it has begun to build comes to its end; what it has only decided is forgotten.
+void finish_bulk(CutState& s);
+// From nothing, with all slots. What does not fit leaves the cut as it is.
+[[nodiscard]] BulkStatus build_bulk(CutState& s);
+// After a jump of the camera: builds what is seen, as long as the frame may. True: it has not come to its end, and what
+// is drawn is as it was. What is not seen is due when it has.
+[[nodiscard]] bool run_bulk(CutState& s);
+
 // The squares of one step in one page or, of coarse steps, in one tile; and of what the pass has found there.
 struct BulkSquares {
     const StepGroups* step;

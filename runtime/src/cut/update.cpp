@@ -95,16 +95,6 @@ double view_threshold_px(const View& view, const CutSettings& settings, double e
     return view.error_px > 0 ? view.error_px * (effective_px / settings.error_px) : effective_px;
 }
 
-// What it has begun to build comes to its end; what it has only decided is forgotten.
-void finish_bulk(CutState& s) {
-    BulkPass& b = s.bulk;
-    while (b.phase == BulkPhase::triangles) (void)step_bulk(s);
-    if (b.phase == BulkPhase::built) install_mesh(s);
-    while (b.phase >= BulkPhase::releasing && step_install(s)) {
-    }
-    b.phase = BulkPhase::idle;
-}
-
 // Sets the views; what they may have changed becomes due.
 void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     const Criterion before = s.criterion;
@@ -301,64 +291,10 @@ void begin_frame(CutState& s, const CutSettings& settings) {
     advance_clock(s, s.frame == 1);
 }
 
-// From nothing, with all slots. What does not fit leaves the cut as it is.
-BulkStatus build_bulk(CutState& s) {
-    begin_bulk(s, false);
-    BulkStatus status = BulkStatus::unfinished;
-    while (status == BulkStatus::unfinished) status = step_bulk(s);
-    if (status != BulkStatus::built) return status;
-    install_mesh(s);
-    finish_bulk(s);
-    return status;
-}
-
 // Every slot that is in use: after a rebuild they are the first ones. written: so many vertices were, at most.
 void mark_all(CutState& s, std::uint32_t written) {
     s.dirty_vertices.mark_first(std::max(s.fresh_vertex, written));
     s.dirty_triangles.mark_first((s.segment_count - s.free_segment_count) << s.segment_log2);
-}
-
-// Is it worth while to build anew what is seen, beside what there is? Not where work is counted one by one, or where
-// there is hardly any room.
-bool may_build_beside(const CutState& s) {
-    const std::uint32_t free = free_vertices(s);
-    return s.settings.items == unlimited_items && free >= (s.budget.vertices - free) / 4;
-}
-
-// After a jump of the camera: builds what is seen, as long as the frame may. True: it has not come to its end, and what
-// is drawn is as it was. What is not seen is due when it has.
-bool run_bulk(CutState& s) {
-    BulkPass& b = s.bulk;
-    // A page that the host has unloaded without waiting takes its vertices along, at once; and who has begun to count
-    // items has this frame's.
-    if (b.phase != BulkPhase::idle && (s.settings.items != unlimited_items || has_lost_pages(s))) finish_bulk(s);
-    b.again = b.again || s.leapt;
-    CutReport& r = s.report;
-    do {
-        if (b.again && b.phase < BulkPhase::triangles) {
-            b.again = false;
-            b.phase = BulkPhase::idle;
-            sync_pages(s); // a slot may hold another page by now
-            if (may_build_beside(s)) begin_bulk(s, true);
-        }
-        if (b.phase == BulkPhase::idle) return false;
-        ++r.visits;
-        if (b.phase >= BulkPhase::releasing) {
-            s.jumped = step_install(s) && s.jumped;
-            continue;
-        }
-        switch (step_bulk(s)) {
-        case BulkStatus::unfinished: break;
-        case BulkStatus::built:
-            r.deactivations += s.budget.vertices - free_vertices(s) - corner_slots(s);
-            r.activations += b.taken;
-            install_mesh(s);
-            break;
-        case BulkStatus::no_vertices:
-        case BulkStatus::no_triangles: return false; // one by one, then
-        }
-    } while (!out_of_time(s, true));
-    return b.phase != BulkPhase::idle;
 }
 
 } // namespace

@@ -1,0 +1,72 @@
+// When the bulk pass runs: for a rebuild at once, after a jump of the camera in as many frames as it takes.
+#include "cut/bulk.h"
+#include "cut/pages.h"
+#include "cut/refine.h"
+
+namespace fjell {
+
+void finish_bulk(CutState& s) {
+    BulkPass& b = s.bulk;
+    while (b.phase == BulkPhase::triangles) (void)step_bulk(s);
+    if (b.phase == BulkPhase::built) install_mesh(s);
+    while (b.phase >= BulkPhase::releasing && step_install(s)) {
+    }
+    b.phase = BulkPhase::idle;
+}
+
+BulkStatus build_bulk(CutState& s) {
+    begin_bulk(s, false);
+    BulkStatus status = BulkStatus::unfinished;
+    while (status == BulkStatus::unfinished) status = step_bulk(s);
+    if (status != BulkStatus::built) return status;
+    install_mesh(s);
+    finish_bulk(s);
+    return status;
+}
+
+namespace {
+
+// Is it worth while to build anew what is seen, beside what there is? Not where work is counted one by one, or where
+// there is hardly any room.
+bool may_build_beside(const CutState& s) {
+    const std::uint32_t free = free_vertices(s);
+    return s.settings.items == unlimited_items && free >= (s.budget.vertices - free) / 4;
+}
+
+} // namespace
+
+bool run_bulk(CutState& s) {
+    BulkPass& b = s.bulk;
+    // A page that the host has unloaded without waiting takes its vertices along, at once; and who has begun to count
+    // items has this frame's.
+    if (b.phase != BulkPhase::idle && (s.settings.items != unlimited_items || has_lost_pages(s))) finish_bulk(s);
+    b.again = b.again || s.leapt;
+    CutReport& r = s.report;
+    do {
+        if (b.again && b.phase < BulkPhase::triangles) {
+            b.again = false;
+            b.phase = BulkPhase::idle;
+            sync_pages(s); // a slot may hold another page by now
+            if (may_build_beside(s)) begin_bulk(s, true);
+        }
+        if (b.phase == BulkPhase::idle) return false;
+        ++r.visits;
+        if (b.phase >= BulkPhase::releasing) {
+            s.jumped = step_install(s) && s.jumped;
+            continue;
+        }
+        switch (step_bulk(s)) {
+        case BulkStatus::unfinished: break;
+        case BulkStatus::built:
+            r.deactivations += s.budget.vertices - free_vertices(s) - corner_slots(s);
+            r.activations += b.taken;
+            install_mesh(s);
+            break;
+        case BulkStatus::no_vertices:
+        case BulkStatus::no_triangles: return false; // one by one, then
+        }
+    } while (!out_of_time(s, true));
+    return b.phase != BulkPhase::idle;
+}
+
+} // namespace fjell
