@@ -15,7 +15,8 @@ Texture make_sky_map() {
     glTextureStorage3D(name, 1, GL_RGB16F, sky_columns, sky_rows, sky_slices);
     glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) glTextureParameteri(name, axis, GL_CLAMP_TO_EDGE);
+    for (const GLenum axis : {GLenum{GL_TEXTURE_WRAP_S}, GLenum{GL_TEXTURE_WRAP_T}})
+        glTextureParameteri(name, axis, GL_CLAMP_TO_EDGE);
     return Texture(name);
 }
 

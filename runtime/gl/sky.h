@@ -18,10 +18,10 @@ namespace fjell::gl {
 
 struct Rgb {
     float r = 0, g = 0, b = 0;
-    friend constexpr Rgb operator+(Rgb a, Rgb b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
-    friend constexpr Rgb operator-(Rgb a, Rgb b) { return {a.r - b.r, a.g - b.g, a.b - b.b}; }
-    friend constexpr Rgb operator*(Rgb a, Rgb b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
-    friend constexpr Rgb operator*(Rgb a, float f) { return {a.r * f, a.g * f, a.b * f}; }
+    friend constexpr Rgb operator+(Rgb x, Rgb y) { return {x.r + y.r, x.g + y.g, x.b + y.b}; }
+    friend constexpr Rgb operator-(Rgb x, Rgb y) { return {x.r - y.r, x.g - y.g, x.b - y.b}; }
+    friend constexpr Rgb operator*(Rgb x, Rgb y) { return {x.r * y.r, x.g * y.g, x.b * y.b}; }
+    friend constexpr Rgb operator*(Rgb x, float f) { return {x.r * f, x.g * f, x.b * f}; }
 };
 [[nodiscard]] constexpr float luminance(Rgb c) {
     return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b;

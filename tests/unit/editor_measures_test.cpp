@@ -220,11 +220,11 @@ TEST_CASE("the histogram of the live cut is the plain count, whatever lies idle 
 }
 
 TEST_CASE("a size in bytes has three digits, and the unit that leaves one to three before the point") {
-    const std::pair<double, const char*> sizes[] = {
+    const std::pair<double, const char*> byte_texts[] = {
         {0, "0 B"},          {999, "999 B"},     {1000, "1.00 kB"},   {9994, "9.99 kB"},    {9996, "10.0 kB"},
         {99'949, "99.9 kB"}, {99'960, "100 kB"}, {999'400, "999 kB"}, {999'500, "1.00 MB"}, {12.34e6, "12.3 MB"},
         {525e6, "525 MB"},   {1.5e9, "1.50 GB"}, {2e12, "2.00 TB"},   {1e15, "1000 TB"}};
-    for (const auto& [bytes, text] : sizes) CHECK(std::string(byte_text(bytes).text) == text);
+    for (const auto& [bytes, text] : byte_texts) CHECK(std::string(byte_text(bytes).text) == text);
     const std::pair<double, const char*> counts[] = {
         {0, "0"}, {999, "999"}, {1000, "1,000"}, {12345.4, "12,345"}, {1234567, "1,234,567"}};
     for (const auto& [count, text] : counts) CHECK(std::string(count_text(count).text) == text);
