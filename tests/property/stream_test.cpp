@@ -143,7 +143,7 @@ TEST_CASE("pages that come late and go leave a whole mesh that keeps its promise
     REQUIRE(seen.removed > 5);
     REQUIRE(seen.converged > rounds<std::uint64_t>(1, 3));
     REQUIRE(seen.limited > rounds<std::uint64_t>(1, 3));
-    REQUIRE(seen.declined > rounds<std::uint64_t>(8, 15));
+    REQUIRE(seen.declined > rounds<std::uint64_t>(2, 8));
     REQUIRE(seen.cancelled > rounds<std::uint64_t>(0, 3));
 }
 
@@ -151,8 +151,7 @@ TEST_CASE("reads that fail, bring garbage or are cut short are reported once eac
     const Seen seen =
         fly(302, {rounds(7, 12), 60, {.fails = 0.05, .garbage = 0.05, .short_reads = 0.05, .most_delay = 10}, false});
     CAPTURE(seen.failed, seen.removed);
-    REQUIRE(seen.failed > rounds<std::uint64_t>(10, 20));
-    REQUIRE(seen.removed > 1);
+    REQUIRE(seen.failed > rounds<std::uint64_t>(10, 20)); // pages are removed in the other two
 }
 
 TEST_CASE("reads that never return leave a whole mesh, and what does return is used") {
