@@ -149,10 +149,10 @@ private:
     bool descend() {
         BulkPlace& place = b.places[b.depth - 1];
         const int z = z_now();
-        const std::int32_t n = 1 << s.steps[z].page_log2, finer = 1 << s.steps[z - 1].page_log2, half = finer / 2;
+        const std::int32_t finer = 1 << s.steps[z - 1].page_log2, half = finer / 2;
         const auto quarter = static_cast<std::int32_t>(place.quarter++);
-        const std::int32_t qx = quarter % 2 * half, qy = quarter / 2 * half; // n != half: four of them
-        FJELL_ASSERT(qx < n && qy < n);
+        const std::int32_t qx = quarter % 2 * half, qy = quarter / 2 * half;
+        FJELL_ASSERT(qx < 1 << s.steps[z].page_log2 && qy < 1 << s.steps[z].page_log2);
         const BulkSquares at = squares_at(s, z - 1, 2 * (place.i0 + qx), 2 * (place.j0 + qy));
         const BulkPage* const found = found_in(s, at.slot);
         if (found == nullptr) return false;

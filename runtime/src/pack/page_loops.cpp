@@ -10,11 +10,6 @@
 #include "pack/page_loops.h"
 #include "pack/publish.h"
 
-namespace fjell {
-// Errors of the vertices whose jump was cut off.
-void far_errors(const CornerSteps& corners, const LeafErrors& leaf, const std::uint16_t* jump, PageArrays& page);
-} // namespace fjell
-
 HWY_BEFORE_NAMESPACE();
 namespace fjell::HWY_NAMESPACE {
 

@@ -36,4 +36,7 @@ void write_page_scalar(const PageArrays& page, std::uint32_t count, VertexRecord
            static_cast<std::uint32_t>(page.radii[vertex]) << 24;
 }
 
+// Of leaf_errors(): errors of the vertices whose jump (|2 h - a - b|) was cut off at the table's end.
+void far_errors(const CornerSteps& corners, const LeafErrors& leaf, const std::uint16_t* jump, PageArrays& page);
+
 } // namespace fjell
