@@ -112,3 +112,37 @@ TEST_CASE("what was taken is not given twice") {
     CHECK(cut.update({&view, 1}, {}).vertices_changed == 0);
     CHECK(taken() == 0);
 }
+
+TEST_CASE("a rebuild that cuts a jump short tells what the jump has written") {
+    Random random(483);
+    int cut_short = 0;
+    for (int round = 0; round < rounds(30, 120); ++round) {
+        const auto pack = random_terrain(random, 140, 6);
+        Cut cut(pack.terrain, ample_cut(pack.terrain, 2));
+        CutSettings settings;
+        settings.error_px = random_threshold(random);
+        settings.morph = Morph::error;
+        View view = random_view(random, pack.terrain);
+        cut.rebuild({&view, 1}, settings);
+        (void)cut_take_changes(cut.cut);
+        const CutMesh live = cut_mesh(cut.cut); // slots that are free, too
+        std::vector<MeshVertex> vertices(live.mesh.vertices.begin(), live.mesh.vertices.end());
+        std::vector<MorphVertex> morph(live.morph.begin(), live.morph.end());
+        for (int frame = 0; frame < 6; ++frame) {
+            view = random_view(random, pack.terrain);
+            settings.visits = static_cast<std::uint32_t>(pick(random, 1, 120));
+            const bool rebuilds = frame % 2 == 1;
+            cut_short += rebuilds && cut.state().bulk.phase == BulkPhase::triangles;
+            rebuilds ? cut.rebuild({&view, 1}, settings) : cut.update({&view, 1}, settings);
+            const CutChanges changes = cut_take_changes(cut.cut);
+            for_each_run(changes.vertex_bits, changes.vertex_words, [&](std::uint32_t first, std::uint32_t count) {
+                std::copy_n(live.mesh.vertices.begin() + first, count, vertices.begin() + first);
+                std::copy_n(live.morph.begin() + first, count, morph.begin() + first);
+            });
+            CAPTURE(round, frame);
+            REQUIRE(std::memcmp(vertices.data(), live.mesh.vertices.data(), vertices.size() * sizeof(MeshVertex)) == 0);
+            REQUIRE(std::memcmp(morph.data(), live.morph.data(), morph.size() * sizeof(MorphVertex)) == 0);
+        }
+    }
+    CHECK(cut_short > rounds(3, 12));
+}

@@ -106,14 +106,6 @@ struct DirtyBits {
         }
         for (; first < end; ++first) mark(first);
     }
-    void mark_first(std::uint32_t count) { // slots 0 to count - 1, and no others
-        clear();
-        for (; slots + 64 <= count; slots += 64) {
-            bits[slots / 64] = ~std::uint64_t{0};
-            words[word_count++] = slots / 64;
-        }
-        while (slots < count) mark(slots);
-    }
     void clear() {
         for (std::uint32_t i = 0; i < word_count; ++i) bits[words[i]] = 0;
         word_count = slots = 0;

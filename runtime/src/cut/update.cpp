@@ -291,10 +291,11 @@ void begin_frame(CutState& s, const CutSettings& settings) {
     advance_clock(s, s.frame == 1);
 }
 
-// Every slot that is in use: after a rebuild they are the first ones. written: so many vertices were, at most.
+// Every slot that is in use: after a rebuild they are the first ones. written: so many vertices were, at most. Others
+// stay marked: a jump's build that a rebuild cut short has written there.
 void mark_all(CutState& s, std::uint32_t written) {
-    s.dirty_vertices.mark_first(std::max(s.fresh_vertex, written));
-    s.dirty_triangles.mark_first((s.segment_count - s.free_segment_count) << s.segment_log2);
+    s.dirty_vertices.mark_range(0, std::max(s.fresh_vertex, written));
+    s.dirty_triangles.mark_range(0, (s.segment_count - s.free_segment_count) << s.segment_log2);
 }
 
 } // namespace
