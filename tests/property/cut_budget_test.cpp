@@ -70,11 +70,13 @@ TEST_CASE("a slot costs the bytes that the headers say") {
     const std::size_t least = grown(0, 0, 0);
     CHECK((grown(more, 0, 0) - least) / more == cut_vertex_bytes);
     CHECK((grown(0, more, 0) - least) / more == cut_triangle_bytes);
-    CHECK((grown(0, 0, 7000) - least + 500) / 7000 == cut_page_slot_bytes);
+    // More slots than there are states, and fewer.
+    CHECK((grown(0, 0, 14000) - grown(0, 0, 7000) + 3500) / 7000 == cut_page_slot_bytes);
+    CHECK((grown(more, 0, 14000) - grown(more, 0, 7000) + 3500) / 7000 == cut_page_slot_bytes + cut_page_bytes);
     const auto slots = [&](std::uint32_t count) { return terrain_bytes(pack.terrain.header(), {.page_slots = count}); };
     const std::uint32_t tiles = pack.terrain.tile_count(), pages = pack.terrain.page_count();
     const std::size_t page = (slots(pages) - slots(tiles)) / (pages - tiles);
-    CHECK((page + cut_page_slot_bytes + 500) / 1000 == 33); // README: 33 KB each
+    CHECK((page + cut_page_bytes + 500) / 1000 == 33); // docs/guides/embedding-streaming.md: 33 KB each
 }
 
 TEST_CASE("each budget that is too small alone lowers quality, names itself, breaks nothing and is forgiven") {

@@ -129,9 +129,9 @@ VertexSet only_corners(const Terrain& t, bool others) {
 VertexSet active_set(Cut& cut) {
     const CutState& s = cut.state();
     VertexSet set = only_corners(s.terrain_handle, false);
-    for (std::uint32_t slot = 0; slot < s.terrain->slot_count; ++slot) {
-        if (s.page_slot[slot].page == no_index) continue;
-        for (std::uint32_t n = 0; n < s.shapes[s.page_slot[slot].shape].count * group_lanes; ++n) {
+    for (std::uint32_t slot = 0; slot < s.page_count; ++slot) {
+        if (s.page_state[slot].page == no_index) continue;
+        for (std::uint32_t n = 0; n < s.shapes[s.page_state[slot].shape].count * group_lanes; ++n) {
             const std::uint32_t vertex = slot * max_page_groups * group_lanes + n;
             if (s.groups[vertex / group_lanes].active & bit_of(vertex))
                 set[place(s.terrain_handle, site_coord(site_of(s, vertex)))] = true;

@@ -58,9 +58,9 @@ struct Scene {
         REQUIRE(walk() == "");
         lane = [this](auto holds) {
             return first(s.group_count * group_lanes, [&](std::uint32_t v) {
-                if (s.page_slot[v / group_lanes / max_page_groups].page == no_index) return false;
+                if (s.page_state[v / group_lanes / max_page_groups].page == no_index) return false;
                 const std::uint32_t n = v / group_lanes % max_page_groups;
-                const PageShape& shape = s.shapes[s.page_slot[v / group_lanes / max_page_groups].shape];
+                const PageShape& shape = s.shapes[s.page_state[v / group_lanes / max_page_groups].shape];
                 if (n >= shape.count || v % group_lanes >= shape.groups[n].lanes) return false;
                 return exists(s, site_of(s, v)) && find_vertex(s, site_of(s, v)) == v &&
                        holds(s.groups[v / group_lanes], bit_of(v));
@@ -114,12 +114,18 @@ TEST_CASE("a walk over a cut names every mask, slot and page that was tampered w
     plant(walk, s.free_vertex_count, s.free_vertex_count - 1, "a vertex slot is used or free twice, or lost");
     plant(walk, s.fresh_vertex, s.fresh_vertex + 1, "a vertex slot is used or free twice, or lost");
 
-    PageSlot& info = s.page_slot[leaf / group_lanes / max_page_groups];
+    PageState& info = s.page_state[leaf / group_lanes / max_page_groups];
     plant(walk, info.active, static_cast<std::uint16_t>(info.active + 1), "a page counts its active vertices wrongly");
-    plant(walk, info.touched, false, "a page with active vertices would be left out by reset()");
-    plant(walk, info.status, PageSlotStatus::evicting, "pages that are evicted do not add up");
-    plant(walk, info.loads, info.loads + 1, "a page slot holds another page than the terrain's");
-    plant(walk, s.page_groups[info.page], no_index, "a page is not where its slot says");
+    plant(walk, info.parents, info.parents - 1, "a page counts its vertices' parents wrongly");
+    plant(walk, info.status, PageStatus::evicting, "a page is evicted, and its state does not say so");
+    plant(walk, info.terrain_slot, s.terrain->slot_count, "a page's records are another page's");
+    plant(walk, s.page_groups[info.page], no_index, "a page's state is not where the page says");
+    LoadedPage& loaded = s.loaded[info.terrain_slot];
+    plant(walk, loaded.loads, loaded.loads + 1, "a page is loaded, and the cut has not entered it");
+    plant(walk, loaded.page, no_index, "a page's records are another page's");
+    plant(walk, s.busy_pages, s.busy_pages + 1, "busy pages do not add up");
+    plant(walk, s.tiles_waiting, s.tiles_waiting + 1, "tiles whose page 0 has no state do not add up");
+    plant(walk, s.fresh_page, s.fresh_page + 1, "states are lost, or free twice");
     plant(walk, s.report.vertices, s.report.vertices - 1, "the report counts vertices wrongly");
     plant(walk, s.report.triangles, s.report.triangles + 1, "the report counts triangles wrongly");
     REQUIRE(s.late_count > 1);

@@ -36,16 +36,26 @@ inline constexpr std::uint32_t max_cut_views = 8;
 
 // What a cut may use: fixed at creation.
 struct CutBudget {
-    std::uint32_t vertices = 1u << 19;  // slots of the vertex buffer, cut_vertex_bytes each; 4 a tile at least
+    // Slots of the vertex buffer, cut_vertex_bytes each; 4 a tile at least. And states of pages (cut_pages()): where
+    // those are spent, vertices are.
+    std::uint32_t vertices = 1u << 19;
     std::uint32_t triangles = 1u << 20; // slots of the index buffer, cut_triangle_bytes each
     // Triangles lie tile by tile, in segments of this many slots: a segment is one draw range. 8 to 65,536, a power of
     // two.
     std::uint32_t segment_triangles = 512;
     std::uint32_t views = 1; // 1 to max_cut_views
 };
-// Bytes of cut_bytes() for a slot of each buffer (some bits of bookkeeping not counted), and for each page slot of the
-// terrain (TerrainBudget::page_slots).
-inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 12, cut_page_slot_bytes = 20'700;
+// Bytes of cut_bytes() for a slot of each buffer (some bits of bookkeeping not counted), for each page slot of the
+// terrain (TerrainBudget::page_slots), and for the state of a page.
+inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 12, cut_page_slot_bytes = 28,
+                             cut_page_bytes = 20'712;
+// A page has a state while one of its vertices may become active. So many can at a time: as measured, one holds 100 to
+// 280 active vertices, but for every tile's coarsest page, which always has a state. page_slots, tiles: the terrain's.
+[[nodiscard]] constexpr std::uint32_t cut_pages(const CutBudget& budget, std::uint32_t page_slots,
+                                                std::uint32_t tiles) {
+    const std::uint32_t most = tiles + 256 + budget.vertices / 64;
+    return most < page_slots ? most : page_slots;
+}
 
 // How a vertex appears and disappears: geomorphing (thesis 5.4.1). With error and time
 // vertices are activated at error_px / (1 + nesting)^2, on the edge that they split, and reach their height at

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "cut/evaluate.h"
+#include "cut/pages.h"
 #include "pack/record.h"
 
 namespace fjell {
@@ -22,8 +23,19 @@ BulkPage& visit(CutState& s, std::uint32_t slot) {
     return page;
 }
 
+// The page that squares lie in has a state then. False: it is not loaded, or there is none to be had.
+bool attach_squares(CutState& s, BulkSquares& at) {
+    if (at.slot != no_index) return true;
+    const std::uint32_t page = place_of(s, {at.z, VertexKind::centre, at.i0, at.j0}).page;
+    if (!attach_page(s, page)) s.bulk.no_pages = true;
+    if (s.page_groups[page] == no_index) return false;
+    at.slot = s.page_groups[page] / max_page_groups;
+    return true;
+}
+
 void visit_at(CutState& s, int z, std::int32_t i, std::int32_t j) {
-    if (const std::uint32_t slot = squares_at(s, z, i, j).slot; slot != no_index) (void)visit(s, slot);
+    BulkSquares squares = squares_at(s, z, i, j);
+    if (attach_squares(s, squares)) (void)visit(s, squares.slot);
 }
 
 std::uint32_t row_bits(const BulkPage* page, std::uint32_t row) {
@@ -66,7 +78,7 @@ private:
 
     void prefetch(std::uint32_t number) const {
         const VertexRecord* const records = s.terrain->records + std::size_t{at_.slot} * s.terrain->page_capacity +
-                                            s.shapes[s.page_slot[at_.slot].shape].groups[number].first;
+                                            s.shapes[s.page_state[at_.slot].shape].groups[number].first;
         __builtin_prefetch(records);
         __builtin_prefetch(records + group_lanes - 1);
     }
@@ -81,7 +93,7 @@ private:
         if (bulk_capacity(s) -
             s.bulk.taken<group_lanes&& static_cast<std::uint32_t>(std::popcount(answers.wanted))> bulk_capacity(s) -
             s.bulk.taken) {
-            s.bulk.full = true;
+            s.bulk.no_vertices = true;
             return;
         }
         const double ticks = static_cast<double>(answers.slack_m) * ticks_a_metre_;
@@ -128,17 +140,18 @@ private:
 };
 
 // May any of a page's vertices, or what lies under them, be seen? Their spheres hold all that.
-bool may_be_seen(const CutState& s, const PageSlot& page) {
+bool may_be_seen(const CutState& s, const PageState& page) {
     if (page.shape == 0) return true;
     const TerrainData& t = *s.terrain;
     const std::int32_t cells = static_cast<std::int32_t>(2 * page_squares) << page.z;
-    const double out = static_cast<double>(page.radius_m) * (1 + 0x1p-18);
+    const double out = static_cast<double>(page.extent.radius_m) * (1 + 0x1p-18);
     for (std::uint32_t i = 0; i < s.view_count; ++i) {
         const Vec3& eye = s.views[i].eye_m;
-        const double low[3] = {static_cast<double>(t.x_m(page.x0)) - eye.x, static_cast<double>(page.low_m) - eye.y,
+        const double low[3] = {static_cast<double>(t.x_m(page.x0)) - eye.x,
+                               static_cast<double>(page.extent.low_m) - eye.y,
                                static_cast<double>(t.z_m(page.y0)) - eye.z},
                      high[3] = {static_cast<double>(t.x_m(page.x0 + cells)) - eye.x,
-                                static_cast<double>(page.high_m) - eye.y,
+                                static_cast<double>(page.extent.high_m) - eye.y,
                                 static_cast<double>(t.z_m(page.y0 + cells)) - eye.z};
         bool inside = true;
         for (int plane = 0; plane < 6 && inside; ++plane) {
@@ -166,12 +179,12 @@ Part part_of(const CutState& s, const BulkSquares& at, std::uint32_t part) {
 }
 
 // False: there is nothing to decide in any part.
-bool decide_centres(CutState& s, const BulkSquares& at, const Part& part) {
+bool decide_centres(CutState& s, BulkSquares& at, const Part& part) {
     std::uint32_t parents[2][page_squares];
-    if (at.slot == no_index || !centre_parents(s, at, parents)) return false;
+    if (!centre_parents(s, at, parents) || !attach_squares(s, at)) return false;
     Decider page(s, at);
-    if (s.page_slot[at.slot].status == PageSlotStatus::evicting) return false;
-    const bool waits = s.bulk.beside && !may_be_seen(s, s.page_slot[at.slot]);
+    if (s.page_state[at.slot].status == PageStatus::evicting) return false;
+    const bool waits = s.bulk.beside && !may_be_seen(s, s.page_state[at.slot]);
     for (std::int32_t j = waits ? 0 : part.first; j < (waits ? at.n : part.end); ++j)
         page.add(at.row(VertexKind::centre, j), parents[0][j] & parents[1][j]);
     if (waits)
@@ -221,7 +234,7 @@ void decide_sides(CutState& s, const BulkSquares& at, const Part& part) {
 
 // The squares of a step in a page that is listed.
 BulkSquares listed_squares(const CutState& s, std::uint32_t slot, int z) {
-    const PageSlot& page = s.page_slot[slot];
+    const PageState& page = s.page_state[slot];
     const StepGroups& step = s.steps[z];
     return {&step,
             slot,
@@ -304,13 +317,13 @@ bool centre_parents(const CutState& s, const BulkSquares& at, std::uint32_t (&pa
 
 void begin_bulk(CutState& s, bool beside) {
     BulkPass& b = s.bulk;
-    FJELL_ASSERT(b.phase < BulkPhase::releasing);
+    FJELL_ASSERT(b.phase == BulkPhase::idle);
     if (++b.build == 0) { // as good as never
-        for (std::uint32_t slot = 0; slot < s.terrain->slot_count; ++slot) b.pages[slot].build = 0;
+        for (std::uint32_t slot = 0; slot < s.page_count; ++slot) b.pages[slot].build = 0;
         b.build = 1;
     }
     b.beside = beside;
-    b.full = false;
+    b.no_vertices = b.no_pages = false;
     b.taken = b.visited_count = b.listed_count[0] = b.listed_count[1] = b.at = b.part = 0;
     b.free_before = beside ? s.free_vertex_count : 0;
     b.fresh_before = beside ? s.fresh_vertex : corner_slots(s);
@@ -319,10 +332,20 @@ void begin_bulk(CutState& s, bool beside) {
     std::fill_n(b.travelled_m, grade_count, 0.0);
 }
 
+void drop_bulk(CutState& s) {
+    BulkPass& b = s.bulk;
+    FJELL_ASSERT(b.phase < BulkPhase::releasing);
+    for (std::uint32_t i = 0; b.phase != BulkPhase::idle && i < b.visited_count; ++i) note_idle(s, b.visited[i]);
+    b.phase = BulkPhase::idle;
+}
+
 namespace {
 
 BulkStatus stop(CutState& s, BulkStatus status) {
-    s.bulk.phase = status == BulkStatus::built ? BulkPhase::built : BulkPhase::idle;
+    if (status == BulkStatus::built)
+        s.bulk.phase = BulkPhase::built;
+    else
+        drop_bulk(s);
     return status;
 }
 
@@ -332,7 +355,8 @@ BulkStatus step_bulk(CutState& s) {
     BulkPass& b = s.bulk;
     FJELL_ASSERT(b.phase == BulkPhase::centres || b.phase == BulkPhase::sides || b.phase == BulkPhase::triangles);
     if (b.phase == BulkPhase::triangles) return step_triangles(s) ? BulkStatus::unfinished : stop(s, BulkStatus::built);
-    if (b.full) return stop(s, BulkStatus::no_vertices);
+    if (b.no_vertices) return stop(s, BulkStatus::no_vertices);
+    if (b.no_pages) return stop(s, BulkStatus::no_pages);
     if (b.phase == BulkPhase::centres) {
         BulkSquares squares;
         if (next_squares(s, squares)) {

@@ -13,14 +13,16 @@
 
 namespace fjell {
 
-// Begins anew, with the decision as it is set; what was under way is forgotten, unless it has been installed, which
-// must be finished. beside: only in slots that are free, so that what is drawn stays as it is; otherwise in all of
-// them.
+// Begins, with the decision as it is set. beside: only in slots that are free, so that what is drawn stays as it is;
+// otherwise in all of them.
 void begin_bulk(CutState& s, bool beside);
 
-enum class BulkStatus : std::uint8_t { unfinished, built, no_vertices, no_triangles };
-// The next unit of deciding and building. no_vertices, no_triangles: the capacities do not suffice; idle again, and
-// nothing has changed.
+// What was under way is forgotten, and the pass idle. Not when it has been installed.
+void drop_bulk(CutState& s);
+
+enum class BulkStatus : std::uint8_t { unfinished, built, no_vertices, no_triangles, no_pages };
+// The next unit of deciding and building. no_vertices, no_triangles, no_pages: that capacity does not suffice; idle
+// again, and nothing has changed.
 [[nodiscard]] BulkStatus step_bulk(CutState& s);
 
 // Of it the triangles, once all vertices are decided (bulk_mesh.cpp). begin: false when there might not be segments
@@ -59,7 +61,7 @@ struct BulkSquares {
     [[nodiscard]] std::uint32_t all() const { return n == 32 ? ~0u : (1u << n) - 1; }
 };
 
-// Those that a square lies in. Its slot is no_index when its page is not loaded. The square must exist.
+// Those that a square lies in. Its slot is no_index when its page has no state. The square must exist.
 [[nodiscard]] inline BulkSquares squares_at(const CutState& s, int z, std::int32_t i, std::int32_t j) {
     const StepGroups& step = s.steps[z];
     const std::uint32_t vertex = find_vertex(s, {z, VertexKind::centre, i, j});

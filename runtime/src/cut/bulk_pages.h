@@ -12,7 +12,7 @@ namespace fjell {
 // Rows of the planes of a page: a full one has 32 + 33 + 32 of 32 lanes, and its column; page 0 has a row a group.
 inline constexpr std::uint32_t bulk_rows = 103;
 
-// Of a page slot. Holds something while `build` is the pass'.
+// Of a page that has a state. Holds something while `build` is the pass'.
 struct BulkPage {
     std::uint32_t build;
     std::uint32_t grades; // 1 + the highest grade of the groups that were evaluated; 0: none was
@@ -58,24 +58,24 @@ struct BulkPlace {
 };
 
 struct BulkPass {
-    BulkPage* pages;          // one a page slot
-    std::uint32_t* visited;   // slots whose pages hold something
-    std::uint32_t* listed[2]; // slots with active centres of the coarser step, and of the one in work
+    BulkPage* pages;          // one a page state
+    std::uint32_t* visited;   // states of pages that hold something
+    std::uint32_t* listed[2]; // of those with active centres of the coarser step, and of the one in work
     std::uint32_t visited_count, listed_count[2];
     SlotGrid* grids;           // one a step
     TileStack* tiles;          // as many as CutState::tiles
     std::uint32_t (*bases)[2]; // a tile's two triangles, where its root is not active; no_index where it is
     std::uint32_t build;
     bool beside;         // only slots that are free are used; otherwise all are, and what was drawn is gone
-    bool full;           // there were not enough vertices
     bool again;          // the camera has jumped once more
     std::uint32_t taken; // vertices so far: the n-th has bulk_slot(n)
     std::uint32_t free_before, fresh_before; // of CutState::free_vertices, when the pass began
     std::uint32_t mapped;                    // entries of that stack that say so while the state follows
     BulkPhase phase;
-    std::int32_t z;     // step in work
-    std::uint32_t at;   // next tile or page
-    std::uint32_t part; // of it
+    bool no_vertices, no_pages; // there were not enough
+    std::int32_t z;             // step in work
+    std::uint32_t at;           // next tile or page
+    std::uint32_t part;         // of it
     std::uint32_t depth;
     double travelled_m[grade_count]; // by the odometers, since the pass began
     BulkPlace places[max_tile_log2];

@@ -11,7 +11,7 @@ void finish_bulk(CutState& s) {
     if (b.phase == BulkPhase::built) install_mesh(s);
     while (b.phase >= BulkPhase::releasing && step_install(s)) {
     }
-    b.phase = BulkPhase::idle;
+    drop_bulk(s);
 }
 
 BulkStatus build_bulk(CutState& s) {
@@ -33,6 +33,11 @@ bool may_build_beside(const CutState& s) {
     return s.settings.items == unlimited_items && free >= (s.budget.vertices - free) / 4;
 }
 
+// It takes states of pages that it finds, while those of what is drawn stay.
+bool needs_pages(const CutState& s) {
+    return may_lack_pages(s) && free_pages(s) < s.page_count / 2;
+}
+
 } // namespace
 
 bool run_bulk(CutState& s) {
@@ -44,8 +49,12 @@ bool run_bulk(CutState& s) {
     CutReport& r = s.report;
     do {
         if (b.again && b.phase < BulkPhase::triangles) {
+            drop_bulk(s);
+            if (needs_pages(s) && reclaim_page(s)) {
+                ++r.visits;
+                continue;
+            }
             b.again = false;
-            b.phase = BulkPhase::idle;
             sync_pages(s); // a slot may hold another page by now
             if (may_build_beside(s)) begin_bulk(s, true);
         }
@@ -63,7 +72,8 @@ bool run_bulk(CutState& s) {
             install_mesh(s);
             break;
         case BulkStatus::no_vertices:
-        case BulkStatus::no_triangles: return false; // one by one, then
+        case BulkStatus::no_triangles:
+        case BulkStatus::no_pages: return false; // one by one, then
         }
     } while (!out_of_time(s, true));
     return b.phase != BulkPhase::idle;

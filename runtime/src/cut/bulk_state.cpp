@@ -19,9 +19,8 @@ public:
     Installer(CutState& state, std::uint32_t slot) : s(state), slot_(slot), page_(s.bulk.pages[slot]), taken_(state) {}
 
     void page() {
-        PageSlot& info = s.page_slot[slot_];
-        if (info.touched || info.shape == 0) clear_page(s, slot_); // a root may wait where nothing is active
-        touch(s, slot_);
+        PageState& info = s.page_state[slot_];
+        clear_page(s, slot_);
         const int finest = info.shape == 0 ? std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
                   coarsest = info.shape == 0 ? s.terrain->tree.tile_log2 - 1 : info.z;
         std::uint32_t active = 0;
@@ -32,7 +31,7 @@ public:
 
 private:
     std::uint32_t step(int z) {
-        const PageSlot& info = s.page_slot[slot_];
+        const PageState& info = s.page_state[slot_];
         const StepGroups& step = s.steps[z];
         at_ = {&step,
                slot_,
@@ -68,8 +67,8 @@ private:
             };
             GroupState& group = s.groups[first + word];
             group.active = part(active);
-            group.parent[0] |= part(parent0);
-            group.parent[1] |= part(parent1);
+            add_parents(group.parent[0], part(parent0));
+            add_parents(group.parent[1], part(parent1));
             for (std::size_t d = 0; d < 4; ++d) group.child[d] = part(child[d]);
         }
         std::uint32_t number = page_.first[row];
@@ -77,6 +76,11 @@ private:
         const BulkSlots taken = taken_;
         for (std::uint32_t left = active; left != 0; left &= left - 1) slots[std::countr_zero(left)] = taken[number++];
         return static_cast<std::uint32_t>(std::popcount(active));
+    }
+
+    void add_parents(std::uint16_t& mask, std::uint16_t parents) {
+        count_parents(s, slot_, static_cast<std::uint32_t>(std::popcount(static_cast<std::uint16_t>(parents & ~mask))));
+        mask |= parents;
     }
 
     std::uint32_t centres(std::int32_t j, std::uint32_t parent0, std::uint32_t parent1) {
@@ -127,7 +131,7 @@ private:
 
 // What was active in a page gives its slots back.
 void release(CutState& s, std::uint32_t slot) {
-    PageSlot& page = s.page_slot[slot];
+    PageState& page = s.page_state[slot];
     for (std::uint32_t n = 0; page.active != 0 && n < s.shapes[page.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
         for (std::uint32_t left = s.groups[number].active; left != 0; left &= left - 1, --page.active) {
@@ -177,13 +181,15 @@ void install_mesh(CutState& s) {
 bool step_install(CutState& s) {
     BulkPass& b = s.bulk;
     if (b.phase == BulkPhase::releasing) {
-        if (s.touched_count != 0) {
-            const std::uint32_t slot = s.touched_pages[--s.touched_count];
-            PageSlot& page = s.page_slot[slot];
-            page.listed = false;
-            if (page.touched && b.beside) release(s, slot);
+        while (b.at != s.fresh_page) {
+            const std::uint32_t slot = b.at++;
+            if (s.page_state[slot].page == no_index) continue;
+            if (b.beside) release(s, slot);
             clear_page_schedule(s.schedule, slot);
-            if (page.touched && found_in(s, slot) == nullptr) clear_page(s, slot);
+            if (found_in(s, slot) == nullptr) {
+                clear_page(s, slot);
+                note_idle(s, slot);
+            }
             return true;
         }
         b.phase = BulkPhase::installing;

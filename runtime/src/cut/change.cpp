@@ -7,6 +7,7 @@
 #include "cut/lag.h"
 #include "cut/mesh.h"
 #include "cut/morph.h"
+#include "cut/pages.h"
 
 namespace fjell {
 
@@ -27,7 +28,7 @@ void queue_activation(CutState& s, std::uint32_t vertex, std::uint32_t rank) {
 }
 
 bool is_evicting(const CutState& s, std::uint32_t vertex) {
-    return s.page_slot[vertex / group_lanes / max_page_groups].status == PageSlotStatus::evicting;
+    return s.page_state[vertex / group_lanes / max_page_groups].status == PageStatus::evicting;
 }
 
 // A vertex has just become ready, or an active one childless: when must it be evaluated?
@@ -87,7 +88,7 @@ int splits_of(const CutState& s, const Site& site, std::uint32_t vertex, Split (
         }
         // The centre of the two lies inside its tile.
         const std::uint32_t inside = site.kind == VertexKind::centre ? vertex : split.parent;
-        split.tile = s.page_slot[inside / group_lanes / max_page_groups].tile;
+        split.tile = s.page_state[inside / group_lanes / max_page_groups].tile;
         out[count++] = split;
     }
     return count;
@@ -98,6 +99,30 @@ bool room_for(const CutState& s, const Split* splits, int count) {
     std::uint32_t segments = s.some_hidden && room_in(s, hidden_tile(s)) < 4 ? 1 : 0;
     for (int i = 0; i < count; ++i) segments += room_in(s, splits[i].tile) < 4 ? 1 : 0;
     return segments == 0 || s.free_segment_count >= segments + 2;
+}
+
+// The vertices that are children of a vertex; no_index where there is none, or its page is not loaded.
+struct ChildVertices {
+    std::uint32_t vertex[4];
+};
+
+// All of them have states then. False: there was none to be had, and nothing has changed.
+bool find_children(CutState& s, const Site& site, ChildVertices& out) {
+    const bool leaf = site.kind != VertexKind::centre && site.z == 0;
+    for (int d = 0; d < 4; ++d) {
+        out.vertex[d] = no_index;
+        const Site child = child_site(site, d);
+        if (leaf || !exists(s, child)) continue;
+        const Place at = place_of(s, child);
+        if (!attach_page(s, at.page)) {
+            while (d-- != 0) // what was attached for nothing
+                if (out.vertex[d] != no_index) note_idle(s, out.vertex[d] / group_lanes / max_page_groups);
+            return false;
+        }
+        const std::uint32_t first = s.page_groups[at.page];
+        if (first != no_index) out.vertex[d] = first * group_lanes + at.vertex;
+    }
+    return true;
 }
 
 } // namespace
@@ -119,6 +144,8 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
         if (splits[n].parent != no_index &&
             (is_evicting(s, splits[n].parent) || morphs_out(s, s.vertex_slot[splits[n].parent])))
             return Outcome::gated;
+    ChildVertices children;
+    if (!find_children(s, site, children)) return Outcome::no_pages;
     const Evaluation v = evaluate_vertex(s, vertex, site, true);
 
     const std::uint32_t slot = take_vertex(s);
@@ -136,9 +163,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     s.vertex_slot[vertex] = slot;
     GroupState& group = s.groups[vertex / group_lanes];
     group.active |= bit_of(vertex);
-    PageSlot& info = s.page_slot[vertex / group_lanes / max_page_groups];
-    ++info.active;
-    touch(s, vertex / group_lanes / max_page_groups);
+    ++s.page_state[vertex / group_lanes / max_page_groups].active;
 
     for (int n = 0; n < count; ++n) {
         const Split& split = splits[n];
@@ -151,16 +176,13 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
         if (split.parent == no_index) continue;
         s.groups[split.parent / group_lanes].child[split.key % 4] |= bit_of(split.parent);
     }
-    if (site.kind != VertexKind::centre && site.z == 0) return Outcome::done;
     for (int d = 0; d < 4; ++d) {
-        const Site child = child_site(site, d);
-        if (!exists(s, child)) continue;
-        const std::uint32_t found = find_vertex(s, child);
+        const std::uint32_t found = children.vertex[d];
         if (found == no_index) continue;
         GroupState& of_child = s.groups[found / group_lanes];
         of_child.parent[parent_number(site.kind, d)] |= bit_of(found);
-        touch(s, found / group_lanes / max_page_groups);
-        if (of_child.ready() & bit_of(found)) reevaluate(s, found, child, false);
+        count_parents(s, found / group_lanes / max_page_groups, 1);
+        if (of_child.ready() & bit_of(found)) reevaluate(s, found, child_site(site, d), false);
     }
     return Outcome::done;
 }
@@ -188,8 +210,8 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
     give_vertex(s, slot);
     GroupState& group = s.groups[vertex / group_lanes];
     group.active &= static_cast<std::uint16_t>(~bit_of(vertex));
-    FJELL_ASSERT(s.page_slot[vertex / group_lanes / max_page_groups].active != 0);
-    --s.page_slot[vertex / group_lanes / max_page_groups].active;
+    FJELL_ASSERT(s.page_state[vertex / group_lanes / max_page_groups].active != 0);
+    --s.page_state[vertex / group_lanes / max_page_groups].active;
     if (site.kind == VertexKind::centre || site.z != 0) {
         for (int d = 0; d < 4; ++d) {
             const Site child = child_site(site, d);
@@ -198,6 +220,11 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
             if (found == no_index) continue;
             s.groups[found / group_lanes].parent[parent_number(site.kind, d)] &=
                 static_cast<std::uint16_t>(~bit_of(found));
+            const std::uint32_t page = found / group_lanes / max_page_groups;
+            FJELL_ASSERT(s.page_state[page].parents != 0);
+            if (--s.page_state[page].parents != 0) continue;
+            --s.busy_pages;
+            note_idle(s, page);
         }
     }
     for (int n = 0; n < count; ++n) {
@@ -221,7 +248,7 @@ std::uint32_t slot_at(const CutState& s, Coord c) {
 } // namespace
 
 void flatten_all(CutState& s) {
-    for (std::uint32_t number = 0; number < s.group_count; ++number)
+    for (std::uint32_t number = 0; number < s.fresh_page * max_page_groups; ++number)
         for (std::uint32_t lanes = s.groups[number].active; lanes != 0; lanes &= lanes - 1) {
             const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
             const Site site = site_of(s, vertex);

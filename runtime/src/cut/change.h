@@ -5,7 +5,7 @@
 
 namespace fjell {
 
-enum class Outcome : std::uint8_t { done, no_vertices, no_triangles, gated };
+enum class Outcome : std::uint8_t { done, no_vertices, no_triangles, no_pages, gated };
 
 // The vertex must be ready and not active. Evaluates the children that become ready.
 Outcome activate(CutState& s, std::uint32_t vertex);

@@ -34,19 +34,24 @@ std::uint32_t least_segments(const TerrainData& t) {
     return t.tile_count() + 3;
 }
 
+std::uint32_t pages_of(const TerrainData& t, const CutBudget& b) {
+    return cut_pages(b, t.slot_count, t.tile_count());
+}
+
 // Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t page_groups, groups, vertex_slot, page_slot, evicting, ticks, schedules, awake, bounds, next_due,
-        vertices, morph, triangle_of, hole, free_vertices, indices, tiles, segment_tile, segment_below, free_segments,
-        vertex_bits[2], vertex_words[2], triangle_bits[2], triangle_words[2], ranges, hz_places, grids, late_s,
-        morphing_out, late_pages, touched_pages, bulk_pages, bulk_slots[3], bulk_tiles, bulk_bases, end;
+    std::size_t page_groups, loaded, groups, vertex_slot, page_state, free_pages, idle_pages, evicting, ticks,
+        schedules, awake, bounds, next_due, vertices, morph, triangle_of, hole, free_vertices, indices, tiles,
+        segment_tile, segment_below, free_segments, vertex_bits[2], vertex_words[2], triangle_bits[2],
+        triangle_words[2], ranges, hz_places, grids, late_s, morphing_out, late_pages, bulk_pages, bulk_slots[3],
+        bulk_tiles, bulk_bases, end;
 };
 
 static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 * 4 + 1 + 3 * 4 &&
-                  cut_triangle_bytes == 3 * 4 &&
-                  cut_page_slot_bytes == max_page_groups * (sizeof(GroupState) + group_lanes * 4) + sizeof(PageSlot) +
-                                             4 + page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) +
-                                             sizeof(HiddenBound) + sizeof(BulkPage) + 6 * 4,
+                  cut_triangle_bytes == 3 * 4 && cut_page_slot_bytes == sizeof(LoadedPage) &&
+                  cut_page_bytes == max_page_groups * (sizeof(GroupState) + group_lanes * 4) + sizeof(PageState) +
+                                        page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) +
+                                        sizeof(HiddenBound) + sizeof(BulkPage) + 8 * 4,
               "hosts size their budgets by these: change them in fjell/cut.h with layout_of()");
 
 Layout layout_of(const TerrainData& t, const CutBudget& b) {
@@ -55,18 +60,21 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
     const auto place = [&](std::size_t count, std::size_t bytes) {
         return std::exchange(at, at + aligned(count * bytes));
     };
-    const std::size_t groups = std::size_t{t.slot_count} * max_page_groups;
+    const std::size_t pages = pages_of(t, b), groups = pages * max_page_groups;
     const std::size_t segments = segments_of(b), triangles = segments * b.segment_triangles;
     l.page_groups = place(t.page_count(), 4);
+    l.loaded = place(t.slot_count, sizeof(LoadedPage));
     l.groups = place(groups, sizeof(GroupState));
     l.vertex_slot = place(groups * group_lanes, 4);
-    l.page_slot = place(t.slot_count, sizeof(PageSlot));
-    l.evicting = place(t.slot_count, 4);
-    l.ticks = place(std::size_t{t.slot_count} * page_ticks, 2);
-    l.schedules = place(t.slot_count, sizeof(PageSchedule));
-    l.awake = place(t.slot_count, sizeof(AwakePage));
-    l.bounds = place(t.slot_count, sizeof(HiddenBound));
-    l.next_due = place(t.slot_count, 4);
+    l.page_state = place(pages, sizeof(PageState));
+    l.free_pages = place(pages, 4);
+    l.idle_pages = place(pages, 4);
+    l.evicting = place(pages, 4);
+    l.ticks = place(pages * page_ticks, 2);
+    l.schedules = place(pages, sizeof(PageSchedule));
+    l.awake = place(pages, sizeof(AwakePage));
+    l.bounds = place(pages, sizeof(HiddenBound));
+    l.next_due = place(pages, 4);
     l.vertices = place(b.vertices, sizeof(MeshVertex));
     l.morph = place(b.vertices, sizeof(MorphVertex));
     l.triangle_of = place(b.vertices, 16);
@@ -88,10 +96,9 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
     l.grids = place(static_cast<std::size_t>(t.tree.tile_log2), sizeof(SlotGrid));
     l.late_s = place(b.vertices, 4);
     l.morphing_out = place(b.vertices, 4);
-    l.late_pages = place(t.slot_count, 4);
-    l.touched_pages = place(t.slot_count, 4);
-    l.bulk_pages = place(t.slot_count, sizeof(BulkPage));
-    for (std::size_t& slots : l.bulk_slots) slots = place(t.slot_count, 4);
+    l.late_pages = place(pages, 4);
+    l.bulk_pages = place(pages, sizeof(BulkPage));
+    for (std::size_t& slots : l.bulk_slots) slots = place(pages, 4);
     l.bulk_tiles = place(t.tile_count() + 1, sizeof(TileStack));
     l.bulk_bases = place(t.tile_count(), 8);
     l.end = at;
@@ -101,13 +108,13 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
 Status check_budget(const TerrainData& t, const CutBudget& b) {
     if (t.pages.order == Order::linear)
         return {Code::not_supported, "terrain in linear order (bake with --order planar, or use the recursive method)"};
-    if (std::uint64_t{t.slot_count} * max_page_vertices > 0xfffffff0u)
-        return {Code::out_of_range, "TerrainBudget::page_slots (1,369,568 at most)"};
     if (b.vertices > 1u << 28) return {Code::out_of_range, "CutBudget::vertices (at most 2^28)"};
     if (b.triangles > 1u << 29) return {Code::out_of_range, "CutBudget::triangles (at most 2^29)"};
     if (b.segment_triangles < 8 || b.segment_triangles > 65536 || !std::has_single_bit(b.segment_triangles))
         return {Code::out_of_range, "CutBudget::segment_triangles (8 to 65,536, a power of two)"};
     if (b.views < 1 || b.views > max_cut_views) return {Code::out_of_range, "CutBudget::views (1 to 8)"};
+    if (std::uint64_t{pages_of(t, b)} * max_page_vertices > 0xfffffff0u)
+        return {Code::out_of_range, "CutBudget::vertices (states for 1,369,568 pages at most)"};
     if (b.vertices < corner_count(t)) return {Code::budget_too_small, "CutBudget::vertices (4 a tile)"};
     if (segments_of(b) < least_segments(t))
         return {Code::budget_too_small, "CutBudget::triangles (a segment a tile, and 3)"};
@@ -157,26 +164,21 @@ void make_corners(CutState& s) {
 
 void reset(CutState& s) {
     const TerrainData& t = *s.terrain;
-    s.bulk.phase = BulkPhase::idle;
+    s.bulk.phase = BulkPhase::idle; // all pages become idle anyway
     s.bulk.mapped = 0;
     s.work_ranks = 0;
     s.late_count = s.morphing_out_count = 0;
-    s.dirty_vertices.clear();
-    s.dirty_triangles.clear();
     for (std::uint32_t i = 0; i < corner_count(t) * 4; ++i) s.triangle_of[i] = no_index;
     s.free_vertex_count = 0;
     s.fresh_vertex = corner_count(t);
     free_all_segments(s);
     forget_late_pages(s, true);
     make_corners(s);
-    while (s.touched_count != 0) {
-        const std::uint32_t slot = s.touched_pages[--s.touched_count];
-        s.page_slot[slot].listed = false;
-        if (s.page_slot[slot].touched) clear_page(s, slot);
+    for (std::uint32_t slot = 0; slot < s.fresh_page; ++slot) {
+        if (s.page_state[slot].page == no_index) continue;
+        clear_page(s, slot);
+        note_idle(s, slot);
     }
-    for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile) // a root may wait in a page where nothing is active
-        if (const std::uint32_t first = s.page_groups[tile * s.pages_per_tile]; first != no_index)
-            s.groups[first].queue = unqueued;
     clear_queues(s.queues);
     clear_schedule(s.schedule);
     sync_pages(s);
@@ -220,7 +222,9 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     s.terrain = &terrain;
     s.budget = budget;
     s.pages_per_tile = terrain.pages_per_tile;
-    s.group_count = terrain.slot_count * max_page_groups;
+    s.page_count = pages_of(terrain, budget);
+    s.group_count = s.page_count * max_page_groups;
+    s.tiles_waiting = terrain.tile_count();
     s.tiles_x = terrain.tree.tiles_x;
     s.tiles_y = terrain.tree.tiles_y;
     s.shapes[0] = make_page_shape(terrain.pages, true);
@@ -235,9 +239,12 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     s.worst_px = worst_px;
     s.clock.timed_ticks = -clock_ticks; // never
     part(s.page_groups, l.page_groups);
+    part(s.loaded, l.loaded);
     part(s.groups, l.groups);
     part(s.vertex_slot, l.vertex_slot);
-    part(s.page_slot, l.page_slot);
+    part(s.page_state, l.page_state);
+    part(s.free_pages, l.free_pages);
+    part(s.idle_pages, l.idle_pages);
     part(s.evicting, l.evicting);
     s.queues.groups = s.groups;
     s.queues.group_count = s.group_count;
@@ -248,7 +255,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     part(s.schedule.awake, l.awake);
     part(s.schedule.bounds, l.bounds);
     part(s.schedule.next_due, l.next_due);
-    s.schedule.slot_count = terrain.slot_count;
+    s.schedule.slot_count = s.page_count;
     begin_schedule(s.schedule, static_cast<double>(std::min(terrain.spacing_x_m, terrain.spacing_z_m)) / 32);
     part(s.vertices, l.vertices);
     part(s.morph, l.morph);
@@ -281,7 +288,6 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     part(s.late_s, l.late_s);
     part(s.morphing_out, l.morphing_out);
     part(s.late_pages, l.late_pages);
-    part(s.touched_pages, l.touched_pages);
     if (terrain.pages.order == Order::hierarchical_z) {
         part(s.hz_places, l.hz_places);
         make_hz_places(s);
@@ -296,7 +302,8 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     s.criterion.last_y = terrain.tree.rows() - 1;
     for (std::uint32_t i = 0; i < s.group_count; ++i) s.groups[i].queue = unqueued;
     for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.page_groups[i] = no_index;
-    for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.page_slot[i].page = no_index;
+    for (std::uint32_t i = 0; i < s.page_count; ++i) s.page_state[i].page = no_index;
+    for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.loaded[i].page = no_index;
     rescan_pages(s);
     reset(s);
     begin_at_roots(s);

@@ -60,7 +60,7 @@ struct Evaluation {
     const Criterion& c = s.criterion;
     const VertexRecord record = record_of(s, vertex);
     const Coord at = site_coord(site);
-    const std::int32_t base = s.page_slot[vertex / group_lanes / max_page_groups].base;
+    const std::int32_t base = s.page_state[vertex / group_lanes / max_page_groups].base;
     Evaluation v{};
     v.x = static_cast<float>(std::min(at.x, c.last_x)) * c.spacing_x_m;
     v.z = static_cast<float>(std::min(at.y, c.last_y)) * c.spacing_z_m;
@@ -87,11 +87,11 @@ struct Evaluation {
 [[nodiscard]] inline LaneGroup lanes_of(const CutState& s, std::uint32_t number,
                                         VertexRecord (&gathered)[group_lanes]) {
     const std::uint32_t slot = number / max_page_groups;
-    const PageSlot& info = s.page_slot[slot];
+    const PageState& info = s.page_state[slot];
     const GroupShape& shape = s.shapes[info.shape].groups[number - slot * max_page_groups];
     const int z = info.z + shape.z;
     const std::int32_t apart = 2 << z;
-    LaneGroup lanes{s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first,
+    LaneGroup lanes{records_of(s, slot) + shape.first,
                     info.x0 + (std::int32_t{shape.x} << z),
                     info.y0 + (std::int32_t{shape.y} << z),
                     shape.along_y ? 0 : apart,

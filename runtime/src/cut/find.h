@@ -14,8 +14,12 @@ namespace fjell {
     return v.i < nx + (v.kind == VertexKind::side_y) && v.j < ny + (v.kind == VertexKind::side_x);
 }
 
-// The vertex at a site of the tree, or no_index when its page is not loaded. The site must exist.
-[[nodiscard]] inline std::uint32_t find_vertex(const CutState& s, const Site& v) {
+// Where a site of the tree lies: its page, and its vertex in that.
+struct Place {
+    std::uint32_t page, vertex;
+};
+// The site must exist.
+[[nodiscard]] inline Place place_of(const CutState& s, const Site& v) {
     const StepGroups& step = s.steps[v.z];
     // A border belongs to the tile and the page to its south or east; the terrain's rim to those it ends.
     std::int32_t tile_x = v.i >> step.log2, tile_y = v.j >> step.log2;
@@ -31,28 +35,39 @@ namespace fjell {
         i -= px << page_squares_log2;
         j -= py << page_squares_log2;
     }
-    const std::uint32_t first = s.page_groups[page];
-    if (first == no_index) return no_index;
     const std::uint32_t n = 1u << step.page_log2;
     const std::uint32_t row = (j << step.words_log2) + (i >> lanes_log2);
     switch (v.kind) {
-    case VertexKind::centre: return (first + step.centres + row) * group_lanes + i % group_lanes;
-    case VertexKind::side_x: return (first + step.sides_x + row) * group_lanes + i % group_lanes;
+    case VertexKind::centre: return {page, (step.centres + row) * group_lanes + i % group_lanes};
+    case VertexKind::side_x: return {page, (step.sides_x + row) * group_lanes + i % group_lanes};
     case VertexKind::side_y: break;
     }
-    if (i == n) return (first + step.column + (j >> lanes_log2)) * group_lanes + j % group_lanes;
-    return (first + step.sides_y + row) * group_lanes + i % group_lanes;
+    if (i == n) return {page, (step.column + (j >> lanes_log2)) * group_lanes + j % group_lanes};
+    return {page, (step.sides_y + row) * group_lanes + i % group_lanes};
+}
+
+// The vertex at a site, or no_index when its page has no state: it is not loaded, or none of its vertices has an active
+// parent.
+[[nodiscard]] inline std::uint32_t find_vertex(const CutState& s, const Site& v) {
+    const Place at = place_of(s, v);
+    const std::uint32_t first = s.page_groups[at.page];
+    return first == no_index ? no_index : first * group_lanes + at.vertex;
+}
+
+// The records of the page that a state is of.
+[[nodiscard]] inline const VertexRecord* records_of(const CutState& s, std::uint32_t slot) {
+    return s.terrain->records + std::size_t{s.page_state[slot].terrain_slot} * s.terrain->page_capacity;
 }
 
 [[nodiscard]] inline const GroupShape& shape_of(const CutState& s, std::uint32_t group) {
     const std::uint32_t slot = group / max_page_groups;
-    return s.shapes[s.page_slot[slot].shape].groups[group - slot * max_page_groups];
+    return s.shapes[s.page_state[slot].shape].groups[group - slot * max_page_groups];
 }
 
 [[nodiscard]] inline Site site_of(const CutState& s, std::uint32_t vertex) {
     const std::uint32_t group = vertex / group_lanes;
     const auto lane = static_cast<std::int32_t>(vertex % group_lanes);
-    const PageSlot& info = s.page_slot[group / max_page_groups];
+    const PageState& info = s.page_state[group / max_page_groups];
     const GroupShape& shape = shape_of(s, group);
     const int z = info.z + shape.z;
     return {z, shape.kind, (info.tile_x << s.steps[z].log2) + info.i0 + shape.i0 + (shape.along_y ? 0 : lane),
@@ -61,9 +76,9 @@ namespace fjell {
 
 [[nodiscard]] inline VertexRecord record_of(const CutState& s, std::uint32_t vertex) {
     const std::uint32_t group = vertex / group_lanes, lane = vertex % group_lanes, slot = group / max_page_groups;
-    const VertexRecord* const records = s.terrain->records + std::size_t{slot} * s.terrain->page_capacity;
+    const VertexRecord* const records = records_of(s, slot);
     if (s.hz_places) {
-        const std::size_t page_shape = s.page_slot[slot].shape;
+        const std::size_t page_shape = s.page_state[slot].shape;
         return records[s.hz_places[((page_shape - slot) * max_page_groups + group) * group_lanes + lane]];
     }
     const GroupShape& shape = shape_of(s, group);

@@ -33,16 +33,16 @@ struct PagePixels {
 };
 
 // How near what its vertices hide may come to a view's eye.
-double apart_m(const CutState& s, const PageSlot& page, std::uint32_t view) {
+double apart_m(const CutState& s, const PageState& page, std::uint32_t view) {
     const std::int32_t cells =
         page.shape == 0 ? s.terrain->tree.side() : static_cast<std::int32_t>(2 * page_squares) << page.z;
     const Criterion& c = s.criterion;
     const auto place = [](std::int32_t at, std::int32_t last, float spacing_m) {
         return static_cast<double>(static_cast<float>(std::min(at, last)) * spacing_m);
     };
-    const double low[3] = {place(page.x0, c.last_x, c.spacing_x_m), static_cast<double>(page.low_m),
+    const double low[3] = {place(page.x0, c.last_x, c.spacing_x_m), static_cast<double>(page.extent.low_m),
                            place(page.y0, c.last_y, c.spacing_z_m)};
-    const double high[3] = {place(page.x0 + cells, c.last_x, c.spacing_x_m), static_cast<double>(page.high_m),
+    const double high[3] = {place(page.x0 + cells, c.last_x, c.spacing_x_m), static_cast<double>(page.extent.high_m),
                             place(page.y0 + cells, c.last_y, c.spacing_z_m)};
     const double eye[3] = {s.views[view].eye_m.x, s.views[view].eye_m.y, s.views[view].eye_m.z};
     double squared = 0;
@@ -50,7 +50,7 @@ double apart_m(const CutState& s, const PageSlot& page, std::uint32_t view) {
         const double out = std::max({low[axis] - eye[axis], eye[axis] - high[axis], 0.0});
         squared += out * out;
     }
-    return std::sqrt(squared) / grow - static_cast<double>(page.radius_m) * grow;
+    return std::sqrt(squared) / grow - static_cast<double>(page.extent.radius_m) * grow;
 }
 
 // What a page's vertices hide at most, as its bound has it: the eye may have moved since.
@@ -61,11 +61,11 @@ double bound_px(const CutState& s, const HiddenBound& bound) {
 
 // Measures it anew.
 double renew_bound(CutState& s, std::uint32_t slot) {
-    const PageSlot& page = s.page_slot[slot];
+    const PageState& page = s.page_state[slot];
     double apart = 1e30;
     for (std::uint32_t i = 0; i < s.view_count; ++i) apart = std::min(apart, apart_m(s, page, i));
     HiddenBound& bound = s.schedule.bounds[slot];
-    bound = {s.schedule.odometer_m[0], static_cast<float>(apart / (apart > 0 ? grow : 1)), page.error_m};
+    bound = {s.schedule.odometer_m[0], static_cast<float>(apart / (apart > 0 ? grow : 1)), page.extent.error_m};
     return bound_px(s, bound);
 }
 
@@ -79,8 +79,8 @@ public:
     // The largest of a page's vertices that wait, and where some morph by time, of all that are ready. Unbounded when
     // there are too many to be looked at.
     [[nodiscard]] double px(std::uint32_t slot) {
-        const PageSlot& page = s.page_slot[slot];
-        const bool all = page.late || page.status == PageSlotStatus::evicting;
+        const PageState& page = s.page_state[slot];
+        const bool all = page.late || page.status == PageStatus::evicting;
         double most = 0;
         for (std::uint32_t n = 0; n < s.shapes[page.shape].count; ++n) {
             const std::uint32_t number = slot * max_page_groups + n;
@@ -143,10 +143,11 @@ double screen_unit_px(const CutState& s) {
     return most;
 }
 
-void bound_page(const CutState& s, PageSlot& page, std::uint32_t slot) {
+PageExtent extent_of(const CutState& s, std::uint32_t page, std::uint32_t terrain_slot) {
     const TerrainData& t = *s.terrain;
-    const VertexRecord* const records = t.records + std::size_t{slot} * t.page_capacity;
-    const std::uint32_t count = t.pages.page_vertices(page.page % s.pages_per_tile);
+    const VertexRecord* const records = t.records + std::size_t{terrain_slot} * t.page_capacity;
+    const std::uint32_t in_tile = page % s.pages_per_tile, count = t.pages.page_vertices(in_tile);
+    const std::int32_t base = t.page_table[page].base;
     std::uint16_t low = 0xffff, high = 0;
     std::uint8_t error = 0, radius = 0;
     for (std::uint32_t i = 0; i < count; ++i) { // in whatever order: compilers make vectors of it
@@ -157,13 +158,12 @@ void bound_page(const CutState& s, PageSlot& page, std::uint32_t slot) {
         radius = std::max(radius, static_cast<std::uint8_t>(r.radius & (radius_codes - 1)));
     }
     float unit_m = 0; // coarser levels have larger ones
-    const int finest = page.shape == 0 ? 0 : page.z, coarsest = page.shape == 0 ? t.tree.tile_log2 - 1 : page.z;
+    const int finest = in_tile == 0 ? 0 : t.pages.page_step_log2(in_tile),
+              coarsest = in_tile == 0 ? t.tree.tile_log2 - 1 : finest;
     for (int z = finest; z <= coarsest; ++z)
         unit_m = std::max({unit_m, s.level_unit_m[2 * z], s.level_unit_m[2 * z + 1]});
-    page.low_m = t.height_scale.height_m(low + page.base);
-    page.high_m = t.height_scale.height_m(high + page.base);
-    page.error_m = t.errors.metres[error];
-    page.radius_m = unit_m * t.radii.factor[radius];
+    return {t.height_scale.height_m(low + base), t.height_scale.height_m(high + base), t.errors.metres[error],
+            unit_m * t.radii.factor[radius]};
 }
 
 void note_bound(CutState& s, std::uint32_t slot) {
@@ -182,7 +182,7 @@ void note_bound(CutState& s, std::uint32_t slot) {
 }
 
 void note_late(CutState& s, std::uint32_t slot) {
-    PageSlot& page = s.page_slot[slot];
+    PageState& page = s.page_state[slot];
     page.late_ticks = s.clock.ticks;
     if (page.late) return;
     page.late = true;
@@ -192,7 +192,7 @@ void note_late(CutState& s, std::uint32_t slot) {
 void forget_late_pages(CutState& s, bool all) {
     const auto lasts = static_cast<std::int64_t>(std::ceil(s.settings.morph_s * ticks_a_second)) + 1;
     for (std::uint32_t i = 0; i < s.late_page_count;) {
-        PageSlot& page = s.page_slot[s.late_pages[i]];
+        PageState& page = s.page_state[s.late_pages[i]];
         if (!all && s.clock.ticks - page.late_ticks <= lasts) {
             ++i;
             continue;
@@ -203,7 +203,7 @@ void forget_late_pages(CutState& s, bool all) {
 }
 
 void forget_late_page(CutState& s, std::uint32_t slot) {
-    s.page_slot[slot].late = false;
+    s.page_state[slot].late = false;
     std::uint32_t* const end = s.late_pages + s.late_page_count--;
     (void)std::remove(s.late_pages, end, slot);
 }
@@ -231,12 +231,12 @@ double lag_px(CutState& s) {
         const double px = bound_px(s, s.schedule.bounds[page.slot]);
         if (px <= little_px)
             worst.add_others(px);
-        else if (!s.page_slot[page.slot].late)
+        else if (!s.page_state[page.slot].late)
             add(page.slot);
     }
     for (std::uint32_t i = 0; i < s.late_page_count; ++i) add(s.late_pages[i]);
     for (std::uint32_t i = 0; i < s.evicting_count; ++i)
-        if (!s.page_slot[s.evicting[i]].late && s.page_slot[s.evicting[i]].active != 0) add(s.evicting[i]);
+        if (!s.page_state[s.evicting[i]].late && s.page_state[s.evicting[i]].active != 0) add(s.evicting[i]);
     return std::min(worst.px(s), unbounded_px);
 }
 

@@ -14,8 +14,8 @@ namespace fjell {
 // Pixels of a metre at a metre's distance, in the view that shows it largest.
 [[nodiscard]] double screen_unit_px(const CutState& s);
 
-// What a page's vertices could hide: called when it comes. O(its vertices).
-void bound_page(const CutState& s, PageSlot& page, std::uint32_t slot);
+// What a page's vertices could hide: called when it comes to a slot of the terrain. O(its vertices).
+[[nodiscard]] PageExtent extent_of(const CutState& s, std::uint32_t page, std::uint32_t terrain_slot);
 
 // A visit of the page has ended: what could it hide, and so how soon must it be visited when it is due?
 void note_bound(CutState& s, std::uint32_t slot);
@@ -24,7 +24,7 @@ void note_bound(CutState& s, std::uint32_t slot);
 void note_late(CutState& s, std::uint32_t slot);
 // Their vertices have morphed in; all: no vertex morphs by time any more.
 void forget_late_pages(CutState& s, bool all);
-void forget_late_page(CutState& s, std::uint32_t slot); // it leaves
+void forget_late_page(CutState& s, std::uint32_t slot); // it loses its state
 
 // No less than the largest error on screen of what waits or morphs by time, as if it were error_px_effective;
 // unbounded_px at most. 0: nothing does. O(awake pages).

@@ -13,7 +13,7 @@ namespace fjell {
 namespace {
 
 // The sphere of the tile's root holds all of the tile.
-void bound_tile(CutState& s, const PageSlot& info, bool loaded) {
+void bound_tile(CutState& s, const PageState& info, bool loaded) {
     TileList& tile = s.tiles[info.tile];
     tile.bounded = loaded;
     if (!loaded) return;
@@ -28,7 +28,7 @@ void bound_tile(CutState& s, const PageSlot& info, bool loaded) {
 
 // Of a page that was just loaded nothing is active: only lanes with a parent in another page can be ready. In any page
 // but page 0 those are the centres, whose parents belong to the coarser step, and the sides along its border.
-std::uint32_t outward_lanes(const PageSlot& info, const GroupShape& shape) {
+std::uint32_t outward_lanes(const PageState& info, const GroupShape& shape) {
     const std::uint32_t all = (1u << shape.lanes) - 1;
     if (info.shape == 0) return all;
     switch (shape.kind) {
@@ -44,26 +44,37 @@ std::uint32_t coarse_z(const CutState& s) {
     return static_cast<std::uint32_t>(std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0));
 }
 
-void empty_slot(PageSlot& info) {
-    const bool listed = info.listed;
+void empty_state(PageState& info) {
+    const bool idle = info.idle;
     info = {};
-    info.listed = listed;
+    info.idle = idle;
+    info.page = no_index;
 }
 
-void attach_page(CutState& s, std::uint32_t slot) {
+// Every tile's page 0 is sure of a state.
+std::uint32_t take_page(CutState& s, bool root) {
+    if (free_pages(s) <= (root ? 0 : s.tiles_waiting)) return no_index;
+    return s.free_page_count != 0 ? s.free_pages[--s.free_page_count] : s.fresh_page++;
+}
+
+// With nothing active, and no parent. no_index: there is no state to be had.
+std::uint32_t attach(CutState& s, std::uint32_t terrain_slot) {
     const TerrainData& t = *s.terrain;
-    const std::uint32_t page = t.slot_page[slot];
-    PageSlot& info = s.page_slot[slot];
-    FJELL_ASSERT(info.status == PageSlotStatus::empty && s.page_groups[page] == no_index);
-    empty_slot(info);
-    info.page = page;
-    info.loads = t.slot_loads[slot];
-    info.tile = page / s.pages_per_tile;
+    const LoadedPage& loaded = s.loaded[terrain_slot];
+    const std::uint32_t in_tile = loaded.page % s.pages_per_tile, slot = take_page(s, in_tile == 0);
+    if (slot == no_index) return no_index;
+    PageState& info = s.page_state[slot];
+    FJELL_ASSERT(info.status == PageStatus::empty && s.page_groups[loaded.page] == no_index);
+    empty_state(info);
+    info.page = loaded.page;
+    info.terrain_slot = terrain_slot;
+    info.tile = info.page / s.pages_per_tile;
     info.tile_x = static_cast<std::int32_t>(info.tile) % s.tiles_x;
     info.tile_y = static_cast<std::int32_t>(info.tile) / s.tiles_x;
-    info.base = t.page_table[page].base;
-    info.status = PageSlotStatus::live;
-    const std::uint32_t in_tile = page % s.pages_per_tile;
+    info.base = t.page_table[info.page].base;
+    info.extent = loaded.extent;
+    info.status = loaded.evicting ? PageStatus::evicting : PageStatus::live;
+    if (loaded.evicting) s.evicting[s.evicting_count++] = slot;
     if (in_tile != 0) {
         const Coord position = t.pages.page_position(in_tile);
         info.shape = 1;
@@ -74,29 +85,19 @@ void attach_page(CutState& s, std::uint32_t slot) {
     info.x0 = info.tile_x * s.terrain->tree.side() + (info.i0 << (info.z + 1));
     info.y0 = info.tile_y * s.terrain->tree.side() + (info.j0 << (info.z + 1));
     begin_page(s.schedule, slot, in_tile == 0 ? coarse_z(s) : info.z); // ticks are of the finest step in a page
-    bound_page(s, info, slot);
-    s.page_groups[page] = slot * max_page_groups;
-    if (in_tile == 0) bound_tile(s, info, true);
-    clear_page(s, slot);
-    const bool nothing_active = s.budget.vertices - free_vertices(s) == corner_slots(s);
-    for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
-        const std::uint32_t number = slot * max_page_groups + n;
-        GroupState& b = s.groups[number];
-        if (!nothing_active) {
-            const std::uint32_t lanes = outward_lanes(info, s.shapes[info.shape].groups[n]);
-            if (lanes == 0) continue;
-            const ParentMasks parents = parents_of(s, number, lanes);
-            b.parent[0] |= parents.parent[0]; // to those that do not exist
-            b.parent[1] |= parents.parent[1];
-            touch(s, slot);
-        }
-        if (b.ready() != 0) make_due(s.schedule, number);
+    s.page_groups[info.page] = slot * max_page_groups;
+    s.bulk.pages[slot].build = 0;
+    if (in_tile == 0) {
+        --s.tiles_waiting;
+        bound_tile(s, info, true);
     }
+    clear_page(s, slot);
+    return slot;
 }
 
-void detach_page(CutState& s, std::uint32_t slot) {
-    PageSlot& info = s.page_slot[slot];
-    FJELL_ASSERT(info.status != PageSlotStatus::empty && info.active == 0);
+void detach(CutState& s, std::uint32_t slot) {
+    PageState& info = s.page_state[slot];
+    FJELL_ASSERT(info.status != PageStatus::empty && info.active == 0);
     for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
         unlink(s.queues, number);
@@ -104,13 +105,47 @@ void detach_page(CutState& s, std::uint32_t slot) {
         s.groups[number].queue = unqueued;
     }
     clear_page_schedule(s.schedule, slot);
+    s.busy_pages -= info.parents != 0;
     if (info.late) forget_late_page(s, slot);
     s.page_groups[info.page] = no_index;
-    if (info.page % s.pages_per_tile == 0) bound_tile(s, info, false);
-    for (std::uint32_t i = 0; i < s.evicting_count; ++i)
-        if (s.evicting[i] == slot) s.evicting[i--] = s.evicting[--s.evicting_count];
-    empty_slot(info);
-    info.page = no_index;
+    if (info.shape == 0) {
+        ++s.tiles_waiting;
+        bound_tile(s, info, false);
+    }
+    if (info.status == PageStatus::evicting)
+        s.evicting_count =
+            static_cast<std::uint32_t>(std::remove(s.evicting, s.evicting + s.evicting_count, slot) - s.evicting);
+    empty_state(info);
+    s.free_pages[s.free_page_count++] = slot;
+}
+
+// A page that has come while others were active: some of its vertices may have active parents.
+void attach_if_wanted(CutState& s, std::uint32_t terrain_slot) {
+    const bool root = s.loaded[terrain_slot].page % s.pages_per_tile == 0,
+               nothing_active = s.budget.vertices - free_vertices(s) == corner_slots(s);
+    if (nothing_active && !root) return;
+    const std::uint32_t slot = attach(s, terrain_slot);
+    if (slot == no_index) {
+        s.pages_wait = true;
+        return;
+    }
+    PageState& info = s.page_state[slot];
+    for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
+        const std::uint32_t number = slot * max_page_groups + n;
+        GroupState& b = s.groups[number];
+        const std::uint32_t lanes = nothing_active ? 0 : outward_lanes(info, s.shapes[info.shape].groups[n]);
+        if (lanes != 0) {
+            const ParentMasks parents = parents_of(s, number, lanes);
+            for (std::size_t i = 0; i < 2; ++i) { // those that do not exist are not counted
+                count_parents(s, slot,
+                              static_cast<std::uint32_t>(
+                                  std::popcount(static_cast<std::uint16_t>(parents.parent[i] & ~b.parent[i]))));
+                b.parent[i] |= parents.parent[i];
+            }
+        }
+        if (b.ready() != 0) make_due(s.schedule, number);
+    }
+    note_idle(s, slot);
 }
 
 // One vertex of the subtree below an active vertex that has no active children itself.
@@ -127,8 +162,8 @@ std::uint32_t lowest_below(const CutState& s, std::uint32_t vertex) {
 // The first vertex that keeps a page from leaving, or no_index: any active one that the page holds, its neighbours'
 // vertices on its borders included. Those have both parents active, one of them here: it is enough to look here.
 std::uint32_t first_active(const CutState& s, std::uint32_t slot) {
-    if (s.page_slot[slot].active == 0) return no_index;
-    for (std::uint32_t n = 0; n < s.shapes[s.page_slot[slot].shape].count; ++n) {
+    if (s.page_state[slot].active == 0) return no_index;
+    for (std::uint32_t n = 0; n < s.shapes[s.page_state[slot].shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
         if (s.groups[number].active != 0)
             return number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(s.groups[number].active));
@@ -138,7 +173,6 @@ std::uint32_t first_active(const CutState& s, std::uint32_t slot) {
 
 } // namespace
 
-// At the terrain's rim, and above a tile's root, parents that do not exist count as active.
 ParentMasks absent_parents(const CutState& s, const Site& first, const GroupShape& shape) {
     const auto lanes = static_cast<std::uint16_t>((1u << shape.lanes) - 1);
     const std::int32_t rows = s.tiles_y << s.steps[first.z].log2;
@@ -160,9 +194,10 @@ ParentMasks absent_parents(const CutState& s, const Site& first, const GroupShap
 }
 
 void clear_page(CutState& s, std::uint32_t slot) {
-    PageSlot& info = s.page_slot[slot];
+    PageState& info = s.page_state[slot];
     info.active = 0;
-    info.touched = false;
+    s.busy_pages -= info.parents != 0;
+    info.parents = 0;
     const std::int32_t n = info.shape == 0 ? 1 << s.terrain->tree.tile_log2 : page_squares;
     const std::int32_t columns = s.tiles_x << s.steps[info.z].log2, rows = s.tiles_y << s.steps[info.z].log2;
     const std::int32_t i0 = (info.tile_x << s.steps[info.z].log2) + info.i0,
@@ -208,18 +243,21 @@ ParentMasks parents_of(const CutState& s, std::uint32_t group, std::uint32_t lan
 
 namespace {
 
-// Does the slot hold another page than the cut has there, or none?
-bool has_changed(const CutState& s, std::uint32_t slot) {
+// Does the terrain's slot hold another page than the cut has there, or none?
+bool has_changed(const CutState& s, std::uint32_t terrain_slot) {
     const TerrainData& t = *s.terrain;
-    const PageSlot& info = s.page_slot[slot];
-    return info.page != no_index && (info.page != t.slot_page[slot] || info.loads != t.slot_loads[slot]);
+    const LoadedPage& known = s.loaded[terrain_slot];
+    return known.page != no_index &&
+           (known.page != t.slot_page[terrain_slot] || known.loads != t.slot_loads[terrain_slot]);
 }
 
 // Lets go of what the slot held, if it holds something else by now. False: the cut had to begin again.
-bool detach_if_changed(CutState& s, std::uint32_t slot) {
-    if (!has_changed(s, slot)) return true;
+bool leave_if_changed(CutState& s, std::uint32_t terrain_slot) {
+    if (!has_changed(s, terrain_slot)) return true;
+    const std::uint32_t first = s.page_groups[s.loaded[terrain_slot].page], slot = first / max_page_groups;
     // The host did not call cut_release_page, or did not wait for it: the vertices must be deactivated all the same.
-    for (std::uint32_t v = first_active(s, slot); v != no_index; v = first_active(s, slot)) {
+    for (std::uint32_t v = first == no_index ? no_index : first_active(s, slot); v != no_index;
+         v = first_active(s, slot)) {
         if (deactivate(s, lowest_below(s, v)) == Outcome::done) continue;
         // No segment for triangles that were hidden: then from the coarsest mesh, where all have room.
         rescan_pages(s);
@@ -227,15 +265,71 @@ bool detach_if_changed(CutState& s, std::uint32_t slot) {
         begin_at_roots(s);
         return false;
     }
-    detach_page(s, slot);
+    if (first != no_index) detach(s, slot);
+    s.loaded[terrain_slot] = {no_index, 0, false, {}};
     return true;
 }
 
-void attach_if_loaded(CutState& s, std::uint32_t slot) {
-    if (s.terrain->slot_page[slot] != no_index && s.page_slot[slot].page == no_index) attach_page(s, slot);
+void enter_if_loaded(CutState& s, std::uint32_t terrain_slot) {
+    const TerrainData& t = *s.terrain;
+    const std::uint32_t page = t.slot_page[terrain_slot];
+    if (page == no_index || s.loaded[terrain_slot].page != no_index) return;
+    s.loaded[terrain_slot] = {page, t.slot_loads[terrain_slot], false, extent_of(s, page, terrain_slot)};
+    attach_if_wanted(s, terrain_slot);
+}
+
+// Pages that had no state to be had.
+void attach_waiting(CutState& s) {
+    s.pages_wait = false;
+    for (std::uint32_t slot = 0; slot < s.terrain->slot_count && !s.pages_wait; ++slot)
+        if (const std::uint32_t page = s.loaded[slot].page; page != no_index && s.page_groups[page] == no_index)
+            attach_if_wanted(s, slot);
 }
 
 } // namespace
+
+std::uint32_t free_pages(const CutState& s) {
+    return s.free_page_count + s.page_count - s.fresh_page;
+}
+
+bool attach_page(CutState& s, std::uint32_t page) {
+    if (s.page_groups[page] != no_index) return true;
+    const std::uint32_t terrain_slot = s.terrain->page_table[page].slot;
+    if (terrain_slot == no_index || s.loaded[terrain_slot].page != page) return true;
+    return attach(s, terrain_slot) != no_index;
+}
+
+void note_idle(CutState& s, std::uint32_t slot) {
+    PageState& page = s.page_state[slot];
+    if (page.idle || page.parents != 0 || page.shape == 0) return;
+    page.idle = true;
+    s.idle_pages[(s.first_idle + s.idle_count++) % s.page_count] = slot;
+}
+
+bool reclaim_page(CutState& s) {
+    for (std::uint32_t left = s.idle_count; left != 0; --left) {
+        const std::uint32_t slot = s.idle_pages[s.first_idle];
+        s.first_idle = (s.first_idle + 1) % s.page_count;
+        --s.idle_count;
+        PageState& page = s.page_state[slot];
+        page.idle = false;
+        if (page.page == no_index || page.parents != 0) continue; // it is not any more
+        if (is_due(s.schedule, slot)) {                           // and may be in work
+            note_idle(s, slot);
+            continue;
+        }
+        detach(s, slot);
+        return true;
+    }
+    return false;
+}
+
+void keep_pages_at_hand(CutState& s) {
+    constexpr std::uint32_t at_hand = 64, at_once = 32;
+    if (!may_lack_pages(s)) return;
+    for (std::uint32_t n = 0; n < at_once && free_pages(s) < at_hand + s.tiles_waiting; ++n)
+        if (!reclaim_page(s)) return;
+}
 
 void rescan_pages(CutState& s) {
     s.seen_changes = s.terrain->changes - change_log - 1; // more than the log remembers
@@ -254,14 +348,16 @@ bool has_lost_pages(const CutState& s) {
 void sync_pages(CutState& s) {
     const TerrainData& t = *s.terrain;
     const std::uint64_t seen = s.seen_changes, count = t.changes - seen;
-    if (count == 0) return;
     s.seen_changes = t.changes;
-    const auto logged = [&](std::uint64_t n) { return t.changed_slots[(seen + n) % change_log]; };
     const bool all = count > change_log;
+    const auto slot_of = [&](std::uint64_t n) {
+        return all ? static_cast<std::uint32_t>(n) : t.changed_slots[(seen + n) % change_log];
+    };
     const std::uint64_t end = all ? t.slot_count : count;
     for (std::uint64_t n = 0; n < end; ++n)
-        if (!detach_if_changed(s, all ? static_cast<std::uint32_t>(n) : logged(n))) return;
-    for (std::uint64_t n = 0; n < end; ++n) attach_if_loaded(s, all ? static_cast<std::uint32_t>(n) : logged(n));
+        if (!leave_if_changed(s, slot_of(n))) return;
+    for (std::uint64_t n = 0; n < end; ++n) enter_if_loaded(s, slot_of(n));
+    if (s.pages_wait && free_pages(s) > s.tiles_waiting) attach_waiting(s);
 }
 
 namespace {
@@ -275,9 +371,9 @@ void revisit(CutState& s, std::uint32_t number) {
 } // namespace
 
 void cancel_eviction(CutState& s, std::uint32_t slot) {
-    PageSlot& info = s.page_slot[slot];
-    if (info.status != PageSlotStatus::evicting) return;
-    info.status = PageSlotStatus::live;
+    PageState& info = s.page_state[slot];
+    if (info.status != PageStatus::evicting) return;
+    info.status = PageStatus::live;
     s.evicting_count =
         static_cast<std::uint32_t>(std::remove(s.evicting, s.evicting + s.evicting_count, slot) - s.evicting);
     for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) revisit(s, slot * max_page_groups + n);
@@ -298,7 +394,7 @@ void deactivate_page(CutState& s, std::uint32_t slot) {
 
 // Whatever may begin to: the vertices without active children, and of the others' descendants those that are.
 void morph_out_page(CutState& s, std::uint32_t slot) {
-    for (std::uint32_t n = 0; n < s.shapes[s.page_slot[slot].shape].count; ++n) {
+    for (std::uint32_t n = 0; n < s.shapes[s.page_state[slot].shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
         for (std::uint32_t lanes = s.groups[number].active; lanes != 0; lanes &= lanes - 1) {
             if (s.report.items >= s.item_limit) return;
@@ -339,7 +435,7 @@ void end_morphing_out(CutState& s) {
 void evict_pages(CutState& s) {
     end_morphing_out(s);
     for (std::uint32_t i = 0; i < s.evicting_count; ++i)
-        if (s.page_slot[s.evicting[i]].active == 0)
+        if (s.page_state[s.evicting[i]].active == 0)
             continue;
         else if (s.morph_now.morph == Morph::none)
             deactivate_page(s, s.evicting[i]);

@@ -5,13 +5,29 @@
 
 namespace fjell {
 
-// Attaches every page that was loaded and detaches those that were unloaded. O(changes since the last call), or
+// Enters every page that was loaded and lets go of those that were unloaded. O(changes since the last call), or
 // O(slots) when those were more than the terrain's log remembers.
 void sync_pages(CutState& s);
 // Has the host unloaded a page that the cut holds? The same complexity.
 [[nodiscard]] bool has_lost_pages(const CutState& s);
 // The next sync_pages() visits all slots.
 void rescan_pages(CutState& s);
+
+// Gives a page its state, if it is loaded and has none. False: there is none to be had.
+[[nodiscard]] bool attach_page(CutState& s, std::uint32_t page);
+// The page may have become idle: another one may have its state, from the next frame on.
+void note_idle(CutState& s, std::uint32_t slot);
+// Takes the state of the page that has been idle longest. False: none is. Not while the bulk pass is under way, or
+// groups have been taken from their queues.
+bool reclaim_page(CutState& s);
+// A few, as far as they will be needed soon.
+void keep_pages_at_hand(CutState& s);
+// States that pages can have without taking others'.
+[[nodiscard]] std::uint32_t free_pages(const CutState& s);
+// Can there be more pages with states than there are states?
+[[nodiscard]] inline bool may_lack_pages(const CutState& s) {
+    return s.page_count < s.terrain->slot_count;
+}
 
 // As if nothing were active, for one page.
 void clear_page(CutState& s, std::uint32_t slot);
@@ -27,5 +43,7 @@ struct ParentMasks {
     std::uint16_t parent[2];
 };
 [[nodiscard]] ParentMasks parents_of(const CutState& s, std::uint32_t group, std::uint32_t lanes);
+// Those that do not exist, at the terrain's rim and above a tile's root, count as active. first: of the group's lanes.
+[[nodiscard]] ParentMasks absent_parents(const CutState& s, const Site& first, const GroupShape& shape);
 
 } // namespace fjell

@@ -9,6 +9,7 @@
 #include "cut/evaluate.h"
 #include "cut/lag.h"
 #include "cut/morph.h"
+#include "cut/pages.h"
 
 namespace fjell {
 
@@ -35,7 +36,7 @@ struct Evaluated {
 
 Evaluated evaluate_group(CutState& s, std::uint32_t number) {
     Evaluated group{s.groups[number]};
-    group.evicting = s.page_slot[number / max_page_groups].status == PageSlotStatus::evicting;
+    group.evicting = s.page_state[number / max_page_groups].status == PageStatus::evicting;
     for (std::uint32_t lanes = s.morphing_out_count != 0 ? group.state.active : 0u; lanes != 0; lanes &= lanes - 1) {
         const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
         if (morphs_out(s, s.vertex_slot[number * group_lanes + lane])) group.morphing_out |= 1u << lane;
@@ -108,6 +109,10 @@ void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
             s.full_capacities |= cut_budget_vertices;
             blocked = true;
             break;
+        case Outcome::no_pages:
+            s.full_capacities |= cut_budget_vertices;
+            blocked = true;
+            break;
         case Outcome::no_triangles:
             s.full_capacities |= cut_budget_triangles;
             blocked = true;
@@ -155,8 +160,7 @@ struct PlannedChange {
 // What evaluating a group reads.
 inline void prefetch_group(const CutState& s, std::uint32_t group) {
     FJELL_PREFETCH(&s.groups[group]);
-    const VertexRecord* const records =
-        s.terrain->records + std::size_t{group / max_page_groups} * s.terrain->page_capacity + shape_of(s, group).first;
+    const VertexRecord* const records = records_of(s, group / max_page_groups) + shape_of(s, group).first;
     FJELL_PREFETCH(records);
     FJELL_PREFETCH(records + group_lanes - 1);
 }
@@ -164,8 +168,7 @@ inline void prefetch_group(const CutState& s, std::uint32_t group) {
 inline void prefetch_record(const CutState& s, std::uint32_t vertex) {
     const std::uint32_t group = vertex / group_lanes, slot = group / max_page_groups;
     const GroupShape& shape = shape_of(s, group);
-    FJELL_PREFETCH(s.terrain->records + std::size_t{slot} * s.terrain->page_capacity + shape.first +
-                   shape.stride * (vertex % group_lanes));
+    FJELL_PREFETCH(records_of(s, slot) + shape.first + shape.stride * (vertex % group_lanes));
 }
 
 // The first link: vertices around it.
@@ -353,7 +356,7 @@ private:
             popped[n] = pop_due(s.schedule);
             if (popped[n] == no_index) break;
             FJELL_PREFETCH(&s.schedule.pages[popped[n]]);
-            FJELL_PREFETCH(&s.page_slot[popped[n]]);
+            FJELL_PREFETCH(&s.page_state[popped[n]]);
             const std::uint16_t* const ticks = s.schedule.ticks + std::size_t{popped[n]} * page_ticks;
             for (std::uint32_t i = 0; i < page_ticks; i += 32) FJELL_PREFETCH(ticks + i);
         }
@@ -414,6 +417,7 @@ bool work_off(CutState& s) {
         const std::uint32_t full_before = s.full_capacities;
         if (!change_batch(s, queue, queue == deactivation_queue || !s.lagging)) break;
         ++s.batches;
+        keep_pages_at_hand(s);
         if (s.full_capacities != full_before) s.deactivations_when_full = s.report.deactivations;
     }
     return s.report.items >= s.item_limit;

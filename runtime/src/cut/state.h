@@ -51,26 +51,41 @@ struct GroupState {
 };
 static_assert(sizeof(GroupState) == 32, "two groups a cache line");
 
-enum class PageSlotStatus : std::uint8_t { empty, live, evicting };
+// What a page's vertices stand within, and the largest of their errors and spheres: what it could hide.
+struct PageExtent {
+    float low_m, high_m, error_m, radius_m;
+};
 
-struct PageSlot {
-    std::uint32_t page; // tile * pages_per_tile + page, or no_index
+// What a page slot of the terrain holds, as far as the cut knows.
+struct LoadedPage {
+    std::uint32_t page;  // tile * pages_per_tile + page, or no_index
+    std::uint32_t loads; // TerrainData::slot_loads when the cut entered it
+    bool evicting;
+    PageExtent extent;
+};
+
+enum class PageStatus : std::uint8_t { empty, live, evicting };
+
+// The state of a page: of every tile's page 0, and of those where a vertex has an active parent. No other can have
+// anything to do, so the pool follows what is active, not what is loaded. A page's state is named by its place in the
+// pool, and keeps it until it is idle and another page needs it.
+struct PageState {
+    std::uint32_t page;         // tile * pages_per_tile + page, or no_index
+    std::uint32_t terrain_slot; // where its records are
     std::uint32_t tile;
     std::int32_t i0, j0; // the page's first square in its tile; page 0: 0
     std::int32_t tile_x, tile_y;
     std::int32_t x0, y0; // its first square's corner, in samples of the terrain
     std::int32_t base;   // height scale steps
-    std::uint32_t loads; // TerrainData::slot_loads when the page was entered
-    // What its vertices stand within, and the largest of their errors and spheres: what it could hide.
-    float low_m, high_m, error_m, radius_m;
-    std::int64_t late_ticks; // when one of them last began to morph by time
+    PageExtent extent;
+    std::int64_t late_ticks; // when one of its vertices last began to morph by time
+    std::uint32_t parents;   // active ones, counted once for each vertex that has them; 0: the page is idle
     std::uint16_t active;    // vertices
     std::uint8_t z;          // log2 of the step; page 0: 0, its groups say
     std::uint8_t shape;      // 0: page 0; 1: any other
-    PageSlotStatus status;
-    bool touched; // its groups may say more than that nothing is active
-    bool listed;  // among touched_pages: stays when the page leaves
-    bool late;    // listed among late_pages
+    PageStatus status;
+    bool idle; // listed among idle_pages: stays when the page leaves
+    bool late; // listed among late_pages
 };
 
 // A tile's triangles: all segments but the last are full.
@@ -155,23 +170,31 @@ struct CutState {
     const TerrainData* terrain; // its data
     CutBudget budget;
     // Geometry of groups.
-    std::uint32_t pages_per_tile, group_count;
+    std::uint32_t pages_per_tile;
     std::int32_t tiles_x, tiles_y;
     StepGroups steps[max_tile_log2];
     PageShape shapes[2];        // [0] of page 0, [1] of all others
     std::uint16_t* hz_places;   // hierarchical Z-order: place of each group's lanes, for both shapes; else nullptr
-    std::uint32_t* page_groups; // first group of each page, or no_index
+    std::uint32_t* page_groups; // first group of each page, or no_index: no state
     float level_unit_m[2 * max_tile_log2]; // of radii: centres at 2 z, sides at 2 z + 1
     void (*evaluate)(const Criterion&, const LaneGroup&, LaneAnswers&);
     float (*worst_px)(const Criterion&, const LaneGroup&, const float*);
     // Vertices.
     GroupState* groups;
     std::uint32_t* vertex_slot; // vertex slot of each active vertex
-    PageSlot* page_slot;
+    LoadedPage* loaded;         // one a page slot of the terrain
     std::uint64_t seen_changes;
-    std::uint32_t* touched_pages; // slots that a reset has to look at
-    std::uint32_t touched_count;
-    std::uint32_t* evicting; // slots whose pages are being evicted
+    // The pool of page states.
+    PageState* page_state;
+    std::uint32_t page_count, group_count; // its size
+    std::uint32_t* free_pages;             // a stack of given-back states; those from fresh_page on were never taken
+    std::uint32_t free_page_count, fresh_page;
+    std::uint32_t* idle_pages; // a ring: those that became idle first; some of them are no longer
+    std::uint32_t first_idle, idle_count;
+    std::uint32_t tiles_waiting; // for their pages 0, which shall have one
+    bool pages_wait;             // a page was loaded, and had none to be had
+    std::uint32_t busy_pages;    // that are not idle
+    std::uint32_t* evicting;     // states of pages that are being evicted
     std::uint32_t evicting_count;
     // What is to be done, and when.
     Schedule schedule;
@@ -232,18 +255,16 @@ struct CutState {
     MorphFrame morph_now, morph_before;
     float* late_s; // activated_s of vertices activated late, a ring of budget.vertices: oldest first
     std::uint32_t first_late, late_count;
-    std::uint32_t* late_pages; // slots of pages with such vertices
+    std::uint32_t* late_pages; // states of pages with such vertices
     std::uint32_t late_page_count;
     std::uint32_t* morphing_out; // vertices that morph out, a ring of budget.vertices: those that began first
     std::uint32_t first_morphing_out, morphing_out_count;
 };
 
-inline void touch(CutState& s, std::uint32_t slot) {
-    PageSlot& page = s.page_slot[slot];
-    page.touched = true;
-    if (page.listed) return;
-    page.listed = true;
-    s.touched_pages[s.touched_count++] = slot;
+inline void count_parents(CutState& s, std::uint32_t slot, std::uint32_t more) {
+    PageState& page = s.page_state[slot];
+    s.busy_pages += page.parents == 0 && more != 0;
+    page.parents += more;
 }
 [[nodiscard]] inline std::uint32_t free_vertices(const CutState& s) {
     return s.free_vertex_count - s.bulk.mapped + s.budget.vertices - s.fresh_vertex;

@@ -221,7 +221,8 @@ double waiting_px(CutState& s) {
     const CutReport& r = s.report;
     forget_late_pages(s, r.morphing == 0);
     if (r.waiting == 0 && r.morphing == 0) return 0;
-    if (s.bulk.phase != BulkPhase::idle) return unbounded_px; // nobody has looked at what is drawn
+    // Nobody has looked at what is drawn, or at what pages hide that have no state.
+    if (s.bulk.phase != BulkPhase::idle || s.pages_wait) return unbounded_px;
     const double lag = lag_px(s);
     if (r.morphing == 0 && s.morph_now.morph == Morph::none) return lag;
     // Of vertices that stand between two heights what moves them comes on top of what the mesh around them hides; it
@@ -247,15 +248,17 @@ void finish(CutState& s) {
     r.waiting = waiting_groups(s);
     const bool building = s.bulk.phase != BulkPhase::idle;
     r.waiting += building;
+    if (s.pages_wait) s.full_capacities |= cut_budget_vertices;
     if (s.bulk.phase >= BulkPhase::releasing) r.vertices = corner_slots(s) + s.bulk.taken;
-    for (std::uint32_t i = 0; i < s.evicting_count; ++i) r.waiting += s.page_slot[s.evicting[i]].active != 0;
+    for (std::uint32_t i = 0; i < s.evicting_count; ++i) r.waiting += s.page_state[s.evicting[i]].active != 0;
     r.vertices_changed = s.dirty_vertices.slots;
     r.triangles_changed = s.dirty_triangles.slots;
     const std::uint32_t gated = s.queues.sizes[gated_queues] + s.queues.sizes[gated_queues + 1];
     s.lagging = r.waiting != r.blocked + gated;
     r.converged = r.waiting == 0 && r.morphing == 0 && r.threshold_px <= r.error_px_requested;
-    const double use = std::max(static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
-                                static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity);
+    const double use = std::max({static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
+                                 static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity,
+                                 may_lack_pages(s) ? static_cast<double>(s.busy_pages) / s.page_count : 0.0});
     (void)govern(s.governor, r.error_px_requested, governor_most_px(s), use, s.full_capacities != 0, !s.lagging,
                  s.still);
     // What waits, and what pages hide that are wanted and not there, bounds the screen as a threshold would.
@@ -344,6 +347,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     end_morphing_in(s);
     const auto prepared = Clock::now();
     evict_pages(s);
+    keep_pages_at_hand(s);
     refine(s);
     const auto refined = Clock::now();
     finish(s);
@@ -373,13 +377,22 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     std::uint32_t written = 0; // vertex slots, by attempts that failed
     finish_bulk(s);
     if (s.terrain->changes != s.seen_changes) reset(s);
+    bool cleared = !may_lack_pages(s);
     for (;;) {
         set_views(s, views, s.governor.effective_px);
         const BulkStatus status = build_bulk(s);
         if (status == BulkStatus::built) break;
         written = std::max(written, corner_slots(s) + s.bulk.taken);
-        s.governor.cause |= status == BulkStatus::no_vertices ? cut_budget_vertices : cut_budget_triangles;
         r.evaluations = 0;
+        if (status == BulkStatus::no_pages && !std::exchange(cleared, true)) { // those of what is drawn were missing
+            reset(s);
+            while (reclaim_page(s)) {
+            }
+            continue;
+        }
+        s.governor.cause |= status == BulkStatus::no_vertices    ? cut_budget_vertices
+                            : status == BulkStatus::no_triangles ? cut_budget_triangles
+                                                                 : cut_budget_vertices;
         s.governor.failed_px = s.governor.effective_px;
         s.governor.effective_px *= governor_up;
         if (s.governor.effective_px < governor_most_px(s)) continue;
@@ -406,23 +419,35 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     return {};
 }
 
+namespace {
+
+// nullptr: the cut does not hold it.
+LoadedPage* loaded_page(CutState& s, std::uint32_t page) {
+    const std::uint32_t slot = s.terrain->page_table[page].slot;
+    return slot != no_index && s.loaded[slot].page == page ? &s.loaded[slot] : nullptr;
+}
+
+} // namespace
+
 Status cut_release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, bool& released) {
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
     if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return {Code::out_of_range, "tile or page"};
-    const std::uint32_t first = s.page_groups[tile * s.pages_per_tile + page];
-    released = first == no_index;
+    LoadedPage* const loaded = loaded_page(s, tile * s.pages_per_tile + page);
+    released = loaded == nullptr;
     if (released) return {};
-    const std::uint32_t slot = first / max_page_groups;
-    PageSlot& info = s.page_slot[slot];
-    if (info.status != PageSlotStatus::evicting) {
-        FJELL_ASSERT(info.status == PageSlotStatus::live && s.evicting_count < s.terrain->slot_count);
-        info.status = PageSlotStatus::evicting;
+    const std::uint32_t first = s.page_groups[loaded->page], slot = first / max_page_groups;
+    const bool attached = first != no_index;
+    if (attached && !loaded->evicting) {
+        FJELL_ASSERT(s.page_state[slot].status == PageStatus::live && s.evicting_count < s.page_count);
+        s.page_state[slot].status = PageStatus::evicting;
         s.evicting[s.evicting_count++] = slot;
     }
+    loaded->evicting = true;
     // What the bulk pass has found there may be about to be drawn.
-    released = info.active == 0 && (s.bulk.phase == BulkPhase::idle || found_in(s, slot) == nullptr);
+    released = !attached ||
+               (s.page_state[slot].active == 0 && (s.bulk.phase == BulkPhase::idle || found_in(s, slot) == nullptr));
     return {};
 }
 
@@ -431,8 +456,11 @@ Status cut_cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
     if (found == nullptr) return no_cut;
     CutState& s = *found;
     if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return {Code::out_of_range, "tile or page"};
-    const std::uint32_t first = s.page_groups[tile * s.pages_per_tile + page];
-    if (first != no_index) cancel_eviction(s, first / max_page_groups);
+    LoadedPage* const loaded = loaded_page(s, tile * s.pages_per_tile + page);
+    if (loaded == nullptr) return {};
+    loaded->evicting = false;
+    if (const std::uint32_t first = s.page_groups[loaded->page]; first != no_index)
+        cancel_eviction(s, first / max_page_groups);
     return {};
 }
 

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "cut/bulk.h"
 #include "cut/find.h"
 #include "cut/morph.h"
 #include "cut/pages.h"
@@ -21,6 +22,11 @@ Violation at(const char* what, const CutState& s, std::uint32_t vertex) {
 
 bool is_active(const CutState& s, std::uint32_t vertex) {
     return (s.groups[vertex / group_lanes].active & bit_of(vertex)) != 0;
+}
+
+bool is_loaded(const CutState& s, std::uint32_t page) {
+    const std::uint32_t slot = s.terrain->page_table[page].slot;
+    return slot != no_index && s.loaded[slot].page == page;
 }
 
 // Of a vertex that is active: its slot is in use, and is its own.
@@ -51,6 +57,8 @@ Violation check_vertex(const CutState& s, std::uint32_t vertex) {
         const bool possible = !leaf && exists(s, child);
         const std::uint32_t found = possible ? find_vertex(s, child) : no_index;
         const bool there = found != no_index && is_active(s, found);
+        if (bit(b.active) && possible && found == no_index && !s.pages_wait && is_loaded(s, place_of(s, child).page))
+            return at("an active vertex' child has no state:", s, vertex);
         if (bit(b.child[d]) != there) return at("a child mask is wrong at", s, vertex);
         if (!bit(b.active) || leaf) continue; // at the rim no triangle lies beyond; a leaf has no children to say so
         const bool drawn = s.triangle_of[s.vertex_slot[vertex] * 4 + d] != no_index;
@@ -65,7 +73,7 @@ struct Changeable {
 };
 Changeable changeable(const CutState& s, std::uint32_t group) {
     const GroupState& b = s.groups[group];
-    const bool evicting = s.page_slot[group / max_page_groups].status == PageSlotStatus::evicting;
+    const bool evicting = s.page_state[group / max_page_groups].status == PageStatus::evicting;
     Changeable lanes{evicting ? 0u : static_cast<std::uint32_t>(b.ready() & ~b.active),
                      static_cast<std::uint32_t>(b.active & ~b.parental())};
     for (std::uint32_t lane = 0; lane < group_lanes; ++lane) // those that morph out go by themselves
@@ -99,7 +107,7 @@ Violation check_decision(const CutState& s, std::uint32_t vertex, bool on, doubl
 
 bool some_page_leaves(const CutState& s) {
     for (std::uint32_t i = 0; i < s.evicting_count; ++i)
-        if (s.page_slot[s.evicting[i]].active != 0) return true;
+        if (s.page_state[s.evicting[i]].active != 0) return true;
     return false;
 }
 
@@ -108,7 +116,7 @@ Violation check_group(const CutState& s, std::uint32_t number) {
     const ParentMasks parents = parents_of(s, number, (1u << shape_of(s, number).lanes) - 1);
     if (b.parent[0] != parents.parent[0] || b.parent[1] != parents.parent[1])
         return at("a parent mask is wrong in the group of", s, number * group_lanes);
-    const bool evicting = s.page_slot[number / max_page_groups].status == PageSlotStatus::evicting;
+    const bool evicting = s.page_state[number / max_page_groups].status == PageStatus::evicting;
     const Changeable lanes = changeable(s, number);
     const std::uint16_t ticks = ticks_of(s.schedule, number);
     if ((lanes.inactive | lanes.childless) != 0 && b.queue == unqueued && ticks == unscheduled && !evicting)
@@ -131,9 +139,10 @@ Violation check_group(const CutState& s, std::uint32_t number) {
     return {};
 }
 
-// A slot without a page: nothing is left in it.
+// A state of no page: nothing is left in it.
 Violation check_empty(const CutState& s, std::uint32_t slot) {
-    if (s.page_slot[slot].status != PageSlotStatus::empty) return {"a page slot without a page is not empty"};
+    const PageState& info = s.page_state[slot];
+    if (info.status != PageStatus::empty || info.parents != 0) return {"a state of no page is not empty"};
     for (std::uint32_t n = 0; n < max_page_groups; ++n) {
         const GroupState& b = s.groups[slot * max_page_groups + n];
         if (b.queue != unqueued) return {"a group of no page is in a queue"};
@@ -144,15 +153,16 @@ Violation check_empty(const CutState& s, std::uint32_t slot) {
 }
 
 Violation check_page(const CutState& s, std::uint32_t slot, Tally& vertex_slots) {
-    const PageSlot& info = s.page_slot[slot];
-    if (info.page >= s.terrain->page_count()) return {"a page slot holds a page that there is not"};
-    if (s.page_groups[info.page] != slot * max_page_groups) return {"a page is not where its slot says"};
-    if (info.status == PageSlotStatus::empty) return {"a page slot with a page is empty"};
+    const PageState& info = s.page_state[slot];
+    if (info.page >= s.terrain->page_count()) return {"a state is of a page that there is not"};
+    if (s.page_groups[info.page] != slot * max_page_groups) return {"a page's state is not where the page says"};
+    if (info.status == PageStatus::empty) return {"a page's state is empty"};
     if (info.tile != info.page / s.pages_per_tile) return {"a page is another tile's"};
-    if (s.seen_changes == s.terrain->changes &&
-        (s.terrain->slot_page[slot] != info.page || s.terrain->slot_loads[slot] != info.loads))
-        return {"a page slot holds another page than the terrain's"};
-    std::uint32_t active = 0, masks = 0;
+    if (info.terrain_slot >= s.terrain->slot_count || s.loaded[info.terrain_slot].page != info.page)
+        return {"a page's records are another page's"};
+    if ((info.status == PageStatus::evicting) != s.loaded[info.terrain_slot].evicting)
+        return {"a page is evicted, and its state does not say so"};
+    std::uint32_t active = 0, parents = 0;
     for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
         for (std::uint32_t lane = 0; lane < s.shapes[info.shape].groups[n].lanes; ++lane) {
@@ -163,29 +173,57 @@ Violation check_page(const CutState& s, std::uint32_t slot, Tally& vertex_slots)
             ++active;
         }
         if (const Violation wrong = check_group(s, number)) return wrong;
-        masks |= s.groups[number].active | s.groups[number].parental();
+        const GroupShape& shape = s.shapes[info.shape].groups[n];
+        const ParentMasks absent = absent_parents(s, site_of(s, number * group_lanes), shape);
+        for (std::size_t i = 0; i < 2; ++i)
+            parents += static_cast<std::uint32_t>(
+                std::popcount(static_cast<std::uint16_t>(s.groups[number].parent[i] & ~absent.parent[i])));
     }
     if (active != info.active) return {"a page counts its active vertices wrongly"};
-    if (masks != 0 && !(info.touched && info.listed))
-        return {"a page with active vertices would be left out by reset()"};
+    if (parents != info.parents) return {"a page counts its vertices' parents wrongly"};
+    const bool in_bulk = s.bulk.phase != BulkPhase::idle && found_in(s, slot) != nullptr;
+    if (parents == 0 && info.shape != 0 && !info.idle && !in_bulk)
+        return {"a page is idle, and its state can never be taken"};
     return {};
 }
 
+// Those that say so are listed, once.
+Violation check_idle(const CutState& s) {
+    Tally listed, say_so;
+    for (std::uint32_t i = 0; i < s.idle_count; ++i) listed.add(s.idle_pages[(s.first_idle + i) % s.page_count]);
+    for (std::uint32_t slot = 0; slot < s.page_count; ++slot)
+        if (s.page_state[slot].idle) say_so.add(slot);
+    return listed == say_so ? Violation{} : Violation{"an idle page is listed twice, or lost"};
+}
+
 Violation check_pages(const CutState& s, Tally& vertex_slots) {
-    std::uint32_t evicting = 0;
-    Tally listed, marked;
-    for (std::uint32_t slot = 0; slot < s.terrain->slot_count; ++slot) {
-        const bool empty = s.page_slot[slot].page == no_index;
+    std::uint32_t evicting = 0, busy = 0, taken = 0, roots = 0;
+    Tally listed, marked, unused, say_free;
+    for (std::uint32_t slot = 0; slot < s.page_count; ++slot) {
+        const PageState& info = s.page_state[slot];
+        const bool empty = info.page == no_index;
         if (const Violation wrong = empty ? check_empty(s, slot) : check_page(s, slot, vertex_slots)) return wrong;
-        if (s.page_slot[slot].status != PageSlotStatus::evicting) continue;
+        busy += info.parents != 0;
+        if (empty && slot < s.fresh_page) unused.add(slot);
+        if (empty) continue;
+        ++taken;
+        roots += info.shape == 0;
+        if (info.status != PageStatus::evicting) continue;
         marked.add(slot);
         ++evicting;
     }
+    for (std::uint32_t i = 0; i < s.free_page_count; ++i) say_free.add(s.free_pages[i]);
+    if (!(unused == say_free) || taken != s.page_count - free_pages(s)) return {"states are lost, or free twice"};
+    if (busy != s.busy_pages) return {"busy pages do not add up"};
+    if (roots + s.tiles_waiting != s.terrain->tile_count()) return {"tiles whose page 0 has no state do not add up"};
+    if (const Violation wrong = check_idle(s)) return wrong;
     for (std::uint32_t page = 0; page < s.terrain->page_count(); ++page) {
         const std::uint32_t first = s.page_groups[page], slot = s.terrain->page_table[page].slot;
-        if (first != no_index && (first >= s.group_count || s.page_slot[first / max_page_groups].page != page))
+        if (first != no_index && (first >= s.group_count || s.page_state[first / max_page_groups].page != page))
             return {"a page's groups are another page's"};
-        if (first == no_index && slot != no_index && s.seen_changes == s.terrain->changes)
+        if (s.seen_changes != s.terrain->changes) continue;
+        if ((slot != no_index) != is_loaded(s, page) ||
+            (slot != no_index && s.loaded[slot].loads != s.terrain->slot_loads[slot]))
             return {"a page is loaded, and the cut has not entered it"};
     }
     if (evicting != s.evicting_count) return {"pages that are evicted do not add up"};
@@ -229,7 +267,7 @@ Violation check_report(const CutState& s) {
     if (s.frame == 0) return {};
     const CutReport& r = s.report;
     std::uint32_t active = corner_slots(s), triangles = 0;
-    for (std::uint32_t slot = 0; slot < s.terrain->slot_count; ++slot) active += s.page_slot[slot].active;
+    for (std::uint32_t slot = 0; slot < s.page_count; ++slot) active += s.page_state[slot].active;
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) triangles += s.tiles[tile].total;
     if (active != s.budget.vertices - free_vertices(s)) return {"active vertices and their slots do not add up"};
     if (r.vertices != active || r.vertex_slots.used != active) return {"the report counts vertices wrongly"};
