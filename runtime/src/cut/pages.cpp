@@ -119,32 +119,39 @@ void detach(CutState& s, std::uint32_t slot) {
     s.free_pages[s.free_page_count++] = slot;
 }
 
-// A page that has come while others were active: some of its vertices may have active parents.
+bool nothing_active(const CutState& s) {
+    return s.budget.vertices - free_vertices(s) == corner_slots(s);
+}
+
+// Of a page that has just been attached: which of its vertices have active parents in other pages?
+void find_parents(CutState& s, std::uint32_t slot) {
+    const PageState& info = s.page_state[slot];
+    const bool none = nothing_active(s);
+    for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
+        const std::uint32_t number = slot * max_page_groups + n;
+        GroupState& b = s.groups[number];
+        const std::uint32_t lanes = none ? 0 : outward_lanes(info, s.shapes[info.shape].groups[n]);
+        if (lanes != 0) {
+            const ParentMasks parents = parents_of(s, number, lanes);
+            for (std::size_t i = 0; i < 2; ++i) { // those that do not exist are not counted
+                const auto more = static_cast<std::uint16_t>(parents.parent[i] & ~b.parent[i]);
+                count_parents(s, slot, static_cast<std::uint32_t>(std::popcount(more)));
+                b.parent[i] |= more;
+            }
+        }
+        if (b.ready() != 0) make_due(s.schedule, number);
+    }
+}
+
+// A page that has come: some of its vertices may have active parents.
 void attach_if_wanted(CutState& s, std::uint32_t terrain_slot) {
-    const bool root = s.loaded[terrain_slot].page % s.pages_per_tile == 0,
-               nothing_active = s.budget.vertices - free_vertices(s) == corner_slots(s);
-    if (nothing_active && !root) return;
+    if (s.loaded[terrain_slot].page % s.pages_per_tile != 0 && nothing_active(s)) return;
     const std::uint32_t slot = attach(s, terrain_slot);
     if (slot == no_index) {
         s.pages_wait = true;
         return;
     }
-    PageState& info = s.page_state[slot];
-    for (std::uint32_t n = 0; n < s.shapes[info.shape].count; ++n) {
-        const std::uint32_t number = slot * max_page_groups + n;
-        GroupState& b = s.groups[number];
-        const std::uint32_t lanes = nothing_active ? 0 : outward_lanes(info, s.shapes[info.shape].groups[n]);
-        if (lanes != 0) {
-            const ParentMasks parents = parents_of(s, number, lanes);
-            for (std::size_t i = 0; i < 2; ++i) { // those that do not exist are not counted
-                count_parents(s, slot,
-                              static_cast<std::uint32_t>(
-                                  std::popcount(static_cast<std::uint16_t>(parents.parent[i] & ~b.parent[i]))));
-                b.parent[i] |= parents.parent[i];
-            }
-        }
-        if (b.ready() != 0) make_due(s.schedule, number);
-    }
+    find_parents(s, slot);
     note_idle(s, slot);
 }
 
@@ -296,7 +303,10 @@ bool attach_page(CutState& s, std::uint32_t page) {
     if (s.page_groups[page] != no_index) return true;
     const std::uint32_t terrain_slot = s.terrain->page_table[page].slot;
     if (terrain_slot == no_index || s.loaded[terrain_slot].page != page) return true;
-    return attach(s, terrain_slot) != no_index;
+    const std::uint32_t slot = attach(s, terrain_slot);
+    if (slot == no_index) return false;
+    if (s.pages_wait) find_parents(s, slot); // or nobody could have attached it before
+    return true;
 }
 
 void note_idle(CutState& s, std::uint32_t slot) {

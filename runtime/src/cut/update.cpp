@@ -241,20 +241,20 @@ void finish(CutState& s) {
     r.vertices = r.vertex_slots.used;
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) r.triangles += s.tiles[tile].total;
     r.blocked = blocked_groups(s);
+    if (s.pages_wait) s.full_capacities |= cut_budget_vertices;
     if (s.full_capacities != 0) s.governor.cause = s.full_capacities;
     if (r.threshold_px <= r.error_px_requested) s.governor.cause = s.full_capacities;
     r.exhausted |= s.governor.cause;
     r.morphing = s.late_count + s.morphing_out_count;
     r.waiting = waiting_groups(s);
     const bool building = s.bulk.phase != BulkPhase::idle;
-    r.waiting += building;
-    if (s.pages_wait) s.full_capacities |= cut_budget_vertices;
+    r.waiting += building + s.pages_wait;
     if (s.bulk.phase >= BulkPhase::releasing) r.vertices = corner_slots(s) + s.bulk.taken;
     for (std::uint32_t i = 0; i < s.evicting_count; ++i) r.waiting += s.page_state[s.evicting[i]].active != 0;
     r.vertices_changed = s.dirty_vertices.slots;
     r.triangles_changed = s.dirty_triangles.slots;
     const std::uint32_t gated = s.queues.sizes[gated_queues] + s.queues.sizes[gated_queues + 1];
-    s.lagging = r.waiting != r.blocked + gated;
+    s.lagging = r.waiting != r.blocked + gated + s.pages_wait;
     r.converged = r.waiting == 0 && r.morphing == 0 && r.threshold_px <= r.error_px_requested;
     const double use = std::max({static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
                                  static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity,
