@@ -144,14 +144,15 @@ bool may_be_seen(const CutState& s, const PageState& page) {
     if (page.shape == 0) return true;
     const TerrainData& t = *s.terrain;
     const std::int32_t cells = static_cast<std::int32_t>(2 * page_squares) << page.z;
-    const double out = static_cast<double>(page.extent.radius_m) * (1 + 0x1p-18);
+    const PageExtent& extent = s.loaded[page.terrain_slot].extent;
+    const double out = static_cast<double>(extent.radius_m) * (1 + 0x1p-18);
     for (std::uint32_t i = 0; i < s.view_count; ++i) {
         const Vec3& eye = s.views[i].eye_m;
         const double low[3] = {static_cast<double>(t.x_m(page.x0)) - eye.x,
-                               static_cast<double>(page.extent.low_m) - eye.y,
+                               static_cast<double>(extent.low_m) - eye.y,
                                static_cast<double>(t.z_m(page.y0)) - eye.z},
                      high[3] = {static_cast<double>(t.x_m(page.x0 + cells)) - eye.x,
-                                static_cast<double>(page.extent.high_m) - eye.y,
+                                static_cast<double>(extent.high_m) - eye.y,
                                 static_cast<double>(t.z_m(page.y0 + cells)) - eye.z};
         bool inside = true;
         for (int plane = 0; plane < 6 && inside; ++plane) {

@@ -20,12 +20,12 @@ public:
 
     void page() {
         PageState& info = s.page_state[slot_];
-        clear_page(s, slot_);
         const int finest = info.shape == 0 ? std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
                   coarsest = info.shape == 0 ? s.terrain->tree.tile_log2 - 1 : info.z;
         std::uint32_t active = 0;
         for (int z = coarsest; z >= finest; --z) active += step(z);
         info.active = static_cast<std::uint16_t>(active);
+        count_parents(s, slot_, parents_ - (info.shape == 0 ? 2 : 0)); // a root's do not exist
         if (page_.grades != 0) install_ticks(s.schedule, slot_, page_.ticks, page_.grades - 1, s.bulk.travelled_m);
     }
 
@@ -67,20 +67,16 @@ private:
             };
             GroupState& group = s.groups[first + word];
             group.active = part(active);
-            add_parents(group.parent[0], part(parent0));
-            add_parents(group.parent[1], part(parent1));
+            group.parent[0] |= part(parent0);
+            group.parent[1] |= part(parent1);
             for (std::size_t d = 0; d < 4; ++d) group.child[d] = part(child[d]);
         }
+        parents_ += static_cast<std::uint32_t>(std::popcount(parent0 | std::uint64_t{parent1} << 32));
         std::uint32_t number = page_.first[row];
         std::uint32_t* const slots = s.vertex_slot + std::size_t{first} * group_lanes;
         const BulkSlots taken = taken_;
         for (std::uint32_t left = active; left != 0; left &= left - 1) slots[std::countr_zero(left)] = taken[number++];
         return static_cast<std::uint32_t>(std::popcount(active));
-    }
-
-    void add_parents(std::uint16_t& mask, std::uint16_t parents) {
-        count_parents(s, slot_, static_cast<std::uint32_t>(std::popcount(static_cast<std::uint16_t>(parents & ~mask))));
-        mask |= parents;
     }
 
     std::uint32_t centres(std::int32_t j, std::uint32_t parent0, std::uint32_t parent1) {
@@ -127,6 +123,7 @@ private:
     const BulkSlots taken_;
     BulkSquares at_{};
     BulkMasks masks_;
+    std::uint32_t parents_ = 0;
 };
 
 // What was active in a page gives its slots back.
@@ -183,13 +180,13 @@ bool step_install(CutState& s) {
     if (b.phase == BulkPhase::releasing) {
         while (b.at != s.fresh_page) {
             const std::uint32_t slot = b.at++;
-            if (s.page_state[slot].page == no_index) continue;
+            const PageState& page = s.page_state[slot];
+            const bool used = page.parents != 0 || s.schedule.pages[slot].awake != no_index;
+            if (page.page == no_index || !used) continue;
             if (b.beside) release(s, slot);
             clear_page_schedule(s.schedule, slot);
-            if (found_in(s, slot) == nullptr) {
-                clear_page(s, slot);
-                note_idle(s, slot);
-            }
+            clear_page(s, slot);
+            if (found_in(s, slot) == nullptr) note_idle(s, slot);
             return true;
         }
         b.phase = BulkPhase::installing;

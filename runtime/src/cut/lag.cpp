@@ -37,12 +37,13 @@ double apart_m(const CutState& s, const PageState& page, std::uint32_t view) {
     const std::int32_t cells =
         page.shape == 0 ? s.terrain->tree.side() : static_cast<std::int32_t>(2 * page_squares) << page.z;
     const Criterion& c = s.criterion;
+    const PageExtent& extent = s.loaded[page.terrain_slot].extent;
     const auto place = [](std::int32_t at, std::int32_t last, float spacing_m) {
         return static_cast<double>(static_cast<float>(std::min(at, last)) * spacing_m);
     };
-    const double low[3] = {place(page.x0, c.last_x, c.spacing_x_m), static_cast<double>(page.extent.low_m),
+    const double low[3] = {place(page.x0, c.last_x, c.spacing_x_m), static_cast<double>(extent.low_m),
                            place(page.y0, c.last_y, c.spacing_z_m)};
-    const double high[3] = {place(page.x0 + cells, c.last_x, c.spacing_x_m), static_cast<double>(page.extent.high_m),
+    const double high[3] = {place(page.x0 + cells, c.last_x, c.spacing_x_m), static_cast<double>(extent.high_m),
                             place(page.y0 + cells, c.last_y, c.spacing_z_m)};
     const double eye[3] = {s.views[view].eye_m.x, s.views[view].eye_m.y, s.views[view].eye_m.z};
     double squared = 0;
@@ -50,7 +51,7 @@ double apart_m(const CutState& s, const PageState& page, std::uint32_t view) {
         const double out = std::max({low[axis] - eye[axis], eye[axis] - high[axis], 0.0});
         squared += out * out;
     }
-    return std::sqrt(squared) / grow - static_cast<double>(page.extent.radius_m) * grow;
+    return std::sqrt(squared) / grow - static_cast<double>(extent.radius_m) * grow;
 }
 
 // What a page's vertices hide at most, as its bound has it: the eye may have moved since.
@@ -65,7 +66,7 @@ double renew_bound(CutState& s, std::uint32_t slot) {
     double apart = 1e30;
     for (std::uint32_t i = 0; i < s.view_count; ++i) apart = std::min(apart, apart_m(s, page, i));
     HiddenBound& bound = s.schedule.bounds[slot];
-    bound = {s.schedule.odometer_m[0], static_cast<float>(apart / (apart > 0 ? grow : 1)), page.extent.error_m};
+    bound = {s.schedule.odometer_m[0], static_cast<float>(apart / (apart > 0 ? grow : 1)), s.loaded[page.terrain_slot].extent.error_m};
     return bound_px(s, bound);
 }
 

@@ -51,6 +51,27 @@ void empty_state(PageState& info) {
     info.page = no_index;
 }
 
+// Of a page whose groups are all zero.
+void mark_absent_parents(CutState& s, std::uint32_t slot) {
+    const PageState& info = s.page_state[slot];
+    const std::int32_t n = info.shape == 0 ? 1 << s.terrain->tree.tile_log2 : page_squares;
+    const std::int32_t columns = s.tiles_x << s.steps[info.z].log2, rows = s.tiles_y << s.steps[info.z].log2;
+    const std::int32_t i0 = (info.tile_x << s.steps[info.z].log2) + info.i0,
+                       j0 = (info.tile_y << s.steps[info.z].log2) + info.j0;
+    const bool rim = info.shape == 0 || i0 == 0 || j0 == 0 || i0 + n >= columns || j0 + n >= rows;
+    for (std::uint32_t k = 0; rim && k < s.shapes[info.shape].count; ++k) {
+        const std::uint32_t number = slot * max_page_groups + k;
+        GroupState& b = s.groups[number];
+        const GroupShape& shape = s.shapes[info.shape].groups[k];
+        const Site first = site_of(s, number * group_lanes);
+        // A border has a lane in each page that holds it; only the owner's counts.
+        if (exists(s, first) && find_vertex(s, first) != number * group_lanes) continue;
+        const ParentMasks absent = absent_parents(s, first, shape);
+        b.parent[0] = absent.parent[0];
+        b.parent[1] = absent.parent[1];
+    }
+}
+
 // Every tile's page 0 is sure of a state.
 std::uint32_t take_page(CutState& s, bool root) {
     if (free_pages(s) <= (root ? 0 : s.tiles_waiting)) return no_index;
@@ -72,7 +93,6 @@ std::uint32_t attach(CutState& s, std::uint32_t terrain_slot) {
     info.tile_x = static_cast<std::int32_t>(info.tile) % s.tiles_x;
     info.tile_y = static_cast<std::int32_t>(info.tile) / s.tiles_x;
     info.base = t.page_table[info.page].base;
-    info.extent = loaded.extent;
     info.status = loaded.evicting ? PageStatus::evicting : PageStatus::live;
     if (loaded.evicting) s.evicting[s.evicting_count++] = slot;
     if (in_tile != 0) {
@@ -91,7 +111,7 @@ std::uint32_t attach(CutState& s, std::uint32_t terrain_slot) {
         --s.tiles_waiting;
         bound_tile(s, info, true);
     }
-    clear_page(s, slot);
+    mark_absent_parents(s, slot);
     return slot;
 }
 
@@ -102,7 +122,6 @@ void detach(CutState& s, std::uint32_t slot) {
         const std::uint32_t number = slot * max_page_groups + n;
         unlink(s.queues, number);
         s.groups[number] = {};
-        s.groups[number].queue = unqueued;
     }
     clear_page_schedule(s.schedule, slot);
     s.busy_pages -= info.parents != 0;
@@ -205,25 +224,10 @@ void clear_page(CutState& s, std::uint32_t slot) {
     info.active = 0;
     s.busy_pages -= info.parents != 0;
     info.parents = 0;
-    const std::int32_t n = info.shape == 0 ? 1 << s.terrain->tree.tile_log2 : page_squares;
-    const std::int32_t columns = s.tiles_x << s.steps[info.z].log2, rows = s.tiles_y << s.steps[info.z].log2;
-    const std::int32_t i0 = (info.tile_x << s.steps[info.z].log2) + info.i0,
-                       j0 = (info.tile_y << s.steps[info.z].log2) + info.j0;
-    const bool rim = info.shape == 0 || i0 == 0 || j0 == 0 || i0 + n >= columns || j0 + n >= rows;
     static_assert(unqueued == 0);
     std::memset(static_cast<void*>(s.groups + std::size_t{slot} * max_page_groups), 0,
                 s.shapes[info.shape].count * sizeof(GroupState));
-    for (std::uint32_t k = 0; rim && k < s.shapes[info.shape].count; ++k) {
-        const std::uint32_t number = slot * max_page_groups + k;
-        GroupState& b = s.groups[number];
-        const GroupShape& shape = s.shapes[info.shape].groups[k];
-        const Site first = site_of(s, number * group_lanes);
-        // A border has a lane in each page that holds it; only the owner's counts.
-        if (exists(s, first) && find_vertex(s, first) != number * group_lanes) continue;
-        const ParentMasks absent = absent_parents(s, first, shape);
-        b.parent[0] = absent.parent[0];
-        b.parent[1] = absent.parent[1];
-    }
+    mark_absent_parents(s, slot);
 }
 
 ParentMasks parents_of(const CutState& s, std::uint32_t group, std::uint32_t lanes) {

@@ -69,15 +69,14 @@ enum class PageStatus : std::uint8_t { empty, live, evicting };
 // The state of a page: of every tile's page 0, and of those where a vertex has an active parent. No other can have
 // anything to do, so the pool follows what is active, not what is loaded. A page's state is named by its place in the
 // pool, and keeps it until it is idle and another page needs it.
-struct PageState {
+struct alignas(64) PageState { // a cache line
     std::uint32_t page;         // tile * pages_per_tile + page, or no_index
     std::uint32_t terrain_slot; // where its records are
     std::uint32_t tile;
     std::int32_t i0, j0; // the page's first square in its tile; page 0: 0
     std::int32_t tile_x, tile_y;
-    std::int32_t x0, y0; // its first square's corner, in samples of the terrain
-    std::int32_t base;   // height scale steps
-    PageExtent extent;
+    std::int32_t x0, y0;     // its first square's corner, in samples of the terrain
+    std::int32_t base;       // height scale steps
     std::int64_t late_ticks; // when one of its vertices last began to morph by time
     std::uint32_t parents;   // active ones, counted once for each vertex that has them; 0: the page is idle
     std::uint16_t active;    // vertices
@@ -87,6 +86,7 @@ struct PageState {
     bool idle; // listed among idle_pages: stays when the page leaves
     bool late; // listed among late_pages
 };
+static_assert(sizeof(PageState) == 64);
 
 // A tile's triangles: all segments but the last are full.
 struct TileList : TileStack {
