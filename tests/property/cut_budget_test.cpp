@@ -79,6 +79,20 @@ TEST_CASE("a slot costs the bytes that the headers say") {
     CHECK((page + cut_page_bytes + 500) / 1000 == 33); // docs/guides/embedding-streaming.md: 33 KB each
 }
 
+TEST_CASE("what a cut takes follows its vertices, however large the terrain is that is held whole") {
+    Random random(143);
+    const auto pack = bake_and_load(random_dem(random, 300, 300, Shape::noise), small_bake(6));
+    const auto bytes_of = [&](std::uint32_t slots) {
+        const std::uint32_t before = std::exchange(data_of(pack.terrain).slot_count, slots);
+        const std::size_t bytes = cut_bytes(pack.terrain, {.vertices = 1u << 18, .triangles = 1u << 19});
+        data_of(pack.terrain).slot_count = before;
+        return bytes;
+    };
+    // 16,385 and 32,769 samples squared.
+    CHECK(bytes_of(87'552) < 200'000'000);
+    CHECK(bytes_of(350'208) - bytes_of(87'552) < 10'000'000);
+}
+
 TEST_CASE("each budget that is too small alone lowers quality, names itself, breaks nothing and is forgiven") {
     Random random(141);
     std::uint32_t seen = 0;
