@@ -94,7 +94,7 @@ struct Way {
 void make_states_scarce(Random& random, Cut& cut) {
     CutState& s = cut.state();
     REQUIRE((s.idle_count == 0 && s.free_page_count == 0));
-    s.page_count = std::min(s.page_count, s.terrain->tile_count() + static_cast<std::uint32_t>(pick(random, 1, 12)));
+    s.page_count = std::min(s.page_count, s.terrain->tile_count() + static_cast<std::uint32_t>(pick(random, 1, 16)));
 }
 
 void live_with(std::uint32_t seed, const Way& way, int count) {
@@ -310,8 +310,8 @@ TEST_CASE("a page that is not loaded is released at once, one that does not exis
 
 TEST_CASE(
     "where pages outnumber their states, the mesh is whole, the claim true, and states go to those that need one") {
-    live_with(125, {false, true}, rounds(6, 24));
-    live_with(126, {true, true}, rounds(6, 24));
+    live_with(125, {false, true}, rounds(7, 24));
+    live_with(126, {true, true}, rounds(7, 24));
 }
 
 TEST_CASE("a rebuild finds the states of the pages that it leaves") {

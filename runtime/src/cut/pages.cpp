@@ -73,8 +73,11 @@ void mark_absent_parents(CutState& s, std::uint32_t slot) {
 }
 
 // Every tile's page 0 is sure of a state.
+bool has_state_for(const CutState& s, bool root) {
+    return free_pages(s) > (root || !may_lack_pages(s) ? 0 : s.tiles_waiting);
+}
 std::uint32_t take_page(CutState& s, bool root) {
-    if (free_pages(s) <= (root ? 0 : s.tiles_waiting)) return no_index;
+    if (!has_state_for(s, root)) return no_index;
     return s.free_page_count != 0 ? s.free_pages[--s.free_page_count] : s.fresh_page++;
 }
 
@@ -371,7 +374,7 @@ void sync_pages(CutState& s) {
     for (std::uint64_t n = 0; n < end; ++n)
         if (!leave_if_changed(s, slot_of(n))) return;
     for (std::uint64_t n = 0; n < end; ++n) enter_if_loaded(s, slot_of(n));
-    if (s.pages_wait && free_pages(s) > s.tiles_waiting) attach_waiting(s);
+    if (s.pages_wait && has_state_for(s, false)) attach_waiting(s);
 }
 
 namespace {
