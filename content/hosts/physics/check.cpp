@@ -11,10 +11,12 @@ namespace {
 // Bullet's floats: some steps of 2^-14 m, that of numbers up to 1 km.
 constexpr double rounding_m = 16.0 / (1 << 14);
 
+// off_m: none is said if it is infinite.
 std::string at(const char* what, fjell::Vec3 p, double off_m, double allowed_m) {
-    char text[200];
-    std::snprintf(text, sizeof text, "%s at x %.2f, z %.2f: %.3f m off the full-resolution ground, %.3f m allowed",
-                  what, p.x, p.z, off_m, allowed_m);
+    char text[200], off[100] = "";
+    if (off_m < INFINITY)
+        std::snprintf(off, sizeof off, ": %.3f m off the full-resolution ground, %.3f m allowed", off_m, allowed_m);
+    std::snprintf(text, sizeof text, "%s at x %.2f, z %.2f%s", what, p.x, p.z, off);
     return text;
 }
 
@@ -38,7 +40,7 @@ void Check::contact(const GroundShape& ground, fjell::Vec3 p) {
             allowed_m = margin_m * (std::hypot(1, steep) + (dx != 0 || dz != 0 ? 2 * steep : 0)) + reported_m;
         }
     worst_share_ = std::max(worst_share_, least_m / allowed_m);
-    if (!(least_m < INFINITY) && broken_.empty()) broken_ = at("a contact over a hole", p, 0, 0);
+    if (!(least_m < INFINITY) && broken_.empty()) broken_ = at("a contact over a hole", p, INFINITY, 0);
     if (!(least_m <= allowed_m) && broken_.empty()) broken_ = at("a contact", p, least_m, allowed_m);
 }
 
