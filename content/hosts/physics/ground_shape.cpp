@@ -18,6 +18,9 @@ float GroundShape::make(const fjell::Terrain& terrain, fjell::Coord first) {
     const fjell::GroundPatch patch = fjell::ground_patch(terrain, first, 0, patch_side, heights_m_, holes);
     const std::chrono::duration<float, std::micro> took = std::chrono::steady_clock::now() - started;
     error_m_ = patch.error_m;
+#ifdef PLANT_NOT_HELD
+    error_m_ = 0;
+#endif
     finest_ = patch.finest;
     holes_.assign(holes, holes + count);
 #ifdef PLANT_CLOSED_HOLES

@@ -48,9 +48,6 @@ bool Patches::want(fjell::Vec3 low_m, fjell::Vec3 high_m) {
             patch->wanted = step_;
             good = good && patch->shape->error_m() <= good_m_;
         }
-#ifdef PLANT_NOT_HELD
-    good = true;
-#endif
     return good;
 }
 
