@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "fjell/query.h"
@@ -178,6 +179,47 @@ TEST_CASE("a patch holds the heights of its samples, the pack's own where their 
             }
         REQUIRE(!ground_patch(t, first, step, side, std::span(heights).first(side)).finest);
     }
+}
+
+TEST_CASE(
+    "a patch with the diagonals that the header names is the full-resolution surface, whatever its first sample") {
+    Random random(607);
+    std::size_t holes = 0, ground = 0;
+    for (int round = 0; round < rounds(30, 120); ++round) {
+        const auto pack = random_ground(random, true);
+        const Terrain& t = pack.terrain;
+        const int columns = data_of(t).tree.columns(), rows = data_of(t).tree.rows();
+        const int side = pick(random, 2, std::min({columns, rows, 20}));
+        const Coord first{pick(random, 0, columns - side), pick(random, 0, rows - side)};
+        std::vector<float> heights(static_cast<std::size_t>(side * side));
+        const auto is_hole = std::make_unique<bool[]>(heights.size());
+        const auto count = static_cast<std::uint32_t>(side);
+        const double largest = std::max(std::abs(double(t.header().min_m)), std::abs(double(t.header().max_m)));
+        REQUIRE(ground_patch(t, first, 0, count, heights, {is_hole.get(), heights.size()}).finest);
+        for (int k = 0; k < 100; ++k) {
+            const int x = pick(random, 0, side - 2), y = pick(random, 0, side - 2);
+            const double u = uniform(random, 0.01, 0.99), v = uniform(random, 0.01, 0.99);
+            const bool falling = (first.x + x + first.y + y) % 2 == 0;
+            if (std::abs(falling ? u - v : u + v - 1) < 0.01) continue; // of both triangles
+            // From the corner at the right angle, towards the two others.
+            const bool east = falling ? u > v : u + v > 1, south = falling ? u < v : u + v > 1;
+            const auto place = [&](bool e, bool s) { return static_cast<std::size_t>((y + s) * side + x + e); };
+            const std::size_t apex = place(east, south), along_x = place(!east, south), along_z = place(east, !south);
+            const double height = double(heights[apex]) +
+                                  double(heights[along_x] - heights[apex]) * (east ? 1 - u : u) +
+                                  double(heights[along_z] - heights[apex]) * (south ? 1 - v : v);
+            const GroundHeight got = ground_height(t, (first.x + x + u) * t.header().spacing_m[0],
+                                                   (first.y + y + v) * t.header().spacing_m[1]);
+            CAPTURE(round, k, first.x + x, first.y + y, u, v, falling);
+            const bool hole = is_hole[apex] || is_hole[along_x] || is_hole[along_z];
+            REQUIRE(got.hole == hole);
+            (hole ? holes : ground)++;
+            // Heights of a patch are floats, of which three are combined.
+            if (!hole) REQUIRE(std::abs(got.height_m - height) <= rounding_m(t) + 3 * 0x1p-23 * largest);
+        }
+    }
+    CHECK(holes > 10);
+    CHECK(ground > 1000);
 }
 
 TEST_CASE("beside the rim a bound also holds between samples that show no error") {

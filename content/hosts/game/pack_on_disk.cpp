@@ -26,7 +26,8 @@ bool PackOnDisk::read(std::uint64_t offset, std::span<std::byte> to) const {
 std::string PackOnDisk::open(const char* path) {
     struct stat info {};
     file_ = ::open(path, O_RDONLY | O_CLOEXEC);
-    if (file_ < 0 || fstat(file_, &info) != 0) return std::string(path) + ": cannot be opened";
+    if (file_ < 0 || fstat(file_, &info) != 0)
+        return std::string(path) + ": cannot be opened; give a pack that fjell-bake has written";
     const auto file_bytes = static_cast<std::uint64_t>(info.st_size);
     const auto refused = [&](fjell::Status s) { return std::string(s.field) + ": " + fjell::message(s.code); };
 

@@ -58,6 +58,9 @@ struct GroundPatch {
 };
 // Heights of side x side samples, 2^step_log2 apart, from `first` on, row by row: 33 or 65 a side suit most physics
 // engines, any from 2 to max_patch_side works. Samples beyond the rim are the rim's. holes: one a sample, or empty.
+// At step_log2 0 the full-resolution surface is two triangles a cell: divided from north-west to south-east where the
+// column and the row of the cell's north-western sample have an even sum, and from north-east to south-west elsewhere.
+// There is no ground in a triangle with a corner that is a hole.
 // step_log2: 0 to 12. What does not fit, spans that are too short among it, leaves them alone: error_m is infinite
 // then.
 GroundPatch ground_patch(const Terrain& terrain, Coord first, int step_log2, std::uint32_t side,

@@ -1,0 +1,40 @@
+# The pack of the hosts that stand on the ground: hills a sample a metre, with holes that bodies and walkers pass.
+#   cmake -DBIN=FOLDER -DRECIPE=FILE -DFOLDER=SCRATCH -DPACK=OUT -P hills.cmake
+cmake_minimum_required(VERSION 3.25)
+include(${CMAKE_CURRENT_LIST_DIR}/must.cmake)
+full_rounds_only("baking the hills of the hosts on the ground")
+file(MAKE_DIRECTORY ${FOLDER})
+
+# Holes of 6 x 4 samples. Rows of the file run south, so that y falls.
+set(text "id,WKT\n")
+function(hole x z)
+  math(EXPR east "${x} + 6")
+  math(EXPR south "${z} + 4")
+  set(text "${text}1,\"POLYGON((${x} -${z},${east} -${z},${east} -${south},${x} -${south},${x} -${z}))\"\n" PARENT_SCOPE)
+endfunction()
+foreach(i RANGE 0 9) # where bodies roll to
+  foreach(j RANGE 0 4 2)
+    math(EXPR x "200 + 77 * ${i} + 13 * (${j} % 3)")
+    math(EXPR z "410 + 47 * ${j} + 11 * (${i} % 4)")
+    hole(${x} ${z})
+  endforeach()
+endforeach()
+foreach(zone_x 256 768 1280 1792) # on the way of each zone's first walker
+  foreach(zone_z 256 768)
+    foreach(way "204 10" "200 41" "192 72" "179 101" "162 126")
+      string(REPLACE " " ";" way "${way}")
+      list(GET way 0 x)
+      list(GET way 1 z)
+      math(EXPR x "${zone_x} + ${x}")
+      math(EXPR z "${zone_z} + ${z}")
+      hole(${x} ${z})
+    endforeach()
+  endforeach()
+endforeach()
+file(WRITE ${FOLDER}/holes.csv "${text}")
+
+file(REMOVE ${FOLDER}/hills.tif ${FOLDER}/holed.tif ${PACK})
+must("hills" ${BIN}/fjell-bake synth ${RECIPE} -o ${FOLDER}/hills.tif)
+must("declaring holes" gdal_translate -q -a_nodata 65535 ${FOLDER}/hills.tif ${FOLDER}/holed.tif)
+must("holes" gdal_rasterize -q -burn 65535 ${FOLDER}/holes.csv ${FOLDER}/holed.tif)
+must("baking" ${BIN}/fjell-bake ${FOLDER}/holed.tif -o ${PACK} --nodata hole --tile 256 --spacing 1 --quiet)
