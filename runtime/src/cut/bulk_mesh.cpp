@@ -343,6 +343,23 @@ private:
         return ~static_cast<std::uint32_t>(two(2 * j) | two(2 * j + 1) << 2) & 15;
     }
 
+    // A row of sides: their slots, those to the west and, one on, to the east, and those to the north and south. up,
+    // down: two bits a side, of the triangles north and south of it that are drawn.
+    struct SideRow {
+        const std::uint32_t *slots, *ends, *norths, *souths;
+    };
+    void fan_row(std::uint32_t active, const SideRow& row, std::uint64_t up, std::uint64_t down) {
+        Out out = out_;
+        for (std::uint32_t left = active; left != 0; left &= left - 1) {
+            const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
+            const std::uint32_t drawn = static_cast<std::uint32_t>((up >> 2 * i & 3) | (down >> 2 * i & 3) << 2);
+            const std::uint64_t sides = two_at(row.ends + i), north = row.norths[i], south = row.souths[i];
+            fan(out, row.slots[i], two(north, sides), two(sides >> 32, north), two(sides & lower, south),
+                two(south, sides >> 32), drawn);
+        }
+        out_ = out;
+    }
+
     void side_x_row(std::int32_t j, bool border) {
         const SlotGrid& g = *grid_;
         if (border) {
@@ -353,15 +370,7 @@ private:
         const std::uint32_t *const slots = g.side_x[j], *const ends = g.corner[j], *const norths = g.centre[j] + 1,
                                    *const souths = g.centre[j + 1] + 1;
         const std::uint64_t up = ~masks_.finer_row(2 * j - 1), down = ~masks_.finer_row(2 * j);
-        Out out = out_;
-        for (std::uint32_t left = masks_.side_x[j]; left != 0; left &= left - 1) {
-            const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
-            const std::uint32_t drawn = static_cast<std::uint32_t>((up >> 2 * i & 3) | (down >> 2 * i & 3) << 2);
-            const std::uint64_t sides = two_at(ends + i), north = norths[i], south = souths[i]; // west, then east
-            fan(out, slots[i], two(north, sides), two(sides >> 32, north), two(sides & lower, south),
-                two(south, sides >> 32), drawn);
-        }
-        out_ = out;
+        fan_row(masks_.side_x[j], {slots, ends, norths, souths}, up, down);
         for (std::uint32_t left = morphs_ ? masks_.side_x[j] : 0; left != 0; left &= left - 1) {
             const auto i = std::countr_zero(left);
             flatten(slots[i], VertexKind::side_x, i, j, ends[i], ends[i + 1]);
@@ -380,15 +389,7 @@ private:
             return ~(masks_.finer_row(row) << 1 | masks_.finer_west_of(row));
         };
         const std::uint64_t up = columns(2 * j), down = columns(2 * j + 1);
-        Out out = out_;
-        for (std::uint32_t left = active; left != 0; left &= left - 1) {
-            const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
-            const std::uint32_t drawn = static_cast<std::uint32_t>((up >> 2 * i & 3) | (down >> 2 * i & 3) << 2);
-            const std::uint64_t sides = two_at(ends + i), north = norths[i], south = souths[i]; // west, then east
-            fan(out, slots[i], two(north, sides), two(sides >> 32, north), two(sides & lower, south),
-                two(south, sides >> 32), drawn);
-        }
-        out_ = out;
+        fan_row(active, {slots, ends, norths, souths}, up, down);
         for (std::uint32_t left = morphs_ ? active : 0; left != 0; left &= left - 1) {
             const auto i = std::countr_zero(left);
             flatten(slots[i], VertexKind::side_y, i, j, norths[i], souths[i]);
