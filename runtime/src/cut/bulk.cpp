@@ -148,8 +148,7 @@ bool may_be_seen(const CutState& s, const PageState& page) {
     const double out = static_cast<double>(extent.radius_m) * (1 + 0x1p-18);
     for (std::uint32_t i = 0; i < s.view_count; ++i) {
         const Vec3& eye = s.views[i].eye_m;
-        const double low[3] = {static_cast<double>(t.x_m(page.x0)) - eye.x,
-                               static_cast<double>(extent.low_m) - eye.y,
+        const double low[3] = {static_cast<double>(t.x_m(page.x0)) - eye.x, static_cast<double>(extent.low_m) - eye.y,
                                static_cast<double>(t.z_m(page.y0)) - eye.z},
                      high[3] = {static_cast<double>(t.x_m(page.x0 + cells)) - eye.x,
                                 static_cast<double>(extent.high_m) - eye.y,

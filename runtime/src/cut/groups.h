@@ -4,7 +4,7 @@
 // A page's planes are cut row by row: a row of 32 is two groups, a coarse row of 16 or fewer is one.
 // The column of side_y on a page's east border, which planar order keeps at the ends of its rows, is two groups of its
 // own. Groups are the same for both orders; only where a lane's record lies differs. A vertex of the cut is named by
-// group * 16 + lane, its group by page slot * max_page_groups + number in the page.
+// group * 16 + lane, its group by the place of its page's state in the pool * max_page_groups + number in the page.
 //
 // Squares are counted over the whole terrain here: square (i, j) of step s has its north-west corner at (2is, 2js) and
 // owns its centre, the middle of its north side (side_x) and of its west side (side_y).

@@ -66,7 +66,8 @@ double renew_bound(CutState& s, std::uint32_t slot) {
     double apart = 1e30;
     for (std::uint32_t i = 0; i < s.view_count; ++i) apart = std::min(apart, apart_m(s, page, i));
     HiddenBound& bound = s.schedule.bounds[slot];
-    bound = {s.schedule.odometer_m[0], static_cast<float>(apart / (apart > 0 ? grow : 1)), s.loaded[page.terrain_slot].extent.error_m};
+    bound = {s.schedule.odometer_m[0], static_cast<float>(apart / (apart > 0 ? grow : 1)),
+             s.loaded[page.terrain_slot].extent.error_m};
     return bound_px(s, bound);
 }
 

@@ -41,7 +41,7 @@ inline constexpr std::uint32_t page_ticks = (max_page_groups + 31) / 32 * 32; //
 // that it has left; or unscheduled.
 inline constexpr std::uint16_t spent = 0, soon = 1, most_ticks = 0xfffd, unscheduled = 0xffff;
 
-struct PageSchedule {       // of a page slot
+struct PageSchedule {       // of a page that has a state
     double charged_m;       // the odometer of its grade up to which its groups are charged
     double seen_m;          // and where that stood when they were
     std::uint32_t awake;    // its place among the pages that watch anything, or no_index
@@ -80,10 +80,10 @@ struct TickVectors {
 extern const TickVectors scalar_ticks; // the same results, without vector instructions
 
 struct Schedule {
-    std::uint16_t* ticks; // page_ticks a page slot
+    std::uint16_t* ticks; // page_ticks a state of a page
     PageSchedule* pages;
-    AwakePage* awake;        // as many as page slots
-    HiddenBound* bounds;     // one a page slot
+    AwakePage* awake;        // as many as states
+    HiddenBound* bounds;     // one a state
     std::uint32_t* next_due; // of a due page's slot: the next one of its level
     std::uint32_t slot_count, awake_count, due_count;
     std::uint32_t due_levels; // that hold any, as bits

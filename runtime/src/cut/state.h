@@ -69,7 +69,7 @@ enum class PageStatus : std::uint8_t { empty, live, evicting };
 // The state of a page: of every tile's page 0, and of those where a vertex has an active parent. No other can have
 // anything to do, so the pool follows what is active, not what is loaded. A page's state is named by its place in the
 // pool, and keeps it until it is idle and another page needs it.
-struct alignas(64) PageState { // a cache line
+struct alignas(64) PageState {  // a cache line
     std::uint32_t page;         // tile * pages_per_tile + page, or no_index
     std::uint32_t terrain_slot; // where its records are
     std::uint32_t tile;
