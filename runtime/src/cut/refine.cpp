@@ -106,10 +106,7 @@ void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
         case Outcome::done: spend(r.activations); break;
         case Outcome::gated: gated = true; break;
         case Outcome::no_vertices:
-            s.full_capacities |= cut_budget_vertices;
-            blocked = true;
-            break;
-        case Outcome::no_pages:
+        case Outcome::no_pages: // states come with vertices
             s.full_capacities |= cut_budget_vertices;
             blocked = true;
             break;
