@@ -290,7 +290,7 @@ TEST_CASE(
     "a bake stays within the memory it is given, whatever the threads and the tiles, and comes to the same bytes") {
     const TemporaryFolder folder;
     spit(folder / "plain.json",
-         R"({"columns": 2600, "rows": 2300, "spacing_m": 15, "gullies": 0, "octaves": 1, "warp": 0})");
+         R"({"columns": 2100, "rows": 1800, "spacing_m": 15, "gullies": 0, "octaves": 1, "warp": 0})");
     for (const std::string tile : {"1024", "256"}) {
         if (tile == "256" && !full_rounds()) continue;
         REQUIRE(run_in(folder.path, bake + "plain.json --quiet -o a.fjell --memory 2000 --tile " + tile).code == 0);

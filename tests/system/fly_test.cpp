@@ -327,14 +327,17 @@ TEST_CASE("a small budget is named, raises the threshold and keeps the measured 
     CHECK(triangles["triangles_max"] <= 1000);
 }
 
+// What software draws fastest: tests of light draw the others.
+const std::string cheap_light = "--light air=simple,tone_curve=none,dither=false,detail=false --samples 1 ";
+
 TEST_CASE("pictures and snapshots of a flight are written where they were asked for") {
     const fs::path pictures = place().folder / "pictures";
     for (const char* mode :
          {"shaded", "wire", "levels", "tiles", "mips", "residency", "distance", "shaded --method recursive"}) {
         REQUIRE(!fs::exists(pictures)); // it is made
         const Run r = place().fly_with_gl(
-            std::string("small.fjell --headless --frames 9 --render pictures --render-every 4 --size 160x120 "
-                        "--export 3:snap.glb --export 8:last.glb --mode ") +
+            std::string("small.fjell --headless --frames 9 --render pictures --render-every 4 --size 160x120 " +
+                        cheap_light + "--export 3:snap.glb --export 8:last.glb --mode ") +
             mode);
         INFO(r.err);
         REQUIRE(r.code == 0);
@@ -357,9 +360,9 @@ TEST_CASE("both methods draw the same pictures, to the byte of the file, however
     for (const char* mode : {"shaded", "wire", "levels"}) {
         const auto draw = [&](const std::string& method) {
             fs::create_directory(place().folder / method);
-            const Run r = place().fly_with_gl("small.fjell --headless --frames 9 --render-every 4 --size 320x240 "
-                                              "--error-px 3 --cull off --mode " +
-                                              std::string(mode) + " --method " + method + " --render " + method);
+            const Run r = place().fly_with_gl("small.fjell --headless --frames 9 --render-every 4 --size 320x240 " +
+                                              cheap_light + "--error-px 3 --cull off --mode " + std::string(mode) +
+                                              " --method " + method + " --render " + method);
             INFO(r.err);
             REQUIRE(r.code == 0);
         };

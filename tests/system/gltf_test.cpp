@@ -84,7 +84,8 @@ TEST_CASE("a camera that rolls, looks straight down or backwards keeps its axes"
                             {{1, 0, 0}, {0, 1, 0}},       {{-1, 0, 0}, {0, 0, 1}},   {{0, 1, 0}, {1, 0, 0}},
                             {{0, 0, -1}, {0, -1, 0}},     {{1, -2, 3}, {1, 1, 0.5}}, {{0, 0, -1}, {1, 0, 0}},
                             {{0.1, -0.9, 0.2}, {1, 0, 1}}};
-    for (const auto& [forward, up] : axes) {
+    for (std::size_t i = 0; i < std::size(axes); i += rounds<std::size_t>(3, 1)) {
+        const auto& [forward, up] = axes[i]; // in brief rounds down, east, roll and askew
         const View view = make_view(eye, forward, up, 1.2, 640, 480, 0.5, 5000);
         CHECK(require_export(baked, view, 4, folder / "out.glb").tiles == 4);
         require_sound(folder / "out.glb",
@@ -94,7 +95,8 @@ TEST_CASE("a camera that rolls, looks straight down or backwards keeps its axes"
 
 TEST_CASE("a tile of more than 65,535 vertices gets wide indices", "[gltf]") {
     const Folder folder;
-    const BakedTerrain baked(folder, hills(513, 513, 30, 30), options_with(9, 4));
+    const std::int32_t samples = rounds(385, 513);
+    const BakedTerrain baked(folder, hills(samples, samples, 30, 30), options_with(9, 4));
     const auto result = require_export(baked, view_of(baked.terrain), 0.01, folder / "out.glb");
     CHECK(result.vertices > 0xffff);
     require_valid(folder / "out.glb");
