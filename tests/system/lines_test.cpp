@@ -99,7 +99,7 @@ TEST_CASE("a line is drawn where it is nearer than the terrain and nowhere else,
     std::mt19937 random(5);
     Checked result;
     std::size_t from_behind = 0;
-    for (int round = 0; round < test::rounds(24, 40); ++round) {
+    for (int round = 0; round < 40; ++round) {
         const View view = scene.camera(between(random, 0.2, 0.8), between(random, 0.2, 0.8), between(random, 50, 1500),
                                        between(random, 0, 360), between(random, -30, 5));
         const MeshView mesh = scene.refined(view, 4);
