@@ -1,5 +1,6 @@
 #include "editor/panels/tune_cost.h"
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
@@ -28,11 +29,22 @@ struct Text {
     void bytes(double bytes) { add("%s", byte_text(bytes).text); }
 };
 
+// Of the states of pages that a cut with so many vertices has for the terrain that is shown.
+double page_state_bytes(const State& state, double vertices) {
+    const Scene& scene = state.scene;
+    const std::uint32_t slots =
+        scene.streamed ? std::min(scene.pages, state.document.profile().page_slots) : scene.pages;
+    return static_cast<double>(
+               cut_pages({.vertices = static_cast<std::uint32_t>(vertices)}, slots, scene.tiles_x * scene.tiles_y)) *
+           static_cast<double>(cut_page_bytes);
+}
+
 // What the table above the profile's keys says of bytes, for the chosen method.
 void vertices(const State& state, Text& text, double value) {
     const FrameEntry& e = state.measures.last();
     const bool incremental = state.document.profile().method == flight::Method::incremental;
-    text.bytes(value * static_cast<double>(incremental ? cut_vertex_bytes : recursive_vertex_bytes));
+    text.bytes(value * static_cast<double>(incremental ? cut_vertex_bytes : recursive_vertex_bytes) +
+               (incremental ? page_state_bytes(state, value) : 0));
     text.add(" + ");
     text.bytes(value * static_cast<double>(sizeof(MeshVertex) + (incremental ? sizeof(MorphVertex) : 0)));
     text.add(" GPU");
@@ -42,7 +54,7 @@ void vertices(const State& state, Text& text, double value) {
 
 void triangles(const State& state, Text& text, double value) {
     const FrameEntry& e = state.measures.last();
-    text.bytes(value * 16);
+    text.bytes(value * static_cast<double>(cut_triangle_bytes));
     text.add(" + ");
     text.bytes(value * 12);
     text.count(" GPU, used ", e.triangles);

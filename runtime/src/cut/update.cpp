@@ -390,9 +390,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
             }
             continue;
         }
-        s.governor.cause |= status == BulkStatus::no_vertices    ? cut_budget_vertices
-                            : status == BulkStatus::no_triangles ? cut_budget_triangles
-                                                                 : cut_budget_vertices;
+        s.governor.cause |= status == BulkStatus::no_triangles ? cut_budget_triangles : cut_budget_vertices;
         s.governor.failed_px = s.governor.effective_px;
         s.governor.effective_px *= governor_up;
         if (s.governor.effective_px < governor_most_px(s)) continue;
