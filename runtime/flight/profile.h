@@ -19,14 +19,14 @@ enum class Method : std::uint8_t { incremental, recursive };
 
 // Keys of the method that is not chosen are kept for when --method chooses it.
 struct Profile {
-    Method method = Method::incremental;            // [refine] method
-    RefineSettings refine;                          // [refine] error_px, corner_safe; recursive: metric, cull, topology
-    CutSettings cut;                                // [refine] hysteresis, morph, morph_s; [budget] items, budget_us
-    RecursiveBudget budget;                         // [budget] vertices, indices
-    CutBudget cut_budget;                           // [budget] vertices, triangles, views
-    std::uint32_t page_slots = 8192;                // [stream] page_slots
-    StreamBudget stream_budget;                     // [stream] page_requests, map_requests, map_mb, tail_log2
-    StreamSettings stream;                          // [stream] texel_px, lookahead_s, fade_s, pages, tests, map_kb
+    Method method = Method::incremental; // [refine] method
+    RefineSettings refine;               // [refine] error_px, corner_safe; recursive: metric, cull, topology
+    CutSettings cut;                     // [refine] hysteresis, offscreen_factor, morph...; [budget] items...
+    RecursiveBudget budget;              // [budget] vertices, indices
+    CutBudget cut_budget;                // [budget] vertices, triangles, views
+    std::uint32_t page_slots = 8192;     // [stream] page_slots
+    StreamBudget stream_budget;          // [stream] page_requests, map_requests, map_mb, tail_log2
+    StreamSettings stream;               // [stream] texel_px, lookahead_s, fade_s, pages, tests, map_kb
     std::uint32_t width_px = 1280, height_px = 720; // [view] width_px, height_px
     double fov_deg = 45;                            // [view] fov_deg: vertical
     std::uint32_t samples = 4;                      // [view] samples: a pixel, fewer where the GPU has no more

@@ -92,6 +92,18 @@ constexpr ProfileKey keys_before_light[] = {
      .get = At<&Profile::cut, &CutSettings::hysteresis>::get,
      .set = At<&Profile::cut, &CutSettings::hysteresis>::set},
     {.table = "refine",
+     .name = "offscreen_factor",
+     .label = "Off-screen",
+     .least = 1,
+     .most = max_offscreen_factor,
+     .logarithmic = true,
+     .about = "What no view sees, nor soon will, is refined to error_px times this. No unit, 1 to 100. 1 refines all "
+              "around: turning costs nothing. 8 takes a third of the vertices and of the time in flight; turning then "
+              "refines what comes into sight, and an export is as coarse where nobody looked. (Incremental.)",
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut, &CutSettings::offscreen_factor>::get,
+     .set = At<&Profile::cut, &CutSettings::offscreen_factor>::set},
+    {.table = "refine",
      .name = "morph",
      .label = "Morph",
      .kind = choice,

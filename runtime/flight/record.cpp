@@ -133,6 +133,7 @@ json frame_json(const RecordedFrame& f) {
             {"visits", s.visits},
             {"error_px", s.error_px},
             {"hysteresis", s.hysteresis},
+            {"offscreen_factor", s.offscreen_factor},
             {"corner_safe", s.corner_safe},
             {"morph", morph_names[static_cast<int>(s.morph)]},
             {"morph_s", s.morph_s},
@@ -166,6 +167,7 @@ RecordedFrame frame_of(const json& j) {
     s.visits = whole_number_of(j, "visits");
     s.error_px = number_of(j, "error_px");
     s.hysteresis = number_of(j, "hysteresis");
+    if (j.contains("offscreen_factor")) s.offscreen_factor = number_of(j, "offscreen_factor"); // since 2026-11-23
     s.corner_safe = flag_of(j, "corner_safe");
     s.morph_s = number_of(j, "morph_s");
     s.now_s = number_of(j, "now_s");

@@ -28,7 +28,7 @@ constexpr std::size_t most_frames = 10'000'000;
 
 // Flags as they were typed; empty where they were not, so that the profile can stand.
 struct Flags {
-    std::optional<double> error_px, fov_deg, budget_us, hysteresis;
+    std::optional<double> error_px, fov_deg, budget_us, hysteresis, offscreen_factor;
     std::optional<std::uint32_t> items;
     std::string method, morph, metric, topology, cull, size, mode = "shaded", stream = "auto";
     bool corner_safe = false;
@@ -82,6 +82,10 @@ void declare_methods(CLI::App& app, FlightOptions& o, Flags& f) {
         ->group(incremental);
     app.add_option("--hysteresis", f.hysteresis, "a vertex goes below error-px / (1 + this); 0 (default) to 10")
         ->check(io::within(0, max_hysteresis))
+        ->group(incremental);
+    app.add_option("--offscreen-factor", f.offscreen_factor,
+                   "what no view sees, nor soon will, is refined to error-px times this; 1 (default) to 100")
+        ->check(io::within(1, max_offscreen_factor))
         ->group(incremental);
     app.add_option("--morph", f.morph, "vertices come at once (none, default), with the error or with the time")
         ->check(io::one_of({"none", "error", "time"}))
@@ -217,6 +221,7 @@ void apply(const Flags& f, FlightOptions& o) {
     if (f.budget_us) cut.budget_us = *f.budget_us;
     o.limited = f.items.value_or(0) != 0 || f.budget_us.value_or(0) > 0;
     if (f.hysteresis) cut.hysteresis = *f.hysteresis;
+    if (f.offscreen_factor) cut.offscreen_factor = *f.offscreen_factor;
     if (!f.morph.empty()) cut.morph = f.morph == "error" ? Morph::error : f.morph == "time" ? Morph::time : Morph::none;
     if (f.error_px) refine.error_px = *f.error_px;
     if (f.fov_deg) o.profile.fov_deg = *f.fov_deg;
@@ -255,6 +260,7 @@ void check_method(const Flags& f, const Profile& profile) {
     needs(f.items.has_value(), "--items", "incremental", anew);
     needs(f.budget_us.has_value(), "--budget-us", "incremental", anew);
     needs(f.hysteresis.has_value(), "--hysteresis", "incremental", anew);
+    needs(f.offscreen_factor.has_value(), "--offscreen-factor", "incremental", "the recursive method has --cull");
     needs(!f.morph.empty(), "--morph", "incremental", anew);
     if (profile.refine.metric == Metric::depth && !profile.refine.cull)
         throw Failure(2, "--metric depth needs --cull on: behind the eye there is no depth");
@@ -262,10 +268,10 @@ void check_method(const Flags& f, const Profile& profile) {
 
 // A replay is as it was recorded: what would be something else is refused, not passed over.
 void check_replay(const Flags& f) {
-    if (f.error_px || f.fov_deg || f.budget_us || f.hysteresis || f.items || !f.morph.empty() || !f.size.empty() ||
-        f.corner_safe)
+    if (f.error_px || f.fov_deg || f.budget_us || f.hysteresis || f.offscreen_factor || f.items || !f.morph.empty() ||
+        !f.size.empty() || f.corner_safe)
         throw Failure(2, "--replay repeats a flight as it was: leave out --error-px, --corner-safe, --fov, --size, "
-                         "--items, --budget-us, --hysteresis, --morph");
+                         "--items, --budget-us, --hysteresis, --offscreen-factor, --morph");
 }
 
 // Pictures of --render that would replace more than a picture of an earlier flight: those that would be called like one

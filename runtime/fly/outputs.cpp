@@ -67,6 +67,7 @@ const char* name_of(Morph morph) {
 void add_incremental(json& j, const Session& session, const CutSettings& c) {
     j["method"] = "incremental";
     j["hysteresis"] = c.hysteresis;
+    j["offscreen_factor"] = c.offscreen_factor;
     j["morph"] = name_of(c.morph);
     j["budget"] = {{"vertices", session.cut_budget.vertices},
                    {"triangles", session.cut_budget.triangles},

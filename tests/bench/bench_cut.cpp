@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,26 +56,30 @@ std::string bake_scene(const std::string& name, const std::function<baker::Dem()
     return path;
 }
 
-// Straight over the middle, 400 m above ground, `cells` a frame. cells 0: turning on the spot, 17 degrees a second.
-std::vector<View> flight(const Terrain& t, double cells, std::size_t frames) {
+constexpr double turn = 17.0 / 60 / 57.29578; // a frame, at 17 degrees a second
+
+// Over the middle, 400 m above ground, `cells` a frame, straight on or turning. cells 0: turning on the spot.
+std::vector<View> flight(const Terrain& t, double cells, std::size_t frames, double turns = 0) {
     std::vector<View> views;
     const double cell = t.header().spacing_m[0], width = cell * (data_of(t).tree.columns() - 1),
                  depth = t.header().spacing_m[1] * (data_of(t).tree.rows() - 1);
-    const Vec3 direction{0.8, 0, -0.6};
+    Vec3 direction{0.8, 0, -0.6};
     const double length_m = std::min(cells * cell * static_cast<double>(frames), 0.4 * std::min(width, depth));
     if (cells > 0) frames = std::min(frames, static_cast<std::size_t>(length_m / (cells * cell)));
-    Vec3 eye{width * 0.5 - direction.x * length_m / 2, 0, depth * 0.5 - direction.z * length_m / 2};
+    const double before_m = turns > 0 ? 0 : length_m / 2;
+    Vec3 eye{width * 0.5 - direction.x * before_m, 0, depth * 0.5 - direction.z * before_m};
     for (std::size_t frame = 0; frame < frames; ++frame) {
-        const double turned = cells == 0 ? static_cast<double>(frame) * 17.0 / 60 / 57.29578 : 0;
-        const Vec3 forward{direction.x * std::cos(turned) - direction.z * std::sin(turned), -0.15,
-                           direction.x * std::sin(turned) + direction.z * std::cos(turned)};
+        const Vec3 forward{direction.x, -0.15, direction.z};
+        const Vec3 ahead = cells > 0 ? direction : Vec3{0.8, 0, -0.6}; // on the spot, the eye rests
         // Heights as a camera follows them: over a hundred cells, not every bump.
         double ground = 0;
         for (int i = -4; i <= 4; ++i)
-            ground += data_of(t).ground_m(eye.x + direction.x * i * 12 * cell, eye.z + direction.z * i * 12 * cell) / 9;
+            ground += data_of(t).ground_m(eye.x + ahead.x * i * 12 * cell, eye.z + ahead.z * i * 12 * cell) / 9;
         eye.y = ground + 400;
         views.push_back(make_view(eye, forward, {0, 1, 0}, 0.7853981633974483, 1280, 960, 10, 2 * (width + depth)));
         eye = eye + direction * (cells * cell);
+        direction = {direction.x * std::cos(turns) - direction.z * std::sin(turns), 0,
+                     direction.x * std::sin(turns) + direction.z * std::cos(turns)};
     }
     return views;
 }
@@ -87,6 +92,10 @@ double rank(std::vector<double> v, double share) {
     std::sort(v.begin(), v.end());
     const auto n = static_cast<std::size_t>(std::ceil(share * static_cast<double>(v.size())));
     return v[std::clamp<std::size_t>(n, 1, v.size()) - 1];
+}
+
+double mean(const std::vector<double>& v) {
+    return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
 }
 
 Flight fly_recursive(const Terrain& terrain, const std::vector<View>& views, double error_px) {
@@ -208,16 +217,20 @@ const Scene& canyon() {
     return scene;
 }
 
-void compare(benchmark::State& state, const Scene& scene, double cells) {
+// offscreen_: the same with what no view sees 8 times coarser.
+void compare(benchmark::State& state, const Scene& scene, double cells, double turns) {
     const Terrain& t = scene.pack.terrain;
-    const std::vector<View> views = flight(t, cells, 600);
+    const std::vector<View> views = flight(t, cells, 600, turns);
     CutSettings settings;
     settings.error_px = scene.error_px;
-    Flight lean, recursive, cut;
+    CutSettings offscreen_settings = settings;
+    offscreen_settings.offscreen_factor = 8;
+    Flight lean, recursive, cut, offscreen;
     for (auto _ : state) {
         if (scene.lean) lean = fly_lean(*scene.lean, views, scene.error_px);
         recursive = fly_recursive(t, views, scene.error_px);
         cut = fly_cut(t, views, settings);
+        offscreen = fly_cut(t, views, offscreen_settings);
     }
     auto& c = state.counters;
     const double p50 = rank(cut.us, 0.5), p99 = rank(cut.us, 0.99);
@@ -227,6 +240,9 @@ void compare(benchmark::State& state, const Scene& scene, double cells) {
         c["lean_p50_us"] = rank(lean.us, 0.5);
         c["lean_ratio_p50"] = rank(lean.us, 0.5) / p50;
         c["lean_ratio_p99"] = rank(lean.us, 0.99) / p99;
+        c["lean_over_offscreen_p50"] = rank(lean.us, 0.5) / rank(offscreen.us, 0.5);
+        c["lean_over_offscreen_p99"] = rank(lean.us, 0.99) / rank(offscreen.us, 0.99);
+        c["lean_over_offscreen_mean"] = mean(lean.us) / mean(offscreen.us);
         c["rec_over_lean"] = rank(recursive.us, 0.5) / recursive.vertices * lean.vertices / rank(lean.us, 0.5);
     }
     c["rec_vertices"] = recursive.vertices;
@@ -239,6 +255,14 @@ void compare(benchmark::State& state, const Scene& scene, double cells) {
     c["max_us"] = rank(cut.us, 1);
     c["rec_ratio_p50"] = rank(recursive.us, 0.5) / p50;
     c["rec_ratio_p99"] = rank(recursive.us, 0.99) / p99;
+    c["mean_us"] = mean(cut.us);
+    c["offscreen_p50_us"] = rank(offscreen.us, 0.5);
+    c["offscreen_p99_us"] = rank(offscreen.us, 0.99);
+    c["offscreen_mean_us"] = mean(offscreen.us);
+    c["offscreen_max_us"] = rank(offscreen.us, 1);
+    c["offscreen_active"] = offscreen.vertices;
+    c["offscreen_changes"] = offscreen.changes;
+    c["offscreen_converged"] = offscreen.converged;
     c["active"] = cut.vertices;
     c["ns_per_active"] = p50 * 1000 / cut.vertices;
     c["changes"] = cut.changes;
@@ -467,12 +491,15 @@ int main(int argc, char** argv) {
     const auto declare = [](const std::string& name, auto run) {
         benchmark::RegisterBenchmark(("cut/" + name).c_str(), run)->Unit(benchmark::kMillisecond)->Iterations(1);
     };
-    for (const double cells : {0.0, 0.06, 0.25, 1.0, 3.0, 10.0}) {
-        const std::string what = cells == 0 ? "turning" : std::to_string(cells).substr(0, 4) + "-cells";
-        declare("mountains-4097/" + what, [=](benchmark::State& s) { compare(s, mountains(), cells); });
+    const auto declare_flight = [&](const std::string& what, double cells, double turns) {
+        declare("mountains-4097/" + what, [=](benchmark::State& s) { compare(s, mountains(), cells, turns); });
         if (std::filesystem::exists(canyon_file()))
-            declare("canyon/" + what, [=](benchmark::State& s) { compare(s, canyon(), cells); });
-    }
+            declare("canyon/" + what, [=](benchmark::State& s) { compare(s, canyon(), cells, turns); });
+    };
+    declare_flight("turning", 0, turn);
+    for (const double cells : {0.06, 0.25, 1.0, 3.0, 10.0})
+        declare_flight(std::to_string(cells).substr(0, 4) + "-cells", cells, 0);
+    declare_flight("1.00-cells-turning", 1, turn);
     declare("from-nothing/4px", [](benchmark::State& s) { from_nothing(s, 4); });
     declare("from-nothing/1px", [](benchmark::State& s) { from_nothing(s, 1); });
     declare("from-nothing/0.5px", [](benchmark::State& s) { from_nothing(s, 0.5); });

@@ -17,6 +17,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const Profile p = parse_profile(text, "fuzz");
         must(p.refine.error_px >= min_error_px && p.refine.error_px <= max_error_px, "error_px keeps to its range");
         must(p.cut.hysteresis >= 0 && p.cut.hysteresis <= max_hysteresis, "hysteresis keeps to its range");
+        must(p.cut.offscreen_factor >= 1 && p.cut.offscreen_factor <= max_offscreen_factor,
+             "offscreen_factor keeps to its range");
         must(p.cut.morph_s >= min_morph_s && p.cut.morph_s <= max_morph_s, "morph_s keeps to its range");
         must(p.cut.budget_us >= 0 && p.cut.budget_us <= max_budget_us, "budget_us keeps to its range");
         must(p.cut.items > 0, "no items means all");

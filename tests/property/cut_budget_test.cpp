@@ -472,6 +472,7 @@ TEST_CASE("a bad view or setting is refused by name and changes nothing") {
     };
     setting(&CutSettings::error_px, {0, -1, 1e-4, 1e7, nan}, "CutSettings::error_px");
     setting(&CutSettings::hysteresis, {-1e-9, 11, nan}, "CutSettings::hysteresis");
+    setting(&CutSettings::offscreen_factor, {0.99, 101, nan}, "CutSettings::offscreen_factor");
     setting(&CutSettings::budget_us, {-1, nan}, "CutSettings::budget_us");
     setting(&CutSettings::morph_s, {0, 0.001, 11, nan}, "CutSettings::morph_s");
     setting(&CutSettings::now_s, {nan, 1.0 / 0.0}, "CutSettings::now_s");

@@ -160,6 +160,7 @@ private:
         CutSettings s{.items = 500};
         if (pick(random_, 0, 2) == 0) s.error_px = odd_number(random_);
         if (pick(random_, 0, 5) == 0) s.hysteresis = odd_number(random_);
+        if (pick(random_, 0, 5) == 0) s.offscreen_factor = odd_number(random_);
         if (pick(random_, 0, 5) == 0) s.morph = Morph::time, s.morph_s = odd_number(random_);
         if (pick(random_, 0, 5) == 0) s.now_s = odd_number(random_);
         return s;

@@ -39,6 +39,16 @@ inline constexpr int patience_frames = 200'000;
     view.eye_m = view.eye_m + Vec3{uniform(random, -1, 1), uniform(random, -0.3, 0.3), uniform(random, -1, 1)} * metres;
     return view;
 }
+// And turned about a random axis.
+[[nodiscard]] inline View turned(Random& random, View view, double most_rad) {
+    const auto way = [&] {
+        return Vec3{uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)} * most_rad;
+    };
+    const View straight = make_view(view.eye_m, view.forward + way(), view.up + way(), 1, 4, 3, 1, 2);
+    view.forward = straight.forward;
+    view.up = straight.up;
+    return view;
+}
 [[nodiscard]] inline double random_step_m(Random& random, const Terrain& terrain) {
     return terrain.spacing_x_m() * std::pow(10.0, uniform(random, -2, 1.5));
 }

@@ -412,12 +412,13 @@ TEST_CASE("wrong usage is one line and exit code 2") {
     refuses("small.fjell --headless --metric depth", 2, "--metric depth needs --method recursive");
     refuses("small.fjell --headless --topology strip", 2, "--topology strip needs --method recursive");
     refuses("small.fjell --headless --cull on", 2, "--cull on needs --method recursive");
-    for (const char* flag : {"--items 9", "--budget-us 9", "--hysteresis 1", "--morph none"})
+    for (const char* flag : {"--items 9", "--budget-us 9", "--hysteresis 1", "--offscreen-factor 4", "--morph none"})
         refuses(std::string("small.fjell --headless --method recursive ") + flag, 2, "needs --method incremental");
     refuses("small.fjell --headless --items -1", 2, "--items");
     refuses("small.fjell --headless --items 4294967295", 2, "--items");
     refuses("small.fjell --headless --budget-us nan", 2, "--budget-us");
     refuses("small.fjell --headless --hysteresis 11", 2, "--hysteresis");
+    refuses("small.fjell --headless --offscreen-factor 0", 2, "--offscreen-factor");
     refuses("small.fjell --headless --morph slowly", 2, "--morph");
     refuses("small.fjell --headless --error-px 0", 2, "--error-px");
     refuses("small.fjell --headless --error-px nan", 2, "--error-px");

@@ -205,6 +205,7 @@ Seen fly(const io::LoadedPack& pack, std::uint32_t seed, int frames) {
         settings.items = frame % 300 < 200 ? 3000 : unlimited_items;
         settings.budget_us = frame % 600 < 100 ? 50 : 0;
         settings.corner_safe = frame % 2000 >= 1500;
+        settings.offscreen_factor = frame % 900 < 450 ? 1 : 6;
         const std::size_t view_count = frame % 300 < 250 ? 1 : 2;
         if (leaving == no_index && frame % 20 == 0)
             leaving = static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.page_count()) - 1));

@@ -80,6 +80,7 @@ void change_settings(Random& random, CutSettings& s) {
     if (pick(random, 0, 19) == 0) s.morph_s = uniform(random, 0.02, 0.5);
     if (pick(random, 0, 19) == 0) s.hysteresis = pick(random, 0, 1) * 0.3;
     if (pick(random, 0, 19) == 0) s.corner_safe = !s.corner_safe;
+    if (pick(random, 0, 19) == 0) s.offscreen_factor = pick(random, 0, 1) ? 1 : uniform(random, 1, 20);
     if (pick(random, 0, 9) == 0) s.items = pick(random, 0, 1) ? unlimited_items : std::uint32_t(pick(random, 0, 600));
     if (pick(random, 0, 9) == 0) s.budget_us = pick(random, 0, 1) ? 0 : uniform(random, 0.1, 60);
     s.now_s += pick(random, 0, 29) ? 1.0 / 60 : uniform(random, -5, 900);

@@ -45,16 +45,16 @@ TEST_CASE("every shipped profile loads and names every key") {
         CHECK(p.cut_budget.vertices == p.budget.vertices);
         const std::vector<std::byte> bytes = io::read_file(file.path().string());
         const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-        for (const char* key : {"method",        "error_px",    "corner_safe",   "hysteresis",       "morph",
-                                "morph_s",       "metric",      "cull",          "topology",         "vertices",
-                                "triangles",     "views",       "items",         "budget_us",        "indices",
-                                "width_px",      "height_px",   "fov_deg",       "page_slots",       "page_requests",
-                                "map_requests",  "map_mb",      "tail_log2",     "texel_px",         "lookahead_s",
-                                "fade_s",        "pages",       "tests",         "map_kb",           "samples",
-                                "sun",           "azimuth_deg", "elevation_deg", "latitude_deg",     "longitude_deg",
-                                "year",          "month",       "day",           "hour_utc",         "air",
-                                "visibility_km", "exposure",    "ev100",         "exposure_bias_ev", "tone_curve",
-                                "dither",        "detail",      "water",         "water_level_m"}) {
+        for (const char* key : {"method",        "error_px",      "corner_safe", "hysteresis",    "offscreen_factor",
+                                "morph",         "morph_s",       "metric",      "cull",          "topology",
+                                "vertices",      "triangles",     "views",       "items",         "budget_us",
+                                "indices",       "width_px",      "height_px",   "fov_deg",       "page_slots",
+                                "page_requests", "map_requests",  "map_mb",      "tail_log2",     "texel_px",
+                                "lookahead_s",   "fade_s",        "pages",       "tests",         "map_kb",
+                                "samples",       "sun",           "azimuth_deg", "elevation_deg", "latitude_deg",
+                                "longitude_deg", "year",          "month",       "day",           "hour_utc",
+                                "air",           "visibility_km", "exposure",    "ev100",         "exposure_bias_ev",
+                                "tone_curve",    "dither",        "detail",      "water",         "water_level_m"}) {
             INFO(file.path() << ' ' << key);
             std::string line = "\n"; // by +=: g++ 12 warns of an impossible overlap in +
             line += key;
@@ -97,7 +97,8 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     CHECK_FALSE(parse_profile("[refine]\ncull = false\n", "p.toml").refine.cull);
     const Profile q = parse_profile(
         "[refine]\nmethod = \"incremental\"\nerror_px = 3\ncorner_safe = true\nhysteresis = 0.5\nmorph = \"time\"\n"
-        "morph_s = 2\n[budget]\nvertices = 1_000\ntriangles = 2_000\nviews = 3\nitems = 400\nbudget_us = 99.5\n",
+        "offscreen_factor = 6\nmorph_s = 2\n[budget]\nvertices = 1_000\ntriangles = 2_000\nviews = 3\nitems = "
+        "400\nbudget_us = 99.5\n",
         "p.toml");
     CHECK(q.method == Method::incremental);
     CHECK(q.cut_budget.vertices == 1000);
@@ -107,6 +108,7 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     CHECK(settings.error_px == 3);
     CHECK(settings.corner_safe);
     CHECK(settings.hysteresis == 0.5);
+    CHECK(settings.offscreen_factor == 6);
     CHECK(settings.morph == Morph::time);
     CHECK(settings.morph_s == 2);
     CHECK(settings.items == 400);
@@ -179,6 +181,7 @@ TEST_CASE("a bad profile is refused in one line with file, line and key") {
     refuses("[refine]\nmorph = true\n", "p.toml:2: refine.morph: must be \"none\" or \"error\" or \"time\"");
     refuses("[refine]\nmorph_s = 0\n", "p.toml:2: refine.morph_s: must be a number from 0.01 to 10 (seconds)");
     refuses("[refine]\nhysteresis = -0.1\n", "p.toml:2: refine.hysteresis: must be a number from 0 to 10");
+    refuses("[refine]\noffscreen_factor = 0.5\n", "p.toml:2: refine.offscreen_factor: must be a number from 1 to 100");
     refuses("[budget]\nviews = 9\n", "p.toml:2: budget.views: must be a whole number from 1 to 8");
     refuses("[budget]\nitems = 4294967295\n", "p.toml:2: budget.items: must be a whole number from 0 to 4294967294");
     refuses("[budget]\nbudget_us = -1\n", "p.toml:2: budget.budget_us: must be a number from 0 to");

@@ -69,6 +69,8 @@ enum class Morph : std::uint8_t {
 
 inline constexpr std::uint32_t unlimited_items = 0xffffffff;
 
+inline constexpr double max_offscreen_factor = 100;
+
 // What an update goes by: may change from frame to frame.
 struct CutSettings {
     double error_px = 1;                    // the threshold (kappa), 0.001 to 1e6, of views without their own
@@ -82,6 +84,9 @@ struct CutSettings {
     // The host's clock, for timed morphing only: any finite number, years of uptime and Unix time too. While it runs
     // backwards, the cut's clock stands.
     double now_s = 0;
+    // What no view sees, nor soon will, is refined to error_px times this. 1: as finely as what is seen, so that
+    // turning costs nothing; more: a fraction of the vertices and of the work, and turning takes some. 1 to 100.
+    double offscreen_factor = 1;
 };
 // Every number in its range. update_cut(), rebuild_cut() and update_stream() refuse what this does.
 Status validate(const CutSettings& settings);

@@ -241,6 +241,7 @@ typedef struct FjellCutSettings {
     uint8_t morph; // FJELL_MORPH_...
     double morph_s;
     double now_s;
+    double offscreen_factor;
 } FjellCutSettings;
 
 typedef struct FjellBudgetUse {

@@ -148,6 +148,7 @@ FJELL_FIELD(FjellCutSettings, budget_us);
 FJELL_FIELD(FjellCutSettings, morph);
 FJELL_FIELD(FjellCutSettings, morph_s);
 FJELL_FIELD(FjellCutSettings, now_s);
+FJELL_FIELD(FjellCutSettings, offscreen_factor);
 
 FJELL_SIZE(FjellBudgetUse);
 FJELL_FIELD(FjellBudgetUse, used);

@@ -6,6 +6,7 @@
 
 #include "cut/evaluate.h"
 #include "cut/pages.h"
+#include "cut/sight.h"
 #include "pack/record.h"
 
 namespace fjell {
@@ -89,7 +90,7 @@ private:
         lanes.inactive = ready;
         LaneAnswers answers;
         LaneNumbers numbers;
-        evaluate_and_keep(s.criterion, lanes, answers, numbers);
+        evaluate_and_keep(criterion_of(s, at_.slot * max_page_groups + number), lanes, answers, numbers);
         if (bulk_capacity(s) -
             s.bulk.taken<group_lanes&& static_cast<std::uint32_t>(std::popcount(answers.wanted))> bulk_capacity(s) -
             s.bulk.taken) {
@@ -139,32 +140,6 @@ private:
     Ready groups_[max_page_groups];
 };
 
-// May any of a page's vertices, or what lies under them, be seen? Their spheres hold all that.
-bool may_be_seen(const CutState& s, const PageState& page) {
-    if (page.shape == 0) return true;
-    const TerrainData& t = *s.terrain;
-    const std::int32_t cells = static_cast<std::int32_t>(2 * page_squares) << page.z;
-    const PageExtent& extent = s.loaded[page.terrain_slot].extent;
-    const double out = static_cast<double>(extent.radius_m) * (1 + 0x1p-18);
-    for (std::uint32_t i = 0; i < s.view_count; ++i) {
-        const Vec3& eye = s.views[i].eye_m;
-        const double low[3] = {static_cast<double>(t.x_m(page.x0)) - eye.x, static_cast<double>(extent.low_m) - eye.y,
-                               static_cast<double>(t.z_m(page.y0)) - eye.z},
-                     high[3] = {static_cast<double>(t.x_m(page.x0 + cells)) - eye.x,
-                                static_cast<double>(extent.high_m) - eye.y,
-                                static_cast<double>(t.z_m(page.y0 + cells)) - eye.z};
-        bool inside = true;
-        for (int plane = 0; plane < 6 && inside; ++plane) {
-            const Vec3& n = s.frustums[i].normal[plane];
-            const double most = std::max(n.x * low[0], n.x * high[0]) + std::max(n.y * low[1], n.y * high[1]) +
-                                std::max(n.z * low[2], n.z * high[2]);
-            inside = most >= s.frustums[i].offset[plane] - out;
-        }
-        if (inside) return true;
-    }
-    return false;
-}
-
 // A full page is decided in parts, so that a unit of work stays small where time counts: the rows from `first` on.
 struct Part {
     std::int32_t first, end;
@@ -184,7 +159,8 @@ bool decide_centres(CutState& s, BulkSquares& at, const Part& part) {
     if (!centre_parents(s, at, parents) || !attach_squares(s, at)) return false;
     Decider page(s, at);
     if (s.page_state[at.slot].status == PageStatus::evicting) return false;
-    const bool waits = s.bulk.beside && !may_be_seen(s, s.page_state[at.slot]);
+    const PageState& state = s.page_state[at.slot];
+    const bool waits = s.bulk.beside && state.shape != 0 && !may_be_seen(s, state);
     for (std::int32_t j = waits ? 0 : part.first; j < (waits ? at.n : part.end); ++j)
         page.add(at.row(VertexKind::centre, j), parents[0][j] & parents[1][j]);
     if (waits)

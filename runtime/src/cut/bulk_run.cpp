@@ -2,6 +2,7 @@
 #include "cut/bulk.h"
 #include "cut/pages.h"
 #include "cut/refine.h"
+#include "cut/sight.h"
 
 namespace fjell {
 
@@ -56,7 +57,10 @@ bool run_bulk(CutState& s) {
             }
             b.again = false;
             sync_pages(s); // a slot may hold another page by now
-            if (may_build_beside(s)) begin_bulk(s, true);
+            if (may_build_beside(s)) {
+                watch_pages(s);
+                begin_bulk(s, true);
+            }
         }
         if (b.phase == BulkPhase::idle) return false;
         ++r.visits;

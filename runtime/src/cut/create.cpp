@@ -300,6 +300,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     s.criterion.spacing_z_m = terrain.spacing_z_m;
     s.criterion.last_x = terrain.tree.columns() - 1;
     s.criterion.last_y = terrain.tree.rows() - 1;
+    s.offscreen_criterion = s.criterion;
     for (std::uint32_t i = 0; i < s.group_count; ++i) s.groups[i].queue = unqueued;
     for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.page_groups[i] = no_index;
     for (std::uint32_t i = 0; i < s.page_count; ++i) s.page_state[i].page = no_index;

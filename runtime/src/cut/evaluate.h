@@ -57,7 +57,7 @@ struct Evaluation {
 
 [[nodiscard]] inline Evaluation evaluate_vertex(const CutState& s, std::uint32_t vertex, const Site& site,
                                                 bool active) {
-    const Criterion& c = s.criterion;
+    const Criterion& c = criterion_of(s, vertex / group_lanes);
     const VertexRecord record = record_of(s, vertex);
     const Coord at = site_coord(site);
     const std::int32_t base = s.page_state[vertex / group_lanes / max_page_groups].base;

@@ -34,7 +34,18 @@ struct GroupShape {
     std::uint8_t i0, j0; // lane 0's square, counted from the page's first
     std::uint8_t x, y;   // and its place, in steps from that square's corner
     bool along_y;        // lanes go south; otherwise east
+    std::uint8_t parts;  // of the page that it lies in, as bits
 };
+// A page has 2 x 4 parts, of 16 x 8 squares each, which are in sight or not (sight.h); page 0 is one.
+inline constexpr std::uint32_t parts_x = 2, parts_y = 4, page_parts = parts_x * parts_y;
+inline constexpr std::uint32_t part_columns = page_squares / parts_x, part_rows = page_squares / parts_y;
+inline constexpr std::uint8_t all_parts = 0xff;
+static_assert(part_columns == group_lanes && page_parts == 8);
+
+[[nodiscard]] constexpr std::uint32_t part_at(std::uint32_t i, std::uint32_t j) { // squares; the last border: inside
+    const std::uint32_t x = i / part_columns, y = j / part_rows;
+    return (y < parts_y ? y : parts_y - 1) * parts_x + (x < parts_x ? x : parts_x - 1);
+}
 static_assert(max_page_groups * group_lanes == max_page_vertices);
 
 // The groups of one kind of page (page 0, or any other).
@@ -144,16 +155,18 @@ struct Halves {
 inline void add_step(PageShape& page, std::uint32_t n, std::uint32_t offset, int z) {
     const auto add = [&](VertexKind kind, std::uint32_t i0, std::uint32_t j0, std::uint32_t lanes, bool along_y) {
         const std::uint32_t first = offset + page_index<Order::planar>(n, kind, i0, j0);
-        page.groups[page.count++] = {static_cast<std::uint16_t>(first),
-                                     static_cast<std::uint8_t>(along_y ? n + 1 : 1),
-                                     static_cast<std::uint8_t>(lanes),
-                                     kind,
-                                     static_cast<std::uint8_t>(z),
-                                     static_cast<std::uint8_t>(i0),
-                                     static_cast<std::uint8_t>(j0),
-                                     static_cast<std::uint8_t>(2 * i0 + (kind != VertexKind::side_y)),
-                                     static_cast<std::uint8_t>(2 * j0 + (kind != VertexKind::side_x)),
-                                     along_y};
+        page.groups[page.count++] = {
+            static_cast<std::uint16_t>(first),
+            static_cast<std::uint8_t>(along_y ? n + 1 : 1),
+            static_cast<std::uint8_t>(lanes),
+            kind,
+            static_cast<std::uint8_t>(z),
+            static_cast<std::uint8_t>(i0),
+            static_cast<std::uint8_t>(j0),
+            static_cast<std::uint8_t>(2 * i0 + (kind != VertexKind::side_y)),
+            static_cast<std::uint8_t>(2 * j0 + (kind != VertexKind::side_x)),
+            along_y,
+            static_cast<std::uint8_t>(1u << part_at(i0, j0) | 1u << part_at(i0, along_y ? j0 + lanes - 1 : j0))};
     };
     const std::uint32_t lanes = n < group_lanes ? n : group_lanes;
     for (const VertexKind kind : {VertexKind::centre, VertexKind::side_x, VertexKind::side_y})

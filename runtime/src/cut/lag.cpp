@@ -176,7 +176,8 @@ void note_bound(CutState& s, std::uint32_t slot) {
     // settings have the threshold: so is the order of work, then.
     (void)renew_bound(s, slot);
     float q = 0;
-    for (std::uint32_t i = 0; i < s.criterion.views; ++i) q = std::max(q, s.criterion.reach[i].q);
+    const Criterion& c = s.page_state[slot].offscreen == all_parts ? s.offscreen_criterion : s.criterion;
+    for (std::uint32_t i = 0; i < c.views; ++i) q = std::max(q, c.reach[i].q);
     const double ratio =
         pixels(static_cast<double>(q), static_cast<double>(bound.error_m), static_cast<double>(bound.apart_m));
     const int level = ratio < 0x1p20 ? std::clamp(std::ilogb(ratio + 0x1p-20) + 8, 0, 31) : 31;
@@ -215,6 +216,7 @@ double lag_px(CutState& s) {
     Worst worst;
     std::uint32_t renewals = 256; // a frame: after a jump of the camera the claim takes some frames to tell anything
     const auto add = [&](std::uint32_t slot) {
+        if (s.page_state[slot].offscreen == all_parts) return;
         const HiddenBound& bound = s.schedule.bounds[slot];
         double px = bound_px(s, bound);
         const double way_m = s.schedule.odometer_m[0] - bound.from_m;
@@ -230,6 +232,8 @@ double lag_px(CutState& s) {
     for (std::uint32_t i = 0; i < s.schedule.awake_count; ++i) {
         const AwakePage& page = s.schedule.awake[i];
         if (!page.due && page.queued == 0) continue;
+        if (s.sight_count != 0 && s.page_state[page.slot].offscreen == all_parts)
+            continue; // whatever it hides, nobody sees it
         const double px = bound_px(s, s.schedule.bounds[page.slot]);
         if (px <= little_px)
             worst.add_others(px);

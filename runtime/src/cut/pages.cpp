@@ -7,6 +7,7 @@
 #include "cut/change.h"
 #include "cut/lag.h"
 #include "cut/morph.h"
+#include "cut/sight.h"
 
 namespace fjell {
 
@@ -110,6 +111,7 @@ std::uint32_t attach(CutState& s, std::uint32_t terrain_slot) {
     begin_page(s.schedule, slot, in_tile == 0 ? coarse_z(s) : info.z); // ticks are of the finest step in a page
     s.page_groups[info.page] = slot * max_page_groups;
     s.bulk.pages[slot].build = 0;
+    watch_page(s, slot);
     if (in_tile == 0) {
         --s.tiles_waiting;
         bound_tile(s, info, true);

@@ -48,7 +48,7 @@ Evaluated evaluate_group(CutState& s, std::uint32_t number) {
     LaneGroup lanes = lanes_of(s, number, gathered);
     lanes.inactive = group.inactive();
     lanes.childless = group.childless();
-    if ((lanes.inactive | lanes.childless) != 0) s.evaluate(s.criterion, lanes, group.answers);
+    if ((lanes.inactive | lanes.childless) != 0) s.evaluate(criterion_of(s, number), lanes, group.answers);
     return group;
 }
 

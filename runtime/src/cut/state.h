@@ -83,8 +83,9 @@ struct alignas(64) PageState {  // a cache line
     std::uint8_t z;          // log2 of the step; page 0: 0, its groups say
     std::uint8_t shape;      // 0: page 0; 1: any other
     PageStatus status;
-    bool idle; // listed among idle_pages: stays when the page leaves
-    bool late; // listed among late_pages
+    bool idle;              // listed among idle_pages: stays when the page leaves
+    bool late;              // listed among late_pages
+    std::uint8_t offscreen; // parts that no view sees, nor soon will (sight.h)
 };
 static_assert(sizeof(PageState) == 64);
 
@@ -146,6 +147,12 @@ struct Governor {
     double failed_use;   // share of the scarcest capacity in use once that was resolved
     bool moved;          // the camera has since then
     std::uint32_t cause; // CutBudgetBits that keep the effective threshold above the requested one
+};
+
+// With what the pages were looked at: planes 2 to 5, through the eye that a view had then (sight.h).
+struct Sight {
+    Vec3 eye_m;
+    Frustum inner, outer; // wider than the view by half the margin, and by all of it
 };
 
 // The clock of morphing: the host's, in whole ticks that floats hold, however large its numbers are. Only what passes
@@ -221,12 +228,14 @@ struct CutState {
     TileRange* ranges;
     std::uint32_t range_count;
     // The views of the last update, and what follows from them.
-    Criterion criterion;
+    Criterion criterion, offscreen_criterion; // of groups that are not off-screen, and of those that are
     View views[max_cut_views];
     Frustum frustums[max_cut_views];
-    std::uint32_t view_count; // 0: no update yet
-    double largest_unit_px;   // screen_unit_px() (lag.h)
-    double largest_ratio;     // of a view's threshold to that of the settings
+    Sight sights[max_cut_views];
+    std::uint32_t sight_count; // 0: nothing is off-screen
+    std::uint32_t view_count;  // 0: no update yet
+    double largest_unit_px;    // screen_unit_px() (lag.h)
+    double largest_ratio;      // of a view's threshold to that of the settings
     Governor governor;
     // The frame in work.
     CutSettings settings;
@@ -261,6 +270,15 @@ struct CutState {
     std::uint32_t first_morphing_out, morphing_out_count;
 };
 
+[[nodiscard]] inline bool is_offscreen(const CutState& s, std::uint32_t group) {
+    const PageState& page = s.page_state[group / max_page_groups];
+    if (page.offscreen == 0) return false;
+    const std::uint8_t parts = s.shapes[page.shape].groups[group % max_page_groups].parts;
+    return (page.offscreen & parts) == parts;
+}
+[[nodiscard]] inline const Criterion& criterion_of(const CutState& s, std::uint32_t group) {
+    return is_offscreen(s, group) ? s.offscreen_criterion : s.criterion;
+}
 inline void count_parents(CutState& s, std::uint32_t slot, std::uint32_t more) {
     PageState& page = s.page_state[slot];
     s.busy_pages += page.parents == 0 && more != 0;

@@ -10,6 +10,7 @@
 #include "cut/morph.h"
 #include "cut/pages.h"
 #include "cut/refine.h"
+#include "cut/sight.h"
 #include "fjell/measure.h"
 #include "validate.h"
 
@@ -97,8 +98,8 @@ double view_threshold_px(const View& view, const CutSettings& settings, double e
 
 // Sets the views; what they may have changed becomes due.
 void set_views(CutState& s, std::span<const View> views, double threshold_px) {
-    const Criterion before = s.criterion;
-    Criterion& c = s.criterion;
+    const Criterion before = s.criterion, offscreen_before = s.offscreen_criterion;
+    Criterion &c = s.criterion, &offscreen = s.offscreen_criterion;
     // Two levels of nesting lie between a vertex and the ends of the edge that it splits.
     const double nested = 1 + static_cast<double>(s.terrain->header.nesting);
     if (s.settings.morph != Morph::none && s.morph_now.morph == Morph::none) {
@@ -118,21 +119,25 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
         const double px = full_px / early;
         c.reach[i] = make_reach(views[i], px);
         c.keep[i] = make_reach(views[i], px / (1 + s.settings.hysteresis));
+        const double offscreen_px = px * offscreen_factor(s, views[i], px);
+        offscreen.reach[i] = make_reach(views[i], offscreen_px);
+        offscreen.keep[i] = make_reach(views[i], offscreen_px / (1 + s.settings.hysteresis));
         s.morph_now.view[i] = {c.reach[i].eye_x, c.reach[i].eye_y, c.reach[i].eye_z, c.reach[i].q,
                                static_cast<float>(lambda_px(views[i]) / full_px)};
         s.views[i] = views[i];
         s.frustums[i] = make_frustum(views[i]);
         s.largest_ratio = std::max(s.largest_ratio, threshold_ratio(views[i], s.settings));
     }
-    c.views = s.view_count = static_cast<std::uint32_t>(views.size());
-    c.hysteresis = s.settings.hysteresis > 0;
+    c.views = offscreen.views = s.view_count = static_cast<std::uint32_t>(views.size());
+    c.hysteresis = offscreen.hysteresis = s.settings.hysteresis > 0;
     s.largest_unit_px = screen_unit_px(s);
-    const ViewChange change(before, c);
+    const ViewChange change(before, c), offscreen_change(offscreen_before, offscreen);
     s.still = before.views != 0 && change.at(0) == 0;
     constexpr double rounding = 1 + 0x1p-18; // reach_grow, of the sums above, of decisions, and charge_rounding
     double metres[grade_count];
     for (std::uint32_t grade = 0; grade < grade_count; ++grade)
-        metres[grade] = change.at(grade_error_m(s, grade)) * rounding;
+        metres[grade] =
+            std::max(change.at(grade_error_m(s, grade)), offscreen_change.at(grade_error_m(s, grade))) * rounding;
     advance(s.schedule, metres);
     for (std::uint32_t grade = 0; grade < grade_count; ++grade)
         s.bulk.travelled_m[grade] = (s.bulk.travelled_m[grade] + metres[grade]) * (1 + 0x1p-50);
@@ -306,6 +311,8 @@ void mark_all(CutState& s, std::uint32_t written) {
 Status validate(const CutSettings& c) {
     if (!(c.error_px >= 1e-3 && c.error_px <= 1e6)) return {Code::out_of_range, "CutSettings::error_px"};
     if (!(c.hysteresis >= 0 && c.hysteresis <= 10)) return {Code::out_of_range, "CutSettings::hysteresis (0 to 10)"};
+    if (!(c.offscreen_factor >= 1 && c.offscreen_factor <= max_offscreen_factor))
+        return {Code::out_of_range, "CutSettings::offscreen_factor (1 to 100)"};
     if (!(c.budget_us >= 0)) return {Code::out_of_range, "CutSettings::budget_us"};
     if (c.morph > Morph::time) return {Code::out_of_range, "CutSettings::morph"};
     if (!(c.morph_s >= 0.01 && c.morph_s <= 10)) return {Code::out_of_range, "CutSettings::morph_s (0.01 to 10)"};
@@ -338,6 +345,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     }
     r.items = r.evaluations + r.activations + r.deactivations;
     sync_pages(s);
+    watch_pages(s);
     // What was blocked takes its turn again; what still is goes to the other list.
     if (s.queues.sizes[blocked_queues + (s.turn ^ 1)] == 0) s.turn ^= 1;
     if (s.queues.sizes[gated_queues + (s.gated_turn ^ 1)] == 0) {
@@ -380,6 +388,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     bool cleared = !may_lack_pages(s);
     for (;;) {
         set_views(s, views, s.governor.effective_px);
+        watch_pages(s);
         const BulkStatus status = build_bulk(s);
         if (status == BulkStatus::built) break;
         written = std::max(written, corner_slots(s) + s.bulk.taken);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cut/bulk.h"
+#include "cut/evaluate.h"
 #include "cut/find.h"
 #include "cut/morph.h"
 #include "cut/pages.h"
@@ -88,15 +89,23 @@ Violation check_decision(const CutState& s, std::uint32_t vertex, bool on, doubl
     const Coord c = site_coord(site_of(s, vertex)), sample = s.terrain->tree.sample(c);
     const TerrainData::Vertex v = s.terrain->vertex(c);
     const float x = s.terrain->x_m(sample.x), z = s.terrain->z_m(sample.y);
+    const Criterion& decision = criterion_of(s, vertex / group_lanes);
     double margin = -1e300;
     bool in = false;
     for (std::uint32_t i = 0; i < s.view_count; ++i) {
-        const Reach& r = on ? s.criterion.keep[i] : s.criterion.reach[i];
+        const Reach& r = on ? decision.keep[i] : decision.reach[i];
         in = in || wanted(r, x, v.height_m, z, v.error_m, v.radius_m);
         const Vec3 way{x - r.eye_x, v.height_m - r.eye_y, z - r.eye_z};
         const double reach = static_cast<double>(v.radius_m) + static_cast<double>(v.error_m) * r.q;
         margin = std::max(margin, reach * static_cast<double>(reach_grow) + static_cast<double>(r.pad) - length(way));
     }
+    // Without its sphere, for which seen() may err. Pages are not looked at while the bulk pass is under way.
+    Evaluation place{};
+    place.x = x;
+    place.y = v.height_m;
+    place.z = z;
+    if (s.bulk.phase == BulkPhase::idle && is_offscreen(s, vertex / group_lanes) && seen(s, place))
+        return at("a vertex is called off-screen, and a view sees it:", s, vertex);
     if (in != on) return at("a vertex disagrees with the decision, and nobody knows:", s, vertex);
     if (left_m > std::abs(margin) * (1 + 1e-4) + s.schedule.tick_m * 0.01)
         return at("a vertex could change before it is looked at:", s, vertex);

@@ -1,0 +1,190 @@
+#include "cut/sight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "cut/groups.h"
+
+namespace fjell {
+
+namespace {
+
+// Parts come into sight this far beside a view, turned and moved, and leave it when they are farther. Half of the first
+// margin is left for a view to turn or move until pages are looked at again. Measured (docs/notes/live-cut.md): wider
+// margins keep vertices that nobody will see, narrower ones have pages looked at too often. Tangents and not angles, as
+// in a view: another machine must decide alike.
+constexpr double margin_tangent = 0.1051 /* 6 degrees */, half_tangent = 0.0524, leave_tangent = 0.1477 /* 8.4 */;
+constexpr double margin_cells = 8, leave_cells = 11;
+constexpr double quarter_tangent = 0.0262;
+constexpr double widest = 1000; // the tangents of a view
+
+struct Box {
+    double low[3], high[3];
+};
+
+// Of a page from one of its squares' corners to another's, in squares; all that stands there, and its spheres.
+Box box_of(const CutState& s, const PageState& page, std::uint32_t i0, std::uint32_t j0, std::uint32_t i1,
+           std::uint32_t j1) {
+    const TerrainData& t = *s.terrain;
+    const auto place = [&](std::int32_t from, std::uint32_t square) {
+        return from + (static_cast<std::int32_t>(2 * square) << page.z);
+    };
+    const PageExtent& extent = s.loaded[page.terrain_slot].extent;
+    const double out = static_cast<double>(extent.radius_m) * (1 + 0x1p-18);
+    return {{static_cast<double>(t.x_m(place(page.x0, i0))) - out, static_cast<double>(extent.low_m) - out,
+             static_cast<double>(t.z_m(place(page.y0, j0))) - out},
+            {static_cast<double>(t.x_m(place(page.x0, i1))) + out, static_cast<double>(extent.high_m) + out,
+             static_cast<double>(t.z_m(place(page.y0, j1))) + out}};
+}
+Box box_of(const CutState& s, const PageState& page) {
+    const auto tile_squares = static_cast<std::uint32_t>(s.terrain->tree.side()) / 2;
+    const std::uint32_t squares = page.shape == 0 ? tile_squares : page_squares;
+    return box_of(s, page, 0, 0, squares, squares);
+}
+Box box_of(const CutState& s, const PageState& page, std::uint32_t part) {
+    const std::uint32_t i = part % parts_x * part_columns, j = part / parts_x * part_rows;
+    return box_of(s, page, i, j, i + part_columns, j + part_rows);
+}
+
+// How much of the box is within beyond_m of the planes from `first` on?
+enum class Met : std::uint8_t { nothing, some, all };
+Met meets(const Frustum& frustum, const Vec3& eye, const Box& box, int first, double beyond_m) {
+    Met met = Met::all;
+    for (int plane = first; plane < 6; ++plane) {
+        const Vec3& n = frustum.normal[plane];
+        const double low[3] = {n.x * (box.low[0] - eye.x), n.y * (box.low[1] - eye.y), n.z * (box.low[2] - eye.z)},
+                     high[3] = {n.x * (box.high[0] - eye.x), n.y * (box.high[1] - eye.y), n.z * (box.high[2] - eye.z)};
+        const double from = frustum.offset[plane] - beyond_m;
+        const double most = std::max(low[0], high[0]) + std::max(low[1], high[1]) + std::max(low[2], high[2]);
+        if (most < from) return Met::nothing;
+        const double least = std::min(low[0], high[0]) + std::min(low[1], high[1]) + std::min(low[2], high[2]);
+        if (least < from) met = Met::some;
+    }
+    return met;
+}
+
+constexpr int sides = 2; // the first plane of a frustum that leads through its eye
+
+// A view whose sides are farther out by an angle with this tangent, and no side beyond `widest`.
+Frustum wider(View view, double by) {
+    const auto turned = [&](double tangent) { // outwards, away from 0 for what lies on its own side of the view
+        const double below = 1 - tangent * by;
+        return below * widest > tangent + by ? (tangent + by) / below : widest;
+    };
+    view.left = -turned(-view.left);
+    view.right = turned(view.right);
+    view.bottom = -turned(-view.bottom);
+    view.top = turned(view.top);
+    return make_frustum(view);
+}
+
+double cells_m(const CutState& s, double cells) {
+    return cells * static_cast<double>(std::min(s.terrain->spacing_x_m, s.terrain->spacing_z_m));
+}
+
+// Does all that the view sees lie within half the margin of what another one saw?
+bool within(const View& view, const Sight& sight, double move_m) {
+    if (length(view.eye_m - sight.eye_m) > move_m) return false;
+    const Vec3 right = cross(view.forward, view.up);
+    for (const double x : {view.left, view.right})
+        for (const double y : {view.bottom, view.top}) {
+            const Vec3 corner = view.forward + right * x + view.up * y;
+            for (int plane = sides; plane < 6; ++plane)
+                if (dot(sight.inner.normal[plane], corner) < 0) return false;
+        }
+    return true;
+}
+
+bool all_within(const CutState& s) {
+    const double move_m = cells_m(s, margin_cells / 2);
+    return std::all_of(s.views, s.views + s.view_count, [&](const View& view) {
+        return std::any_of(s.sights, s.sights + s.sight_count,
+                           [&](const Sight& sight) { return within(view, sight, move_m); });
+    });
+}
+
+// The parts of which nothing is met. met(box, part): what a box meets; part page_parts: the page as a whole.
+template <typename Meet>
+std::uint8_t parts_not_met(const CutState& s, const PageState& page, const Meet& met) {
+    const Met whole = met(box_of(s, page), page_parts);
+    if (whole == Met::nothing) return all_parts;
+    if (whole == Met::all || page.shape == 0) return 0;
+    std::uint8_t not_met = 0;
+    for (std::uint32_t part = 0; part < page_parts; ++part)
+        if (met(box_of(s, page, part), part) == Met::nothing) not_met |= static_cast<std::uint8_t>(1u << part);
+    return not_met;
+}
+
+void set_offscreen(CutState& s, std::uint32_t slot, std::uint8_t offscreen) {
+    PageState& page = s.page_state[slot];
+    if (page.offscreen == offscreen) return;
+    const std::uint8_t before = std::exchange(page.offscreen, offscreen);
+    for (std::uint32_t n = 0; n < s.shapes[page.shape].count; ++n) {
+        const std::uint32_t number = slot * max_page_groups + n;
+        const std::uint8_t parts = s.shapes[page.shape].groups[n].parts;
+        if (((before & parts) == parts) == ((offscreen & parts) == parts)) continue;
+        // What waits in a queue is evaluated anyway.
+        if (s.groups[number].queue == unqueued && s.groups[number].ready() != 0) make_due(s.schedule, number);
+    }
+}
+
+} // namespace
+
+double offscreen_factor(const CutState& s, const View& view, double threshold_px) {
+    const double most = quarter_tangent * lambda_px(view) / threshold_px;
+    return std::clamp(most, 1.0, s.settings.offscreen_factor);
+}
+
+void watch_pages(CutState& s) {
+    FJELL_ASSERT(s.bulk.phase == BulkPhase::idle);
+    if (s.settings.offscreen_factor <= 1) {
+        if (s.sight_count == 0) return;
+        s.sight_count = 0;
+        for (std::uint32_t slot = 0; slot < s.fresh_page; ++slot)
+            if (s.page_state[slot].page != no_index) set_offscreen(s, slot, 0);
+        return;
+    }
+    if (s.sight_count != 0 && all_within(s)) return;
+    Frustum last[max_cut_views]; // beyond which parts leave
+    for (std::uint32_t i = 0; i < s.view_count; ++i) {
+        s.sights[i] = {s.views[i].eye_m, wider(s.views[i], half_tangent), wider(s.views[i], margin_tangent)};
+        last[i] = wider(s.views[i], leave_tangent);
+    }
+    s.sight_count = s.view_count;
+    const double margin_m = cells_m(s, margin_cells), leave_m = cells_m(s, leave_cells);
+    for (std::uint32_t slot = 0; slot < s.fresh_page; ++slot) {
+        const PageState& page = s.page_state[slot];
+        if (page.page == no_index) continue;
+        const auto met = [&](const Box& box, std::uint32_t part) {
+            const bool out = part == page_parts ? page.offscreen == all_parts : page.offscreen >> part & 1;
+            Met most = Met::nothing;
+            for (std::uint32_t i = 0; i < s.view_count && most != Met::all; ++i)
+                most = std::max(most, out ? meets(s.sights[i].outer, s.views[i].eye_m, box, sides, margin_m)
+                                          : meets(last[i], s.views[i].eye_m, box, sides, leave_m));
+            return most;
+        };
+        set_offscreen(s, slot, parts_not_met(s, page, met));
+    }
+}
+
+void watch_page(CutState& s, std::uint32_t slot) {
+    PageState& page = s.page_state[slot];
+    if (s.sight_count == 0) return;
+    const double margin_m = cells_m(s, margin_cells);
+    page.offscreen = parts_not_met(s, page, [&](const Box& box, std::uint32_t) {
+        Met most = Met::nothing;
+        for (std::uint32_t i = 0; i < s.sight_count && most != Met::all; ++i)
+            most = std::max(most, meets(s.sights[i].outer, s.sights[i].eye_m, box, sides, margin_m));
+        return most;
+    });
+}
+
+bool may_be_seen(const CutState& s, const PageState& page) {
+    const Box box = box_of(s, page);
+    for (std::uint32_t i = 0; i < s.view_count; ++i)
+        if (meets(s.frustums[i], s.views[i].eye_m, box, 0, 0) != Met::nothing) return true;
+    return false;
+}
+
+} // namespace fjell

@@ -1,0 +1,26 @@
+// Which pages the views see, or soon may: the others need less detail (CutSettings::offscreen_factor).
+//
+// Views turn and move in every frame, pages are many. So pages, and their parts, are looked at with frustums that are
+// wider than the views, and again only when a view has left the middle of them: seldom, and while what is new there is
+// still out of sight, so that it is refined before it is seen. A box holds the spheres of all its vertices (lag.h), and
+// those hold all that depends on them: what is called off-screen shows nothing, in any view.
+#pragma once
+
+#include "cut/state.h"
+
+namespace fjell {
+
+// How much coarser than its threshold a view refines what nobody sees: offscreen_factor, or less where a threshold is so
+// large that errors off-screen might reach into the picture.
+[[nodiscard]] double offscreen_factor(const CutState& s, const View& view, double threshold_px);
+
+// Looks at all pages if a view has left what they were looked at with. Groups that come into sight, or leave it, are
+// due. Not while the bulk pass is under way. O(pages with a state) when it does.
+void watch_pages(CutState& s);
+// A page that has just got its state.
+void watch_page(CutState& s, std::uint32_t slot);
+
+// May any of a page's vertices, or what depends on them, be seen by a view as it is now?
+[[nodiscard]] bool may_be_seen(const CutState& s, const PageState& page);
+
+} // namespace fjell
