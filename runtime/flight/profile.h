@@ -25,7 +25,7 @@ struct Profile {
     RecursiveBudget budget;              // [budget] vertices, indices
     CutBudget cut_budget;                // [budget] vertices, triangles, views
     std::uint32_t page_slots = 8192;     // [stream] page_slots
-    StreamBudget stream_budget;          // [stream] page_requests, map_requests, map_mb, tail_log2
+    StreamBudget stream_budget;          // [stream] page_requests, map_requests, map_mb, tail_log2, decoders
     StreamSettings stream;               // [stream] texel_px, lookahead_s, fade_s, pages, tests, map_kb
     std::uint32_t width_px = 1280, height_px = 720; // [view] width_px, height_px
     double fov_deg = 45;                            // [view] fov_deg: vertical
@@ -40,7 +40,7 @@ inline constexpr std::uint32_t max_size_px = 16384, max_samples = 16;
 inline constexpr std::uint32_t min_budget = 16, max_vertices = 1u << 27, max_indices = 1u << 30;
 inline constexpr std::uint32_t max_triangles = 1u << 29, max_items = unlimited_items - 1;
 inline constexpr std::uint32_t max_page_slots = 1u << 24, max_page_requests = 256, max_map_requests = 64;
-inline constexpr std::uint32_t max_map_mb = 1u << 16, max_map_kb = 1u << 20, min_tail_log2 = 2;
+inline constexpr std::uint32_t max_map_mb = 1u << 16, max_map_kb = 1u << 20, min_tail_log2 = 2, most_decoders = 16;
 inline constexpr std::uint32_t max_stream_pages = 4096, min_stream_tests = 1024;
 inline constexpr double min_texel_px = 0.1, max_texel_px = 100, max_lookahead_s = 10, max_fade_s = 10;
 inline constexpr double max_hysteresis = 10, min_morph_s = 0.01, max_morph_s = 10, max_budget_us = 1e6;

@@ -21,7 +21,8 @@ void StreamedPack::begin(const FlightOptions& options, Terrain& terrain, LiveCut
                                      s.field, message(s.code), fewer_tiles(file_->pack().header, options.profile)));
     if (options.cold) file_->drop_cache();
     reader_ = std::make_unique<io::StreamReader>(
-        stream_, *file_, io::StreamReaderOptions{options.read_mb_s * 1e6, options.read_latency_ms * 1e-3});
+        stream_, *file_,
+        io::StreamReaderOptions{options.read_mb_s * 1e6, options.read_latency_ms * 1e-3, budget.decoders});
 }
 
 const StreamReport& StreamedPack::update(std::span<const View> views, const CutSettings& cut,

@@ -125,6 +125,7 @@ void add_stream(json& j, const FlightOptions& o, const Session& session) {
                              {"map_requests", b.map_requests},
                              {"map_bytes", b.map_bytes},
                              {"tail_log2", b.tail_log2},
+                             {"decoders", b.decoders},
                              {"texel_px", s.texel_px},
                              {"lookahead_s", s.lookahead_s},
                              {"fade_s", s.fade_s},

@@ -17,10 +17,17 @@ std::uint64_t nanoseconds(std::chrono::steady_clock::duration d) {
 } // namespace
 
 StreamReader::StreamReader(Stream stream, Read read, const StreamReaderOptions& options)
-    : stream_(stream), read_(std::move(read)), options_(options),
-      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+    : stream_(stream), read_(std::move(read)), options_(options) {
+    for (std::uint32_t i = 0; i < std::max(options.threads, 1u); ++i)
+        threads_.emplace_back([this](const std::stop_token& stop) { run(stop); });
+}
+
+StreamReader::~StreamReader() {
+    for (std::jthread& thread : threads_) thread.request_stop(); // all of them, before the first is waited for
+}
 
 void StreamReader::run(const std::stop_token& stop) {
+    std::vector<std::byte> bytes;
     while (!stop.stop_requested()) {
         StreamRequest request;
         if (!stream_next_request(stream_, request)) {
@@ -29,28 +36,33 @@ void StreamReader::run(const std::stop_token& stop) {
             (void)stream_fail(stream_, request.ticket, true);
             ++unwanted_;
         } else {
-            serve(request, stop);
+            serve(request, bytes, stop);
         }
     }
 }
 
-void StreamReader::serve(const StreamRequest& request, const std::stop_token& stop) {
-    const auto start = Clock::now();
-    auto ready = start;
-    if (options_.latency_s > 0)
-        ready += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options_.latency_s));
+StreamReader::Clock::time_point StreamReader::arrival_of(std::uint32_t bytes) {
+    const auto duration = [](double s) {
+        return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+    };
+    auto arrival = Clock::now();
+    if (options_.latency_s > 0) arrival += duration(options_.latency_s);
     if (options_.bytes_per_s > 0) {
-        line_free_ =
-            std::max(line_free_, ready) + std::chrono::duration_cast<Clock::duration>(
-                                              std::chrono::duration<double>(request.bytes / options_.bytes_per_s));
-        ready = line_free_;
+        const std::lock_guard hold(lock_);
+        arrival = line_free_ = std::max(line_free_, arrival) + duration(bytes / options_.bytes_per_s);
     }
+    return arrival;
+}
+
+void StreamReader::serve(const StreamRequest& request, std::vector<std::byte>& bytes, const std::stop_token& stop) {
+    const auto start = Clock::now();
+    const auto ready = arrival_of(request.bytes);
     if (!wait_until(ready, stop)) {
         (void)stream_fail(stream_, request.ticket, true);
         return;
     }
-    if (bytes_.size() < request.bytes) bytes_.resize(request.bytes);
-    const std::span to = std::span(bytes_).first(request.bytes);
+    if (bytes.size() < request.bytes) bytes.resize(request.bytes);
+    const std::span to = std::span(bytes).first(request.bytes);
     const int error = read_(request.offset, to);
     const auto read = Clock::now();
     read_ns_ += nanoseconds(read - start);

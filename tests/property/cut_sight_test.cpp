@@ -74,8 +74,7 @@ TEST_CASE("at rest all that a view sees is refined as asked, nothing finer, and 
             }
             REQUIRE(contains(fine, now));
             REQUIRE(contains(now, seen_of(terrain, fine, views)));
-            REQUIRE(contains(
-                now, target_set(terrain, terrain, views, settings.error_px * settings.offscreen_factor)));
+            REQUIRE(contains(now, target_set(terrain, terrain, views, settings.error_px * settings.offscreen_factor)));
             some_less += count(now) < count(fine);
             for (const View& view : views) {
                 const Frustum frustum = make_frustum(view);

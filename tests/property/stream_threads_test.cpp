@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <mutex>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -47,15 +48,19 @@ struct Ground {
 struct Disk {
     const io::PackFile& file;
     std::atomic<bool> sound{false};
+    std::mutex lock{}; // of random
     Random random{7};
+    int roll(int least, int most) {
+        const std::lock_guard hold(lock);
+        return pick(random, least, most);
+    }
     std::atomic<std::uint64_t> reads{0}, failed{0}, damaged{0};
     int read(std::uint64_t offset, std::span<std::byte> to) {
         ++reads;
         // 0 to 500 ms at a thousandth of their length, and now and then in full a frame's.
-        if (!sound)
-            std::this_thread::sleep_for(std::chrono::microseconds(pick(random, 0, pick(random, 0, 40) ? 500 : 16'000)));
+        if (!sound) std::this_thread::sleep_for(std::chrono::microseconds(roll(0, roll(0, 40) ? 500 : 16'000)));
         const int error = file.read(offset, to);
-        const int dice = sound ? 99 : pick(random, 0, 99);
+        const int dice = sound ? 99 : roll(0, 99);
         if (dice < 5) return ++failed, EIO;
         if (dice < 10) ++damaged, to[to.size() / 3] ^= std::byte{1};
         return error;
@@ -141,6 +146,7 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     StreamBudget budget;
     budget.page_requests = static_cast<std::uint32_t>(pick(random, 1, 40));
     budget.map_requests = static_cast<std::uint32_t>(pick(random, 1, 8));
+    budget.decoders = static_cast<std::uint32_t>(pick(random, 1, 4));
     const auto slots =
         static_cast<std::uint32_t>(pick(random, std::min(tiles + 2, pages), std::min(tiles + pages / 2, pages)));
     Streamed on(ground.pack.pack, slots, budget);
@@ -150,6 +156,7 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     std::optional<io::StreamReader> reader;
     const auto start_reader = [&](bool any) {
         io::StreamReaderOptions options;
+        options.threads = static_cast<std::uint32_t>(pick(random, 1, 5)); // more than decoders, too
         if (any && pick(random, 0, 4) == 0) options.latency_s = pick(random, 0, 1) ? 1e6 : 0.002; // never, or a little
         reader.emplace(
             on.stream, [&](std::uint64_t offset, std::span<std::byte> to) { return disk.read(offset, to); }, options);

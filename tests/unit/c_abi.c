@@ -310,6 +310,7 @@ AT(FjellStreamBudget, page_requests, 8)
 AT(FjellStreamBudget, map_requests, 12)
 AT(FjellStreamBudget, map_bytes, 16)
 AT(FjellStreamBudget, tail_log2, 24)
+AT(FjellStreamBudget, decoders, 28)
 
 SIZE(FjellStreamSettings, 56)
 AT(FjellStreamSettings, struct_size, 0)

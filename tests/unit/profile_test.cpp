@@ -45,16 +45,57 @@ TEST_CASE("every shipped profile loads and names every key") {
         CHECK(p.cut_budget.vertices == p.budget.vertices);
         const std::vector<std::byte> bytes = io::read_file(file.path().string());
         const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-        for (const char* key : {"method",        "error_px",      "corner_safe", "hysteresis",    "offscreen_factor",
-                                "morph",         "morph_s",       "metric",      "cull",          "topology",
-                                "vertices",      "triangles",     "views",       "items",         "budget_us",
-                                "indices",       "width_px",      "height_px",   "fov_deg",       "page_slots",
-                                "page_requests", "map_requests",  "map_mb",      "tail_log2",     "texel_px",
-                                "lookahead_s",   "fade_s",        "pages",       "tests",         "map_kb",
-                                "samples",       "sun",           "azimuth_deg", "elevation_deg", "latitude_deg",
-                                "longitude_deg", "year",          "month",       "day",           "hour_utc",
-                                "air",           "visibility_km", "exposure",    "ev100",         "exposure_bias_ev",
-                                "tone_curve",    "dither",        "detail",      "water",         "water_level_m"}) {
+        for (const char* key : {"method",
+                                "error_px",
+                                "corner_safe",
+                                "hysteresis",
+                                "offscreen_factor",
+                                "morph",
+                                "morph_s",
+                                "metric",
+                                "cull",
+                                "topology",
+                                "vertices",
+                                "triangles",
+                                "views",
+                                "items",
+                                "budget_us",
+                                "indices",
+                                "width_px",
+                                "height_px",
+                                "fov_deg",
+                                "page_slots",
+                                "page_requests",
+                                "map_requests",
+                                "decoders",
+                                "map_mb",
+                                "tail_log2",
+                                "texel_px",
+                                "lookahead_s",
+                                "fade_s",
+                                "pages",
+                                "tests",
+                                "map_kb",
+                                "samples",
+                                "sun",
+                                "azimuth_deg",
+                                "elevation_deg",
+                                "latitude_deg",
+                                "longitude_deg",
+                                "year",
+                                "month",
+                                "day",
+                                "hour_utc",
+                                "air",
+                                "visibility_km",
+                                "exposure",
+                                "ev100",
+                                "exposure_bias_ev",
+                                "tone_curve",
+                                "dither",
+                                "detail",
+                                "water",
+                                "water_level_m"}) {
             INFO(file.path() << ' ' << key);
             std::string line = "\n"; // by +=: g++ 12 warns of an impossible overlap in +
             line += key;
@@ -118,15 +159,16 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     CHECK(parse_profile("[budget]\nitems = 0\n", "p.toml").cut.items == unlimited_items);
     CHECK(d.stream_budget.map_bytes == StreamBudget{}.map_bytes);
     CHECK(d.stream.map_bytes == StreamSettings{}.map_bytes);
-    const Profile s =
-        parse_profile("[stream]\npage_slots = 77\npage_requests = 3\nmap_requests = 4\nmap_mb = 65536\ntail_log2 = 5\n"
-                      "texel_px = 2.5\nlookahead_s = 0\nfade_s = 1.5\npages = 6\ntests = 70000\nmap_kb = 9\n",
-                      "p.toml");
+    const Profile s = parse_profile(
+        "[stream]\npage_slots = 77\npage_requests = 3\nmap_requests = 4\nmap_mb = 65536\ntail_log2 = 5\ndecoders = 3\n"
+        "texel_px = 2.5\nlookahead_s = 0\nfade_s = 1.5\npages = 6\ntests = 70000\nmap_kb = 9\n",
+        "p.toml");
     CHECK(s.page_slots == 77);
     CHECK(s.stream_budget.page_requests == 3);
     CHECK(s.stream_budget.map_requests == 4);
     CHECK(s.stream_budget.map_bytes == std::uint64_t{1} << 36);
     CHECK(s.stream_budget.tail_log2 == 5);
+    CHECK(s.stream_budget.decoders == 3);
     const StreamSettings stream = stream_settings(s, 2.5);
     CHECK(stream.texel_px == 2.5);
     CHECK(stream.lookahead_s == 0);

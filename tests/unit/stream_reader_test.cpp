@@ -89,6 +89,33 @@ TEST_CASE("what is wanted comes, as it is in the pack, and is counted") {
     CHECK(c.provide_s > 0);
 }
 
+TEST_CASE("several threads read side by side, and what comes is the pack's all the same") {
+    Scene scene(6, 1u << 20, {.decoders = 4});
+    std::atomic<int> reading{0}, most{0};
+    std::atomic<bool> first{true};
+    const auto read = [&](std::uint64_t offset, std::span<std::byte> to) {
+        const int now = ++reading;
+        for (int before = most; before < now && !most.compare_exchange_weak(before, now);) {
+        }
+        // The first one lasts until there is another beside it; some seconds, if there never is.
+        const bool waits = first.exchange(false);
+        for (int i = 0; waits && most < 2 && i < 20'000'000; ++i) std::this_thread::yield();
+        const int error = scene.file.read(offset, to);
+        --reading;
+        return error;
+    };
+    const io::StreamReader reader(scene.on.stream, read, {.threads = 4});
+    const StreamReport r = scene.settle();
+    CHECK(r.converged);
+    CHECK(r.failed == 0);
+    CHECK(most >= 2);
+    CHECK(scene.on.paged.terrain.pages_missing() == 0);
+    CHECK(scene.wrong_pages() == 0);
+    const io::StreamReaderCounters c = reader.counters();
+    CHECK(c.pages == scene.pack.terrain.page_count());
+    CHECK(c.bytes == r.bytes_read);
+}
+
 TEST_CASE("a read that fails is told once, the rest comes, and asked again, all of it") {
     Scene scene(2);
     std::atomic<bool> failing{true};

@@ -410,6 +410,7 @@ typedef struct FjellStreamBudget {
     uint32_t map_requests;
     uint64_t map_bytes;
     uint32_t tail_log2;
+    uint32_t decoders;
 } FjellStreamBudget;
 
 typedef struct FjellStreamSettings {

@@ -2,13 +2,13 @@
 //
 // The runtime opens no file. update_stream() decides on the frame's thread what is needed most; a client on another
 // thread (io::StreamReader, an engine's loader, a test) polls stream_next_request(), reads the bytes and passes them to
-// stream_provide(), which checks and decompresses them there. The next update_stream() inserts them. Geometry is loaded
-// page by page, coarse steps first; maps mip by mip. The coarsest page and the smallest mips of every tile are never
-// evicted. docs/notes/streaming.md draws the states and who owns them.
+// stream_provide(), which checks and decompresses them there. Several such threads may. The next update_stream()
+// inserts them. Geometry is loaded page by page, coarse steps first; maps mip by mip. The coarsest page and the
+// smallest mips of every tile are never evicted. docs/notes/streaming.md draws the states and who owns them.
 //
 // Memory: one piece from the host, stream_bytes() of it; all slots are fixed at creation. Threads: the frame's for
-// update_stream(), stream_retry_failed() and what they return; one client thread at a time for stream_next_request(),
-// stream_still_wanted(), stream_provide() and stream_fail(). Lock-free: neither thread waits for the other.
+// update_stream(), stream_retry_failed() and what they return; client threads, StreamBudget::decoders at a time, for
+// stream_next_request(), stream_still_wanted(), stream_provide() and stream_fail(). Lock-free: none waits for another.
 // Complexity of an update: O(pages whose answer the eye's motion may change), bounded by StreamSettings' limits. The
 // order of decisions is fixed, so the same arrivals give the same pages.
 // Failure: a chunk that cannot be read or is damaged is reported once and not requested again; terrain is coarser
@@ -50,6 +50,7 @@ struct StreamBudget {
     std::uint32_t map_requests = 16;  // mips in flight at a time, 1 to 64; the largest mip's bytes each
     std::uint64_t map_bytes = std::uint64_t{256} << 20; // of maps on the GPU; at least the tails of all tiles
     std::uint32_t tail_log2 = 6;                        // of the size that every tile always has, 2 to 12
+    std::uint32_t decoders = 1; // client threads at a time, 1 to 16; 160 KB each. More would wait in stream_provide()
 };
 // The layers that fit map_bytes: an equal share for each size, but no more than one layer a tile; what remains goes to
 // the finest. O(1). Zeroes for a map that the pack does not have.

@@ -264,6 +264,7 @@ FJELL_FIELD(FjellStreamBudget, page_requests);
 FJELL_FIELD(FjellStreamBudget, map_requests);
 FJELL_FIELD(FjellStreamBudget, map_bytes);
 FJELL_FIELD(FjellStreamBudget, tail_log2);
+FJELL_FIELD(FjellStreamBudget, decoders);
 
 FJELL_SIZE(FjellStreamSettings);
 FJELL_FIELD(FjellStreamSettings, texel_px);

@@ -10,8 +10,8 @@
 
 namespace fjell {
 
-// How much coarser than its threshold a view refines what nobody sees: offscreen_factor, or less where a threshold is so
-// large that errors off-screen might reach into the picture.
+// How much coarser than its threshold a view refines what nobody sees: offscreen_factor, or less where a threshold is
+// so large that errors off-screen might reach into the picture.
 [[nodiscard]] double offscreen_factor(const CutState& s, const View& view, double threshold_px);
 
 // Looks at all pages if a view has left what they were looked at with. Groups that come into sight, or leave it, are

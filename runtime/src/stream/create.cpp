@@ -86,7 +86,7 @@ Layout layout_of(const Pack& pack, const TerrainData& t, const StreamBudget& bud
     l.requests = place(requests, sizeof(Request));
     l.page_rooms = place(budget.page_requests, page_room(t));
     l.map_rooms = place(budget.map_requests, map_room(pack.header, budget));
-    l.zstd = place(1, ZSTD_estimateDCtxSize());
+    l.zstd = place(budget.decoders, aligned(ZSTD_estimateDCtxSize()));
     l.failures = place(requests + 64, sizeof(StreamFailure));
     l.arrivals = place(max_arrivals, sizeof(PageArrival));
     l.end = at;
@@ -104,6 +104,7 @@ Status check_budget(const Pack& pack, const TerrainData& t, const StreamBudget& 
         return {Code::out_of_range, "StreamBudget::map_requests (1 to 64)"};
     if (b.tail_log2 < 2 || b.tail_log2 > max_texture_log2)
         return {Code::out_of_range, "StreamBudget::tail_log2 (2 to 12)"};
+    if (b.decoders < 1 || b.decoders > max_decoders) return {Code::out_of_range, "StreamBudget::decoders (1 to 16)"};
     if (t.slot_count < t.tile_count()) return {Code::budget_too_small, "TerrainBudget::page_slots (one a tile)"};
     if (t.slot_count > 0xffffffffu / 8) return {Code::out_of_range, "TerrainBudget::page_slots"};
     if (t.pages_missing != t.page_count()) return {Code::out_of_range, "terrain (no page may be loaded yet)"};
@@ -186,8 +187,11 @@ Status create_stream(const Pack& pack, const Terrain& handle, LiveCut cut, const
         r->raw = at + (page ? l.page_rooms + i * page_room(terrain)
                             : l.map_rooms + (i - budget.page_requests) * map_room(pack.header, budget));
     }
-    s.zstd = ZSTD_initStaticDCtx(at + l.zstd, ZSTD_estimateDCtxSize());
-    if (!s.zstd) return {Code::memory_too_small, "memory"};
+    for (std::uint32_t i = 0; i < budget.decoders; ++i) {
+        Decoder& decoder = s.decoders[i];
+        decoder.zstd = ZSTD_initStaticDCtx(at + l.zstd + i * aligned(ZSTD_estimateDCtxSize()), ZSTD_estimateDCtxSize());
+        if (decoder.zstd == nullptr) return {Code::memory_too_small, "memory"};
+    }
     const auto padded = (s.watch_count + 63) / 64 * 64;
     for (std::uint32_t i = s.watch_count; i < padded; ++i) s.due[i] = 3e38f;
     begin_pages(s);

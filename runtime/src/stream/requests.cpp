@@ -4,6 +4,8 @@
 #include <xxhash.h>
 #include <zstd.h>
 
+#include <thread>
+
 namespace fjell {
 
 bool queue_request(StreamState& s, Request& r, const ChunkId& id, std::uint32_t chunks, float score) {
@@ -58,7 +60,7 @@ std::uint32_t ticket_of(std::uint32_t index, std::uint32_t state) {
     return (state >> 3) << ticket_bits | (index + 1);
 }
 
-// The entry that the client holds, or nullptr.
+// The entry that a client thread holds, or nullptr.
 Request* taken(StreamState& s, std::uint32_t ticket) {
     const std::uint32_t index = (ticket & ((1u << ticket_bits) - 1)) - 1;
     if (index >= s.request_count) return nullptr;
@@ -68,6 +70,28 @@ Request* taken(StreamState& s, std::uint32_t ticket) {
         return nullptr;
     return &r;
 }
+
+// A decoder for as long as this lives. There is one for each of the client's threads that may be here at a time; were
+// there more threads, they would wait.
+class DecoderLease {
+public:
+    explicit DecoderLease(StreamState& s) {
+        for (std::uint32_t i = 0;; i = (i + 1) % s.budget.decoders) {
+            if (!s.decoders[i].taken.exchange(true, std::memory_order_acquire)) {
+                decoder_ = &s.decoders[i];
+                return;
+            }
+            if (i + 1 == s.budget.decoders) std::this_thread::yield();
+        }
+    }
+    ~DecoderLease() { decoder_->taken.store(false, std::memory_order_release); }
+    DecoderLease(const DecoderLease&) = delete;
+    DecoderLease& operator=(const DecoderLease&) = delete;
+    [[nodiscard]] ZSTD_DCtx* zstd() const { return decoder_->zstd; }
+
+private:
+    Decoder* decoder_;
+};
 
 } // namespace
 
@@ -85,7 +109,7 @@ bool stream_next_request(Stream stream, StreamRequest& request) {
         }
         if (best == no_index) return false;
         Request& r = s.requests[best];
-        if (!claim(r, Phase::in_flight)) continue; // cancelled in between
+        if (!claim(r, Phase::in_flight)) continue; // cancelled in between, or taken by another thread
         request = {ticket_of(best, r.state.load(std::memory_order_relaxed)), r.id, r.chunks, r.offset, r.stored_bytes};
         return true;
     }
@@ -109,13 +133,14 @@ Status stream_provide(Stream stream, std::uint32_t ticket, std::span<const std::
         return Status{Code::corrupt, page ? "geometry page" : "map"};
     };
     if (stored.size() != r->stored_bytes) return damaged();
+    const DecoderLease decoder(s);
     std::size_t raw = 0;
     for (std::uint32_t i = 0; i < r->chunks; ++i) {
         const ChunkEntry e = s.pack->entry(r->first_chunk + i);
         const auto bytes = stored.subspan(e.offset - r->offset, e.stored_bytes);
         if (e.raw_bytes > r->raw_bytes - raw || XXH3_64bits(bytes.data(), bytes.size()) != e.hash) return damaged();
         const std::size_t written =
-            ZSTD_decompressDCtx(s.zstd, r->raw + raw, r->raw_bytes - raw, bytes.data(), bytes.size());
+            ZSTD_decompressDCtx(decoder.zstd(), r->raw + raw, r->raw_bytes - raw, bytes.data(), bytes.size());
         if (ZSTD_isError(written) || written != e.raw_bytes) return damaged();
         raw += written;
     }

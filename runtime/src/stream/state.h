@@ -18,6 +18,13 @@ namespace fjell {
 
 inline constexpr std::uint32_t max_page_requests = 256, max_map_requests = 64;
 inline constexpr std::uint32_t max_requests = max_page_requests + max_map_requests;
+inline constexpr std::uint32_t max_decoders = 16;
+
+// Of the client's threads: each takes one while it decompresses.
+struct Decoder {
+    std::atomic<bool> taken;
+    ZSTD_DCtx_s* zstd;
+};
 
 // A request's phases and who may end each. The frame's thread: vacant, ready, unreadable, damaged, unwanted, shown. The
 // client: taken. Either one, by compare and exchange: offered.
@@ -128,8 +135,8 @@ struct StreamState {
     // Requests: pages first.
     Request* requests;
     std::uint32_t request_count;
-    std::uint32_t reserved_slots; // page requests that are not vacant
-    ZSTD_DCtx_s* zstd;            // the client's
+    std::uint32_t reserved_slots;   // page requests that are not vacant
+    Decoder decoders[max_decoders]; // StreamBudget::decoders of them
     // The report.
     StreamReport report;
     StreamSettings settings;

@@ -1,11 +1,11 @@
-// Our I/O thread: the client of a Stream (fjell/stream.h) that reads from a file. An engine's loader is another.
+// Our I/O threads: the client of a Stream (fjell/stream.h) that reads from a file. An engine's loader is another.
 //
-// It asks for what is wanted most, reads it, hands it in, and asks again. When nothing is wanted it sleeps for half a
+// Each asks for what is wanted most, reads it, hands it in, and asks again. When nothing is wanted it sleeps for half a
 // millisecond: the frame's thread could only wake it by entering the kernel.
-// Ownership: stream and read() must outlive the reader. Thread: it is one; counters may be read from any. Destroying it
-// stops it at any moment, whatever it is doing, and joins it: after at most one read that is under way. Every request
-// that it took has been answered by then. Failure: a read that fails is handed to stream_fail() and counted; it goes
-// on.
+// Ownership: stream and read() must outlive the reader. Thread: it has its own; counters may be read from any.
+// Destroying it stops them at any moment, whatever they are doing, and joins them: after at most one read each that is
+// under way. Every request that they took has been answered by then. Failure: a read that fails is handed to
+// stream_fail() and counted; it goes on.
 #pragma once
 
 #include <atomic>
@@ -26,11 +26,12 @@
 FJELL_API_BEGIN
 namespace fjell::io {
 
-// For benchmarks and tests: a slower disk.
 struct StreamReaderOptions {
     // As from a slower disk, for benchmarks and tests. 0: as fast as it goes.
-    double bytes_per_s = 0;
-    double latency_s = 0; // before every read
+    double bytes_per_s = 0; // of all threads together
+    double latency_s = 0;   // before every read
+    // That read and decompress side by side; StreamBudget::decoders of the stream is what can. At least 1.
+    std::uint32_t threads = 1;
 };
 
 // What was read so far.
@@ -48,14 +49,14 @@ struct StreamReaderCounters {
 // Reads until it is destroyed.
 class StreamReader {
 public:
-    // read: 0 or an errno, as PackFile::read; called from the reader's thread.
+    // read: 0 or an errno, as PackFile::read; called from the reader's threads, from several at once if it has several.
     using Read = std::function<int(std::uint64_t offset, std::span<std::byte> to)>;
     StreamReader(Stream stream, Read read, const StreamReaderOptions& options = {});
     StreamReader(Stream stream, const PackFile& file, const StreamReaderOptions& options = {})
         : StreamReader(
               stream, [&file](std::uint64_t offset, std::span<std::byte> to) { return file.read(offset, to); },
               options) {}
-    ~StreamReader() = default; // the thread goes first: it stops and is joined
+    ~StreamReader();
     StreamReader(const StreamReader&) = delete;
     StreamReader& operator=(const StreamReader&) = delete;
 
@@ -64,21 +65,22 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
     void run(const std::stop_token& stop);
-    void serve(const StreamRequest& request, const std::stop_token& stop);
+    void serve(const StreamRequest& request, std::vector<std::byte>& bytes, const std::stop_token& stop);
+    // When so many bytes would have come from the disk that options name.
+    Clock::time_point arrival_of(std::uint32_t bytes);
     // False: it was to stop instead.
     bool wait_until(Clock::time_point when, const std::stop_token& stop);
 
     const Stream stream_;
     const Read read_;
     const StreamReaderOptions options_;
-    std::vector<std::byte> bytes_;
     Clock::time_point line_free_{}; // when what was read so far has gone through at bytes_per_s
-    std::mutex lock_;
+    std::mutex lock_;               // of line_free_, and to wait with
     std::condition_variable_any stopped_;
     std::atomic<std::uint64_t> reads_{0}, read_bytes_{0}, pages_{0}, mips_{0}, unwanted_{0}, errors_{0}, damaged_{0};
     std::atomic<std::uint64_t> read_ns_{0}, provide_ns_{0};
     std::atomic<int> last_error_{0};
-    std::jthread thread_; // last, so that all it uses is there before and after it
+    std::vector<std::jthread> threads_; // last, so that all they use is there before and after them
 };
 
 } // namespace fjell::io
