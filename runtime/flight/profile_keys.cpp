@@ -98,8 +98,9 @@ constexpr ProfileKey keys_before_light[] = {
      .most = max_offscreen_factor,
      .logarithmic = true,
      .about = "What no view sees, nor soon will, is refined to error_px times this. No unit, 1 to 100. 1 refines all "
-              "around: turning costs nothing. 8 takes a third of the vertices and of the time in flight; turning then "
-              "refines what comes into sight, and an export is as coarse where nobody looked. (Incremental.)",
+              "around: turning costs nothing. 8 takes 0.3 to 0.7 of the vertices, and as much of the time of a flight "
+              "straight on; turning then refines what comes into sight, and an export is coarse where nobody looked. "
+              "(Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::offscreen_factor>::get,
      .set = At<&Profile::cut, &CutSettings::offscreen_factor>::set},
