@@ -33,6 +33,30 @@ TEST_CASE("the live cut gives the picture of the recursive method, bit for bit",
         }
 }
 
+TEST_CASE("what is coarser off-screen does not show, turned or moved: the picture is the same, bit for bit",
+          "[picture]") {
+    Scene scene(mountains(513), 6);
+    scene.make_cut();
+    (void)scene.follow(scene.camera(0.5, 0.9, 150, 0, -5), 2, true);
+    std::uint32_t fewer = 0;
+    for (int step = 0; step < test::rounds(4, 24); ++step) {
+        const View view = scene.camera(0.5 + 0.004 * step, 0.8, 150, 15.0 * step, -5);
+        CutSettings settings{.error_px = 2, .offscreen_factor = 8};
+        CutReport coarser;
+        REQUIRE(update_cut(scene.cut, {&view, 1}, settings, coarser).ok());
+        REQUIRE(coarser.converged);
+        const Picture live = scene.draw(cut_mesh(scene.cut), view);
+        settings.offscreen_factor = 1;
+        CutReport all_around;
+        REQUIRE(update_cut(scene.cut, {&view, 1}, settings, all_around).ok());
+        const Picture whole = scene.draw(cut_mesh(scene.cut), view);
+        CHECK((live.colour.rgb == whole.colour.rgb));
+        CHECK((live.depth == whole.depth));
+        fewer += coarser.vertices < all_around.vertices / 10 * 9;
+    }
+    CHECK(fewer > 2);
+}
+
 TEST_CASE("of a live cut only the slots that were written are uploaded, and they suffice", "[picture]") {
     Scene scene(mountains(513), 6);
     scene.make_cut();
