@@ -71,8 +71,10 @@ Drawer::Drawer(Gpu& gpu, const fjell::Terrain& terrain, const fjell::CutBudget& 
                                VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
                                    VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                                Where::device);
+#ifndef PLANT_NO_ROOM
     vertex_runs_.reserve(budget.vertices / 2 + 1);
     index_runs_.reserve(budget.triangles / 2 + 1);
+#endif
     make_layouts();
     make_pipeline();
     const VkDescriptorPoolSize blocks{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, frames_in_flight};

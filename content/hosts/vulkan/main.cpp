@@ -228,6 +228,9 @@ void Flight::fly(std::uint32_t frames) {
     for (std::uint32_t bit = 1; bit <= fjell::cut_budget_time; bit <<= 1)
         if (report_.exhausted & bit)
             std::fprintf(stderr, "vulkan: raise %s\n", fjell::budget_field(fjell::CutBudgetBit(bit)));
+    for (std::uint32_t bit = 1; bit <= fjell::stream_requests; bit <<= 1)
+        if (streamed_.exhausted & bit)
+            std::fprintf(stderr, "vulkan: raise %s\n", fjell::budget_field(fjell::StreamBudgetBit(bit)));
 }
 
 void Flight::print(const Gpu& gpu) const {

@@ -9,7 +9,7 @@ void main() {
     vec3 normal = normalize(cross(dFdx(world_m), dFdy(world_m))); // of the triangle
     if (normal.z < 0.0) normal = -normal;
     float high = (world_m.z + frame.origin_height_m - frame.low_high_m.x) / (frame.low_high_m.y - frame.low_high_m.x);
-    vec3 ground = mix(vec3(0.16, 0.24, 0.10), vec3(0.45, 0.38, 0.30), smoothstep(0.1, 0.6, high));
-    ground = mix(ground, vec3(0.9), smoothstep(0.7, 0.9, high) * smoothstep(0.5, 0.8, normal.z));
-    colour = vec4(ground * (0.25 + 1.1 * max(dot(normal, normalize(vec3(-0.6, 0.5, 0.6))), 0.0)), 1.0);
+    vec3 ground = mix(vec3(0.06, 0.11, 0.03), vec3(0.24, 0.19, 0.14), smoothstep(0.1, 0.6, high));
+    ground = mix(ground, vec3(0.8), smoothstep(0.75, 0.95, high) * smoothstep(0.6, 0.9, normal.z));
+    colour = vec4(ground * (0.15 + 1.1 * max(dot(normal, normalize(vec3(-0.8, 0.5, 0.35))), 0.0)), 1.0);
 }
