@@ -216,6 +216,7 @@ const std::vector<std::string> built{"content/hosts/c_loop/",
                                      "content/hosts/ground/",
                                      "content/hosts/physics/",
                                      "content/hosts/server/",
+                                     "content/hosts/vulkan/",
                                      "tests/door/",
                                      "tests/unit/"};
 
