@@ -107,6 +107,15 @@ must_end(0 "raise TerrainBudget::page_slots" ${host} ${tiled} ${picture} 60 6553
 must_end(0 "tile [0-9]+: the file could not be read there. .*" ${CMAKE_COMMAND} -E env LD_PRELOAD=${FAULTS}
   "FJELL_FAULT=pread ${PACK} EIO 30+" ${host} ${PACK} ${picture} 60)
 
+# Columns that 16 bits do not hold.
+must("heights" ${BAKE} synth ${RECIPE} -o ${FOLDER}/small.tif)
+must("widening" gdal_translate -q -outsize 70000 65 -r bilinear ${FOLDER}/small.tif ${FOLDER}/wide.tif)
+must("baking" ${BAKE} ${FOLDER}/wide.tif -o ${FOLDER}/wide.fjell --spacing 60 --tile 256 --quiet)
+must("flying" ${host} ${FOLDER}/wide.fjell ${picture} 30 100000 8000)
+if(NOT output MATCHES "2[0-9][0-9] of 274 tiles drawn")
+  message(FATAL_ERROR "the host with Vulkan says: ${output}")
+endif()
+
 # What is wrong is one sentence.
 must_end(2 "usage: vulkan PACK PICTURE.ppm .*" ${host})
 must_end(2 "FRAMES, VERTICES and PAGES are whole numbers from 1 on" ${host} ${tiled} ${picture} 10 -5)

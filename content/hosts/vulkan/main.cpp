@@ -154,7 +154,7 @@ void Flight::look(double travelled_m) {
     const Vector eye_m{double(terrain.extent_x_m()) / 4 + travelled_m, -double(terrain.extent_z_m()) / 2,
                        double(terrain.header().max_m) + 100};
     view_ = fjell::make_view(to_scene(eye_m), to_scene({1, -0.6, -0.3}), to_scene({0, 0, 1}), 1.0, width_px, height_px,
-                             0.5, 1e6);
+                             0.5, 1e7); // what is farther is not drawn, though depth could hold it
     log_.rebased += origin_.follow(eye_m, terrain);
 }
 

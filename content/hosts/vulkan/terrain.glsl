@@ -20,7 +20,7 @@ const float late_s = 1.0 / 32.0;    // activated_late_s of vertex.h
 ivec2 sample_of(uint low_bits, int tile) {
     ivec2 first = ivec2(tile % frame.tiles_x, tile / frame.tiles_x) << frame.tile_log2;
     ivec2 low = ivec2(low_bits & 0xffffu, low_bits >> 16);
-    return first + ((low - first) << 16 >> 16); // the sign of 16 bits
+    return first + ((low - first) & 0xffff);
 }
 
 float unsigned_half(uint bits) { return uintBitsToFloat((bits << 12) + 0x3a800000u); } // from 2^-10 on

@@ -26,7 +26,7 @@ inline constexpr std::uint16_t long_active = 0xffff;
 inline constexpr float activated_steps_s = 64;     // 65,536 of them are a turn of the cut's clock
 inline constexpr float activated_late_s = 0x1p-5f; // a step, and the one that long_active takes
 static_assert(fjell::morph_clock_s * activated_steps_s == 65536);
-static_assert(fjell::max_tile_log2 < 15, "16 bits tell apart what is less than half of them away from the tile");
+static_assert(fjell::max_tile_log2 < 16, "16 bits tell the columns of a tile apart");
 
 // 5 bits of exponent and 11 of mantissa, rounded up: by a 2048th at most, from 2^-10 to 2^22; less becomes 2^-10.
 [[nodiscard]] inline std::uint16_t unsigned_half(float positive) {
@@ -70,11 +70,11 @@ static_assert(fjell::max_tile_log2 < 15, "16 bits tell apart what is less than h
             unsigned_half(morph.radius_m)};
 }
 
-// So much of the threshold, at most, is a vertex that morphs by distance off on screen. Derivation: rounding up by a
-// 2048th moves start = radius + error * q_start out by start / 2048, a part start / 2048 / (error * (q_start - q_full))
-// of the way. Its height moves by that part of at most error_m, seen from about start: by a 2048th of q_start /
-// (q_start
-// - q_full) of error_m * q_full / q_full, the threshold. To that, a 1024th of rounding its flat height.
+// So much of the threshold, at most, is a vertex that morphs by distance off on screen. Derivation: rounding moves
+// start = radius + error * q_start out by start / 2048 at most, which is start / 2048 / (error * (q_start - q_full)) of
+// the way. The height moves by error over the whole way. A metre at distance d is q_full / d thresholds, and d is at
+// least radius + error * q_full, which is at least start * q_full / q_start. The product: q_start / (q_start - q_full)
+// / 2048. Beside it, a 1024th for the flat height. (An error of less than 2^-10 m may be off by all of it.)
 [[nodiscard]] inline double compact_share(const fjell::MorphView& view) {
     return 0x1p-11 * double(view.q_start) / double(view.q_start - view.q_full) + 0x1p-10;
 }
