@@ -37,14 +37,14 @@ set(count "([0-9]+)")
 set(any "[-0-9.e]+")
 set(device "on [^\n]+")
 set(eye "eye (${any},${any},${any}) looks at (${any},${any},${any})")
-set(compared "${count} vertices compared, ${count} of them half-way. rounding moves them by ([0-9.]+) px at most"
+set(compared "${count} vertices compared, ${count} of them half-way. rounding moves them by ([0-9.]+) px and [0-9.]+ m at most"
   "${count} pixels compared with the full resolution, off by [0-9.]+ px at most, ${count}% of what is allowed")
 set(cost "update ${any} us, staging ${any} us, recording ${any} us, submitting ${any} us \\(medians\\)")
 
 # The flight, and the layer that listens.
 must("flying" ${listening} ${host} ${tiled} ${picture} 240)
 numbers(${device} "eye [^\n]+" "converged 1: [0-9]+ vertices, [0-9]+ triangles, ${count} of 64 tiles drawn in [0-9]+ ranges. rebased ${count} times"
-  "16 bytes a vertex for 28, 2 an index. [0-9.]+ MB on the device" "uploaded ${count} bytes a frame \\(median\\), exactly what had changed"
+  "16 bytes a vertex for 28, 2 an index. [0-9.]+ MB on the device" "copies of a vertex if each range had its own: [0-9.]+, each tile: [0-9.]+" "uploaded ${count} bytes a frame \\(median\\), exactly what had changed"
   ${compared} "${cost}. [0-9]+ allocations" "0 messages of Vulkan's validation")
 between("tiles drawn" ${n1} 8 56)
 between("moves of the origin" ${n2} 2 10)
@@ -57,7 +57,7 @@ between("share of what is allowed" ${n8} 30 100) # a bound that nothing comes ne
 
 # Without the layer, which allocates: a frame does not. And the mesh is that of fjell-fly, and so is the skyline.
 must("flying" ${host} ${tiled} ${picture} 120)
-numbers(${device} ${eye} "converged 1: [0-9]+ vertices, ${count} triangles, [^\n]+" "16 bytes[^\n]+" "uploaded[^\n]+" "[^\n]+ compared, [^\n]+"
+numbers(${device} ${eye} "converged 1: [0-9]+ vertices, ${count} triangles, [^\n]+" "16 bytes[^\n]+" "copies[^\n]+" "uploaded[^\n]+" "[^\n]+ compared, [^\n]+"
   "[^\n]+ compared with [^\n]+" "${cost}. 0 allocations" "0 messages of Vulkan's validation")
 set(triangles ${n3})
 must("fjell-fly" ${FLY} ${tiled} --headless --frames 1 --size 640x360 --fov 57.29577951308232 --error-px 1 --morph error
@@ -100,7 +100,7 @@ between("pixels that are sky in one picture only" ${apart} 0 23) # of 230,400: s
 
 # More vertices than 16 bits name; too few; too few pages; a disk that fails: coarser, and within what is reported.
 must("flying" ${listening} ${host} ${tiled} ${picture} 30 65537)
-numbers(${device} "eye [^\n]+" "converged 1: [^\n]+" "16 bytes a vertex for 28, 4 an index. [^\n]+" "uploaded[^\n]+" "[^\n]+ compared, [^\n]+"
+numbers(${device} "eye [^\n]+" "converged 1: [^\n]+" "16 bytes a vertex for 28, 4 an index. [^\n]+" "copies[^\n]+" "uploaded[^\n]+" "[^\n]+ compared, [^\n]+"
   "[^\n]+ compared with [^\n]+" "${cost}. [0-9]+ allocations" "0 messages of Vulkan's validation")
 must_end(0 "raise CutBudget::vertices" ${host} ${tiled} ${picture} 60 18000)
 must_end(0 "raise TerrainBudget::page_slots" ${host} ${tiled} ${picture} 60 65536 100)

@@ -6,7 +6,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <new>
+#include <utility>
+#include <vector>
 
 void* operator new(std::size_t bytes) {
     if (vulkan::counting) ++vulkan::allocations;
@@ -92,7 +95,8 @@ void Check::height(const fjell::Terrain& terrain, const fjell::CutMesh& cut, con
         ahead_m += std::abs(rise_m) * std::min(1.0, late);
         behind_m += std::abs(rise_m) * std::min(1.0, late);
     } else {
-        worst_rounding_px_ = std::max(worst_rounding_px_, (std::abs(off_m) - floats_m) * px);
+        worst_rounding_m_ = std::max(worst_rounding_m_, std::abs(off_m));
+        worst_rounding_px_ = std::max(worst_rounding_px_, std::abs(off_m) * px);
     }
     const double towards_full_m = rise_m > 0 ? -off_m : off_m;
     if (!(towards_full_m <= ahead_m && towards_full_m >= -behind_m))
@@ -151,6 +155,25 @@ void Check::pixel(const fjell::View& view, fjell::Vec3 ray, double depth, double
         break_promise(text("a pixel shows ground %.3f m off the full-resolution one, %.3f m are allowed (%.0f m away, "
                            "%.2f px)",
                            off_m, allowed_m, away_m, allowed_px));
+}
+
+Check::Copies Check::copies(const fjell::CutMesh& cut) {
+    using Pair = std::pair<std::uint32_t, std::uint32_t>;
+    std::vector<Pair> by_range, by_tile;
+    for (const fjell::TileRange& range : cut.mesh.tiles)
+        for (const std::uint32_t slot : cut.mesh.indices.subspan(range.first_index, range.index_count)) {
+            by_range.emplace_back(slot, range.first_index);
+            by_tile.emplace_back(slot, range.tile);
+        }
+    const auto count = [](std::vector<Pair>& all, auto same) {
+        std::sort(all.begin(), all.end());
+        return double(std::unique(all.begin(), all.end(), same) - all.begin());
+    };
+    const auto same_slot = [](Pair a, Pair b) { return a.first == b.first; };
+    std::vector<Pair> slots = by_tile;
+    const double alone = std::max(count(slots, same_slot), 1.0);
+    return {.by_range = count(by_range, std::equal_to<>()) / alone,
+            .by_tile = count(by_tile, std::equal_to<>()) / alone};
 }
 
 void Check::picture(const fjell::CutMesh& cut, const fjell::CutReport& report, const fjell::View& view,

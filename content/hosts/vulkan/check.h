@@ -27,10 +27,19 @@ public:
     void picture(const fjell::CutMesh& cut, const fjell::CutReport& report, const fjell::View& view,
                  const Probe& probe);
 
+    // How many vertices there would be for each one if every range, or every tile, had its own: what 16-bit indices
+    // into their own vertices would take.
+    struct Copies {
+        double by_range = 0, by_tile = 0;
+    };
+    [[nodiscard]] static Copies copies(const fjell::CutMesh& cut);
+
     [[nodiscard]] const std::string& broken() const { return broken_; } // the first promise that was; empty: none
     [[nodiscard]] std::uint64_t vertex_count() const { return vertices_; }
     [[nodiscard]] std::uint64_t between_count() const { return between_; } // of those, on the way between two heights
-    [[nodiscard]] double worst_rounding_px() const { return worst_rounding_px_; } // by distance; what vertex.h rounds
+    // Of vertices that morph by distance: how far what vertex.h rounds moves them.
+    [[nodiscard]] double worst_rounding_px() const { return worst_rounding_px_; }
+    [[nodiscard]] double worst_rounding_m() const { return worst_rounding_m_; }
     [[nodiscard]] std::uint64_t pixel_count() const { return pixels_; }
     [[nodiscard]] double worst_share() const { return worst_share_; } // of what is allowed
     [[nodiscard]] double worst_px() const { return worst_px_; }
@@ -45,7 +54,7 @@ private:
     const fjell::Terrain& whole_;
     std::string broken_;
     std::uint64_t vertices_ = 0, between_ = 0, pixels_ = 0;
-    double worst_rounding_px_ = 0, worst_share_ = 0, worst_px_ = 0;
+    double worst_rounding_px_ = 0, worst_rounding_m_ = 0, worst_share_ = 0, worst_px_ = 0;
 };
 
 // Calls of operator new on this thread while `counting` is true: a frame makes none.
