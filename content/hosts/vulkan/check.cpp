@@ -16,6 +16,10 @@ void* operator new(std::size_t bytes) {
     if (void* const piece = std::malloc(bytes)) return piece;
     throw std::bad_alloc();
 }
+void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
+    if (vulkan::counting) ++vulkan::allocations;
+    return std::malloc(bytes);
+}
 void operator delete(void* piece) noexcept {
     std::free(piece);
 }

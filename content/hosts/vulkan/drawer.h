@@ -5,6 +5,7 @@
 // nothing. Thread: the one that updates the cut. Failure: io::Failure with exit code 3.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -47,10 +48,9 @@ public:
     void submit();
     void finish() const; // until the device is done with all
 
-    // Of the frame that is recorded. Images are in TRANSFER_SRC_OPTIMAL, the depth one for good.
+    // Of the frame that is recorded: when it is drawn, both images are in TRANSFER_SRC_OPTIMAL.
     [[nodiscard]] const Image& colour() const { return frame().colour; }
     [[nodiscard]] const Image& depth() const { return frame().depth; }
-    [[nodiscard]] VkDescriptorSetLayout frame_layout() const { return frame_layout_; }
     [[nodiscard]] const Buffer& frame_block() const { return frame().block; }
     [[nodiscard]] const Buffer& vertices() const { return vertices_; }
     [[nodiscard]] const Buffer& indices() const { return indices_; }
