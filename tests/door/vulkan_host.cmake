@@ -102,7 +102,7 @@ between("pixels that are sky in one picture only" ${apart} 0 23) # of 230,400: s
 must("flying" ${listening} ${host} ${tiled} ${picture} 30 65537)
 numbers(${device} "eye [^\n]+" "converged 1: [^\n]+" "16 bytes a vertex for 28, 4 an index. [^\n]+" "copies[^\n]+" "uploaded[^\n]+" "[^\n]+ compared, [^\n]+"
   "[^\n]+ compared with [^\n]+" "${cost}. [0-9]+ allocations" "0 messages of Vulkan's validation")
-must_end(0 "raise CutBudget::vertices" ${host} ${tiled} ${picture} 60 18000)
+must_end(0 "raise CutBudget::(vertices|triangles)" ${host} ${tiled} ${picture} 60 18000)
 must_end(0 "raise TerrainBudget::page_slots" ${host} ${tiled} ${picture} 60 65536 100)
 must_end(0 "tile [0-9]+: the file could not be read there. .*" ${CMAKE_COMMAND} -E env LD_PRELOAD=${FAULTS}
   "FJELL_FAULT=pread ${PACK} EIO 30+" ${host} ${PACK} ${picture} 60)
