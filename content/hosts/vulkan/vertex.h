@@ -42,12 +42,13 @@ static_assert(fjell::max_tile_log2 < 16, "16 bits tell the columns of a tile apa
     return std::bit_cast<float>((std::uint32_t{half} << 12) + std::bit_cast<std::uint32_t>(0x1p-10f));
 }
 
-// An IEEE half, rounded towards 0: by a 1024th at most; what is smaller than 2^-14 becomes 0.
-[[nodiscard]] inline std::uint16_t half_towards_zero(float value) {
-    constexpr std::uint32_t most = 0x7bff, least_bits = std::bit_cast<std::uint32_t>(0x1p-15f);
-    const std::uint32_t bits = std::bit_cast<std::uint32_t>(value), sign = bits >> 16 & 0x8000;
-    if (!(std::abs(value) >= 0x1p-14f)) return std::uint16_t(sign);
-    return std::uint16_t(sign | std::min(((bits & 0x7fffffff) - least_bits) >> 13, most));
+// An IEEE half, rounded towards 0: by a 1024th at most; what is smaller than 2^-14 becomes 0. Of a double, which holds
+// the difference of two heights: a float might have rounded it up.
+[[nodiscard]] inline std::uint16_t half_towards_zero(double value) {
+    constexpr std::uint64_t most = 0x7bff, least_bits = std::bit_cast<std::uint64_t>(0x1p-15);
+    const std::uint64_t sign = value < 0 ? 0x8000 : 0;
+    if (!(std::abs(value) >= 0x1p-14)) return std::uint16_t(sign);
+    return std::uint16_t(sign | std::min((std::bit_cast<std::uint64_t>(std::abs(value)) - least_bits) >> 42, most));
 }
 [[nodiscard]] inline float from_half(std::uint16_t half) {
     const std::uint32_t size = half & 0x7fffu;
@@ -64,7 +65,7 @@ static_assert(fjell::max_tile_log2 < 16, "16 bits tell the columns of a tile apa
     return {std::uint16_t(vertex.column),
             std::uint16_t(vertex.row),
             vertex.height_m,
-            half_towards_zero(morph.flat_m - vertex.height_m),
+            half_towards_zero(double(morph.flat_m) - double(vertex.height_m)),
             activated,
             unsigned_half(morph.error_m),
             unsigned_half(morph.radius_m)};
