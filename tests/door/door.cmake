@@ -1,6 +1,6 @@
 # Configures, builds and runs an outside project with nothing but a compiler and Fjell, and looks at what it got.
 #   cmake -DHOST=PROJECT -DFOLDER=BUILD -DPACK=FILE -DCOMPILER=C++ -DVERSION=V [-DSAID=FILE] [-DPREFIX=INSTALLED]
-#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DFAULTS=LIBRARY] [-DXVFB=XVFB-RUN -DFLY=FJELL-FLY] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON] [-DFULL=ON] -P door.cmake
+#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DFAULTS=LIBRARY] [-DXVFB=XVFB-RUN -DFLY=FJELL-FLY] [-DBAKE=FJELL-BAKE -DRECIPE=FILE] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON] [-DFULL=ON] -P door.cmake
 # LINK: add_subdirectory, FetchContent, find_package or pkg-config. SAID: what the first game printed; all others must
 # print the same.
 cmake_minimum_required(VERSION 3.25)
@@ -173,6 +173,11 @@ if(HOST MATCHES "hosts/c_loop$")
   must_say(".*/none.fjell: cannot be opened; give a pack that fjell-bake has written" ${FOLDER}/none.fjell)
   must_say(".*: this is not a Fjell pack; bake the height field with fjell-bake first" ${picture})
   must_say("CutBudget::vertices \\(4 a tile\\): the budget cannot hold the coarsest mesh; raise the field" ${PACK} ${picture} 1 3)
+  return()
+endif()
+
+if(HOST MATCHES "hosts/vulkan$")
+  include(${CMAKE_CURRENT_LIST_DIR}/vulkan_host.cmake)
   return()
 endif()
 
