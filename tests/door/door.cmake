@@ -176,8 +176,8 @@ if(HOST MATCHES "hosts/c_loop$")
   return()
 endif()
 
-if(HOST MATCHES "hosts/vulkan$")
-  include(${CMAKE_CURRENT_LIST_DIR}/vulkan_host.cmake)
+if(HOST MATCHES "hosts/(ogre|vulkan)$")
+  include(${CMAKE_CURRENT_LIST_DIR}/${CMAKE_MATCH_1}_host.cmake)
   return()
 endif()
 

@@ -1,0 +1,166 @@
+// Flies over a pack in an OGRE scene: streamed ground that casts and receives shadows, with boulders on it.
+//   ogre PACK PICTURE.ppm [FRAMES]
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <OgreException.h>
+
+#include <fjell/fjell.h>
+
+#include "../game/loader.h"
+#include "../game/memory.h"
+#include "../game/pack_on_disk.h"
+#include "check.h"
+#include "ground.h"
+#include "scene.h"
+
+namespace {
+
+int fail(const std::string& what, const std::string& why) {
+    std::fprintf(stderr, "ogre: %s: %s\n", what.c_str(), why.c_str());
+    return 1;
+}
+int fail(const char* what, fjell::Status s) {
+    return fail(what, std::string(s.field) + ": " + fjell::message(s.code));
+}
+
+constexpr fjell::CutBudget capacities{.vertices = 300'000, .triangles = 600'000};
+constexpr fjell::StreamBudget streaming{.map_bytes = 16 << 20};
+constexpr fjell::TerrainBudget pages{.page_slots = 2000};
+
+struct World {
+    game::PackOnDisk file;
+    game::Memory memory;
+    fjell::Terrain terrain;
+    fjell::LiveCut cut;
+    fjell::Stream stream;
+    std::unique_ptr<game::Loader> loader;
+
+    World() = default;
+    ~World() {
+        loader.reset(); // the thread that uses the stream
+        (void)fjell::destroy_stream(stream);
+        (void)fjell::destroy_cut(cut);
+        (void)fjell::destroy_terrain(terrain);
+    }
+    World(const World&) = delete;
+    World& operator=(const World&) = delete;
+    fjell::Status create();
+};
+
+fjell::Status World::create() {
+    const fjell::Pack& pack = file.pack();
+    const std::span<std::byte> ground = memory.allocate(fjell::terrain_bytes(pack.header, pages));
+    if (fjell::Status s = fjell::create_terrain(pack, file.corners(), pages, ground, terrain); !s.ok()) return s;
+    const std::span<std::byte> mesh = memory.allocate(fjell::cut_bytes(terrain, capacities));
+    if (fjell::Status s = fjell::create_cut(terrain, capacities, mesh, cut); !s.ok()) return s;
+    const std::span<std::byte> requests = memory.allocate(fjell::stream_bytes(pack, terrain, streaming));
+    if (fjell::Status s = fjell::create_stream(pack, terrain, cut, streaming, requests, stream); !s.ok()) return s;
+    loader = std::make_unique<game::Loader>(stream, file);
+    return {};
+}
+
+struct Frame {
+    fjell::CutSettings settings{.error_px = 1.5, .morph = fjell::Morph::error};
+    fjell::StreamReport streamed;
+    fjell::CutReport report;
+    double update_us = 0, upload_us = 0;
+    std::size_t uploaded = 0;
+};
+
+double us_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+}
+
+fjell::Status update(World& world, const host::Scene& scene, host::Ground& ground, Frame& frame, double now_s) {
+    const fjell::View view = scene.view();
+    frame.settings.now_s = now_s;
+    auto start = std::chrono::steady_clock::now();
+    fjell::Status s = fjell::update_stream(world.stream, {&view, 1}, frame.settings, {.now_s = now_s}, frame.streamed);
+    world.loader->wake();
+    if (s.ok()) s = fjell::update_cut(world.cut, {&view, 1}, frame.settings, frame.report);
+    frame.update_us += us_since(start);
+    start = std::chrono::steady_clock::now();
+    const fjell::CutMesh cut = fjell::cut_mesh(world.cut);
+    ground.upload(cut, fjell::cut_take_changes(world.cut));
+    ground.place(cut, scene.origin_m(), view.eye_m);
+    frame.upload_us += us_since(start);
+    frame.uploaded += ground.uploaded_bytes();
+    return s;
+}
+
+// A place to look from: low over the ground, and where to.
+void steer(const World& world, host::Scene& scene, double metres) {
+    const double x_m = world.terrain.extent_x_m() / 3 + metres, z_m = world.terrain.extent_z_m() / 2;
+    const fjell::GroundHeight below = fjell::ground_height(world.terrain, x_m, z_m);
+    const fjell::Vec3 eye_m{x_m, below.height_m + below.error_m + 25, z_m};
+    // The scene's origin follows in steps; what is in the scene moves with it, what is on the GPU of the ground stays.
+    if (fjell::length(eye_m - scene.origin_m()) > 500) scene.move_origin({std::floor(x_m), 0, std::floor(z_m)});
+    scene.look(eye_m, fjell::normalised({1, -0.12, 0.35}));
+}
+
+int fly(World& world, host::Scene& scene, const char* picture, int frames) {
+    host::Ground ground(world.terrain, capacities, scene.ground_material());
+    scene.add(ground);
+    Frame frame;
+    bool complete = false;
+    for (int i = 0; i < frames + 5000 && !(i >= frames && complete); ++i) {
+        const double metres = 2.0 * std::min(i, frames);
+        steer(world, scene, metres);
+        if (i == frames) {
+            frame.update_us /= frames, frame.upload_us /= frames, frame.uploaded /= std::size_t(frames);
+            std::printf("%.0f us to update, %.0f us to copy %zu bytes a frame\n", frame.update_us, frame.upload_us,
+                        frame.uploaded);
+        }
+        if (fjell::Status s = update(world, scene, ground, frame, i / 60.0); !s.ok()) return fail("frame", s);
+        complete = frame.report.converged && frame.streamed.converged;
+        if (frame.streamed.failed != 0) return fail("pack", "a part of it cannot be read");
+        if (i % 30 == 0) scene.draw();
+        if (i >= frames) std::this_thread::sleep_for(std::chrono::milliseconds(1)); // where a game waits
+    }
+    if (!complete) return fail("flight", "the ground did not come");
+    const fjell::View view = scene.view();
+    scene.draw();
+    const auto bare = scene.picture();
+    const std::size_t triangles = scene.triangles_drawn();
+    const host::Checked checked = host::check_picture(world.terrain, view, bare, host::Scene::sky, 6);
+    scene.add_boulders(world.terrain, view.eye_m + view.forward * 90, 45);
+    scene.draw();
+    const auto full = scene.picture();
+    std::size_t changed = 0, darker = 0;
+    for (std::size_t i = 0; i < full.size(); i += 3) {
+        const int before = bare[i] + bare[i + 1] + bare[i + 2], now = full[i] + full[i + 1] + full[i + 2];
+        changed += before != now;
+        darker += now * 10 < before * 8;
+    }
+    std::printf("%u vertices; OGRE draws %zu triangles, the cut has %u in view. the origin moved %d times\n",
+                frame.report.vertices, triangles, frame.report.triangles_drawn, scene.moves());
+    std::printf("%d rays to the ground and %d to the sky, %d of them not as drawn\n", checked.ground, checked.sky,
+                checked.wrong);
+    std::printf("boulders and their shadows: %zu pixels, %zu of them much darker\n", changed, darker);
+    if (const std::string error = host::write_ppm(picture, full, view); !error.empty()) return fail("picture", error);
+    if (checked.wrong != 0) return fail("picture", "the ground is not where rays meet it");
+    return triangles == frame.report.triangles_drawn ? 0 : fail("picture", "not the triangles of the cut");
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 3) return fail("usage", "ogre PACK PICTURE.ppm [FRAMES]");
+    World world;
+    if (const std::string error = world.file.open(argv[1]); !error.empty()) return fail("pack", error);
+    if (fjell::Status s = world.create(); !s.ok()) return fail("world", s);
+    std::unique_ptr<host::Scene> scene;
+    try {
+        scene = std::make_unique<host::Scene>(960, 540);
+    } catch (const Ogre::Exception& e) {
+        (void)fail("OGRE", e.getDescription());
+        std::_Exit(1); // without a window what OGRE leaves for the end of the program cannot run
+    }
+    return fly(world, *scene, argv[2], argc > 3 ? std::max(1, std::atoi(argv[3])) : 240);
+}
