@@ -54,8 +54,8 @@ void Ground::upload(const fjell::CutMesh& cut, const fjell::CutChanges& changes)
         staging_.clear();
         for (const fjell::MeshVertex& v : cut.mesh.vertices.subspan(first, count))
             staging_.insert(staging_.end(), {static_cast<float>(v.column), static_cast<float>(v.row), v.height_m});
-#ifdef PLANT_FORGET // a test's mistake: some of what was written is not copied
-        if (first % 3 == 0) return;
+#ifdef PLANT_FORGET // a test's mistake: half of what was written is not copied
+        staging_.resize(staging_.size() / 2);
 #endif
         vertex_buffer_->writeData(std::size_t{first} * 12, staging_.size() * 4, staging_.data());
         morph_buffer_->writeData(std::size_t{first} * 16, std::size_t{count} * 16, &cut.morph[first]);
