@@ -94,6 +94,9 @@ bool App::dump_asked_for() {
 
 App::App(Options options) : options_(std::move(options)) {
     script_ = read_script(options_);
+    if (!options_.materials.empty())
+        engine_.set_layers(std::make_shared<const flight::GroundLayers>(
+            flight::read_ground_layers(options_.materials, options_.layers)));
     // Before there is a window: whoever sees that may ask already.
     if (dump_file() != nullptr) std::signal(SIGUSR1, [](int) { dump_requested = 1; });
     IMGUI_CHECKVERSION();

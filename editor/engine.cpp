@@ -56,6 +56,7 @@ flight::FlightOptions Engine::options(const flight::Profile& profile) const {
     flight::FlightOptions o;
     o.pack = pack_;
     o.profile = profile;
+    o.layers = layers_;
     return o;
 }
 

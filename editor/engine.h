@@ -27,6 +27,8 @@ public:
     Engine(const Engine&) = delete;
     Engine& operator=(const Engine&) = delete;
 
+    // Of every terrain that is opened from now on.
+    void set_layers(std::shared_ptr<const flight::GroundLayers> layers) { layers_ = std::move(layers); }
     void open(const std::string& pack, const flight::Profile& profile);
     // The same, read by a thread: what is shown goes on until finish_opening() replaces it. Failure: io::Failure 2
     // while another one is read.
@@ -72,7 +74,8 @@ private:
     std::vector<std::string> messages_; // of reading, until they are taken
     std::uint64_t terrains_ = 0;
     std::string pack_;
-    flight::Profile built_; // what the session's memory was allocated for
+    std::shared_ptr<const flight::GroundLayers> layers_; // null: none
+    flight::Profile built_;                              // what the session's memory was allocated for
     std::unique_ptr<flight::Session> session_;
     std::unique_ptr<gl::Renderer> renderer_;
     FullHeights heights_;

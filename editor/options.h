@@ -9,6 +9,7 @@ namespace fjell::editor {
 
 struct Options {
     std::string pack, profile, path;   // may be empty
+    std::string materials, layers;     // of detail layers: both or neither
     std::string screenshot;            // of the last of so many frames
     std::size_t frames = 0;            // then it quits; 0: until it is closed
     std::string script;                // a file of commands, "-": standard input

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "fjell/io/materials.h"
 #include "fjell/pack.h"
 #include "io/command_line.h"
 
@@ -75,6 +76,22 @@ void declare_bake(CLI::App& app, Arguments& a) {
     add_read_options(app, r);
 }
 
+void declare_materials(CLI::App& app, Arguments& a, Commands& c) {
+    c.materials = app.add_subcommand("materials", "make the textures of near ground from recipes");
+    c.materials->add_option("RECIPES", a.recipes_path, "a folder of recipes (content/materials), or one")->required();
+    c.materials->add_option("-o,--output", a.materials_path, "the file to write, for fjell-fly --materials")
+        ->required();
+    c.materials->add_option("--size", a.texels, "texels a side of each, a power of two from 16 to 2048 (default 512)")
+        ->check([](const std::string& text) {
+            for (std::uint32_t log2 = io::min_material_log2; log2 <= io::max_material_log2; ++log2)
+                if (text == std::to_string(1u << log2)) return std::string();
+            return std::string("must be a power of two from 16 to 2048");
+        });
+    c.materials->add_option("--pictures", a.textures_folder,
+                            "write each material's colour, height and normal as PNGs into this folder too");
+    c.materials->add_option("--threads", a.threads, "0: all cores")->check(io::whole_within(0, 1024));
+}
+
 } // namespace
 
 Commands declare_arguments(CLI::App& app, Arguments& a) {
@@ -108,6 +125,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     c.synth = app.add_subcommand("synth", "make a height field from a recipe");
     c.synth->add_option("RECIPE", a.terrain_path)->required();
     c.synth->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
+    declare_materials(app, a, c);
     app.require_subcommand(0, 1);
     return c;
 }

@@ -28,6 +28,9 @@ struct Arguments {
     std::string against_recipe_path, verify_json_path;
 
     std::string terrain_path, dem_path; // synth, heights
+
+    std::string recipes_path, materials_path, textures_folder; // materials
+    std::uint32_t texels = 512;
 };
 
 struct Commands {
@@ -35,6 +38,7 @@ struct Commands {
     CLI::App* verify;
     CLI::App* heights;
     CLI::App* synth;
+    CLI::App* materials;
 };
 
 [[nodiscard]] Commands declare_arguments(CLI::App& app, Arguments& arguments);

@@ -1,5 +1,5 @@
-// fjell-bake: IN -o OUT.fjell, info, verify, heights, synth. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3
-// the machine is.
+// fjell-bake: IN -o OUT.fjell, info, verify, heights, synth, materials. Exit codes: 0 done, 1 the input is at fault, 2
+// usage, 3 the machine is.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -22,6 +22,7 @@
 #include "baker/cli/arguments.h"
 #include "baker/cli/describe.h"
 #include "baker/cli/progress.h"
+#include "baker/materials/encode.h"
 #include "baker/place/crs_label.h"
 #include "baker/place/open_source.h"
 #include "baker/read/pack_source.h"
@@ -330,21 +331,28 @@ int run_synth(const Arguments& a) {
     return 0;
 }
 
+int run_materials(const Arguments& a) {
+    refuse_overwriting({a.materials_path}, {a.recipes_path});
+    bake_materials(a.recipes_path, a.texels, a.threads, a.materials_path, a.textures_folder);
+    return 0;
+}
+
 int run(int argc, char** argv) {
     Arguments a;
     CLI::App app{"Bakes a height field into a Fjell pack."};
     const Commands commands = declare_arguments(app, a);
     if (!io::parse_command_line(app, argc, argv, "fjell-bake")) return 0;
-    const bool other =
-        commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() || commands.synth->parsed();
+    const bool other = commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() ||
+                       commands.synth->parsed() || commands.materials->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))
-        throw Failure(
-            2, "info, verify, heights and synth bake nothing; leave out the height field and -o, or the command");
+        throw Failure(2, "info, verify, heights, synth and materials bake no terrain; leave out the height field and "
+                         "-o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);
     if (commands.verify->parsed()) return run_verify(a);
     if (commands.heights->parsed()) return run_heights(a);
     if (commands.synth->parsed()) return run_synth(a);
+    if (commands.materials->parsed()) return run_materials(a);
     return run_bake(a);
 }
 

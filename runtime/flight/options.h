@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "fjell/io/pack_file.h"
+#include "flight/layers_file.h"
 #include "flight/profile.h"
 
 namespace fjell::flight {
@@ -32,11 +33,13 @@ struct Export {
 
 struct FlightOptions {
     std::string pack, path, profile_path;
-    std::shared_ptr<const io::PackFile> file; // the pack, when it is open already, whatever its name leads to now
-    std::size_t frames = 0;                   // 0: not given
-    double hz = 60;                           // path frames a second, in the window
-    Profile profile;                          // with the flags applied
-    bool limited = false;                     // --items or --budget-us bounds the first frame too
+    std::string materials_path, rules_path;     // of detail layers
+    std::shared_ptr<const GroundLayers> layers; // and what is in them; null: none
+    std::shared_ptr<const io::PackFile> file;   // the pack, when it is open already, whatever its name leads to now
+    std::size_t frames = 0;                     // 0: not given
+    double hz = 60;                             // path frames a second, in the window
+    Profile profile;                            // with the flags applied
+    bool limited = false;                       // --items or --budget-us bounds the first frame too
     bool headless = false;
     Streaming streaming = Streaming::automatic;
     bool realtime = false;                     // headless frames at hz

@@ -34,6 +34,7 @@ struct Pictures::State { // in the order of destruction, last first
 gl::DrawOptions draw_options(PictureMode mode, const Profile& profile, double time_s) {
     gl::DrawOptions draw;
     draw.light = profile.light;
+    draw.layers = profile.layers;
     draw.time_s = time_s;
     draw.wireframe = mode == PictureMode::wire;
     switch (mode) {
@@ -73,7 +74,10 @@ std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const 
         slots.normal = stream_map_layers(session.streamed->stream(), MapKind::normal);
     }
     slots.light = options.profile.light;
-    return gl::Renderer::create(session.terrain(), session.loaded.pack, slots, error);
+    slots.material_bytes = options.profile.material_bytes;
+    auto renderer = gl::Renderer::create(session.terrain(), session.loaded.pack, slots, error);
+    if (renderer && options.layers) error = renderer->set_layers(options.layers->materials, options.layers->rules);
+    return error.empty() ? std::move(renderer) : nullptr;
 }
 
 std::string upload_mesh(gl::Renderer& renderer, const Session& session, const FrameEntry& entry) {

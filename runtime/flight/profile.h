@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "fjell/cut.h"
+#include "fjell/gl/layers.h"
 #include "fjell/gl/light.h"
 #include "fjell/recursive.h"
 #include "fjell/stream.h"
@@ -31,6 +32,8 @@ struct Profile {
     double fov_deg = 45;                            // [view] fov_deg: vertical
     std::uint32_t samples = 4;                      // [view] samples: a pixel, fewer where the GPU has no more
     gl::LightSettings light;                        // [light]
+    gl::LayerSettings layers{.on = true};           // [layers]: where there are files of them
+    std::uint64_t material_bytes = 64u << 20;       // [layers] material_mb
 };
 
 // Ranges, for the command line too.
@@ -40,7 +43,8 @@ inline constexpr std::uint32_t max_size_px = 16384, max_samples = 16;
 inline constexpr std::uint32_t min_budget = 16, max_vertices = 1u << 27, max_indices = 1u << 30;
 inline constexpr std::uint32_t max_triangles = 1u << 29, max_items = unlimited_items - 1;
 inline constexpr std::uint32_t max_page_slots = 1u << 24, max_page_requests = 256, max_map_requests = 64;
-inline constexpr std::uint32_t max_map_mb = 1u << 16, max_map_kb = 1u << 20, min_tail_log2 = 2, most_decoders = 16;
+inline constexpr std::uint32_t max_map_mb = 1u << 16, max_material_mb = 1u << 16, max_map_kb = 1u << 20,
+                               min_tail_log2 = 2, most_decoders = 16;
 inline constexpr std::uint32_t max_stream_pages = 4096, min_stream_tests = 1024;
 inline constexpr double min_texel_px = 0.1, max_texel_px = 100, max_lookahead_s = 10, max_fade_s = 10;
 inline constexpr double max_hysteresis = 10, min_morph_s = 0.01, max_morph_s = 10, max_budget_us = 1e6;

@@ -34,7 +34,8 @@ struct At {
     }
 };
 
-// [light], which is the last table (profile_keys_light.cpp).
+// [light] and [layers], the last tables (profile_keys_light.cpp, profile_keys_layers.cpp).
 [[nodiscard]] std::span<const ProfileKey> light_keys();
+[[nodiscard]] std::span<const ProfileKey> layers_keys();
 
 } // namespace fjell::flight

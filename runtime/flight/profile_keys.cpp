@@ -44,6 +44,7 @@ constexpr ProfileTable tables[] = {
      "are read when the views want them."},
     {"view", "View"},
     {"light", "Light and air"},
+    {"layers", "Detail layers"},
 };
 
 constexpr auto whole = KeyKind::whole, flag = KeyKind::flag, choice = KeyKind::choice;
@@ -452,6 +453,7 @@ std::span<const ProfileKey> profile_keys() {
     static const std::vector<ProfileKey> keys = [] {
         std::vector<ProfileKey> all(std::begin(keys_before_light), std::end(keys_before_light));
         all.insert(all.end(), light_keys().begin(), light_keys().end());
+        all.insert(all.end(), layers_keys().begin(), layers_keys().end());
         return all;
     }();
     return keys;

@@ -62,7 +62,12 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--size", f.size, "picture in pixels, WIDTHxHEIGHT");
 }
 
-void declare_light(CLI::App& app, Flags& f) {
+void declare_light(CLI::App& app, FlightOptions& o, Flags& f) {
+    auto* const materials = app.add_option("--materials", o.materials_path,
+                                           "what near ground is drawn with: a file of fjell-bake materials");
+    auto* const rules =
+        app.add_option("--layers", o.rules_path, "and where: rules (content/materials/rules/*.json)")->needs(materials);
+    materials->needs(rules);
     app.add_option("--light", f.light,
                    "KEY=VALUE[,KEY=VALUE]: sun, air, exposure, water: any key of [light] of a profile, as in "
                    "elevation_deg=5,water=true; may be repeated")
@@ -324,7 +329,7 @@ void check_together(const FlightOptions& o) {
     }
     std::vector<std::string> outputs{o.csv, o.json, o.record};
     for (const Export& e : o.exports) outputs.push_back(e.path);
-    const std::vector<std::string> inputs{o.pack, o.path, o.profile_path, o.replay};
+    const std::vector<std::string> inputs{o.pack, o.path, o.profile_path, o.materials_path, o.rules_path, o.replay};
     io::refuse_overwriting(outputs, inputs);
     std::vector<std::string> others = outputs;
     others.insert(others.end(), inputs.begin(), inputs.end());
@@ -342,7 +347,7 @@ bool parse_options(int argc, char** argv, FlightOptions& options) {
     CLI::App app{"Flies a camera over a Fjell pack, in a window or --headless."};
     app.set_version_flag("--version", fmt::format("fjell-fly, pack version {}", pack_version));
     declare_flight(app, options, flags);
-    declare_light(app, flags);
+    declare_light(app, options, flags);
     declare_methods(app, options, flags);
     declare_streaming(app, options, flags);
     declare_outputs(app, options, flags);
@@ -352,6 +357,9 @@ bool parse_options(int argc, char** argv, FlightOptions& options) {
     check_method(flags, options.profile);
     if (!options.replay.empty()) check_replay(flags);
     check_together(options);
+    if (!options.materials_path.empty())
+        options.layers =
+            std::make_shared<const GroundLayers>(read_ground_layers(options.materials_path, options.rules_path));
     return true;
 }
 

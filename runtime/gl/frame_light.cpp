@@ -60,6 +60,14 @@ void Renderer::State::set_noise(const View& view, FrameBlock& block, double shru
         place(view.eye_m.z, spacing_z_m, block.tile[3]), 0);
 }
 
+void Renderer::State::set_layers(const View& view, const DrawOptions& now, FrameBlock& block) const {
+    const auto place = [](double metres) { return metres - layer_period_m * std::floor(metres / layer_period_m); };
+    put(block.layers_at, place(view.eye_m.x), place(view.eye_m.y), place(view.eye_m.z), ground_layers.one_mip ? 1 : 0);
+    // A texel of a few millimetres is finer than a pixel from there on.
+    const double fine_m = std::min(160.0, 0.5 * now.layers.distance_m);
+    put(block.layers, now.layers.distance_m, now.layers.tint, now.layers.relief, fine_m);
+}
+
 void Renderer::State::set_light(const View& view, const DrawOptions& now, FrameBlock& block) const {
     const LightSettings& light = now.light;
     const Sky& tables = lighting.sky;
@@ -104,6 +112,7 @@ void Renderer::State::set_light(const View& view, const DrawOptions& now, FrameB
     put(block.to_rim, view.eye_m.x, (header.columns - 1) * spacing_x_m - view.eye_m.x, view.eye_m.z,
         (header.rows - 1) * spacing_z_m - view.eye_m.z);
     set_noise(view, block, shrunk);
+    set_layers(view, now, block);
 }
 
 } // namespace fjell::gl

@@ -44,7 +44,7 @@ unsigned Lighting::variant(const LightSettings& light) {
            (light.water ? light_water : 0);
 }
 
-std::string Lighting::follow(const LightSettings& light) {
+std::string Lighting::follow(const LightSettings& light, unsigned bits) {
     if (std::string error = validate(light); !error.empty()) return error;
     const Vec3 now = sun_direction(light);
     if (visibility_km != light.visibility_km || now.x != sun.x || now.y != sun.y || now.z != sun.z) {
@@ -53,7 +53,6 @@ std::string Lighting::follow(const LightSettings& light) {
         visibility_km = light.visibility_km;
         in_map = false;
     }
-    const unsigned bits = variant(light);
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     if ((bits & light_air) != 0 && !in_map) {
@@ -62,7 +61,7 @@ std::string Lighting::follow(const LightSettings& light) {
                             sky.radiance.data());
         in_map = true;
     }
-    if ((bits & (light_detail | light_water)) != 0 && noise_map.get() == 0) noise_map = make_noise_map();
+    if ((bits & (light_detail | light_water | light_layers)) != 0 && noise_map.get() == 0) noise_map = make_noise_map();
     return {};
 }
 

@@ -15,7 +15,8 @@ namespace fjell::gl {
 inline constexpr unsigned sky_unit = 16, noise_unit = 17; // behind those of both kinds of maps
 
 // Which lines of the ground's shader are compiled: bits.
-inline constexpr unsigned light_air = 1, light_detail = 2, light_water = 4, light_none = 8, light_variants = 9;
+inline constexpr unsigned light_air = 1, light_detail = 2, light_water = 4, light_layers = 8;
+inline constexpr unsigned light_none = 16, light_variants = 17;
 
 struct Lighting {
     Sky sky;
@@ -27,8 +28,8 @@ struct Lighting {
 
     // Bits of the variant for these settings. A GPU of only 16 texture units has the simple air and no detail.
     [[nodiscard]] unsigned variant(const LightSettings& light);
-    // Tables and textures for these settings. Refuses settings out of range.
-    [[nodiscard]] std::string follow(const LightSettings& light);
+    // Tables and textures for these settings and this variant. Refuses settings out of range.
+    [[nodiscard]] std::string follow(const LightSettings& light, unsigned bits);
     void bind() const;
 };
 

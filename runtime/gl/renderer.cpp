@@ -39,6 +39,7 @@ std::string light_defines(unsigned bits) {
     if ((bits & light_air) != 0) defines += "#define AIR\n";
     if ((bits & light_detail) != 0) defines += "#define DETAIL\n";
     if ((bits & light_water) != 0) defines += "#define WATER\n";
+    if ((bits & light_layers) != 0) defines += "#define LAYERS\n";
     return defines;
 }
 
@@ -73,7 +74,7 @@ std::string Renderer::State::make_program_of(const DrawOptions& now) {
     if (shaded) before += light_defines(now.lit ? light_bits : light_none);
     before += common_shader();
     std::string fragment = terrain_fragment_shader();
-    if (shaded && now.lit) fragment += std::string(light_shader()) + ground_light_shader();
+    if (shaded && now.lit) fragment += std::string(light_shader()) + layers_shader() + ground_light_shader();
     fragment += terrain_main_shader();
     const bool per_triangle = now.wireframe || mode == Mode::levels || mode == Mode::error;
     std::string error;
@@ -197,8 +198,12 @@ std::string Renderer::State::prepare(const DrawOptions& now) {
         if (!heights.present()) return "Mode::error has nothing to compare with: call set_heights() before";
         if (!(now.error_full_px > 0)) return "DrawOptions::error_full_px must be above 0";
     }
-    if (std::string error = lighting.follow(now.light); !error.empty()) return error;
+    if (std::string error = validate(now.layers); !error.empty()) return error;
     light_bits = lighting.variant(now.light);
+    if (now.layers.on && ground_layers.present() && now.mode == Mode::shaded && now.lit &&
+        lighting.units > static_cast<int>(material_normal_unit))
+        light_bits |= light_layers;
+    if (std::string error = lighting.follow(now.light, light_bits); !error.empty()) return error;
     if (std::string error = make_program_of(now); !error.empty()) return error;
     if (std::string error = make_sky_program(); !error.empty()) return error;
     return now.mode == Mode::residency ? residency.follow(terrain) : std::string();
@@ -206,6 +211,14 @@ std::string Renderer::State::prepare(const DrawOptions& now) {
 
 std::string Renderer::set_heights(const HeightGrid& grid) {
     return state_->heights.set(grid, state_->terrain, state_->options.texture_side);
+}
+
+std::string Renderer::set_layers(const io::Materials& materials, std::span<const LayerRule> rules) {
+    State& s = *state_;
+    std::string error =
+        s.ground_layers.set(materials, rules, s.options.material_bytes, s.maps.anisotropy, is_software());
+    s.stats.texture_bytes = s.maps.bytes + s.ground_layers.bytes;
+    return error;
 }
 
 void Renderer::State::set_up(const Target& target) const {
@@ -286,6 +299,7 @@ std::string Renderer::draw_uploaded(const MeshView& mesh, const View& view, cons
     s.set_up(target);
     s.bind_maps(options.mode);
     s.lighting.bind();
+    if ((s.light_bits & light_layers) != 0) s.ground_layers.bind();
     s.draw_picture(data, mesh.topology == Topology::strip ? GL_TRIANGLE_STRIP : GL_TRIANGLES, options);
 
     glDepthMask(GL_TRUE);

@@ -37,6 +37,7 @@ layout(std140, binding = 0) uniform Frame {
     vec4 backdrop_at;
     vec4 noise_scale, noise_at;
     vec4 to_rim;
+    vec4 layers_at, layers;
 };
 
 // What stages hand on: metres from the eye; samples from the tile's first; the tile's block; what modes need.

@@ -46,8 +46,10 @@ struct FrameBlock {
     float noise_scale[4];          // tiles of noise a metre: the coarsest on ground, waves
     float noise_at[4];             // of the eye, from where the noise repeats [m]
     float to_rim[4];               // from the eye to the terrain's rim: west, east, north, south [m]
+    float layers_at[4];            // of the eye, from where materials repeat [m]; 1: one mip a read
+    float layers[4];               // LayerSettings: distance [m], tint, relief; where the fine textures end [m]
 };
-static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6 + 23) * 16 &&
+static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6 + 25) * 16 &&
                   offsetof(FrameBlock, tile) == 208,
               "FrameBlock is uploaded: change the block `Frame` in shaders.cpp with it");
 
@@ -71,9 +73,10 @@ static_assert(sizeof(TileBlock) == 112 && offsetof(TileBlock, mip) == 32,
 // The ground's fragment shader: terrain_fragment_shader(), for LIT light_shader() and ground_light_shader(), then
 // terrain_main_shader(). Defines: COLOUR_MAPS and NORMAL_MAPS, how many array textures there are of each, when there
 // are any; SHADED, LEVELS, DISTANCE, TILES, MIPS, RESIDENCY or ERROR for the mode; WIREFRAME; BORDERS; ALL_THERE: one
-// array of each, layer = tile; with SHADED also LIT, and with that AIR: physical, DETAIL, WATER.
+// array of each, layer = tile; with SHADED also LIT, and with that AIR: physical, DETAIL, WATER, LAYERS.
 [[nodiscard]] const char* terrain_fragment_shader();
 [[nodiscard]] const char* light_shader();
+[[nodiscard]] const char* layers_shader(); // between the two
 [[nodiscard]] const char* ground_light_shader();
 [[nodiscard]] const char* terrain_main_shader();
 [[nodiscard]] const char* sky_vertex_shader();

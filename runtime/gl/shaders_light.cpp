@@ -114,7 +114,7 @@ vec3 picture(vec3 colour) {
 // For shaded ground. Defines: DETAIL, WATER.
 const char* ground_light_shader() {
     return R"(
-#if defined(DETAIL) || defined(WATER)
+#if (defined(DETAIL) || defined(WATER)) && !defined(LAYERS)
 layout(binding = 17) uniform sampler2D noise_map;
 #endif
 
@@ -166,8 +166,14 @@ vec3 under_water(vec3 ground, vec3 direction, float way, float depth, float rise
 vec3 shaded(vec3 base, vec3 normal) {
     float squared = dot(surface.position, surface.position), inverse = inversesqrt(squared), metres = squared * inverse;
     vec3 direction = surface.position * inverse;
+#ifdef LAYERS
+    vec3 map = base, map_normal = normal;
+#endif
 #ifdef DETAIL
     add_detail(base, normal);
+#endif
+#ifdef LAYERS
+    add_layers(base, normal, map, map_normal, metres);
 #endif
     float rise = surface.position.y;
     vec3 colour = base * (sun_at(rise) * (0.31831 * max(dot(normal, sun.xyz), 0.0)) + sky_light(normal));

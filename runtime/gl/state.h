@@ -10,6 +10,7 @@
 
 #include "fjell/gl/renderer.h"
 #include "gl/heights.h"
+#include "gl/layers.h"
 #include "gl/lighting.h"
 #include "gl/maps.h"
 #include "gl/objects.h"
@@ -51,6 +52,7 @@ struct Renderer::State {
     MorphFrame morph_frame; // of the cut uploaded last
     VertexArray terrain_array, empty_array;
     Lighting lighting;
+    Layers ground_layers;
     unsigned light_bits = 0; // of the draw
     // By Mode, wireframe, borders, all_there() and, of the shaded mode, the light's variant; made at first use.
     Program programs[mode_count][2][2][2][light_variants];
@@ -89,6 +91,7 @@ struct Renderer::State {
     FrameBlock make_frame(const View& view, const DrawOptions& now) const;
     void set_error(const View& view, const DrawOptions& now, FrameBlock& block) const;
     void set_light(const View& view, const DrawOptions& now, FrameBlock& block) const; // frame_light.cpp
+    void set_layers(const View& view, const DrawOptions& now, FrameBlock& block) const;
     void set_noise(const View& view, FrameBlock& block, double shrunk) const;
     TileBlock make_tile(std::uint32_t tile, std::uint32_t index) const;
     DrawData write_draw(const MeshView& mesh, const View& view, const DrawOptions& now);

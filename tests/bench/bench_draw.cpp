@@ -2,7 +2,8 @@
 //
 // Names: draw/threshold at 720 rows/picture; the counter triangles_drawn says how many that is. light/feature, at 12 px
 // and 1280 x 720: what a feature of light costs a pixel, to be read against light/bare of the same run; near: 100 m
-// over the ground, where detail shows. sky/tables: what a sun that moves costs the CPU. On a machine without a GPU this
+// over the ground, where detail shows. layers/off and layers/on: 40 m over the ground, without and with the materials
+// and rules of content. sky/tables: what a sun that moves costs the CPU. On a machine without a GPU this
 // is Mesa's software renderer, and its cost in pixels, not ours.
 #include <benchmark/benchmark.h>
 
@@ -15,13 +16,17 @@
 #include <epoxy/gl.h>
 
 #include "baker/bake/bake.h"
+#include "baker/materials/encode.h"
 #include "baker/synth/synth.h"
 #include "fjell/cut.h"
 #include "fjell/gl/context.h"
 #include "fjell/gl/renderer.h"
 #include "fjell/gl/target.h"
 #include "fjell/io/load.h"
+#include "fjell/io/materials.h"
+#include "flight/layers_file.h"
 #include "gl/sky.h"
+#include "io/file.h"
 #include "pack/terrain_data.h"
 
 namespace {
@@ -51,6 +56,21 @@ const io::LoadedPack& scene() {
     return pack;
 }
 
+// The materials and rules of content, a quarter as fine as usual: what a read costs depends little on it.
+const std::pair<io::Materials, std::vector<gl::LayerRule>>& ground_layers() {
+    static const std::pair<io::Materials, std::vector<gl::LayerRule>> layers = [] {
+        std::vector<baker::MaterialTexels> texels;
+        for (const baker::MaterialRecipe& recipe : baker::read_materials(FJELL_SOURCE_DIR "/content/materials"))
+            texels.push_back(baker::make_material(recipe, 128));
+        static const std::vector<std::byte> file = io::materials_file(baker::encode_materials(texels).materials);
+        io::Materials materials = io::open_materials(file, "materials");
+        const std::string rules = FJELL_SOURCE_DIR "/content/materials/rules/alpine.json";
+        std::vector<gl::LayerRule> parsed = flight::parse_layer_rules(io::read_text(rules), rules, materials);
+        return std::pair(std::move(materials), std::move(parsed));
+    }();
+    return layers;
+}
+
 struct Picture {
     double error_px = 12;
     std::uint32_t width = 1280, height = 720, samples = 1;
@@ -77,6 +97,7 @@ void draw(benchmark::State& state, const Picture& picture) {
     options.light = drawing.light;
     const auto renderer = gl::Renderer::create(pack.terrain, pack.pack, options, error);
     require(error);
+    if (drawing.layers.on) require(renderer->set_layers(ground_layers().first, ground_layers().second));
     CutSettings settings;
     settings.error_px = error_px;
     CutReport report;
@@ -157,6 +178,10 @@ const int registered = [] {
         add(std::string("light-near/") + name, {.above_m = 2400, .options = options});
     }
     add("light/physical-detail-4-samples", {.samples = 4, .options = features[5].second});
+    gl::DrawOptions layered = features[5].second;
+    add("layers/off", {.above_m = 1640, .options = layered});
+    layered.layers.on = true;
+    add("layers/on", {.above_m = 1640, .options = layered});
     benchmark::RegisterBenchmark("sky/tables", sky_tables)->Unit(benchmark::kMillisecond);
     return 0;
 }();

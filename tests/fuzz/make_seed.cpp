@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "baker/bake/checkpoint.h"
+#include "baker/materials/encode.h"
 #include "flight/record.h"
 #include "input.h"
 #include "support/terrain_fixture.h"
@@ -285,6 +286,30 @@ void make_checkpoint(const std::filesystem::path& folder) {
     write_text(path, std::string(1, '\1') + bytes);
 }
 
+// Rules, recipes, and a file of one small material, each behind the byte that says what it is.
+void make_materials(const std::filesystem::path& folder) {
+    std::filesystem::create_directories(folder);
+    const auto copy = [&](const char* from, char kind) {
+        for (const auto& entry : std::filesystem::directory_iterator(std::string(FJELL_SOURCE_DIR "/") + from)) {
+            if (entry.path().extension() != ".json") continue;
+            std::ifstream file(entry.path(), std::ios::binary);
+            const std::string bytes(std::istreambuf_iterator<char>(file), {});
+            write_text(folder / (kind + entry.path().filename().string()), kind + bytes);
+        }
+    };
+    copy("content/materials/rules", 'b'); // 2 of 4
+    copy("content/materials", 'c');       // 3 of 4
+    write_text(folder / "rules", R"(b{"rules": [{"layer": "grass"}, {"layer": "rock", "slope_deg": [30, null]}]})");
+    baker::MaterialRecipe recipe;
+    recipe.name = "grey";
+    recipe.base = {0.2f, 0.2f, 0.2f};
+    const baker::EncodedMaterials encoded = baker::encode_materials({baker::make_material(recipe, 16)});
+    const std::vector<std::byte> file = io::materials_file(encoded.materials);
+    const std::string bytes(reinterpret_cast<const char*>(file.data()), file.size());
+    write_text(folder / "as_it_is", 'd' + bytes);  // 0 of 4
+    write_text(folder / "hash_fits", 'a' + bytes); // 1 of 4
+}
+
 void make_seeds(const std::filesystem::path& folder) {
     make_recordings(folder / "record");
     make_recipes(folder / "recipe");
@@ -296,6 +321,7 @@ void make_seeds(const std::filesystem::path& folder) {
     copy_texts(folder / "profile", {"profiles"});
     make_netcdf(folder / "netcdf");
     make_checkpoint(folder / "checkpoint");
+    make_materials(folder / "materials");
     SeedWriter seeds(folder);
     Random random(31);
     for (const auto& [order, order_name] :

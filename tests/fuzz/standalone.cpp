@@ -22,6 +22,7 @@
 // Each target's LLVMFuzzerTestOneInput, which CMake calls by the target's name.
 #define FUZZ_TARGETS(X)                                                                                                \
     X(fuzz_checkpoint)                                                                                                 \
+    X(fuzz_materials)                                                                                                  \
     X(fuzz_netcdf)                                                                                                     \
     X(fuzz_pack) X(fuzz_page) X(fuzz_path) X(fuzz_profile) X(fuzz_ramp) X(fuzz_recipe) X(fuzz_record) X(fuzz_terrain)
 #define DECLARE(name) int name(const std::uint8_t* data, std::size_t size);

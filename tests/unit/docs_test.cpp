@@ -169,7 +169,7 @@ const std::set<std::string>& flags_of(const std::string& program) {
     return at->second;
 }
 
-const std::vector<std::string> subcommands{"info", "verify", "heights", "synth"};
+const std::vector<std::string> subcommands{"info", "verify", "heights", "synth", "materials"};
 
 // "fjell-bake info" of "fjell-bake info PACK --json"; empty when it is no call of one of our programs.
 std::string program_of(const std::string& command) {
@@ -321,7 +321,7 @@ TEST_CASE("every name of the code that the documents use exists in it") {
             for (const std::string& part : matches(token, "([A-Za-z0-9_]+)")) CHECK(words.count(part) == 1);
         }
     for (const Page& page : pages())
-        for (const std::string& key : matches(page.prose, "`((?:refine|budget|stream|view)\\.[a-z_]+)`")) {
+        for (const std::string& key : matches(page.prose, "`((?:refine|budget|stream|view|light|layers)\\.[a-z_]+)`")) {
             INFO(page.name << ": " << key);
             CHECK(flight::find_profile_key(key) != nullptr);
         }

@@ -183,8 +183,14 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
         "day = 3\nhour_utc = 4.5\nair = \"simple\"\nvisibility_km = 30\nexposure = \"fixed\"\nev100 = 12\n"
         "exposure_bias_ev = -1\ntone_curve = \"none\"\ndither = false\ndetail = false\nwater = true\nwater_level_m = "
         "7.5\n"
-        "azimuth_deg = 1\nelevation_deg = 2\n",
+        "azimuth_deg = 1\nelevation_deg = 2\n"
+        "[layers]\non = false\ndistance_m = 900\ntint = 0.25\nrelief = 2\nmaterial_mb = 5\n",
         "p.toml");
+    CHECK_FALSE(l.layers.on);
+    CHECK(l.layers.distance_m == 900);
+    CHECK(l.layers.tint == 0.25);
+    CHECK(l.layers.relief == 2);
+    CHECK(l.material_bytes == 5u << 20);
     CHECK(l.samples == 2);
     CHECK(l.light.sun == gl::SunBy::time);
     CHECK(l.light.latitude_deg == -41.5);
@@ -243,6 +249,7 @@ TEST_CASE("a bad profile is refused in one line with file, line and key") {
     refuses("[view]\nfov_deg = 180\n", "p.toml:2: view.fov_deg: must be a number from 1 to 150");
     refuses("[view]\nsamples = 0\n", "p.toml:2: view.samples: must be a whole number from 1 to 16");
     refuses("[light]\nair = \"thick\"\n", "p.toml:2: light.air: must be \"simple\" or \"physical\"");
+    refuses("[layers]\ntint = 2\n", "p.toml:2: layers.tint: must be a number from 0 to 1");
     refuses("[light]\nvisibility_km = 0\n", "p.toml:2: light.visibility_km: must be a number from 1 to 280");
     refuses("[refine]\nerror_px = \n", "p.toml:2: is not TOML");
     refuses("[refine]\nerror_px = 1\nerror_px = 2\n", "p.toml:3: a key or a table is there twice");

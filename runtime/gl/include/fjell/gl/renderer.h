@@ -8,11 +8,11 @@
 // textures; the Pack's bytes are read only in create(), the mesh's spans and MapCommands' blocks only in upload() and
 // draw(). Mode::residency reads the terrain's page table, and is refused once that is destroyed. Thread: the context's;
 // where pages are loaded, also the one that does it. Memory, all at creation but for the mode residency's 1 byte a
-// square of 64 x 64 samples and set_heights(): 12 bytes a vertex (28 with morph), 4 an index, the maps, and three times
-// ring_bytes, 132 bytes a range and 2 KB. Complexity of an upload: a MeshView's dirty vertices and all its indices, or
-// a CutMesh's written slots and nothing else, in the same few GL calls however they lie; of a draw: the ranges, then
-// one draw call and the sky. A debug mode's first draw compiles its shader. Failure: one line with the number to
-// change; the target keeps its former picture.
+// square of 64 x 64 samples, set_heights() and set_layers(): 12 bytes a vertex (28 with morph), 4 an index, the maps,
+// and three times ring_bytes, 132 bytes a range and 2 KB. Complexity of an upload: a MeshView's dirty vertices and all
+// its indices, or a CutMesh's written slots and nothing else, in the same few GL calls however they lie; of a draw: the
+// ranges, then one draw call and the sky. A debug mode's first draw compiles its shader, as the first with layers does.
+// Failure: one line with the number to change; the target keeps its former picture.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +23,7 @@
 
 #include "fjell/cut.h"
 #include "fjell/export.h"
+#include "fjell/gl/layers.h"
 #include "fjell/gl/light.h"
 #include "fjell/gl/target.h"
 #include "fjell/mesh.h"
@@ -32,6 +33,9 @@
 #include "fjell/view.h"
 
 FJELL_API_BEGIN
+namespace fjell::io {
+struct Materials; // fjell/io/materials.h
+}
 namespace fjell::gl {
 
 // What there is room for: fixed at creation.
@@ -48,7 +52,10 @@ struct RendererOptions {
     // Streamed maps (stream_map_layers()): array textures of these sizes, empty at first. top_log2 0: all of the pack's
     // map is loaded at creation. At most 8 sizes of each kind.
     MapLayers colour{}, normal{};
-    LightSettings light{};          // of the first draw: its shaders are compiled at creation; others when first used
+    LightSettings light{}; // of the first draw: its shaders are compiled at creation; others when first used
+    // Textures of set_layers(), in bytes: finest mips are left out until they fit. Ten materials of 512 texels a side
+    // take 7 MB.
+    std::uint64_t material_bytes = std::uint64_t{64} << 20;
     std::uint32_t texture_side = 0; // texels a side that set_heights() uses at most; 0: as many as the driver takes
 };
 
@@ -82,7 +89,8 @@ struct DrawOptions {
     bool lit = true;  // false: bare colours, to compare; with Mode::shaded without haze, film and water too
     bool haze = true; // Mode::shaded: air before the ground. Legends' colours are never hazed
     LightSettings light{};
-    double time_s = 0; // moves the water's waves, and nothing else
+    LayerSettings layers{}; // Mode::shaded, lit, after set_layers()
+    double time_s = 0;      // moves the water's waves, and nothing else
     // Mode::error: vertical metres * lambda / distance from an eye, whatever their direction, as the cut measures them.
     float error_full_px = 1;           // what is red: the threshold that was promised; above it is magenta
     std::optional<Vec3> error_eye_m{}; // whose picture was refined; none: the view's
@@ -122,6 +130,9 @@ public:
     // What Mode::error compares with; copied, 4 bytes a sample. Of a grid with a step above 1 places that are drawn as
     // fine stay grey: only what is coarser can be compared. An empty grid frees them.
     [[nodiscard]] std::string set_heights(const HeightGrid& grid);
+    // What DrawOptions::layers draws near ground with; the bytes that `materials` points into are read here and not
+    // kept. Empty materials and rules free them. The next draw that has them on compiles its shader.
+    [[nodiscard]] std::string set_layers(const io::Materials& materials, std::span<const LayerRule> rules);
     // How tiles are drawn from now on: the stream's stream_tile_maps() of each kind, one a tile; empty leaves
     // that kind as it is. Copied. Before it is called nothing of a streamed map shows.
     [[nodiscard]] std::string show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal);

@@ -1,0 +1,210 @@
+// Detail layers, in GLSL: materials that rules lay over the ground near the eye.
+#include "gl/shaders.h"
+
+namespace fjell::gl {
+
+// Behind light_shader(), in front of ground_light_shader(); with LAYERS only.
+const char* layers_shader() {
+    return R"(
+#ifdef LAYERS
+layout(binding = 17) uniform sampler2D noise_map;
+layout(binding = 18) uniform sampler2DArray material_map;
+layout(binding = 19) uniform sampler2DArray material_normal;
+struct Rule {
+    vec4 height, slope, noise;
+    vec4 how;    // material, opacity; displaced by metres and degrees a unit of noise
+    vec4 noises; // shares of patches and spots
+};
+layout(std140, binding = 1) uniform Layers {
+    vec4 material_turn[16]; // periods of the fine and the coarse texture, east and south
+    vec4 material_mean[16]; // linear rgb; share of the coarse texture
+    Rule rule[16];
+    ivec4 rules;
+};
+const float layer_period = 1.0 / 1024.0;
+// Of a place: even what is highest in it would lie below the others.
+const float least_share = 0.12;
+
+// A material at a place: its colour as a multiple of its mean, its height, and its slopes in the projection's plane.
+struct Ground {
+    vec3 colour;
+    float height;
+    vec2 slope;
+};
+
+float band(vec4 edges, float value) {
+    return clamp((value - edges.x) * edges.y, 0.0, 1.0) * clamp((edges.z - value) * edges.w, 0.0, 1.0);
+}
+
+// The three rules that show most: layer_shares() of fjell/gl/layers.h.
+void strongest_rules(float height, float slope, vec2 noises, out ivec3 material, out vec3 share) {
+    share = vec3(0.0);
+    material = ivec3(0);
+    float left = 1.0;
+    for (int i = rules.x - 1; i >= 0 && left > 0.004; --i) {
+        float noise = dot(noises, rule[i].noises.xy), off = noise - 0.5;
+        float here = left * rule[i].how.y * band(rule[i].height, height + off * rule[i].how.z) *
+                     band(rule[i].slope, slope + off * rule[i].how.w) * band(rule[i].noise, noise);
+        left -= here;
+        int of = int(rule[i].how.x);
+        if (here > share.x) {
+            share = vec3(here, share.xy);
+            material = ivec3(of, material.xy);
+        } else if (here > share.y) {
+            share.yz = vec2(here, share.y);
+            material.yz = ivec2(of, material.y);
+        } else if (here > share.z) {
+            share.z = here;
+            material.z = of;
+        }
+    }
+    float all = share.x + share.y + share.z;
+    share = all > 0.0 ? share / all : vec3(1.0, 0.0, 0.0);
+}
+
+vec2 place_of_patch(float number) { return fract(number * vec2(0.7548777, 0.5698403)); }
+
+mat2 periods_of(vec2 turn) { return mat2(turn.x, turn.y, -turn.y, turn.x) * layer_period; }
+
+// Near sRGB's curve, after filtering: drivers without a GPU would take it texel by texel.
+vec3 light_of(vec3 code) { return code * (code * (code * 0.305306 + 0.682171) + 0.012523); }
+
+// From the unit normal in the texture's axes to slopes in the plane's.
+vec2 slope_of(vec2 codes, vec2 turn) {
+    vec2 tilt = codes * (255.0 / 127.0) - 128.0 / 127.0;
+    tilt *= -inversesqrt(max(1.0 - dot(tilt, tilt), 0.05) * dot(turn, turn));
+    return vec2(dot(tilt, turn), dot(tilt, vec2(-turn.y, turn.x)));
+}
+
+// Both scales of a material in one plane. The fine one ends where its texels are finer than a pixel; the coarse one is
+// all that there is from then on, and nearby only keeps the fine one from looking the same everywhere. Noise cuts the
+// plane into patches, each with its own place in the fine texture, which meet softly: so no eye finds the period
+// (I. Quilez, Texture Repetition).
+//
+// Loops that end with their condition, here and below, in place of branches: a software driver goes through every
+// branch, and one body stands for all of them.
+Ground material_at(int material, vec2 at, vec2 dx, vec2 dy, float near, vec2 noises) {
+    float patch_at = 7.0 * noises.y + 3.0 * noises.x, number = floor(patch_at);
+    float next = smoothstep(0.4, 0.6, patch_at - number);
+    int reads = near <= 0.0 ? 1 : next <= 0.0 || next >= 1.0 ? 2 : 3;
+    vec4 mean = material_mean[material], turns = material_turn[material];
+    vec4 coarse = vec4(0.0), fine = vec4(0.0);
+    vec2 slope = vec2(0.0), turn = turns.zw, offset = vec2(0.0);
+    float share = 0.75 * mean.w * (1.0 - near), of_coarse = 1.0;
+    int read = 0;
+    do {
+        mat2 periods = mat2(turn.x, turn.y, -turn.y, turn.x) * layer_period;
+        vec3 place = vec3(periods * at + offset, float(material));
+        vec2 along = periods * dx, across = periods * dy;
+        vec4 texel = textureGrad(material_map, place, along, across);
+        slope += share * slope_of(textureGrad(material_normal, place, along, across).rg, turn);
+        coarse += of_coarse * texel;
+        fine += (1.0 - of_coarse) * share * texel;
+        bool second = read == 1 || next >= 1.0;
+        share = near * (second ? next : 1.0 - next);
+        offset = place_of_patch(number + (second ? 1.0 : 0.0));
+        turn = turns.xy;
+        of_coarse = 0.0;
+    } while (++read < reads);
+    float coarse_share = mean.w * (1.0 - 0.45 * near);
+    Ground ground = Ground(mix(vec3(1.0), light_of(coarse.rgb) / mean.rgb, coarse_share), mix(0.5, coarse.a, coarse_share), slope);
+    if (near > 0.0) {
+        fine /= near;
+        ground.colour *= mix(vec3(1.0), light_of(fine.rgb) / mean.rgb, near);
+        ground.height = mix(ground.height, 0.35 * ground.height + 0.65 * fine.a, near);
+    }
+    return ground;
+}
+
+struct Shaped {
+    vec3 colour;
+    float reach; // how high it stands out against the others
+    vec3 bump;   // of the surface, across its normal
+};
+
+// From above; where it is steep from the sides too. side: their shares, which add up to 1.
+Shaped shaped_material(int material, vec3 at, vec3 dx, vec3 dy, vec3 side, float near, vec2 noises) {
+    Shaped shaped = Shaped(vec3(0.0), 0.0, vec3(0.0));
+    vec3 left = side;
+    do {
+        // What lies in the plane, and which way its first and second axis point.
+        bool above = left.y > 0.0, east = left.x > 0.0;
+        mat2x3 plane = above ? mat2x3(1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+                     : east  ? mat2x3(0.0, 0.0, 1.0, 0.0, 1.0, 0.0)
+                             : mat2x3(1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+        float share = above ? left.y : east ? left.x : left.z;
+        Ground g = material_at(material, at * plane, dx * plane, dy * plane, near, noises);
+        shaped.colour += share * g.colour;
+        shaped.reach += share * g.height;
+        shaped.bump += plane * (share * g.slope);
+        left = above ? vec3(left.x, 0.0, left.z) : east ? vec3(0.0, 0.0, left.z) : vec3(0.0);
+    } while (left.x + left.y + left.z > 0.0);
+    return shaped;
+}
+
+// Replaces colour and normal near the eye. base, normal: with noise; map, map_normal: as the maps have them.
+void add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, float metres) {
+    vec3 dx = dFdx(surface.position), dy = dFdy(surface.position);
+    if (metres >= layers.x) return;
+    float fade = 1.0 - smoothstep(0.4 * layers.x, layers.x, metres);
+    float near = 1.0 - smoothstep(0.3 * layers.w, layers.w, metres);
+    // Where the driver does not filter anisotropically, level ground would be a blur from a few metres on: so the
+    // footprint's long axis is taken for shorter than it is.
+    if (maps.z < 1.5) {
+        float x = length(dx), y = length(dy), least = min(x, y);
+        float kept = mix(0.75, 0.35, near);
+        dx *= max(least, kept * x) / max(x, 1e-9);
+        dy *= max(least, kept * y) / max(y, 1e-9);
+    }
+    // A software driver is given one mip a read: noise hides where the next one begins.
+    if (layers_at.w > 0.0) {
+        float mip = exp2(fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5);
+        dx *= mip;
+        dy *= mip;
+    }
+    vec3 at = surface.position + layers_at.xyz;
+    vec2 patches = textureGrad(noise_map, at.xz / 512.0, dx.xz / 512.0, dy.xz / 512.0).zw;
+    float spots = textureGrad(noise_map, at.xz / 64.0, dx.xz / 64.0, dy.xz / 64.0).z;
+    vec2 noises = clamp(vec2(patches.x, spots) * 2.4 - 0.7, 0.0, 1.0);
+    ivec3 material;
+    vec3 share;
+    strongest_rules(surface.position.y + eye.z + eye.w, degrees(acos(clamp(map_normal.y, 0.0, 1.0))), noises, material,
+                    share);
+    // Sides count from 35 degrees on.
+    vec3 side = normal * normal;
+    side *= side;
+    side.xz *= smoothstep(0.85, 0.7, normal.y);
+    side = max(side / (side.x + side.y + side.z) - 0.06, 0.0);
+    side /= side.x + side.y + side.z;
+
+    Shaped now = Shaped(vec3(0.0), -1.0, vec3(0.0)), before = now, first = now;
+    float towards_map = mix(layers.y, 1.0, smoothstep(0.0, layers.x, metres));
+    do {
+        first = before;
+        before = now;
+        now = shaped_material(material.x, at, dx, dy, side, near, noises);
+        now.colour *= mix(material_mean[material.x].rgb, map, towards_map);
+        // Where two share a place the higher stands out: stones out of grass, each by itself.
+        now.reach = share.x + (now.reach - 0.5) * min(4.0 * share.x * (1.0 - share.x), 1.0);
+        material = material.yzx;
+        share = vec3(share.yz, 0.0);
+    } while (share.x > least_share);
+    float top = max(max(now.reach, before.reach), first.reach) - 0.15;
+    vec3 weight = max(vec3(now.reach, before.reach, first.reach) - top, 0.0);
+    weight /= weight.x + weight.y + weight.z;
+    vec3 colour = weight.x * now.colour + weight.y * before.colour + weight.z * first.colour;
+    vec3 bump = weight.x * now.bump + weight.y * before.bump + weight.z * first.bump;
+    // No meadow is one green; further away the noise of the map's texels is all that there is.
+    float noise = dot(base, vec3(1.0)) / max(dot(map, vec3(1.0)), 1e-4);
+    colour *= mix(0.3 + 0.7 * noise, 0.65 + 0.35 * noise, near);
+    base = mix(base, clamp(colour, 0.0, 0.95), fade);
+    bump *= layers.z;
+    vec3 ground = normalize(mix(normal, map_normal, 0.5 * near));
+    bump -= ground * dot(bump, ground);
+    normal = normalize(mix(normal, ground - bump, fade));
+}
+#endif
+)";
+}
+
+} // namespace fjell::gl
