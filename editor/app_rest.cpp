@@ -23,6 +23,7 @@ bool only_panels(const Command& command) {
     return std::holds_alternative<MoveCamera>(command) || std::holds_alternative<ShowPanel>(command) ||
            std::holds_alternative<ShowDialog>(command) || std::holds_alternative<ArrangeColumn>(command) ||
            std::holds_alternative<SetSwitch>(command) || std::holds_alternative<ChooseFrame>(command) ||
+           std::holds_alternative<HoldMeasures>(command) || std::holds_alternative<ZoomGraphs>(command) ||
            std::holds_alternative<DismissMessage>(command) || std::holds_alternative<BrowseFolder>(command) ||
            std::holds_alternative<BrowseAllKinds>(command);
 }

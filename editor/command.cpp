@@ -322,6 +322,15 @@ std::vector<Verb> picture_verbs() {
              if (word == "off") return Command(ChooseFrame{});
              return Command(ChooseFrame{true, Words::count_of(word, "frames ago", 0, measured_frames - 1.0)});
          }},
+        {"hold-graphs", "on|off", "graphs and times stand still, to be looked at", with_switch<HoldMeasures>()},
+        {"zoom-graphs", "OLDEST NEWEST", "holds the graphs and shows these frames of them, in frames ago",
+         [](Words& w) {
+             const auto ago = [&w] {
+                 return Words::count_of(w.text("frames ago"), "frames ago", 0, measured_frames - 1.0);
+             };
+             const std::size_t oldest = ago();
+             return ZoomGraphs{oldest, ago()};
+         }},
         {"dismiss", "", "hides the message", plain<DismissMessage>()},
     };
 }

@@ -154,6 +154,12 @@ struct ChooseFrame { // of those measured: its report is shown
     bool on = false;
     std::size_t ago = 0; // 0: the newest
 };
+struct HoldMeasures { // graphs and times stand still; when they go on, graphs show all frames again
+    bool on = false;
+};
+struct ZoomGraphs { // to these frames, in frames ago; held, or they would move on
+    std::size_t oldest = 0, newest = 0;
+};
 struct DismissMessage {};
 
 // --- jobs beside the frame; one at a time ---
@@ -214,9 +220,9 @@ using Command =
                  JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath,
                  SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath,
                  SetPathSeconds, LoopPath, SetPictureMode, SetOverlay, ShowPanel, ShowDialog, SetSwitch, ArrangeColumn,
-                 SetScale, ChooseFrame, DismissMessage, BakePack, TuneThreshold, RunBenchmark, ExportMesh,
-                 PreviewExport, CancelJob, TakeScreenshot, ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames,
-                 WaitSettled>;
+                 SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, BakePack, TuneThreshold, RunBenchmark,
+                 ExportMesh, PreviewExport, CancelJob, TakeScreenshot, ResizeWindow, DumpState, LoseGraphics, Quit,
+                 WaitFrames, WaitSettled>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once. push() takes any Command's
 // alternative; it is compiled in commands.cpp alone, or else every panel would compile the variant's moves again.

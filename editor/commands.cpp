@@ -64,6 +64,8 @@ template void Commands::push(SetSwitch);
 template void Commands::push(ArrangeColumn);
 template void Commands::push(SetScale);
 template void Commands::push(ChooseFrame);
+template void Commands::push(HoldMeasures);
+template void Commands::push(ZoomGraphs);
 template void Commands::push(DismissMessage);
 template void Commands::push(BakePack);
 template void Commands::push(TuneThreshold);

@@ -193,6 +193,8 @@ json measures_json(const State& state) {
         levels.push_back(state.measures.levels().triangles[i]);
     return {{"frames", state.measures.frames()},
             {"recorded", state.measures.recorded()},
+            {"held", state.measures.held()},
+            {"graphs", {state.graphs.oldest, state.graphs.newest}},
             {"chosen", times_json(state)},
             {"vertices", e.vertices},
             {"triangles", e.triangles},

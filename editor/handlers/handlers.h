@@ -78,6 +78,8 @@ void handle(const SetSwitch& c, HandlerContext context);
 void handle(const ArrangeColumn& c, HandlerContext context);
 void handle(const SetScale& c, HandlerContext context);
 void handle(const ChooseFrame& c, HandlerContext context);
+void handle(const HoldMeasures& c, HandlerContext context);
+void handle(const ZoomGraphs& c, HandlerContext context);
 void handle(const DismissMessage& c, HandlerContext context);
 
 // jobs.cpp

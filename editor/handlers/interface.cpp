@@ -90,6 +90,25 @@ void handle(const ChooseFrame& c, HandlerContext context) {
     state.chosen = state.measures.frame(c.ago);
 }
 
+void handle(const HoldMeasures& c, HandlerContext context) {
+    State& state = context.state;
+    state.measures.hold(c.on);
+    if (!c.on) state.graphs = {};
+}
+
+void handle(const ZoomGraphs& c, HandlerContext context) {
+    State& state = context.state;
+    std::size_t oldest = std::min(std::max(c.oldest, c.newest), measured_frames - 1);
+    std::size_t newest = std::min(c.oldest, c.newest);
+    // So narrow that lines would be all there is: wider, to both sides.
+    if (oldest - newest + 1 < least_graph_span) {
+        oldest = std::clamp(oldest + least_graph_span / 2, least_graph_span - 1, measured_frames - 1);
+        newest = oldest - (least_graph_span - 1);
+    }
+    state.graphs = {oldest, newest};
+    if (!state.graphs.whole()) state.measures.hold(true);
+}
+
 void handle(const DismissMessage&, HandlerContext context) {
     context.state.messages.shown_until_s = 0;
 }

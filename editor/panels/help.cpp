@@ -29,6 +29,7 @@ constexpr Key all_keys[] = {
     {"Picture", nullptr},
     {"M, Shift M", "next and previous picture mode"},
     {"G", "wireframe"},
+    {"T", "pause graphs and times; again: go on"},
     {"Window", nullptr},
     {"Tab", "hide the panels, or show them"},
     {"F11", "the picture alone; again or Esc: all of it"},

@@ -140,6 +140,9 @@ void draw_view_menu(const State& state, Commands& commands) {
             commands.push(SetOverlay{overlay, !on});
     }
     ImGui::Separator();
+    if (ImGui::MenuItem("Pause graphs and times", "T", state.measures.held(), state.scene.open()))
+        commands.push(HoldMeasures{!state.measures.held()});
+    ui::mark("menu", "hold-graphs");
     draw_window_items(state, commands);
     ImGui::Separator();
     constexpr struct {

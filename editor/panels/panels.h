@@ -2,6 +2,7 @@
 #pragma once
 
 #include "editor/command.h"
+#include "editor/panels/graph.h"
 #include "editor/panels/layout.h"
 #include "editor/panels/ui.h"
 #include "editor/state.h"
@@ -34,6 +35,10 @@ void draw_benchmark(const State& state, Commands& commands);
 // Inside the camera panel.
 void draw_overview(const State& state, Commands& commands);
 void draw_path(const State& state, Commands& commands);
+
+// A graph over the frames that are shown: a click on it chooses one, a drag over it zooms.
+void draw_measured_graph(ui::Graph graph, std::initializer_list<ui::GraphLine> lines, const State& state,
+                         Commands& commands);
 
 // As panel and menu call them.
 [[nodiscard]] const char* label_of(flight::PictureMode mode);

@@ -103,9 +103,11 @@ void draw_streaming(const State& state, Commands& commands) {
     const StreamReport& r = state.measures.last().stream;
     flag("Streaming", r.complete, "coarse terrain loaded", "loading coarse terrain",
          "Whether the coarsest page and the smallest mips of every tile are loaded.");
-    (void)ui::graph({"queue", "pages, mips", 7, 0, "", false},
-                    {{&state.measures.ring(Series::pages_wanted), IM_COL32(235, 160, 90, 255), "wanted", 1, true},
-                     {&state.measures.ring(Series::requested), IM_COL32(125, 175, 235, 255), "in flight", 1, false}});
+    draw_measured_graph(
+        {"queue", "pages, mips", 7},
+        {{&state.measures.ring(Series::pages_wanted), IM_COL32(235, 160, 90, 255), "wanted", 1, true},
+         {&state.measures.ring(Series::requested), IM_COL32(125, 175, 235, 255), "in flight", 1, false}},
+        state, commands);
     draw_geometry(r);
     draw_maps(r);
     draw_reading(r, state.reader);

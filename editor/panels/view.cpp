@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "editor/number_text.h"
 #include "editor/panels/panels.h"
 
 namespace fjell::editor {
@@ -58,6 +59,7 @@ void handle_key_presses(const State& state, Commands& commands) {
     if (pressed('F')) commands.push(FreezeRefinement{!state.eye.frozen});
     if (pressed('P')) commands.push(PlayPath{!state.route.playing()});
     if (pressed('R')) commands.push(RecordPath{!state.route.recording()});
+    if (pressed('T')) commands.push(HoldMeasures{!state.measures.held()});
     if (pressed('N')) commands.push(AddPoint{});
     if (pressed(key::home)) commands.push(ViewAll{});
     if (pressed('G')) commands.push(SetOverlay{Overlay::wireframe, !state.shows(Overlay::wireframe)});
@@ -88,11 +90,7 @@ void write_over(const State& state, const ui::Rect& view) {
     list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
     if (eye.frozen) plate(view, 0.5F, 0, ui::warning_colour, "Refinement frozen (F to release)");
     if (state.now_s < eye.speed_shown_until_s) {
-        if (eye.free.speed_m_s >= 10000)
-            std::snprintf(text, sizeof text, "%.3g km/s", eye.free.speed_m_s / 1000);
-        else
-            std::snprintf(text, sizeof text, eye.free.speed_m_s < 1000 ? "%.3g m/s" : "%.0f m/s", eye.free.speed_m_s);
-        plate(view, 1, 1, IM_COL32_WHITE, text);
+        plate(view, 1, 1, IM_COL32_WHITE, speed_text(eye.free.speed_m_s).text);
     }
     if (state.route.recording()) {
         std::snprintf(text, sizeof text, "Recording: %zu points (R to stop)", state.route.recorded());

@@ -74,6 +74,8 @@ const std::map<std::string, Use>& uses() {
          {{"left width 300", "right split 0.4", "left folded on"},
           {"", "left", "left width", "left width 10", "middle folded on", "left folded 1", "left split 2"}}},
         {"frame-report", {{"0", "12", "off"}, {"", "x", "512", "-1", "1 2"}}},
+        {"hold-graphs", {{"on", "off"}, {"", "x"}}},
+        {"zoom-graphs", {{"100 20", "511 0"}, {"", "100", "512 0", "x 0", "1 2 3"}}},
         {"dismiss", {{""}, {"x"}}},
         {"tune",
          {{"", "measure=frame budget_us=3000 frames=100 least_px=0.5 most_px=8", "apply=yes csv=a.csv frames=0"},
