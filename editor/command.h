@@ -124,6 +124,15 @@ struct LoopPath {
     bool on = true;
 };
 
+// --- the probe (editor/probe.h) ---
+struct PointProbe { // at this place of the picture, in shares of its width and height
+    double x = 0, y = 0;
+};
+struct MarkPlace { // the first of two, the second, or the first again
+    double x_m = 0, z_m = 0;
+};
+struct ClearMarks {};
+
 // --- what is shown ---
 struct SetPictureMode {
     flight::PictureMode mode = flight::PictureMode::shaded;
@@ -219,10 +228,10 @@ using Command =
                  StopComparing, BrowseFolder, BrowseAllKinds, AnswerUnsaved, RecoverChanges, MoveCamera, PlaceCamera,
                  JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath,
                  SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath,
-                 SetPathSeconds, LoopPath, SetPictureMode, SetOverlay, ShowPanel, ShowDialog, SetSwitch, ArrangeColumn,
-                 SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, BakePack, TuneThreshold, RunBenchmark,
-                 ExportMesh, PreviewExport, CancelJob, TakeScreenshot, ResizeWindow, DumpState, LoseGraphics, Quit,
-                 WaitFrames, WaitSettled>;
+                 SetPathSeconds, LoopPath, PointProbe, MarkPlace, ClearMarks, SetPictureMode, SetOverlay, ShowPanel,
+                 ShowDialog, SetSwitch, ArrangeColumn, SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage,
+                 BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot,
+                 ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once. push() takes any Command's
 // alternative; it is compiled in commands.cpp alone, or else every panel would compile the variant's moves again.

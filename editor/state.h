@@ -22,6 +22,7 @@
 #include "editor/jobs/jobs.h"
 #include "editor/measures.h"
 #include "editor/names.h"
+#include "editor/probe.h"
 #include "editor/route.h"
 #include "fjell/gl/renderer.h"
 #include "fjell/io/stream_reader.h"
@@ -143,6 +144,7 @@ struct State {
     GraphSpan graphs;
     std::optional<MeasuredFrame> chosen; // that the time panel reports on
     OverviewImage overview;
+    Probe probe;
     io::StreamReaderCounters reader; // of a streamed pack
     JobView job;
     JobView tuned; // the last tuning that was not cancelled

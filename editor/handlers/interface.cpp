@@ -50,6 +50,7 @@ void handle(const SetSwitch& c, HandlerContext context) {
     case Switch::picture_only: i.picture_only = c.on; break;
     case Switch::panel_keys: i.panel_keys = c.on; break;
     case Switch::half_resolution: i.half_resolution = c.on; break;
+    case Switch::probe: context.state.probe.on = c.on; break;
     }
     if (!c.on && c.which == Switch::show_panels) i.panel_keys = false; // nobody would see where they go
     if (c.on && c.which == Switch::picture_only) i.panel_keys = false;

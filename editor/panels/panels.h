@@ -21,6 +21,9 @@ void draw_job_status(const State& state, Commands& commands);
 // Keys and mouse over the picture.
 void draw_view(const State& state, const ui::Layout& layout, Commands& commands);
 
+// Over the picture.
+void draw_probe(const State& state, const ui::Rect& view);
+
 // Inside a column.
 void draw_tune(const State& state, Commands& commands);
 void draw_camera(const State& state, Commands& commands);

@@ -1,5 +1,6 @@
 // Keys and mouse over the picture, and what is written over it.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "editor/number_text.h"
@@ -59,6 +60,7 @@ void handle_key_presses(const State& state, Commands& commands) {
     if (pressed('F')) commands.push(FreezeRefinement{!state.eye.frozen});
     if (pressed('P')) commands.push(PlayPath{!state.route.playing()});
     if (pressed('R')) commands.push(RecordPath{!state.route.recording()});
+    if (pressed('I')) commands.push(SetSwitch{Switch::probe, !state.probe.on});
     if (pressed('T')) commands.push(HoldMeasures{!state.measures.held()});
     if (pressed('N')) commands.push(AddPoint{});
     if (pressed(key::home)) commands.push(ViewAll{});
@@ -81,6 +83,21 @@ void plate(const ui::Rect& view, float x, float y, ImU32 colour, const char* tex
                                                         // mouse goes through it
     list.AddRectFilled(from, {from.x + w, from.y + h}, IM_COL32(12, 14, 18, 205), 0.25F * em);
     list.AddText({from.x + pad.x, from.y + pad.y}, colour, text);
+}
+
+// Where the pointer is in the picture, and a click there that was no drag.
+void aim_probe(const State& state, const ui::Rect& view, Commands& commands) {
+    const ImGuiIO& io = ImGui::GetIO();
+    if (!state.probe.on || io.WantCaptureMouse) return;
+    const PointProbe at{static_cast<double>((io.MousePos.x - view.x) / view.width),
+                        static_cast<double>((io.MousePos.y - view.y) / view.height)};
+    if (!(at.x >= 0 && at.x <= 1 && at.y >= 0 && at.y <= 1)) return;
+    if (!state.probe.pointer || (*state.probe.pointer)[0] != at.x || (*state.probe.pointer)[1] != at.y)
+        commands.push(at);
+    const float moved = std::max(std::abs(io.MousePos.x - io.MouseClickedPos[ImGuiMouseButton_Left].x),
+                                 std::abs(io.MousePos.y - io.MouseClickedPos[ImGuiMouseButton_Left].y));
+    if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && moved < 3 && state.probe.ground)
+        commands.push(MarkPlace{state.probe.ground->position_m.x, state.probe.ground->position_m.z});
 }
 
 void write_over(const State& state, const ui::Rect& view) {
@@ -133,6 +150,8 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
     if (panel_keys && !io.WantCaptureMouse && ImGui::IsMouseClicked(ImGuiMouseButton_Left))
         commands.push(SetSwitch{Switch::panel_keys, false});
     commands.push(move);
+    aim_probe(state, layout.view, commands);
+    draw_probe(state, layout.view);
     write_over(state, layout.view);
 }
 
