@@ -40,9 +40,9 @@ std::optional<ProbedGround> ground_under(const flight::Session& session, const V
                        cy = cell(hit.position_m.z, spacing_z, tree.rows()), inside = tree.side() - 1;
     g.tile_x = static_cast<std::uint32_t>(cx / tree.side());
     g.tile_y = static_cast<std::uint32_t>(cy / tree.side());
-    g.page = data.pages
-                 .place(static_cast<std::uint32_t>((cx & inside) | 1), static_cast<std::uint32_t>((cy & inside) | 1))
-                 .page;
+    g.page =
+        data.pages.place(static_cast<std::uint32_t>((cx & inside) | 1), static_cast<std::uint32_t>((cy & inside) | 1))
+            .page;
     return g;
 }
 
@@ -56,8 +56,7 @@ struct DrawnMesh {
     [[nodiscard]] double height_m(std::size_t index) const {
         const std::uint32_t slot = mesh.indices[index];
         if (cut.morph.empty()) return static_cast<double>(mesh.vertices[slot].height_m);
-        return static_cast<double>(
-            morphed_height_m(terrain, mesh.vertices[slot], cut.morph[slot], cut.frame));
+        return static_cast<double>(morphed_height_m(terrain, mesh.vertices[slot], cut.morph[slot], cut.frame));
     }
 };
 
@@ -100,8 +99,8 @@ void look_for_mesh(Probe& probe, const flight::Session& session, const View& ref
             const std::optional<double> height_m = height_over(drawn, first, column, row);
             if (!height_m) continue;
             ProbedMesh m;
-            m.level = triangle_level(drawn.vertex(first), drawn.vertex(first + 1), drawn.vertex(first + 2),
-                                     header.tile_log2);
+            m.level =
+                triangle_level(drawn.vertex(first), drawn.vertex(first + 1), drawn.vertex(first + 2), header.tile_log2);
             m.height_m = *height_m;
             const double away_m = length(g.position_m - refining.eye_m);
             m.error_px = lambda_px(refining) * std::abs(*height_m - g.position_m.y) / std::max(away_m, 1e-9);

@@ -109,8 +109,8 @@ void draw_marks(const Probe& probe, const Picture& picture, ImDrawList& list) {
         std::optional<ImVec2> before;
         for (std::size_t i = 0; i < p.samples; ++i) {
             const double t = static_cast<double>(i) / (HeightProfile::samples - 1);
-            const auto now = picture.at({from.x + t * (to.x - from.x), static_cast<double>(p.height_m[i]),
-                                         from.z + t * (to.z - from.z)});
+            const auto now = picture.at(
+                {from.x + t * (to.x - from.x), static_cast<double>(p.height_m[i]), from.z + t * (to.z - from.z)});
             if (before && now) list.AddLine(*before, *now, mark_colour, std::max(1.0F, em / 8));
             before = now;
         }
