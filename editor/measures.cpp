@@ -86,7 +86,10 @@ void Measures::raise_peaks(const flight::FrameEntry& entry) {
 
 void Measures::record(const FrameTimes& times, const flight::Pose& pose, bool drawn) {
     const flight::FrameEntry& entry = last_;
-    if (!drawn) return; // at rest, a frame costs what a window without a terrain costs
+    if (!drawn) { // at rest, a frame costs what a window without a terrain costs
+        if (!entry.rebuilt) raise_peaks(entry);
+        return;
+    }
     const bool settles = std::exchange(settling_, entry.rebuilt);
     if (entry.rebuilt || settles)
         return; // once, and hundreds of times as much as a frame: it would be all that graphs show

@@ -110,7 +110,7 @@ public:
 
     // Once a frame: what its update gave, and when it is over what it cost and the pose it was drawn from. One that was
     // built from nothing, the one after it, and one whose terrain was not drawn anew (drawn: false) are none of the
-    // series'.
+    // series'; the last are of the peaks, as their update was one.
     void observe(const flight::FrameEntry& entry);
     void record(const FrameTimes& times, const flight::Pose& pose, bool drawn);
     // While they are held the series stand still, to be looked at; peaks go on.

@@ -68,7 +68,8 @@ TEST_CASE("neighbouring levels, and levels half a tile's apart, differ at a glan
                 }
 }
 
-TEST_CASE("for every kind of colour vision an error's colour tells its share, a broken promise, and where none is known") {
+TEST_CASE(
+    "for every kind of colour vision an error's colour tells its share, a broken promise, and where none is known") {
     for (const auto& eye : eyes)
         for (int i = 2; i <= 20; ++i) {
             CAPTURE(eye.name, i);
