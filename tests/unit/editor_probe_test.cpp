@@ -9,6 +9,7 @@
 #include "editor/measures.h"
 #include "editor/probe.h"
 #include "fjell/query.h"
+#include "flight/camera.h"
 #include "flight/session.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
