@@ -241,6 +241,7 @@ bool App::settled() const {
     if (jobs_.running()) return false;
     if (!engine_.is_open()) return true;
     if (state_.shows(Overlay::error) && state_.heights_share >= 0 && state_.heights_share < 1) return false;
+    if (state_.probe.looking) return false;
     const flight::FrameEntry& e = state_.measures.last();
     const StreamReport& r = e.stream;
     // Slots may not suffice for what is wanted, and damaged pages never come: then all is there that will be.
@@ -403,6 +404,10 @@ double App::move_and_update() {
     const flight::Session& session = engine_.session();
     if (session.streamed) state_.reader = session.streamed->reader();
     state_.measures.count_levels(session.mesh(), session.loaded.pack.header.tile_log2);
+    const bool pages = entry_.streamed && (entry_.stream.pages_inserted != 0 || entry_.stream.pages_evicting != 0);
+    const bool mesh = entry_.rebuilt || entry_.activations != 0 || entry_.deactivations != 0 || entry_.morphing != 0;
+    if (pages) measure_profile(state_.probe, session);
+    update_probe(state_.probe, session, state_.eye.view, refining, mesh || pages);
     return microseconds(moved - start) + microseconds(Clock::now() - updated);
 }
 

@@ -22,9 +22,11 @@ constexpr double look_s = 0.1, look_soon_s = 0.002; // for signals and jobs, whi
 bool only_panels(const Command& command) {
     return std::holds_alternative<MoveCamera>(command) || std::holds_alternative<ShowPanel>(command) ||
            std::holds_alternative<ShowDialog>(command) || std::holds_alternative<ArrangeColumn>(command) ||
-           std::holds_alternative<SetSwitch>(command) || std::holds_alternative<ChooseFrame>(command) ||
-           std::holds_alternative<DismissMessage>(command) || std::holds_alternative<BrowseFolder>(command) ||
-           std::holds_alternative<BrowseAllKinds>(command);
+           std::holds_alternative<PointProbe>(command) || std::holds_alternative<MarkPlace>(command) ||
+           std::holds_alternative<ClearMarks>(command) || std::holds_alternative<SetSwitch>(command) ||
+           std::holds_alternative<ChooseFrame>(command) || std::holds_alternative<HoldMeasures>(command) ||
+           std::holds_alternative<ZoomGraphs>(command) || std::holds_alternative<DismissMessage>(command) ||
+           std::holds_alternative<BrowseFolder>(command) || std::holds_alternative<BrowseAllKinds>(command);
 }
 
 } // namespace
@@ -62,7 +64,7 @@ bool App::at_rest() const {
     if (!after_frame_.empty() || !next_frame_.empty() || !surface_->dropped.empty()) return false;
     if (!engine_.is_open()) return true;
     const bool plays = state_.route.playing() || state_.route.recording();
-    return !plays && !picture_old_ && overview_.done() && (settled() || jobs_.running());
+    return !plays && !picture_old_ && !state_.probe.looking && overview_.done() && (settled() || jobs_.running());
 }
 
 double App::next_change_s() const {

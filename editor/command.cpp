@@ -295,6 +295,17 @@ std::vector<Verb> camera_verbs() {
 
 std::vector<Verb> picture_verbs() {
     return {
+        {"probe", "X Y", "points the probe at a place of the picture, in shares of its width and height",
+         [](Words& w) {
+             const double x = Words::number_in(w.text("a share"), "a share", 0, 1);
+             return PointProbe{x, Words::number_in(w.text("a share"), "a share", 0, 1)};
+         }},
+        {"mark", "X Z", "marks a place, in metres; the probe shows the heights between two",
+         [](Words& w) {
+             const double x = w.number("x in metres");
+             return MarkPlace{x, w.number("z in metres")};
+         }},
+        {"clear-marks", "", "removes both marks", plain<ClearMarks>()},
         {"mode", "NAME", "shaded, wire, levels, tiles, mips, residency or distance",
          [](Words& w) { return SetPictureMode{w.one_of<flight::PictureMode>(flight::picture_mode_names, "mode")}; }},
         {"overlay", "NAME on|off", "wireframe, tile-borders, page-borders, spheres, culled, error or path",
@@ -306,8 +317,9 @@ std::vector<Verb> picture_verbs() {
          [](Words& w) { return ShowPanel{w.one_of<Panel>(panel_names, "panel")}; }},
         {"dialog", "NAME", "opens a dialog; none closes it",
          [](Words& w) { return ShowDialog{w.one_of<Dialog>(dialog_names, "dialog")}; }},
-        {"interface", "panels|picture-only|panel-keys|half-resolution on|off",
-         "panels beside the picture, the picture alone, keys that move in the panels, half resolution while it moves",
+        {"interface", "panels|picture-only|panel-keys|half-resolution|probe on|off",
+         "panels beside the picture, the picture alone, keys that move in the panels, half resolution while it moves, "
+         "the probe",
          [](Words& w) {
              const auto which = w.one_of<Switch>(switch_names, "switch");
              return SetSwitch{which, w.on()};
@@ -321,6 +333,15 @@ std::vector<Verb> picture_verbs() {
              const std::string word = w.text("frames ago");
              if (word == "off") return Command(ChooseFrame{});
              return Command(ChooseFrame{true, Words::count_of(word, "frames ago", 0, measured_frames - 1.0)});
+         }},
+        {"hold-graphs", "on|off", "graphs and times stand still, to be looked at", with_switch<HoldMeasures>()},
+        {"zoom-graphs", "OLDEST NEWEST", "holds the graphs and shows these frames of them, in frames ago",
+         [](Words& w) {
+             const auto ago = [&w] {
+                 return Words::count_of(w.text("frames ago"), "frames ago", 0, measured_frames - 1.0);
+             };
+             const std::size_t oldest = ago();
+             return ZoomGraphs{oldest, ago()};
          }},
         {"dismiss", "", "hides the message", plain<DismissMessage>()},
     };

@@ -124,6 +124,15 @@ struct LoopPath {
     bool on = true;
 };
 
+// --- the probe (editor/probe.h) ---
+struct PointProbe { // at this place of the picture, in shares of its width and height
+    double x = 0, y = 0;
+};
+struct MarkPlace { // the first of two, the second, or the first again
+    double x_m = 0, z_m = 0;
+};
+struct ClearMarks {};
+
 // --- what is shown ---
 struct SetPictureMode {
     flight::PictureMode mode = flight::PictureMode::shaded;
@@ -153,6 +162,12 @@ struct SetScale {
 struct ChooseFrame { // of those measured: its report is shown
     bool on = false;
     std::size_t ago = 0; // 0: the newest
+};
+struct HoldMeasures { // graphs and times stand still; when they go on, graphs show all frames again
+    bool on = false;
+};
+struct ZoomGraphs { // to these frames, in frames ago; held, or they would move on
+    std::size_t oldest = 0, newest = 0;
 };
 struct DismissMessage {};
 
@@ -213,10 +228,10 @@ using Command =
                  StopComparing, BrowseFolder, BrowseAllKinds, AnswerUnsaved, RecoverChanges, MoveCamera, PlaceCamera,
                  JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath,
                  SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath,
-                 SetPathSeconds, LoopPath, SetPictureMode, SetOverlay, ShowPanel, ShowDialog, SetSwitch, ArrangeColumn,
-                 SetScale, ChooseFrame, DismissMessage, BakePack, TuneThreshold, RunBenchmark, ExportMesh,
-                 PreviewExport, CancelJob, TakeScreenshot, ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames,
-                 WaitSettled>;
+                 SetPathSeconds, LoopPath, PointProbe, MarkPlace, ClearMarks, SetPictureMode, SetOverlay, ShowPanel,
+                 ShowDialog, SetSwitch, ArrangeColumn, SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage,
+                 BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot,
+                 ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once. push() takes any Command's
 // alternative; it is compiled in commands.cpp alone, or else every panel would compile the variant's moves again.

@@ -117,6 +117,30 @@ json interface_json(const State& state) {
             {"recent", i.recent}};
 }
 
+json probe_json(const Probe& p) {
+    json all = {{"on", p.on}, {"looking", p.looking}, {"marks", json::array()}};
+    for (std::size_t i = 0; i < p.marks; ++i) all["marks"].push_back(vector_json(p.mark_m[i]));
+    if (p.marks == p.mark_m.size())
+        all["profile"] = {{"length_m", p.profile.length_m},
+                          {"lowest_m", p.profile.lowest_m},
+                          {"highest_m", p.profile.highest_m},
+                          {"height_m", p.profile.height_m}};
+    if (!p.ground) return all;
+    const ProbedGround& g = *p.ground;
+    all["ground"] = {{"position_m", vector_json(g.position_m)},
+                     {"distance_m", g.distance_m},
+                     {"slope_rad", g.slope_rad},
+                     {"error_m", g.error_m},
+                     {"finest", g.finest},
+                     {"sample", {g.sample.x, g.sample.y}},
+                     {"tile", {g.tile_x, g.tile_y}},
+                     {"page", g.page}};
+    if (g.mesh)
+        all["ground"]["mesh"] = {
+            {"level", g.mesh->level}, {"height_m", g.mesh->height_m}, {"error_px", g.mesh->error_px}};
+    return all;
+}
+
 json input_json(const InputCounts& i) {
     return {{"keys", i.keys},
             {"characters", i.characters},
@@ -193,6 +217,8 @@ json measures_json(const State& state) {
         levels.push_back(state.measures.levels().triangles[i]);
     return {{"frames", state.measures.frames()},
             {"recorded", state.measures.recorded()},
+            {"held", state.measures.held()},
+            {"graphs", {state.graphs.oldest, state.graphs.newest}},
             {"chosen", times_json(state)},
             {"vertices", e.vertices},
             {"triangles", e.triangles},
@@ -238,6 +264,7 @@ std::string dump(const State& state) {
                       {"camera", camera_json(state.eye)},
                       {"route", route_json(state.route)},
                       {"interface", interface_json(state)},
+                      {"probe", probe_json(state.probe)},
                       {"input", input_json(state.input)},
                       {"job", job_json(state.job)},
                       {"messages", messages_json(state)},

@@ -41,12 +41,14 @@ double Ring::mean() const {
     return size_ == 0 ? 0 : sum / static_cast<double>(size_);
 }
 
-float Ring::usual_most() const {
-    if (size_ == 0) return 0;
+float Ring::usual_most(std::size_t first, std::size_t end_at) const {
+    end_at = std::min(end_at, size_);
+    if (first >= end_at) return 0;
+    const std::size_t count = end_at - first;
     std::array<float, measured_frames> sorted;
-    for (std::size_t i = 0; i < size_; ++i) sorted[i] = std::abs(value(i));
-    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(size_);
-    const std::size_t left_out = size_ < 8 ? 0 : std::max<std::size_t>(size_ / 100, 1);
+    for (std::size_t i = 0; i < count; ++i) sorted[i] = std::abs(value(first + i));
+    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(count);
+    const std::size_t left_out = count < 8 ? 0 : std::max<std::size_t>(count / 100, 1);
     const auto at = end - static_cast<std::ptrdiff_t>(left_out + 1);
     std::nth_element(sorted.begin(), at, end);
     return *at;
@@ -68,12 +70,31 @@ void Measures::observe(const flight::FrameEntry& entry) {
     ++frames_;
 }
 
+void Measures::raise_peaks(const flight::FrameEntry& entry) {
+    const auto raise = [](auto& peak, auto value) { peak = std::max<std::decay_t<decltype(peak)>>(peak, value); };
+    raise(peaks_.vertices, entry.vertex_slots.used);
+    raise(peaks_.indices, entry.index_slots.used);
+    raise(peaks_.items, entry.items);
+    raise(peaks_.update_us, entry.update_us);
+    if (!entry.streamed) return;
+    raise(peaks_.requested, entry.stream.in_flight);
+    raise(peaks_.pages_inserted, entry.stream.pages_inserted);
+    raise(peaks_.page_slots, entry.stream.page_slots.used);
+    raise(peaks_.map_bytes, entry.stream.map_bytes_used);
+    raise(peaks_.map_upload_bytes, entry.stream.map_upload_bytes);
+}
+
 void Measures::record(const FrameTimes& times, const flight::Pose& pose, bool drawn) {
     const flight::FrameEntry& entry = last_;
-    if (!drawn) return; // at rest, a frame costs what a window without a terrain costs
+    if (!drawn) { // at rest, a frame costs what a window without a terrain costs
+        if (!entry.rebuilt) raise_peaks(entry);
+        return;
+    }
     const bool settles = std::exchange(settling_, entry.rebuilt);
     if (entry.rebuilt || settles)
         return; // once, and hundreds of times as much as a frame: it would be all that graphs show
+    raise_peaks(entry);
+    if (held_) return;
     const auto push = [&](Series series, auto value) {
         rings_[static_cast<std::size_t>(series)].push(static_cast<float>(value));
     };
@@ -101,17 +122,6 @@ void Measures::record(const FrameTimes& times, const flight::Pose& pose, bool dr
     push(Series::uploaded_bytes, entry.upload_bytes);
     push(Series::requested, entry.streamed ? entry.stream.in_flight : 0);
     push(Series::pages_wanted, entry.streamed ? entry.stream.pages_wanted : 0);
-    const auto raise = [](auto& peak, auto value) { peak = std::max<std::decay_t<decltype(peak)>>(peak, value); };
-    raise(peaks_.vertices, entry.vertex_slots.used);
-    raise(peaks_.indices, entry.index_slots.used);
-    raise(peaks_.items, entry.items);
-    raise(peaks_.update_us, entry.update_us);
-    if (!entry.streamed) return;
-    raise(peaks_.requested, entry.stream.in_flight);
-    raise(peaks_.pages_inserted, entry.stream.pages_inserted);
-    raise(peaks_.page_slots, entry.stream.page_slots.used);
-    raise(peaks_.map_bytes, entry.stream.map_bytes_used);
-    raise(peaks_.map_upload_bytes, entry.stream.map_upload_bytes);
 }
 
 void Measures::clear() {
@@ -123,7 +133,7 @@ void Measures::clear() {
     frames_ = 0;
     kept_next_ = 0;
     recorded_ = 0;
-    settling_ = false;
+    held_ = settling_ = false;
 }
 
 void Measures::count_levels(const MeshView& mesh, std::uint32_t tile_log2) {

@@ -65,7 +65,9 @@ public:
     [[nodiscard]] double mean() const;         // 0 of none
     // The largest magnitude without the largest hundredth of them, and without one at least where there are some: what
     // a scale reaches to, so that single frames do not flatten all others.
-    [[nodiscard]] float usual_most() const;
+    [[nodiscard]] float usual_most() const { return usual_most(0, size_); }
+    // Of those from the first-th oldest to before the end-th, as far as there are any.
+    [[nodiscard]] float usual_most(std::size_t first, std::size_t end) const;
 
 private:
     std::array<float, measured_frames> values_{};
@@ -108,9 +110,12 @@ public:
 
     // Once a frame: what its update gave, and when it is over what it cost and the pose it was drawn from. One that was
     // built from nothing, the one after it, and one whose terrain was not drawn anew (drawn: false) are none of the
-    // series'.
+    // series'; the last are of the peaks, as their update was one.
     void observe(const flight::FrameEntry& entry);
     void record(const FrameTimes& times, const flight::Pose& pose, bool drawn);
+    // While they are held the series stand still, to be looked at; peaks go on.
+    void hold(bool on) { held_ = on; }
+    [[nodiscard]] bool held() const { return held_; }
     // Frames that the series were given, in all.
     [[nodiscard]] std::uint64_t recorded() const { return recorded_; }
     // The frames of the series: 0 the newest; below ring().size().
@@ -124,6 +129,8 @@ public:
     void clear();
 
 private:
+    void raise_peaks(const flight::FrameEntry& entry);
+
     std::array<Ring, series_count> rings_{};
     flight::FrameEntry last_;
     LevelHistogram shown_, counting_;
@@ -133,6 +140,7 @@ private:
     std::vector<MeasuredFrame> kept_ = std::vector<MeasuredFrame>(measured_frames);
     std::size_t kept_next_ = 0;
     std::uint64_t recorded_ = 0;
+    bool held_ = false;
     bool settling_ = false; // the frame after one that was built from nothing: the driver compiles
 };
 

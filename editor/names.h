@@ -39,12 +39,13 @@ inline constexpr const char* column_part_names[] = {"width", "split", "folded"};
 
 // Of the window as a whole.
 enum class Switch : std::uint8_t {
-    show_panels,    // beside the picture
-    picture_only,   // neither panels nor menu nor status line
-    panel_keys,     // keys move in the panels, not the camera
-    half_resolution // while the camera moves
+    show_panels,     // beside the picture
+    picture_only,    // neither panels nor menu nor status line
+    panel_keys,      // keys move in the panels, not the camera
+    half_resolution, // while the camera moves
+    probe            // of the ground under the pointer
 };
-inline constexpr const char* switch_names[] = {"panels", "picture-only", "panel-keys", "half-resolution"};
+inline constexpr const char* switch_names[] = {"panels", "picture-only", "panel-keys", "half-resolution", "probe"};
 
 // At most one is open, over everything else.
 enum class Dialog : std::uint8_t {

@@ -29,6 +29,40 @@ struct NumberText {
     return count_text(value).text;
 }
 
+// Metres, whole and in groups of three: -235,930.
+[[nodiscard]] inline NumberText metre_text(double m) {
+    const NumberText t = count_text(m < 0 ? -m : m);
+    if (m > -0.5) return t;
+    NumberText negative{};
+    (void)std::snprintf(negative.text, sizeof negative.text, "-%.30s", t.text);
+    return negative;
+}
+
+// With the unit: "0.5 m/s", "4,096 m/s", "12.3 km/s". At least 0.
+[[nodiscard]] inline NumberText speed_text(double m_s) {
+    NumberText t{};
+    if (m_s < 999.5)
+        (void)std::snprintf(t.text, sizeof t.text, "%.3g m/s", m_s);
+    else if (m_s < 9999.5)
+        (void)std::snprintf(t.text, sizeof t.text, "%.20s m/s", count_text(m_s).text);
+    else if (m_s < 999500)
+        (void)std::snprintf(t.text, sizeof t.text, "%.3g km/s", m_s / 1000);
+    else
+        (void)std::snprintf(t.text, sizeof t.text, "%.20s km/s", count_text(m_s / 1000).text);
+    return t;
+}
+
+// A position: "235,930 E  12,345 S  1,234 m".
+struct PlaceText {
+    char text[80];
+};
+[[nodiscard]] inline PlaceText place_text(double x_m, double y_m, double z_m) {
+    PlaceText t{};
+    (void)std::snprintf(t.text, sizeof t.text, "%.20s E  %.20s S  %.20s m", metre_text(x_m).text, metre_text(z_m).text,
+                        metre_text(y_m).text);
+    return t;
+}
+
 // Microseconds as milliseconds with three digits, "0.27", "38.0", "1,250"; without the unit.
 [[nodiscard]] inline NumberText ms_text(double us) {
     const double ms = us / 1000;

@@ -22,6 +22,7 @@
 #include "editor/jobs/jobs.h"
 #include "editor/measures.h"
 #include "editor/names.h"
+#include "editor/probe.h"
 #include "editor/route.h"
 #include "fjell/gl/renderer.h"
 #include "fjell/io/stream_reader.h"
@@ -119,6 +120,14 @@ struct Interface {
     std::uint32_t view_x_px = 0, view_y_px = 0, view_width_px = 0, view_height_px = 0; // of the picture in it
 };
 
+// The frames that graphs show, in frames ago.
+struct GraphSpan {
+    std::size_t oldest = measured_frames - 1, newest = 0;
+
+    [[nodiscard]] bool whole() const { return oldest == measured_frames - 1 && newest == 0; }
+};
+inline constexpr std::size_t least_graph_span = 8;
+
 // The terrain from above (editor/scene/overview.h), north up.
 struct OverviewImage {
     unsigned texture = 0; // GL name; 0: there is none yet
@@ -132,8 +141,10 @@ struct State {
     Route route;
     Eye eye;
     Measures measures;
+    GraphSpan graphs;
     std::optional<MeasuredFrame> chosen; // that the time panel reports on
     OverviewImage overview;
+    Probe probe;
     io::StreamReaderCounters reader; // of a streamed pack
     JobView job;
     JobView tuned; // the last tuning that was not cancelled

@@ -126,6 +126,8 @@ void start_at_scene(HandlerContext context) {
     state.scene = context.engine.scene();
     state.measures.clear();
     state.chosen.reset();
+    state.graphs = {};
+    state.probe.marks = 0; // of another terrain
     const flight::Ground ground = live_ground(context);
     // From the south, over the terrain's near third, looking at its middle.
     const double w = state.scene.width_m(), d = state.scene.depth_m(), longer = std::max(w, d);

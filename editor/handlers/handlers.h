@@ -69,6 +69,11 @@ void handle(const LoopPath& c, HandlerContext context);
 // Makes what is being recorded the path, so that it can be saved, asked about and restored.
 void end_recording(HandlerContext context);
 
+// probe.cpp
+void handle(const PointProbe& c, HandlerContext context);
+void handle(const MarkPlace& c, HandlerContext context);
+void handle(const ClearMarks& c, HandlerContext context);
+
 // interface.cpp
 void handle(const SetPictureMode& c, HandlerContext context);
 void handle(const SetOverlay& c, HandlerContext context);
@@ -78,6 +83,8 @@ void handle(const SetSwitch& c, HandlerContext context);
 void handle(const ArrangeColumn& c, HandlerContext context);
 void handle(const SetScale& c, HandlerContext context);
 void handle(const ChooseFrame& c, HandlerContext context);
+void handle(const HoldMeasures& c, HandlerContext context);
+void handle(const ZoomGraphs& c, HandlerContext context);
 void handle(const DismissMessage& c, HandlerContext context);
 
 // jobs.cpp

@@ -50,6 +50,7 @@ void handle(const SetSwitch& c, HandlerContext context) {
     case Switch::picture_only: i.picture_only = c.on; break;
     case Switch::panel_keys: i.panel_keys = c.on; break;
     case Switch::half_resolution: i.half_resolution = c.on; break;
+    case Switch::probe: context.state.probe.on = c.on; break;
     }
     if (!c.on && c.which == Switch::show_panels) i.panel_keys = false; // nobody would see where they go
     if (c.on && c.which == Switch::picture_only) i.panel_keys = false;
@@ -88,6 +89,25 @@ void handle(const ChooseFrame& c, HandlerContext context) {
     if (c.ago >= state.measures.ring(Series::frame_us).size())
         throw io::Failure(2, "not so many frames have been measured yet; fly on");
     state.chosen = state.measures.frame(c.ago);
+}
+
+void handle(const HoldMeasures& c, HandlerContext context) {
+    State& state = context.state;
+    state.measures.hold(c.on);
+    if (!c.on) state.graphs = {};
+}
+
+void handle(const ZoomGraphs& c, HandlerContext context) {
+    State& state = context.state;
+    std::size_t oldest = std::min(std::max(c.oldest, c.newest), measured_frames - 1);
+    std::size_t newest = std::min(c.oldest, c.newest);
+    // So narrow that lines would be all there is: wider, to both sides.
+    if (oldest - newest + 1 < least_graph_span) {
+        oldest = std::clamp(oldest + least_graph_span / 2, least_graph_span - 1, measured_frames - 1);
+        newest = oldest - (least_graph_span - 1);
+    }
+    state.graphs = {oldest, newest};
+    if (!state.graphs.whole()) state.measures.hold(true);
 }
 
 void handle(const DismissMessage&, HandlerContext context) {

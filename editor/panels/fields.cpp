@@ -77,6 +77,12 @@ void cancel(const char* group, Commands& commands) {
     if (button("Cancel", group, "cancel", true, "Stops the job; no partial file remains.")) commands.push(CancelJob{});
 }
 
+void close(const char* group, Commands& commands) {
+    ImGui::SameLine();
+    if (button("Close", group, "close", true, "Leaves this dialog (Esc); a job that runs goes on."))
+        commands.push(ShowDialog{Dialog::none});
+}
+
 static void draw_bar(const JobView& job, bool with_rate) {
     char text[96];
     const int n = std::snprintf(text, sizeof text, "%s  %.0f%%", job.stage.c_str(), 100 * job.share);

@@ -31,6 +31,8 @@ void choice(const char* text, const char* group, const char* name, int& value, c
 
 [[nodiscard]] bool runs(const State& state, JobKind kind);
 void cancel(const char* group, Commands& commands);
+// Beside a dialog's other buttons; a job goes on without it.
+void close(const char* group, Commands& commands);
 // How the last job of that kind ended, or how far this one is; or that another one runs.
 void outcome(const State& state, JobKind kind, bool with_rate = false);
 

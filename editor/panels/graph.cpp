@@ -30,21 +30,35 @@ struct Scale {
     }
     // The newest frame is at the right rim, and a frame as wide as if the ring were full.
     [[nodiscard]] float x(std::size_t i, std::size_t size) const {
-        const auto from_right = static_cast<float>(size - 1 - i) / static_cast<float>(measured_frames - 1);
-        return high.x - from_right * (high.x - low.x);
+        const float ago = static_cast<float>(size - 1 - i) - static_cast<float>(shown.newest);
+        return high.x - ago / static_cast<float>(shown.oldest - shown.newest) * (high.x - low.x);
     }
+    [[nodiscard]] std::size_t ago(float at_x) const {
+        const float from_right = std::clamp((high.x - at_x) / (high.x - low.x), 0.0F, 1.0F);
+        return shown.newest +
+               static_cast<std::size_t>(std::lround(from_right * static_cast<float>(shown.oldest - shown.newest)));
+    }
+    // Those of a ring that are shown: from the first-th oldest to before the end-th.
+    [[nodiscard]] std::size_t first(std::size_t size) const { return size - std::min(size, shown.oldest + 1); }
+    [[nodiscard]] std::size_t end(std::size_t size) const { return size - std::min(size, shown.newest); }
+    GraphSpan shown;
 };
 
 Scale scale_of(const Graph& graph, std::initializer_list<GraphLine> lines) {
     Scale s;
     s.logarithmic = graph.logarithmic;
+    s.shown = graph.shown;
     double least = graph.budget > 0 ? graph.budget : 1e9, most = graph.budget > 0 ? 1.15 * graph.budget : 0;
     bool down = false;
     for (const GraphLine& line : lines) {
         down = down || line.factor < 0;
-        most = std::max(most, static_cast<double>(line.values->usual_most() * std::abs(line.factor)));
+        const std::size_t first = s.first(line.values->size()), end = s.end(line.values->size());
+        if (s.shown.whole())
+            most = std::max(most, static_cast<double>(line.values->usual_most() * std::abs(line.factor)));
+        for (std::size_t i = first; i < end && !s.shown.whole(); ++i) // a spike that was zoomed to is seen whole
+            most = std::max(most, static_cast<double>(std::abs(line.values->value(i) * line.factor)));
         if (!graph.logarithmic) continue;
-        for (std::size_t i = 0; i < line.values->size(); ++i)
+        for (std::size_t i = first; i < end; ++i)
             least = std::min(least, static_cast<double>(line.values->value(i) * std::abs(line.factor)));
     }
     if (graph.logarithmic) {
@@ -78,12 +92,13 @@ void draw_grid(ImDrawList& list, const Graph& graph, const Scale& s, float left)
 }
 
 void draw_line(ImDrawList& list, const Scale& s, const GraphLine& line) {
-    const std::size_t size = line.values->size();
-    if (size == 0) return;
+    const std::size_t all = line.values->size(), first = s.first(all), end = s.end(all);
+    if (first >= end) return;
+    const std::size_t size = end - first;
     std::array<ImVec2, measured_frames> points;
     const float zero = s.logarithmic ? s.high.y : s.y(0);
     for (std::size_t i = 0; i < size; ++i)
-        points[i] = {s.x(i, size), s.y(static_cast<double>(line.values->value(i) * line.factor))};
+        points[i] = {s.x(first + i, all), s.y(static_cast<double>(line.values->value(first + i) * line.factor))};
     if (line.filled) {
         const ImU32 fill = (line.colour & ~IM_COL32_A_MASK) | (70u << IM_COL32_A_SHIFT);
         for (std::size_t i = 1; i < size; ++i)
@@ -95,7 +110,7 @@ void draw_line(ImDrawList& list, const Scale& s, const GraphLine& line) {
 // Triangles at the rim that values go beyond.
 void draw_beyond(ImDrawList& list, const Scale& s, const GraphLine& line) {
     const float w = 0.22F * ImGui::GetFontSize();
-    for (std::size_t i = 0; i < line.values->size(); ++i) {
+    for (std::size_t i = s.first(line.values->size()); i < s.end(line.values->size()); ++i) {
         const auto v = static_cast<double>(line.values->value(i) * line.factor);
         if (std::abs(v) <= s.most * (1 + 1e-9)) continue;
         const float x = s.x(i, line.values->size()), rim = v > 0 ? s.low.y : s.high.y, in = v > 0 ? 2 * w : -2 * w;
@@ -127,12 +142,10 @@ void draw_legend(ImDrawList& list, const Scale& s, std::initializer_list<GraphLi
     }
 }
 
-// Of the frame under the pointer: frames ago.
-std::size_t hover(ImDrawList& list, const Graph& graph, const Scale& s, std::initializer_list<GraphLine> lines) {
-    if (!ImGui::IsItemHovered()) return no_frame;
-    const float at = std::clamp((s.high.x - ImGui::GetMousePos().x) / (s.high.x - s.low.x), 0.0F, 1.0F);
-    const auto ago = static_cast<std::size_t>(std::lround(at * static_cast<float>(measured_frames - 1)));
-    const float x = s.high.x - at * (s.high.x - s.low.x);
+// What the frame under the pointer had.
+void hover(ImDrawList& list, const Graph& graph, const Scale& s, std::initializer_list<GraphLine> lines) {
+    const float x = std::clamp(ImGui::GetMousePos().x, s.low.x, s.high.x);
+    const std::size_t ago = s.ago(x);
     list.AddLine({x, s.low.y}, {x, s.high.y}, IM_COL32(255, 255, 255, 90));
     ImGui::BeginTooltip();
     ImGui::Text("%zu frames ago", ago);
@@ -147,20 +160,40 @@ std::size_t hover(ImDrawList& list, const Graph& graph, const Scale& s, std::ini
             ImGui::Text("%s %.3g %s", line.label, value, graph.unit);
         ImGui::PopStyleColor();
     }
-    ImGui::TextDisabled("click: its report, in the Time panel");
+    ImGui::TextDisabled("click: its report; drag: zoom");
     ImGui::EndTooltip();
-    return ago;
+}
+
+// Of the graph's button, which is the last item: a click chooses a frame, a drag over some of them zooms.
+GraphInput follow_mouse(ImDrawList& list, const Scale& s, bool clicked) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const float begin = std::clamp(io.MouseClickedPos[ImGuiMouseButton_Left].x, s.low.x, s.high.x);
+    const float now = std::clamp(io.MousePos.x, s.low.x, s.high.x);
+    const bool dragged = std::abs(now - begin) > 0.4F * ImGui::GetFontSize();
+    GraphInput input;
+    if (clicked && !dragged) input.clicked = s.ago(now);
+    if (!dragged) return input;
+    if (ImGui::IsItemActive()) {
+        input.drags = true;
+        list.AddRectFilled({std::min(begin, now), s.low.y}, {std::max(begin, now), s.high.y},
+                           IM_COL32(255, 255, 255, 45));
+    }
+    if (ImGui::IsItemDeactivated()) {
+        input.oldest = s.ago(std::min(begin, now));
+        input.newest = s.ago(std::max(begin, now));
+    }
+    return input;
 }
 
 } // namespace
 
-std::size_t graph(const Graph& graph, std::initializer_list<GraphLine> lines) {
+GraphInput graph(const Graph& graph, std::initializer_list<GraphLine> lines) {
     const float em = ImGui::GetFontSize(), width = std::max(ImGui::GetContentRegionAvail().x, 6 * em);
     const auto height = static_cast<float>(graph.height_em) * em;
     const ImVec2 from = ImGui::GetCursorScreenPos();
     const bool clicked = ImGui::InvisibleButton(graph.name, {width, height});
     mark("graph", graph.name);
-    if (!ImGui::IsItemVisible()) return no_frame;
+    if (!ImGui::IsItemVisible()) return {};
     Scale s = scale_of(graph, lines);
     s.low = {from.x + 3.6F * em, from.y + 1.9F * em};
     s.high = {from.x + width - 1, from.y + height - 0.6F * em};
@@ -171,14 +204,15 @@ std::size_t graph(const Graph& graph, std::initializer_list<GraphLine> lines) {
     list.PushClipRect(s.low, s.high, true);
     for (const GraphLine& line : lines) draw_line(list, s, line);
     for (const GraphLine& line : lines) draw_beyond(list, s, line);
-    if (graph.chosen < measured_frames) {
+    if (graph.chosen >= s.shown.newest && graph.chosen <= s.shown.oldest) {
         const float x = s.x(0, graph.chosen + 1);
         list.AddLine({x, s.low.y}, {x, s.high.y}, IM_COL32_WHITE, std::max(1.0F, em / 10));
     }
     list.PopClipRect();
     draw_budget(list, graph, s);
-    const std::size_t ago = hover(list, graph, s, lines);
-    return clicked ? ago : no_frame;
+    const GraphInput input = follow_mouse(list, s, clicked);
+    if (ImGui::IsItemHovered() && !input.drags) hover(list, graph, s, lines);
+    return input;
 }
 
 void stacked_bar(const char* name, std::span<const Share> shares) {
@@ -227,6 +261,8 @@ void short_number(char (&text)[16], double value) {
         std::snprintf(text, sizeof text, "%.3g M", value / 1e6);
     else if (value >= 1e4)
         std::snprintf(text, sizeof text, "%.3g k", value / 1e3);
+    else if (value >= 999.5)
+        std::snprintf(text, sizeof text, "%.15s", count_text(value).text);
     else
         std::snprintf(text, sizeof text, "%.4g", value);
 }

@@ -28,11 +28,18 @@ struct Graph {
     const char* budget_label = "";
     bool logarithmic = false;      // values below 1e-3 count as that
     std::size_t chosen = no_frame; // frames ago: marked
+    GraphSpan shown{};
+};
+// What the mouse does with a graph, in frames ago.
+struct GraphInput {
+    std::size_t clicked = no_frame;
+    bool drags = false;                               // over some frames: they should stand still
+    std::size_t oldest = no_frame, newest = no_frame; // of those, when it was let go
 };
 // Over the column's width: lines from the oldest frame on the left to the newest, gridlines with numbers, the budget's
-// line, a legend, and what the frame under the mouse had. The scale reaches to what is usual; what is above has a mark
-// at the top. The frame that was clicked, in frames ago, or no_frame.
-std::size_t graph(const Graph& graph, std::initializer_list<GraphLine> lines);
+// line, a legend, and what the frame under the mouse had. The scale reaches to what is usual, or if not all frames are
+// shown to the most of those; what is above has a mark at the top.
+GraphInput graph(const Graph& graph, std::initializer_list<GraphLine> lines);
 
 // The next round number of 1, 2 and 5 times a power of ten that is not below value; 1 for 0 and less.
 [[nodiscard]] double round_up(double value);

@@ -29,6 +29,8 @@ constexpr Key all_keys[] = {
     {"Picture", nullptr},
     {"M, Shift M", "next and previous picture mode"},
     {"G", "wireframe"},
+    {"I", "probe the ground under the pointer; a click marks a place, another one measures from there"},
+    {"T", "pause graphs and times; again: go on"},
     {"Window", nullptr},
     {"Tab", "hide the panels, or show them"},
     {"F11", "the picture alone; again or Esc: all of it"},

@@ -104,6 +104,7 @@ void draw_bake(const State& state, Commands& commands) {
     if (fields::button("Bake", "bake", "start", can,
                        "Bakes in the background with 512 MB of memory, and opens the pack when it is done.", true))
         commands.push(bake_of(form));
+    fields::close("bake", commands);
     if (fields::runs(state, JobKind::bake)) fields::cancel("bake", commands);
     fields::outcome(state, JobKind::bake, true);
 }
@@ -141,6 +142,7 @@ void draw_snapshot(const State& state, Commands& commands) {
     if (fields::button("Export", "export", "start", can && form.path[0] != '\0',
                        "Writes the file; an existing one is replaced only when it is complete.", true))
         commands.push(ExportMesh{form.path, form.converged, error_px});
+    fields::close("export", commands);
     if (fields::runs(state, JobKind::snapshot) || fields::runs(state, JobKind::preview))
         fields::cancel("export", commands);
     const ExportPreview& p = state.job.preview;
@@ -165,6 +167,7 @@ void draw_screenshot(const State&, Commands& commands) {
         commands.push(ShowDialog{Dialog::none});
         commands.push(TakeScreenshot{form.path, form.what == 1});
     }
+    fields::close("screenshot", commands);
 }
 
 void draw_job_status(const State& state, Commands& commands) {

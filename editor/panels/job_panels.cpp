@@ -19,17 +19,17 @@ struct TuneForm {
     int measure = 0, frames = 0;
 };
 
-constexpr const char* measures[] = {"update: the CPU's part", "frame: with upload, drawing and the GPU"};
+constexpr const char* measures[] = {"update (CPU)", "whole frame"};
 
 void draw_tune_form(TuneForm& form) {
     fields::number("Budget, us", "auto-tune", "budget_us", form.budget_us, "%.6g",
                    "Limit for the p99 time of a frame: 10 to 1,000,000 microseconds. A frame at 60 Hz has 16,667.");
     fields::choice(
         "Measure", "auto-tune", "measure", form.measure, measures, 2,
-        "update: CPU time of refinement and streaming. frame: with upload and drawing at the picture size of "
+        "Update: CPU time of refinement and streaming. Whole frame: with upload and drawing at the picture size of "
         "the profile; slower, and dependent on the graphics driver.");
     fields::whole(
-        "Frames", "auto-tune", "frames", form.frames,
+        "Frames, 0: auto", "auto-tune", "frames", form.frames,
         "Frames per flight, 10 to 100,000; 0: as many as the path has at 60 Hz, or 840 for an orbit without a "
         "path. Fewer frames fly the same path faster, so more changes per frame.");
     fields::label("From, to, px");
@@ -96,7 +96,7 @@ void draw_benchmark(const State& state, Commands& commands) {
     fields::suggest(form.path, form.made_for, state, ".csv");
     fields::path("CSV", "benchmark", "path", form.path, "a file",
                  "One line per frame, with the columns of fjell-fly --csv.");
-    fields::whole("Frames", "benchmark", "frames", form.frames,
+    fields::whole("Frames, 0: auto", "benchmark", "frames", form.frames,
                   "0: as many as the path has at 60 Hz, or 840 for an orbit without a path. Fewer frames fly the same "
                   "path faster.");
     ImGui::PushTextWrapPos(0);

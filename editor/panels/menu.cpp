@@ -44,7 +44,10 @@ void window_keys(const State& state, Commands& commands) {
     if (pressed(key::f11, false)) commands.push(SetSwitch{Switch::picture_only, !i.picture_only});
     if (pressed(key::f6, false)) commands.push(SetSwitch{Switch::panel_keys, !i.panel_keys});
     if (pressed(key::escape, false) && i.dialog == Dialog::none && !ImGui::IsAnyItemActive()) {
-        if (i.picture_only) commands.push(SetSwitch{Switch::picture_only, false});
+        if (i.picture_only)
+            commands.push(SetSwitch{Switch::picture_only, false});
+        else if (state.probe.on)
+            commands.push(SetSwitch{Switch::probe, false});
         if (i.panel_keys) commands.push(SetSwitch{Switch::panel_keys, false});
     }
 }
@@ -123,6 +126,7 @@ void draw_window_items(const State& state, Commands& commands) {
     entry("Picture only", "F11", Switch::picture_only, i.picture_only);
     entry("Keys move in panels", "F6", Switch::panel_keys, i.panel_keys);
     entry("Half resolution while moving", "", Switch::half_resolution, i.half_resolution);
+    entry("Probe the ground", "I", Switch::probe, state.probe.on);
 }
 
 void draw_view_menu(const State& state, Commands& commands) {
@@ -140,6 +144,9 @@ void draw_view_menu(const State& state, Commands& commands) {
             commands.push(SetOverlay{overlay, !on});
     }
     ImGui::Separator();
+    if (ImGui::MenuItem("Pause graphs and times", "T", state.measures.held(), state.scene.open()))
+        commands.push(HoldMeasures{!state.measures.held()});
+    ui::mark("menu", "hold-graphs");
     draw_window_items(state, commands);
     ImGui::Separator();
     constexpr struct {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "editor/command.h"
+#include "editor/panels/graph.h"
 #include "editor/panels/layout.h"
 #include "editor/panels/ui.h"
 #include "editor/state.h"
@@ -20,6 +21,9 @@ void draw_job_status(const State& state, Commands& commands);
 // Keys and mouse over the picture.
 void draw_view(const State& state, const ui::Layout& layout, Commands& commands);
 
+// Over the picture.
+void draw_probe(const State& state, const ui::Rect& view);
+
 // Inside a column.
 void draw_tune(const State& state, Commands& commands);
 void draw_camera(const State& state, Commands& commands);
@@ -34,6 +38,10 @@ void draw_benchmark(const State& state, Commands& commands);
 // Inside the camera panel.
 void draw_overview(const State& state, Commands& commands);
 void draw_path(const State& state, Commands& commands);
+
+// A graph over the frames that are shown: a click on it chooses one, a drag over it zooms.
+void draw_measured_graph(ui::Graph graph, std::initializer_list<ui::GraphLine> lines, const State& state,
+                         Commands& commands);
 
 // As panel and menu call them.
 [[nodiscard]] const char* label_of(flight::PictureMode mode);

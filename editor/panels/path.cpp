@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "editor/number_text.h"
 #include "editor/panels/panels.h"
 
 namespace fjell::editor {
@@ -86,8 +87,8 @@ void draw_flight(const Route& route, Commands& commands) {
 
 void draw_point(const Route& route, std::size_t i, Commands& commands) {
     const flight::ControlPoint& p = route.points()[i];
-    char text[64];
-    std::snprintf(text, sizeof text, "%zu: %.0f E  %.0f S  %.0f m", i, p[0], p[2], p[1]);
+    char text[112];
+    std::snprintf(text, sizeof text, "%zu: %.80s", i, place_text(p[0], p[1], p[2]).text);
     ImGui::PushID(static_cast<int>(i));
     if (ImGui::Selectable(text, route.selected() == i)) commands.push(SelectPoint{i});
     char name[24];

@@ -58,7 +58,8 @@ Part stream_part(const State& state) {
     if (there)
         std::snprintf(part.text, sizeof part.text, "streaming: complete");
     else
-        std::snprintf(part.text, sizeof part.text, "streaming: %u wanted, %u in flight", r.pages_wanted, r.in_flight);
+        std::snprintf(part.text, sizeof part.text, "streaming: %.12s wanted, %.12s in flight",
+                      count_text(r.pages_wanted).text, count_text(r.in_flight).text);
     return part;
 }
 

@@ -43,11 +43,11 @@ void draw_geometry(const StreamReport& r) {
     ui::heading("Geometry");
     flag("Pages for this view", r.converged, "complete", "incomplete",
          "Complete: the threshold holds against the whole terrain.");
-    ui::row("Wanted, missing", "%u", r.pages_wanted);
+    ui::row("Wanted, missing", "%s", count_text(r.pages_wanted).text);
     ui::tip("Pages that the views want and that are not loaded although the coarser ones above them are.");
-    ui::row("Accepted, left", "%u, %u", r.pages_inserted, r.pages_left);
+    ui::row("Accepted, left", "%s, %s", count_text(r.pages_inserted).text, count_text(r.pages_left).text);
     ui::tip("Arrived pages that were accepted in this frame, and those left for the next ones (stream.pages).");
-    ui::row("Draining", "%u", r.pages_evicting);
+    ui::row("Evicting", "%s", count_text(r.pages_evicting).text);
     ui::tip("Pages that are no longer wanted, evicted as soon as the mesh does not use them.");
     ui::row("Page slots", "%s of %s", count_text(r.page_slots.used).text, count_text(r.page_slots.capacity).text);
     if (r.missing_px >= 1e7)
@@ -60,7 +60,7 @@ void draw_geometry(const StreamReport& r) {
 void draw_maps(const StreamReport& r) {
     ui::heading("Maps");
     flag("Mips for this view", r.maps_converged, "complete", "incomplete", "Complete: loaded and faded in.");
-    ui::row("Accepted, left", "%u, %u", r.mips_uploaded, r.mips_left);
+    ui::row("Accepted, left", "%s, %s", count_text(r.mips_uploaded).text, count_text(r.mips_left).text);
     ui::row("Missing mips", "%.1f", r.missing_mips);
     ui::tip("Mips that the blurriest tile in view lacks.");
     ui::row("On the GPU", "%s of %s", byte_text(static_cast<double>(r.map_bytes_used)).text,
@@ -69,7 +69,7 @@ void draw_maps(const StreamReport& r) {
 
 void draw_reading(const StreamReport& r, const io::StreamReaderCounters& reader) {
     ui::heading("Reading");
-    ui::row("In flight", "%u", r.in_flight);
+    ui::row("In flight", "%s", count_text(r.in_flight).text);
     ui::tip("Pages and mips that were requested and have not arrived (stream.page_requests, stream.map_requests).");
     ui::row("Pages, mips", "%s, %s", count_text(static_cast<double>(r.pages_read)).text,
             count_text(static_cast<double>(r.mips_read)).text);
@@ -84,7 +84,7 @@ void draw_reading(const StreamReport& r, const io::StreamReaderCounters& reader)
     ui::tip("Requests that were no longer wanted when their turn came.");
     const bool failed = r.failed > 0 || reader.errors > 0;
     if (failed) ImGui::PushStyleColor(ImGuiCol_Text, ui::bad);
-    ui::row("Failed", "%u", r.failed);
+    ui::row("Failed", "%s", count_text(r.failed).text);
     if (failed) ImGui::PopStyleColor();
     ui::tip("Pages and mips that are unreadable or damaged; the terrain is coarser there. See Help > Messages.");
 }
@@ -103,9 +103,11 @@ void draw_streaming(const State& state, Commands& commands) {
     const StreamReport& r = state.measures.last().stream;
     flag("Streaming", r.complete, "coarse terrain loaded", "loading coarse terrain",
          "Whether the coarsest page and the smallest mips of every tile are loaded.");
-    (void)ui::graph({"queue", "pages, mips", 7, 0, "", false},
-                    {{&state.measures.ring(Series::pages_wanted), IM_COL32(235, 160, 90, 255), "wanted", 1, true},
-                     {&state.measures.ring(Series::requested), IM_COL32(125, 175, 235, 255), "in flight", 1, false}});
+    draw_measured_graph(
+        {"queue", "pages, mips", 7},
+        {{&state.measures.ring(Series::pages_wanted), IM_COL32(235, 160, 90, 255), "wanted", 1, true},
+         {&state.measures.ring(Series::requested), IM_COL32(125, 175, 235, 255), "in flight", 1, false}},
+        state, commands);
     draw_geometry(r);
     draw_maps(r);
     draw_reading(r, state.reader);

@@ -96,7 +96,9 @@ void draw_parts(const State& state) {
                                 {"other", std::max(t.frame_us - parts_us, 0.0), grey, other_about}};
     char value[64];
     std::snprintf(value, sizeof value, "%s ms", ms_text(t.frame_us).text);
-    ui::row(state.chosen ? "Frame" : "Frame, mean of those measured", "%s", value);
+    char label[48] = "Frame";
+    if (!state.chosen) std::snprintf(label, sizeof label, "Frame, mean of %zu", m.ring(Series::frame_us).size());
+    ui::row(label, "%s", value);
     ui::stacked_bar("frame", shares);
 }
 
@@ -116,7 +118,7 @@ void draw_report(const State& state, Commands& commands) {
     ui::row("Triangles drawn", "%s", count_text(e.triangles_drawn).text);
     ui::row("Uploaded", "%s", byte_text(static_cast<double>(e.upload_bytes)).text);
     const Vec3& p = f.pose.position_m;
-    ui::row("Camera", "%.0f E  %.0f S  %.0f m", p.x, p.z, p.y);
+    ui::row("Camera", "%s", place_text(p.x, p.y, p.z).text);
     if (ImGui::Button("Go to its camera")) {
         const flight::FreeCamera camera = flight::free_camera(f.pose, state.eye.free.speed_m_s);
         commands.push(PlayPath{false});
@@ -130,7 +132,39 @@ void draw_report(const State& state, Commands& commands) {
     ui::tip("Shows the mean of all measured frames again.");
 }
 
+// Above everything, so that it stays under the hand.
+void draw_hold(const State& state, Commands& commands) {
+    const bool held = state.measures.held();
+    if (ImGui::Button(held ? "Continue###hold" : "Pause###hold")) commands.push(HoldMeasures{!held});
+    ui::mark("graphs", "hold");
+    ui::tip(held ? "Measures on, over all frames again (T)." : "Graphs and times stand still, to be looked at (T).");
+    ImGui::SameLine();
+    ImGui::BeginDisabled(state.graphs.whole());
+    if (ImGui::Button("Zoom out")) commands.push(ZoomGraphs{measured_frames - 1, 0});
+    ImGui::EndDisabled();
+    ui::mark("graphs", "whole");
+    ui::tip("Shows all frames again. Drag over a graph to zoom in.");
+    if (!held) return;
+    ImGui::SameLine();
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::warning_colour), "paused");
+}
+
 } // namespace
+
+void draw_measured_graph(ui::Graph graph, std::initializer_list<ui::GraphLine> lines, const State& state,
+                         Commands& commands) {
+    const Measures& m = state.measures;
+    if (state.chosen) graph.chosen = static_cast<std::size_t>(m.recorded() - state.chosen->number);
+    graph.shown = state.graphs;
+    const ui::GraphInput input = ui::graph(graph, lines);
+    if (input.clicked < m.ring(Series::frame_us).size()) {
+        commands.push(ChooseFrame{true, input.clicked});
+        commands.push(ShowPanel{Panel::time});
+    }
+    if (input.drags && !m.held()) commands.push(HoldMeasures{true});
+    if (input.oldest != ui::no_frame) commands.push(ZoomGraphs{input.oldest, input.newest});
+}
 
 void draw_time(const State& state, Commands& commands) {
     if (!state.scene.open()) {
@@ -139,19 +173,17 @@ void draw_time(const State& state, Commands& commands) {
     }
     const Measures& m = state.measures;
     const auto ring = [&](Series series) { return &m.ring(series); };
-    const std::size_t chosen =
-        state.chosen ? static_cast<std::size_t>(m.recorded() - state.chosen->number) : ui::no_frame;
-    const auto graph = [&](ui::Graph g, std::initializer_list<ui::GraphLine> lines) {
-        g.chosen = chosen;
-        const std::size_t ago = ui::graph(g, lines);
-        if (ago < m.ring(Series::frame_us).size()) commands.push(ChooseFrame{true, ago});
+    if (ring(Series::frame_us)->size() == 0) {
+        ImGui::TextWrapped("No frame has been measured yet: fly. A still view costs nothing.");
+        return;
+    }
+    const auto graph = [&](const ui::Graph& g, std::initializer_list<ui::GraphLine> lines) {
+        draw_measured_graph(g, lines, state, commands);
     };
     const double budget_us = state.document.profile().cut.budget_us;
     const bool limited = state.document.profile().method == flight::Method::incremental && budget_us > 0;
-    if (m.ring(Series::frame_us).size() == 0)
-        ImGui::TextWrapped("No frame has been measured yet: fly. A still view costs nothing.");
-    else
-        draw_parts(state);
+    draw_hold(state, commands);
+    draw_parts(state);
     if (state.chosen) draw_report(state, commands);
     graph({"update", "ms", 7, limited ? budget_us / 1000 : 0, "budget"},
           {{ring(Series::update_us), blue, "update", 1e-3F, true}});

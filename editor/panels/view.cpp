@@ -1,7 +1,9 @@
 // Keys and mouse over the picture, and what is written over it.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
+#include "editor/number_text.h"
 #include "editor/panels/panels.h"
 
 namespace fjell::editor {
@@ -58,6 +60,8 @@ void handle_key_presses(const State& state, Commands& commands) {
     if (pressed('F')) commands.push(FreezeRefinement{!state.eye.frozen});
     if (pressed('P')) commands.push(PlayPath{!state.route.playing()});
     if (pressed('R')) commands.push(RecordPath{!state.route.recording()});
+    if (pressed('I')) commands.push(SetSwitch{Switch::probe, !state.probe.on});
+    if (pressed('T')) commands.push(HoldMeasures{!state.measures.held()});
     if (pressed('N')) commands.push(AddPoint{});
     if (pressed(key::home)) commands.push(ViewAll{});
     if (pressed('G')) commands.push(SetOverlay{Overlay::wireframe, !state.shows(Overlay::wireframe)});
@@ -81,6 +85,21 @@ void plate(const ui::Rect& view, float x, float y, ImU32 colour, const char* tex
     list.AddText({from.x + pad.x, from.y + pad.y}, colour, text);
 }
 
+// Where the pointer is in the picture, and a click there that was no drag.
+void aim_probe(const State& state, const ui::Rect& view, Commands& commands) {
+    const ImGuiIO& io = ImGui::GetIO();
+    if (!state.probe.on || io.WantCaptureMouse) return;
+    const PointProbe at{static_cast<double>((io.MousePos.x - view.x) / view.width),
+                        static_cast<double>((io.MousePos.y - view.y) / view.height)};
+    if (!(at.x >= 0 && at.x <= 1 && at.y >= 0 && at.y <= 1)) return;
+    if (!state.probe.pointer || (*state.probe.pointer)[0] != at.x || (*state.probe.pointer)[1] != at.y)
+        commands.push(at);
+    const float moved = std::max(std::abs(io.MousePos.x - io.MouseClickedPos[ImGuiMouseButton_Left].x),
+                                 std::abs(io.MousePos.y - io.MouseClickedPos[ImGuiMouseButton_Left].y));
+    if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && moved < 3 && state.probe.ground)
+        commands.push(MarkPlace{state.probe.ground->position_m.x, state.probe.ground->position_m.z});
+}
+
 void write_over(const State& state, const ui::Rect& view) {
     char text[96];
     const Eye& eye = state.eye;
@@ -88,11 +107,7 @@ void write_over(const State& state, const ui::Rect& view) {
     list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
     if (eye.frozen) plate(view, 0.5F, 0, ui::warning_colour, "Refinement frozen (F to release)");
     if (state.now_s < eye.speed_shown_until_s) {
-        if (eye.free.speed_m_s >= 10000)
-            std::snprintf(text, sizeof text, "%.3g km/s", eye.free.speed_m_s / 1000);
-        else
-            std::snprintf(text, sizeof text, eye.free.speed_m_s < 1000 ? "%.3g m/s" : "%.0f m/s", eye.free.speed_m_s);
-        plate(view, 1, 1, IM_COL32_WHITE, text);
+        plate(view, 1, 1, IM_COL32_WHITE, speed_text(eye.free.speed_m_s).text);
     }
     if (state.route.recording()) {
         std::snprintf(text, sizeof text, "Recording: %zu points (R to stop)", state.route.recorded());
@@ -135,6 +150,8 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
     if (panel_keys && !io.WantCaptureMouse && ImGui::IsMouseClicked(ImGuiMouseButton_Left))
         commands.push(SetSwitch{Switch::panel_keys, false});
     commands.push(move);
+    aim_probe(state, layout.view, commands);
+    draw_probe(state, layout.view);
     write_over(state, layout.view);
 }
 

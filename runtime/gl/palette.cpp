@@ -5,20 +5,25 @@
 
 namespace fjell::gl {
 
+namespace {
+
+// Two hues that every kind of colour vision tells apart, each from dark to light, with the lightest in the middle:
+// green between red and yellow would look like either to one in twenty.
+constexpr Rgb8 level_stops[6] = {{110, 60, 190},  {60, 110, 235}, {110, 195, 245},
+                                 {250, 240, 160}, {250, 165, 50}, {230, 70, 40}};
+constexpr double odd_level_share = 0.52; // of the light of an even one
+
+} // namespace
+
 Rgb8 level_rgb(int level, int tile_log2) {
     const int deepest = std::max(1, 2 * tile_log2);
-    const double t = std::clamp(static_cast<double>(level) / deepest, 0.0, 1.0);
-    const double hue = 4.7 * (1 - t); // sixths of the colour circle: 4.7 violet ... 0 red
-    const double value = level % 2 == 0 ? 1.0 : 0.68;
-    const double saturation = level % 2 == 0 ? 0.62 : 0.85;
+    const double t = 5 * std::clamp(static_cast<double>(level) / deepest, 0.0, 1.0);
+    const auto i = static_cast<std::size_t>(std::min(t, 4.0));
+    const double share = level % 2 == 0 ? 1 : odd_level_share;
     Rgb8 rgb{};
-    for (int channel = 0; channel < 3; ++channel) {
-        // The usual hue ramp: red peaks at 0, green at 2, blue at 4 sixths; full within 1, none beyond 2.
-        double away = std::abs(hue - 2.0 * channel);
-        away = std::min(away, 6 - away);
-        const double pure = std::clamp(2 - away, 0.0, 1.0);
-        rgb[static_cast<std::size_t>(channel)] =
-            static_cast<std::uint8_t>(std::lround(255 * value * (1 - saturation * (1 - pure))));
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double from = level_stops[i][k], to = level_stops[i + 1][k];
+        rgb[k] = static_cast<std::uint8_t>(std::lround(share * (from + (to - from) * (t - static_cast<double>(i)))));
     }
     return rgb;
 }

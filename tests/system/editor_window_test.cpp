@@ -8,6 +8,7 @@
 #include "support/editor_pack.h"
 #include "support/editor_window.h"
 #include "support/program.h"
+#include "support/rounds.h"
 
 using namespace fjell;
 using namespace fjell::test;
@@ -421,4 +422,54 @@ TEST_CASE("a click on the overview jumps there") {
     CHECK(after["camera"]["position_m"][0].get<double>() == Approx(0.25 * width_m).margin(0.02 * width_m));
     CHECK(after["camera"]["position_m"][2].get<double>() == Approx(0.75 * width_m).margin(0.02 * width_m));
     CHECK(after["camera"]["heading_rad"] == before["camera"]["heading_rad"]);
+}
+
+TEST_CASE("the probe follows the pointer, clicks mark two places and move no camera, and escape ends it") {
+    if (!full_rounds() || no_windows()) return; // what it tells is tested without a window
+    SmallTerrain terrain;
+    EditorWindow& editor = terrain.editor;
+    const json before = editor.until("a converged mesh", converged);
+    editor.key("i");
+    const Place view = view_of(before);
+    const auto mesh_there = [](const json& s) {
+        return s["probe"].contains("ground") && s["probe"]["ground"].contains("mesh");
+    };
+    editor.move(view.x + 0.3 * view.width, view.y + 0.9 * view.height);
+    const json first = editor.until("the ground there", mesh_there);
+    CHECK(first["probe"]["ground"]["mesh"]["error_px"] <= before["measures"]["error_px_effective"]);
+    editor.click_at(view.x + 0.3 * view.width, view.y + 0.9 * view.height);
+    CHECK(editor.state()["probe"]["marks"].size() == 1);
+    editor.click_at(view.x + 0.7 * view.width, view.y + 0.8 * view.height);
+    const json second = editor.until("another place", [](const json& s) { return s["probe"]["marks"].size() == 2; });
+    CHECK(second["probe"]["marks"][0][0] == first["probe"]["ground"]["position_m"][0]);
+    CHECK(second["probe"]["profile"]["length_m"] > 0);
+    CHECK(second["camera"]["position_m"] == before["camera"]["position_m"]);
+    CHECK(second["camera"]["heading_rad"] == before["camera"]["heading_rad"]);
+    CHECK(second["terrain_draws"] == first["terrain_draws"]); // it lies over the picture that is there
+    editor.key("Escape");
+    CHECK(editor.state()["probe"]["on"] == false);
+}
+
+TEST_CASE("a drag over a graph zooms and holds it, a click on it reports a frame, and a key goes on") {
+    if (!full_rounds() || no_windows()) return; // what the commands do is tested without a window
+    SmallTerrain terrain("600x600");
+    EditorWindow& editor = terrain.editor;
+    editor.until("a converged mesh", converged);
+    editor.click("panel.time");
+    editor.hold("d", "some measured frames", [](const json& s) { return s["measures"]["recorded"] > 12; });
+    editor.until("a converged mesh", converged);
+    editor.drag("graph.update", 0.95, 0.5);
+    const json zoomed = editor.state();
+    CHECK(zoomed["measures"]["held"] == true);
+    CHECK(zoomed["measures"]["graphs"][0] > 100);
+    CHECK(zoomed["measures"]["graphs"][0] < 400);
+    CHECK(zoomed["measures"]["graphs"][1] < 100);
+    CHECK(zoomed["measures"]["chosen"].is_null());
+    editor.click("graphs.whole");
+    CHECK(editor.state()["measures"]["graphs"] == json({511, 0}));
+    editor.key("t");
+    CHECK(editor.state()["measures"]["held"] == false);
+    const Place graph = editor.place("graph.update");
+    editor.click_at(graph.x + 0.99 * graph.width, graph.y + 0.6 * graph.height);
+    CHECK(editor.state()["measures"]["chosen"]["ago"] <= 12);
 }

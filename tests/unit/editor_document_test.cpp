@@ -104,8 +104,11 @@ private:
         if (key.get(profile) != value) key.set(profile, value);
         return profile;
     }
-    void type() {
-        const flight::ProfileKey& key = any_key();
+    // held: not into that one, which would be the end of its drag and no step of its own.
+    void type(const flight::ProfileKey* held = nullptr) {
+        const flight::ProfileKey* chosen = &any_key();
+        while (chosen == held) chosen = &any_key();
+        const flight::ProfileKey& key = *chosen;
         const double value = any_value(key);
         document.set(key, value, false);
         model.change_to(with(model.now, key, value));
@@ -130,7 +133,7 @@ private:
             break;
         case 1: // and something else is typed meanwhile
             model.change_to(to);
-            type();
+            type(&key);
             return;
         default: model.change_to(to);
         }

@@ -127,3 +127,27 @@ TEST_CASE("commands hide, fold, resize and turn to panels, and a panel that is a
     run("frame-report 3");
     CHECK(state.messages.all.back().severity == Severity::error); // none has been measured
 }
+
+TEST_CASE("graphs are held while they show some of the frames only, and show all of them when they go on") {
+    State state;
+    Engine engine;
+    Jobs jobs;
+    const auto run = [&](const char* line) { apply(*parse_command(line), {state, engine, jobs}); };
+    CHECK(state.graphs.whole());
+    run("zoom-graphs 300 200");
+    CHECK(state.measures.held());
+    CHECK(state.graphs.oldest == 300);
+    CHECK(state.graphs.newest == 200);
+    run("zoom-graphs 40 90"); // either way round
+    CHECK(state.graphs.oldest == 90);
+    CHECK(state.graphs.newest == 40);
+    for (const char* narrow : {"zoom-graphs 0 0", "zoom-graphs 3 3", "zoom-graphs 511 510"}) {
+        run(narrow);
+        CHECK(state.graphs.oldest - state.graphs.newest + 1 == least_graph_span);
+        CHECK(state.graphs.newest < state.graphs.oldest);
+        CHECK(state.graphs.oldest < measured_frames);
+    }
+    run("hold-graphs off");
+    CHECK_FALSE(state.measures.held());
+    CHECK(state.graphs.whole());
+}

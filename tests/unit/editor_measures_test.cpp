@@ -111,6 +111,10 @@ TEST_CASE("a scale reaches to what is usual: one value in a hundred, and one of 
     for (std::size_t i = 0; i < measured_frames; ++i) ring.push(i % 128 == 7 ? 9000.0F : 3.0F);
     CHECK(ring.usual_most() == 3);
     CHECK(ring.mean() == Approx(3 + 4 * 8997.0 / measured_frames));
+    CHECK(ring.usual_most(8, 100) == 3);
+    CHECK(ring.usual_most(7, 8) == 9000);
+    CHECK(ring.usual_most(400, 9000) == ring.usual_most(400, measured_frames));
+    CHECK(ring.usual_most(9000, 9001) == 0);
 }
 
 TEST_CASE("a frame is recorded once, and one that was built from nothing counts as none of the others") {
@@ -144,12 +148,26 @@ TEST_CASE("a frame is recorded once, and one that was built from nothing counts 
     CHECK(measures.frame(0).pose.position_m.y == 2);
     CHECK(measures.frame(1).entry.items == 70);
     CHECK(measures.frame(0).number == measures.recorded());
+    entry.update_us = 900;
     record(0, false); // the picture of before was shown again
     CHECK(measures.ring(Series::frame_us).size() == 2);
-    CHECK(measures.peaks().update_us == 800);
+    CHECK(measures.peaks().update_us == 900); // a panel that says used and peak shows both
+    entry.update_us = 800;
     CHECK(measures.peaks().items == 70);
     CHECK(measures.last().items == 10);
+    measures.hold(true); // the series stand still, whatever happens
+    entry.items = 90;
+    record(3, true);
+    CHECK(measures.ring(Series::frame_us).size() == 2);
+    CHECK(measures.frame(0).entry.items == 10);
+    CHECK(measures.recorded() == 2);
+    CHECK(measures.peaks().items == 90);
+    measures.hold(false);
+    record(4, true);
+    CHECK(measures.ring(Series::frame_us).size() == 3);
+    measures.hold(true);
     measures.clear();
+    CHECK_FALSE(measures.held());
     CHECK(measures.frames() == 0);
     CHECK(measures.peaks().items == 0);
 }
@@ -228,6 +246,13 @@ TEST_CASE("a size in bytes has three digits, and the unit that leaves one to thr
     const std::pair<double, const char*> counts[] = {
         {0, "0"}, {999, "999"}, {1000, "1,000"}, {12345.4, "12,345"}, {1234567, "1,234,567"}};
     for (const auto& [count, text] : counts) CHECK(std::string(count_text(count).text) == text);
+    CHECK(std::string(metre_text(-235929.6).text) == "-235,930");
+    CHECK(std::string(metre_text(-0.3).text) == "0");
+    CHECK(std::string(place_text(1234.5, -12, 235930).text) == "1,234 E  235,930 S  -12 m");
+    const std::pair<double, const char*> speeds[] = {{0, "0 m/s"},         {0.51, "0.51 m/s"},   {999.4, "999 m/s"},
+                                                     {4096, "4,096 m/s"},  {12345, "12.3 km/s"}, {999400, "999 km/s"},
+                                                     {1.5e6, "1,500 km/s"}};
+    for (const auto& [m_s, text] : speeds) CHECK(std::string(speed_text(m_s).text) == text);
     const std::pair<double, const char*> times[] = {{0, "0.00"},    {274, "0.27"},  {9994, "9.99"},
                                                     {9996, "10.0"}, {99960, "100"}, {1250000, "1,250"}};
     for (const auto& [us, text] : times) CHECK(std::string(ms_text(us).text) == text);

@@ -16,7 +16,7 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 
 // level: how often a base triangle was halved, 0..2 * tile_log2; it is the tree level of the vertex that would halve
 // the triangle once more. Coarse levels are violet and blue, fine ones orange and red; even levels are bright, odd ones
-// dark, so neighbouring levels never look alike.
+// dark, so neighbouring levels never look alike. This and error_rgb() can be read with any kind of colour vision.
 [[nodiscard]] Rgb8 level_rgb(int level, int tile_log2);
 
 // log2 of a step of geometry, 0 to tile_log2: the colour of the triangles that its centres split, fine steps red.
@@ -30,13 +30,13 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 // brightnesses, so that rows and columns can be counted.
 [[nodiscard]] Rgb8 tile_rgb(std::uint32_t column, std::uint32_t row);
 
-// An error on screen by its share of what is red: dark blue up to a tenth, then over green and yellow to red at 1;
-// magenta above 1, a promise that is broken. Between those colours they blend in linear light.
+// An error on screen by its share of what is red: dark blue up to a tenth, then over light blue and yellow to red at 1;
+// white above 1, a promise that is broken. Between those colours they blend in linear light.
 [[nodiscard]] Rgb8 error_rgb(double share);
 // At shares 0.1, 0.4, 0.7 and 1, above 1, and where there is nothing to compare with: holes, and places that are drawn
 // finer than the heights that are compared with.
-inline constexpr Rgb8 error_stops[6] = {{34, 46, 140}, {28, 160, 70}, {244, 222, 40},
-                                        {220, 24, 16}, {255, 0, 220}, {120, 120, 120}};
+inline constexpr Rgb8 error_stops[6] = {{34, 46, 140}, {70, 160, 225},  {244, 214, 50},
+                                        {220, 24, 16}, {255, 255, 255}, {120, 120, 120}};
 
 [[nodiscard]] double to_linear(std::uint8_t srgb); // 0 to 1
 

@@ -92,7 +92,7 @@ struct DrawOptions {
     LayerSettings layers{}; // Mode::shaded, lit, after set_layers()
     double time_s = 0;      // moves the water's waves, and nothing else
     // Mode::error: vertical metres * lambda / distance from an eye, whatever their direction, as the cut measures them.
-    float error_full_px = 1;           // what is red: the threshold that was promised; above it is magenta
+    float error_full_px = 1;           // what is red: the threshold that was promised; above it is white
     std::optional<Vec3> error_eye_m{}; // whose picture was refined; none: the view's
     double error_lambda_px = 0;        // that eye's; 0: the view's
 };
