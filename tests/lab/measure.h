@@ -1,8 +1,8 @@
 // One case flown and measured.
 //
-// Times are those of the update alone, of every frame once, after eight updates of the first view; drawing is not in
-// them. Numbers are rounded to five digits, so that a table and a file say the same. Thread: one. Failure: io::Failure,
-// 1 when a budget does not suffice, 130 when interrupted.
+// Times are what this thread works in the update alone, of every frame once, after eight updates of the first view.
+// Numbers are rounded to five digits, so that a table and a file say the same. Thread: one. Failure: io::Failure, 1
+// when a budget does not suffice, 130 when interrupted.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -35,7 +35,7 @@ std::uint64_t page_in_tile(Order order, std::uint32_t side, std::uint32_t x, std
 
 std::uint64_t place_in_tile(Order order, std::uint32_t side, std::uint32_t x, std::uint32_t y) {
     if (order == Order::linear) return std::uint64_t{y} * (side + 1) + x;
-    if (x >= side || y >= side) return std::uint64_t{side + y} * side + x; // behind the others: the terrain's rim
+    if (x >= side || y >= side) return std::uint64_t{side + y} * (side + 1) + x; // behind the others: the terrain's rim
     const std::uint32_t step = step_of(side, x, y);
     if (x == 0 && y == 0) return 0;
     const std::uint32_t i = x / step, j = y / step;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 
 #include <fmt/format.h>
@@ -26,11 +27,17 @@ struct Axis {
         const double span = std::log(high / low);
         return span > 0 ? from + (to - from) * std::log(v / low) / span : (from + to) / 2;
     }
-    // 1, 2 and 5 of every power of ten, as far as they lie within.
+    // 1, 2 and 5 of every power of ten, as far as they lie within; where those are few, more.
     [[nodiscard]] std::vector<double> ticks() const {
+        const std::vector<double> few = ticks({1, 2, 5});
+        return few.size() >= 4 ? few : ticks({1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9});
+    }
+
+private:
+    [[nodiscard]] std::vector<double> ticks(std::initializer_list<double> digits) const {
         std::vector<double> found;
-        for (double power = std::pow(10, std::floor(std::log10(low))); power <= high; power *= 10)
-            for (const double digit : {1.0, 2.0, 5.0})
+        for (double power = std::pow(10, std::floor(std::log10(low))); power <= high * 1.001; power *= 10)
+            for (const double digit : digits)
                 if (digit * power >= low * 0.999 && digit * power <= high * 1.001) found.push_back(digit * power);
         return found;
     }

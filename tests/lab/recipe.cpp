@@ -188,7 +188,7 @@ const std::vector<Measure>& all_measures() {
                                           {"true_error_px", "true error, largest [px]"},
                                           {"pages_in_use", "pages in use, mean"},
                                           {"pages_read", "pages read in the flight"},
-                                          {"memory_pages", "4 KB of memory in use, mean"},
+                                          {"memory_pages", "memory pages (4 KB) in use, mean"},
                                           {"bake_s", "baking errors and radii [s]"}};
     return all;
 }

@@ -65,8 +65,10 @@ std::vector<Line> lines_of(const Results& results, const Plot& plot) {
             const bool none = r.c.way == Way::lean && (key == "tile_cells" || key == "order");
             if (none || key == "method" || (key == "offscreen_factor" && r.c.way != Way::incremental)) continue;
             const std::string value = text_of(fields_of.at(key));
-            label +=
-                key == "order" || key == "estimate" ? ", " + value : fmt::format(", {} {}", heading_of(key), value);
+            label += key == "tile_cells"         ? fmt::format(", tiles of {}", value)
+                     : key == "offscreen_factor" ? fmt::format(", offscreen factor {}", value)
+                     : key == "error_px"         ? fmt::format(", {} px", value)
+                                                 : ", " + value;
         }
         auto at = std::find_if(lines.begin(), lines.end(), [&](const Line& line) { return line.label == label; });
         if (at == lines.end()) at = lines.insert(lines.end(), Line{label, {}, false});
@@ -164,9 +166,11 @@ void write_report(const std::vector<Results>& experiments, const std::string& ma
                  "table{border-collapse:collapse}td,th{border:1px solid #ccc;padding:.2em .6em;text-align:right}"
                  "svg{max-width:100%;height:auto}</style>\n";
     pages.heading(1, "Experiments");
-    pages.paragraph("Written by ./dev experiments. Machine: " + machine +
-                    ". Times are those of updates, without drawing, and of one run: neighbours on a machine make them "
-                    "longer. Vertices, errors and pages are the same in every run.");
+    pages.paragraph(
+        "Written by ./dev experiments. Machine: " + machine +
+        ". Times are what a thread works in an update, without drawing, each flight flown once. Neighbours that take "
+        "the core are not in them; what neighbours take of the caches is. Vertices, errors and pages are "
+        "the same in every run.");
     for (const Results& each : experiments) add_experiment(pages, each, folder);
     write_text(folder + "/experiments.md", pages.markdown);
     write_text(folder + "/experiments.html", pages.html + "</html>\n");
