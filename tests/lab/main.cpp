@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
+#include "flight/path.h"
 #include "lab/measure.h"
 #include "lab/report.h"
 
@@ -61,7 +62,9 @@ int run(const Options& options) {
     const std::string real_folder = data ? data : "";
     std::vector<lab::Recipe> recipes; // all of them are read before any is run
     for (const std::string& file : recipe_files(options.recipes)) {
+        (void)lab::read_recipe(file, real_folder, !options.quick); // its other form
         recipes.push_back(lab::read_recipe(file, real_folder, options.quick));
+        (void)flight::read_path(FJELL_SOURCE_DIR "/" + recipes.back().site.path);
         (void)lab::read_published(options.recipes + "/published/thesis.json", recipes.back().published);
     }
     std::vector<lab::Results> results;

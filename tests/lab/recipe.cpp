@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "baker/synth/synth.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 #include "io/json.h"
@@ -110,6 +111,11 @@ Site site_of(const json& terrain, const std::string& file, const std::string& re
     site = {};
     site.landscape = keys.need("landscape");
     if (!site.landscape.is_object()) keys.bad("landscape", "must be an object, as in content/terrain");
+    try {
+        (void)baker::synth_source(site.landscape.dump()); // refuses what is no landscape
+    } catch (const io::Failure& e) {
+        keys.bad("landscape", e.what());
+    }
     site.path = keys.text("path");
     keys.refuse_others();
     return site;

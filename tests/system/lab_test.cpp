@@ -231,6 +231,8 @@ TEST_CASE("a recipe of an experiment that is none is refused in one line that na
     refused_recipe("/quick", 1, "quick: is missing");
     refused_recipe("/colour", 1, "colour: unknown key; remove it");
     refused_recipe("/quick/terrain", json::object(), "terrain.synthetic: is missing");
+    refused_recipe("/quick/terrain/synthetic/landscape/colums", 9, "terrain.synthetic.landscape: ");
+    refused_recipe("/tile_cells", json::array({3}), "tile_cells: must be powers of two"); // of the other form
     refused_recipe("/plots", json::array({{{"x", "error_px"}, {"y", "worst_us"}}}), "worst_us is not among");
 }
 
