@@ -1,0 +1,212 @@
+#include "lab/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "fjell/cut.h"
+#include "fjell/io/failure.h"
+#include "fjell/measure.h"
+#include "fjell/recursive.h"
+#include "lab/pages.h"
+
+namespace fjell::lab {
+
+namespace {
+
+constexpr int settling_updates = 8;
+
+struct Flight {
+    std::vector<double> us;
+    double vertices = 0, triangles = 0; // sums
+    std::size_t converged = 0;          // frames that kept to the threshold asked for
+    double true_error_px = -1;
+    PageCount pages;
+};
+
+double rank(std::vector<double> v, double share) {
+    std::sort(v.begin(), v.end());
+    const auto n = static_cast<std::size_t>(std::ceil(share * static_cast<double>(v.size())));
+    return v[std::clamp<std::size_t>(n, 1, v.size()) - 1];
+}
+
+double five_digits(double value) {
+    return value == 0 ? 0 : std::stod(fmt::format("{:.5g}", value));
+}
+
+void check(const Status& status) {
+    if (!status.ok()) throw io::Failure(1, fmt::format("{}: {}", status.field, message(status.code)));
+}
+
+// What this thread has worked: neighbours that take the core away are not in it.
+double worked_us() {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) * 1e6 + static_cast<double>(t.tv_nsec) * 1e-3;
+}
+
+template <typename Update>
+double timed_us(const Update& update) {
+    const double start = worked_us();
+    update();
+    return worked_us() - start;
+}
+
+// Looks at the meshes of some frames or of all, when the flight's times have been taken: looking fills the caches with
+// other things.
+class Observer {
+public:
+    Observer(const Recipe& recipe, const Case& c, const Terrain& terrain, std::size_t frames)
+        : terrain_(terrain), case_(c), pages_(recipe.measures_any({"pages_in_use", "pages_read", "memory_pages"})) {
+        if (!recipe.measures_any({"true_error_px"})) return;
+        const auto count = static_cast<std::size_t>(recipe.verify_frames);
+        for (std::size_t i = 0; i < count; ++i) verified_.insert((2 * i + 1) * frames / (2 * count));
+    }
+    [[nodiscard]] bool idle() const { return !pages_ && verified_.empty(); }
+    [[nodiscard]] bool looks_at(std::size_t frame) const { return pages_ || verified_.contains(frame); }
+    void look(std::size_t frame, const View& view, const MeshView& mesh, Flight& flight) const {
+        if (verified_.contains(frame)) {
+            const Frustum frustum = make_frustum(view);
+            flight.true_error_px = std::max(flight.true_error_px, measure_error(terrain_, mesh, view, &frustum).max_px);
+        }
+        if (pages_) flight.pages.add(mesh, static_cast<std::int32_t>(terrain_.columns()), case_);
+    }
+
+private:
+    const Terrain& terrain_;
+    const Case& case_;
+    bool pages_;
+    std::set<std::size_t> verified_;
+};
+
+// Both need a slot for each vertex of the finest mesh, or two million.
+std::uint32_t vertex_slots(World& world) {
+    return static_cast<std::uint32_t>(std::min(std::size_t{1} << 21, world.samples() + 4096));
+}
+
+Flight fly_recursive(const Recipe& recipe, const Case& c, World& world, const std::vector<View>& views) {
+    const Terrain& terrain = world.terrain(c);
+    const RecursiveBudget budget{vertex_slots(world), 8 * vertex_slots(world)};
+    const std::size_t bytes = recursive_bytes(terrain, budget);
+    const io::AlignedMemory memory = io::allocate(bytes);
+    RecursiveMethod method;
+    check(create_recursive(terrain, budget, {memory.get(), bytes}, method));
+    RefineSettings settings;
+    settings.error_px = c.error_px;
+    settings.topology = Topology::strip; // as in the thesis
+    FrameReport report;
+    Flight f;
+    for (int i = 0; i < settling_updates; ++i) check(update_recursive(method, views[0], settings, report));
+    for (const View& view : views) {
+        io::check_interrupt();
+        f.us.push_back(timed_us([&] { check(update_recursive(method, view, settings, report)); }));
+        f.vertices += report.vertices;
+        f.triangles += report.triangles;
+        f.converged += report.converged;
+    }
+    const Observer observer(recipe, c, terrain, views.size());
+    for (std::size_t frame = 0; frame < views.size(); ++frame) {
+        if (!observer.looks_at(frame)) continue; // a mesh owes nothing to the one before
+        io::check_interrupt();
+        check(update_recursive(method, views[frame], settings, report));
+        observer.look(frame, views[frame], recursive_mesh(method), f);
+    }
+    return f;
+}
+
+Flight fly_incremental(const Recipe& recipe, const Case& c, World& world, const std::vector<View>& views) {
+    const Terrain& terrain = world.terrain(c);
+    const CutBudget budget{vertex_slots(world), 2 * vertex_slots(world) + 1024 * terrain.tile_count(), 512, 1};
+    const std::size_t bytes = cut_bytes(terrain, budget);
+    const io::AlignedMemory memory = io::allocate(bytes);
+    LiveCut cut;
+    check(create_cut(terrain, budget, {memory.get(), bytes}, cut));
+    CutSettings settings;
+    settings.error_px = c.error_px;
+    settings.offscreen_factor = c.offscreen_factor;
+    CutReport report;
+    const auto begin = [&] {
+        check(rebuild_cut(cut, {&views[0], 1}, settings, report));
+        for (int i = 0; i < settling_updates; ++i) check(update_cut(cut, {&views[0], 1}, settings, report));
+    };
+    Flight f;
+    begin();
+    for (const View& view : views) {
+        io::check_interrupt();
+        f.us.push_back(timed_us([&] { check(update_cut(cut, {&view, 1}, settings, report)); }));
+        f.vertices += report.vertices;
+        f.triangles += report.triangles;
+        f.converged += report.converged;
+        (void)cut_take_changes(cut); // as a renderer does
+    }
+    const Observer observer(recipe, c, terrain, views.size());
+    if (observer.idle()) return f;
+    begin();
+    for (std::size_t frame = 0; frame < views.size(); ++frame) {
+        io::check_interrupt();
+        check(update_cut(cut, {&views[frame], 1}, settings, report));
+        if (observer.looks_at(frame)) observer.look(frame, views[frame], cut_mesh(cut).mesh, f);
+    }
+    return f;
+}
+
+Flight fly_lean(const Case& c, World& world, const std::vector<View>& views) {
+    const std::vector<LeanSquare>& squares = world.lean(c);
+    Flight f;
+    const auto update = [&](const View& view) {
+        double triangles = 0;
+        for (const LeanSquare& square : squares) {
+            View local = view;
+            local.eye_m.x -= square.x_m;
+            local.eye_m.z -= square.z_m;
+            const auto frame = square.recursion->refine(local, c.error_px, true);
+            if (!frame.whole) throw io::Failure(1, "lean: its strip is too short; ask for a larger threshold");
+            triangles += frame.triangles;
+        }
+        return triangles;
+    };
+    for (int i = 0; i < settling_updates; ++i) (void)update(views[0]);
+    for (const View& view : views) {
+        io::check_interrupt();
+        double triangles = 0;
+        f.us.push_back(timed_us([&] { triangles = update(view); }));
+        f.triangles += triangles;
+        f.vertices += triangles / 2; // but for the rim
+        ++f.converged;
+    }
+    return f;
+}
+
+} // namespace
+
+nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world) {
+    const std::vector<View> views = world.views(c, recipe.frames);
+    const Flight f = c.way == Way::recursive     ? fly_recursive(recipe, c, world, views)
+                     : c.way == Way::incremental ? fly_incremental(recipe, c, world, views)
+                                                 : fly_lean(c, world, views);
+    const auto frames = static_cast<double>(views.size());
+    if (f.converged != views.size())
+        throw io::Failure(1, fmt::format("{}: at {} px a budget does not suffice; ask for a larger threshold",
+                                         recipe.file, c.error_px));
+    nlohmann::json all{{"vertices", f.vertices / frames},
+                       {"triangles", f.triangles / frames},
+                       {"median_us", rank(f.us, 0.5)},
+                       {"p99_us", rank(f.us, 0.99)},
+                       {"worst_us", rank(f.us, 1)}};
+    if (f.true_error_px >= 0) all["true_error_px"] = f.true_error_px;
+    if (f.pages.frames > 0) {
+        all["pages_in_use"] = f.pages.pages / static_cast<double>(f.pages.frames);
+        all["pages_read"] = f.pages.read.size();
+        all["memory_pages"] = f.pages.memory_pages / static_cast<double>(f.pages.frames);
+    }
+    if (c.way != Way::lean && recipe.measures_any({"bake_s"})) all["bake_s"] = world.bake_s(c);
+    nlohmann::json measured{{"frames", views.size()}};
+    for (const std::string& key : recipe.measures)
+        if (all.contains(key)) measured[key] = five_digits(all[key].get<double>());
+    return measured;
+}
+
+} // namespace fjell::lab

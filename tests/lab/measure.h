@@ -1,0 +1,17 @@
+// One case flown and measured.
+//
+// Times are what this thread works in the update alone, of every frame once, after eight updates of the first view.
+// Numbers are rounded to five digits, so that a table and a file say the same. Thread: one. Failure: io::Failure, 1
+// when a budget does not suffice, 130 when interrupted.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "lab/world.h"
+
+namespace fjell::lab {
+
+// The recipe's measures by key; those that a method does not have are absent. frames: how many were flown.
+[[nodiscard]] nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world);
+
+} // namespace fjell::lab

@@ -1,0 +1,73 @@
+#include "lab/pages.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "fjell/pack.h"
+
+namespace fjell::lab {
+
+namespace {
+
+constexpr std::uint64_t page_samples = 3136, samples_in_4_kb = 4096 / 16, page_cells = 64, root_cells = 32;
+
+// The bits of both numbers in turn, x first.
+std::uint64_t interleave(std::uint32_t x, std::uint32_t y) {
+    std::uint64_t both = 0;
+    for (unsigned bit = 0; bit < 16; ++bit)
+        both |= static_cast<std::uint64_t>(x >> bit & 1) << (2 * bit) | static_cast<std::uint64_t>(y >> bit & 1)
+                                                                            << (2 * bit + 1);
+    return both;
+}
+
+std::uint32_t step_of(std::uint32_t side, std::uint32_t x, std::uint32_t y) {
+    return 1u << std::countr_zero(x | y | side);
+}
+
+std::uint64_t page_in_tile(Order order, std::uint32_t side, std::uint32_t x, std::uint32_t y) {
+    if (order == Order::linear) return place_in_tile(order, side, x, y) / page_samples;
+    const std::uint64_t step = step_of(side, x, y);
+    if (side / step <= root_cells) return 0;
+    return step << 32 | (y / step / page_cells) << 16 | x / step / page_cells;
+}
+
+} // namespace
+
+std::uint64_t place_in_tile(Order order, std::uint32_t side, std::uint32_t x, std::uint32_t y) {
+    if (order == Order::linear) return std::uint64_t{y} * (side + 1) + x;
+    if (x >= side || y >= side) return std::uint64_t{side + y} * (side + 1) + x; // behind the others: the terrain's rim
+    const std::uint32_t step = step_of(side, x, y);
+    if (x == 0 && y == 0) return 0;
+    const std::uint32_t i = x / step, j = y / step;
+    const std::uint64_t n = side / step / 2, before = n * n; // coarser samples: as many as squares of this step
+    if (order == Order::hierarchical_z) {
+        const std::uint64_t z = interleave(i, j);
+        return before + z - z / 4 - 1; // every fourth is a coarser one
+    }
+    const std::uint64_t plane = (i & 1) != 0 ? (j & 1) != 0 ? 0 : 1 : 2;
+    return before + plane * n * n + (j / 2) * n + i / 2;
+}
+
+void PageCount::add(const MeshView& mesh, std::int32_t columns, const Case& c) {
+    const auto side = static_cast<std::uint32_t>(c.tile_cells);
+    const std::uint32_t tiles_x = (static_cast<std::uint32_t>(columns) + side - 2) / side;
+    std::unordered_set<std::uint64_t> pages_now, memory_now;
+    std::vector<bool> seen(mesh.vertices.size());
+    for (const TileRange& range : mesh.tiles)
+        for (const std::uint32_t index : mesh.indices.subspan(range.first_index, range.index_count)) {
+            if (seen[index]) continue;
+            seen[index] = true;
+            const auto column = static_cast<std::uint32_t>(mesh.vertices[index].column),
+                       row = static_cast<std::uint32_t>(mesh.vertices[index].row);
+            const std::uint64_t tile = std::uint64_t{row / side} * (tiles_x + 1) + column / side;
+            const std::uint32_t x = column % side, y = row % side;
+            pages_now.insert(tile << 44 | page_in_tile(c.order, side, x, y));
+            memory_now.insert(tile << 44 | place_in_tile(c.order, side, x, y) / samples_in_4_kb);
+        }
+    ++frames;
+    pages += static_cast<double>(pages_now.size());
+    memory_pages += static_cast<double>(memory_now.size());
+    read.merge(pages_now);
+}
+
+} // namespace fjell::lab

@@ -1,0 +1,27 @@
+// Which pages the selected vertices of a mesh lie in: what a stream would have to have read.
+//
+// Counted twice. pages: as our packs cut a tile, in pages of one step (docs/glossary.md), or in linear order of rows.
+// memory_pages: 4 KB of one array over a whole tile, 16 bytes a sample, as the thesis lays it out (4.2, 5.3.3); there
+// planar and hierarchical Z-order lie level by level, the coarsest first. Vertices that are visited and not selected
+// are not counted. Borders belong to the tile in the south-east.
+#pragma once
+
+#include <cstdint>
+#include <unordered_set>
+
+#include "fjell/mesh.h"
+#include "lab/recipe.h"
+
+namespace fjell::lab {
+
+struct PageCount {
+    std::size_t frames = 0;
+    double pages = 0, memory_pages = 0;     // different ones in a frame, summed over frames
+    std::unordered_set<std::uint64_t> read; // pages of the flight so far
+    void add(const MeshView& mesh, std::int32_t columns, const Case& c);
+};
+
+// Where a sample stands in such an array. x, y: 0 to side; side: a power of two.
+[[nodiscard]] std::uint64_t place_in_tile(Order order, std::uint32_t side, std::uint32_t x, std::uint32_t y);
+
+} // namespace fjell::lab

@@ -1,0 +1,51 @@
+// What an experiment's cases fly over: heights, packs of them baked as the cases want, and views.
+//
+// Packs are kept in a folder and baked once for each name, which says all that they depend on but the code. Holds one
+// pack and one lean recursion loaded at a time. Thread: one. Failure: io::Failure as reading, synthesis and baking do.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fjell/io/load.h"
+#include "fjell/view.h"
+#include "lab/recipe.h"
+#include "rivals/lean_recursion.h"
+#include "support/dem.h"
+
+namespace fjell::lab {
+
+// The lean recursion takes a square: an oblong terrain is several, side by side, each refined by itself. So vertices on
+// the borders between them may differ from one terrain's, by what their errors know of one side only.
+struct LeanSquare {
+    std::unique_ptr<rivals::LeanRecursion> recursion;
+    double x_m = 0, z_m = 0; // of its first sample
+};
+
+class World {
+public:
+    // source_root: where recipes' paths start. packs: a folder.
+    World(Site site, std::string source_root, std::string real_folder, std::string packs);
+
+    [[nodiscard]] const Terrain& terrain(const Case& c);
+    [[nodiscard]] double bake_s(const Case& c); // of the errors and radii of its pack, on one thread
+    [[nodiscard]] const std::vector<LeanSquare>& lean(const Case& c);
+    [[nodiscard]] std::vector<View> views(const Case& c, int frames);
+    [[nodiscard]] std::size_t samples();
+
+private:
+    const baker::Dem& dem();
+    std::string pack(const baker::Dem& heights, int tile_log2, const Case& c, const std::string& part);
+
+    Site site_;
+    std::string source_root_, real_folder_, packs_;
+    std::optional<baker::Dem> dem_;
+    std::string loaded_name_, lean_name_;
+    io::LoadedPack loaded_;
+    std::vector<LeanSquare> lean_;
+};
+
+} // namespace fjell::lab

@@ -1,0 +1,268 @@
+// The lab (fjell-lab, ./dev experiments) in its quick form: what its report says is what its files say, read here
+// independently; what was measured before an interruption is not measured again.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "lab/pages.h"
+#include "support/program.h"
+#include "support/temporary_folder.h"
+
+namespace {
+
+using namespace fjell;
+using fjell::test::run_in;
+using fjell::test::slurp;
+using fjell::test::spit;
+using fjell::test::TemporaryFolder;
+using nlohmann::json;
+
+namespace fs = std::filesystem;
+const std::string lab_program = FJELL_BIN_DIR "/fjell-lab --quick ";
+const fs::path recipes = FJELL_SOURCE_DIR "/content/experiments";
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+std::vector<std::string> cells_of(const std::string& row) {
+    std::vector<std::string> cells;
+    std::istringstream in(row.substr(1));
+    for (std::string cell; std::getline(in, cell, '|');) cells.push_back(cell.substr(1, cell.size() - 2));
+    return cells;
+}
+
+std::vector<json> stored(const fs::path& file) {
+    std::vector<json> all;
+    for (const std::string& line : lines_of(slurp(file))) all.push_back(json::parse(line));
+    return all;
+}
+
+std::vector<fs::path> recipe_files() {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(recipes))
+        if (entry.path().extension() == ".json") files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+// One run for all cases: stopped after five, left with half a line as by a kill, and run again.
+struct LabRun {
+    TemporaryFolder folder;
+    std::string before, after, first_out, second_out;
+    LabRun() {
+        const std::string command = lab_program + "--out out";
+        const auto first = run_in(folder.path, command + " --cases 5");
+        INFO(first.err);
+        REQUIRE(first.code == 0);
+        first_out = first.out;
+        const fs::path file = folder.path / "out/1-tilings.jsonl";
+        before = slurp(file);
+        spit(file, before + R"({"case": {"error_px": 4}, "key)");
+        const auto second = run_in(folder.path, command);
+        INFO(second.err);
+        REQUIRE(second.code == 0);
+        second_out = second.out;
+        after = slurp(file);
+    }
+    [[nodiscard]] fs::path out() const { return folder.path / "out"; }
+};
+const LabRun& lab_run() {
+    static const LabRun run;
+    return run;
+}
+
+// The tables of the report, by title.
+std::map<std::string, std::vector<std::vector<std::string>>> tables(const std::string& markdown) {
+    std::map<std::string, std::vector<std::vector<std::string>>> found;
+    std::string title;
+    for (const std::string& line : lines_of(markdown)) {
+        if (line.starts_with("## ")) title = line.substr(3);
+        if (line.starts_with("| ") && !line.starts_with("| ---")) found[title].push_back(cells_of(line));
+    }
+    return found;
+}
+
+// One line that names the program, the file and what is wrong.
+void refused_recipe(const std::string& change, const json& to, const std::string& says) {
+    const TemporaryFolder folder;
+    json recipe = json::parse(slurp(recipes / "1-tilings.json"));
+    recipe[json::json_pointer(change)] = to;
+    spit(folder.path / "bad.json", recipe.dump());
+    const auto r = run_in(folder.path, lab_program + "--recipes . --out out");
+    CAPTURE(change, r.err);
+    CHECK(r.code == 1);
+    CHECK(r.err.starts_with("fjell-lab: ./bad.json: "));
+    CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+    CHECK(r.err.find(says) != std::string::npos);
+    CHECK_FALSE(fs::exists(folder.path / "out"));
+}
+
+} // namespace
+
+TEST_CASE("an interrupted run of experiments goes on where it was, and a third measures nothing") {
+    const LabRun& run = lab_run();
+    CHECK(lines_of(run.before).size() == 5);
+    CHECK(run.first_out.find("1-tilings: 5 cases measured now, 5 of 21 in all") != std::string::npos);
+    CHECK(run.second_out.find("1-tilings: 16 cases measured now, 21 of 21 in all") != std::string::npos);
+    CHECK(run.after.starts_with(run.before)); // times too: they would differ
+    CHECK(stored(run.out() / "1-tilings.jsonl").size() == 21);
+    const auto third = run_in(run.folder.path, lab_program + "--out out");
+    CHECK(third.code == 0);
+    for (const std::string& line : lines_of(third.out))
+        if (line.find("cases measured") != std::string::npos)
+            CHECK(line.find(": 0 cases measured now") != std::string::npos);
+    CHECK(slurp(run.out() / "1-tilings.jsonl") == run.after);
+}
+
+TEST_CASE("the report of the experiments has every number of its files, and no other") {
+    const LabRun& run = lab_run();
+    const std::string markdown = slurp(run.out() / "experiments.md"), html = slurp(run.out() / "experiments.html");
+    const auto found = tables(markdown);
+    CHECK(found.size() == recipe_files().size());
+    std::size_t pictures = 0;
+    for (const fs::path& file : recipe_files()) {
+        const json recipe = json::parse(slurp(file));
+        const std::string title = recipe.at("title"), name = file.stem().string();
+        CAPTURE(name);
+        REQUIRE(found.contains(title));
+        CHECK(html.find(title) != std::string::npos);
+        const auto& table = found.at(title);
+        const std::vector<json> lines = stored(run.out() / (name + ".jsonl"));
+        REQUIRE(table.size() == lines.size() + 1);
+        const std::size_t measures = recipe.at("measures").size(), fields = table[0].size() - measures;
+        for (std::size_t i = 0; i < lines.size(); ++i) {
+            const json &c = lines[i].at("case"), &measured = lines[i].at("measured");
+            const std::vector<std::string>& row = table[i + 1];
+            REQUIRE(row.size() == table[0].size());
+            CHECK(row[0] == c.at("method").get<std::string>());
+            for (std::size_t m = 0; m < measures; ++m) {
+                const std::string key = recipe["measures"][m], cell = row[fields + m];
+                CAPTURE(key, cell);
+                CHECK((cell == "-") == !measured.contains(key));
+                if (cell != "-") CHECK(std::stod(cell) == measured[key].get<double>());
+                CHECK((cell == "-" || html.find("<td>" + cell + "</td>") != std::string::npos));
+            }
+        }
+        for (const json& plot : recipe.at("plots")) {
+            const std::string picture = name + "-" + plot.at("y").get<std::string>() + ".svg";
+            CHECK(markdown.find("](" + picture + ")") != std::string::npos);
+            const std::string svg = slurp(run.out() / picture);
+            CHECK(svg.find("<polyline") != std::string::npos);
+            CHECK(html.find(svg) != std::string::npos);
+            ++pictures;
+        }
+    }
+    for (std::size_t at = 0; (at = html.find("<svg", at)) != std::string::npos; ++at) --pictures;
+    CHECK(pictures == 0);
+    CHECK(html.find("src=") == std::string::npos); // it needs nothing else
+    CHECK(html.find("href=") == std::string::npos);
+}
+
+TEST_CASE("a lower threshold takes more vertices, and what is measured keeps to it where errors are true") {
+    int steps = 0, kept = 0, exceeded = 0;
+    for (const fs::path& file : recipe_files()) {
+        std::map<json, std::map<double, double>> vertices; // by everything but the threshold
+        for (const json& line : stored(lab_run().out() / (file.stem().string() + ".jsonl"))) {
+            json c = line.at("case");
+            const double error_px = c.at("error_px");
+            if (line.at("measured").contains("true_error_px")) {
+                const bool within = line["measured"]["true_error_px"].get<double>() <= error_px;
+                if (c.at("estimate") == "true") CHECK(within);
+                (within ? kept : exceeded) += 1;
+            }
+            c.erase("error_px");
+            vertices[c][error_px] = line.at("measured").at("vertices");
+        }
+        for (const auto& [c, by_threshold] : vertices) {
+            double more = 1e300;
+            for (const auto& [error_px, count] : by_threshold) {
+                CAPTURE(file, c.dump(), error_px);
+                CHECK(count <= more);
+                steps += more < 1e300;
+                more = count;
+            }
+        }
+    }
+    CHECK(steps >= 20);
+    CHECK(kept >= 9);
+    CHECK(exceeded >= 1); // mid-point errors bound nothing: that is what is shown
+}
+
+TEST_CASE("the conclusions of the experiments are those of their numbers") {
+    std::map<std::string, double> times; // of recursion, by threshold and tile
+    std::map<std::string, double> lean;
+    double least = 1e300, largest = 0;
+    const std::vector<json> lines = stored(lab_run().out() / "1-tilings.jsonl");
+    for (const json& line : lines)
+        if (line["case"]["method"] == "lean") lean[line["case"]["error_px"].dump()] = line["measured"]["median_us"];
+    for (const json& line : lines) {
+        if (line["case"]["method"] != "recursive") continue;
+        const double ratio = lean.at(line["case"]["error_px"].dump()) / line["measured"]["median_us"].get<double>();
+        least = std::min(least, ratio);
+        largest = std::max(largest, ratio);
+    }
+    char text[200];
+    std::snprintf(text, sizeof text, "The leanest recursion takes %.2f to %.2f times the recursive method's", least,
+                  largest);
+    INFO(text);
+    CHECK(slurp(lab_run().out() / "experiments.md").find(text) != std::string::npos);
+}
+
+TEST_CASE("a recipe of an experiment that is none is refused in one line that names file and key") {
+    refused_recipe("/quick/tile_cells", json::array({100}), "tile_cells: must be powers of two");
+    refused_recipe("/quick/thresholds_px", "low", "thresholds_px: must be a list");
+    refused_recipe("/quick/thresholds_px", json::array({-1}), "thresholds_px: must be numbers from");
+    refused_recipe("/quick/tile_cells", json::array(), "tile_cells: must be a list");
+    refused_recipe("/orders", json::array({"linear"}), "orders: the incremental method does not take linear");
+    refused_recipe("/methods", json::array({"fastest"}),
+                   "methods: \"fastest\" is none of recursive, incremental, lean");
+    refused_recipe("/measures", json::array({"speed"}), "measures: \"speed\" is none of");
+    refused_recipe("/quick", 1, "quick: is missing");
+    refused_recipe("/colour", 1, "colour: unknown key; remove it");
+    refused_recipe("/quick/terrain", json::object(), "terrain.synthetic: is missing");
+    refused_recipe("/quick/terrain/synthetic/landscape/colums", 9, "terrain.synthetic.landscape: ");
+    refused_recipe("/tile_cells", json::array({3}), "tile_cells: must be powers of two"); // of the other form
+    refused_recipe("/plots", json::array({{{"x", "error_px"}, {"y", "worst_us"}}}), "worst_us is not among");
+}
+
+TEST_CASE("the thesis' tables have twelve thresholds each, and vertices that grow as thresholds fall") {
+    const json root = json::parse(slurp(recipes / "published/thesis.json"));
+    CHECK(root.at("series").size() == 11);
+    for (const json& series : root["series"]) {
+        CAPTURE(series.at("name").get<std::string>());
+        const auto thresholds = series.at("thresholds_px").get<std::vector<double>>(),
+                   vertices = series.at("vertices").get<std::vector<double>>(),
+                   rates = series.at("frames_a_second").get<std::vector<double>>();
+        CHECK((thresholds.size() == 12 && vertices.size() == 12 && rates.size() == 12));
+        CHECK(std::is_sorted(thresholds.rbegin(), thresholds.rend()));
+        CHECK(std::is_sorted(vertices.begin(), vertices.end()));
+    }
+}
+
+TEST_CASE("places in a tile are told apart in every order, and level by level without gaps but in linear order") {
+    constexpr std::uint32_t side = 16;
+    for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
+        std::set<std::uint64_t> places, inner;
+        for (std::uint32_t y = 0; y <= side; ++y)
+            for (std::uint32_t x = 0; x <= side; ++x) {
+                const std::uint64_t place = lab::place_in_tile(order, side, x, y);
+                places.insert(place);
+                if (x < side && y < side) inner.insert(place);
+                if (order != Order::linear && x % 4 == 0 && y % 4 == 0 && x < side && y < side)
+                    CHECK(place < 16); // of step 4 and coarser there are sixteen, and they come first
+            }
+        CHECK(places.size() == (side + 1) * (side + 1));
+        if (order != Order::linear) CHECK(*inner.rbegin() == side * side - 1);
+    }
+}
