@@ -345,7 +345,7 @@ int run(int argc, char** argv) {
     const bool other = commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() ||
                        commands.synth->parsed() || commands.materials->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))
-        throw Failure(2, "info, verify, heights, synth and materials bake no terrain; leave out the height field and "
+        throw Failure(2, "info, verify, heights, synth and materials bake nothing; leave out the height field and "
                          "-o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);

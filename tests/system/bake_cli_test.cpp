@@ -153,6 +153,27 @@ TEST_CASE("a pack's heights come back as a GeoTIFF that bakes to the same height
     refused(folder, bake + "dem.asc heights out.fjell -o x.tif", 2, "bake nothing");
 }
 
+TEST_CASE("materials are baked from recipes and flown over, and what is wrong with them is said in one line") {
+    const TemporaryFolder folder;
+    spit(folder / "dem.asc", ascii_grid(40, 40, "7"));
+    std::filesystem::create_directory(folder / "set");
+    spit(folder / "set/grass.json", R"({"base": [90, 110, 50], "steps": [{"draw": "noise", "height_m": 0.1}]})");
+    spit(folder / "rules.json", R"({"rules": [{"layer": "grass"}]})");
+    REQUIRE(run_in(folder.path, bake + "dem.asc -o out.fjell").code == 0);
+    const std::string materials = bake + "materials set -o m.materials --size ";
+    REQUIRE(run_in(folder.path, materials + "32").code == 0);
+    const std::string fly = FJELL_BIN_DIR "/fjell-fly out.fjell --headless --frames 1 --size 64x64 --render pictures ";
+    CHECK(run_in(folder.path, fly + "--materials m.materials --layers rules.json").code == 0);
+    const Run swapped = run_in(folder.path, fly + "--materials rules.json --layers m.materials");
+    CHECK(swapped.code == 1);
+    CHECK(swapped.err ==
+          "fjell-fly: rules.json: is not a file of materials; make it again with fjell-bake materials\n");
+    refused(folder, materials + "100", 2, "must be a power of two from 16 to 2048");
+    refused(folder, bake + "materials nothing -o m.materials", 1, "nothing");
+    spit(folder / "set/mud.json", R"({"base": [90, 70, 50], "steps": [{"draw": "mud"}]})");
+    refused(folder, materials + "32", 1, "set/mud.json: step 0: \"draw\" must be one of noise, ");
+}
+
 TEST_CASE("verify looks at maps too: a tile with another's colours fails, though every checksum holds") {
     const TemporaryFolder folder;
     std::string text = "ncols 193\nnrows 129\nxllcorner 1000\nyllcorner 1000\ncellsize 30\n"; // smooth
