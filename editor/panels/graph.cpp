@@ -61,7 +61,10 @@ Scale scale_of(const Graph& graph, std::initializer_list<GraphLine> lines) {
         for (std::size_t i = first; i < end; ++i)
             least = std::min(least, static_cast<double>(line.values->value(i) * std::abs(line.factor)));
     }
-    if (graph.logarithmic) {
+    if (graph.logarithmic && most <= 0) { // there is nothing yet
+        s.least = 0.1;
+        s.most = 10;
+    } else if (graph.logarithmic) {
         s.least = std::pow(10.0, std::floor(std::log10(std::max(least, least_logarithmic))));
         s.most = std::max(std::pow(10.0, std::ceil(std::log10(std::max(most, least_logarithmic)))), 10 * s.least);
     } else {
@@ -172,16 +175,14 @@ GraphInput follow_mouse(ImDrawList& list, const Scale& s, bool clicked) {
     const bool dragged = std::abs(now - begin) > 0.4F * ImGui::GetFontSize();
     GraphInput input;
     if (clicked && !dragged) input.clicked = s.ago(now);
-    if (!dragged) return input;
-    if (ImGui::IsItemActive()) {
-        input.drags = true;
+    input.drags = dragged && ImGui::IsItemActive();
+    input.released = dragged && ImGui::IsItemDeactivated();
+    if (!input.drags && !input.released) return input;
+    input.oldest = s.ago(std::min(begin, now));
+    input.newest = s.ago(std::max(begin, now));
+    if (input.drags)
         list.AddRectFilled({std::min(begin, now), s.low.y}, {std::max(begin, now), s.high.y},
                            IM_COL32(255, 255, 255, 45));
-    }
-    if (ImGui::IsItemDeactivated()) {
-        input.oldest = s.ago(std::min(begin, now));
-        input.newest = s.ago(std::max(begin, now));
-    }
     return input;
 }
 

@@ -33,8 +33,8 @@ struct Graph {
 // What the mouse does with a graph, in frames ago.
 struct GraphInput {
     std::size_t clicked = no_frame;
-    bool drags = false;                               // over some frames: they should stand still
-    std::size_t oldest = no_frame, newest = no_frame; // of those, when it was let go
+    bool drags = false, released = false;             // over some frames: held, and let go
+    std::size_t oldest = no_frame, newest = no_frame; // of those
 };
 // Over the column's width: lines from the oldest frame on the left to the newest, gridlines with numbers, the budget's
 // line, a legend, and what the frame under the mouse had. The scale reaches to what is usual, or if not all frames are

@@ -162,8 +162,10 @@ void draw_measured_graph(ui::Graph graph, std::initializer_list<ui::GraphLine> l
         commands.push(ChooseFrame{true, input.clicked});
         commands.push(ShowPanel{Panel::time});
     }
+    const std::size_t size = m.ring(Series::frame_us).size();
+    if (input.oldest == ui::no_frame || input.newest >= size) return; // there are no frames yet
     if (input.drags && !m.held()) commands.push(HoldMeasures{true});
-    if (input.oldest != ui::no_frame) commands.push(ZoomGraphs{input.oldest, input.newest});
+    if (input.released) commands.push(ZoomGraphs{std::min(input.oldest, size - 1), input.newest});
 }
 
 void draw_time(const State& state, Commands& commands) {
