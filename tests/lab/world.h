@@ -4,7 +4,7 @@
 // pack and one lean recursion loaded at a time. Thread: one. Failure: io::Failure as reading, synthesis and baking do.
 #pragma once
 
-#include <map>
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -35,6 +35,7 @@ public:
     [[nodiscard]] const std::vector<LeanSquare>& lean(const Case& c);
     [[nodiscard]] std::vector<View> views(const Case& c, int frames);
     [[nodiscard]] std::size_t samples();
+    [[nodiscard]] double cell_m() { return std::min(dem().spacing_m[0], dem().spacing_m[1]); }
 
 private:
     const baker::Dem& dem();
