@@ -124,7 +124,7 @@ std::string on_estimates(const Results& results) {
     const Range v = ratios(results, "vertices", of, other);
     if (!v.count) return {};
     std::string text = fmt::format("Estimate 2 (mid-point errors) selects {} times the vertices of estimate 1 (true "
-                                   "errors), and baking it takes {} times as long. ",
+                                   "errors), and baking its errors, radii and pages takes {} times as long. ",
                                    v.text(), ratios(results, "bake_s", of, other).text());
     for (const Estimate e : {Estimate::max, Estimate::midpoint}) {
         Range error;

@@ -31,7 +31,7 @@ public:
     World(Site site, std::string source_root, std::string real_folder, std::string packs);
 
     [[nodiscard]] const Terrain& terrain(const Case& c);
-    [[nodiscard]] double bake_s(const Case& c); // of the errors and radii of its pack, on one thread
+    [[nodiscard]] double bake_s(const Case& c); // of its pack: errors, radii, encoded pages; one thread
     [[nodiscard]] const std::vector<LeanSquare>& lean(const Case& c);
     [[nodiscard]] std::vector<View> views(const Case& c, int frames);
     [[nodiscard]] std::size_t samples();
