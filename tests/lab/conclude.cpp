@@ -76,16 +76,19 @@ std::string on_tilings(const Results& results) {
                             "{}, and its median update takes {} times as long, over all thresholds. ",
                             v.text(), last, first, ratios(results, "median_us", of_first, to_last).text());
     const Range incremental = ratios(results, "median_us", recursive, [](Case& c) { c.way = Way::incremental; });
+    double speed = 0;
+    for (const Result& r : results.all) speed = r.value("flown_cells_a_frame").value_or(speed); // one path for all
     if (incremental.count)
-        text += fmt::format("The incremental method's median takes {} times the recursive one's, and is the shorter in "
-                            "{} of {} cases. ",
-                            incremental.text(), incremental.below_one, incremental.count);
+        text += fmt::format("The camera flies {:.1f} cells a frame on average; there the incremental method's median "
+                            "takes {} times the recursive one's, and is the shorter in {} of {} cases. ",
+                            speed, incremental.text(), incremental.below_one, incremental.count);
     const Range lean = ratios(results, "median_us", recursive, [](Case& c) { c.way = Way::lean; });
     if (lean.count) text += fmt::format("The leanest recursion takes {} times the recursive method's. ", lean.text());
     if (!results.published.empty() && !results.recipe.site.file.empty())
         if (const Range v = over_published(results, results.published.front(), first); v.count)
-            text += fmt::format("It selects {} times the vertices of the thesis' table {}, along another path. ",
-                                v.text(), results.published.front().name);
+            text += fmt::format(
+                "Our recursive method selects {} times the vertices of the thesis' table {}, along another path. ",
+                v.text(), results.published.front().name);
     return text;
 }
 
@@ -121,7 +124,7 @@ std::string on_estimates(const Results& results) {
     const Range v = ratios(results, "vertices", of, other);
     if (!v.count) return {};
     std::string text = fmt::format("Estimate 2 (mid-point errors) selects {} times the vertices of estimate 1 (true "
-                                   "errors), and baking it takes {} times as long. ",
+                                   "errors), and baking its errors, radii and pages takes {} times as long. ",
                                    v.text(), ratios(results, "bake_s", of, other).text());
     for (const Estimate e : {Estimate::max, Estimate::midpoint}) {
         Range error;

@@ -180,6 +180,13 @@ Flight fly_lean(const Case& c, World& world, const std::vector<View>& views) {
     return f;
 }
 
+// How fast the camera was, on average.
+double mean_cells_a_frame(const std::vector<View>& views, double cell_m) {
+    double flown_m = 0;
+    for (std::size_t i = 1; i < views.size(); ++i) flown_m += length(views[i].eye_m - views[i - 1].eye_m);
+    return flown_m / cell_m / static_cast<double>(std::max<std::size_t>(views.size() - 1, 1));
+}
+
 } // namespace
 
 nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world) {
@@ -203,7 +210,8 @@ nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world) {
         all["memory_pages"] = f.pages.memory_pages / static_cast<double>(f.pages.frames);
     }
     if (c.way != Way::lean && recipe.measures_any({"bake_s"})) all["bake_s"] = world.bake_s(c);
-    nlohmann::json measured{{"frames", views.size()}};
+    nlohmann::json measured{{"frames", views.size()},
+                            {"flown_cells_a_frame", five_digits(mean_cells_a_frame(views, world.cell_m()))}};
     for (const std::string& key : recipe.measures)
         if (all.contains(key)) measured[key] = five_digits(all[key].get<double>());
     return measured;

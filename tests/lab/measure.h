@@ -11,7 +11,8 @@
 
 namespace fjell::lab {
 
-// The recipe's measures by key; those that a method does not have are absent. frames: how many were flown.
+// The recipe's measures by key; those that a method does not have are absent. And frames, how many were flown,
+// and flown_cells_a_frame.
 [[nodiscard]] nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world);
 
 } // namespace fjell::lab

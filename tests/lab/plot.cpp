@@ -11,7 +11,7 @@ namespace fjell::lab {
 
 namespace {
 
-constexpr double width = 900, left = 80, right = 600, top = 20, bottom = 360, line_height = 17;
+constexpr double width = 960, left = 80, right = 600, top = 20, bottom = 360, line_height = 17;
 // Colours of equal weight, told apart by those who do not see all of them too, then repeated.
 constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00",
                                    "#56b4e9", "#7a5195", "#444444", "#9a6324", "#808000"};

@@ -195,7 +195,7 @@ const std::vector<Measure>& all_measures() {
                                           {"pages_in_use", "pages in use, mean"},
                                           {"pages_read", "pages read in the flight"},
                                           {"memory_pages", "memory pages (4 KB) in use, mean"},
-                                          {"bake_s", "baking errors and radii [s]"}};
+                                          {"bake_s", "baking errors, radii, pages [s]"}};
     return all;
 }
 

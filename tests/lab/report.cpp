@@ -77,7 +77,7 @@ std::vector<Line> lines_of(const Results& results, const Plot& plot) {
     const bool time = plot.y == "median_us";
     if (plot.x != "error_px" || (!time && plot.y != "vertices")) return lines;
     for (const Published& p : results.published) {
-        Line line{"thesis: " + p.name + (time ? ", whole frame" : ""), {}, true};
+        Line line{"thesis: " + p.name + (time ? ", whole frames" : ""), {}, true};
         for (std::size_t i = 0; i < p.thresholds_px.size(); ++i)
             line.points.emplace_back(p.thresholds_px[i], time ? 1e6 / p.frames_a_second[i] : p.vertices[i]);
         lines.push_back(line);

@@ -4,7 +4,7 @@
 // pack and one lean recursion loaded at a time. Thread: one. Failure: io::Failure as reading, synthesis and baking do.
 #pragma once
 
-#include <map>
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,10 +31,11 @@ public:
     World(Site site, std::string source_root, std::string real_folder, std::string packs);
 
     [[nodiscard]] const Terrain& terrain(const Case& c);
-    [[nodiscard]] double bake_s(const Case& c); // of the errors and radii of its pack, on one thread
+    [[nodiscard]] double bake_s(const Case& c); // of its pack: errors, radii, encoded pages; one thread
     [[nodiscard]] const std::vector<LeanSquare>& lean(const Case& c);
     [[nodiscard]] std::vector<View> views(const Case& c, int frames);
     [[nodiscard]] std::size_t samples();
+    [[nodiscard]] double cell_m() { return std::min(dem().spacing_m[0], dem().spacing_m[1]); }
 
 private:
     const baker::Dem& dem();
