@@ -60,6 +60,8 @@ bool run_bulk(CutState& s) {
             if (may_build_beside(s)) {
                 watch_pages(s);
                 begin_bulk(s, true);
+            } else if (r.visits != 0) {
+                ++r.visits; // or a replay that ends after the one before would still mean to begin
             }
         }
         if (b.phase == BulkPhase::idle) return false;

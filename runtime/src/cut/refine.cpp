@@ -246,6 +246,12 @@ bool out_of_time(CutState& s, bool done_something) {
 
 namespace {
 
+// A step of the bulk pass counts too. Were one more group evaluated after the last step that time allowed, a replay
+// would spend that visit on the next step.
+bool has_done_something(const CutState& s) {
+    return s.report.items != 0 || s.report.visits != 0;
+}
+
 void prefetch_changes(const CutState& s, std::span<const std::uint32_t> groups) {
     constexpr std::uint32_t most = 6 * batch_groups; // of changes; more would push each other out of the cache
     PlannedChange plans[most];
@@ -269,7 +275,7 @@ bool change_batch(CutState& s, std::uint32_t queue, bool may_deactivate) {
     }
     prefetch_changes(s, {groups, count});
     for (std::uint32_t i = 0; i < count; ++i) {
-        if (s.report.items < s.item_limit && !out_of_time(s, s.report.items != 0)) {
+        if (s.report.items < s.item_limit && !out_of_time(s, has_done_something(s))) {
             change_group(s, groups[i], may_deactivate);
             continue;
         }
@@ -403,7 +409,7 @@ bool work_off(CutState& s) {
     while (s.report.items < s.item_limit) {
         const bool any_due = visits.any();
         if (any_due && s.examined < most_examined) {
-            if (out_of_time(s, s.report.items != 0)) return false;
+            if (out_of_time(s, has_done_something(s))) return false;
             visits.examine_next();
             continue;
         }
