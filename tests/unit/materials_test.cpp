@@ -22,7 +22,7 @@ using namespace fjell::baker;
 
 namespace {
 
-const std::string folder = FJELL_SOURCE_DIR "/content/materials";
+const std::string recipes_folder = FJELL_SOURCE_DIR "/content/materials";
 
 // The mean difference between neighbours, pair by pair of columns (or rows): the last is that of the last and the
 // first.
@@ -91,7 +91,7 @@ std::vector<std::byte> small_file() {
 } // namespace
 
 TEST_CASE("every material of content repeats without a seam, in colour, height and normal") {
-    for (const MaterialRecipe& recipe : read_materials(folder)) {
+    for (const MaterialRecipe& recipe : read_materials(recipes_folder)) {
         INFO(recipe.name);
         const MaterialTexels t = make_material(recipe, test::rounds<std::uint32_t>(64, 256));
         for (const bool rows : {false, true})
@@ -107,7 +107,7 @@ TEST_CASE("every material of content repeats without a seam, in colour, height a
 
 TEST_CASE("the materials of content are ten, and no two are of one colour or without relief") {
     std::vector<MaterialTexels> texels;
-    for (const MaterialRecipe& recipe : read_materials(folder)) texels.push_back(make_material(recipe, 32));
+    for (const MaterialRecipe& recipe : read_materials(recipes_folder)) texels.push_back(make_material(recipe, 32));
     REQUIRE(texels.size() == 10);
     for (const MaterialTexels& a : texels) {
         INFO(a.record.name);
