@@ -114,7 +114,7 @@ TEST_CASE("the probe tells the ground under the pointer, its tile, and the trian
         update_probe(probe, terrain.session, terrain.view, terrain.view, true);
         CHECK_FALSE(probe.ground); // it is off, and costs nothing
         probe.on = true;
-        for (int i = 0; i < 20; ++i) {
+        for (int i = 0; i < 40; ++i) {
             check_place(terrain, probe, uniform(random, 0, 1), uniform(random, 0, 1));
             found += probe.ground && probe.ground->mesh;
         }
