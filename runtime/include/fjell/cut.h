@@ -3,8 +3,8 @@
 // The recursive method (fjell/recursive.h) rebuilds the mesh from the roots in every frame. This one keeps the set of
 // active vertices and, for every small group of them, its slack: how far the eye may still move before any of them
 // could change. A frame visits only groups whose slack is spent, and activates or deactivates one vertex at a time; the
-// mesh is free of cracks after every single step. It refines in all directions; the frustum decides what is drawn, and
-// what is refined first.
+// mesh is free of cracks after every single step. It refines in all directions, unless CutSettings::offscreen_factor
+// says otherwise; the frustum decides what is drawn, and what is refined first.
 //
 // Work is counted in items: one group evaluated, or one vertex activated or deactivated (which includes evaluating its
 // group again), each bounded by a constant. A limit in microseconds is checked before every group. When a frame's items
@@ -85,7 +85,8 @@ struct CutSettings {
     // backwards, the cut's clock stands.
     double now_s = 0;
     // What no view sees, nor soon will, is refined to error_px times this. 1: as finely as what is seen, so that
-    // turning costs nothing; more: a fraction of the vertices and of the work, and turning takes some. 1 to 100.
+    // turning costs nothing; more: a fraction of the vertices and of the work, and turning takes some; now and then
+    // a frame looks at all pages that have a state, which no budget counts. 1 to 100.
     double offscreen_factor = 1;
 };
 // Every number in its range. update_cut(), rebuild_cut() and update_stream() refuse what this does.
@@ -121,10 +122,10 @@ struct CutReport {
     std::uint32_t morphing = 0;
     std::uint32_t exhausted = 0; // CutBudgetBits
     // Requested: CutSettings::error_px. Threshold: what the cut refines to, which is more when a capacity is exhausted.
-    // Effective: no sample is farther from the surface on screen, whatever waits for items, time, a capacity or a page
-    // (Terrain::missing_px): the threshold, or more while the mesh lags; measure.h's unbounded_px when what waits may
-    // touch the eye. Thresholds of all views rise alike: where View::error_px is set, these are for it times
-    // View::error_px / error_px_requested.
+    // Effective: no sample that a view shows is farther from the surface on screen, whatever waits for items, time, a
+    // capacity or a page (Terrain::missing_px): the threshold, or more while the mesh lags; measure.h's unbounded_px
+    // when what waits may touch the eye. Thresholds of all views rise alike: where View::error_px is set, these are for
+    // it times View::error_px / error_px_requested.
     double error_px_requested = 0, error_px_effective = 0, threshold_px = 0;
     bool converged = false;                 // nothing waits or morphs, effective == requested: the screen bound holds
     bool rebuilt = false;                   // by the bulk pass

@@ -16,8 +16,8 @@ namespace {
 // in a view: another machine must decide alike.
 constexpr double margin_tangent = 0.1051 /* 6 degrees */, half_tangent = 0.0524, leave_tangent = 0.1477 /* 8.4 */;
 constexpr double margin_cells = 8, leave_cells = 11;
-constexpr double quarter_tangent = 0.0262;
-constexpr double widest = 1000; // the tangents of a view
+constexpr double quarter_tangent = 0.0262; // what an error off-screen may span, so that it never reaches a view
+constexpr double widest = 1000;            // the tangents of a view
 
 struct Box {
     double low[3], high[3];
