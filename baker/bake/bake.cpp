@@ -54,6 +54,7 @@ public:
 private:
     void run_stages();
     void make_maps(const BakePlan& plan, const HeightStores& heights);
+    void make_horizons(const BakePlan& plan, const HeightStores& heights, TexelStore& texels);
     void make_far_mips(const BakePlan& plan, MapKind kind, TexelStore finer);
     void make_coarser_steps(const BakePlan& plan, const UnsaturatedStores& unsaturated, StepStores finer,
                             MixedStores& mixed);
@@ -140,7 +141,7 @@ void Bake::run_stages() {
 
     const Clock::time_point maps_start = Clock::now();
     make_maps(plan, heights);
-    summary_.seconds_textures = seconds_since(maps_start);
+    summary_.seconds_textures = seconds_since(maps_start) - summary_.seconds_horizons;
 
     // ---- vertices: the finest step from the heights, each further one from what the step before has left
     const Clock::time_point errors_start = Clock::now();
@@ -268,13 +269,15 @@ constexpr StageId far_mip_stage(MapKind kind, std::uint32_t mip) {
 }
 
 void Bake::make_maps(const BakePlan& plan, const HeightStores& heights) {
-    TexelStore texels[2];
+    constexpr MapKind kinds[map_kind_count] = {MapKind::colour, MapKind::normal, MapKind::horizon};
+    TexelStore texels[map_kind_count];
     Digest* const left = checkpoint_.state.stores.texels;
-    for (const MapKind kind : {MapKind::colour, MapKind::normal})
+    for (const MapKind kind : kinds)
         if (mip_count(plan.maps.log2_side(kind)) > near_mips && !complete(far_mip_stage(kind, near_mips))) {
             TexelStore& last = texels[static_cast<int>(kind)];
             last = open_texels(context_, plan.maps, kind, near_mips - 1);
-            check(last, complete({Stage::near_maps}), left[static_cast<int>(kind)]);
+            check(last, complete({kind == MapKind::horizon ? Stage::near_horizons : Stage::near_maps}),
+                  left[static_cast<int>(kind)]);
         }
     stage({Stage::near_maps}, [&] {
         reads_input_ = true; // images
@@ -282,8 +285,28 @@ void Bake::make_maps(const BakePlan& plan, const HeightStores& heights) {
         reads_input_ = false;
         for (const int kind : {0, 1}) left[kind] = texels[kind].digest(); // neighbours both write what they share
     });
-    for (const MapKind kind : {MapKind::colour, MapKind::normal})
-        make_far_mips(plan, kind, std::move(texels[static_cast<int>(kind)]));
+    if (plan.maps.horizon_log2 != 0) make_horizons(plan, heights, texels[static_cast<int>(MapKind::horizon)]);
+    for (const MapKind kind : kinds) make_far_mips(plan, kind, std::move(texels[static_cast<int>(kind)]));
+}
+
+void Bake::make_horizons(const BakePlan& plan, const HeightStores& heights, TexelStore& texels) {
+    const Clock::time_point start = Clock::now();
+    StoreDigests& left = checkpoint_.state.stores;
+    Store<float> levels;
+    if (!complete({Stage::near_horizons})) {
+        levels = open_levels(context_);
+        check(levels, complete({Stage::levels}), left.levels);
+    }
+    stage({Stage::levels}, [&] {
+        make_levels(context_, heights, levels);
+        left.levels = levels.written();
+    });
+    stage({Stage::near_horizons}, [&] {
+        make_near_horizons(context_, plan, {heights, levels}, {texels, *spool_});
+        left.texels[static_cast<int>(MapKind::horizon)] = texels.digest();
+    });
+    levels.remove();
+    summary_.seconds_horizons = seconds_since(start);
 }
 
 // finer: texels of the last near mip.

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "baker/heights/statistics.h"
+#include "baker/maps/maps.h"
 #include "baker/pack/chunk_spool.h"
 #include "baker/read/source.h"
 #include "baker/store/digest.h"
@@ -15,7 +16,18 @@
 namespace fjell::baker {
 
 // In the order in which they run; far_mips and coarser_steps in parts, one for each mip and step.
-enum class Stage : std::uint32_t { read, fill, measure, near_maps, far_mips, finest_step, coarser_steps, mixed_pages };
+enum class Stage : std::uint32_t {
+    read,
+    fill,
+    measure,
+    near_maps,
+    levels,
+    near_horizons,
+    far_mips,
+    finest_step,
+    coarser_steps,
+    mixed_pages
+};
 
 struct StageId {
     Stage stage;
@@ -27,8 +39,9 @@ struct StageId {
 
 // What complete stages have left in stores that others read.
 struct StoreDigests {
-    Digest heights, filled, holes;                           // read, fill
-    Digest texels[2];                                        // of the last mip of a kind: near_maps, far_mips
+    Digest heights, filled, holes; // read, fill
+    Digest texels[map_kind_count]; // of the last mip of a kind: near_*, far_mips
+    Digest levels;
     Digest unsaturated, unsaturated_south, unsaturated_east; // finest_step
     Digest places, centres;                                  // of the last step
     Digest mixed_records, mixed_heights;                     // of all steps so far

@@ -48,10 +48,12 @@ BakeContext::BakeContext(const HeightSource& the_source, const BakeOptions& the_
       // Colours of a ramp change slowly, and normals carry the detail: half the samples' density.
       colour_log2(map_log2(image ? tree.side() * image->pixels_per_sample() : tree.side() / 2.0, options)),
       normal_log2(map_log2(tree.side(), options)),
+      horizon_log2(
+          options.horizon_spacing ? map_log2(tree.side() / static_cast<double>(options.horizon_spacing), options) : 0),
       // Work files that an earlier run has left are gone on with.
       in_memory(!options.checkpoint_s && !std::filesystem::exists(folder.file("checkpoint")) &&
-                static_cast<double>(work_bytes(tree, options.order, colour_log2, normal_log2) + base_bytes) <=
-                    0.75 * static_cast<double>(options.memory_bytes)) {}
+                static_cast<double>(work_bytes(tree, options.order, {colour_log2, normal_log2, horizon_log2}) +
+                                    base_bytes) <= 0.75 * static_cast<double>(options.memory_bytes)) {}
 
 std::string BakeContext::store_path(const std::string& name) const {
     return in_memory ? "" : folder.file(name);
@@ -64,11 +66,11 @@ std::string BakeContext::temporary() const {
 std::string BakeContext::identity() const {
     const BakeOptions& o = options;
     return fmt::format("{}\ntile {} regions {} estimate {} nesting {} order {} quantum {} ramp {} texels {} level {} "
-                       "place {} {} {} {} {} {} {}\n{}",
+                       "place {} {} {} {} {} {} {} horizons {}\n{}",
                        source.identity(), tree.tile_log2, regions.cells(), static_cast<int>(o.estimate), o.nesting,
                        static_cast<int>(o.order), o.quantum_m, o.ramp_path.empty() ? "" : io::read_text(o.ramp_path),
                        o.max_texture_log2, o.compression, source.spacing_m[0], source.spacing_m[1], source.origin_m[0],
-                       source.origin_m[1], source.crs_step[0], source.crs_step[1], source.crs_wkt,
+                       source.origin_m[1], source.crs_step[0], source.crs_step[1], source.crs_wkt, o.horizon_spacing,
                        image ? image->identity() : "");
 }
 

@@ -58,8 +58,8 @@ public:
     const int mixed_log2;
 
     WorkFolder folder;
-    const std::unique_ptr<ImageSource> image;     // or none
-    const std::uint32_t colour_log2, normal_log2; // texels a side of a tile's mip 0
+    const std::unique_ptr<ImageSource> image;                   // or none
+    const std::uint32_t colour_log2, normal_log2, horizon_log2; // texels a side of a tile's mip 0; 0: no such map
     const bool in_memory; // all stores: only the pack itself goes to the folder, and nothing can be resumed
 };
 

@@ -13,7 +13,9 @@ namespace fjell::baker {
 namespace {
 
 ChunkKind chunk_of(MapKind kind) {
-    return kind == MapKind::colour ? ChunkKind::colour : ChunkKind::normal;
+    return kind == MapKind::colour   ? ChunkKind::colour
+           : kind == MapKind::normal ? ChunkKind::normal
+                                     : ChunkKind::horizon;
 }
 
 // The window of a store whose elements are channels of texels.
@@ -22,16 +24,17 @@ Window in_channels(const Window& w, MapKind kind) {
     return {w.x * n, w.y, w.columns * n, w.rows};
 }
 
+} // namespace
+
 void store_texels(TexelStore& store, const Window& at, MapKind kind, const Texels& texels) {
     const Window w = in_channels(at, kind);
     store.write(w, texels.data(), w.columns);
 }
 
-} // namespace
-
 TexelStore open_texels(const BakeContext& context, const MapPlan& maps, MapKind kind, std::uint32_t mip) {
     const Window grid = maps.grid(kind, mip);
-    return context.open<std::uint16_t>((kind == MapKind::colour ? "colour" : "normal") + std::to_string(mip),
+    constexpr const char* names[map_kind_count] = {"colour", "normal", "horizon"};
+    return context.open<std::uint16_t>(names[static_cast<std::size_t>(kind)] + std::to_string(mip),
                                        std::int64_t{grid.columns} * static_cast<std::int64_t>(channels(kind)),
                                        grid.rows);
 }

@@ -14,6 +14,7 @@ MapPlan plan_maps(const BakeContext& context, const HeightStatistics& heights) {
     std::copy_n(context.source.spacing_m, 2, maps.spacing_m);
     maps.colour_log2 = context.colour_log2;
     maps.normal_log2 = context.normal_log2;
+    maps.horizon_log2 = context.horizon_log2;
     const std::string& path = context.options.ramp_path;
     const double least_m = static_cast<double>(heights.least_m), most_m = static_cast<double>(heights.most_m);
     maps.ramp = path.empty() ? default_ramp(least_m, most_m) : absolute(read_ramp(path), least_m, most_m);
@@ -51,6 +52,7 @@ PackHeader make_header(const BakeContext& context, const HeightStatistics& heigh
     h.voids = heights.voids;
     h.colour_log2 = plan.maps.colour_log2;
     h.normal_log2 = plan.maps.normal_log2;
+    h.horizon_log2 = plan.maps.horizon_log2;
     h.crs_bytes = static_cast<std::uint32_t>(source.crs_wkt.size());
     return h;
 }

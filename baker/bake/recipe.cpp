@@ -44,7 +44,8 @@ const std::vector<TextField>& text_fields() {
          false,
          {"auto", "2", "4", "8", "16", "32", "64", "128", "256", "512", "1024", "2048", "4096"}},
         {"estimate", &Recipe::estimate, false, {"max", "midpoint"}},
-        {"order", &Recipe::order, false, {"planar", "hz", "linear"}}};
+        {"order", &Recipe::order, false, {"planar", "hz", "linear"}},
+        {"horizons", &Recipe::horizons, false, {"none", "half", "quarter"}}};
     return fields;
 }
 const std::vector<NumberField>& number_fields() {
@@ -212,7 +213,8 @@ Recipe merged(Recipe given, const Recipe& below) {
 Recipe reading_part(Recipe recipe) {
     recipe.inputs.clear();
     recipe.texture.clear();
-    for (auto* const text : {&recipe.output, &recipe.ramp, &recipe.tile, &recipe.estimate, &recipe.order})
+    for (auto* const text :
+         {&recipe.output, &recipe.ramp, &recipe.tile, &recipe.estimate, &recipe.order, &recipe.horizons})
         text->reset();
     recipe.nesting.reset();
     recipe.quantum.reset();
@@ -257,6 +259,8 @@ BakeOptions bake_options(const Recipe& recipe) {
     o.tile_log2 = tile_log2(recipe.tile.value_or("auto"));
     o.estimate = recipe.estimate.value_or("max") == "max" ? Estimate::max : Estimate::midpoint;
     o.order = order_named(recipe.order.value_or("planar"));
+    const std::string horizons = recipe.horizons.value_or("none");
+    o.horizon_spacing = horizons == "half" ? 2 : horizons == "quarter" ? 4 : 0;
     o.nesting = recipe.nesting.value_or(o.nesting);
     o.quantum_m = recipe.quantum.value_or(0);
     if (recipe.quantum && !(o.quantum_m > 0 && std::isfinite(o.quantum_m)))

@@ -55,6 +55,25 @@ struct FarMipOutput {
     TexelStore& texels; // of this mip; not written where it does not exist
     ChunkSpool& spool;
 };
+// 16-bit texels of a window into the store of their mip.
+void store_texels(TexelStore& store, const Window& at, MapKind kind, const Texels& texels);
+
+// ---- horizon maps: levels of the heights (horizon.h) in one store, then near mips
+
+[[nodiscard]] Store<float> open_levels(const BakeContext& context);
+void make_levels(const BakeContext& context, const HeightStores& heights, Store<float>& levels);
+
+struct HorizonInput {
+    const HeightStores& heights;
+    const Store<float>& levels;
+};
+struct HorizonOutput {
+    TexelStore& texels; // the last near mip; not written where there is no further one
+    ChunkSpool& spool;
+};
+void make_near_horizons(const BakeContext& context, const BakePlan& plan, const HorizonInput& in,
+                        const HorizonOutput& out);
+
 void make_far_mip(const BakeContext& context, const BakePlan& plan, const FarMipInput& in, const FarMipOutput& out);
 
 // ---- vertices: errors, radii and pages, step by step from the finest one

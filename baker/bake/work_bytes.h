@@ -8,10 +8,14 @@
 
 namespace fjell::baker {
 
+// log2 of texels a side of a tile's maps; 0: none.
+struct MapSizes {
+    std::uint32_t colour_log2 = 0, normal_log2 = 0, horizon_log2 = 0;
+};
+
 // The most bytes that all stores of a bake and the pack's compressed chunks take at once, whatever the heights are:
 // the stores by their sizes, chunks as if nothing in them could be compressed. Not the pack itself, which grows when
-// the other stores are gone. colour_log2, normal_log2: log2 of texels a side of a tile's maps; 0: none. O(1).
-[[nodiscard]] std::uint64_t work_bytes(const Tree& tree, Order order, std::uint32_t colour_log2,
-                                       std::uint32_t normal_log2);
+// the other stores are gone. O(1).
+[[nodiscard]] std::uint64_t work_bytes(const Tree& tree, Order order, const MapSizes& maps);
 
 } // namespace fjell::baker

@@ -32,14 +32,25 @@ struct Mip {
 // Brings a chunk, decompressed; throws Failure.
 using ReadChunk = std::function<void(ChunkId id, std::vector<std::byte>& raw)>;
 
+std::uint32_t log2_of(const PackHeader& h, ChunkKind kind) {
+    return kind == ChunkKind::colour ? h.colour_log2 : kind == ChunkKind::normal ? h.normal_log2 : h.horizon_log2;
+}
+
 Mip decode(const PackHeader& header, const ReadChunk& read, ChunkId id) {
     const bool colour = id.kind == ChunkKind::colour;
-    Mip mip{(1u << (colour ? header.colour_log2 : header.normal_log2)) >> id.item, colour ? 3u : 2u, {}, {}};
+    Mip mip{(1u << log2_of(header, id.kind)) >> id.item,
+            colour                         ? 3u
+            : id.kind == ChunkKind::normal ? 2u
+                                           : horizon_planes,
+            {},
+            {}};
     std::vector<std::byte> blocks;
     read(id, blocks);
     mip.codes.resize(std::size_t{mip.side} * mip.side * mip.channels);
     mip.tolerance.resize(std::size_t{mip.side} * mip.side);
-    (void)(colour ? decode_colour(blocks, mip.side, mip.codes) : decode_normal(blocks, mip.side, mip.codes));
+    (void)(colour                         ? decode_colour(blocks, mip.side, mip.codes)
+           : id.kind == ChunkKind::normal ? decode_normal(blocks, mip.side, mip.codes)
+                                          : decode_horizon(blocks, mip.side, mip.codes));
     for (std::uint32_t y = 0; y < mip.side; y += 4)
         for (std::uint32_t x = 0; x < mip.side; x += 4) {
             int range = 0;
@@ -64,10 +75,11 @@ public:
     Checker(const Pack& the_pack, ReadChunk the_read) : pack(the_pack), read(std::move(the_read)) {}
 
     MapsReport run() {
-        for (const ChunkKind kind : {ChunkKind::colour, ChunkKind::normal}) check_kind(kind);
+        for (const ChunkKind kind : {ChunkKind::colour, ChunkKind::normal, ChunkKind::horizon}) check_kind(kind);
         if (colour_borders) report.colour_border_mean = colour_sum / static_cast<double>(colour_borders);
         if (normal_borders) report.normal_border_mean = normal_sum / static_cast<double>(normal_borders);
-        report.border_texels = colour_borders + normal_borders;
+        if (horizon_borders) report.horizon_border_mean = horizon_sum / static_cast<double>(horizon_borders);
+        report.border_texels = colour_borders + normal_borders + horizon_borders;
         return report;
     }
 
@@ -77,8 +89,7 @@ private:
     };
 
     void check_kind(ChunkKind kind) {
-        const std::uint32_t mips =
-            mip_count(kind == ChunkKind::colour ? pack.header.colour_log2 : pack.header.normal_log2);
+        const std::uint32_t mips = mip_count(log2_of(pack.header, kind));
         const std::uint32_t tiles_x = pack.header.tiles_x;
         std::vector<Border> east(mips), south(std::size_t{mips} * tiles_x);
         for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile) {
@@ -110,13 +121,16 @@ private:
     }
 
     void compare(const Border& theirs, const Border& ours, const char* side) {
-        const bool colour = place.kind == ChunkKind::colour;
+        const bool colour = place.kind == ChunkKind::colour, horizon = place.kind == ChunkKind::horizon;
         const std::size_t channels = ours.codes.size() / ours.tolerance.size();
+        double& sum = colour ? colour_sum : horizon ? horizon_sum : normal_sum;
+        std::uint32_t& most = colour    ? report.colour_border_most
+                              : horizon ? report.horizon_border_most
+                                        : report.normal_border_most;
         for (std::size_t i = 0; i < ours.codes.size(); ++i) {
             const auto off = static_cast<std::uint32_t>(std::abs(theirs.codes[i] - ours.codes[i]));
             const std::uint32_t allowed = theirs.tolerance[i / channels] + ours.tolerance[i / channels];
-            (colour ? colour_sum : normal_sum) += off;
-            std::uint32_t& most = colour ? report.colour_border_most : report.normal_border_most;
+            sum += off;
             most = std::max(most, off);
             if (off > allowed)
                 note(report.border_violations,
@@ -124,7 +138,7 @@ private:
                                  "codes, more than the {} of compression",
                                  i / channels, side, off, allowed));
         }
-        (colour ? colour_borders : normal_borders) += ours.codes.size();
+        (colour ? colour_borders : horizon ? horizon_borders : normal_borders) += ours.codes.size();
     }
 
     void check_lengths(const Mip& mip) {
@@ -169,16 +183,18 @@ private:
     void note(std::uint64_t& counter, const std::string& what) {
         ++counter;
         if (!report.first.empty()) return;
-        report.first = fmt::format("{} map of tile {}, mip {}: {}",
-                                   place.kind == ChunkKind::colour ? "colour" : "normal", place.tile, place.item, what);
+        const char* const kind = place.kind == ChunkKind::colour   ? "colour"
+                                 : place.kind == ChunkKind::normal ? "normal"
+                                                                   : "horizon";
+        report.first = fmt::format("{} map of tile {}, mip {}: {}", kind, place.tile, place.item, what);
     }
 
     const Pack& pack;
     const ReadChunk read;
     MapsReport report;
     ChunkId place;
-    double colour_sum = 0, normal_sum = 0;
-    std::uint64_t colour_borders = 0, normal_borders = 0;
+    double colour_sum = 0, normal_sum = 0, horizon_sum = 0;
+    std::uint64_t colour_borders = 0, normal_borders = 0, horizon_borders = 0;
 };
 
 } // namespace

@@ -14,17 +14,19 @@ struct MapsReport {
     std::uint64_t border_violations = 0; // neighbours' decoded border texels differ by more than their blocks may
     std::uint64_t mip_violations = 0;    // a texel is no tent over the finer mip, whatever compression did to either
     std::uint64_t length_violations = 0; // a normal longer than 1, compression allowed for
-    double colour_border_mean = 0, normal_border_mean = 0; // of the differences at borders, in codes
-    std::uint32_t colour_border_most = 0, normal_border_most = 0;
+    // Of the differences at borders, in codes.
+    double colour_border_mean = 0, normal_border_mean = 0, horizon_border_mean = 0;
+    std::uint32_t colour_border_most = 0, normal_border_most = 0, horizon_border_most = 0;
     std::string first; // the first violation, in words
 
     [[nodiscard]] bool ok() const { return border_violations + mip_violations + length_violations == 0; }
 };
 
 // How far from what was compressed a channel's texel may be, in codes, in a block that decodes to a range that wide.
-// Normal: the ends are exact, and six values between them at equal distances; rounded. Colour: the ends have 5 or 6
-// bits (half a step is 4), a third of the way between them lies half-way to the next (1/6), and what the block's line
-// through colour space leaves out is at most as wide as the line, or the other axis would have been the principal one.
+// Normal and horizon: the ends are exact, and six values between them at equal distances; rounded. Colour: the ends
+// have 5 or 6 bits (half a step is 4), a third of the way between them lies half-way to the next (1/6), and what the
+// block's line through colour space leaves out is at most as wide as the line, or the other axis would have been the
+// principal one.
 [[nodiscard]] constexpr std::uint32_t normal_tolerance(std::uint32_t range) {
     return range / 14 + 1;
 }

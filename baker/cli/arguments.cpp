@@ -63,6 +63,9 @@ void declare_bake(CLI::App& app, Arguments& a) {
     app.add_option("--texture", r.texture,
                    "ortho-images, placed by their coordinates or stretched over all; later ones on top");
     app.add_option("--ramp", r.ramp, "colours by height (JSON, content/ramps)");
+    add_words(app, "horizons", r.horizons,
+              "horizon maps, for shadows at any time of day and for the share of the sky that ground sees: none "
+              "(default), half or quarter of the samples' density");
     app.add_option("--threads", a.threads, "0: all cores")->check(io::whole_within(0, 1024));
     app.add_option("--memory", a.memory_mb, "MB the bake may use, whatever the height field's size (default 512)")
         ->check(io::whole_within(128, 1 << 24));

@@ -221,7 +221,8 @@ void store_colours(const Colours& s, std::size_t blocks, std::byte* to) {
     }
 }
 
-// ---- BC5 ---------------------------------------------------------------------------------------------------------
+// ---- BC5 and BC4
+// ---------------------------------------------------------------------------------------------------------
 
 FJELL_CLONES void encode_values(const Ints (&p)[16], Ints& low, Ints& high, Words (&codes)[2]) {
     Floats per;
@@ -245,8 +246,10 @@ FJELL_CLONES void encode_values(const Ints (&p)[16], Ints& low, Ints& high, Word
         }
 }
 
-void store_values(const Ints& low, const Ints& high, const Words (&codes)[2], std::size_t blocks, std::byte* to) {
-    for (std::size_t l = 0; l < blocks; ++l, to += 16) {
+// stride: bytes from block to block.
+void store_values(const Ints& low, const Ints& high, const Words (&codes)[2], std::size_t blocks, std::size_t stride,
+                  std::byte* to) {
+    for (std::size_t l = 0; l < blocks; ++l, to += stride) {
         // All indices are 1 where both ends are the same: also right.
         const std::uint64_t word = static_cast<std::uint64_t>(high[l]) | static_cast<std::uint64_t>(low[l]) << 8 |
                                    static_cast<std::uint64_t>(codes[0][l]) << 16 |
@@ -288,8 +291,22 @@ void encode_bc5(const NormalRows& from, std::size_t blocks, std::byte* to) {
                 for (std::size_t l = 0; l < count; ++l) p[i][l] = row[4 * l];
             }
             encode_values(p, low, high, codes);
-            store_values(low, high, codes, count, to + 16 * first + 8 * c);
+            store_values(low, high, codes, count, 16, to + 16 * first + 8 * c);
         }
+    }
+}
+
+void encode_bc4(const std::uint8_t* const (&rows)[4], std::size_t blocks, std::byte* to) {
+    Ints p[16] = {}, low, high;
+    Words codes[2];
+    for (std::size_t first = 0; first < blocks; first += lanes) {
+        const std::size_t count = std::min(lanes, blocks - first);
+        for (std::size_t i = 0; i < 16; ++i) {
+            const std::uint8_t* row = rows[i / 4] + 4 * first + i % 4;
+            for (std::size_t l = 0; l < count; ++l) p[i][l] = row[4 * l];
+        }
+        encode_values(p, low, high, codes);
+        store_values(low, high, codes, count, 8, to + 8 * first);
     }
 }
 

@@ -1,4 +1,5 @@
-// Block compression: BC1 for colours, BC5 for normals (fjell/texture.h has the layout and the way back).
+// Block compression: BC1 for colours, BC5 for normals, BC4 for horizons (fjell/texture.h has the layout and the way
+// back).
 //
 // Written here because libstb's stb_dxt takes 26 and 9 ns a texel where the whole baker may take 20 ns a sample; these
 // take the blocks of a row side by side, one a lane (docs/notes/materials.md). Deterministic: additions,
@@ -23,5 +24,8 @@ struct NormalRows {
     const std::uint8_t* rows[4][2];
 };
 void encode_bc5(const NormalRows& from, std::size_t blocks, std::byte* to);
+
+// The same of one component: 8 bytes a block.
+void encode_bc4(const std::uint8_t* const (&rows)[4], std::size_t blocks, std::byte* to);
 
 } // namespace fjell::baker

@@ -107,8 +107,39 @@ FJELL_CLONES void to_normal_codes(const float* from, std::size_t n, std::uint8_t
     }
 }
 
+FJELL_CLONES void to_unit_codes(const float* from, std::size_t n, std::uint8_t* __restrict to) {
+    for (std::size_t i = 0; i < n; ++i) {
+        float v = from[i] < 0 ? 0 : from[i];
+        v = v > 1 ? 1 : v;
+        to[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(v * 255.0f + 0.5f));
+    }
+}
+
+// Planes side by side: fjell/texture.h.
+std::vector<std::byte> compress_horizons(const TexelPlanes& planes, const Window& tile) {
+    const auto side = static_cast<std::size_t>(tile.columns), across = side / 4;
+    const std::size_t row_bytes = across * horizon_planes_across * 8;
+    std::vector<std::byte> blocks(across * across * horizon_block_bytes);
+    std::vector<std::uint8_t> codes(side * 4);
+    for (std::size_t plane = 0; plane < horizon_planes; ++plane)
+        for (std::size_t j = 0; j < across; ++j) {
+            const std::uint8_t* rows[4];
+            for (std::size_t i = 0; i < 4; ++i) {
+                to_unit_codes(planes.row(static_cast<int>(plane), tile.y + static_cast<std::int32_t>(4 * j + i)) +
+                                  (tile.x - planes.at.x),
+                              side, codes.data() + i * side);
+                rows[i] = codes.data() + i * side;
+            }
+            encode_bc4(rows, across,
+                       blocks.data() + (plane / horizon_planes_across * across + j) * row_bytes +
+                           plane % horizon_planes_across * across * 8);
+        }
+    return blocks;
+}
+
 // Blocks of the tile's own texels; planes may hold more around them.
 std::vector<std::byte> compress(MapKind kind, const TexelPlanes& planes, const Window& tile) {
+    if (kind == MapKind::horizon) return compress_horizons(planes, tile);
     const bool colour = kind == MapKind::colour;
     const auto side = static_cast<std::size_t>(tile.columns), across = side / 4;
     const std::size_t row_bytes = across * (colour ? colour_block_bytes : normal_block_bytes);
@@ -140,7 +171,7 @@ Texels stored(MapKind kind, const TexelPlanes& planes, const Window& tile) {
         for (std::int32_t x = tile.x; x < tile.x + tile.columns; ++x)
             for (std::size_t c = 0; c < n; ++c) {
                 const float v = planes.row(static_cast<int>(c), y)[x - planes.at.x];
-                *to++ = kind == MapKind::colour ? light16(v)
+                *to++ = kind != MapKind::normal ? light16(v)
                                                 : static_cast<std::uint16_t>(static_cast<std::int32_t>(
                                                       unit_clamped(v) * normal_unit + 32768.5f));
             }
@@ -153,7 +184,7 @@ TexelPlanes loaded(MapKind kind, const Texels& texels, const Window& window) {
     for (std::size_t i = 0; i < window.area(); ++i)
         for (std::size_t c = 0; c < n; ++c) {
             const auto v = static_cast<float>(texels[i * n + c]);
-            planes.channel[c][i] = kind == MapKind::colour ? v / light_unit : (v - 32768) / normal_unit;
+            planes.channel[c][i] = kind != MapKind::normal ? v / light_unit : (v - 32768) / normal_unit;
         }
     return planes;
 }
@@ -174,7 +205,11 @@ std::vector<MipTexels> near_mips_of(const MapPlan& plan, MapKind kind, std::uint
 } // namespace
 
 std::uint32_t MapPlan::log2_side(MapKind kind) const {
-    return kind == MapKind::colour ? colour_log2 : normal_log2;
+    return kind == MapKind::colour ? colour_log2 : kind == MapKind::normal ? normal_log2 : horizon_log2;
+}
+
+int MapPlan::horizon_stride_log2() const {
+    return std::max(tree.tile_log2 - static_cast<int>(horizon_log2), 0);
 }
 
 Window MapPlan::grid(MapKind kind, std::uint32_t mip) const {
@@ -223,6 +258,32 @@ NearMaps near_maps(const MapPlan& plan, std::uint32_t tile, const float* heights
         maps.normal = near_mips_of(plan, MapKind::normal, tile, windows, base_normals(plan, heights, windows.front()));
     }
     return maps;
+}
+
+namespace {
+
+// From points to the texels of mip 0. Texels on the rim stand where the last point would, were it not beyond it.
+SampleAxes point_axes(const MapPlan& plan) {
+    SampleAxes axes = sample_axes(plan, MapKind::horizon);
+    const int stride_log2 = plan.horizon_stride_log2();
+    for (TentAxis& axis : axes.axes) {
+        axis.scale = std::ldexp(1.0, -stride_log2);
+        axis.size = ((axis.size - 2) >> stride_log2) + 2; // the last one on the rim or beyond it
+    }
+    return axes;
+}
+
+} // namespace
+
+Window points_for_horizons(const MapPlan& plan, std::uint32_t tile) {
+    return seen(point_axes(plan).axes, near_windows(plan, MapKind::horizon, tile).front());
+}
+
+std::vector<MipTexels> near_horizons(const MapPlan& plan, std::uint32_t tile, const TexelPlanes& points) {
+    const auto windows = near_windows(plan, MapKind::horizon, tile);
+    const SampleAxes from = point_axes(plan);
+    return near_mips_of(plan, MapKind::horizon, tile, windows,
+                        coarser({{from.axes[0], from.axes[1]}}, points, windows.front()));
 }
 
 Window finer_texels(const MapPlan& plan, MapKind kind, std::uint32_t mip, std::uint32_t tile) {

@@ -25,6 +25,7 @@ std::string chunk_name(ChunkId id) {
     case ChunkKind::geometry: return of_tile("page");
     case ChunkKind::colour: return of_tile("colour mip");
     case ChunkKind::normal: return of_tile("normal mip");
+    case ChunkKind::horizon: return of_tile("horizon mip");
     case ChunkKind::crs: break;
     }
     return "CRS";

@@ -88,6 +88,7 @@ int bake_once(int argc, char** argv) {
     options.threads = std::atoi(argv[5]);
     options.compression = 1;
     options.max_texture_log2 = 6;
+    options.horizon_spacing = 4;
     options.checkpoint_s = 0;
     if (argc == 7) options.texture_paths = {argv[6]};
     options.progress = [](const char*, std::uint64_t, std::uint64_t) { io::check_interrupt(); };

@@ -204,6 +204,9 @@ TEST_CASE("a header whose hash is right is still not believed") {
     CHECK(code([](PackHeader& h) { h.nesting = 0; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.colour_log2 = 32; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.normal_log2 = 3; }) == Code::corrupt);
+    CHECK(code([](PackHeader& h) { h.horizon_log2 = 1; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.horizon_log2 = 3; }) == Code::corrupt);
+    CHECK(code([](PackHeader& h) { h.version = pack_version_with_horizons; }) == Code::corrupt);
     CHECK(code([](PackHeader& h) { h.directory_offset = ~0ull; }) == Code::corrupt);
     CHECK(code([](PackHeader& h) { h.directory_count = 1ull << 61; }) == Code::corrupt);
     CHECK(code([](PackHeader& h) { h.file_bytes = ~0ull; }) == Code::truncated);

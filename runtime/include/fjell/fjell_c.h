@@ -57,6 +57,8 @@ FjellStatus fjell_decode_chunk(const FjellChunkEntry* entry, const void* stored,
 
 FjellStatus fjell_decode_colour(const void* blocks, size_t block_bytes, uint32_t side, uint8_t* rgb, size_t rgb_bytes);
 FjellStatus fjell_decode_normal(const void* blocks, size_t block_bytes, uint32_t side, uint8_t* xz, size_t xz_bytes);
+FjellStatus fjell_decode_horizon(const void* blocks, size_t block_bytes, uint32_t side, uint8_t* codes,
+                                 size_t code_bytes);
 
 // --- fjell/terrain.h ---
 

@@ -78,7 +78,8 @@ enum {                                                                       // 
     FJELL_CHUNK_GEOMETRY,
     FJELL_CHUNK_COLOUR,
     FJELL_CHUNK_NORMAL,
-    FJELL_CHUNK_CRS
+    FJELL_CHUNK_CRS,
+    FJELL_CHUNK_HORIZON
 };
 
 typedef struct FjellPackHeader {
@@ -113,7 +114,9 @@ typedef struct FjellPackHeader {
     double crs_step[2];
     uint64_t notes_offset, notes_hash;
     uint64_t notes_bytes;
-    uint64_t reserved[24];
+    uint32_t horizon_log2;
+    uint32_t reserved_word;
+    uint64_t reserved[23];
     uint64_t header_hash;
 } FjellPackHeader;
 
@@ -148,6 +151,7 @@ typedef struct FjellPack {
 
 #define FJELL_COLOUR_BLOCK_BYTES 8
 #define FJELL_NORMAL_BLOCK_BYTES 16
+#define FJELL_HORIZON_BLOCK_BYTES 72 // 3 x 3 planes
 
 // --- fjell/terrain.h ---
 

@@ -19,6 +19,8 @@ namespace fjell {
 
 inline constexpr char pack_magic[8] = {'F', 'J', 'E', 'L', 'L', 'P', 'K', '\n'};
 inline constexpr std::uint32_t pack_version = 4;
+// Of a pack with horizon maps, which is otherwise the same; readers that know none of them refuse it by its version.
+inline constexpr std::uint32_t pack_version_with_horizons = 5;
 // Changes with every stored layout; also detects a byte-swapped file.
 inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0004'0004'1020ull;
 inline constexpr int min_tile_log2 = 1;
@@ -38,7 +40,8 @@ enum class ChunkKind : std::uint32_t {
     geometry = 1, // pages, tile by tile
     colour = 2,   // mips, tile by tile
     normal = 3,   // the same
-    crs = 4       // well-known text
+    crs = 4,      // well-known text
+    horizon = 5   // mips, tile by tile
 };
 
 // The pack's first 512 bytes.
@@ -74,7 +77,9 @@ struct PackHeader {
     double crs_step[2];                      // from sample to sample in CRS units, east and south; 0: not known
     std::uint64_t notes_offset, notes_hash;  // of how it was baked (JSON, for tools): where, and its XXH3
     std::uint64_t notes_bytes;               // 0: none
-    std::uint64_t reserved[24];              // zero
+    std::uint32_t horizon_log2;              // texels a side of mip 0; 0: no horizon map
+    std::uint32_t reserved_word;             // zero
+    std::uint64_t reserved[23];              // zero
     std::uint64_t header_hash;               // XXH3 of all bytes before this one
 };
 static_assert(sizeof(PackHeader) == 512 && offsetof(PackHeader, header_hash) == 504,
@@ -129,8 +134,8 @@ inline constexpr std::uint32_t corner_void_bit = 0x80000000;
 
 // Textures. Mip m of a map with 2^k texels a side has 2^(k-m); the smallest has 4. The first and last texel centre of
 // *every* mip lie on the tile's border, and both neighbours compress the same values there: no seam under
-// clamp-to-edge. Colour is BC1 of sRGB, normal BC5 of the east and south components of the unit normal (up follows):
-// fjell/texture.h.
+// clamp-to-edge. Colour is BC1 of sRGB, normal BC5 of the east and south components of the unit normal (up follows),
+// horizon nine planes of BC4 side by side: fjell/texture.h.
 [[nodiscard]] constexpr std::uint32_t mip_count(std::uint32_t log2_side) {
     return log2_side < 2 ? 0 : log2_side - 1;
 }
@@ -165,8 +170,9 @@ struct ChunkId {
     std::uint32_t tile = 0, item = 0; // tiles row by row; 0 for chunks of the whole terrain
 };
 inline constexpr std::uint64_t no_chunk = 0xffff'ffff'ffff'ffffull;
-// Its place in the directory, a fixed order: corners; geometry, colour and normal, each tile by tile; CRS. no_chunk
-// when the pack has no such chunk: tile < tile_count(), item below pages_per_tile() or mip_count(). O(1).
+// Its place in the directory, a fixed order: corners; geometry, colour and normal, each tile by tile; CRS; horizon,
+// tile by tile. no_chunk when the pack has no such chunk: tile < tile_count(), item below pages_per_tile() or
+// mip_count(). O(1).
 [[nodiscard]] std::uint64_t chunk_index(const PackHeader& header, ChunkId id);
 // The way back. For a chunk that is not there an id that names none: tile and item are 0xffffffff.
 [[nodiscard]] ChunkId chunk_id(const PackHeader& header, std::uint64_t chunk);

@@ -1,9 +1,17 @@
-// Maps as the pack stores them: BC1 (colour) and BC5 (normals), 4 x 4 texels a block, row by row; and the way back.
+// Maps as the pack stores them: BC1 (colour), BC5 (normals) and planes of BC4 (horizons), 4 x 4 texels a block, row by
+// row; and the way back.
 //
 // BC1, 8 bytes: two colours of 5-6-5 bits, then 2 bits a texel that choose them or a third between. BC5, 16 bytes:
 // twice two bytes and 3 bits a texel that choose them or a seventh between; first the east, then the south component of
 // the unit normal, as 128 + 127 v, so that 128 is exactly 0. Both little-endian, the texel in the north-west in the
 // lowest bits (OpenGL: EXT_texture_compression_s3tc, ARB_texture_compression_rgtc).
+//
+// A horizon map is nine planes of one component each, 3 x 3 of them side by side in one picture that is three times as
+// wide and high as a plane: BC4 blocks row by row through all of it, ready for one texture. Plane p stands in column
+// p % 3 and row p / 3. Planes 0 to 7: how high the ground stands at azimuth 45 p degrees, clockwise from north, as
+// 255 times the sine of its elevation; 0 where nothing rises above the level. Plane 8: the share of the sky's light
+// that arrives, of what would on the same slope if nothing else stood around it, times 255. At a plane's border a
+// filter would reach into the next one: read whole mips, as runtime/gl does.
 //
 // side: texels a side, at least 4, a power of two, 4,096 at most. Pure, thread-safe, O(texels), allocates nothing. Any
 // bytes decode to something. Failure: out_of_range for another side, or for spans of other sizes; nothing is written.
@@ -20,6 +28,9 @@ FJELL_API_BEGIN
 namespace fjell {
 
 inline constexpr std::size_t colour_block_bytes = 8, normal_block_bytes = 16;
+inline constexpr std::uint32_t horizon_directions = 8, horizon_planes_across = 3;
+inline constexpr std::uint32_t horizon_planes = horizon_planes_across * horizon_planes_across;
+inline constexpr std::size_t horizon_block_bytes = 8 * horizon_planes; // of 4 x 4 texels, all planes
 // Blocks of a mip with that many texels a side.
 [[nodiscard]] constexpr std::size_t blocks_of(std::uint32_t side) {
     return std::size_t{side / 4} * (side / 4);
@@ -29,6 +40,8 @@ inline constexpr std::size_t colour_block_bytes = 8, normal_block_bytes = 16;
 Status decode_colour(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> rgb);
 // blocks: blocks_of(side) * normal_block_bytes. xz: side * side * 2 bytes, each 128 + 127 v; 0 counts as 1.
 Status decode_normal(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> xz);
+// blocks: blocks_of(side) * horizon_block_bytes. codes: side * side * horizon_planes bytes, a texel's planes together.
+Status decode_horizon(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> codes);
 // -1 to 1.
 [[nodiscard]] constexpr float normal_component(std::uint8_t code) {
     return static_cast<float>(code < 1 ? -127 : static_cast<int>(code) - 128) / 127.0f;

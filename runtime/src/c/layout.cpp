@@ -69,6 +69,8 @@ FJELL_FIELD(FjellPackHeader, crs_step);
 FJELL_FIELD(FjellPackHeader, notes_offset);
 FJELL_FIELD(FjellPackHeader, notes_hash);
 FJELL_FIELD(FjellPackHeader, notes_bytes);
+FJELL_FIELD(FjellPackHeader, horizon_log2);
+FJELL_FIELD(FjellPackHeader, reserved_word);
 FJELL_FIELD(FjellPackHeader, reserved);
 FJELL_FIELD(FjellPackHeader, header_hash);
 
@@ -370,6 +372,7 @@ static_assert(FJELL_CHUNK_GEOMETRY == static_cast<int>(ChunkKind::geometry));
 static_assert(FJELL_CHUNK_COLOUR == static_cast<int>(ChunkKind::colour));
 static_assert(FJELL_CHUNK_NORMAL == static_cast<int>(ChunkKind::normal));
 static_assert(FJELL_CHUNK_CRS == static_cast<int>(ChunkKind::crs));
+static_assert(FJELL_CHUNK_HORIZON == static_cast<int>(ChunkKind::horizon));
 static_assert(FJELL_TOPOLOGY_TRIANGLES == static_cast<int>(Topology::triangles));
 static_assert(FJELL_TOPOLOGY_STRIP == static_cast<int>(Topology::strip));
 static_assert(FJELL_MORPH_NONE == static_cast<int>(Morph::none));
@@ -406,5 +409,6 @@ static_assert(FJELL_UNBOUNDED_PX == unbounded_px);
 static_assert(FJELL_MAP_KINDS == map_kinds);
 static_assert(FJELL_COLOUR_BLOCK_BYTES == colour_block_bytes);
 static_assert(FJELL_NORMAL_BLOCK_BYTES == normal_block_bytes);
+static_assert(FJELL_HORIZON_BLOCK_BYTES == horizon_block_bytes);
 
 } // namespace fjell::c_api

@@ -67,6 +67,10 @@ FjellStatus fjell_decode_colour(const void* blocks, size_t block_bytes, uint32_t
 FjellStatus fjell_decode_normal(const void* blocks, size_t block_bytes, uint32_t side, uint8_t* xz, size_t xz_bytes) {
     return to_c(decode_normal(span_of(blocks, block_bytes), side, span_of(xz, xz_bytes)));
 }
+FjellStatus fjell_decode_horizon(const void* blocks, size_t block_bytes, uint32_t side, uint8_t* codes,
+                                 size_t code_bytes) {
+    return to_c(decode_horizon(span_of(blocks, block_bytes), side, span_of(codes, code_bytes)));
+}
 
 // --- fjell/terrain.h ---
 

@@ -86,4 +86,21 @@ Status decode_normal(std::span<const std::byte> blocks, std::uint32_t side, std:
     return {};
 }
 
+Status decode_horizon(std::span<const std::byte> blocks, std::uint32_t side, std::span<std::uint8_t> codes) {
+    if (Status s = check(side, blocks.size(), horizon_block_bytes, codes.size(), horizon_planes); !s.ok()) return s;
+    const std::byte* block = blocks.data();
+    for (std::uint32_t y = 0; y < horizon_planes_across * side; y += 4)
+        for (std::uint32_t x = 0; x < horizon_planes_across * side; x += 4, block += 8) {
+            const std::uint32_t plane = y / side * horizon_planes_across + x / side;
+            std::uint8_t palette[8];
+            values_of(block, palette);
+            const std::uint64_t stored = load<std::uint64_t>(block) >> 16;
+            for (std::uint32_t i = 0; i < 16; ++i) {
+                const std::size_t texel = (y % side + i / 4) * std::size_t{side} + x % side + i % 4;
+                codes[texel * horizon_planes + plane] = palette[(stored >> 3 * i) & 7];
+            }
+        }
+    return {};
+}
+
 } // namespace fjell
