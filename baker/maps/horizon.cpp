@@ -1,6 +1,6 @@
 // Each step of a ray moves all points of a tile by the same way, so a step is a sum of shifted rows: of two rows of a
-// level, mixed by where the shifted row lies between them, and along the row by weights that are the same for all points
-// (fine levels) or repeat (coarse ones).
+// level, mixed by where the shifted row lies between them, and along the row by weights that are the same for all
+// points (fine levels) or repeat (coarse ones).
 #include "baker/maps/horizon.h"
 
 #include <algorithm>
@@ -49,8 +49,8 @@ struct Rows {
 };
 
 // Points that lie as far apart as the level's vertices.
-FJELL_CLONES void raise_1(const Rows& rows, float towards_east, const float* own, float per_m, float* __restrict tangent,
-                          std::size_t n) {
+FJELL_CLONES void raise_1(const Rows& rows, float towards_east, const float* own, float per_m,
+                          float* __restrict tangent, std::size_t n) {
     const float *a = rows.north, *b = rows.south, v = rows.towards_south;
     for (std::size_t i = 0; i < n; ++i) {
         const float west = a[i] + (b[i] - a[i]) * v, east = a[i + 1] + (b[i + 1] - a[i + 1]) * v;
@@ -59,8 +59,8 @@ FJELL_CLONES void raise_1(const Rows& rows, float towards_east, const float* own
     }
 }
 // Twice as far.
-FJELL_CLONES void raise_2(const Rows& rows, float towards_east, const float* own, float per_m, float* __restrict tangent,
-                          std::size_t n) {
+FJELL_CLONES void raise_2(const Rows& rows, float towards_east, const float* own, float per_m,
+                          float* __restrict tangent, std::size_t n) {
     const float *a = rows.north, *b = rows.south, v = rows.towards_south;
     for (std::size_t i = 0; i < n; ++i) {
         const float west = a[2 * i] + (b[2 * i] - a[2 * i]) * v,
@@ -186,10 +186,9 @@ private:
         }
         for (std::int32_t j = 0; j < rows_; ++j) {
             const std::size_t k = static_cast<std::size_t>(j) * n_;
-            finish_direction(tangent_.data() + k, static_cast<float>(east_of[direction]),
-                             static_cast<float>(south_of[direction]),
-                             {east_.data() + k, south_.data() + k, there_.data() + k, whole_.data() + k},
-                             out_row(direction, j), n_);
+            finish_direction(
+                tangent_.data() + k, static_cast<float>(east_of[direction]), static_cast<float>(south_of[direction]),
+                {east_.data() + k, south_.data() + k, there_.data() + k, whole_.data() + k}, out_row(direction, j), n_);
         }
     }
 

@@ -72,7 +72,9 @@ std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const 
     if (session.streamed) {
         slots.colour = stream_map_layers(session.streamed->stream(), MapKind::colour);
         slots.normal = stream_map_layers(session.streamed->stream(), MapKind::normal);
+        slots.horizon = stream_map_layers(session.streamed->stream(), MapKind::horizon);
     }
+    slots.horizons = options.profile.light.shadows;
     slots.light = options.profile.light;
     slots.material_bytes = options.profile.material_bytes;
     auto renderer = gl::Renderer::create(session.terrain(), session.loaded.pack, slots, error);
@@ -86,8 +88,9 @@ std::string upload_mesh(gl::Renderer& renderer, const Session& session, const Fr
         const Stream stream = session.streamed->stream();
         std::string error = renderer.upload(stream_map_commands(stream));
         if (error.empty())
-            error = renderer.show_maps(stream_tile_maps(stream, MapKind::colour),
-                                       stream_tile_maps(stream, MapKind::normal));
+            error =
+                renderer.show_maps(stream_tile_maps(stream, MapKind::colour), stream_tile_maps(stream, MapKind::normal),
+                                   stream_tile_maps(stream, MapKind::horizon));
         if (!error.empty()) return error;
     }
     return session.incremental() ? renderer.upload(cut_mesh(session.cut), cut_take_changes(session.cut))

@@ -174,6 +174,16 @@ constexpr ProfileKey keys[] = {
      .get = At<&Profile::light, &Light::detail>::get,
      .set = At<&Profile::light, &Light::detail>::set},
     {.table = "light",
+     .name = "shadows",
+     .label = "Shadows",
+     .kind = KeyKind::flag,
+     .about =
+         "Shadows of the ground, and less light where it hides some of the sky: true or false. Of packs baked with "
+         "--horizons; their horizon maps take room among the maps on the GPU, and six texture reads a pixel.",
+     .rebuild = Rebuild::session,
+     .get = At<&Profile::light, &Light::shadows>::get,
+     .set = At<&Profile::light, &Light::shadows>::set},
+    {.table = "light",
      .name = "water",
      .label = "Water",
      .kind = KeyKind::flag,

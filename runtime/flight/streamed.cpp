@@ -12,7 +12,8 @@ namespace fjell::flight {
 using io::Failure;
 
 void StreamedPack::begin(const FlightOptions& options, Terrain& terrain, LiveCut cut) {
-    const StreamBudget& budget = options.profile.stream_budget;
+    StreamBudget budget = options.profile.stream_budget;
+    budget.horizons = options.profile.light.shadows;
     memory_bytes_ = stream_bytes(file_->pack(), terrain, budget);
     memory_ = io::allocate(memory_bytes_);
     const Status s = create_stream(file_->pack(), terrain, cut, budget, {memory_.get(), memory_bytes_}, stream_);

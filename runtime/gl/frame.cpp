@@ -137,8 +137,8 @@ TileBlock Renderer::State::make_tile(std::uint32_t tile, std::uint32_t index) co
     block.row = static_cast<std::int32_t>(row << header.tile_log2);
     block.index = static_cast<std::int32_t>(index);
     block.tile = static_cast<std::int32_t>(tile);
-    std::int32_t* const layers[map_kinds] = {&block.colour_layer, &block.normal_layer};
-    std::int32_t* const arrays[map_kinds] = {&block.colour_array, &block.normal_array};
+    std::int32_t* const layers[map_kinds] = {&block.colour_layer, &block.normal_layer, &block.horizon_layer};
+    std::int32_t* const arrays[map_kinds] = {&block.colour_array, &block.normal_array, &block.horizon_array};
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         const MapArrays& of = maps.kind[kind];
         *arrays[kind] = -1;
@@ -148,6 +148,9 @@ TileBlock Renderer::State::make_tile(std::uint32_t tile, std::uint32_t index) co
         if (map.side_log2 != 0) *arrays[kind] = of.array_of[map.side_log2];
         (void)min_lod_grid(of.tiles, header.tiles_x, tile, block.mip[kind]);
     }
+    const MapArrays& horizon = maps.kind[2];
+    if (block.horizon_array >= 0)
+        block.horizon_mip = static_cast<std::int32_t>(horizon.slots.top_log2 - horizon.tiles[tile].side_log2);
     block.tint = packed_tint(column, row);
     return block;
 }

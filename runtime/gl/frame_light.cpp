@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fjell/texture.h"
 #include "gl/state.h"
 
 namespace fjell::gl {
@@ -113,6 +114,19 @@ void Renderer::State::set_light(const View& view, const DrawOptions& now, FrameB
         (header.rows - 1) * spacing_z_m - view.eye_m.z);
     set_noise(view, block, shrunk);
     set_layers(view, now, block);
+    set_shadow(sun, block);
+}
+
+// Between which two directions of the horizon maps the sun stands. The penumbra is wider than the sun's disc, because
+// texels and directions are interpolated: docs/notes/horizons.md.
+void Renderer::State::set_shadow(const Vec3& sun, FrameBlock& block) const {
+    constexpr double penumbra_sine = 0.02;
+    const double turns = std::atan2(sun.x, -sun.z) / (2 * pi), at = (turns - std::floor(turns)) * horizon_directions;
+    const auto before = static_cast<std::uint32_t>(at) % horizon_directions, after = (before + 1) % horizon_directions;
+    put(block.shadow_plane, before % horizon_planes_across, before / horizon_planes_across,
+        after % horizon_planes_across, after / horizon_planes_across);
+    put(block.shadow, at - std::floor(at), penumbra_sine, std::uint32_t{1} << header.horizon_log2,
+        mip_count(header.horizon_log2));
 }
 
 } // namespace fjell::gl

@@ -12,11 +12,12 @@
 
 namespace fjell::gl {
 
-inline constexpr unsigned sky_unit = 16, noise_unit = 17; // behind those of both kinds of maps
+inline constexpr unsigned sky_unit = 16, noise_unit = 17; // behind those of colours and normals
+inline constexpr unsigned horizon_unit = 20;              // of the first horizon map, behind materials
 
 // Which lines of the ground's shader are compiled: bits.
-inline constexpr unsigned light_air = 1, light_detail = 2, light_water = 4, light_layers = 8;
-inline constexpr unsigned light_none = 16, light_variants = 17;
+inline constexpr unsigned light_air = 1, light_detail = 2, light_water = 4, light_layers = 8, light_shadows = 16;
+inline constexpr unsigned light_none = 32, light_variants = 33;
 
 struct Lighting {
     Sky sky;

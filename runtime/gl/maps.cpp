@@ -17,13 +17,17 @@ struct Format {
     const char* name;
     const char* option; // RendererOptions'
     GLenum format;
-    std::size_t block_bytes;
-    const char* extension; // that has the format; none: the core
+    std::size_t block_bytes; // of 4 x 4 texels, all planes
+    const char* extension;   // that has the format; none: the core
+    std::uint32_t across;    // planes of a picture, each way
 };
-constexpr Format formats[map_kinds] = {
-    {ChunkKind::colour, "colour map", "RendererOptions::colour", GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, colour_block_bytes,
-     "GL_EXT_texture_compression_s3tc"},
-    {ChunkKind::normal, "normal map", "RendererOptions::normal", GL_COMPRESSED_RG_RGTC2, normal_block_bytes, nullptr}};
+constexpr Format formats[map_kinds] = {{ChunkKind::colour, "colour map", "RendererOptions::colour",
+                                        GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, colour_block_bytes,
+                                        "GL_EXT_texture_compression_s3tc", 1},
+                                       {ChunkKind::normal, "normal map", "RendererOptions::normal",
+                                        GL_COMPRESSED_RG_RGTC2, normal_block_bytes, nullptr, 1},
+                                       {ChunkKind::horizon, "horizon map", "RendererOptions::horizon",
+                                        GL_COMPRESSED_RED_RGTC1, horizon_block_bytes, nullptr, horizon_planes_across}};
 
 std::size_t mip_bytes(const Format& format, std::uint32_t side) {
     return blocks_of(side) * format.block_bytes;
@@ -49,8 +53,8 @@ std::string check_slots(const Format& format, const MapLayers& slots, std::uint3
                    std::to_string(1u << log2) + " texels and this GPU's texture arrays have " +
                    std::to_string(most_layers) +
                    (streamed ? "; lower StreamBudget::map_bytes" : "; bake with a larger --tile");
-        if (1u << log2 > static_cast<std::uint32_t>(largest))
-            return "the " + std::string(format.name) + " has " + std::to_string(1u << log2) +
+        if (format.across << log2 > static_cast<std::uint32_t>(largest))
+            return "the " + std::string(format.name) + " has " + std::to_string(format.across << log2) +
                    " texels a side and this GPU at most " + std::to_string(largest) +
                    "; bake with a larger --tile count or smaller textures";
     }
@@ -59,13 +63,15 @@ std::string check_slots(const Format& format, const MapLayers& slots, std::uint3
            std::to_string(max_map_sizes) + " samplers a kind: raise StreamBudget::tail_log2";
 }
 
-void set_sampling(unsigned name, std::uint32_t mips, float anisotropy) {
-    glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+// Of planes side by side the shader reads whole mips: a filter between two would reach over a plane's border.
+void set_sampling(unsigned name, const Format& format, std::uint32_t mips, float anisotropy) {
+    const bool planes = format.across > 1;
+    glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, planes ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_LINEAR);
     glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTextureParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     glTextureParameteri(name, GL_TEXTURE_MAX_LEVEL, static_cast<GLint>(mips) - 1);
-    if (anisotropy > 1) glTextureParameterf(name, GL_TEXTURE_MAX_ANISOTROPY, anisotropy);
+    if (anisotropy > 1 && !planes) glTextureParameterf(name, GL_TEXTURE_MAX_ANISOTROPY, anisotropy);
 }
 
 float granted_anisotropy(float wish) {
@@ -90,9 +96,9 @@ std::string make_arrays(const Format& format, const MapLayers& slots, std::uint3
         glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
         arrays.array_of[log2] = static_cast<std::int32_t>(arrays.sizes);
         arrays.array[arrays.sizes++] = Texture(name);
-        glTextureStorage3D(name, static_cast<GLsizei>(mips), format.format, GLsizei{1} << log2, GLsizei{1} << log2,
-                           static_cast<GLsizei>(layers));
-        set_sampling(name, mips, anisotropy);
+        const auto side = static_cast<GLsizei>(format.across << log2);
+        glTextureStorage3D(name, static_cast<GLsizei>(mips), format.format, side, side, static_cast<GLsizei>(layers));
+        set_sampling(name, format, mips, anisotropy);
         for (std::uint32_t mip = 0; mip < mips; ++mip) bytes += layers * mip_bytes(format, 1u << (log2 - mip));
     }
     if (glGetError() == GL_NO_ERROR) return {};
@@ -119,7 +125,8 @@ std::string load_all(const Pack& pack, const Format& format, MapArrays& arrays) 
             if (!status.ok())
                 return std::string("the ") + format.name + " of tile " + std::to_string(tile) + ", mip " +
                        std::to_string(mip) + " (" + status.field + "): " + message(status.code);
-            store_mip(format, arrays.texture(log2), mip, tile, 0, side, side, blocks.size(), blocks.data());
+            store_mip(format, arrays.texture(log2), mip, tile, 0, format.across * side, format.across * side,
+                      blocks.size(), blocks.data());
         }
     }
     for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile)
@@ -149,10 +156,10 @@ bool is_good(const MapCommand& command, const Maps& maps) {
 }
 
 // The mips that both arrays have, from the smaller one's own mip 0 down to 4 x 4.
-void copy_mips(const MapCommand& command, const MapArrays& arrays) {
+void copy_mips(const MapCommand& command, const Format& format, const MapArrays& arrays) {
     const std::uint32_t from = command.from_log2, to = command.side_log2, common = std::min(from, to);
     for (std::uint32_t mip = 0; mip < mip_count(common); ++mip) {
-        const GLsizei side = GLsizei{1} << (common - mip);
+        const auto side = static_cast<GLsizei>(format.across << (common - mip));
         glCopyImageSubData(arrays.texture(from), GL_TEXTURE_2D_ARRAY, static_cast<GLint>(from - common + mip), 0, 0,
                            static_cast<GLint>(command.from_layer), arrays.texture(to), GL_TEXTURE_2D_ARRAY,
                            static_cast<GLint>(to - common + mip), 0, 0, static_cast<GLint>(command.layer), side, side,
@@ -164,8 +171,8 @@ void copy_mips(const MapCommand& command, const MapArrays& arrays) {
 void store_blocks(const MapCommand& command, const Format& format, const MapArrays& arrays, Ring& ring) {
     const std::byte* from = command.blocks.data();
     for (std::uint32_t mip = 0; mip < command.upload_mips; ++mip) {
-        const std::uint32_t side = 1u << (command.side_log2 - mip);
-        const std::size_t row_bytes = side / 4 * format.block_bytes;
+        const std::uint32_t side = format.across << (command.side_log2 - mip); // of all planes
+        const std::size_t row_bytes = side / 4 * format.block_bytes / (std::size_t{format.across} * format.across);
         for (std::uint32_t row = 0; row < side / 4;) {
             ring.reserve(ring.aligned(row_bytes));
             const auto rows =
@@ -182,9 +189,13 @@ void store_blocks(const MapCommand& command, const Format& format, const MapArra
 
 } // namespace
 
-std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], float anisotropy, Maps& maps) {
-    maps.anisotropy = granted_anisotropy(anisotropy);
-    const std::uint32_t pack_log2[map_kinds] = {pack.header.colour_log2, pack.header.normal_log2};
+std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], const MapOptions& options, Maps& maps) {
+    maps.anisotropy = granted_anisotropy(options.anisotropy);
+    const PackHeader& h = pack.header;
+    // Whose other maps are streamed has no bytes to load horizons from.
+    const bool horizons =
+        slots[2].top_log2 != 0 || (options.horizons && slots[0].top_log2 == 0 && slots[1].top_log2 == 0);
+    const std::uint32_t pack_log2[map_kinds] = {h.colour_log2, h.normal_log2, horizons ? h.horizon_log2 : 0};
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         MapArrays& arrays = maps.kind[kind];
         std::fill(std::begin(arrays.array_of), std::end(arrays.array_of), -1);
@@ -210,11 +221,12 @@ std::string run_commands(std::span<const MapCommand> commands, Maps& maps, Ring&
     for (const MapCommand& command : commands)
         if (!is_good(command, maps))
             return "a map command for tile " + std::to_string(command.tile) +
-                   " names a size, a layer or blocks that RendererOptions::colour and ::normal have no room for";
+                   " names a size, a layer or blocks that RendererOptions::colour, ::normal and ::horizon have no room "
+                   "for";
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, ring.buffer());
     for (const MapCommand& command : commands) {
         const auto kind = static_cast<std::uint32_t>(command.map);
-        if (command.from_log2 != 0) copy_mips(command, maps.kind[kind]);
+        if (command.from_log2 != 0) copy_mips(command, formats[kind], maps.kind[kind]);
         store_blocks(command, formats[kind], maps.kind[kind], ring);
         bytes += command.blocks.size();
     }
@@ -228,7 +240,9 @@ std::string show_maps(std::span<const TileMap> from, MapKind kind, Maps& maps) {
     if (from.size() != arrays.tiles.size()) return "show_maps() needs one TileMap a tile";
     for (const TileMap& map : from)
         if ((map.side_log2 != 0 && !has_layer(arrays, map.side_log2, map.layer)) || !std::isfinite(map.min_lod))
-            return "a TileMap names a size or a layer that RendererOptions::colour and ::normal have no room for";
+            return "a TileMap names a size or a layer that RendererOptions::colour, ::normal and ::horizon have no "
+                   "room "
+                   "for";
     std::copy(from.begin(), from.end(), arrays.tiles.begin());
     maps.all_there = false;
     return {};

@@ -1,10 +1,11 @@
-// The terrain's colour and normal maps on the GPU: an array texture for each size that tiles may have.
+// The terrain's colour, normal and horizon maps on the GPU: an array texture for each size that tiles may have.
 //
 // A tile has one layer of one of them, with all mips down to 4 x 4. Of a whole pack there is one size and a layer a
 // tile, loaded at creation; of a streamed one there are the sizes and layers of MapLayers, empty at first, and
 // MapCommands fill them. Whatever its size, a tile's map covers the same square of uv: that of the pack's own size, so
-// an upgrade does not shift the picture. Internal to runtime/gl. Memory: half a byte a colour texel and 1 a normal
-// texel, times 4/3 for the mips. Failure: one line that names the chunk, the limit or the option.
+// an upgrade does not shift the picture. Internal to runtime/gl. Memory: half a byte a colour texel, 1 a
+// normal texel and 4 1/2 a horizon texel, times 4/3 for the mips. Failure: one line that names the chunk, the limit or
+// the option.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@
 
 namespace fjell::gl {
 
-// Both kinds must fit into the 16 units that every fragment shader has.
+// Colours and normals must fit into the 16 units that every fragment shader has.
 inline constexpr std::uint32_t max_map_sizes = 8;
 
 struct MapArrays {
@@ -42,8 +43,12 @@ struct Maps {
     std::uint64_t bytes = 0;   // on the GPU
 };
 
+struct MapOptions {
+    float anisotropy = 1;
+    bool horizons = true; // load a whole pack's
+};
 // slots: of each kind; with top_log2 != 0 it is streamed, otherwise all that the pack has of it is loaded.
-[[nodiscard]] std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], float anisotropy,
+[[nodiscard]] std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], const MapOptions& options,
                                     Maps& maps);
 
 // Carries out commands, in order; adds the bytes of their blocks to `bytes`. Nothing is done when one is not of these

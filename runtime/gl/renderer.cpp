@@ -40,6 +40,7 @@ std::string light_defines(unsigned bits) {
     if ((bits & light_detail) != 0) defines += "#define DETAIL\n";
     if ((bits & light_water) != 0) defines += "#define WATER\n";
     if ((bits & light_layers) != 0) defines += "#define LAYERS\n";
+    if ((bits & light_shadows) != 0) defines += "#define SHADOWS\n";
     return defines;
 }
 
@@ -65,7 +66,8 @@ std::string Renderer::State::make_program_of(const DrawOptions& now) {
     const char* const modes[mode_count] = {"#define SHADED\n", "#define LEVELS\n", "#define DISTANCE\n",
                                            "#define TILES\n",  "#define MIPS\n",   "#define RESIDENCY\n",
                                            "#define ERROR\n"};
-    std::string before = arrays_define("COLOUR_MAPS", maps.kind[0]) + arrays_define("NORMAL_MAPS", maps.kind[1]);
+    std::string before = arrays_define("COLOUR_MAPS", maps.kind[0]) + arrays_define("NORMAL_MAPS", maps.kind[1]) +
+                         arrays_define("HORIZON_MAPS", maps.kind[2]);
     before += modes[static_cast<int>(mode)];
     if (all_there(mode)) before += "#define ALL_THERE\n";
     if (now.wireframe) before += "#define WIREFRAME\n";
@@ -141,7 +143,9 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
     // llvmpipe walks an ellipse of texels whose size it does not bound where uv is extrapolated at the rim of tiny
     // multisampled triangles: frames of half a minute were seen.
     const float anisotropy = is_software() ? 1.0f : options.anisotropy > 0 ? options.anisotropy : 8.0f;
-    if (error.empty()) error = make_maps(pack, {options.colour, options.normal}, anisotropy, s.maps);
+    if (error.empty())
+        error =
+            make_maps(pack, {options.colour, options.normal, options.horizon}, {anisotropy, options.horizons}, s.maps);
     if (error.empty()) error = s.prepare({.light = options.light});
     if (error.empty() && options.morph) error = s.scatter.create();
     if (!error.empty()) return nullptr;
@@ -203,6 +207,9 @@ std::string Renderer::State::prepare(const DrawOptions& now) {
     if (now.layers.on && ground_layers.present() && now.mode == Mode::shaded && now.lit &&
         lighting.units > static_cast<int>(material_normal_unit))
         light_bits |= light_layers;
+    const auto horizons = static_cast<int>(maps.kind[2].sizes);
+    if (now.light.shadows && horizons != 0 && lighting.units >= static_cast<int>(horizon_unit) + horizons)
+        light_bits |= light_shadows;
     if (std::string error = lighting.follow(now.light, light_bits); !error.empty()) return error;
     if (std::string error = make_program_of(now); !error.empty()) return error;
     if (std::string error = make_sky_program(); !error.empty()) return error;
@@ -240,12 +247,14 @@ void Renderer::State::set_up(const Target& target) const {
 }
 
 void Renderer::State::bind_maps(Mode mode) const {
-    const unsigned first_unit[map_kinds] = {colour_unit, normal_unit};
-    for (std::uint32_t kind = 0; kind < map_kinds; ++kind)
+    const unsigned first_unit[map_kinds] = {colour_unit, normal_unit, horizon_unit};
+    for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
+        if (kind == 2 && (light_bits & light_shadows) == 0) break; // the GPU may not have such units
         for (std::uint32_t i = 0; i < maps.kind[kind].sizes; ++i) {
             glBindTextureUnit(first_unit[kind] + i, maps.kind[kind].array[i].get());
             glBindSampler(first_unit[kind] + i, 0);
         }
+    }
     if (mode != Mode::residency && mode != Mode::error) return; // they have no use for colours
     glBindTextureUnit(colour_unit, mode == Mode::residency ? residency.texture() : heights.texture());
     glBindSampler(colour_unit, 0);

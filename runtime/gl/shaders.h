@@ -48,8 +48,10 @@ struct FrameBlock {
     float to_rim[4];               // from the eye to the terrain's rim: west, east, north, south [m]
     float layers_at[4];            // of the eye, from where materials repeat [m]; 1: one mip a read
     float layers[4];               // LayerSettings: distance [m], tint, relief; where the fine textures end [m]
+    float shadow_plane[4];         // column and row of the horizon map's planes on both sides of the sun's azimuth
+    float shadow[4];               // share of the second; sine of half the penumbra; texels a side of mip 0; mips
 };
-static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6 + 25) * 16 &&
+static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6 + 27) * 16 &&
                   offsetof(FrameBlock, tile) == 208,
               "FrameBlock is uploaded: change the block `Frame` in shaders.cpp with it");
 
@@ -60,9 +62,10 @@ struct TileBlock {
     std::int32_t colour_layer, colour_array, normal_layer, normal_array; // array -1: nothing is there yet
     float mip[map_kinds][9];                                             // min_lod_grid()
     std::uint32_t tint;                                                  // of Mode::tiles: linear rgb, 10 bits each
-    std::uint32_t reserved;
+    std::int32_t horizon_layer, horizon_array, horizon_mip;              // the pack's mip that is the array's first
+    std::uint32_t reserved; // an array's elements begin at multiples of 16
 };
-static_assert(sizeof(TileBlock) == 112 && offsetof(TileBlock, mip) == 32,
+static_assert(sizeof(TileBlock) == 160 && offsetof(TileBlock, mip) == 32 && offsetof(TileBlock, horizon_layer) == 144,
               "TileBlock is uploaded: change attribute 2 of the renderer and TileBlock in shaders.cpp with it");
 
 // The block `Frame`: goes in front of every shader below.
@@ -73,7 +76,8 @@ static_assert(sizeof(TileBlock) == 112 && offsetof(TileBlock, mip) == 32,
 // The ground's fragment shader: terrain_fragment_shader(), for LIT light_shader() and ground_light_shader(), then
 // terrain_main_shader(). Defines: COLOUR_MAPS and NORMAL_MAPS, how many array textures there are of each, when there
 // are any; SHADED, LEVELS, DISTANCE, TILES, MIPS, RESIDENCY or ERROR for the mode; WIREFRAME; BORDERS; ALL_THERE: one
-// array of each, layer = tile; with SHADED also LIT, and with that AIR: physical, DETAIL, WATER, LAYERS.
+// array of each, layer = tile; with SHADED also LIT, and with that AIR: physical, DETAIL, WATER, LAYERS, SHADOWS
+// (with HORIZON_MAPS).
 [[nodiscard]] const char* terrain_fragment_shader();
 [[nodiscard]] const char* light_shader();
 [[nodiscard]] const char* layers_shader(); // between the two

@@ -111,7 +111,7 @@ vec3 picture(vec3 colour) {
 )";
 }
 
-// For shaded ground. Defines: DETAIL, WATER.
+// For shaded ground. Defines: DETAIL, WATER, SHADOWS.
 const char* ground_light_shader() {
     return R"(
 #if (defined(DETAIL) || defined(WATER)) && !defined(LAYERS)
@@ -162,6 +162,42 @@ vec3 under_water(vec3 ground, vec3 direction, float way, float depth, float rise
 }
 #endif
 
+#ifdef SHADOWS
+layout(binding = 20) uniform sampler2DArray horizon_map[HORIZON_MAPS];
+
+// Of one mip: the sine of the horizon's elevation towards the sun, and the share of the sky that is seen. Planes stand
+// side by side, so texels are counted and no filter leaves its plane; the outermost texel centres lie on the border.
+vec2 horizon_of_mip(vec2 at, ivec2 map, int mip, int first_mip) {
+    float texels = exp2(log2(shadow.z) - float(mip)), per = 1.0 / (3.0 * texels), lod = float(mip - first_mip);
+    vec2 place = at * (texels - 1.0) + 0.5;
+    float before = textureLod(horizon_map[map.y], vec3((place + shadow_plane.xy * texels) * per, map.x), lod).r;
+    float after = textureLod(horizon_map[map.y], vec3((place + shadow_plane.zw * texels) * per, map.x), lod).r;
+    float sky = textureLod(horizon_map[map.y], vec3((place + 2.0 * texels) * per, map.x), lod).r;
+    return vec2(mix(before, after, shadow.x), sky);
+}
+
+// The same, between two mips; of a tile whose map has not come: nothing hides anything.
+vec2 horizon_here() {
+    vec2 at = clamp(surface.sample_at / float(1 << tile.x), 0.0, 1.0), texel = at * shadow.z;
+    vec2 dx = dFdx(texel), dy = dFdy(texel);
+#ifdef ALL_THERE
+    ivec2 map = ivec2(surface.block, 0);
+    float least = 0.0;
+    int first_mip = 0;
+#else
+    ivec2 map = tile_block[surface.block].horizon;
+    if (map.y < 0) return vec2(0.0, 1.0);
+    float least = finest_mip(2);
+    int first_mip = tile_block[surface.block].horizon_mip;
+#endif
+    float mip = clamp(0.5 * log2(max(max(dot(dx, dx), dot(dy, dy)), 1e-9)), least, shadow.w - 1.0);
+    int finer = int(mip);
+    vec2 fine = horizon_of_mip(at, map, finer, first_mip);
+    vec2 coarse = horizon_of_mip(at, map, min(finer + 1, int(shadow.w) - 1), first_mip);
+    return mix(fine, coarse, mip - float(finer));
+}
+#endif
+
 // The ground's colour as the eye's film gets it. base: diffuse, of which no more light leaves than comes.
 vec3 shaded(vec3 base, vec3 normal) {
     float squared = dot(surface.position, surface.position), inverse = inversesqrt(squared), metres = squared * inverse;
@@ -176,7 +212,13 @@ vec3 shaded(vec3 base, vec3 normal) {
     add_layers(base, normal, map, map_normal, metres);
 #endif
     float rise = surface.position.y;
-    vec3 colour = base * (sun_at(rise) * (0.31831 * max(dot(normal, sun.xyz), 0.0)) + sky_light(normal));
+    float sunlit = 0.31831 * max(dot(normal, sun.xyz), 0.0), sky_seen = 1.0;
+#ifdef SHADOWS
+    vec2 horizon = horizon_here();
+    sunlit *= smoothstep(horizon.x - shadow.y, horizon.x + shadow.y, sun.y);
+    sky_seen = horizon.y;
+#endif
+    vec3 colour = base * (sun_at(rise) * sunlit + sky_light(normal) * sky_seen);
 #ifdef WATER
     if (water.y > 0.0 && rise < water.x) {
         float to_surface = water.x / direction.y;

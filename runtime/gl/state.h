@@ -92,6 +92,7 @@ struct Renderer::State {
     void set_error(const View& view, const DrawOptions& now, FrameBlock& block) const;
     void set_light(const View& view, const DrawOptions& now, FrameBlock& block) const; // frame_light.cpp
     void set_layers(const View& view, const DrawOptions& now, FrameBlock& block) const;
+    void set_shadow(const Vec3& sun, FrameBlock& block) const;
     void set_noise(const View& view, FrameBlock& block, double shrunk) const;
     TileBlock make_tile(std::uint32_t tile, std::uint32_t index) const;
     DrawData write_draw(const MeshView& mesh, const View& view, const DrawOptions& now);

@@ -95,9 +95,11 @@ std::string Renderer::upload(std::span<const MapCommand> commands) {
     return error;
 }
 
-std::string Renderer::show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal) {
+std::string Renderer::show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal,
+                                std::span<const TileMap> horizon) {
     Maps& maps = state_->maps;
-    for (const auto& [tiles, kind] : {std::pair(colour, MapKind::colour), std::pair(normal, MapKind::normal)})
+    for (const auto& [tiles, kind] :
+         {std::pair(colour, MapKind::colour), std::pair(normal, MapKind::normal), std::pair(horizon, MapKind::horizon)})
         if (std::string error = gl::show_maps(tiles, kind, maps); !error.empty()) return error;
     return {};
 }

@@ -14,6 +14,9 @@ using namespace fjell::test;
 
 namespace {
 
+constexpr MapKind kinds[map_kinds] = {MapKind::colour, MapKind::normal, MapKind::horizon};
+constexpr ChunkKind chunk_kinds[map_kinds] = {ChunkKind::colour, ChunkKind::normal, ChunkKind::horizon};
+
 // A renderer's arrays, as far as who lies where: [kind][size][layer][mip] is a tile's mip of the pack, or nothing.
 struct Arrays {
     struct Mip {
@@ -41,7 +44,7 @@ struct Arrays {
             }
         std::span<const std::byte> blocks = c.blocks;
         for (std::uint32_t mip = 0; mip < c.upload_mips; ++mip) {
-            const ChunkId id{c.map == MapKind::colour ? ChunkKind::colour : ChunkKind::normal, c.tile, first + mip};
+            const ChunkId id{chunk_kinds[kind], c.tile, first + mip};
             std::vector<std::byte> wanted(chunk_raw_bytes(pack.header, id));
             if (!read_chunk(pack, id, wanted).ok()) return "the pack cannot be read";
             if (blocks.size() < wanted.size() || !std::equal(wanted.begin(), wanted.end(), blocks.begin()))
@@ -81,6 +84,7 @@ io::LoadedPack mapped_terrain(Random& random) {
     const int samples = pick(random, 80, 300);
     baker::BakeOptions options = small_bake(pick(random, 5, 6));
     options.max_texture_log2 = static_cast<std::uint32_t>(pick(random, 4, 8));
+    options.horizon_spacing = 2 * pick(random, 0, 2);
     return bake_and_load(random_dem(random, samples, pick(random, 80, 300), Shape::fractal), options);
 }
 
@@ -103,16 +107,18 @@ std::uint32_t wanted_log2(const Streamed& on, const MapLayers& slots, std::uint3
 
 TEST_CASE("mips come and go so that every tile is drawn from its own, within the layers there are, and none jumps") {
     Random random(401);
-    std::uint64_t uploads = 0, downgrades = 0, limited = 0, failures = 0, satisfied = 0;
+    std::uint64_t uploads = 0, downgrades = 0, limited = 0, failures = 0, satisfied = 0, horizons = 0;
     for (int round = 0; round < 24; ++round) {
         const auto pack = mapped_terrain(random);
         REQUIRE(pack.pack.header.normal_log2 != 0);
         StreamBudget budget;
         budget.map_requests = static_cast<std::uint32_t>(pick(random, 1, 20));
         budget.tail_log2 = static_cast<std::uint32_t>(pick(random, 2, 5));
+        budget.horizons = round % 3 != 2;
+        horizons += budget.horizons && pack.pack.header.horizon_log2 != 0;
         budget.map_bytes = std::uint64_t{1} << 40;
         std::uint64_t tails = 0, all = 0;
-        for (const MapKind kind : {MapKind::colour, MapKind::normal}) {
+        for (const MapKind kind : kinds) {
             MapLayers slots = map_layers(pack.pack.header, budget, kind);
             all += map_layer_bytes(slots, kind);
             for (std::uint32_t log2 = slots.tail_log2 + 1; log2 <= max_texture_log2; ++log2) slots.layers[log2] = 0;
@@ -127,7 +133,8 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
         const bool fails = round % 4 == 3;
         ScriptedClient client(random, on, {.fails = fails ? 0.05 : 0, .garbage = fails ? 0.05 : 0, .most_delay = 8});
         Arrays arrays{pack.pack,
-                      {stream_map_layers(on.stream, MapKind::colour), stream_map_layers(on.stream, MapKind::normal)},
+                      {stream_map_layers(on.stream, MapKind::colour), stream_map_layers(on.stream, MapKind::normal),
+                       stream_map_layers(on.stream, MapKind::horizon)},
                       {}};
         StreamSettings settings;
         settings.fade_s = pick(random, 0, 2) ? 0.1 : 0;
@@ -170,7 +177,8 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
             if (plenty && !fails) REQUIRE(report.maps_converged);
             if (report.maps_converged)
                 for (std::uint32_t kind = 0; kind < map_kinds; ++kind)
-                    for (std::uint32_t tile = 0; tile < pack.terrain.tile_count(); ++tile) {
+                    for (std::uint32_t tile = 0; arrays.slots[kind].top_log2 != 0 && tile < pack.terrain.tile_count();
+                         ++tile) {
                         const TileMap& map = stream_tile_maps(on.stream, static_cast<MapKind>(kind))[tile];
                         const MapLayers& slots = arrays.slots[kind];
                         REQUIRE(map.side_log2 >= wanted_log2(on, slots, tile, view, settings.texel_px));
@@ -188,6 +196,7 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
     REQUIRE(limited > 5);
     REQUIRE(failures > 20);
     REQUIRE(satisfied > 200);
+    REQUIRE(horizons > 6);
 }
 
 TEST_CASE("no mip is read twice unless its layer was given up in between") {
@@ -195,6 +204,7 @@ TEST_CASE("no mip is read twice unless its layer was given up in between") {
     const auto pack = mapped_terrain(random);
     StreamBudget budget;
     budget.map_bytes = std::uint64_t{1} << 40;
+    budget.horizons = true;
     Streamed on(pack.pack, 0, budget);
     std::set<std::array<std::uint32_t, 3>> read;
     StreamSettings settings;
@@ -224,13 +234,16 @@ TEST_CASE("layers cost no more than the budget, and one that cannot hold the sma
         h.tiles_y = static_cast<std::uint32_t>(pick(random, 1, 60));
         h.colour_log2 = pick(random, 0, 3) ? static_cast<std::uint32_t>(pick(random, 2, 12)) : 0;
         h.normal_log2 = pick(random, 0, 3) ? static_cast<std::uint32_t>(pick(random, 2, 12)) : 0;
+        h.horizon_log2 = pick(random, 0, 1) ? static_cast<std::uint32_t>(pick(random, 2, 12)) : 0;
         StreamBudget budget;
+        budget.horizons = pick(random, 0, 3) != 0;
         budget.tail_log2 = static_cast<std::uint32_t>(pick(random, 2, 7));
         budget.map_bytes = static_cast<std::uint64_t>(std::pow(10.0, uniform(random, 5, 11)));
         std::uint64_t bytes = 0, tails = 0;
-        for (const MapKind kind : {MapKind::colour, MapKind::normal}) {
+        for (const MapKind kind : kinds) {
             MapLayers slots = map_layers(h, budget, kind);
             bytes += map_layer_bytes(slots, kind);
+            if (kind == MapKind::horizon) REQUIRE(slots.top_log2 == (budget.horizons ? h.horizon_log2 : 0));
             if (slots.top_log2 == 0) {
                 REQUIRE(map_layer_bytes(slots, kind) == 0);
                 continue;

@@ -46,10 +46,10 @@ public:
             baker::LevelWindow window{at, {}};
             for (int y = at.y; y < at.y + at.rows; ++y)
                 for (int x = at.x; x < at.x + at.columns; ++x)
-                    window.heights_m.push_back(x < 0 || y < 0 || x >= all.columns || y >= all.rows
-                                                   ? baker::no_ground_m
-                                                   : all_[static_cast<std::size_t>(level)]
-                                                         [static_cast<std::size_t>(y * all.columns + x)]);
+                    window.heights_m.push_back(
+                        x < 0 || y < 0 || x >= all.columns || y >= all.rows
+                            ? baker::no_ground_m
+                            : all_[static_cast<std::size_t>(level)][static_cast<std::size_t>(y * all.columns + x)]);
             seen.push_back(std::move(window));
         }
         return baker::horizons(levels, stride_log2, points, seen);
@@ -69,8 +69,8 @@ inline std::vector<std::vector<baker::MipTexels>> all_horizons(const baker::MapP
     const auto tiles = static_cast<std::uint32_t>(plan.tree.tiles_x * plan.tree.tiles_y);
     std::vector<std::vector<baker::MipTexels>> mips(mip_count(plan.horizon_log2));
     for (std::uint32_t tile = 0; tile < tiles; ++tile) {
-        auto near = baker::near_horizons(
-            plan, tile, scene.of(plan.horizon_stride_log2(), baker::points_for_horizons(plan, tile)));
+        auto near = baker::near_horizons(plan, tile,
+                                         scene.of(plan.horizon_stride_log2(), baker::points_for_horizons(plan, tile)));
         for (std::size_t m = 0; m < near.size(); ++m) mips[m].push_back(std::move(near[m]));
     }
     constexpr auto kind = baker::MapKind::horizon;

@@ -92,8 +92,8 @@ TEST_CASE("flat ground sees all of the sky and no horizon, exactly, in every mip
 TEST_CASE("an endless slope is its own horizon, and the sky over it counts as whole") {
     const Tree tree{5, 2, 2};
     for (const auto& [east, south] : {std::pair{0.5, 0.0}, {0.0, -0.25}, {-2.0, 1.0}, {3.0, 4.0}}) {
-        const HorizonScene scene(
-            field_of(tree, [e = east, s = south](int x, int y) { return 1000 + e * 10 * x + s * 20 * y; }, 10, 20));
+        const HorizonScene scene(field_of(
+            tree, [e = east, s = south](int x, int y) { return 1000 + e * 10 * x + s * 20 * y; }, 10, 20));
         const TexelPlanes planes = scene.of(1, {4, 4, 20, 20});
         for (std::size_t k = 0; k < horizon_directions; ++k) {
             const double azimuth = 45.0 * static_cast<double>(k) * radians_a_degree;
@@ -133,7 +133,8 @@ TEST_CASE("horizons lie near those of rays through every sample") {
 TEST_CASE("a far ridge is seen as high as it stands, and nothing stands beyond the rim") {
     const Tree tree = Tree::covering(601, 601, 7);
     // A ridge from north to south, 750 m high and 1 km wide.
-    const HorizonScene scene(field_of(tree, [](int x, int) { return std::max(0.0, 750.0 - std::abs(x - 500) * 15.0); }));
+    const HorizonScene scene(
+        field_of(tree, [](int x, int) { return std::max(0.0, 750.0 - std::abs(x - 500) * 15.0); }));
     for (const int x : {20, 100, 200, 300, 400, 440}) {
         const TexelPlanes planes = scene.of(1, {x / 2, 150, 1, 1});
         const double height = std::sin(std::atan(750 / (10.0 * (500 - x))));
@@ -160,7 +161,8 @@ TEST_CASE("the sky's share is that of rays in all directions, in a pit, on a pea
     }
     CHECK(static_cast<double>(before.channel[horizon_directions][0]) == Approx(sky).margin(1e-3));
     CHECK(static_cast<double>(before.channel[2][0]) == Approx(std::sqrt(0.5)).margin(1e-4));
-    const HorizonScene peak(field_of(tree, [](int x, int y) { return -1.0 * ((x - 64) * (x - 64) + (y - 64) * (y - 64)); }));
+    const HorizonScene peak(
+        field_of(tree, [](int x, int y) { return -1.0 * ((x - 64) * (x - 64) + (y - 64) * (y - 64)); }));
     CHECK(peak.of(0, {64, 64, 1, 1}).channel[horizon_directions][0] == 1.0f);
     const HorizonScene pit(field_of(tree, [](int x, int y) { return x == 64 && y == 64 ? -1000.0 : 0.0; }));
     CHECK(pit.of(0, {64, 64, 1, 1}).channel[horizon_directions][0] < 0.01f);

@@ -389,9 +389,9 @@ typedef struct FjellGroundPatch {
 
 // --- fjell/stream.h ---
 
-#define FJELL_MAP_KINDS 2
+#define FJELL_MAP_KINDS 3
 
-enum { FJELL_MAP_COLOUR, FJELL_MAP_NORMAL };                                            // MapKind
+enum { FJELL_MAP_COLOUR, FJELL_MAP_NORMAL, FJELL_MAP_HORIZON };                         // MapKind
 enum { FJELL_PAGE_INSERTED, FJELL_PAGE_RELEASED, FJELL_PAGE_KEPT, FJELL_PAGE_REMOVED }; // PageEvent
 enum {                                                                                  // StreamBudgetBit
     FJELL_STREAM_PAGE_SLOTS = 1,
@@ -415,6 +415,7 @@ typedef struct FjellStreamBudget {
     uint64_t map_bytes;
     uint32_t tail_log2;
     uint32_t decoders;
+    bool horizons;
 } FjellStreamBudget;
 
 typedef struct FjellStreamSettings {

@@ -267,6 +267,7 @@ FJELL_FIELD(FjellStreamBudget, map_requests);
 FJELL_FIELD(FjellStreamBudget, map_bytes);
 FJELL_FIELD(FjellStreamBudget, tail_log2);
 FJELL_FIELD(FjellStreamBudget, decoders);
+FJELL_FIELD(FjellStreamBudget, horizons);
 
 FJELL_SIZE(FjellStreamSettings);
 FJELL_FIELD(FjellStreamSettings, texel_px);
@@ -382,6 +383,7 @@ static_assert(FJELL_METRIC_ISOTROPIC == static_cast<int>(Metric::isotropic));
 static_assert(FJELL_METRIC_DEPTH == static_cast<int>(Metric::depth));
 static_assert(FJELL_MAP_COLOUR == static_cast<int>(MapKind::colour));
 static_assert(FJELL_MAP_NORMAL == static_cast<int>(MapKind::normal));
+static_assert(FJELL_MAP_HORIZON == static_cast<int>(MapKind::horizon));
 static_assert(FJELL_PAGE_INSERTED == static_cast<int>(PageEvent::inserted));
 static_assert(FJELL_PAGE_RELEASED == static_cast<int>(PageEvent::released));
 static_assert(FJELL_PAGE_KEPT == static_cast<int>(PageEvent::kept));

@@ -30,7 +30,7 @@ std::size_t map_room(const PackHeader& h, const StreamBudget& budget) {
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         const MapLayers sizes = map_layers(h, budget, static_cast<MapKind>(kind));
         if (sizes.top_log2 == 0) continue;
-        const ChunkKind chunks = kind == 0 ? ChunkKind::colour : ChunkKind::normal;
+        const ChunkKind chunks = chunks_of_map(kind);
         std::size_t tail = 0;
         for (std::uint32_t item = sizes.top_log2 - sizes.tail_log2; item < mip_count(sizes.top_log2); ++item)
             tail += chunk_raw_bytes(h, {chunks, 0, item});

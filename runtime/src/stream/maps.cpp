@@ -18,14 +18,18 @@ namespace {
 
 constexpr std::uint32_t tiles_a_frame = 512;
 
-ChunkKind chunk_kind(std::uint32_t kind) {
-    return kind == 0 ? ChunkKind::colour : ChunkKind::normal;
-}
-std::uint32_t top_log2(const PackHeader& h, MapKind kind) {
-    return kind == MapKind::colour ? h.colour_log2 : h.normal_log2;
+std::uint32_t top_log2(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
+    switch (kind) {
+    case MapKind::colour: return h.colour_log2;
+    case MapKind::normal: return h.normal_log2;
+    case MapKind::horizon: return budget.horizons ? h.horizon_log2 : 0;
+    }
+    return 0;
 }
 std::uint64_t block_bytes(MapKind kind) {
-    return kind == MapKind::colour ? colour_block_bytes : normal_block_bytes;
+    return kind == MapKind::colour   ? colour_block_bytes
+           : kind == MapKind::normal ? normal_block_bytes
+                                     : horizon_block_bytes;
 }
 // One layer of that size with all its mips.
 std::uint64_t layer_bytes(std::uint32_t log2, MapKind kind) {
@@ -37,32 +41,40 @@ std::uint64_t layer_bytes(std::uint32_t log2, MapKind kind) {
 constexpr std::uint64_t most_layers = 2048; // that every OpenGL 4.5 has
 
 std::uint32_t tail_of(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
-    return std::min(std::max(budget.tail_log2, 2u), top_log2(h, kind));
+    return std::min(std::max(budget.tail_log2, 2u), top_log2(h, budget, kind));
 }
 std::uint64_t tails_bytes(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
-    if (top_log2(h, kind) == 0) return 0;
+    if (top_log2(h, budget, kind) == 0) return 0;
     return std::uint64_t{h.tiles_x} * h.tiles_y * layer_bytes(tail_of(h, budget, kind), kind);
 }
 // All that a kind could use beside its tails.
 std::uint64_t all_bytes(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
     std::uint64_t bytes = 0;
     const std::uint64_t layers = std::min(std::uint64_t{h.tiles_x} * h.tiles_y, most_layers);
-    for (std::uint32_t log2 = tail_of(h, budget, kind) + 1; log2 <= top_log2(h, kind); ++log2)
+    for (std::uint32_t log2 = tail_of(h, budget, kind) + 1; log2 <= top_log2(h, budget, kind); ++log2)
         bytes += layers * layer_bytes(log2, kind);
     return bytes;
 }
 
-// What a kind may spend beside its tails: a share by the bytes of one layer, and what the other cannot use.
+// What a kind may spend beside its tails: a share by the bytes of one layer, and what the others cannot use. Together
+// they spend no more than there is: who gets more than its share leaves all others all that they could use.
 std::uint64_t share_of(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
-    const MapKind other = kind == MapKind::colour ? MapKind::normal : MapKind::colour;
-    const std::uint64_t tails = tails_bytes(h, budget, kind) + tails_bytes(h, budget, other);
+    std::uint64_t tails = 0, others = 0;
+    double weights = 0, own = 0;
+    for (std::uint32_t i = 0; i < map_kinds; ++i) {
+        const auto k = static_cast<MapKind>(i);
+        const std::uint32_t log2 = top_log2(h, budget, k);
+        const double weight = log2 == 0 ? 0.0 : static_cast<double>(layer_bytes(log2, k));
+        tails += tails_bytes(h, budget, k);
+        weights += weight;
+        if (k == kind)
+            own = weight;
+        else
+            others += all_bytes(h, budget, k);
+    }
     const std::uint64_t left = budget.map_bytes - std::min(budget.map_bytes, tails);
-    const std::uint64_t all = all_bytes(h, budget, kind), others = all_bytes(h, budget, other);
-    const auto weight = [&](MapKind k) {
-        return top_log2(h, k) == 0 ? 0.0 : static_cast<double>(layer_bytes(top_log2(h, k), k));
-    };
-    const double part = weight(kind) / std::max(weight(kind) + weight(other), 1.0);
-    const auto mine = static_cast<std::uint64_t>(static_cast<double>(left) * part), theirs = left - mine;
+    const auto mine = static_cast<std::uint64_t>(static_cast<double>(left) * (own / std::max(weights, 1.0)));
+    const std::uint64_t all = all_bytes(h, budget, kind), theirs = left - mine;
     return others < theirs ? std::min(all, left - others) : std::min(all, mine);
 }
 
@@ -70,10 +82,10 @@ std::uint64_t share_of(const PackHeader& h, const StreamBudget& budget, MapKind 
 
 MapLayers map_layers(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
     MapLayers sizes;
-    const auto usable = [&](MapKind k) { return top_log2(h, k) != 1 && top_log2(h, k) <= max_texture_log2; };
-    if (!usable(MapKind::colour) || !usable(MapKind::normal) || static_cast<std::uint32_t>(kind) >= map_kinds)
-        return sizes;
-    sizes.top_log2 = top_log2(h, kind);
+    for (const std::uint32_t log2 : {h.colour_log2, h.normal_log2, h.horizon_log2})
+        if (log2 == 1 || log2 > max_texture_log2) return sizes;
+    if (static_cast<std::uint32_t>(kind) >= map_kinds) return sizes;
+    sizes.top_log2 = top_log2(h, budget, kind);
     if (sizes.top_log2 == 0) return sizes;
     sizes.tail_log2 = tail_of(h, budget, kind);
     const std::uint64_t tiles = std::uint64_t{h.tiles_x} * h.tiles_y;
@@ -123,7 +135,7 @@ void give_layer(MapState& m, std::uint32_t log2, std::uint32_t layer) {
 }
 
 MapState& map_of(StreamState& s, const Request& r) {
-    return s.maps[r.id.kind == ChunkKind::colour ? 0 : 1];
+    return s.maps[map_of_chunks(r.id.kind)];
 }
 std::uint32_t requested_log2(const MapState& m, const Request& r) {
     return m.sizes.top_log2 - r.id.item;
@@ -145,7 +157,7 @@ void show(StreamState& s, Request& r) {
     MapTile& tile = m.tiles[r.id.tile];
     const std::uint32_t log2 = requested_log2(m, r);
     FJELL_ASSERT(tile.in_flight && s.command_count < s.request_count + max_evictions);
-    s.commands[s.command_count++] = {r.id.kind == ChunkKind::colour ? MapKind::colour : MapKind::normal,
+    s.commands[s.command_count++] = {static_cast<MapKind>(map_of_chunks(r.id.kind)),
                                      static_cast<std::uint8_t>(log2),
                                      tile.size_log2,
                                      static_cast<std::uint8_t>(r.chunks),
@@ -269,7 +281,7 @@ bool request_map(StreamState& s, const Candidate& c, std::uint32_t (&full)[map_k
     MapTile& tile = m.tiles[c.which];
     const bool tail = tile.size_log2 == 0;
     const std::uint32_t log2 = tail ? m.sizes.tail_log2 : tile.size_log2 + 1u;
-    const ChunkId id{chunk_kind(c.kind), c.which, m.sizes.top_log2 - log2};
+    const ChunkId id{chunks_of_map(c.kind), c.which, m.sizes.top_log2 - log2};
     const std::uint64_t chunk = chunk_index(s.pack->header, id);
     if (has_failed(s, chunk)) {
         tile.failed = true;

@@ -5,6 +5,14 @@
 
 namespace fjell {
 
+// Chunks of a kind of map, by its number; and the way back.
+[[nodiscard]] constexpr ChunkKind chunks_of_map(std::uint32_t kind) {
+    return kind == 0 ? ChunkKind::colour : kind == 1 ? ChunkKind::normal : ChunkKind::horizon;
+}
+[[nodiscard]] constexpr std::uint32_t map_of_chunks(ChunkKind kind) {
+    return kind == ChunkKind::colour ? 0 : kind == ChunkKind::normal ? 1 : 2;
+}
+
 void begin_maps(StreamState& s);
 
 // What has arrived since the last update becomes commands for the renderer, up to StreamSettings::map_bytes.

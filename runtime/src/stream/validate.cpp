@@ -1,6 +1,7 @@
 #include "validate.h"
 
 #include "pack/memory.h"
+#include "stream/maps.h"
 #include "stream/requests.h"
 #include "stream/watch.h"
 
@@ -108,7 +109,7 @@ Violation check_layers(const StreamState& s, std::uint32_t kind, std::uint32_t l
     }
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i) {
         const Request& r = s.requests[i];
-        if (!is_open(r) || (r.id.kind == ChunkKind::colour ? 0u : 1u) != kind) continue;
+        if (!is_open(r) || map_of_chunks(r.id.kind) != kind) continue;
         if (m.sizes.top_log2 - r.id.item == log2) used.add(r.layer);
     }
     all.add_range(0, array.count);
@@ -121,7 +122,7 @@ Violation check_maps(const StreamState& s, std::uint32_t kind) {
     Tally requested, waiting;
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i) {
         const Request& r = s.requests[i];
-        if (!is_open(r) || (r.id.kind == ChunkKind::colour ? 0u : 1u) != kind) continue;
+        if (!is_open(r) || map_of_chunks(r.id.kind) != kind) continue;
         if (r.id.tile >= s.tiles) return {"a map is requested of a tile that there is not"};
         requested.add(r.id.tile);
     }

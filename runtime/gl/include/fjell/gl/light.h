@@ -54,6 +54,9 @@ struct LightSettings {
     ToneCurve tone_curve = ToneCurve::filmic;
     bool dither = true; // noise of half an 8-bit step, so that skies have no bands
     bool detail = true; // fine noise on near ground, where a texel of its map covers many pixels
+    // Shadows of the ground on itself, and less of the sky's light where ground hides some of the sky: of packs with
+    // horizon maps (fjell-bake --horizons). Six texture reads a pixel.
+    bool shadows = true;
 
     bool water = false;       // a sheet of water at one level, over the ground that lies below it
     double water_level_m = 0; // -12000 to 100000

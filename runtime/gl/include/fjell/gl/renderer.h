@@ -51,7 +51,8 @@ struct RendererOptions {
     std::uint32_t ring_bytes = 0;
     // Streamed maps (stream_map_layers()): array textures of these sizes, empty at first. top_log2 0: all of the pack's
     // map is loaded at creation. At most 8 sizes of each kind.
-    MapLayers colour{}, normal{};
+    MapLayers colour{}, normal{}, horizon{};
+    bool horizons = true;  // load those of a whole pack, for LightSettings::shadows: 9 times the bytes of its colours
     LightSettings light{}; // of the first draw: its shaders are compiled at creation; others when first used
     // Textures of set_layers(), in bytes: finest mips are left out until they fit. Ten materials of 512 texels a side
     // take 7 MB.
@@ -135,7 +136,8 @@ public:
     [[nodiscard]] std::string set_layers(const io::Materials& materials, std::span<const LayerRule> rules);
     // How tiles are drawn from now on: the stream's stream_tile_maps() of each kind, one a tile; empty leaves
     // that kind as it is. Copied. Before it is called nothing of a streamed map shows.
-    [[nodiscard]] std::string show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal);
+    [[nodiscard]] std::string show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal,
+                                        std::span<const TileMap> horizon = {});
     // Makes the next upload a whole one: faster after rebuild_cut(), and needed when changes were taken and not
     // uploaded.
     void invalidate();
