@@ -18,9 +18,37 @@ constexpr double cells_away = 12, growth = 1.122462048309373; // 2^(1/6)
 constexpr std::int32_t halo = static_cast<std::int32_t>(2 * cells_away) + 2;
 constexpr std::int32_t block_rows = 16; // of points at a time: what they use stays in the nearest cache
 
-constexpr double diagonal = 0.7071067811865476;
-constexpr double east_of[horizon_directions] = {0, diagonal, 1, diagonal, 0, -diagonal, -1, -diagonal};
-constexpr double south_of[horizon_directions] = {-1, -diagonal, 0, diagonal, 1, diagonal, 0, -diagonal};
+// Sines and cosines of 0, 24, 48 .. degrees.
+constexpr double east_of[horizon_directions] = {0,
+                                                0.4067366430758002,
+                                                0.7431448254773942,
+                                                0.9510565162951535,
+                                                0.9945218953682733,
+                                                0.8660254037844387,
+                                                0.5877852522924732,
+                                                0.2079116908177593,
+                                                -0.2079116908177595,
+                                                -0.587785252292473,
+                                                -0.8660254037844384,
+                                                -0.9945218953682734,
+                                                -0.9510565162951536,
+                                                -0.7431448254773946,
+                                                -0.4067366430758002};
+constexpr double south_of[horizon_directions] = {-1.0,
+                                                 -0.9135454576426009,
+                                                 -0.6691306063588582,
+                                                 -0.3090169943749475,
+                                                 0.1045284632676536,
+                                                 0.4999999999999998,
+                                                 0.8090169943749473,
+                                                 0.9781476007338057,
+                                                 0.9781476007338056,
+                                                 0.8090169943749476,
+                                                 0.5000000000000004,
+                                                 0.1045284632676534,
+                                                 -0.3090169943749472,
+                                                 -0.6691306063588578,
+                                                 -0.913545457642601};
 
 struct Step {
     int level = 0;
@@ -83,8 +111,8 @@ FJELL_CLONES void raise_any(const float* mixed, const std::int32_t* vertex, cons
 }
 
 // Light of the sky over elevations above a horizon with that sine, in one direction, on a surface whose unit normal has
-// the components `level` (along the direction) and `up`: the integral of its cosine, over pi / 8. The arc cosine after
-// M. Abramowitz and I. Stegun, 4.4.45: to 7e-5.
+// the components `level` (along the direction) and `up`: the integral of its cosine, over half a direction's share. The
+// arc cosine after M. Abramowitz and I. Stegun, 4.4.45: to 7e-5.
 inline float sky_above(float sine, float level, float up) {
     const float cosine2 = 1 - sine * sine;
     const float arc =

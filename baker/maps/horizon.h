@@ -1,4 +1,4 @@
-// Horizons: how high the ground around a point stands, seen from it, in 8 directions; and how much of the sky it sees.
+// Horizons: how high the ground around a point stands, seen from it, in 15 directions; and how much of the sky it sees.
 //
 // N. Max, Horizon mapping: shadows for bump-mapped surfaces (1988); found over a pyramid of heights as J. Snyder and D.
 // Nowrouzezahrai do, Fast Soft Self-Shadowing on Dynamic Height Fields (2008): a ray marches from each point with steps
@@ -59,7 +59,7 @@ struct LevelWindow {
 inline constexpr float no_ground_m = -1e30f;
 
 // Of each point `horizon_planes` channels from 0 to 1, as fjell/texture.h says them: sines of the elevation of the
-// horizon in 8 directions, and the share of the sky. seen: of every level.
+// horizon in 15 directions, and the share of the sky. seen: of every level.
 [[nodiscard]] TexelPlanes horizons(const HorizonLevels& levels, int stride_log2, const Window& points,
                                    const std::vector<LevelWindow>& seen);
 

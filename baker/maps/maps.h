@@ -50,7 +50,7 @@ struct MapPlan {
 // The samples that near_maps reads for a tile: its own and some around it, within the terrain.
 [[nodiscard]] Window heights_for_maps(const MapPlan& plan, std::uint32_t tile);
 
-// Texels between two mips: 16 bits a channel, row by row; colour 3 channels (linear light), normal 2, horizon 9.
+// Texels between two mips: 16 bits a channel, row by row; colour 3 channels (linear light), normal 2, horizon 16.
 using Texels = std::vector<std::uint16_t>;
 [[nodiscard]] constexpr std::size_t channels(MapKind kind) {
     return kind == MapKind::colour ? 3 : kind == MapKind::normal ? 2 : horizon_planes;

@@ -4,7 +4,7 @@
 // tile, loaded at creation; of a streamed one there are the sizes and layers of MapLayers, empty at first, and
 // MapCommands fill them. Whatever its size, a tile's map covers the same square of uv: that of the pack's own size, so
 // an upgrade does not shift the picture. Internal to runtime/gl. Memory: half a byte a colour texel, 1 a
-// normal texel and 4 1/2 a horizon texel, times 4/3 for the mips. Failure: one line that names the chunk, the limit or
+// normal texel and 8 a horizon texel, times 4/3 for the mips. Failure: one line that names the chunk, the limit or
 // the option.
 #pragma once
 

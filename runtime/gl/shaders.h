@@ -63,7 +63,7 @@ struct TileBlock {
     float mip[map_kinds][9];                                             // min_lod_grid()
     std::uint32_t tint;                                                  // of Mode::tiles: linear rgb, 10 bits each
     std::int32_t horizon_layer, horizon_array, horizon_mip;              // the pack's mip that is the array's first
-    std::uint32_t reserved; // an array's elements begin at multiples of 16
+    std::uint32_t reserved;                                              // an array's elements begin at multiples of 16
 };
 static_assert(sizeof(TileBlock) == 160 && offsetof(TileBlock, mip) == 32 && offsetof(TileBlock, horizon_layer) == 144,
               "TileBlock is uploaded: change attribute 2 of the renderer and TileBlock in shaders.cpp with it");

@@ -168,11 +168,11 @@ layout(binding = 20) uniform sampler2DArray horizon_map[HORIZON_MAPS];
 // Of one mip: the sine of the horizon's elevation towards the sun, and the share of the sky that is seen. Planes stand
 // side by side, so texels are counted and no filter leaves its plane; the outermost texel centres lie on the border.
 vec2 horizon_of_mip(vec2 at, ivec2 map, int mip, int first_mip) {
-    float texels = exp2(log2(shadow.z) - float(mip)), per = 1.0 / (3.0 * texels), lod = float(mip - first_mip);
+    float texels = exp2(log2(shadow.z) - float(mip)), per = 1.0 / (4.0 * texels), lod = float(mip - first_mip);
     vec2 place = at * (texels - 1.0) + 0.5;
     float before = textureLod(horizon_map[map.y], vec3((place + shadow_plane.xy * texels) * per, map.x), lod).r;
     float after = textureLod(horizon_map[map.y], vec3((place + shadow_plane.zw * texels) * per, map.x), lod).r;
-    float sky = textureLod(horizon_map[map.y], vec3((place + 2.0 * texels) * per, map.x), lod).r;
+    float sky = textureLod(horizon_map[map.y], vec3((place + 3.0 * texels) * per, map.x), lod).r;
     return vec2(mix(before, after, shadow.x), sky);
 }
 

@@ -68,7 +68,7 @@ ErrorsDeg marching_errors(const HorizonScene& scene, int points, unsigned seed) 
         const TexelPlanes planes = scene.of(1, {x, y, 1, 1});
         for (std::size_t k = 0; k < horizon_directions; ++k)
             off.push_back(std::asin(static_cast<double>(planes.channel[k][0])) / radians_a_degree -
-                          traced_horizon_deg(scene, 2 * x, 2 * y, 45.0 * static_cast<double>(k)));
+                          traced_horizon_deg(scene, 2 * x, 2 * y, 24.0 * static_cast<double>(k)));
     }
     return errors_of(std::move(off));
 }
@@ -96,7 +96,7 @@ TEST_CASE("an endless slope is its own horizon, and the sky over it counts as wh
             tree, [e = east, s = south](int x, int y) { return 1000 + e * 10 * x + s * 20 * y; }, 10, 20));
         const TexelPlanes planes = scene.of(1, {4, 4, 20, 20});
         for (std::size_t k = 0; k < horizon_directions; ++k) {
-            const double azimuth = 45.0 * static_cast<double>(k) * radians_a_degree;
+            const double azimuth = 24.0 * static_cast<double>(k) * radians_a_degree;
             const double rise = std::max(0.0, east * std::sin(azimuth) - south * std::cos(azimuth));
             // Half of a level's rise over a cell, to both sides, is 3/4 raised; from 12 cells away.
             const double raised = 0.75 / 12 * (std::abs(east) + 2 * std::abs(south));
@@ -115,7 +115,7 @@ TEST_CASE("horizons lie near those of rays through every sample") {
     // Fractals as steep as mountains and as the roughest ground. What is left is mostly ground less than a sample away,
     // where a ray's first step is.
     std::mt19937 random(7);
-    for (const auto& [relief, most_rms_deg, most_p95_deg] : {std::tuple{0.3, 0.4, 0.8}, {1.0, 0.9, 1.9}}) {
+    for (const auto& [relief, most_rms_deg, most_p95_deg] : {std::tuple{0.3, 0.4, 0.8}, {1.0, 0.9, 2.1}}) {
         Dem dem = random_dem(random, 257, 193, Shape::fractal);
         const auto [low, high] = std::minmax_element(dem.heights_m.begin(), dem.heights_m.end());
         const double range = static_cast<double>(*high - *low);
@@ -124,7 +124,7 @@ TEST_CASE("horizons lie near those of rays through every sample") {
         const HorizonScene scene(field_of(dem));
         const ErrorsDeg e = marching_errors(scene, rounds(60, 600), 8);
         CAPTURE(relief, e.mean, e.rms, e.p95, e.most);
-        CHECK(std::abs(e.mean) < 0.1);
+        CHECK(std::abs(e.mean) < 0.2);
         CHECK(e.rms < most_rms_deg);
         CHECK(e.p95 < most_p95_deg);
     }
@@ -132,27 +132,27 @@ TEST_CASE("horizons lie near those of rays through every sample") {
 
 TEST_CASE("a far ridge is seen as high as it stands, and nothing stands beyond the rim") {
     const Tree tree = Tree::covering(601, 601, 7);
-    // A ridge from north to south, 750 m high and 1 km wide.
+    // A ridge from west to east, 750 m high and 1 km wide; direction 0 is north, 7 and 8 are 12 degrees beside south.
     const HorizonScene scene(
-        field_of(tree, [](int x, int) { return std::max(0.0, 750.0 - std::abs(x - 500) * 15.0); }));
-    for (const int x : {20, 100, 200, 300, 400, 440}) {
-        const TexelPlanes planes = scene.of(1, {x / 2, 150, 1, 1});
-        const double height = std::sin(std::atan(750 / (10.0 * (500 - x))));
-        const double east = static_cast<double>(planes.channel[2][0]), west = static_cast<double>(planes.channel[6][0]);
-        CAPTURE(x, east, height);
-        CHECK(east / height > 0.9);
-        CHECK(east / height < 1.02);
-        CHECK(west == 0);
+        field_of(tree, [](int, int y) { return std::max(0.0, 750.0 - std::abs(y - 100) * 15.0); }));
+    for (const int y : {160, 200, 300, 400, 500, 580}) {
+        const TexelPlanes planes = scene.of(1, {150, y / 2, 1, 1});
+        const double height = std::sin(std::atan(750 / (10.0 * (y - 100))));
+        const auto north = static_cast<double>(planes.channel[0][0]);
+        CAPTURE(y, north, height);
+        CHECK(north / height > 0.9);
+        CHECK(north / height < 1.02);
+        CHECK((planes.channel[7][0] == 0 && planes.channel[8][0] == 0));
     }
-    const TexelPlanes rim = scene.of(1, {299, 150, 1, 1}); // beyond the ridge
-    CHECK(rim.channel[2][0] == 0.0f);
-    CHECK(rim.channel[6][0] > 0.0f);
+    const TexelPlanes rim = scene.of(1, {150, 1, 1, 1}); // beyond the ridge
+    CHECK(rim.channel[0][0] == 0.0f);
+    CHECK(rim.channel[7][0] > 0.0f);
 }
 
 TEST_CASE("the sky's share is that of rays in all directions, in a pit, on a peak and before a wall") {
-    // A wall of height 8 across half of the sky, seen from its foot's distance 8: cosines over 45 degrees and above.
+    // A wall of height 8 across the north, seen from a distance of 8.
     const Tree tree{7, 1, 1};
-    const HorizonScene wall(field_of(tree, [](int x, int) { return x >= 72 ? 80.0 : 0.0; }));
+    const HorizonScene wall(field_of(tree, [](int, int y) { return y <= 56 ? 80.0 : 0.0; }));
     const TexelPlanes before = wall.of(0, {64, 64, 1, 1});
     double sky = 0;
     for (std::size_t k = 0; k < horizon_directions; ++k) {
@@ -160,7 +160,7 @@ TEST_CASE("the sky's share is that of rays in all directions, in a pit, on a pea
         sky += (1 - sine * sine) / horizon_directions;
     }
     CHECK(static_cast<double>(before.channel[horizon_directions][0]) == Approx(sky).margin(1e-3));
-    CHECK(static_cast<double>(before.channel[2][0]) == Approx(std::sqrt(0.5)).margin(1e-4));
+    CHECK(static_cast<double>(before.channel[0][0]) == Approx(std::sqrt(0.5)).margin(1e-4));
     const HorizonScene peak(
         field_of(tree, [](int x, int y) { return -1.0 * ((x - 64) * (x - 64) + (y - 64) * (y - 64)); }));
     CHECK(peak.of(0, {64, 64, 1, 1}).channel[horizon_directions][0] == 1.0f);

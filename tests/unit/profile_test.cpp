@@ -94,6 +94,7 @@ TEST_CASE("every shipped profile loads and names every key") {
                                 "tone_curve",
                                 "dither",
                                 "detail",
+                                "shadows",
                                 "water",
                                 "water_level_m"}) {
             INFO(file.path() << ' ' << key);
@@ -181,7 +182,7 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
         "[view]\nsamples = 2\n[light]\nsun = \"time\"\nlatitude_deg = -41.5\nlongitude_deg = 174\nyear = 2030\nmonth = "
         "2\n"
         "day = 3\nhour_utc = 4.5\nair = \"simple\"\nvisibility_km = 30\nexposure = \"fixed\"\nev100 = 12\n"
-        "exposure_bias_ev = -1\ntone_curve = \"none\"\ndither = false\ndetail = false\nwater = true\nwater_level_m = "
+        "exposure_bias_ev = -1\ntone_curve = \"none\"\ndither = false\ndetail = false\nshadows = false\nwater = true\nwater_level_m = "
         "7.5\n"
         "azimuth_deg = 1\nelevation_deg = 2\n"
         "[layers]\non = false\ndistance_m = 900\ntint = 0.25\nrelief = 2\nmaterial_mb = 5\n",
@@ -207,6 +208,7 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     CHECK(l.light.tone_curve == gl::ToneCurve::none);
     CHECK_FALSE(l.light.dither);
     CHECK_FALSE(l.light.detail);
+    CHECK_FALSE(l.light.shadows);
     CHECK(l.light.water);
     CHECK(l.light.water_level_m == 7.5);
     CHECK(l.light.azimuth_deg == 1);

@@ -151,7 +151,7 @@ typedef struct FjellPack {
 
 #define FJELL_COLOUR_BLOCK_BYTES 8
 #define FJELL_NORMAL_BLOCK_BYTES 16
-#define FJELL_HORIZON_BLOCK_BYTES 72 // 3 x 3 planes
+#define FJELL_HORIZON_BLOCK_BYTES 128 // 4 x 4 planes
 
 // --- fjell/terrain.h ---
 

@@ -135,7 +135,7 @@ inline constexpr std::uint32_t corner_void_bit = 0x80000000;
 // Textures. Mip m of a map with 2^k texels a side has 2^(k-m); the smallest has 4. The first and last texel centre of
 // *every* mip lie on the tile's border, and both neighbours compress the same values there: no seam under
 // clamp-to-edge. Colour is BC1 of sRGB, normal BC5 of the east and south components of the unit normal (up follows),
-// horizon nine planes of BC4 side by side: fjell/texture.h.
+// horizon 16 planes of BC4 side by side: fjell/texture.h.
 [[nodiscard]] constexpr std::uint32_t mip_count(std::uint32_t log2_side) {
     return log2_side < 2 ? 0 : log2_side - 1;
 }

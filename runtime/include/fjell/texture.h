@@ -6,10 +6,10 @@
 // the unit normal, as 128 + 127 v, so that 128 is exactly 0. Both little-endian, the texel in the north-west in the
 // lowest bits (OpenGL: EXT_texture_compression_s3tc, ARB_texture_compression_rgtc).
 //
-// A horizon map is nine planes of one component each, 3 x 3 of them side by side in one picture that is three times as
+// A horizon map is 16 planes of one component each, 4 x 4 of them side by side in one picture that is four times as
 // wide and high as a plane: BC4 blocks row by row through all of it, ready for one texture. Plane p stands in column
-// p % 3 and row p / 3. Planes 0 to 7: how high the ground stands at azimuth 45 p degrees, clockwise from north, as
-// 255 times the sine of its elevation; 0 where nothing rises above the level. Plane 8: the share of the sky's light
+// p % 4 and row p / 4. Planes 0 to 14: how high the ground stands at azimuth 24 p degrees, clockwise from north, as
+// 255 times the sine of its elevation; 0 where nothing rises above the level. Plane 15: the share of the sky's light
 // that arrives, of what would on the same slope if nothing else stood around it, times 255. At a plane's border a
 // filter would reach into the next one: read whole mips, as runtime/gl does.
 //
@@ -28,7 +28,7 @@ FJELL_API_BEGIN
 namespace fjell {
 
 inline constexpr std::size_t colour_block_bytes = 8, normal_block_bytes = 16;
-inline constexpr std::uint32_t horizon_directions = 8, horizon_planes_across = 3;
+inline constexpr std::uint32_t horizon_directions = 15, horizon_planes_across = 4;
 inline constexpr std::uint32_t horizon_planes = horizon_planes_across * horizon_planes_across;
 inline constexpr std::size_t horizon_block_bytes = 8 * horizon_planes; // of 4 x 4 texels, all planes
 // Blocks of a mip with that many texels a side.

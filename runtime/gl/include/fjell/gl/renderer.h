@@ -52,7 +52,8 @@ struct RendererOptions {
     // Streamed maps (stream_map_layers()): array textures of these sizes, empty at first. top_log2 0: all of the pack's
     // map is loaded at creation. At most 8 sizes of each kind.
     MapLayers colour{}, normal{}, horizon{};
-    bool horizons = true;  // load those of a whole pack, for LightSettings::shadows: 9 times the bytes of its colours
+    bool horizons =
+        true; // load those of a whole pack, for LightSettings::shadows: often four times the bytes of its other maps
     LightSettings light{}; // of the first draw: its shaders are compiled at creation; others when first used
     // Textures of set_layers(), in bytes: finest mips are left out until they fit. Ten materials of 512 texels a side
     // take 7 MB.
