@@ -45,18 +45,59 @@ TEST_CASE("every shipped profile loads and names every key") {
         CHECK(p.cut_budget.vertices == p.budget.vertices);
         const std::vector<std::byte> bytes = io::read_file(file.path().string());
         const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-        for (const char* key :
-             {"method",        "error_px",         "corner_safe",   "hysteresis",    "offscreen_factor",
-              "morph",         "morph_s",          "metric",        "cull",          "topology",
-              "vertices",      "triangles",        "views",         "workers",       "items",
-              "budget_us",     "indices",          "width_px",      "height_px",     "fov_deg",
-              "page_slots",    "page_requests",    "map_requests",  "decoders",      "map_mb",
-              "tail_log2",     "texel_px",         "lookahead_s",   "fade_s",        "pages",
-              "tests",         "map_kb",           "samples",       "sun",           "azimuth_deg",
-              "elevation_deg", "latitude_deg",     "longitude_deg", "year",          "month",
-              "day",           "hour_utc",         "air",           "visibility_km", "exposure",
-              "ev100",         "exposure_bias_ev", "tone_curve",    "dither",        "detail", "shadows",
-              "water",         "water_level_m"}) {
+        for (const char* key : {"method",
+                                "error_px",
+                                "corner_safe",
+                                "hysteresis",
+                                "offscreen_factor",
+                                "morph",
+                                "morph_s",
+                                "metric",
+                                "cull",
+                                "topology",
+                                "vertices",
+                                "triangles",
+                                "views",
+                                "workers",
+                                "items",
+                                "budget_us",
+                                "indices",
+                                "width_px",
+                                "height_px",
+                                "fov_deg",
+                                "page_slots",
+                                "page_requests",
+                                "map_requests",
+                                "decoders",
+                                "map_mb",
+                                "tail_log2",
+                                "texel_px",
+                                "lookahead_s",
+                                "fade_s",
+                                "pages",
+                                "tests",
+                                "map_kb",
+                                "samples",
+                                "sun",
+                                "azimuth_deg",
+                                "elevation_deg",
+                                "latitude_deg",
+                                "longitude_deg",
+                                "year",
+                                "month",
+                                "day",
+                                "hour_utc",
+                                "air",
+                                "visibility_km",
+                                "exposure",
+                                "ev100",
+                                "exposure_bias_ev",
+                                "tone_curve",
+                                "dither",
+                                "detail",
+                                "shadows",
+                                "water",
+                                "water_level_m"}) {
             INFO(file.path() << ' ' << key);
             std::string line = "\n"; // by +=: g++ 12 warns of an impossible overlap in +
             line += key;
@@ -144,7 +185,8 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
         "[view]\nsamples = 2\n[light]\nsun = \"time\"\nlatitude_deg = -41.5\nlongitude_deg = 174\nyear = 2030\nmonth = "
         "2\n"
         "day = 3\nhour_utc = 4.5\nair = \"simple\"\nvisibility_km = 30\nexposure = \"fixed\"\nev100 = 12\n"
-        "exposure_bias_ev = -1\ntone_curve = \"none\"\ndither = false\ndetail = false\nshadows = false\nwater = true\nwater_level_m = "
+        "exposure_bias_ev = -1\ntone_curve = \"none\"\ndither = false\ndetail = false\nshadows = false\nwater = "
+        "true\nwater_level_m = "
         "7.5\n"
         "azimuth_deg = 1\nelevation_deg = 2\n"
         "[layers]\non = false\ndistance_m = 900\ntint = 0.25\nrelief = 2\nmaterial_mb = 5\n",
