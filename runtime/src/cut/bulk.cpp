@@ -4,6 +4,7 @@
 #include <bit>
 #include <utility>
 
+#include "compiler.h"
 #include "cut/evaluate.h"
 #include "cut/pages.h"
 #include "cut/sight.h"
@@ -80,8 +81,8 @@ private:
     void prefetch(std::uint32_t number) const {
         const VertexRecord* const records = s.terrain->records + std::size_t{at_.slot} * s.terrain->page_capacity +
                                             s.shapes[s.page_state[at_.slot].shape].groups[number].first;
-        __builtin_prefetch(records);
-        __builtin_prefetch(records + group_lanes - 1);
+        FJELL_PREFETCH(records);
+        FJELL_PREFETCH(records + group_lanes - 1);
     }
 
     void decide(std::uint32_t number, std::uint32_t ready) {
