@@ -1,6 +1,6 @@
 // What compilers spell each in their own way. Nothing else of ours names a compiler but fjell/export.h, for public
-// headers; tests/unit/compiler_test.cpp holds that. For g++ and clang, and for MSVC by its documentation: that has never
-// been tried.
+// headers; tests/unit/compiler_test.cpp holds that. For g++ and clang, and for MSVC by its documentation: that has
+// never been tried.
 #pragma once
 
 #include <cstdint>
