@@ -61,14 +61,10 @@ public:
     [[nodiscard]] PickedLanes lanes(Picks& picks) const {
         picks.pad();
         const std::uint32_t row = picks.lane(0) / page_squares;
-        return {records_,
-                picks.picked,
-                picks.count,
-                info_.x0,
-                info_.y0,
-                z(row),
-                info_.base,
-                s.level_unit_m[2 * z(row) + (group(row).kind == VertexKind::centre ? 0 : 1)]};
+        return {records_,    picks.picked,
+                picks.count, info_.x0,
+                info_.y0,    z(row),
+                info_.base,  s.level_unit_m[2 * z(row) + (group(row).kind == VertexKind::centre ? 0 : 1)]};
     }
     [[nodiscard]] bool is_void_at(std::uint64_t picked) const { return is_void(records_[picked & 0xffff]); }
 
@@ -118,7 +114,8 @@ public:
     // All that were added can wait: nobody sees them, and they are due.
     void postpone(std::uint32_t row) {
         for (std::uint32_t word = 0, ready = page_.active[row]; ready != 0; ++word, ready >>= group_lanes)
-            if ((ready & 0xffff) != 0) page_.ticks[(row << rows_.words_log2()) + word] = spent, unit_.grades = 1, ++unit_.groups;
+            if ((ready & 0xffff) != 0)
+                page_.ticks[(row << rows_.words_log2()) + word] = spent, unit_.grades = 1, ++unit_.groups;
         page_.active[row] = 0;
     }
     void finish() {
@@ -138,7 +135,8 @@ private:
         PickedAnswers answers{wanted, ticks, 0};
         evaluate_picked(criterion, rows_.lanes(picks), ticks_a_metre_, answers);
         unit_.grades = std::max(unit_.grades, grade_of(answers.code) + 1);
-        const std::uint32_t to_group = page_squares_log2 - rows_.words_log2(); // a coarse row is a group, a full one two
+        const std::uint32_t to_group =
+            page_squares_log2 - rows_.words_log2(); // a coarse row is a group, a full one two
         for (std::uint32_t n = 0; n < picks.count; ++n) {
             std::uint16_t& of = page_.ticks[picks.lane(n) >> to_group];
             of = std::min(of, static_cast<std::uint16_t>(soon + static_cast<std::uint32_t>(ticks[n])));
@@ -171,8 +169,7 @@ void decide_sides(const CutState& s, const BulkSquares& at, const BulkRows& part
         if (j != 0) return centres[j - 1];
         return at.j0 == 0 ? at.all() : row_bits(north, at.row(VertexKind::centre, at.n - 1));
     };
-    for (std::int32_t j = part.first; j < part.end; ++j)
-        page.add(at.row(VertexKind::side_x, j), centres[j] & above(j));
+    for (std::int32_t j = part.first; j < part.end; ++j) page.add(at.row(VertexKind::side_x, j), centres[j] & above(j));
     // The terrain's south and east rim: sides with one parent.
     if (part.end == at.n && at.j0 + at.n == s.tiles_y << at.step->log2)
         page.add(at.row(VertexKind::side_x, at.n), centres[at.n - 1]);
@@ -284,7 +281,9 @@ void decide_unit(const CutState& s, BulkUnit& unit) {
 void place_unit(CutState& s, BulkUnit& unit) {
     BulkPage& page = s.bulk.pages[unit.slot];
     const auto first = static_cast<std::uint32_t>(unit.rows.first), end = static_cast<std::uint32_t>(unit.rows.end);
-    const auto vertices = [&](std::uint32_t row) { return static_cast<std::uint32_t>(std::popcount(page.active[row])); };
+    const auto vertices = [&](std::uint32_t row) {
+        return static_cast<std::uint32_t>(std::popcount(page.active[row]));
+    };
     std::uint32_t before = 0;
     for (std::uint32_t row = 0; row < first; ++row) before += vertices(row);
     Placer placer(s, unit.slot, page.number + before);
