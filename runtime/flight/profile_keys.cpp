@@ -170,7 +170,7 @@ constexpr ProfileKey keys_before_light[] = {
      .most = max_vertices,
      .logarithmic = true,
      .about = "Slots of the vertex buffer. Vertices, 16 to 134217728. 57 bytes each for the incremental method, 28 on "
-              "the GPU, and 20.7 KB for 64 of them as far as there are pages; 20 and 12 for the recursive one, which "
+              "the GPU, and 19.7 KB for 64 of them as far as there are pages; 20 and 12 for the recursive one, which "
               "needs a quarter to a sixth as many. When they do not "
               "suffice, the threshold rises, the mesh stays crack-free, and the report says \"vertices\".",
      .rebuild = Rebuild::method,
@@ -205,6 +205,18 @@ constexpr ProfileKey keys_before_light[] = {
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut_budget, &CutBudget::views>::get,
      .set = At<&Profile::cut_budget, &CutBudget::views>::set},
+    {.table = "budget",
+     .name = "workers",
+     .label = "Building threads",
+     .kind = whole,
+     .least = 1,
+     .most = max_cut_workers,
+     .about = "Threads that build what the camera sees in the first frame and after a jump, with the frame's own; the "
+              "mesh does not depend on it. 1 to 64. 160 KB each with tiles of 513. (Incremental.)",
+     .rebuild = Rebuild::method,
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut_budget, &CutBudget::workers>::get,
+     .set = At<&Profile::cut_budget, &CutBudget::workers>::set},
     {.table = "budget",
      .name = "items",
      .label = "Work items a frame",

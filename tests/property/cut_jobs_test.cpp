@@ -109,7 +109,8 @@ TEST_CASE("a cut is the same bit for bit with any number of workers, in whatever
                 settings.jobs = jobs;
                 return rebuild ? cut.rebuild({&view, 1}, settings) : cut.update({&view, 1}, settings);
             };
-            const Updated should_be(alone, step(alone, {})), in_any_order(mixed, step(mixed, {&Shuffled::run, &shuffled})),
+            const Updated should_be(alone, step(alone, {})),
+                in_any_order(mixed, step(mixed, {&Shuffled::run, &shuffled})),
                 on_threads(threaded, step(threaded, {&run_threads, nullptr}));
             CAPTURE(round, frame, settings.error_px, settings.visits, rebuild, budget.workers, budget.vertices);
             jumps += mixed.state().bulk.phase != BulkPhase::idle;
