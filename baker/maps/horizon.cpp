@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "pack/clones.h"
+#include "compiler.h"
 
 namespace fjell::baker {
 
