@@ -78,7 +78,7 @@ struct Rows {
 
 // Points that lie as far apart as the level's vertices.
 FJELL_CLONES void raise_1(const Rows& rows, float towards_east, const float* own, float per_m,
-                          float* __restrict tangent, std::size_t n) {
+                          float* FJELL_RESTRICT tangent, std::size_t n) {
     const float *a = rows.north, *b = rows.south, v = rows.towards_south;
     for (std::size_t i = 0; i < n; ++i) {
         const float west = a[i] + (b[i] - a[i]) * v, east = a[i + 1] + (b[i + 1] - a[i + 1]) * v;
@@ -88,7 +88,7 @@ FJELL_CLONES void raise_1(const Rows& rows, float towards_east, const float* own
 }
 // Twice as far.
 FJELL_CLONES void raise_2(const Rows& rows, float towards_east, const float* own, float per_m,
-                          float* __restrict tangent, std::size_t n) {
+                          float* FJELL_RESTRICT tangent, std::size_t n) {
     const float *a = rows.north, *b = rows.south, v = rows.towards_south;
     for (std::size_t i = 0; i < n; ++i) {
         const float west = a[2 * i] + (b[2 * i] - a[2 * i]) * v,
@@ -97,12 +97,12 @@ FJELL_CLONES void raise_2(const Rows& rows, float towards_east, const float* own
         tangent[i] = t > tangent[i] ? t : tangent[i];
     }
 }
-FJELL_CLONES void mix_rows(const Rows& rows, std::size_t n, float* __restrict to) {
+FJELL_CLONES void mix_rows(const Rows& rows, std::size_t n, float* FJELL_RESTRICT to) {
     const float *a = rows.north, *b = rows.south, v = rows.towards_south;
     for (std::size_t i = 0; i < n; ++i) to[i] = a[i] + (b[i] - a[i]) * v;
 }
 FJELL_CLONES void raise_any(const float* mixed, const std::int32_t* vertex, const float* towards_east, const float* own,
-                            float per_m, float* __restrict tangent, std::size_t n) {
+                            float per_m, float* FJELL_RESTRICT tangent, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) {
         const float west = mixed[vertex[i]], east = mixed[vertex[i] + 1];
         const float t = (west + (east - west) * towards_east[i] - own[i]) * per_m;
@@ -128,7 +128,7 @@ struct SkyRow {
     float* whole;
 };
 FJELL_CLONES void finish_direction(const float* tangent, float east, float south, const SkyRow& sky,
-                                   float* __restrict sine, std::size_t n) {
+                                   float* FJELL_RESTRICT sine, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) {
         const float t = tangent[i] > 0 ? tangent[i] : 0, s = t / std::sqrt(1 + t * t);
         sine[i] = s;

@@ -107,7 +107,7 @@ FJELL_CLONES void to_normal_codes(const float* from, std::size_t n, std::uint8_t
     }
 }
 
-FJELL_CLONES void to_unit_codes(const float* from, std::size_t n, std::uint8_t* __restrict to) {
+FJELL_CLONES void to_unit_codes(const float* from, std::size_t n, std::uint8_t* FJELL_RESTRICT to) {
     for (std::size_t i = 0; i < n; ++i) {
         float v = from[i] < 0 ? 0 : from[i];
         v = v > 1 ? 1 : v;
