@@ -1,5 +1,5 @@
-// What hosts are measured against (hosts.sh): the flight of fjell-fly, frame by frame as in its window, with the loop that
-// all hosts have (content/hosts/times).
+// What hosts are measured against (hosts.sh): the flight of fjell-fly, frame by frame as in its window, with the loop
+// that all hosts have (content/hosts/times).
 //   fly_times PACK --write PATH FRAMES    prints the VIEWS of a camera path
 //   fly_times PACK --times VIEWS          flies them; the pack is loaded whole
 //   fly_times PACK --stream VIEWS         and this one is streamed

@@ -52,7 +52,7 @@ static int read_file(World* world, const char* path) {
     const int good =
         bytes >= 0 && world->file != NULL && fread(world->file, 1, world->file_bytes, file) == world->file_bytes;
     fclose(file);
-    return good ? 0 : fail(path, "cannot be read");
+    return good ? 0 : fail(path, "cannot be read; check the disk");
 }
 
 static int create(World* world, const char* path, uint32_t vertices) {

@@ -207,7 +207,7 @@ int main(int argc, char** argv) {
     World world;
     if (measured) world.pages.page_slots = TIMES_PAGES;
     if (argc > 4) world.pages.page_slots = std::uint32_t(std::atoi(argv[4]));
-    if (error = world.file.open(argv[1]); !error.empty()) return fail(argv[1], error);
+    if (error = world.file.open(argv[1]); !error.empty()) return fail("pack", error);
     if (fjell::Status s = world.create(); !s.ok()) return fail("world", s);
     Drawer drawer;
     error = drawer.create(GAME_SHADERS, capacities, fjell::stream_map_layers(world.stream, fjell::MapKind::colour),

@@ -1,5 +1,5 @@
-/* What a frame costs, measured alike in all hosts: each takes `PACK --times VIEWS` and prints one line. tests/bench/hosts.sh
-   runs them side by side. In C99, which is C++ too.
+/* What a frame costs, measured alike in all hosts: each takes `PACK --times VIEWS` and prints one line.
+   tests/bench/hosts.sh runs them side by side. In C99, which is C++ too.
 
    VIEWS is a text file: the picture's width and height in pixels and its vertical field of view in radians; then a line
    a frame, the eye in metres of the scene, the direction of sight and up. It is flown twice, so that every page has

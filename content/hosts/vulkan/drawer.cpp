@@ -219,7 +219,10 @@ void Drawer::wait() {
 void compact(const fjell::CutMesh& cut, std::uint32_t first, std::span<fjell::CompactVertex> to) {
     fjell::compact_vertices(cut.mesh.vertices.subspan(first, to.size()), cut.morph.subspan(first, to.size()), to);
 #ifdef PLANT_ROUNDED_DOWN // a test's mistake
-    for (fjell::CompactVertex& vertex : to) vertex.radius -= vertex.radius > 0;
+    for (fjell::CompactVertex& vertex : to) {
+        vertex.error -= vertex.error > 0;
+        vertex.radius -= vertex.radius > 0;
+    }
 #endif
 }
 

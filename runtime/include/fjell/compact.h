@@ -1,5 +1,5 @@
-// Smaller buffers on the GPU: 16 bytes a vertex instead of the 28 of MeshVertex and MorphVertex, and indices of 16 bits.
-// A host converts the runs of CutChanges while it stages them; the cut's own buffers stay as they are.
+// Smaller buffers on the GPU: 16 bytes a vertex instead of the 28 of MeshVertex and MorphVertex, and indices of 16
+// bits. A host converts the runs of CutChanges while it stages them; the cut's own buffers stay as they are.
 //
 // What does not fit is rounded so that a vertex is drawn nearer to its full height than the cut thinks, never farther
 // from it. The full height is exact: a vertex that has arrived is where it was. compact_share() says what the rounding
