@@ -4,7 +4,7 @@ set(host ${FOLDER}/ogre)
 
 # must_end(CODE TEXT ARGUMENTS...): it ends with that code and that line on its standard error.
 function(must_end code text)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE ended OUTPUT_VARIABLE output ERROR_VARIABLE errors TIMEOUT 120)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE ended OUTPUT_VARIABLE output ERROR_VARIABLE errors TIMEOUT 300)
   if(NOT ended EQUAL code OR NOT errors MATCHES "ogre: ${text}\n$")
     message(FATAL_ERROR "the host with OGRE ends with ${ended} and says ${output}${errors}where ${code} and \"${text}\" are expected")
   endif()
