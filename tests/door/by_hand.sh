@@ -13,6 +13,10 @@ cmake -S fjell -B fjell-build -DFJELL_TOOLS=OFF -DFJELL_GL=ON
 cmake --build fjell-build
 cmake --install fjell-build --prefix ~/fjell-0.2
 
+cmake -S fjell/content/hosts/first -B first-build -DCMAKE_PREFIX_PATH=~/fjell-0.2
+cmake --build first-build
+first-build/first terrain.fjell first.png
+
 cmake -S fjell/content/hosts/game -B game-build -DCMAKE_PREFIX_PATH=~/fjell-0.2
 cmake --build game-build
 game-build/game terrain.fjell picture.png

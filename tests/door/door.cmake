@@ -109,6 +109,11 @@ if(HOST MATCHES "viewer$")
   return()
 endif()
 
+if(HOST MATCHES "hosts/[a-z_]+$" AND FAULTS AND "$ENV{FJELL_TEST_ROUNDS}" STREQUAL "full")
+  include(${CMAKE_CURRENT_LIST_DIR}/bad_input.cmake)
+  include(${CMAKE_CURRENT_LIST_DIR}/leaks.cmake)
+endif()
+
 if(HOST MATCHES "hosts/game$")
   # The guide's loader must not notice what the disk does: signals, and reads of half the bytes.
   foreach(fault none short EINTR)

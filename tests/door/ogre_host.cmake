@@ -4,7 +4,7 @@ set(host ${FOLDER}/ogre)
 
 # must_end(CODE TEXT ARGUMENTS...): it ends with that code and that line on its standard error.
 function(must_end code text)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE ended OUTPUT_VARIABLE output ERROR_VARIABLE errors TIMEOUT 120)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE ended OUTPUT_VARIABLE output ERROR_VARIABLE errors TIMEOUT 300)
   if(NOT ended EQUAL code OR NOT errors MATCHES "ogre: ${text}\n$")
     message(FATAL_ERROR "the host with OGRE ends with ${ended} and says ${output}${errors}where ${code} and \"${text}\" are expected")
   endif()
@@ -29,7 +29,7 @@ if(NOT bytes EQUAL 1555215) # 960 x 540 pixels and a head of 15 bytes
   message(FATAL_ERROR "a picture of ${bytes} bytes")
 endif()
 
-must_end(1 "usage: ogre PACK PICTURE.ppm \\[FRAMES\\]" ${host})
+must_end(1 "usage: ogre PACK PICTURE.ppm \\[FRAMES \\[PAGES\\]\\]" ${host})
 must_end(1 "pack: nowhere.fjell: cannot be opened. give a pack that fjell-bake has written" ${host} nowhere.fjell ${picture})
 must_end(1 "OGRE: Couldn`t open X display *" ${CMAKE_COMMAND} -E env --unset=DISPLAY ${host} ${PACK} ${picture})
 must_end(1 "picture: ${FOLDER}/nowhere/picture.ppm: cannot be written" ${XVFB} -a ${host} ${PACK} ${FOLDER}/nowhere/picture.ppm 20)

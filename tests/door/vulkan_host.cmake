@@ -51,7 +51,7 @@ between("moves of the origin" ${n2} 2 10)
 between("bytes uploaded a frame" ${n3} 1 20000)
 between("vertices compared" ${n4} 100000 1000000)
 between("vertices half-way" ${n5} 5000 1000000)
-between("rounding [px]" ${n6} 0.0005 0.0063) # vertex.h: (1/2048)/(1 - 1/1.05^2) + 1/1024 at 1 px
+between("rounding [px]" ${n6} 0.0005 0.0063) # fjell::compact_share(): (1/2048)/(1 - 1/1.05^2) + 1/1024 at 1 px
 between("pixels compared" ${n7} 30000 60000)
 between("share of what is allowed" ${n8} 30 100) # a bound that nothing comes near would notice nothing
 

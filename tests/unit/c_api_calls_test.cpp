@@ -183,6 +183,25 @@ TEST_CASE("what C reads of a stream and of vertices that morph is what C++ reads
     const FjellMorphFrame frame = fjell_cut_morph(as_c(cut));
     CHECK((frame.morph == FJELL_MORPH_ERROR && frame.views == 1 && frame.now_s > 0));
     CHECK(same(frame.view[0], cut_mesh(cut).frame.view[0]));
+    std::vector<FjellCompactVertex> c_compact(mesh.morph_count);
+    std::vector<CompactVertex> compact(mesh.morph_count);
+    fjell_compact_vertices(mesh.mesh.vertices, mesh.morph, mesh.morph_count, c_compact.data());
+    compact_vertices(cut_mesh(cut).mesh.vertices, cut_mesh(cut).morph, compact);
+    CHECK(std::memcmp(compact.data(), c_compact.data(), 16 * mesh.morph_count) == 0);
+    fjell_compact_vertices(nullptr, mesh.morph, mesh.morph_count, c_compact.data()); // nothing to read
+    std::vector<std::uint16_t> small(mesh.mesh.index_count);
+    fjell_compact_indices(mesh.mesh.indices, small.size(), small.data());
+    CHECK(std::equal(small.begin(), small.end(), mesh.mesh.indices)); // the budget is that small
+    CHECK(fjell_compact_share(&frame.view[0]) == compact_share(cut_morph(cut).view[0]));
+    CHECK(fjell_compact_share(nullptr) == 0);
+    CHECK(fjell_compact_rise_m(0x3c01) == compact_rise_m(0x3c01));
+    CHECK(fjell_compact_length_m(77) == compact_length_m(77));
+    FjellCutBudget indexed = fjell_cut_budget_default();
+    CHECK(fjell_index_bytes(&indexed) == 4);
+    indexed.vertices = 65'536;
+    CHECK(fjell_index_bytes(&indexed) == 2);
+    indexed.struct_size = sizeof indexed + 1;
+    CHECK(fjell_index_bytes(&indexed) == 0);
     int between = 0;
     for (std::size_t i = 0; i < mesh.mesh.index_count; ++i) {
         const std::uint32_t slot = mesh.mesh.indices[i];

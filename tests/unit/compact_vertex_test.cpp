@@ -1,17 +1,22 @@
-// The vertex of 16 bytes that content/hosts/vulkan makes of the library's 28: what it rounds, and to which side.
+// Vertices of 16 bytes and indices of 2 (fjell/compact.h): what they round, to which side, and which budgets they fit.
 #include <catch2/catch.hpp>
 
 #include <cmath>
 #include <random>
+#include <vector>
 
-#include "fjell/cut.h"
-#include "hosts/vulkan/vertex.h"
+#include "fjell/compact.h"
 #include "support/rounds.h"
 
 using namespace fjell;
-using namespace vulkan;
 
 namespace {
+
+CompactVertex compact(const MeshVertex& vertex, const MorphVertex& morph) {
+    CompactVertex made{};
+    compact_vertices({&vertex, 1}, {&morph, 1}, {&made, 1});
+    return made;
+}
 
 // As terrain.glsl and morphed_height_m() have it, in doubles.
 double morphed(double distance_m, double error_m, double radius_m, const MorphView& view) {
@@ -40,12 +45,12 @@ TEST_CASE("a compact vertex is never drawn farther from its full height than the
         const CompactVertex made = compact({3, 4, height_m}, morph);
 
         CHECK(made.height_m == height_m);
-        const double error = double{from_unsigned_half(made.error)}, radius = double{from_unsigned_half(made.radius)};
+        const double error = double{compact_length_m(made.error)}, radius = double{compact_length_m(made.radius)};
         REQUIRE(error >= double{error_m});
         REQUIRE(error <= double{error_m} * (1 + 0x1p-11));
         REQUIRE(radius >= double{radius_m});
         REQUIRE(radius <= double{radius_m} * (1 + 0x1p-11));
-        const double rise = double{from_half(made.rise)};
+        const double rise = double{compact_rise_m(made.rise)};
         REQUIRE(std::abs(rise) <= std::abs(flat_m));
         REQUIRE(std::abs(rise - flat_m) <= std::max(std::abs(flat_m) * 0x1p-10, 0x1p-14));
 
@@ -70,14 +75,14 @@ TEST_CASE("a compact vertex starts to morph by time no earlier than the cut says
     for (std::uint32_t tick = 0; tick < 1024u << 14; tick += 97) { // steps of the cut's clock
         const float activated_s = static_cast<float>(tick) * 0x1p-14f;
         const CompactVertex made = compact({}, {.flat_m = 0, .error_m = 1, .radius_m = 1, .activated_s = activated_s});
-        REQUIRE(made.activated != long_active);
-        const float late_s = static_cast<float>(made.activated) / activated_steps_s - activated_s;
+        REQUIRE(made.activated != compact_long_active);
+        const float late_s = static_cast<float>(made.activated) / compact_steps_s - activated_s;
         const float late_turned_s = late_s < -morph_clock_s / 2 ? late_s + morph_clock_s : late_s;
         REQUIRE(late_turned_s >= 0);
-        REQUIRE(late_turned_s < activated_late_s);
+        REQUIRE(late_turned_s < compact_late_s);
     }
     CHECK(compact({}, {.flat_m = 0, .error_m = 1, .radius_m = 1, .activated_s = long_active_s}).activated ==
-          long_active);
+          compact_long_active);
 }
 
 TEST_CASE("what a compact vertex cannot hold becomes the nearest that it can") {
@@ -88,9 +93,29 @@ TEST_CASE("what a compact vertex cannot hold becomes the nearest that it can") {
     const CompactVertex out = made({70'000, 65'535, 1}, 1e6f, 1e30f);
     CHECK(out.column == 70'000 - 65'536);
     CHECK(out.row == 65'535);
-    CHECK(from_unsigned_half(out.error) > 4e6f);
-    CHECK(from_unsigned_half(out.radius) == 0x1p-10f);
-    CHECK(from_half(out.rise) == 65'504.0f);
-    CHECK(from_half(made({0, 0, 0}, -0x1p-15f, 0).rise) == 0);
-    CHECK(from_half(made({0, 0, 3}, 2.5f, 0).rise) == -0.5f);
+    CHECK(compact_length_m(out.error) > 4e6f);
+    CHECK(compact_length_m(out.radius) == 0x1p-10f);
+    CHECK(compact_rise_m(out.rise) == 65'504.0f);
+    CHECK(compact_rise_m(made({0, 0, 0}, -0x1p-15f, 0).rise) == 0);
+    CHECK(compact_rise_m(made({0, 0, 3}, 2.5f, 0).rise) == -0.5f);
+}
+
+TEST_CASE("arrays are made compact as far as the shortest of them goes") {
+    const std::vector<MeshVertex> vertices(5, MeshVertex{1, 2, 3});
+    const std::vector<MorphVertex> morphs(4, MorphVertex{3, 1, 1, long_active_s});
+    std::vector<CompactVertex> made(6, CompactVertex{});
+    compact_vertices(vertices, morphs, made);
+    CHECK(made[3].column == 1);
+    CHECK(made[4].column == 0);
+    compact_vertices(vertices, {}, made);
+    const std::vector<std::uint32_t> indices{0, 65'535, 65'537};
+    std::vector<std::uint16_t> small(2);
+    compact_indices(indices, small);
+    CHECK(small == std::vector<std::uint16_t>{0, 65'535});
+}
+
+TEST_CASE("indices take 16 bits as long as these name every slot of the budget") {
+    CHECK(index_bytes({.vertices = 65'536}) == 2);
+    CHECK(index_bytes({.vertices = 65'537}) == 4);
+    CHECK(compact_share({}) == 0); // without morphing
 }

@@ -4,7 +4,8 @@
 #include <string.h>
 
 /* A vertex is a whole sample and a height. Samples from the scene's origin are small whole numbers, so that nothing is
-   rounded before it is near the eye. */
+   rounded before it is near the eye. From there on axes are the engine's: x north, y east, z up, which is left-handed,
+   and its eyes look along +z. */
 static const char vertex_shader[] =
     "#version 330\n"
     "layout(location = 0) in ivec2 at_sample;\n"
@@ -12,20 +13,20 @@ static const char vertex_shader[] =
     "uniform ivec2 origin;\n"
     "uniform vec2 spacing_m;\n"
     "uniform vec3 eye_m;\n" /* from the origin */
-    "uniform mat3 eye_from_scene;\n"
+    "uniform mat3 eye_from_engine;\n"
     "uniform vec4 projection;\n" /* of x and y; what of z becomes depth, and what is added */
     "uniform vec2 centre;\n"
     "uniform float depth_scale;\n" /* 2 where clip space reaches from -1 to 1 */
     "out vec3 from_eye_m;\n"
     "out float high_m;\n"
     "void main() {\n"
-    "    vec2 ground = vec2(at_sample - origin) * spacing_m;\n"
-    "    from_eye_m = vec3(ground.x, height_m, ground.y) - eye_m;\n"
+    "    vec2 ground = vec2(at_sample - origin) * spacing_m;\n" /* east and south */
+    "    from_eye_m = vec3(-ground.y, ground.x, height_m) - eye_m;\n"
     "    high_m = height_m;\n"
-    "    vec3 p = eye_from_scene * from_eye_m;\n"
-    "    float depth = projection.z * p.z + projection.w;\n" /* reversed: the near plane is 1, the far plane 0 */
-    "    gl_Position = vec4(p.xy * projection.xy + centre * p.z, depth_scale * depth + (depth_scale - 1.0) * p.z, "
-    "-p.z);\n"
+    "    vec3 p = eye_from_engine * from_eye_m;\n"
+    "    float depth = projection.w - projection.z * p.z;\n" /* reversed: the near plane is 1, the far plane 0 */
+    "    gl_Position = vec4(p.xy * projection.xy - centre * p.z, depth_scale * depth - (depth_scale - 1.0) * p.z, "
+    "p.z);\n"
     "}\n";
 
 static const char fragment_shader[] =
@@ -35,11 +36,11 @@ static const char fragment_shader[] =
     "out vec4 colour;\n"
     "void main() {\n"
     "    vec3 normal = normalize(cross(dFdx(from_eye_m), dFdy(from_eye_m)));\n"
-    "    if (normal.y < 0.0) normal = -normal;\n"
+    "    if (normal.z < 0.0) normal = -normal;\n"
     "    vec3 meadow = vec3(0.24, 0.33, 0.14), rock = vec3(0.38, 0.34, 0.30), snow = vec3(0.92);\n"
     "    vec3 ground = mix(meadow, snow, smoothstep(1100.0, 1900.0, high_m));\n"
-    "    ground = mix(rock, ground, smoothstep(0.70, 0.88, normal.y));\n"
-    "    float sun = max(dot(normal, normalize(vec3(-0.5, 0.6, -0.5))), 0.0);\n"
+    "    ground = mix(rock, ground, smoothstep(0.70, 0.88, normal.z));\n"
+    "    float sun = max(dot(normal, normalize(vec3(0.5, -0.5, 0.6))), 0.0);\n"
     "    float haze = 1.0 - exp(-length(from_eye_m) / 30000.0);\n"
     "    colour = vec4(mix(ground * (0.25 + sun), vec3(0.62, 0.72, 0.84), haze), 1.0);\n"
     "}\n";
@@ -122,19 +123,28 @@ static float set_depth(void) {
     return has_clip_control ? 1.0f : 2.0f;
 }
 
+/* Fjell's x east, y up, z south. */
+static void set_row(float* row, FjellVec3 scene) {
+    row[0] = (float)-scene.z;
+    row[1] = (float)scene.x;
+    row[2] = (float)scene.y;
+}
+
 static void set_view(const Renderer* renderer, FjellTerrain terrain, const FjellView* view, FjellCoord origin) {
     const double dx = fjell_terrain_spacing_x_m(terrain), dz = fjell_terrain_spacing_z_m(terrain);
     const double eye_x = view->eye_m.x - origin.x * dx, eye_z = view->eye_m.z - origin.y * dz; /* doubles until here */
     const FjellVec3 f = view->forward, u = view->up;
     const FjellVec3 r = {f.y * u.z - f.z * u.y, f.z * u.x - f.x * u.z, f.x * u.y - f.y * u.x}; /* to the right */
-    const float rows[9] = {(float)r.x, (float)r.y,  (float)r.z,  (float)u.x, (float)u.y,
-                           (float)u.z, (float)-f.x, (float)-f.y, (float)-f.z}; /* the camera looks along -z */
+    float rows[9];
+    set_row(rows, r);
+    set_row(rows + 3, u);
+    set_row(rows + 6, f); /* ahead is +z */
     const double wide = view->right - view->left, high = view->top - view->bottom, range = view->far_m - view->near_m;
     const GLuint p = renderer->program;
     glUniform2i(glGetUniformLocation(p, "origin"), origin.x, origin.y);
     glUniform2f(glGetUniformLocation(p, "spacing_m"), (float)dx, (float)dz);
-    glUniform3f(glGetUniformLocation(p, "eye_m"), (float)eye_x, (float)view->eye_m.y, (float)eye_z);
-    glUniformMatrix3fv(glGetUniformLocation(p, "eye_from_scene"), 1, GL_TRUE, rows);
+    glUniform3f(glGetUniformLocation(p, "eye_m"), (float)-eye_z, (float)eye_x, (float)view->eye_m.y);
+    glUniformMatrix3fv(glGetUniformLocation(p, "eye_from_engine"), 1, GL_TRUE, rows);
     glUniform4f(glGetUniformLocation(p, "projection"), (float)(2 / wide), (float)(2 / high),
                 (float)(view->near_m / range), (float)(view->near_m * view->far_m / range));
     glUniform2f(glGetUniformLocation(p, "centre"), (float)((view->right + view->left) / wide),
@@ -147,10 +157,13 @@ void renderer_draw(const Renderer* renderer, FjellTerrain terrain, const FjellCu
     glUseProgram(renderer->program);
     set_view(renderer, terrain, view, origin);
     glBindVertexArray(renderer->format);
+    glEnable(GL_CULL_FACE); /* ground is counter-clockwise from above on the screen, whatever axes lead there */
+    glFrontFace(GL_CCW);
     for (size_t i = 0; i < cut->mesh.tile_count; ++i) { /* of tiles that the view may see */
         const FjellTileRange* range = cut->mesh.tiles + i;
         glDrawElements(GL_TRIANGLES, (GLsizei)range->index_count, GL_UNSIGNED_INT,
                        (void*)(range->first_index * sizeof(uint32_t)));
     }
+    glDisable(GL_CULL_FACE);
     glBindVertexArray(0);
 }

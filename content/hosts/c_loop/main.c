@@ -1,14 +1,17 @@
 /* A game loop in C99: a window, a pack in memory, a cut, and a renderer of its own (draw.c).
      c_loop PACK                                 flies over it until the window is closed
-     c_loop PACK PICTURE.ppm FRAMES [VERTICES]   flies so many frames without showing them, and writes the last one */
+     c_loop PACK PICTURE.ppm FRAMES [VERTICES]   flies so many frames without showing them, and writes the last one
+     c_loop PACK --times VIEWS                   prints what a frame costs (content/hosts/times) */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <epoxy/gl.h>
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include "../times/times.h"
 #include "draw.h"
 
 enum { width_px = 640, height_px = 360 };
@@ -49,7 +52,7 @@ static int read_file(World* world, const char* path) {
     const int good =
         bytes >= 0 && world->file != NULL && fread(world->file, 1, world->file_bytes, file) == world->file_bytes;
     fclose(file);
-    return good ? 0 : fail(path, "cannot be read");
+    return good ? 0 : fail(path, "cannot be read; check the disk");
 }
 
 static int create(World* world, const char* path, uint32_t vertices) {
@@ -83,22 +86,22 @@ static void destroy(World* world) { /* what uses the other goes first; a handle 
 
 /* --- the camera --- */
 
-/* This engine's axes: x east, y north, z up. Fjell's: x east, y up, z south. Both are right-handed, so that triangles
-   keep their winding. */
-static FjellVec3 from_engine(double x, double y, double z) {
-    const FjellVec3 v = {x, z, -y};
+/* This engine's axes: x north, y east, z up, which is left-handed. Fjell's: x east, y up, z south, right-handed. As
+   both draw the same picture and not its mirror image, triangles keep their winding on the screen. */
+static FjellVec3 from_engine(double north, double east, double up) {
+    const FjellVec3 v = {east, up, -north};
     return v;
 }
 
 /* 20 cells a second to the south-east, 250 m above the ground. */
 static FjellStatus look(const World* world, double now_s, FjellView* view) {
     const double speed_m = 20 * fjell_terrain_spacing_x_m(world->terrain);
-    const double x = fjell_terrain_extent_x_m(world->terrain) / 3 + speed_m * now_s;
-    const double y = -fjell_terrain_extent_z_m(world->terrain) / 3 - speed_m * now_s / 2;
+    const double x = -fjell_terrain_extent_z_m(world->terrain) / 3 - speed_m * now_s / 2;
+    const double y = fjell_terrain_extent_x_m(world->terrain) / 3 + speed_m * now_s;
     const FjellVec3 below = from_engine(x, y, 0);
     const double z = fjell_ground_height(world->terrain, below.x, below.z, 0).height_m + 250;
     view->struct_size = sizeof *view;
-    return fjell_make_view(from_engine(x, y, z), from_engine(1, -0.5, -0.15), from_engine(0, 0, 1), 1.0, width_px,
+    return fjell_make_view(from_engine(x, y, z), from_engine(-0.5, 1, -0.15), from_engine(0, 0, 1), 1.0, width_px,
                            height_px, 1, 1e6, view);
 }
 
@@ -198,11 +201,59 @@ static int play(World* world, GLFWwindow* window, const char* picture, int frame
     return code;
 }
 
+static double us_since(double* then_s) {
+    const double before_s = *then_s;
+    *then_s = glfwGetTime();
+    return (*then_s - before_s) * 1e6;
+}
+
+static int measure(World* world, Times* times) {
+    Renderer renderer;
+    const char* const error = renderer_create(&renderer, &world->budget);
+    if (error != NULL) return fail("graphics", error);
+    (void)create_target();
+    FjellCutSettings settings = fjell_cut_settings_default();
+    settings.error_px = TIMES_ERROR_PX;
+    FjellCutReport report = {.struct_size = sizeof report};
+    FjellView view = {.struct_size = sizeof view};
+    FjellCoord origin = {0, 0};
+    for (unsigned frame = 0; frame < 2 * times->frames; ++frame) {
+        const double* const v = times->view + (size_t)9 * (frame % times->frames);
+        const FjellVec3 eye_m = {v[0], v[1], v[2]}, ahead = {v[3], v[4], v[5]}, up = {v[6], v[7], v[8]};
+        FjellStatus status = fjell_make_view(eye_m, ahead, up, times->fov_y_rad, times->width_px, times->height_px,
+                                             TIMES_NEAR_M, TIMES_FAR_M, &view);
+        double us[times_parts], then_s = glfwGetTime();
+        if (status.code == FJELL_OK)
+            status = (frame == 0 ? fjell_rebuild_cut : fjell_update_cut)(world->cut, &view, 1, &settings, &report);
+        if (status.code != FJELL_OK) return refused(status);
+        us[times_update] = us_since(&then_s);
+        (void)rebase(world, &view, &origin);
+        const FjellCutMesh mesh = fjell_cut_mesh(world->cut);
+        const FjellCutChanges changes = fjell_cut_take_changes(world->cut);
+        renderer_upload(&renderer, &mesh, &changes);
+        us[times_upload] = us_since(&then_s);
+        draw(world, &renderer, &mesh, &view, origin);
+        us[times_draw] = us_since(&then_s);
+        glFinish();
+        us[times_finish] = us_since(&then_s);
+        for (int part = 0; frame >= times->frames && part < times_parts; ++part) times_add(times, part, us[part]);
+        glfwWaitEventsTimeout(0.001); /* where a game waits for the display */
+    }
+    const char* const parts[] = {"update", "upload", "draw", "finish"};
+    times_print(times, report.vertices, parts);
+    renderer_destroy(&renderer);
+    return 0;
+}
+
 int main(int argc, char** argv) {
     if (argc != 2 && argc != 4 && argc != 5) return fail("usage", "c_loop PACK [PICTURE.ppm FRAMES [VERTICES]]"), 2;
     const char* const picture = argc > 2 ? argv[2] : NULL;
+    const int measured = argc == 4 && strcmp(picture, "--times") == 0;
     World world = {0};
-    int code = create(&world, argv[1], argc > 4 ? (uint32_t)atoi(argv[4]) : 200000);
+    Times times = {0};
+    const char* const error = measured ? times_read(&times, argv[3]) : NULL;
+    int code =
+        error != NULL ? fail(argv[3], error) : create(&world, argv[1], argc > 4 ? (uint32_t)atoi(argv[4]) : 200000);
     if (code == 0 && !glfwInit()) code = fail("graphics", "there is no display");
     if (code == 0) {
         glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -214,10 +265,12 @@ int main(int argc, char** argv) {
             code = fail("graphics", "there is no OpenGL 3.3");
         } else {
             glfwMakeContextCurrent(window);
-            code = play(&world, window, picture, picture == NULL ? 0 : atoi(argv[3]));
+            code =
+                measured ? measure(&world, &times) : play(&world, window, picture, picture == NULL ? 0 : atoi(argv[3]));
         }
         glfwTerminate();
     }
     destroy(&world);
+    times_end(&times);
     return code;
 }

@@ -1,11 +1,13 @@
 // The first game: walks over a pack that is streamed from the disk, in split screen with a drone, without a window.
 //   game PACK PICTURE.png [FRAMES [PAGES]]
+//   game PACK --times VIEWS    prints what a frame costs (content/hosts/times)
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -13,6 +15,7 @@
 #include <fjell/gl/context.h>
 #include <fjell/gl/target.h>
 
+#include "../times/times.h"
 #include "draw.h"
 #include "loader.h"
 #include "memory.h"
@@ -72,19 +75,23 @@ World::~World() {
 
 struct Frame {
     fjell::View view[2];
+    std::size_t view_count = 2;
     fjell::CutSettings settings{.error_px = 1, .items = 20'000, .morph = fjell::Morph::error};
     fjell::StreamReport streamed;
     fjell::CutReport report;
+
+    [[nodiscard]] std::span<const fjell::View> views() const { return {view, view_count}; }
 };
 
 // On the frame's thread: never waits for the loader.
 fjell::Status update(World& world, Frame& frame, double now_s) {
     frame.settings.now_s = now_s;
-    fjell::Status s = fjell::update_stream(world.stream, frame.view, frame.settings, {.now_s = now_s}, frame.streamed);
+    fjell::Status s =
+        fjell::update_stream(world.stream, frame.views(), frame.settings, {.now_s = now_s}, frame.streamed);
     world.loader->wake();
     for (const fjell::StreamFailure& failure : fjell::stream_failures(world.stream)) // coarser there from now on
         std::fprintf(stderr, "game: tile %u: %s\n", failure.id.tile, fjell::message(failure.code));
-    if (s.ok()) s = fjell::update_cut(world.cut, frame.view, frame.settings, frame.report);
+    if (s.ok()) s = fjell::update_cut(world.cut, frame.views(), frame.settings, frame.report);
     return s;
 }
 
@@ -101,6 +108,7 @@ void draw(World& world, Drawer& drawer, const Frame& frame, const fjell::gl::Tar
                     fjell::stream_tile_maps(world.stream, fjell::MapKind::colour),
                     fjell::stream_tile_maps(world.stream, fjell::MapKind::normal));
     };
+    if (frame.view_count == 1) return show(frame.view[0], 0, 0);
     show(frame.view[0], 0, 360);            // split screen: one mesh, two cameras
     show(strip(frame.view[1], 0, 2), 0, 0); // and the drone's on two monitors
     show(strip(frame.view[1], 1, 2), 320, 0);
@@ -123,7 +131,7 @@ fjell::Status load(World& world, Drawer& drawer, Frame& frame) {
         if (frame.streamed.failed != 0) return {fjell::Code::unreadable, "pack"};
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    return fjell::rebuild_cut(world.cut, frame.view, frame.settings, frame.report);
+    return fjell::rebuild_cut(world.cut, frame.views(), frame.settings, frame.report);
 }
 
 void look_around(const World& world, Frame& frame, double x_m, double z_m) {
@@ -159,22 +167,53 @@ int play(World& world, Drawer& drawer, const fjell::gl::Target& target, int fram
     return complete ? 0 : 1;
 }
 
+// One view, over a benchmark's path.
+int measure(World& world, Drawer& drawer, const fjell::gl::Target& target, Measured& times) {
+    Frame frame;
+    frame.view_count = 1;
+    frame.settings = {.error_px = TIMES_ERROR_PX, .morph = fjell::Morph::error};
+    for (unsigned i = 0; i < times.flown(); ++i) {
+        frame.view[0] = times.look(i);
+        fjell::Status s = i == 0 ? load(world, drawer, frame) : fjell::Status{};
+        times.start(i);
+        if (s.ok()) s = update(world, frame, i / 60.0);
+        if (!s.ok()) return fail("frame", s);
+        times.done(times_update);
+        drawer.upload(fjell::stream_map_commands(world.stream));
+        drawer.upload(fjell::cut_mesh(world.cut), fjell::cut_take_changes(world.cut));
+        times.done(times_upload);
+        draw(world, drawer, frame, target);
+        times.done(times_draw);
+        glFinish();
+        times.done(times_finish);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1)); // where a game waits for the display
+    }
+    const char* const parts[] = {"update", "upload", "draw", "finish"};
+    times_print(&times, frame.report.vertices, parts);
+    return 0;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
     if (argc < 3) return fail("usage", "game PACK PICTURE.png [FRAMES [PAGES]]");
     std::string error;
+    Measured times;
+    const bool measured = argc == 4 && argv[2] == std::string_view("--times");
+    if (const char* wrong = measured ? times_read(&times, argv[3]) : nullptr) return fail(argv[3], wrong);
     const auto context = fjell::gl::Headless::create({}, error); // your engine has its window
     const auto target = context ? fjell::gl::Target::create({640, 720}, error) : nullptr;
     if (!target) return fail("graphics", error);
     World world;
+    if (measured) world.pages.page_slots = TIMES_PAGES;
     if (argc > 4) world.pages.page_slots = std::uint32_t(std::atoi(argv[4]));
-    if (error = world.file.open(argv[1]); !error.empty()) return fail(argv[1], error);
+    if (error = world.file.open(argv[1]); !error.empty()) return fail("pack", error);
     if (fjell::Status s = world.create(); !s.ok()) return fail("world", s);
     Drawer drawer;
     error = drawer.create(GAME_SHADERS, capacities, fjell::stream_map_layers(world.stream, fjell::MapKind::colour),
                           fjell::stream_map_layers(world.stream, fjell::MapKind::normal));
     if (!error.empty()) return fail("shaders", error);
+    if (measured) return measure(world, drawer, *target, times);
     const int code = play(world, drawer, *target, argc > 3 ? std::atoi(argv[3]) : 600);
     fjell::gl::Image picture;
     target->read_colour(picture);

@@ -26,22 +26,25 @@ bool PackOnDisk::read(std::uint64_t offset, std::span<std::byte> to) const {
 std::string PackOnDisk::open(const char* path) {
     struct stat info {};
     file_ = ::open(path, O_RDONLY | O_CLOEXEC);
-    if (file_ < 0 || fstat(file_, &info) != 0)
-        return std::string(path) + ": cannot be opened; give a pack that fjell-bake has written";
+    const std::string name(path);
+    if (file_ < 0 || fstat(file_, &info) != 0 || !S_ISREG(info.st_mode))
+        return name + ": cannot be opened; give a pack that fjell-bake has written";
     const auto file_bytes = static_cast<std::uint64_t>(info.st_size);
-    const auto refused = [&](fjell::Status s) { return std::string(s.field) + ": " + fjell::message(s.code); };
+    const auto refused = [&](fjell::Status s) { return name + ": " + s.field + ": " + fjell::message(s.code); };
+    const std::string failed = name + ": cannot be read; check the disk";
 
     std::byte header[sizeof(fjell::PackHeader)];
     fjell::PackHeader h;
-    if (!read(0, header)) return std::string(path) + ": too short for a pack";
+    if (file_bytes < sizeof header) return name + ": too short for a pack; give one that fjell-bake has written";
+    if (!read(0, header)) return failed;
     if (fjell::Status s = fjell::read_header(header, file_bytes, h); !s.ok()) return refused(s);
     directory_.resize(h.directory_count * sizeof(fjell::ChunkEntry));
-    if (!read(h.directory_offset, directory_)) return std::string(path) + ": cannot be read";
+    if (!read(h.directory_offset, directory_)) return failed;
     if (fjell::Status s = fjell::open_index(header, directory_, file_bytes, pack_); !s.ok()) return refused(s);
 
     const fjell::ChunkEntry entry = pack_.entry(fjell::chunk_index(h, {fjell::ChunkKind::corners}));
     corners_.resize(entry.stored_bytes);
-    return read(entry.offset, corners_) ? "" : std::string(path) + ": cannot be read";
+    return read(entry.offset, corners_) ? "" : failed;
 }
 
 } // namespace game

@@ -66,7 +66,7 @@ void StreamedGround::answer(int most) {
 std::string Yardstick::create(const game::PackOnDisk& file) {
     const fjell::PackHeader& header = file.pack().header;
     const std::span<std::byte> whole = memory_.allocate(header.file_bytes);
-    if (!file.read(0, whole.first(header.file_bytes))) return "the pack cannot be read";
+    if (!file.read(0, whole.first(header.file_bytes))) return "the pack cannot be read; check the disk";
     fjell::Pack pack;
     if (fjell::Status s = fjell::open_pack(whole.first(header.file_bytes), pack); !s.ok()) return text_of(s);
     return text_of(fjell::load_terrain(pack, memory_.allocate(fjell::terrain_bytes(header)), terrain_));

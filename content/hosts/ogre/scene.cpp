@@ -56,7 +56,7 @@ public:
 
 } // namespace
 
-Scene::Scene(std::uint32_t width_px, std::uint32_t height_px) {
+Scene::Scene(std::uint32_t width_px, std::uint32_t height_px, double fov_y_rad) {
     new Ogre::LogManager; // Root's, but for the console
     Ogre::LogManager::getSingleton().createLog("", true, false, true);
     root_ = std::make_unique<Ogre::Root>("", "", "");
@@ -94,7 +94,7 @@ Scene::Scene(std::uint32_t width_px, std::uint32_t height_px) {
     camera_ = manager_->createCamera("eye");
     camera_node_ = manager_->getRootSceneNode()->createChildSceneNode();
     camera_node_->attachObject(camera_);
-    camera_->setFOVy(Ogre::Degree(50));
+    camera_->setFOVy(Ogre::Radian(static_cast<float>(fov_y_rad)));
     camera_->setAspectRatio(static_cast<float>(width_px) / static_cast<float>(height_px));
     camera_->setNearClipDistance(0.5f);
     camera_->setFarClipDistance(60'000);

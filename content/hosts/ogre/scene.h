@@ -20,7 +20,7 @@ namespace host {
 class Scene {
 public:
     // Throws what OGRE throws: without a display, or without its render system.
-    Scene(std::uint32_t width_px, std::uint32_t height_px);
+    Scene(std::uint32_t width_px, std::uint32_t height_px, double fov_y_rad);
     ~Scene();
     Scene(const Scene&) = delete;
     Scene& operator=(const Scene&) = delete;

@@ -1,5 +1,6 @@
 // Bodies on ground that is streamed: 200 of them roll over a pack for a simulated minute, with Bullet.
 //   physics PACK [SECONDS [PAGES]]
+//   physics PACK --times VIEWS    prints what a step costs, as many as frames are flown (content/hosts/times)
 // Every contact is compared with the full-resolution surface. Nothing depends on a clock: the same pack gives the same
 // figures, but for the times. Exit code 1: a promise is broken; 2: usage; 3: the pack or a budget is at fault.
 #include <algorithm>
@@ -8,12 +9,14 @@
 #include <cstdlib>
 #include <numbers>
 #include <string>
+#include <string_view>
 
 #include <btBulletDynamicsCommon.h>
 
 #include <fjell/fjell.h>
 
 #include "../ground/streamed_ground.h"
+#include "../times/times.h"
 #include "bodies.h"
 #include "check.h"
 #include "patches.h"
@@ -58,18 +61,23 @@ struct Scene {
 };
 
 // One step of both: the bodies', and the stream's.
-fjell::Status step(Scene& scene, ground::StreamedGround& ground, double now_s) {
+fjell::Status step(Scene& scene, ground::StreamedGround& ground, double now_s, Measured& times) {
     scene.bodies.hold_or_release(scene.patches);
     scene.blow(now_s);
     scene.world.stepSimulation(btScalar(step_s), 0);
+    times.done(times_draw);
     scene.check.contacts(scene.world);
     scene.bodies.look(scene.check, step_s);
 
     fjell::View views[fjell::max_cut_views];
     scene.bodies.views(views, accuracy_m);
+    times.pause();
     fjell::Status s = ground.update(views, now_s);
+    times.done(times_update);
     ground.answer(requests_per_step); // a game's loader does this on a thread of its own
+    times.pause();
     scene.patches.follow(ground.report().pages_inserted != 0);
+    times.done(times_upload);
     for (const fjell::StreamFailure& failure : fjell::stream_failures(ground.stream())) // bodies there are held
         std::fprintf(stderr, "physics: tile %u: %s\n", failure.id.tile, fjell::message(failure.code));
     return s;
@@ -102,8 +110,12 @@ void print(Scene& scene, const ground::StreamedGround& ground) {
 
 int main(int argc, char** argv) {
     if (argc < 2 || argc > 4) return fail(2, "usage: physics PACK [SECONDS [PAGES]]");
-    const int seconds = argc > 2 ? std::atoi(argv[2]) : 60;
-    const int pages = argc > 3 ? std::atoi(argv[3]) : 160;
+    Measured times;
+    const bool measured = argc == 4 && argv[2] == std::string_view("--times");
+    if (const char* wrong = measured ? times_read(&times, argv[3]) : nullptr) return fail(2, wrong);
+    const int seconds = measured ? 1 : argc > 2 ? std::atoi(argv[2]) : 60;
+    const int pages = measured ? 160 : argc > 3 ? std::atoi(argv[3]) : 160;
+    const unsigned steps = measured ? times.flown() : unsigned(std::max(seconds, 0) * steps_per_s);
     if (seconds < 1 || pages < 1) return fail(2, "SECONDS and PAGES are whole numbers from 1 on");
     game::PackOnDisk file;
     ground::StreamedGround ground;
@@ -114,10 +126,15 @@ int main(int argc, char** argv) {
 
     const double half_quantum_m = double(file.pack().header.quantum_m) / 2;
     Scene scene(ground.terrain(), whole.terrain(), float(accuracy_m + half_quantum_m));
-    for (int i = 0; i < seconds * steps_per_s; ++i) {
-        if (fjell::Status s = step(scene, ground, i * step_s); !s.ok()) return fail(3, ground::text_of(s));
+    for (unsigned i = 0; i < steps; ++i) {
+        times.start(i);
+        if (fjell::Status s = step(scene, ground, i * step_s, times); !s.ok()) return fail(3, ground::text_of(s));
         if (!scene.check.broken().empty()) return fail(1, scene.check.broken());
     }
-    print(scene, ground);
+    const char* const parts[] = {"update", "patches", "simulate", nullptr};
+    if (measured)
+        times_print(&times, 0, parts);
+    else
+        print(scene, ground);
     return 0;
 }

@@ -1,6 +1,7 @@
 // A server without graphics: 64 focus points walk over a pack that is streamed around them; 8 threads ask for heights
 // and rays meanwhile, and tiles of a navigation mesh follow some of the walkers.
 //   server PACK [TICKS [PAGES]]
+//   server PACK --times VIEWS    prints what a tick costs, as many as frames are flown (content/hosts/times)
 // Exit code 1: a promise is broken; 2: usage; 3: the pack or a budget is at fault.
 #include <array>
 #include <chrono>
@@ -8,10 +9,12 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include <fjell/fjell.h>
 
+#include "../times/times.h"
 #include "asker.h"
 #include "navmesh.h"
 #include "zones.h"
@@ -56,18 +59,21 @@ fjell::Status update(Zone& zone, int index, double now_s) {
     return s;
 }
 
-std::string run(Shared& shared, Navmesh& navmesh, int ticks) {
+std::string run(Shared& shared, Navmesh& navmesh, int ticks, Measured& times) {
     auto next = std::chrono::steady_clock::now();
     for (int tick = 1; tick <= ticks && navmesh.broken().empty(); ++tick) {
         ++shared.tick;
         const double now_s = shared.now_s();
         shared.tick.notify_all(); // the threads ask while the streams are updated
+        times.start(unsigned(tick - 1));
         for (int i = 0; i < zones; ++i) {
             Zone& zone = shared.zone[std::size_t(i)];
             if (fjell::Status s = update(zone, i, now_s); !s.ok()) return ground::text_of(s);
             navmesh.want(zone.ground.terrain(), walker_at(zone.ground.terrain(), i, 0, now_s));
         }
+        times.done(times_update);
         navmesh.tick(nav_tiles_a_tick, shared.whole.terrain());
+        times.done(times_upload);
         std::this_thread::sleep_until(next += tick_ms);
     }
     return "";
@@ -105,8 +111,11 @@ void print(const Shared& shared, const Navmesh& navmesh, const std::array<Answer
 
 int main(int argc, char** argv) {
     if (argc < 2 || argc > 4) return fail(2, "usage: server PACK [TICKS [PAGES]]");
-    const int ticks = argc > 2 ? std::atoi(argv[2]) : 300;
-    const int pages = argc > 3 ? std::atoi(argv[3]) : 100;
+    Measured times;
+    const bool measured = argc == 4 && argv[2] == std::string_view("--times");
+    if (const char* wrong = measured ? times_read(&times, argv[3]) : nullptr) return fail(2, wrong);
+    const int ticks = measured ? int(times.flown()) : argc > 2 ? std::atoi(argv[2]) : 300;
+    const int pages = measured ? 100 : argc > 3 ? std::atoi(argv[3]) : 100;
     if (ticks < 1 || pages < 1) return fail(2, "TICKS and PAGES are whole numbers from 1 on");
     game::PackOnDisk file;
     if (std::string error = file.open(argv[1]); !error.empty()) return fail(3, error);
@@ -118,7 +127,7 @@ int main(int argc, char** argv) {
     std::array<std::thread, threads> askers;
     for (int i = 0; i < threads; ++i)
         askers[std::size_t(i)] = std::thread([&, i] { ask(shared, i, answers[std::size_t(i)]); });
-    const std::string error = run(shared, navmesh, ticks);
+    const std::string error = run(shared, navmesh, ticks, times);
     shared.stop = true;
     ++shared.tick;
     shared.tick.notify_all();
@@ -127,6 +136,10 @@ int main(int argc, char** argv) {
     if (!navmesh.broken().empty()) return fail(1, navmesh.broken());
     for (const Answers& a : answers)
         if (!a.broken.empty()) return fail(1, a.broken);
-    print(shared, navmesh, answers);
+    const char* const parts[] = {"update", "navmesh", nullptr, nullptr};
+    if (measured)
+        times_print(&times, 0, parts);
+    else
+        print(shared, navmesh, answers);
     return 0;
 }

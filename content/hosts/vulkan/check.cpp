@@ -48,7 +48,7 @@ void Check::break_promise(const std::string& how) {
 void Check::upload(const fjell::CutChanges& changes, std::uint32_t index_bytes, std::uint64_t uploaded_bytes) {
     std::uint64_t bytes = 0;
     for (const std::uint64_t bits : changes.vertex_bits) // all words, not only those that are listed
-        bytes += std::uint64_t(std::popcount(bits)) * sizeof(CompactVertex);
+        bytes += std::uint64_t(std::popcount(bits)) * sizeof(fjell::CompactVertex);
     for (const std::uint64_t bits : changes.triangle_bits)
         bytes += std::uint64_t(std::popcount(bits)) * 3 * index_bytes;
     if (bytes != uploaded_bytes)
@@ -58,7 +58,8 @@ void Check::upload(const fjell::CutChanges& changes, std::uint32_t index_bytes, 
 
 void Check::buffers(const fjell::CutMesh& cut, std::uint32_t index_bytes, const Probe& probe) {
     for (const Probe::Asked& asked : probe.asked()) {
-        const CompactVertex wanted = compact(cut.mesh.vertices[asked.slot], cut.morph[asked.slot]);
+        fjell::CompactVertex wanted;
+        compact(cut, asked.slot, {&wanted, 1});
         if (std::memcmp(&wanted, &probe.vertices()[asked.slot], sizeof wanted) != 0)
             return break_promise(
                 text("vertex slot %.0f is not on the device as it is in the cut", asked.slot, 0, 0, 0));
@@ -72,8 +73,8 @@ void Check::buffers(const fjell::CutMesh& cut, std::uint32_t index_bytes, const 
         }
 }
 
-// The device's height lies between that of morphed_height_m() and the full one, and near the first: as vertex.h derives
-// it, and as far as floats go.
+// The device's height lies between that of morphed_height_m() and the full one, and near the first: as fjell/compact.h
+// derives it, and as far as floats go.
 void Check::height(const fjell::Terrain& terrain, const fjell::CutMesh& cut, const fjell::View& view,
                    std::uint32_t slot, double drawn_m) {
     const fjell::MeshVertex& vertex = cut.mesh.vertices[slot];
@@ -95,7 +96,8 @@ void Check::height(const fjell::Terrain& terrain, const fjell::CutMesh& cut, con
     const double steps = error_m > 0 ? std::min(1.0, out_m / (error_m * band)) : 1;
     double ahead_m = floats_m + std::abs(rise_m) * (steps + 0x1p-10), behind_m = floats_m;
     if (morph.activated_s != fjell::long_active_s) { // by time, up to so much ahead or behind
-        const double late = double(activated_late_s) / std::max(double(cut.frame.morph_s - activated_late_s), 1e-3);
+        const double late =
+            double(fjell::compact_late_s) / std::max(double(cut.frame.morph_s - fjell::compact_late_s), 1e-3);
         ahead_m += std::abs(rise_m) * std::min(1.0, late);
         behind_m += std::abs(rise_m) * std::min(1.0, late);
     } else {
@@ -182,7 +184,7 @@ Check::Copies Check::copies(const fjell::CutMesh& cut) {
 
 void Check::picture(const fjell::CutMesh& cut, const fjell::CutReport& report, const fjell::View& view,
                     const Probe& probe) {
-    const double allowed_px = report.error_px_effective + report.threshold_px * compact_share(cut.frame.view[0]);
+    const double allowed_px = report.error_px_effective + report.threshold_px * fjell::compact_share(cut.frame.view[0]);
     const fjell::Vec3 right = fjell::cross(view.forward, view.up);
     for (std::uint32_t y = 4; y < view.height_px; y += 8)
         for (std::uint32_t x = 4; x < view.width_px; x += 8) {

@@ -20,7 +20,8 @@ public:
 
     // Just what has changed is uploaded.
     void upload(const fjell::CutChanges& changes, std::uint32_t index_bytes, std::uint64_t uploaded_bytes);
-    // The device has what the cut has, and its shader morphs as morphed_height_m() does, but for what vertex.h rounds.
+    // The device has what the cut has, and its shader morphs as morphed_height_m() does, but for what CompactVertex
+    // rounds.
     void vertices(const fjell::Terrain& terrain, const fjell::CutMesh& cut, const fjell::View& view,
                   const Origin& origin, std::uint32_t index_bytes, const Probe& probe);
     // Every 8th pixel of every 8th row is as far away as the full-resolution ground, but for what the report allows.
@@ -37,7 +38,7 @@ public:
     [[nodiscard]] const std::string& broken() const { return broken_; } // the first promise that was; empty: none
     [[nodiscard]] std::uint64_t vertex_count() const { return vertices_; }
     [[nodiscard]] std::uint64_t between_count() const { return between_; } // of those, on the way between two heights
-    // Of vertices that morph by distance: how far what vertex.h rounds moves them.
+    // Of vertices that morph by distance: how far what CompactVertex rounds moves them.
     [[nodiscard]] double worst_rounding_px() const { return worst_rounding_px_; }
     [[nodiscard]] double worst_rounding_m() const { return worst_rounding_m_; }
     [[nodiscard]] std::uint64_t pixel_count() const { return pixels_; }

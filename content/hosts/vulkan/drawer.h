@@ -15,7 +15,6 @@
 
 #include "gpu.h"
 #include "space.h"
-#include "vertex.h"
 
 namespace vulkan {
 
@@ -33,6 +32,9 @@ struct FrameBlock {
 };
 static_assert(offsetof(FrameBlock, morph_eye_m) == 112 && sizeof(FrameBlock) == 368,
               "FrameBlock is uploaded: change terrain.glsl with it");
+
+// to.size() slots of the cut as they are on the device.
+void compact(const fjell::CutMesh& cut, std::uint32_t first, std::span<fjell::CompactVertex> to);
 
 class Drawer {
 public:

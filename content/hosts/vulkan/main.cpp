@@ -1,5 +1,6 @@
 // Terrain with Vulkan, without a window: flies over a pack that is streamed from the disk.
 //   vulkan PACK PICTURE.ppm [FRAMES [VERTICES [PAGES]]]
+//   vulkan PACK --times VIEWS    prints what a frame costs (content/hosts/times)
 // Every 30th frame is compared with the cut and with the full-resolution surface, and the last one is written. Exit
 // code 1: a promise is broken, or the pack or a budget is at fault; 2: usage; 3: the machine is.
 #include <algorithm>
@@ -18,6 +19,7 @@
 #include <fjell/io/pack_file.h>
 #include <fjell/io/stream_reader.h>
 
+#include "../times/times.h"
 #include "check.h"
 #include "drawer.h"
 #include "gpu.h"
@@ -39,11 +41,17 @@ void must(fjell::Status s) {
 struct Arguments {
     std::string pack, picture;
     std::uint32_t frames = 240, vertices = 65'536, pages = 600;
+    std::string views; // of --times
 };
 
 Arguments read_arguments(int argc, char** argv) {
     if (argc < 3 || argc > 6) throw Failure(2, "usage: vulkan PACK PICTURE.ppm [FRAMES [VERTICES [PAGES]]]");
     Arguments all{.pack = argv[1], .picture = argv[2]};
+    if (all.picture == "--times" && argc == 4) {
+        all.views = argv[3];
+        all.pages = TIMES_PAGES;
+        return all;
+    }
     std::uint32_t* const numbers[] = {&all.frames, &all.vertices, &all.pages};
     for (int i = 3; i < argc; ++i) {
         const char* const end = argv[i] + std::strlen(argv[i]);
@@ -241,7 +249,7 @@ void Flight::print(const Gpu& gpu) const {
     std::printf("converged %d: %u vertices, %u triangles, %u of %u tiles drawn in %u ranges; rebased %u times\n",
                 report_.converged, report_.vertices, report_.triangles, report_.tiles_drawn,
                 world_.terrain.tile_count(), drawer_.draws(), log_.rebased - 1);
-    std::printf("%zu bytes a vertex for %zu, %u an index; %.1f MB on the device\n", sizeof(CompactVertex),
+    std::printf("%zu bytes a vertex for %zu, %u an index; %.1f MB on the device\n", sizeof(fjell::CompactVertex),
                 sizeof(fjell::MeshVertex) + sizeof(fjell::MorphVertex), drawer_.index_bytes(),
                 double(gpu.device_bytes()) / 1e6);
     const Check::Copies copies = Check::copies(fjell::cut_mesh(world_.cut));
@@ -270,9 +278,49 @@ void Flight::write_picture(const std::string& path) const {
     if (!good) throw Failure(3, path + ": cannot be written; give a place with room");
 }
 
+// Over a benchmark's path, and nothing is compared with anything.
+void measure(World& world, Gpu& gpu, Measured& times) {
+    Drawer drawer(gpu, world.terrain, world.capacities, {times.width_px, times.height_px});
+    Origin origin;
+    fjell::CutSettings settings{.error_px = TIMES_ERROR_PX, .morph = fjell::Morph::error};
+    fjell::StreamReport streamed;
+    fjell::CutReport report;
+    for (unsigned i = 0; i < times.flown(); ++i) {
+        const fjell::View view = times.look(i);
+        (void)origin.follow(from_scene(view.eye_m), world.terrain);
+        settings.now_s = i * frame_s;
+        times.start(i);
+        must(fjell::update_stream(world.stream, {&view, 1}, settings, {.texel_px = 100, .now_s = settings.now_s},
+                                  streamed));
+        must(fjell::update_cut(world.cut, {&view, 1}, settings, report));
+        times.done(times_update);
+        drawer.wait();
+        times.pause();
+        const fjell::CutMesh cut = fjell::cut_mesh(world.cut);
+        (void)drawer.stage(cut, fjell::cut_take_changes(world.cut));
+        times.done(times_upload);
+        (void)drawer.record(cut, view, origin);
+        drawer.submit();
+        times.done(times_draw);
+        drawer.finish();
+        times.done(times_finish);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1)); // where a game waits for the display
+    }
+    const char* const parts[] = {"update", "upload", "draw", "finish"};
+    times_print(&times, report.vertices, parts);
+}
+
 int run(int argc, char** argv) {
     const Arguments arguments = read_arguments(argc, argv);
+    Measured times;
+    if (const char* wrong = arguments.views.empty() ? nullptr : times_read(&times, arguments.views.c_str()))
+        throw Failure(2, arguments.views + ": " + wrong);
     World world(arguments);
+    if (!arguments.views.empty()) {
+        Gpu gpu;
+        measure(world, gpu, times);
+        return 0;
+    }
     const fjell::io::LoadedPack whole = fjell::io::load_pack(world.file, fjell::io::LoadTerrain::yes);
     if (whole.terrain.has_voids())
         throw Failure(1, arguments.pack + ": this host's checks know no holes; give a pack without");

@@ -17,7 +17,7 @@ VkDescriptorType type_of(std::uint32_t binding) {
 } // namespace
 
 Probe::Probe(Gpu& gpu, const Drawer& drawer) : gpu_(gpu) {
-    const VkDeviceSize slots = drawer.vertices().bytes / sizeof(CompactVertex);
+    const VkDeviceSize slots = drawer.vertices().bytes / sizeof(fjell::CompactVertex);
     const VkDeviceSize pixels = VkDeviceSize{drawer.size().width} * drawer.size().height;
     asked_ = gpu.make_buffer((1 + slots) * sizeof(Asked), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Where::host);
     answers_ = gpu.make_buffer(slots * sizeof(Answer), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Where::host);

@@ -33,7 +33,9 @@ public:
 
     [[nodiscard]] std::span<const Asked> asked() const { return as<const Asked>(asked_).subspan(1, count_); }
     [[nodiscard]] std::span<const Answer> answers() const { return as<const Answer>(answers_).first(count_); }
-    [[nodiscard]] std::span<const CompactVertex> vertices() const { return as<const CompactVertex>(vertices_); }
+    [[nodiscard]] std::span<const fjell::CompactVertex> vertices() const {
+        return as<const fjell::CompactVertex>(vertices_);
+    }
     [[nodiscard]] std::span<const std::byte> indices() const { return {indices_.mapped, indices_.bytes}; }
     [[nodiscard]] std::span<const std::uint32_t> colours() const { return as<const std::uint32_t>(colours_); }
     [[nodiscard]] std::span<const float> depths() const { return as<const float>(depths_); } // row by row from the top

@@ -14,7 +14,7 @@ layout(set = 0, binding = 0, std140) uniform Frame { // Frame of drawer.h
 } frame;
 
 const float morph_clock_s = 1024.0; // fjell::morph_clock_s
-const float late_s = 1.0 / 32.0;    // activated_late_s of vertex.h
+const float late_s = 1.0 / 32.0;    // fjell::compact_late_s
 
 // The column and the row whose low 16 bits these are, out of those that the tile can have.
 ivec2 sample_of(uint low_bits, int tile) {
@@ -42,7 +42,7 @@ float morphed(vec3 full, float error_m, float radius_m, uint activated) {
     return clamp(t, 0.0, 1.0);
 }
 
-// vertex: CompactVertex of vertex.h.
+// vertex: CompactVertex of fjell/compact.h.
 vec3 world_position(uvec4 vertex, int tile) {
     vec2 cells = vec2(sample_of(vertex.x, tile) - frame.origin_sample); // whole numbers: exact
     precise vec3 p = vec3(cells.x * frame.spacing_m.x, -cells.y * frame.spacing_m.y,

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "fjell/asserts.h"
+#include "fjell/compact.h"
 #include "fjell/coord.h"
 #include "fjell/cut.h"
 #include "fjell/export.h"

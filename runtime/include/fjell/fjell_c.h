@@ -124,6 +124,17 @@ FjellCutChanges fjell_cut_take_changes(FjellLiveCut cut);
 // for_each_run(): finds the next run; false: that was the last.
 bool fjell_next_run(const uint64_t* bits, const uint32_t* words, size_t word_count, FjellRun* run);
 
+// --- fjell/compact.h ---
+
+// All three of `count` records; both of `count` indices.
+void fjell_compact_vertices(const FjellMeshVertex* vertices, const FjellMorphVertex* morphs, size_t count,
+                            FjellCompactVertex* to);
+void fjell_compact_indices(const uint32_t* indices, size_t count, uint16_t* to);
+uint32_t fjell_index_bytes(const FjellCutBudget* budget); // 0 for one that is refused
+double fjell_compact_share(const FjellMorphView* view);
+float fjell_compact_rise_m(uint16_t rise);
+float fjell_compact_length_m(uint16_t error_or_radius);
+
 // --- fjell/recursive.h ---
 
 size_t fjell_recursive_bytes(FjellTerrain terrain, const FjellRecursiveBudget* budget);

@@ -290,6 +290,18 @@ typedef struct FjellMorphView {
     float q_start, q_full;
 } FjellMorphView;
 
+#define FJELL_COMPACT_LONG_ACTIVE 0xffff
+#define FJELL_COMPACT_STEPS_S 64.0f
+#define FJELL_COMPACT_LATE_S 0.03125f
+
+typedef struct FjellCompactVertex {
+    uint16_t column, row;
+    float height_m;
+    uint16_t rise;
+    uint16_t activated; // in steps, or FJELL_COMPACT_LONG_ACTIVE
+    uint16_t error, radius;
+} FjellCompactVertex;
+
 typedef struct FjellMorphFrame {
     uint8_t morph; // FJELL_MORPH_...
     uint32_t views;

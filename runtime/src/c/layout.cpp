@@ -196,6 +196,15 @@ FJELL_FIELD(FjellMorphView, eye_z);
 FJELL_FIELD(FjellMorphView, q_start);
 FJELL_FIELD(FjellMorphView, q_full);
 
+FJELL_SIZE(FjellCompactVertex);
+FJELL_FIELD(FjellCompactVertex, column);
+FJELL_FIELD(FjellCompactVertex, row);
+FJELL_FIELD(FjellCompactVertex, height_m);
+FJELL_FIELD(FjellCompactVertex, rise);
+FJELL_FIELD(FjellCompactVertex, activated);
+FJELL_FIELD(FjellCompactVertex, error);
+FJELL_FIELD(FjellCompactVertex, radius);
+
 FJELL_SIZE(FjellMorphFrame);
 FJELL_FIELD(FjellMorphFrame, morph);
 FJELL_FIELD(FjellMorphFrame, views);
@@ -406,6 +415,9 @@ static_assert(FJELL_MAX_CUT_VIEWS == max_cut_views);
 static_assert(FJELL_UNLIMITED_ITEMS == unlimited_items);
 static_assert(FJELL_LONG_ACTIVE_S == long_active_s);
 static_assert(FJELL_MORPH_CLOCK_S == morph_clock_s);
+static_assert(FJELL_COMPACT_LONG_ACTIVE == compact_long_active);
+static_assert(FJELL_COMPACT_STEPS_S == compact_steps_s);
+static_assert(FJELL_COMPACT_LATE_S == compact_late_s);
 static_assert(FJELL_UNBOUNDED_PX == unbounded_px);
 static_assert(FJELL_MAP_KINDS == map_kinds);
 static_assert(FJELL_COLOUR_BLOCK_BYTES == colour_block_bytes);

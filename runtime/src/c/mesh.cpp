@@ -142,6 +142,31 @@ bool fjell_next_run(const uint64_t* bits, const uint32_t* words, size_t word_cou
     return true;
 }
 
+// --- fjell/compact.h ---
+
+void fjell_compact_vertices(const FjellMeshVertex* vertices, const FjellMorphVertex* morphs, size_t count,
+                            FjellCompactVertex* to) {
+    compact_vertices(span_of(reinterpret_cast<const MeshVertex*>(vertices), count),
+                     span_of(reinterpret_cast<const MorphVertex*>(morphs), count),
+                     span_of(reinterpret_cast<CompactVertex*>(to), count));
+}
+void fjell_compact_indices(const uint32_t* indices, size_t count, uint16_t* to) {
+    compact_indices(span_of(indices, count), span_of(to, count));
+}
+uint32_t fjell_index_bytes(const FjellCutBudget* budget) {
+    const In in(budget);
+    return in.ok ? index_bytes(in.value) : 0;
+}
+double fjell_compact_share(const FjellMorphView* view) {
+    return compact_share(at(view));
+}
+float fjell_compact_rise_m(uint16_t rise) {
+    return compact_rise_m(rise);
+}
+float fjell_compact_length_m(uint16_t error_or_radius) {
+    return compact_length_m(error_or_radius);
+}
+
 // --- fjell/recursive.h ---
 
 void fjell_set_default_recursive_budget(FjellRecursiveBudget* budget) {
