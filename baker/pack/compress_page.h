@@ -1,8 +1,9 @@
 // A page's bytes as one zstd frame: smaller, and sooner decompressed, than zstd itself would make it.
 //
-// Low bytes of heights are often noise, in which zstd's codes save a few percent and take two thirds of a reader's time;
-// and one set of codes for them and for the high ones suits neither. Where they save less than a tenth by themselves
-// they become a block of their own that is not compressed. It is a frame like any other: every reader of zstd reads it.
+// Low bytes of heights are often noise, in which zstd's codes save a few percent and take two thirds of a reader's
+// time; and one set of codes for them and for the high ones suits neither. Where they save less than a tenth by
+// themselves they become a block of their own that is not compressed. It is a frame like any other: every reader of
+// zstd reads it.
 #pragma once
 
 #include <cstddef>

@@ -47,8 +47,9 @@ TEST_CASE("a page's frame is one that zstd reads, whatever the page, and says ho
         Bytes page;
         auto low_end = static_cast<std::size_t>(pick(random, 1, pick(random, 0, 1) ? 300 : 3'144));
         append_bytes(random, low_end, pick(random, 0, 1) ? 256 : pick(random, 1, 100), page);
-        const std::size_t rest =
-            round == 0 ? 70'000 : round == 1 ? 256 : static_cast<std::size_t>(pick(random, 1, 6'000));
+        const std::size_t rest = round == 0   ? 70'000
+                                 : round == 1 ? 256
+                                              : static_cast<std::size_t>(pick(random, 1, 6'000));
         append_bytes(random, rest, pick(random, 1, 4), page);
         if (round == 1) page.resize(256), low_end = std::min(low_end, page.size());
         Bytes to(static_cast<std::size_t>(pick(random, 0, 3)), std::byte{7}); // frames are appended
@@ -58,8 +59,8 @@ TEST_CASE("a page's frame is one that zstd reads, whatever the page, and says ho
         REQUIRE(ZSTD_getFrameContentSize(to.data() + from, to.size() - from) == page.size());
         REQUIRE(ZSTD_findFrameCompressedSize(to.data() + from, to.size() - from) == to.size() - from);
         REQUIRE(decompressed(to, from, page.size()) == page);
-        stored += std::search(to.begin(), to.end(), page.begin(), page.begin() + static_cast<std::ptrdiff_t>(low_end)) !=
-                  to.end();
+        stored += std::search(to.begin(), to.end(), page.begin(),
+                              page.begin() + static_cast<std::ptrdiff_t>(low_end)) != to.end();
     }
     CHECK(stored > 40);
 }
