@@ -460,6 +460,21 @@ void leaf_errors_scalar(const CornerSteps& corners, std::uint32_t nesting_steps,
         }
 }
 
+// Packed in vectors first: reading records here and there costs less than putting them together here and there.
+void write_permuted(const PageArrays& page, std::uint32_t count, const std::uint16_t* vertex_at, VertexRecord* to) {
+    alignas(records_at_once * sizeof(VertexRecord)) VertexRecord packed[max_page_vertices];
+    write_page(page, count, packed);
+    const auto word = [&](std::uint32_t i) {
+        std::uint32_t w;
+        std::memcpy(&w, packed + vertex_at[i], sizeof w);
+        return w;
+    };
+    std::uint32_t i = 0;
+    for (; i < count && !takes_several(to + i); ++i) write_record(to + i, word(i));
+    for (; i + 2 <= count; i += 2) write_pair(to + i, word(i) | std::uint64_t{word(i + 1)} << 32);
+    for (; i < count; ++i) write_record(to + i, word(i));
+}
+
 void write_page_scalar(const PageArrays& page, std::uint32_t count, VertexRecord* to) {
     for (std::uint32_t i = 0; i < count; ++i) write_record(to + i, packed_record(page, i));
 }

@@ -55,6 +55,8 @@ void leaf_errors_scalar(const CornerSteps& corners, std::uint32_t nesting_steps,
 // The first `count` vertices as records, in order, for readers of other threads (pack/publish.h).
 void write_page(const PageArrays& page, std::uint32_t count, VertexRecord* to);
 void write_page_scalar(const PageArrays& page, std::uint32_t count, VertexRecord* to);
+// The same in another order: at place i vertex vertex_at[i].
+void write_permuted(const PageArrays& page, std::uint32_t count, const std::uint16_t* vertex_at, VertexRecord* to);
 
 [[nodiscard]] inline std::uint32_t packed_record(const PageArrays& page, std::uint32_t vertex) {
     return static_cast<std::uint32_t>(page.heights[vertex]) | static_cast<std::uint32_t>(page.errors[vertex]) << 16 |

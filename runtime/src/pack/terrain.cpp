@@ -54,13 +54,13 @@ Layout layout_of(const PackHeader& h, const TerrainBudget& budget) {
     return l;
 }
 
-// For each vertex of a page in planar order its place in hierarchical Z-order.
-void permute(const PageLayout& pages, std::uint32_t page, std::uint16_t* places) {
+// For each place of a page in hierarchical Z-order the number of its vertex in planar order.
+void permute(const PageLayout& pages, std::uint32_t page, std::uint16_t* vertex_at) {
     const PageLayout planar{pages.tile_log2, Order::planar};
     for (std::uint32_t i = 0; i < planar.page_vertices(page); ++i) {
         const Coord c = planar.coord({page, i});
-        places[i] = static_cast<std::uint16_t>(
-            pages.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y)).index);
+        const PagePlace to = pages.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y));
+        vertex_at[to.index] = static_cast<std::uint16_t>(i);
     }
 }
 
@@ -147,8 +147,7 @@ void store(const TerrainData& terrain, std::uint32_t page, const TerrainMemory& 
     const PageArrays& from = memory.arrays;
     const std::uint32_t count = terrain.pages.page_vertices(page);
     if (terrain.pages.order != Order::hierarchical_z) return write_page(from, count, to);
-    const std::uint16_t* const places = page == 0 ? memory.root_places : memory.page_places;
-    for (std::uint32_t i = 0; i < count; ++i) write_record(to + places[i], packed_record(from, i));
+    write_permuted(from, count, page == 0 ? memory.root_vertex_at : memory.page_vertex_at, to);
 }
 
 Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std::span<const std::byte> raw) {
@@ -229,8 +228,8 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     m.raw_bytes = max_page_raw_bytes(t.page_capacity);
     m.leaf = LeafErrors(t.errors, h.quantum_m);
     if (h.order == Order::hierarchical_z) {
-        permute({page_squares_log2 + 1, h.order}, 1, m.page_places);
-        permute({std::min(t.pages.tile_log2, page_squares_log2), h.order}, 0, m.root_places);
+        permute({page_squares_log2 + 1, h.order}, 1, m.page_vertex_at);
+        permute({std::min(t.pages.tile_log2, page_squares_log2), h.order}, 0, m.root_vertex_at);
     }
     for (std::uint32_t i = 0; i < t.page_count(); ++i) m.page_table[i] = {no_index, 0};
     for (std::uint32_t i = 0; i < t.slot_count; ++i) {
