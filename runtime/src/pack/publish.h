@@ -93,6 +93,7 @@ struct PublishedPage {
     std::uint32_t slot = no_index;
     std::int32_t base = 0;
     std::uint32_t loads = 0;
+    const VertexRecord* records = nullptr; // its slot's
 };
 // False: it is not loaded, or was on its way out or in.
 [[nodiscard]] inline bool find_page(const TerrainData& terrain, std::size_t page, PublishedPage& found) {
@@ -103,12 +104,19 @@ struct PublishedPage {
     __atomic_load(&terrain.page_table[page], &again, __ATOMIC_ACQUIRE);
     found.slot = first.slot;
     found.base = first.base;
+    found.records = terrain.records + std::size_t{first.slot} * terrain.page_capacity;
     return again.slot == first.slot && again.base == first.base;
+}
+// Where a record would be read; null: its page is not loaded. For fetching it into the cache, and nothing else.
+[[nodiscard]] inline const RecordWord* find_word(const TerrainData& terrain, std::size_t page, std::uint32_t index) {
+    const std::uint32_t slot = __atomic_load_n(&terrain.page_table[page].slot, __ATOMIC_RELAXED);
+    if (slot == no_index) return nullptr;
+    return reinterpret_cast<const RecordWord*>(terrain.records + std::size_t{slot} * terrain.page_capacity + index);
 }
 // Steps 4 to 6. False: another page has come into the slot.
 [[nodiscard]] inline bool read_record(const TerrainData& terrain, const PublishedPage& page, std::uint32_t index,
                                       VertexRecord& record) {
-    const VertexRecord* const from = terrain.records + std::size_t{page.slot} * terrain.page_capacity + index;
+    const VertexRecord* const from = page.records + index;
     const std::uint32_t word = __atomic_load_n(reinterpret_cast<const RecordWord*>(from), __ATOMIC_RELAXED);
     __atomic_thread_fence(__ATOMIC_ACQUIRE);
     std::memcpy(&record, &word, sizeof record);
@@ -117,7 +125,7 @@ struct PublishedPage {
 // The same of some that lie side by side: 5 and 6 once for all.
 [[nodiscard]] inline bool read_records(const TerrainData& terrain, const PublishedPage& page, std::uint32_t first,
                                        std::span<VertexRecord> records) {
-    const VertexRecord* from = terrain.records + std::size_t{page.slot} * terrain.page_capacity + first;
+    const VertexRecord* from = page.records + first;
     for (VertexRecord& record : records) {
         const std::uint32_t word = __atomic_load_n(reinterpret_cast<const RecordWord*>(from++), __ATOMIC_RELAXED);
         std::memcpy(&record, &word, sizeof record);
