@@ -4,6 +4,7 @@
 #include <memory>
 
 #include <fmt/format.h>
+#define ZSTD_STATIC_LINKING_ONLY // frames of given matches
 #include <zstd.h>
 
 #include "fjell/io/failure.h"
@@ -35,6 +36,19 @@ void append_frame(std::span<const std::byte> from, bool sized, Bytes& to) {
     if (ZSTD_isError(size)) throw io::Failure(3, fmt::format("cannot compress: {}", ZSTD_getErrorName(size)));
     to.resize(at + size);
 }
+// The same without matches, codes of bytes alone. False: this zstd cannot.
+[[nodiscard]] bool append_matchless_frame(std::span<const std::byte> from, Bytes& to) {
+    ZSTD_CCtx* const context = page_compressor();
+    ZSTD_CCtx_setParameter(context, ZSTD_c_contentSizeFlag, 0);
+    ZSTD_CCtx_setParameter(context, ZSTD_c_blockDelimiters, ZSTD_sf_explicitBlockDelimiters);
+    const ZSTD_Sequence all{0, static_cast<unsigned>(from.size()), 0, 0};
+    const std::size_t at = to.size();
+    to.resize(at + ZSTD_compressBound(from.size()));
+    const std::size_t size =
+        ZSTD_compressSequences(context, to.data() + at, to.size() - at, &all, 1, from.data(), from.size());
+    to.resize(ZSTD_isError(size) ? at : at + size);
+    return !ZSTD_isError(size);
+}
 
 void put(std::uint32_t value, std::size_t bytes, Bytes& to) {
     for (std::size_t i = 0; i < bytes; ++i) to.push_back(static_cast<std::byte>(value >> (8 * i)));
@@ -60,14 +74,25 @@ constexpr std::uint32_t frame_magic = 0xFD2FB528, frame_descriptor = 0x60;
     return std::uint64_t{bytes.size()} * bytes.size() >= values * squares;
 }
 
+// What follows low bytes that are stored as they are, as a frame without its content's size. Without matches where that
+// costs the page less than a thirty-second: high bytes are few different ones, matches among them short and by chance,
+// and making copies of them takes a reader longer than decoding them.
+void compress_rest(std::span<const std::byte> rest, std::size_t low_end, Bytes& frame) {
+    thread_local Bytes matchless;
+    frame.clear();
+    append_frame(rest, false, frame);
+    matchless.clear();
+    if (append_matchless_frame(rest, matchless) && 32 * (low_end + matchless.size()) <= 33 * (low_end + frame.size()))
+        frame.swap(matchless);
+}
+
 } // namespace
 
 void compress_page(std::span<const std::byte> page, std::size_t low_end, Bytes& to) {
     const bool short_header = page.size() >= least_size && page.size() <= most_size;
     if (short_header && hardly_shrinks(page.first(low_end))) {
         thread_local Bytes scratch;
-        scratch.clear();
-        append_frame(page.subspan(low_end), false, scratch);
+        compress_rest(page.subspan(low_end), low_end, scratch);
         if (scratch[sizeof frame_magic] == std::byte{0}) { // its header is as long as it should be
             put(frame_magic, sizeof frame_magic, to);
             put(frame_descriptor, 1, to);

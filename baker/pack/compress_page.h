@@ -2,8 +2,8 @@
 //
 // Low bytes of heights are often noise, in which zstd's codes save a few percent and take two thirds of a reader's
 // time; and one set of codes for them and for the high ones suits neither. Where they save less than a tenth by
-// themselves they become a block of their own that is not compressed. It is a frame like any other: every reader of
-// zstd reads it.
+// themselves they become a block of their own that is not compressed, and what follows is coded byte by byte, without
+// matches. It is a frame like any other: every reader of zstd reads it.
 #pragma once
 
 #include <cstddef>

@@ -78,3 +78,13 @@ TEST_CASE("low bytes of noise are stored as they are, in fewer bytes than one zs
         if (values == 256) CHECK(frame.size() < whole_frame(page).size());
     }
 }
+
+TEST_CASE("what follows low bytes that are stored may have matches where they save much") {
+    Random random(173);
+    Bytes page, frame;
+    append_bytes(random, 3'144, 256, page);
+    for (int i = 0; i < 3'344; ++i) page.push_back(static_cast<std::byte>(i % 200 == 0));
+    baker::compress_page(page, 3'144, frame);
+    CHECK(frame.size() < 3'144 + 100); // by codes of bytes alone a bit each at least: 418
+    CHECK(decompressed(frame, 0, page.size()) == page);
+}

@@ -13,9 +13,9 @@
 
 namespace fjell::query {
 
-// place_of() for vertices that are known to be of one step, a centre or the middle of a side, for both orders by levels.
-// What the step alone decides is worked out once, and no branch depends on where a vertex lies: descents go left or
-// right as it comes.
+// place_of() for vertices that are known to be of one step, a centre or the middle of a side, for both orders by
+// levels. What the step alone decides is worked out once, and no branch depends on where a vertex lies: descents go
+// left or right as it comes.
 template <Order O>
 class StepPlaces {
 public:
@@ -88,15 +88,13 @@ struct PointHalves {
     }
     // All bits: in the half that has b, or on the border between both. The line that splits the triangle runs from a
     // through m. First where it is a diagonal, then where it runs along an axis.
-    [[nodiscard]] std::uint32_t half_of_square(Spot a, Spot b,
-                                               Spot m) const {
+    [[nodiscard]] std::uint32_t half_of_square(Spot a, Spot b, Spot m) const {
         const std::uint32_t dx = m.x - a.x, falling = mask_if(dx == m.y - a.y);
         const std::uint32_t beyond = choose(falling, difference - 2 * (a.x - a.y), sum - 2 * (a.x + a.y));
         const std::uint32_t sign = (0 - (dx >> 31)) ^ ~mask_if(b.y == a.y); // further along x, toward b or away from it
         return ~(0 - (((beyond ^ sign) - sign) >> 31));
     }
-    [[nodiscard]] std::uint32_t half_of_quarter(Spot a, Spot b,
-                                                std::uint32_t along_y) const {
+    [[nodiscard]] std::uint32_t half_of_quarter(Spot a, Spot b, std::uint32_t along_y) const {
         const std::uint32_t mask = 0 - along_y, beyond = choose(mask, y - 2 * a.y, x - 2 * a.x);
         const std::uint32_t sign = 0 - (choose(mask, b.y - a.y, b.x - a.x) >> 31);
         return ~(0 - (((beyond ^ sign) - sign) >> 31));
