@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "block_layout.h"
 #include "cut/change.h"
 #include "cut/evaluate.h"
 #include "cut/lag.h"
@@ -14,11 +15,6 @@
 namespace fjell {
 
 namespace {
-
-constexpr std::size_t alignment = 64;
-constexpr std::size_t aligned(std::size_t bytes) {
-    return (bytes + alignment - 1) / alignment * alignment;
-}
 
 std::uint32_t corner_count(const TerrainData& t) {
     return (t.header.tiles_x + 1) * (t.header.tiles_y + 1);
@@ -40,7 +36,7 @@ std::uint32_t pages_of(const TerrainData& t, const CutBudget& b) {
 
 // Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t page_groups, loaded, groups, vertex_slot, page_state, free_pages, idle_pages, evicting, ticks,
+    std::size_t page_groups, loaded, groups, nodes, vertex_slot, page_state, free_pages, idle_pages, evicting, ticks,
         schedules, awake, bounds, next_due, vertices, morph, triangle_of, hole, free_vertices, indices, tiles,
         segment_tile, segment_below, free_segments, vertex_bits[2], vertex_words[2], triangle_bits[2],
         triangle_words[2], ranges, hz_places, grids, descents, late_s, morphing_out, late_pages, bulk_pages,
@@ -49,22 +45,21 @@ struct Layout {
 
 static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 * 4 + 1 + 3 * 4 &&
                   cut_triangle_bytes == 3 * 4 && cut_page_slot_bytes == sizeof(LoadedPage) &&
-                  cut_page_bytes == max_page_groups * (sizeof(GroupState) + group_lanes * 4) + sizeof(PageState) +
-                                        page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) +
+                  cut_page_bytes == max_page_groups * (sizeof(GroupState) + sizeof(QueueNode) + group_lanes * 4) +
+                                        sizeof(PageState) + page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) +
                                         sizeof(HiddenBound) + sizeof(BulkPage) + 8 * 4,
               "hosts size their budgets by these: change them in fjell/cut.h with layout_of()");
 
 Layout layout_of(const TerrainData& t, const CutBudget& b) {
     Layout l{};
-    std::size_t at = aligned(sizeof(CutState));
-    const auto place = [&](std::size_t count, std::size_t bytes) {
-        return std::exchange(at, at + aligned(count * bytes));
-    };
-    const std::size_t pages = pages_of(t, b), groups = pages * max_page_groups;
-    const std::size_t segments = segments_of(b), triangles = segments * b.segment_triangles;
+    BlockLayout block(sizeof(CutState));
+    const auto place = [&](std::uint64_t count, std::size_t bytes) { return block.place(count, bytes); };
+    const std::uint64_t pages = pages_of(t, b), groups = pages * max_page_groups;
+    const std::uint64_t segments = segments_of(b), triangles = segments * b.segment_triangles;
     l.page_groups = place(t.page_count(), 4);
     l.loaded = place(t.slot_count, sizeof(LoadedPage));
     l.groups = place(groups, sizeof(GroupState));
+    l.nodes = place(groups, sizeof(QueueNode));
     l.vertex_slot = place(groups * group_lanes, 4);
     l.page_state = place(pages, sizeof(PageState));
     l.free_pages = place(pages, 4);
@@ -102,7 +97,7 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
     for (std::size_t& slots : l.bulk_slots) slots = place(pages, 4);
     l.bulk_tiles = place(t.tile_count() + 1, sizeof(BulkTile));
     l.bulk_bases = place(t.tile_count(), 8);
-    l.end = at;
+    l.end = block.end();
     return l;
 }
 
@@ -215,7 +210,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     const Layout l = layout_of(terrain, budget);
     if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
     std::byte* const at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {Code::out_of_range, "memory alignment"};
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
 
     auto& s = *new (at) CutState{};
@@ -249,6 +244,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     part(s.idle_pages, l.idle_pages);
     part(s.evicting, l.evicting);
     s.queues.groups = s.groups;
+    part(s.queues.nodes, l.nodes);
     s.queues.group_count = s.group_count;
     s.queues.schedule = &s.schedule;
     clear_queues(s.queues);

@@ -33,23 +33,20 @@ struct Criterion {
 struct LaneGroup; // evaluate.h
 struct LaneAnswers;
 
-// One group: a bit a lane in every mask. 32 bytes, so that a visit costs half a cache line beside the records. When it
-// is due, the schedule says.
+// One group: a bit a lane in every mask. 16 bytes, so that a visit costs a quarter of a cache line beside the records.
+// When it is due, the schedule says.
 struct GroupState {
     std::uint16_t active;
     std::uint16_t parent[2]; // that parent is active, or does not exist because it would lie outside the terrain
     std::uint16_t child[4];  // that child is active; where it is not, an active vertex draws a triangle towards it
     QueueId queue;           // that the group waits in, or unqueued
-    Link link;
-    std::uint32_t calls; // in a queue: lanes that call for work, activations in the lower half; a hint what to prefetch
-    std::uint32_t spare;
 
     [[nodiscard]] std::uint16_t ready() const { return static_cast<std::uint16_t>(parent[0] & parent[1]); }
     [[nodiscard]] std::uint16_t parental() const {
         return static_cast<std::uint16_t>(child[0] | child[1] | child[2] | child[3]);
     }
 };
-static_assert(sizeof(GroupState) == 32, "two groups a cache line");
+static_assert(sizeof(GroupState) == 16, "four groups a cache line");
 
 // What a page's vertices stand within, and the largest of their errors and spheres: what it could hide.
 struct PageExtent {
@@ -149,10 +146,16 @@ struct Governor {
     std::uint32_t cause; // CutBudgetBits that keep the effective threshold above the requested one
 };
 
-// With what the pages were looked at: planes 2 to 5, through the eye that a view had then (sight.h).
+// With what pages are looked at: planes 2 to 5 of frustums wider than a view, through the eye that it had then
+// (sight.h).
 struct Sight {
-    Vec3 eye_m;
-    Frustum inner, outer; // wider than the view by half the margin, and by all of it
+    Vec3 eye_m, forward;
+    Frustum half, most, outer; // by half the margin, three quarters and all of it
+    Frustum last;              // and beyond it: what parts leave
+};
+struct Sights {
+    Sight of[max_cut_views];
+    std::uint32_t count; // 0: nothing is off-screen
 };
 
 // The clock of morphing: the host's, in whole ticks that floats hold, however large its numbers are. Only what passes
@@ -231,11 +234,11 @@ struct CutState {
     Criterion criterion, offscreen_criterion; // of groups that are not off-screen, and of those that are
     View views[max_cut_views];
     Frustum frustums[max_cut_views];
-    Sight sights[max_cut_views];
-    std::uint32_t sight_count; // 0: nothing is off-screen
-    std::uint32_t view_count;  // 0: no update yet
-    double largest_unit_px;    // screen_unit_px() (lag.h)
-    double largest_ratio;      // of a view's threshold to that of the settings
+    Sights sights, sights_before; // of the look that pages are given, and of the one that the others had
+    std::uint32_t next_look;      // state of a page that comes next; from fresh_page on all have had it
+    std::uint32_t view_count;     // 0: no update yet
+    double largest_unit_px;       // screen_unit_px() (lag.h)
+    double largest_ratio;         // of a view's threshold to that of the settings
     Governor governor;
     // The frame in work.
     CutSettings settings;

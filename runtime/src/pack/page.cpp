@@ -1,7 +1,7 @@
 #include "pack/page.h"
 
 #include "asserts.h"
-#include "pack/clones.h"
+#include "compiler.h"
 #include "pack/page_loops.h"
 
 #include <algorithm>

@@ -33,26 +33,26 @@
 #include <cstring>
 #include <span>
 
+#include "compiler.h"
 #include "pack/terrain_data.h"
 
 namespace fjell {
 
-using RecordWord [[gnu::may_alias]] = std::uint32_t; // a VertexRecord as one atomic word
-static_assert(sizeof(VertexRecord) == sizeof(RecordWord));
+static_assert(sizeof(VertexRecord) == sizeof(std::uint32_t), "a record is read and written at once");
 static_assert(sizeof(PageEntry) == 8 && alignof(PageEntry) == 8, "an entry is read and written at once");
 
 // --- the frame's thread
 
 inline void publish_entry(PageEntry& entry, PageEntry value) {
-    __atomic_store(&entry, &value, __ATOMIC_RELEASE);
+    store_release(entry, value);
 }
 // Before records are written to a slot.
 inline void begin_slot(std::uint32_t& loads) {
-    __atomic_store_n(&loads, loads + 1, __ATOMIC_RELEASE);
-    __atomic_thread_fence(__ATOMIC_RELEASE);
+    store_release(loads, loads + 1);
+    fence_release();
 }
 inline void write_record(VertexRecord* to, std::uint32_t packed) {
-    __atomic_store_n(reinterpret_cast<RecordWord*>(to), packed, __ATOMIC_RELAXED);
+    store_word_relaxed(to, packed);
 }
 // Several records at a time, from an aligned place on; single ones took three times as long.
 inline constexpr std::uint32_t records_at_once = 4;
@@ -61,25 +61,11 @@ inline constexpr std::uint32_t records_at_once = 4;
 }
 // Two of them: atomic in the language too.
 inline void write_pair(VertexRecord* to, std::uint64_t packed) {
-    using Pair [[gnu::may_alias]] = std::uint64_t;
-    __atomic_store_n(reinterpret_cast<Pair*>(to), packed, __ATOMIC_RELAXED);
+    store_pair_relaxed(to, packed);
 }
 
-// Four of them in a register: one store of 16 aligned bytes, of which x86-64 tears no eight; volatile, so that no
-// compiler makes anything else of it, and fences order it as they do atomic ones. ThreadSanitizer knows the language
-// only, and gets pairs, as other machines do: FJELL_WRITES_FOURS says which.
-#if defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define FJELL_WRITES_FOURS 0
-#endif
-#endif
-#if !defined(FJELL_WRITES_FOURS)
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__)
-#define FJELL_WRITES_FOURS 1
-#else
-#define FJELL_WRITES_FOURS 0
-#endif
-#endif
+// Four of them in a register, where FJELL_WRITES_FOURS: one store of 16 aligned bytes, of which the machine tears no
+// eight; volatile, so that no compiler makes anything else of it, and fences order it as they do atomic ones.
 template <class Register>
 inline void write_four(VertexRecord* to, Register packed) {
     static_assert(sizeof packed == records_at_once * sizeof(VertexRecord));
@@ -97,41 +83,40 @@ struct PublishedPage {
 };
 // False: it is not loaded, or was on its way out or in.
 [[nodiscard]] inline bool find_page(const TerrainData& terrain, std::size_t page, PublishedPage& found) {
-    PageEntry first, again;
-    __atomic_load(&terrain.page_table[page], &first, __ATOMIC_ACQUIRE);
+    const PageEntry first = load_acquire(terrain.page_table[page]);
     if (first.slot == no_index) return false;
-    found.loads = __atomic_load_n(&terrain.slot_loads[first.slot], __ATOMIC_ACQUIRE);
-    __atomic_load(&terrain.page_table[page], &again, __ATOMIC_ACQUIRE);
+    found.loads = load_acquire(terrain.slot_loads[first.slot]);
+    const PageEntry again = load_acquire(terrain.page_table[page]);
     found.slot = first.slot;
     found.base = first.base;
     found.records = terrain.records + std::size_t{first.slot} * terrain.page_capacity;
     return again.slot == first.slot && again.base == first.base;
 }
 // Where a record would be read; null: its page is not loaded. For fetching it into the cache, and nothing else.
-[[nodiscard]] inline const RecordWord* find_word(const TerrainData& terrain, std::size_t page, std::uint32_t index) {
-    const std::uint32_t slot = __atomic_load_n(&terrain.page_table[page].slot, __ATOMIC_RELAXED);
+[[nodiscard]] inline const VertexRecord* find_place(const TerrainData& terrain, std::size_t page, std::uint32_t index) {
+    const std::uint32_t slot = load_relaxed(terrain.page_table[page]).slot;
     if (slot == no_index) return nullptr;
-    return reinterpret_cast<const RecordWord*>(terrain.records + std::size_t{slot} * terrain.page_capacity + index);
+    return terrain.records + std::size_t{slot} * terrain.page_capacity + index;
 }
 // Steps 4 to 6. False: another page has come into the slot.
 [[nodiscard]] inline bool read_record(const TerrainData& terrain, const PublishedPage& page, std::uint32_t index,
                                       VertexRecord& record) {
     const VertexRecord* const from = page.records + index;
-    const std::uint32_t word = __atomic_load_n(reinterpret_cast<const RecordWord*>(from), __ATOMIC_RELAXED);
-    __atomic_thread_fence(__ATOMIC_ACQUIRE);
+    const std::uint32_t word = load_word_relaxed(from);
+    fence_acquire();
     std::memcpy(&record, &word, sizeof record);
-    return __atomic_load_n(&terrain.slot_loads[page.slot], __ATOMIC_RELAXED) == page.loads;
+    return load_relaxed(terrain.slot_loads[page.slot]) == page.loads;
 }
 // The same of some that lie side by side: 5 and 6 once for all.
 [[nodiscard]] inline bool read_records(const TerrainData& terrain, const PublishedPage& page, std::uint32_t first,
                                        std::span<VertexRecord> records) {
     const VertexRecord* from = page.records + first;
     for (VertexRecord& record : records) {
-        const std::uint32_t word = __atomic_load_n(reinterpret_cast<const RecordWord*>(from++), __ATOMIC_RELAXED);
+        const std::uint32_t word = load_word_relaxed(from++);
         std::memcpy(&record, &word, sizeof record);
     }
-    __atomic_thread_fence(__ATOMIC_ACQUIRE);
-    return __atomic_load_n(&terrain.slot_loads[page.slot], __ATOMIC_RELAXED) == page.loads;
+    fence_acquire();
+    return load_relaxed(terrain.slot_loads[page.slot]) == page.loads;
 }
 
 } // namespace fjell

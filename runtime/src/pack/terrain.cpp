@@ -11,6 +11,7 @@
 #include <xxhash.h>
 #include <zstd.h>
 
+#include "block_layout.h"
 #include "pack/memory.h"
 #include "pack/page_loops.h"
 #include "pack/publish.h"
@@ -19,11 +20,6 @@
 namespace fjell {
 
 namespace {
-
-constexpr std::size_t alignment = 64;
-constexpr std::size_t aligned(std::size_t bytes) {
-    return (bytes + alignment - 1) / alignment * alignment;
-}
 
 std::uint32_t slots_of(const PackHeader& h, const TerrainBudget& budget, const PageLayout& pages) {
     const std::uint32_t all = h.tiles_x * h.tiles_y * pages.pages_per_tile();
@@ -37,20 +33,20 @@ struct Layout {
 
 Layout layout_of(const PackHeader& h, const TerrainBudget& budget) {
     const PageLayout pages = pages_of(h);
-    const std::size_t tiles = std::size_t{h.tiles_x} * h.tiles_y, slots = slots_of(h, budget, pages);
+    const std::uint64_t tiles = std::uint64_t{h.tiles_x} * h.tiles_y, slots = slots_of(h, budget, pages);
     Layout l{};
-    std::size_t at = aligned(sizeof(TerrainData));
-    const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
-    l.memory = place(sizeof(TerrainMemory));
-    l.records = place(slots * pages.page_capacity() * sizeof(VertexRecord));
-    l.page_table = place(tiles * pages.pages_per_tile() * sizeof(PageEntry));
-    l.slot_page = place(slots * sizeof(std::uint32_t));
-    l.slot_loads = place(slots * sizeof(std::uint32_t));
-    l.free_slots = place(slots * sizeof(std::uint32_t));
-    l.corners = place(chunk_raw_bytes(h, {ChunkKind::corners, 0, 0}));
-    l.zstd = place(ZSTD_estimateDCtxSize());
-    l.raw = place(max_page_raw_bytes(pages.page_capacity()));
-    l.end = at;
+    BlockLayout block(sizeof(TerrainData));
+    const auto place = [&](std::uint64_t count, std::size_t bytes) { return block.place(count, bytes); };
+    l.memory = place(1, sizeof(TerrainMemory));
+    l.records = place(slots * pages.page_capacity(), sizeof(VertexRecord));
+    l.page_table = place(tiles * pages.pages_per_tile(), sizeof(PageEntry));
+    l.slot_page = place(slots, sizeof(std::uint32_t));
+    l.slot_loads = place(slots, sizeof(std::uint32_t));
+    l.free_slots = place(slots, sizeof(std::uint32_t));
+    l.corners = place(chunk_raw_bytes(h, {ChunkKind::corners, 0, 0}), 1);
+    l.zstd = place(1, ZSTD_estimateDCtxSize());
+    l.raw = place(1, max_page_raw_bytes(pages.page_capacity()));
+    l.end = block.end();
     return l;
 }
 
@@ -188,7 +184,8 @@ Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<s
     const ChunkEntry corners = pack.entry(chunk_index(pack.header, {ChunkKind::corners, 0, 0}));
     if (corners.offset > pack.bytes.size() || corners.stored_bytes > pack.bytes.size() - corners.offset)
         return {Code::truncated, "corners"};
-    return create_terrain(pack, pack.bytes.subspan(corners.offset, corners.stored_bytes), budget, memory, terrain);
+    const auto stored = pack.bytes.subspan(static_cast<std::size_t>(corners.offset), corners.stored_bytes);
+    return create_terrain(pack, stored, budget, memory, terrain);
 }
 
 Status create_terrain(const Pack& pack, std::span<const std::byte> corners, const TerrainBudget& budget,
@@ -199,7 +196,7 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     const Layout l = layout_of(h, budget);
     if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
     std::byte* const at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {Code::out_of_range, "memory alignment"};
 
     TerrainData& t = *new (at) TerrainData{}; // whatever was here is refused from now on
     t.header = h;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "compiler.h"
 #include "pack/publish.h"
 #include "pack/terrain_data.h"
 
@@ -76,12 +77,12 @@ public:
     [[nodiscard]] std::int32_t base() const { return found_.base; }
     // It will be read soon.
     void prefetch(PagePlace at) const {
-        if (const RecordWord* const word = find_word(t_, first_page_ + at.page, at.index)) __builtin_prefetch(word);
+        if (const VertexRecord* const place = find_place(t_, first_page_ + at.page, at.index)) FJELL_PREFETCH(place);
     }
 
 private:
     // A page that went while it was read may be back at once; one that keeps coming and going counts as missing.
-    [[gnu::noinline]] bool find(PagePlace at, VertexRecord& record) {
+    FJELL_NOINLINE bool find(PagePlace at, VertexRecord& record) {
         constexpr int attempts = 3;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             page_ = at.page;
