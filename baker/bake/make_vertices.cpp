@@ -103,8 +103,7 @@ void append_pages(const BakeContext& context, const BakePlan& plan, const StepRe
                                           plan.header,
                                           in.z};
                 const EncodedPage page = encode_step_page(input);
-                batch.add({ChunkKind::geometry, tile, context.pages.page_at(in.z, px, py)}, page.bytes,
-                          context.options.compression, page.bound);
+                batch.add_page({ChunkKind::geometry, tile, context.pages.page_at(in.z, px, py)}, page);
             }
     });
     spool.append(std::move(batch));
@@ -237,8 +236,7 @@ float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const M
             ChunkBatch batch;
             for (std::uint32_t page = 0; page < pages; ++page) {
                 const EncodedPage encoded = encode_mixed_page(plan.header, page, vertex);
-                batch.add({ChunkKind::geometry, static_cast<std::uint32_t>(tile), page}, encoded.bytes,
-                          context.options.compression, encoded.bound);
+                batch.add_page({ChunkKind::geometry, static_cast<std::uint32_t>(tile), page}, encoded);
             }
             spool.append(std::move(batch));
         });

@@ -8,36 +8,43 @@
 #include <xxhash.h>
 #include <zstd.h>
 
+#include "baker/pack/compress_page.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::baker {
 
 namespace {
 
-// One a thread, set for the kind of chunk. Residuals of heights are noise with hardly a match in them: looking for long
-// ones only takes no more bytes, and leaves the decoder fewer.
-ZSTD_CCtx* compressor(ChunkKind kind, int zstd_level) {
+// One a thread.
+ZSTD_CCtx* compressor() {
     thread_local const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), ZSTD_freeCCtx);
     if (!context) throw io::Failure(3, "cannot compress: not enough memory");
-    const bool page = kind == ChunkKind::geometry;
-    ZSTD_CCtx_reset(context.get(), ZSTD_reset_session_and_parameters);
-    ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, page ? 1 : zstd_level);
-    if (page) ZSTD_CCtx_setParameter(context.get(), ZSTD_c_minMatch, 6);
     return context.get();
 }
 
 } // namespace
 
-void ChunkBatch::add(ChunkId id, std::span<const std::byte> raw, int zstd_level, const PageBound& bound) {
+void ChunkBatch::add(ChunkId id, std::span<const std::byte> raw, int zstd_level) {
     const std::size_t from = bytes_.size();
     bytes_.resize(from + ZSTD_compressBound(raw.size()));
-    const std::size_t size = ZSTD_compress2(compressor(id.kind, zstd_level), bytes_.data() + from, bytes_.size() - from,
-                                            raw.data(), raw.size());
+    const std::size_t size =
+        ZSTD_compressCCtx(compressor(), bytes_.data() + from, bytes_.size() - from, raw.data(), raw.size(), zstd_level);
     if (ZSTD_isError(size)) throw io::Failure(3, fmt::format("cannot compress: {}", ZSTD_getErrorName(size)));
     bytes_.resize(from + size);
+    enter(id, from, raw.size(), {});
+}
+
+void ChunkBatch::add_page(ChunkId id, const EncodedPage& page) {
+    const std::size_t from = bytes_.size();
+    compress_page(page.bytes, page.low_end, bytes_);
+    enter(id, from, page.bytes.size(), page.bound);
+}
+
+void ChunkBatch::enter(ChunkId id, std::size_t from, std::size_t raw_bytes, const PageBound& bound) {
+    const std::size_t size = bytes_.size() - from;
     entries_.push_back({id,
                         {from, XXH3_64bits(bytes_.data() + from, size), static_cast<std::uint32_t>(size),
-                         static_cast<std::uint32_t>(raw.size()), bound}});
+                         static_cast<std::uint32_t>(raw_bytes), bound}});
 }
 
 ChunkSpool::ChunkSpool(const std::string& data_path, const std::string& entries_path, const PackHeader& layout,

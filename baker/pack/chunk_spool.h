@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "baker/pack/encode_page.h"
 #include "baker/store/store.h"
 #include "fjell/pack.h"
 
@@ -15,7 +16,8 @@ namespace fjell::baker {
 // Some chunks on their way to the spool. One thread's.
 class ChunkBatch {
 public:
-    void add(ChunkId id, std::span<const std::byte> raw, int zstd_level, const PageBound& bound = {});
+    void add(ChunkId id, std::span<const std::byte> raw, int zstd_level);
+    void add_page(ChunkId id, const EncodedPage& page);
 
 private:
     friend class ChunkSpool;
@@ -23,6 +25,7 @@ private:
         ChunkId id;
         ChunkEntry entry; // offset: in bytes_
     };
+    void enter(ChunkId id, std::size_t from, std::size_t raw_bytes, const PageBound& bound); // bytes_ from `from` on
     std::vector<Entry> entries_;
     std::vector<std::byte> bytes_;
 };

@@ -201,7 +201,7 @@ EncodedPage encode_step_page(const StepPageInput& input) {
     const std::span codes(s.radii);
     const float radius_m = std::max(largest_radius_m(input.header, level, codes.first(centres)),
                                     largest_radius_m(input.header, level + 1, codes.subspan(centres)));
-    return {assemble(a, s), bound_of(input.header, a, s.count, level, radius_m)};
+    return {assemble(a, s), sizeof(PageHead) + s.count, bound_of(input.header, a, s.count, level, radius_m)};
 }
 
 EncodedPage encode_mixed_page(const PackHeader& header, std::uint32_t page,
@@ -235,7 +235,8 @@ EncodedPage encode_mixed_page(const PackHeader& header, std::uint32_t page,
     row_residuals(a.heights, s.count, row_length(pages), residuals);
     s.residuals = residuals;
     s.errors = true;
-    return {assemble(a, s), bound_of(header, a, s.count, bound_level(pages, page), radius_m)};
+    return {assemble(a, s), sizeof(PageHead) + s.count,
+            bound_of(header, a, s.count, bound_level(pages, page), radius_m)};
 }
 
 } // namespace fjell::baker

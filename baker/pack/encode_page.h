@@ -27,7 +27,8 @@ struct StepPageInput {
 };
 struct EncodedPage {
     std::vector<std::byte> bytes;
-    PageBound bound; // over all vertices that the page stores, the closed borders included
+    std::size_t low_end; // bytes[0, low_end): the head, and the low bytes of heights
+    PageBound bound;     // over all vertices that the page stores, the closed borders included
 };
 [[nodiscard]] EncodedPage encode_step_page(const StepPageInput& input);
 

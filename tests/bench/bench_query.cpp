@@ -4,10 +4,15 @@
 // Names: query/scene/what. Scene: the mountains of content/terrain (4097 x 4097, 60 m), tiles of 512 cells.
 #include <benchmark/benchmark.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
+#include <numeric>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "baker/bake/bake.h"
@@ -80,6 +85,50 @@ void plain_height(benchmark::State& state, bool coherent) {
     }
 }
 
+[[nodiscard]] double cpu_s() { // of the thread
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+// As many threads as a server has, while another one takes pages of step 1 out and in again, some thousand a second. A
+// thread's rate is by its own CPU time: machines have fewer cores.
+void heights_while_streaming(benchmark::State& state, bool coherent) {
+    constexpr int threads = 8;
+    constexpr std::uint32_t finest = 64; // the last pages of a tile
+    const io::LoadedPack& pack = scene();
+    const Terrain& t = pack.terrain;
+    const std::vector<Place> at = places(coherent);
+    double heights_per_s = 0, loads = 0;
+    for (auto _ : state) {
+        std::atomic<bool> stop{false};
+        std::vector<double> rates(threads);
+        std::vector<std::thread> all;
+        for (int thread = 0; thread < threads; ++thread)
+            all.emplace_back([&, thread] {
+                const double start = cpu_s();
+                std::size_t count = 0, i = at.size() / threads * static_cast<std::size_t>(thread);
+                while (!stop.load(std::memory_order_relaxed))
+                    for (int some = 0; some < 256; ++some, ++count, i = (i + 1) % at.size())
+                        benchmark::DoNotOptimize(ground_height(t, at[i].x, at[i].z).height_m);
+                rates[static_cast<std::size_t>(thread)] = static_cast<double>(count) / (cpu_s() - start);
+            });
+        std::mt19937 random(4);
+        std::uniform_int_distribution<std::uint32_t> tile(0, data_of(t).tile_count() - 1), page(1, finest);
+        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+        while (std::chrono::steady_clock::now() < end) {
+            const std::uint32_t from = tile(random), number = t.pages_per_tile() - page(random);
+            (void)unload_page(t, from, number);
+            loads += load_page(pack.pack, t, from, number).ok();
+            if (static_cast<int>(loads) % 8 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        stop = true;
+        for (std::thread& thread : all) thread.join();
+        heights_per_s = std::accumulate(rates.begin(), rates.end(), 0.0) / threads;
+    }
+    state.counters["heights/s_a_thread"] = heights_per_s;
+    state.counters["pages_loaded"] = loads;
+}
+
 // From above the ground: straight down; along it, a little downwards; level, over most of it to the horizon.
 void ray(benchmark::State& state, double above_m, double slope) {
     const Terrain& t = scene().terrain;
@@ -150,6 +199,13 @@ int main(int argc, char** argv) {
         declare("height/" + how, benchmark::kNanosecond, [=](State& s) { height(s, coherent, 0); });
         declare("height-to-10m/" + how, benchmark::kNanosecond, [=](State& s) { height(s, coherent, 10); });
     }
+    for (const bool coherent : {false, true})
+        benchmark::RegisterBenchmark(
+            ("query/mountains-4097/height-8-threads-streaming/" + std::string(coherent ? "coherent" : "random"))
+                .c_str(),
+            [=](State& s) { heights_while_streaming(s, coherent); })
+            ->Iterations(1)
+            ->UseRealTime();
     declare("ray/down", benchmark::kNanosecond, [](State& s) { ray(s, 1000, -INFINITY); });
     declare("ray/grazing", benchmark::kNanosecond, [](State& s) { ray(s, 50, -0.02); });
     declare("ray/horizon", benchmark::kNanosecond, [](State& s) { ray(s, 300, 0); });

@@ -37,6 +37,29 @@ void random_corners(Random& random, const PageArrays& page, CornerSteps& corners
     }
 }
 
+// The planes of five steps over a page, each in a step of just as many records as there are, at any place of it.
+struct CoarserSteps {
+    std::vector<VertexRecord> records[page_squares_log2];
+    StepRows rows[page_squares_log2];
+    explicit CoarserSteps(Random& random) {
+        const auto order = pick(random, 0, 1) ? Order::planar : Order::hierarchical_z;
+        for (int k = 0; k < page_squares_log2; ++k) {
+            const auto squares = static_cast<std::uint32_t>(pick(random, k, page_squares_log2));
+            const std::uint32_t side = 1u << squares, room = side - (1u << k);
+            records[k].resize(3 * side * side + 2 * side);
+            for (VertexRecord& r : records[k])
+                r = {static_cast<std::uint16_t>(pick(random, 0, 65535)),
+                     static_cast<std::uint8_t>(pick(random, 0, 255)), static_cast<std::uint8_t>(pick(random, 0, 255))};
+            rows[k] = {records[k].data(),
+                       pick(random, 0, max_height_steps - 65535),
+                       side,
+                       order,
+                       static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(room))),
+                       static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(room)))};
+        }
+    }
+};
+
 // What a page stores, by the order in docs/pack-format.md.
 struct StoredPage {
     PageHead head{};
@@ -196,6 +219,30 @@ TEST_CASE("a page's loops do in vectors what they do one vertex at a time, bit f
         REQUIRE(std::memcmp(&to.back(), std::array<std::uint8_t, 4>{1, 0, 2, 3}.data(), sizeof(VertexRecord)) == 0);
     }
     CHECK(far > 10);
+}
+
+TEST_CASE("a page's corners and radii are the same in vectors and one vertex at a time, wherever coarser steps lie") {
+    Random random(143);
+    const auto a = std::make_unique<CornerSteps[]>(2);
+    const auto radii = std::make_unique<std::uint8_t[]>(max_page_vertices),
+               radii_scalar = std::make_unique<std::uint8_t[]>(max_page_vertices);
+    for (int round = 0; round < rounds(150, 5'000); ++round) {
+        const CoarserSteps coarser(random);
+        std::int32_t own[4];
+        for (std::int32_t& steps : own) steps = pick(random, 0, max_height_steps);
+        for (int k = 0; k < 2; ++k)
+            std::fill(std::begin(a[static_cast<std::size_t>(k)]), std::end(a[static_cast<std::size_t>(k)]), -1 - k);
+        refine_corners(own, coarser.rows, a[0]);
+        refine_corners_scalar(own, coarser.rows, a[1]);
+        REQUIRE(std::equal(std::begin(a[0]), std::end(a[0]), a[1]));
+        REQUIRE(*std::min_element(std::begin(a[1]), std::end(a[1])) >= 0); // all of them are set
+
+        const auto stored = random_bytes(random, page_radii);
+        const auto* const codes = reinterpret_cast<const std::uint8_t*>(stored.get());
+        expand_radii(codes, radii.get());
+        expand_radii_scalar(codes, radii_scalar.get());
+        REQUIRE(std::equal(radii.get(), radii.get() + max_page_vertices, radii_scalar.get()));
+    }
 }
 
 TEST_CASE("a page's records are what the pack's format says, whatever the order, the rim and the holes") {

@@ -124,6 +124,48 @@ TEST_CASE("with all pages an answer is as accurate as it was asked to be") {
     REQUIRE(coarse > 1000);
 }
 
+// Orders by levels work out the whole way down beforehand, linear order goes from triangle to triangle.
+TEST_CASE("all orders give the same answers, bit for bit, also on the lines between triangles") {
+    Random random(606);
+    std::size_t finest = 0, coarse = 0;
+    for (int round = 0; round < rounds(12, 100); ++round) {
+        const int log2 = pick(random, 1, 7), most = 3 << log2;
+        baker::Dem dem = random_dem(random, pick(random, 2, most), pick(random, 2, most),
+                                    static_cast<Shape>(pick(random, 0, static_cast<int>(Shape::count) - 1)));
+        if (round % 2) add_random_holes(random, dem, log2);
+        baker::BakeOptions options = small_bake(log2);
+        std::vector<io::LoadedPack> packs;
+        for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
+            options.order = order;
+            packs.push_back(bake_and_load(dem, options));
+        }
+        const Terrain& t = packs[0].terrain;
+        for (int k = 0; k < 300; ++k) {
+            Place p = random_place(random, t);
+            if (k % 4 == 1) p.row = std::floor(p.row) + (p.column - std::floor(p.column)); // x - y is a whole number
+            if (k % 4 == 2) p.row = std::ceil(p.row) - (p.column - std::floor(p.column));  // x + y
+            const double x = p.column * t.header().spacing_m[0], z = p.row * t.header().spacing_m[1];
+            const auto accurate_m = static_cast<float>(k % 3 ? 0 : uniform(random, 0, 1) * t.header().max_error_m);
+            const GroundHeight planar = ground_height(t, x, z, accurate_m);
+            CAPTURE(round, k, p.column, p.row, log2, accurate_m);
+            for (std::size_t other : {1u, 2u}) {
+                const GroundHeight same = ground_height(packs[other].terrain, x, z, accurate_m);
+                REQUIRE(same.height_m == planar.height_m);
+                REQUIRE(same.normal.x == planar.normal.x);
+                REQUIRE(same.normal.y == planar.normal.y);
+                REQUIRE(same.normal.z == planar.normal.z);
+                REQUIRE(same.error_m == planar.error_m);
+                REQUIRE(same.hole == planar.hole);
+                REQUIRE(same.finest == planar.finest);
+                REQUIRE(same.inside == planar.inside);
+            }
+            (planar.finest ? finest : coarse)++;
+        }
+    }
+    CHECK(finest > 500);
+    CHECK(coarse > 200);
+}
+
 TEST_CASE("a position beyond the rim gets the nearest height on it, and says so") {
     Random random(604);
     for (int round = 0; round < 20; ++round) {

@@ -26,9 +26,9 @@ struct TerrainMemory {
     CornerSteps coarse;
     std::uint32_t changed_slots[change_log];
     LeafErrors leaf;
-    // Hierarchical Z-order only: where the canonical order's vertices go, in page 0 and in any other.
-    std::uint16_t page_places[max_page_vertices];
-    std::uint16_t root_places[(page_squares + 1) * (page_squares + 1)];
+    // Hierarchical Z-order only: which vertex of the canonical order stands at each place, in page 0 and in any other.
+    std::uint16_t page_vertex_at[max_page_vertices];
+    std::uint16_t root_vertex_at[(page_squares + 1) * (page_squares + 1)];
 };
 
 } // namespace fjell

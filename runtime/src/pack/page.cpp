@@ -39,30 +39,7 @@ struct Cursor {
     }
 };
 
-// A plane of n or fewer rows of `stride` vertices from one code for each 4 x 4: a line is made once and copied. The
-// last column of 33 has a code of its own.
-template <std::uint32_t Stride>
-FJELL_ALWAYS_INLINE inline void expand_plane(const std::uint8_t* stored, std::uint32_t rows, std::uint8_t* to) {
-    constexpr std::uint32_t size = 1u << radius_squares_log2, blocks = n / size;
-    static_assert(size == sizeof(std::uint32_t));
-    for (std::uint32_t j = 0; j < rows; j += size, stored += blocks + Stride - n) {
-        std::uint32_t line[blocks];
-        for (std::uint32_t b = 0; b < blocks; ++b) line[b] = stored[b] * 0x01010101u;
-        for (std::uint32_t k = j; k < std::min(j + size, rows); ++k, to += Stride) {
-            std::memcpy(to, line, n);
-            if constexpr (Stride > n) to[n] = stored[blocks];
-        }
-    }
-}
-
-// Clones are of this source alone: a shared library shows others to its hosts, hidden or not (g++ 12).
-FJELL_CLONES void expand_codes(const std::uint8_t* stored, std::uint8_t* radii) {
-    constexpr std::uint32_t blocks = n >> radius_squares_log2;
-    expand_plane<n>(stored, n, radii);
-    expand_plane<n>(stored + blocks * blocks, n + 1, radii + first_side_x);
-    expand_plane<n + 1>(stored + blocks * (2 * blocks + 1), n, radii + first_side_y);
-}
-
+// A clone is of this source alone: a shared library shows others to its hosts, hidden or not (g++ 12).
 FJELL_CLONES Status unpack(const PageLayout& pages, std::uint32_t page, std::span<const std::byte> raw,
                            PageArrays& out) {
     const Status corrupt{Code::corrupt, "geometry page"};
@@ -99,7 +76,7 @@ FJELL_CLONES Status unpack(const PageLayout& pages, std::uint32_t page, std::spa
     for (std::uint32_t i = 0; i < (step_page ? page_radii : count); ++i) all |= codes[i];
     if (all >= radius_codes) return corrupt;
     if (step_page)
-        expand_codes(codes, out.radii);
+        expand_radii(codes, out.radii);
     else
         std::memcpy(out.radii, codes, count);
     if (holes)
@@ -110,10 +87,6 @@ FJELL_CLONES Status unpack(const PageLayout& pages, std::uint32_t page, std::spa
 }
 
 } // namespace
-
-void expand_radii(const std::uint8_t* stored, std::uint8_t* radii) {
-    expand_codes(stored, radii);
-}
 
 Status unpack_page(const PageLayout& pages, std::uint32_t page, std::span<const std::byte> raw, PageArrays& out) {
     return unpack(pages, page, raw, out);

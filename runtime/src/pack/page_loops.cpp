@@ -18,6 +18,13 @@ namespace fjell::HWY_NAMESPACE {
 void restore_heights_lanes(const std::byte* low, const std::byte* high, std::uint16_t* heights) {
     restore_heights_scalar(low, high, heights);
 }
+void refine_corners_lanes(const std::int32_t (&own)[4], const StepRows (&rows)[page_squares_log2],
+                          CornerSteps& corners) {
+    refine_corners_scalar(own, rows, corners);
+}
+void expand_radii_lanes(const std::uint8_t* stored, std::uint8_t* radii) {
+    expand_radii_scalar(stored, radii);
+}
 void leaf_errors_lanes(const CornerSteps& corners, std::uint32_t nesting_steps, const LeafErrors& leaf,
                        PageArrays& page) {
     leaf_errors_scalar(corners, nesting_steps, leaf, page);
@@ -128,6 +135,82 @@ void restore_heights_lanes(const std::byte* low, const std::byte* high, std::uin
         restore<false>(l, nullptr, heights);
 }
 
+// --- radii
+
+// A plane of n or fewer rows of `Stride` vertices from one code for each 4 x 4. The last column of 33 has its own.
+template <std::uint32_t Stride>
+HWY_INLINE void expand_plane(const std::uint8_t* stored, std::uint32_t rows, std::uint8_t* to) {
+    constexpr std::uint32_t size = 1u << radius_squares_log2, blocks = n / size;
+    static_assert(size == 4 && blocks == sizeof(std::uint64_t), "the codes of a row fit a word");
+    const hn::FixedTag<std::uint8_t, 16> d;
+    const auto first = hn::ShiftRight<2>(hn::Iota(d, 0)), second = hn::Add(first, hn::Set(d, 4));
+    for (std::uint32_t j = 0; j < rows; j += size, stored += blocks + Stride - n) {
+        std::uint64_t eight;
+        std::memcpy(&eight, stored, sizeof eight);
+        const auto codes = hn::BitCast(d, hn::Set(hn::FixedTag<std::uint64_t, 2>(), eight));
+        const auto west = hn::TableLookupBytes(codes, first), east = hn::TableLookupBytes(codes, second);
+        for (std::uint32_t k = j; k < (j + size < rows ? j + size : rows); ++k, to += Stride) {
+            hn::StoreU(west, d, to);
+            hn::StoreU(east, d, to + n / 2);
+            if constexpr (Stride > n) to[n] = stored[blocks];
+        }
+    }
+}
+
+void expand_radii_lanes(const std::uint8_t* stored, std::uint8_t* radii) {
+    constexpr std::uint32_t blocks = n >> radius_squares_log2;
+    expand_plane<n>(stored, n, radii);
+    expand_plane<n>(stored + blocks * blocks, n + 1, radii + first_side_x);
+    expand_plane<n + 1>(stored + blocks * (2 * blocks + 1), n, radii + first_side_y);
+}
+
+// --- corners
+
+// Heights of a row of planar records.
+template <class D>
+HWY_INLINE hn::Vec<D> row_steps(D d, const VertexRecord* from, hn::Vec<D> base) {
+    const auto records = hn::LoadU(d, reinterpret_cast<const std::int32_t*>(from));
+    return hn::Add(base, hn::And(records, hn::Set(d, 0xffff)));
+}
+
+// One step finer: from the corners of Count x Count squares to those of twice as many a side, by the step's planes.
+template <std::uint32_t Count>
+HWY_INLINE void refine_step(const StepRows& rows, const std::int32_t* grid, std::int32_t* finer) {
+    constexpr std::uint32_t width = 2 * Count + 1;
+    const hn::CappedTag<std::int32_t, Count> d;
+    const auto base = hn::Set(d, rows.base);
+    const VertexRecord* side_x = rows.records + rows.index(VertexKind::side_x, 0, 0);
+    const VertexRecord* side_y = rows.records + rows.index(VertexKind::side_y, 0, 0);
+    const VertexRecord* centre = rows.records + rows.index(VertexKind::centre, 0, 0);
+    for (std::uint32_t j = 0;; ++j) {
+        for (std::uint32_t k = 0; k < Count; k += lanes(d))
+            hn::StoreInterleaved2(hn::LoadU(d, grid + k), row_steps(d, side_x + k, base), d, finer + 2 * k);
+        finer[2 * Count] = grid[Count];
+        if (j == Count) return;
+        finer += width;
+        for (std::uint32_t k = 0; k < Count; k += lanes(d))
+            hn::StoreInterleaved2(row_steps(d, side_y + k, base), row_steps(d, centre + k, base), d, finer + 2 * k);
+        finer[2 * Count] = rows.base + side_y[Count].height;
+        finer += width;
+        grid += Count + 1;
+        side_x += rows.side;
+        side_y += rows.side + 1;
+        centre += rows.side;
+    }
+}
+
+void refine_corners_lanes(const std::int32_t (&own)[4], const StepRows (&rows)[page_squares_log2],
+                          CornerSteps& corners) {
+    static_assert(page_squares_log2 == 5);
+    if (rows[0].order != Order::planar) return refine_corners_scalar(own, rows, corners);
+    std::int32_t one[9 * 9], other[17 * 17];
+    refine_step<1>(rows[0], own, one);
+    refine_step<2>(rows[1], one, other);
+    refine_step<4>(rows[2], other, one);
+    refine_step<8>(rows[3], one, other);
+    refine_step<16>(rows[4], other, corners);
+}
+
 // --- errors
 
 // |2 h - sum| of the vertices from `h` on, cut off where the table ends. all: all of them or-ed together.
@@ -213,12 +296,16 @@ void leaf_errors_lanes(const CornerSteps& corners, std::uint32_t nesting_steps, 
 
 // --- records
 
-// Four records, two at a time (pack/publish.h).
+// Four records (pack/publish.h).
 template <class V>
-HWY_INLINE void write_four(V records, VertexRecord* to) {
+HWY_INLINE void write_records(V records, VertexRecord* to) {
+#if FJELL_WRITES_FOURS && HWY_TARGET != HWY_EMU128
+    write_four(to, records.raw);
+#else
     const auto pairs = hn::BitCast(hn::FixedTag<std::uint64_t, 2>(), records);
     write_pair(to, hn::ExtractLane(pairs, 0));
     write_pair(to + 2, hn::ExtractLane(pairs, 1));
+#endif
 }
 
 void write_page_lanes(const PageArrays& page, std::uint32_t count, VertexRecord* to) {
@@ -226,15 +313,15 @@ void write_page_lanes(const PageArrays& page, std::uint32_t count, VertexRecord*
     const Words8 words;
     const hn::FixedTag<std::uint32_t, 4> records;
     std::uint32_t i = 0;
-    if (!takes_pairs(to) && count != 0) write_record(to, packed_record(page, i++));
+    for (; i < count && !takes_several(to + i); ++i) write_record(to + i, packed_record(page, i));
     for (; i + 16 <= count; i += 16) {
         const auto error = hn::LoadU(bytes, page.errors + i), radius = hn::LoadU(bytes, page.radii + i);
         const auto codes_0 = hn::ZipLower(words, error, radius), codes_1 = hn::ZipUpper(words, error, radius);
         const auto height_0 = hn::LoadU(words, page.heights + i), height_1 = hn::LoadU(words, page.heights + i + 8);
-        write_four(hn::ZipLower(records, height_0, codes_0), to + i);
-        write_four(hn::ZipUpper(records, height_0, codes_0), to + i + 4);
-        write_four(hn::ZipLower(records, height_1, codes_1), to + i + 8);
-        write_four(hn::ZipUpper(records, height_1, codes_1), to + i + 12);
+        write_records(hn::ZipLower(records, height_0, codes_0), to + i);
+        write_records(hn::ZipUpper(records, height_0, codes_0), to + i + 4);
+        write_records(hn::ZipLower(records, height_1, codes_1), to + i + 8);
+        write_records(hn::ZipUpper(records, height_1, codes_1), to + i + 12);
     }
     for (; i < count; ++i) write_record(to + i, packed_record(page, i));
 }
@@ -251,11 +338,19 @@ HWY_AFTER_NAMESPACE();
 namespace fjell {
 
 HWY_EXPORT(restore_heights_lanes);
+HWY_EXPORT(expand_radii_lanes);
+HWY_EXPORT(refine_corners_lanes);
 HWY_EXPORT(leaf_errors_lanes);
 HWY_EXPORT(write_page_lanes);
 
 void restore_heights(const std::byte* low, const std::byte* high, std::uint16_t* heights) {
     HWY_DYNAMIC_DISPATCH(restore_heights_lanes)(low, high, heights);
+}
+void expand_radii(const std::uint8_t* stored, std::uint8_t* radii) {
+    HWY_DYNAMIC_DISPATCH(expand_radii_lanes)(stored, radii);
+}
+void refine_corners(const std::int32_t (&own)[4], const StepRows (&rows)[page_squares_log2], CornerSteps& corners) {
+    HWY_DYNAMIC_DISPATCH(refine_corners_lanes)(own, rows, corners);
 }
 void leaf_errors(const CornerSteps& corners, std::uint32_t nesting_steps, const LeafErrors& leaf, PageArrays& page) {
     HWY_DYNAMIC_DISPATCH(leaf_errors_lanes)(corners, nesting_steps, leaf, page);
@@ -320,6 +415,36 @@ void far_errors(const CornerSteps& corners, const LeafErrors& leaf, const std::u
     });
 }
 
+void expand_radii_scalar(const std::uint8_t* stored, std::uint8_t* radii) {
+    const auto expand = [&](std::uint32_t first, std::uint32_t columns, std::uint32_t rows) {
+        const std::uint32_t codes = ((columns - 1) >> radius_squares_log2) + 1; // a row of them
+        for (std::uint32_t j = 0; j < rows; ++j)
+            for (std::uint32_t i = 0; i < columns; ++i)
+                radii[first + j * columns + i] =
+                    stored[(j >> radius_squares_log2) * codes + (i >> radius_squares_log2)];
+        stored += (((rows - 1) >> radius_squares_log2) + 1) * codes;
+    };
+    expand(0, page_squares, page_squares);
+    expand(first_side_x, page_squares, page_corners);
+    expand(first_side_y, page_corners, page_squares);
+}
+
+void refine_corners_scalar(const std::int32_t (&own)[4], const StepRows (&rows)[page_squares_log2],
+                           CornerSteps& corners) {
+    const auto at = [&](std::uint32_t i, std::uint32_t j) -> std::int32_t& { return corners[j * page_corners + i]; };
+    for (std::uint32_t k = 0; k < 4; ++k) at(k % 2 * page_squares, k / 2 * page_squares) = own[k];
+    for (std::uint32_t coarse = 0; coarse < page_squares_log2; ++coarse) {
+        const std::uint32_t count = 1u << coarse, side = page_squares >> coarse, half = side / 2;
+        for (std::uint32_t j = 0; j <= count; ++j)
+            for (std::uint32_t i = 0; i <= count; ++i) {
+                const std::uint32_t x = i * side, y = j * side;
+                if (i < count) at(x + half, y) = rows[coarse].steps(VertexKind::side_x, i, j);
+                if (j < count) at(x, y + half) = rows[coarse].steps(VertexKind::side_y, i, j);
+                if (i < count && j < count) at(x + half, y + half) = rows[coarse].steps(VertexKind::centre, i, j);
+            }
+    }
+}
+
 void leaf_errors_scalar(const CornerSteps& corners, std::uint32_t nesting_steps, const LeafErrors& leaf,
                         PageArrays& page) {
     constexpr std::uint32_t squares = page_squares;
@@ -333,6 +458,21 @@ void leaf_errors_scalar(const CornerSteps& corners, std::uint32_t nesting_steps,
             const std::uint32_t least = child == 0 ? 0 : std::min(child + nesting_steps, 255u);
             e[j * squares + i] = std::max(e[j * squares + i], static_cast<std::uint8_t>(least));
         }
+}
+
+// Packed in vectors first: reading records here and there costs less than putting them together here and there.
+void write_permuted(const PageArrays& page, std::uint32_t count, const std::uint16_t* vertex_at, VertexRecord* to) {
+    alignas(records_at_once * sizeof(VertexRecord)) VertexRecord packed[max_page_vertices];
+    write_page(page, count, packed);
+    const auto word = [&](std::uint32_t i) {
+        std::uint32_t w;
+        std::memcpy(&w, packed + vertex_at[i], sizeof w);
+        return w;
+    };
+    std::uint32_t i = 0;
+    for (; i < count && !takes_several(to + i); ++i) write_record(to + i, word(i));
+    for (; i + 2 <= count; i += 2) write_pair(to + i, word(i) | std::uint64_t{word(i + 1)} << 32);
+    for (; i < count; ++i) write_record(to + i, word(i));
 }
 
 void write_page_scalar(const PageArrays& page, std::uint32_t count, VertexRecord* to) {

@@ -54,12 +54,22 @@ inline void begin_slot(std::uint32_t& loads) {
 inline void write_record(VertexRecord* to, std::uint32_t packed) {
     store_word_relaxed(to, packed);
 }
-// Two records at a time, which the machine writes at once; single ones took three times as long.
-[[nodiscard]] inline bool takes_pairs(const VertexRecord* to) {
-    return reinterpret_cast<std::uintptr_t>(to) % sizeof(std::uint64_t) == 0;
+// Several records at a time, from an aligned place on; single ones took three times as long.
+inline constexpr std::uint32_t records_at_once = 4;
+[[nodiscard]] inline bool takes_several(const VertexRecord* to) {
+    return reinterpret_cast<std::uintptr_t>(to) % (records_at_once * sizeof(VertexRecord)) == 0;
 }
+// Two of them: atomic in the language too.
 inline void write_pair(VertexRecord* to, std::uint64_t packed) {
     store_pair_relaxed(to, packed);
+}
+
+// Four of them in a register, where FJELL_WRITES_FOURS: one store of 16 aligned bytes, of which the machine tears no
+// eight; volatile, so that no compiler makes anything else of it, and fences order it as they do atomic ones.
+template <class Register>
+inline void write_four(VertexRecord* to, Register packed) {
+    static_assert(sizeof packed == records_at_once * sizeof(VertexRecord));
+    *reinterpret_cast<volatile Register*>(to) = packed; // registers may alias
 }
 
 // --- any thread
@@ -69,6 +79,7 @@ struct PublishedPage {
     std::uint32_t slot = no_index;
     std::int32_t base = 0;
     std::uint32_t loads = 0;
+    const VertexRecord* records = nullptr; // its slot's
 };
 // False: it is not loaded, or was on its way out or in.
 [[nodiscard]] inline bool find_page(const TerrainData& terrain, std::size_t page, PublishedPage& found) {
@@ -78,12 +89,19 @@ struct PublishedPage {
     const PageEntry again = load_acquire(terrain.page_table[page]);
     found.slot = first.slot;
     found.base = first.base;
+    found.records = terrain.records + std::size_t{first.slot} * terrain.page_capacity;
     return again.slot == first.slot && again.base == first.base;
+}
+// Where a record would be read; null: its page is not loaded. For fetching it into the cache, and nothing else.
+[[nodiscard]] inline const VertexRecord* find_place(const TerrainData& terrain, std::size_t page, std::uint32_t index) {
+    const std::uint32_t slot = load_relaxed(terrain.page_table[page]).slot;
+    if (slot == no_index) return nullptr;
+    return terrain.records + std::size_t{slot} * terrain.page_capacity + index;
 }
 // Steps 4 to 6. False: another page has come into the slot.
 [[nodiscard]] inline bool read_record(const TerrainData& terrain, const PublishedPage& page, std::uint32_t index,
                                       VertexRecord& record) {
-    const VertexRecord* const from = terrain.records + std::size_t{page.slot} * terrain.page_capacity + index;
+    const VertexRecord* const from = page.records + index;
     const std::uint32_t word = load_word_relaxed(from);
     fence_acquire();
     std::memcpy(&record, &word, sizeof record);
@@ -92,7 +110,7 @@ struct PublishedPage {
 // The same of some that lie side by side: 5 and 6 once for all.
 [[nodiscard]] inline bool read_records(const TerrainData& terrain, const PublishedPage& page, std::uint32_t first,
                                        std::span<VertexRecord> records) {
-    const VertexRecord* from = terrain.records + std::size_t{page.slot} * terrain.page_capacity + first;
+    const VertexRecord* from = page.records + first;
     for (VertexRecord& record : records) {
         const std::uint32_t word = load_word_relaxed(from++);
         std::memcpy(&record, &word, sizeof record);

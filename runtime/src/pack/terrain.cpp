@@ -12,7 +12,6 @@
 #include <zstd.h>
 
 #include "block_layout.h"
-#include "compiler.h"
 #include "pack/memory.h"
 #include "pack/page_loops.h"
 #include "pack/publish.h"
@@ -51,13 +50,13 @@ Layout layout_of(const PackHeader& h, const TerrainBudget& budget) {
     return l;
 }
 
-// For each vertex of a page in planar order its place in hierarchical Z-order.
-void permute(const PageLayout& pages, std::uint32_t page, std::uint16_t* places) {
+// For each place of a page in hierarchical Z-order the number of its vertex in planar order.
+void permute(const PageLayout& pages, std::uint32_t page, std::uint16_t* vertex_at) {
     const PageLayout planar{pages.tile_log2, Order::planar};
     for (std::uint32_t i = 0; i < planar.page_vertices(page); ++i) {
         const Coord c = planar.coord({page, i});
-        places[i] = static_cast<std::uint16_t>(
-            pages.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y)).index);
+        const PagePlace to = pages.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y));
+        vertex_at[to.index] = static_cast<std::uint16_t>(i);
     }
 }
 
@@ -117,88 +116,34 @@ bool coarser_pages_loaded(const PageLayout& pages, const PageEntry* table, Coord
     return true;
 }
 
-// Rows of one coarser step's planes over a page of step 1, from square (i0, j0) of the page that holds them on.
-struct StepRows {
-    const VertexRecord* records; // of the step
-    std::int32_t base;
-    std::uint32_t side; // squares of the page
-    Order order;
-    std::uint32_t i0, j0;
-
-    // Heights of `count` vertices of row j.
-    FJELL_ALWAYS_INLINE void read(VertexKind kind, std::uint32_t j, std::uint32_t count, std::int32_t* to) const {
-        if (order == Order::planar) {
-            const VertexRecord* const from = records + page_index<Order::planar>(side, kind, i0, j0 + j);
-            for (std::uint32_t i = 0; i < count; ++i) { // whole records, so that the compiler loads many at once
-                std::uint32_t record;
-                std::memcpy(&record, from + i, sizeof record);
-                to[i] = base + static_cast<std::int32_t>(record & 0xffff);
-            }
-        } else {
-            for (std::uint32_t i = 0; i < count; ++i)
-                to[i] = base + records[page_index<Order::hierarchical_z>(side, kind, i0 + i, j0 + j)].height;
-        }
-    }
-};
-
-// What stands on even places of a row, one more, then what on odd ones.
-FJELL_ALWAYS_INLINE inline void interleave_row(const std::int32_t* even, const std::int32_t* odd, std::uint32_t odds,
-                                               std::int32_t* to) {
-    for (std::uint32_t i = 0; i < odds; ++i) {
-        to[2 * i] = even[i];
-        to[2 * i + 1] = odd[i];
-    }
-    to[2 * odds] = even[odds];
-}
-
-// One step finer: from the corners of count x count squares to those of twice as many a side, by the step's planes.
-FJELL_ALWAYS_INLINE inline void refine_corners(const StepRows& rows, std::uint32_t count, const std::int32_t* grid,
-                                               std::int32_t* finer) {
-    const std::uint32_t width = 2 * count + 1;
-    std::int32_t even[page_corners / 2 + 1], odd[page_corners / 2];
-    for (std::uint32_t j = 0; j < count; ++j, grid += count + 1, finer += 2 * width) {
-        rows.read(VertexKind::side_x, j, count, odd);
-        interleave_row(grid, odd, count, finer);
-        rows.read(VertexKind::side_y, j, count + 1, even);
-        rows.read(VertexKind::centre, j, count, odd);
-        interleave_row(even, odd, count, finer + width);
-    }
-    rows.read(VertexKind::side_x, count, count, odd);
-    interleave_row(grid, odd, count, finer);
-}
-
-// Heights of the squares' corners of a page of step 1: from the page's own four corners on, step by step finer.
-FJELL_CLONES void gather_corners(const TilePages& tile, Coord position, CornerSteps& out) {
-    static_assert(page_squares_log2 == 5);
+// Heights of the squares' corners of a page of step 1.
+void gather_corners(const TilePages& tile, Coord position, CornerSteps& out) {
     const PageLayout& pages = tile.terrain.pages;
     const auto x0 = static_cast<std::uint32_t>(position.x) * page_squares,
                y0 = static_cast<std::uint32_t>(position.y) * page_squares; // in squares of step 1
-    const auto rows = [&](int z) {
+    StepRows rows[page_squares_log2];
+    for (int z = page_squares_log2; z > 0; --z) {
         const StepLayout step = pages.step_layout(z);
         const PageEntry entry = tile.table[page_over(pages, position, z)];
-        return StepRows{tile.terrain.records + std::size_t{entry.slot} * tile.terrain.page_capacity + step.offset,
-                        entry.base,
-                        step.page_side,
-                        pages.order,
-                        (x0 >> z) % step.page_side,
-                        (y0 >> z) % step.page_side};
-    };
-    std::int32_t one[17 * 17], other[9 * 9];
-    for (const std::uint32_t k : {0u, 1u, 2u, 3u})
-        one[k] = tile.steps_over(position, 2 * (x0 + k % 2 * page_squares), 2 * (y0 + k / 2 * page_squares));
-    for (const int z : {5, 3}) { // 1 square a side becomes 2 and 4, then 8 and 16
-        refine_corners(rows(z), page_squares >> z, one, other);
-        refine_corners(rows(z - 1), page_squares >> (z - 1), other, one);
+        rows[page_squares_log2 - z] = {tile.terrain.records + std::size_t{entry.slot} * tile.terrain.page_capacity +
+                                           step.offset,
+                                       entry.base,
+                                       step.page_side,
+                                       pages.order,
+                                       (x0 >> z) % step.page_side,
+                                       (y0 >> z) % step.page_side};
     }
-    refine_corners(rows(1), page_squares / 2, one, out);
+    std::int32_t own[4];
+    for (const std::uint32_t k : {0u, 1u, 2u, 3u})
+        own[k] = tile.steps_over(position, 2 * (x0 + k % 2 * page_squares), 2 * (y0 + k / 2 * page_squares));
+    refine_corners(own, rows, out);
 }
 
 void store(const TerrainData& terrain, std::uint32_t page, const TerrainMemory& memory, VertexRecord* to) {
     const PageArrays& from = memory.arrays;
     const std::uint32_t count = terrain.pages.page_vertices(page);
     if (terrain.pages.order != Order::hierarchical_z) return write_page(from, count, to);
-    const std::uint16_t* const places = page == 0 ? memory.root_places : memory.page_places;
-    for (std::uint32_t i = 0; i < count; ++i) write_record(to + places[i], packed_record(from, i));
+    write_permuted(from, count, page == 0 ? memory.root_vertex_at : memory.page_vertex_at, to);
 }
 
 Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std::span<const std::byte> raw) {
@@ -280,8 +225,8 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     m.raw_bytes = max_page_raw_bytes(t.page_capacity);
     m.leaf = LeafErrors(t.errors, h.quantum_m);
     if (h.order == Order::hierarchical_z) {
-        permute({page_squares_log2 + 1, h.order}, 1, m.page_places);
-        permute({std::min(t.pages.tile_log2, page_squares_log2), h.order}, 0, m.root_places);
+        permute({page_squares_log2 + 1, h.order}, 1, m.page_vertex_at);
+        permute({std::min(t.pages.tile_log2, page_squares_log2), h.order}, 0, m.root_vertex_at);
     }
     for (std::uint32_t i = 0; i < t.page_count(); ++i) m.page_table[i] = {no_index, 0};
     for (std::uint32_t i = 0; i < t.slot_count; ++i) {

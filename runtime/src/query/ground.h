@@ -19,98 +19,18 @@
 #include <cstdint>
 #include <utility>
 
-#include "compiler.h"
 #include "fjell/view.h"
-#include "pack/publish.h"
 #include "pack/terrain_data.h"
+#include "query/reader.h"
+#include "query/way.h"
 
 namespace fjell::query {
-
-// A point over the ground, in cells: columns and rows.
-struct Point {
-    double x = 0, y = 0;
-};
-
-struct Sample {
-    bool loaded = false, hole = false;
-    std::int32_t error = 0; // code; of corners 0
-    std::int32_t steps = 0;
-};
 
 // A corner of a triangle, where it stands: samples, and the height in height scale steps.
 struct Corner {
     Coord at;
     std::int32_t steps = 0;
     bool hole = false;
-};
-
-// PageLayout::place() of a vertex that is not a tile's corner, with shifts instead of divisions.
-[[nodiscard]] inline PagePlace place_of(const PageLayout& pages, std::uint32_t x, std::uint32_t y) {
-    if (pages.order == Order::linear) return pages.place_as<Order::linear>(x, y);
-    const auto z = static_cast<std::uint32_t>(std::countr_zero(x | y));
-    const StepLayout step = pages.step_layout(static_cast<int>(z));
-    const std::uint32_t i = x >> (z + 1), j = y >> (z + 1), last = (1u << step.pages_log2) - 1;
-    const int page_log2 = std::countr_zero(step.page_side);
-    const std::uint32_t px = std::min(i >> page_log2, last), py = std::min(j >> page_log2, last);
-    const std::uint32_t in_x = i - (px << page_log2), in_y = j - (py << page_log2);
-    const bool odd_x = (x >> z & 1) != 0, odd_y = (y >> z & 1) != 0;
-    const VertexKind kind = odd_x && odd_y ? VertexKind::centre : odd_x ? VertexKind::side_x : VertexKind::side_y;
-    if (pages.order == Order::hierarchical_z)
-        return {step.first_page + interleave(px, py),
-                step.offset + page_index<Order::hierarchical_z>(step.page_side, kind, in_x, in_y)};
-    return {step.first_page + (py << step.pages_log2) + px,
-            step.offset + page_index<Order::planar>(step.page_side, kind, in_x, in_y)};
-}
-
-// Reads vertices of one tile, from any thread. Keeps the last page, which most often holds the next vertex too.
-class Reader {
-public:
-    Reader(const TerrainData& terrain, std::int32_t tile_x, std::int32_t tile_y)
-        : t_(terrain), origin_{tile_x * terrain.tree.side(), tile_y * terrain.tree.side()},
-          first_page_((static_cast<std::size_t>(tile_y) * terrain.header.tiles_x + static_cast<std::size_t>(tile_x)) *
-                      terrain.pages_per_tile) {}
-
-    [[nodiscard]] Coord origin() const { return origin_; }
-    // v: a vertex of the tile, of the grid.
-    [[nodiscard]] Sample read(Coord v) {
-        Sample sample;
-        if (t_.tree.is_corner(v)) {
-            const std::int32_t l = t_.tree.tile_log2;
-            const std::uint32_t stored = t_.corners[(v.y >> l) * (t_.tree.tiles_x + 1) + (v.x >> l)];
-            sample.loaded = true;
-            sample.hole = (stored & corner_void_bit) != 0;
-            sample.steps = static_cast<std::int32_t>(stored & ~corner_void_bit);
-            return sample;
-        }
-        const PagePlace at = place_of(t_.pages, static_cast<std::uint32_t>(v.x - origin_.x),
-                                      static_cast<std::uint32_t>(v.y - origin_.y));
-        VertexRecord record;
-        if (at.page != page_ || !read_record(t_, found_, at.index, record))
-            if (!find(at, record)) return sample;
-        sample.loaded = true;
-        sample.hole = is_void(record);
-        sample.error = record.error;
-        sample.steps = found_.base + record.height;
-        return sample;
-    }
-
-private:
-    // A page that went while it was read may be back at once; one that keeps coming and going counts as missing.
-    FJELL_NOINLINE bool find(PagePlace at, VertexRecord& record) {
-        constexpr int attempts = 3;
-        for (int attempt = 0; attempt < attempts; ++attempt) {
-            page_ = at.page;
-            if (find_page(t_, first_page_ + at.page, found_) && read_record(t_, found_, at.index, record)) return true;
-        }
-        page_ = no_index;
-        return false;
-    }
-
-    const TerrainData& t_;
-    Coord origin_;
-    std::size_t first_page_;
-    std::uint32_t page_ = no_index; // in the tile
-    PublishedPage found_;
 };
 
 // Errors go as codes of the pack's scale, so that nothing rounds and nothing is looked up on the way.
@@ -335,29 +255,73 @@ struct Found {
     bool hole = false, finest = false;
 };
 
-// The same from any triangle downwards. Places and heights in plain variables: triangles that are copied at every level
-// cost twice the time.
-[[nodiscard]] inline Found find_below(const TerrainData& t, Reader& reader, const Triangle& from, Point p,
-                                      std::int32_t accurate) {
-    Corner a = from.apex, b = from.ends[0], c = from.ends[1];
-    std::int32_t bound = from.bound;
-    const auto found = [&](std::int32_t code) {
-        return Found{plane_of(a, b, c), error_m(t, code), a.hole || b.hole || c.hole, code == 0};
+// --- the way down to a point
+
+[[nodiscard]] inline Found follow(const TerrainData& t, Reader& reader, const Triangle& from, const Way& way,
+                                  std::int32_t accurate) {
+    struct Height {
+        std::int32_t steps;
+        bool hole;
     };
-    while (((b.at.x ^ c.at.x) & 1) == 0) {
-        const Coord m{(b.at.x + c.at.x) / 2, (b.at.y + c.at.y) / 2};
-        const Sample sample = reader.read(m);
-        if (!sample.loaded) return found(bound);
-        if (suffices(sample.error, accurate, a.hole || b.hole || c.hole)) return found(sample.error);
-        bound = below(t, sample.error);
-        // On the border between the halves: the first.
-        const bool first = turn(a.at, m, p) * turn(a.at, m, b.at) >= 0;
-        b.at.x = first ? b.at.x : c.at.x, b.at.y = first ? b.at.y : c.at.y;
-        b.steps = first ? b.steps : c.steps, b.hole = first ? b.hole : c.hole;
-        c.at.x = a.at.x, c.at.y = a.at.y, c.steps = a.steps, c.hole = a.hole;
-        a.at.x = m.x, a.at.y = m.y, a.steps = sample.steps, a.hole = sample.hole;
+    Height height[Way::given + 2 * max_tile_log2];
+    height[0] = {from.apex.steps, from.apex.hole};
+    for (const std::uint32_t k : {0u, 1u}) height[1 + k] = {from.ends[k].steps, from.ends[k].hole};
+    std::uint32_t a = 0, b = 1, c = 2; // the triangle: places on the way
+    const auto hole = [&] { return height[a].hole || height[b].hole || height[c].hole; };
+    const auto found = [&](std::int32_t code) {
+        const auto corner = [&](std::uint32_t k) {
+            return Corner{{static_cast<std::int32_t>(way.spot[k].x) + reader.origin().x,
+                           static_cast<std::int32_t>(way.spot[k].y) + reader.origin().y},
+                          height[k].steps,
+                          height[k].hole};
+        };
+        return Found{plane_of(corner(a), corner(b), corner(c)), error_m(t, code), hole(), code == 0};
+    };
+    std::int32_t bound = from.bound;
+    for (std::uint32_t k = Way::given; k < way.end; ++k) {
+        VertexRecord record;
+        if (!reader.read(way.at[k], record)) return found(bound);
+        if (record.error <= accurate || (record.error == 0 && !hole())) return found(record.error);
+        bound = below(t, record.error);
+        height[k] = {reader.base() + record.height, is_void(record)};
+        b = choose(way.half[k], b, c);
+        c = a;
+        a = k;
     }
     return found(0);
+}
+
+// The same in linear order, where every vertex has to be looked up by itself.
+[[nodiscard]] inline Found find_below_linear(const TerrainData& t, Reader& reader, Triangle at, Point p,
+                                             std::int32_t accurate) {
+    const auto found = [&](std::int32_t code) {
+        return Found{plane_of(at.apex, at.ends[0], at.ends[1]), error_m(t, code), at.hole(), code == 0};
+    };
+    while (!at.leaf()) {
+        const Coord m = at.middle();
+        const Sample sample = reader.read(m);
+        if (!sample.loaded) return found(at.bound);
+        if (suffices(sample.error, accurate, at.hole())) return found(sample.error);
+        at = {{m, sample.steps, sample.hole}, {at.ends[at.half_of(p)], at.apex}, below(t, sample.error)};
+    }
+    return found(0);
+}
+
+[[nodiscard]] inline Found find_below(const TerrainData& t, Reader& reader, const Triangle& from, Point p,
+                                      std::int32_t accurate) {
+    if (t.pages.order == Order::linear) return find_below_linear(t, reader, from, p, accurate);
+    const Coord origin = reader.origin();
+    const auto in_tile = [&](const Corner& c) {
+        return Spot{static_cast<std::uint32_t>(c.at.x - origin.x), static_cast<std::uint32_t>(c.at.y - origin.y)};
+    };
+    Way way;
+    way.spot[0] = in_tile(from.apex);
+    for (const int k : {0, 1}) way.spot[1 + k] = in_tile(from.ends[k]);
+    if (t.pages.order == Order::planar)
+        find_way<Order::planar>(t.pages, reader, p, way);
+    else
+        find_way<Order::hierarchical_z>(t.pages, reader, p, way);
+    return follow(t, reader, from, way, accurate);
 }
 
 // p: in the tile, within the terrain. O(levels).
