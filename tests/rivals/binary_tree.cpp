@@ -38,8 +38,7 @@ Neighbours neighbours(std::uint32_t name) {
 } // namespace
 
 BinaryTree::BinaryTree(const Ground& ground, bool cull)
-    : ground_(ground), cull_(cull),
-      depth_(1 + 2 * std::countr_zero(static_cast<std::uint32_t>(ground.side))) {
+    : ground_(ground), cull_(cull), depth_(1 + 2 * std::countr_zero(static_cast<std::uint32_t>(ground.side))) {
     const std::size_t words = std::max<std::size_t>(1, (std::size_t{1} << depth_) / 64);
     bits_.resize(words);
     sums_.resize(2 * words);
@@ -87,7 +86,8 @@ std::uint32_t BinaryTree::leaf(std::uint32_t n) const {
     return (at + (std::uint32_t{1} << depth_)) >> above;
 }
 
-// Calls visit(name, depth, triangle) for every leaf in order. Leaves that are split further on are met as they are then.
+// Calls visit(name, depth, triangle) for every leaf in order. Leaves that are split further on are met as they are
+// then.
 template <typename Visit>
 void BinaryTree::walk(const Visit& visit) {
     const std::int32_t side = ground_.side;
@@ -102,7 +102,8 @@ void BinaryTree::walk(const Visit& visit) {
         while (known < depth) {
             const bool second = name >> (depth - ++known) & 1;
             if (known == 1) {
-                path[1] = second ? Triangle{{0, side}, {side, side}, {0, 0}} : Triangle{{side, 0}, {0, 0}, {side, side}};
+                path[1] =
+                    second ? Triangle{{0, side}, {side, side}, {0, 0}} : Triangle{{side, 0}, {0, 0}, {side, side}};
                 continue;
             }
             const Triangle& t = path[known - 1];
@@ -148,9 +149,7 @@ Refined BinaryTree::refine(const View& view, double error_px, std::uint32_t) {
             if (dot(frustum.normal[k], from_eye) < frustum.offset[k] - radius_m) return false;
         return true;
     };
-    const auto middle = [](const Triangle& t) {
-        return Coord{(t.left.x + t.right.x) / 2, (t.left.y + t.right.y) / 2};
-    };
+    const auto middle = [](const Triangle& t) { return Coord{(t.left.x + t.right.x) / 2, (t.left.y + t.right.y) / 2}; };
     changes_ = 0;
     walk([&](std::uint32_t name, int depth, const Triangle* t) {
         if (depth < depth_ && needed(middle(*t))) split(name);

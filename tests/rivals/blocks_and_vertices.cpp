@@ -6,8 +6,8 @@
 
 namespace fjell::rivals {
 
-// A frame. A vertical segment of length delta is delta * lambda * h / (h^2 + v^2) pixels long, h away horizontally and v
-// vertically: longer than the threshold when delta > `scale` * (h^2 + v^2) / h.
+// A frame. A vertical segment of length delta is delta * lambda * h / (h^2 + v^2) pixels long, h away horizontally and
+// v vertically: longer than the threshold when delta > `scale` * (h^2 + v^2) / h.
 struct BlocksAndVertices::Pass {
     float x_m, y_m, z_m;
     float scale; // threshold / lambda
@@ -39,8 +39,8 @@ Interval shortest_deltas(const Interval& h, const Interval& v) {
 } // namespace
 
 BlocksAndVertices::BlocksAndVertices(const Ground& ground)
-    : ground_(ground),
-      tree_(Tree::covering(ground.side + 1, ground.side + 1, std::countr_zero(static_cast<std::uint32_t>(ground.side)))),
+    : ground_(ground), tree_(Tree::covering(ground.side + 1, ground.side + 1,
+                                            std::countr_zero(static_cast<std::uint32_t>(ground.side)))),
       layout_(ground.side), blocks_(layout_.blocks.size()), enabled_(ground.height_m.size()) {
     const auto height = [&](Coord c) { return ground.height_m[ground.index(c)]; };
     for (const std::uint32_t place : layout_.places) {
@@ -87,13 +87,13 @@ void BlocksAndVertices::visit(const Pass& pass, std::size_t level, std::int32_t 
                 z1 = ground_.z_m(at.y + cells);
     const Interval x = distances(pass.x_m, x0, x1), z = distances(pass.z_m, z0, z1),
                    v = distances(pass.y_m, block.low_m, block.high_m);
-    const Interval shortest = shortest_deltas({std::sqrt(x.low * x.low + z.low * z.low),
-                                               std::sqrt(x.high * x.high + z.high * z.high)},
-                                              v);
+    const Interval shortest =
+        shortest_deltas({std::sqrt(x.low * x.low + z.low * z.low), std::sqrt(x.high * x.high + z.high * z.high)}, v);
     if (block.delta_m <= pass.scale * shortest.low) return; // nothing in it or below
     for (int i = 0; i < 6; ++i) {
         const Vec3& n = pass.frustum.normal[i];
-        const Vec3 farthest{static_cast<double>(n.x > 0 ? x1 : x0), static_cast<double>(n.y > 0 ? block.high_m : block.low_m),
+        const Vec3 farthest{static_cast<double>(n.x > 0 ? x1 : x0),
+                            static_cast<double>(n.y > 0 ? block.high_m : block.low_m),
                             static_cast<double>(n.z > 0 ? z1 : z0)};
         if (dot(n, farthest - pass.eye_m) < pass.frustum.offset[i]) return;
     }
@@ -104,13 +104,15 @@ void BlocksAndVertices::visit(const Pass& pass, std::size_t level, std::int32_t 
         const Coord c = StepBlocks::place(layout_.places[i]);
         if (delta <= always) {
             ++projected_;
-            const float dx = ground_.x_m(c.x) - pass.x_m, dy = heights_m_[i] - pass.y_m, dz = ground_.z_m(c.y) - pass.z_m;
+            const float dx = ground_.x_m(c.x) - pass.x_m, dy = heights_m_[i] - pass.y_m,
+                        dz = ground_.z_m(c.y) - pass.z_m;
             const float h2 = dx * dx + dz * dz, r2 = h2 + dy * dy;
             if (delta * delta * h2 <= pass.scale * pass.scale * r2 * r2) continue;
         }
         enable(c);
     }
-    layout_.below(level, bx, by, [&](std::int32_t x_below, std::int32_t y_below) { visit(pass, level + 1, x_below, y_below); });
+    layout_.below(level, bx, by,
+                  [&](std::int32_t x_below, std::int32_t y_below) { visit(pass, level + 1, x_below, y_below); });
 }
 
 // levels: bisections that are left below this triangle.

@@ -42,9 +42,9 @@ private:
     const Ground& ground_;
     Tree tree_;
     StepBlocks layout_;
-    std::vector<Block> blocks_; // as in layout_
+    std::vector<Block> blocks_;               // as in layout_
     std::vector<float> deltas_m_, heights_m_; // by place of layout_
-    std::vector<std::uint16_t> enabled_; // by sample: in which frame
+    std::vector<std::uint16_t> enabled_;      // by sample: in which frame
     std::uint16_t frame_ = 0;
     std::vector<std::uint32_t> indices_;
     std::size_t projected_ = 0;

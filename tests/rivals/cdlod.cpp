@@ -67,7 +67,8 @@ void Cdlod::measure_level(Level& level, std::int32_t step) const {
             for (std::int32_t y = 0; y <= step; ++y)
                 for (std::int32_t x = 0; x <= step; ++x) {
                     const float u = static_cast<float>(x) / s, v = static_cast<float>(y) / s;
-                    const float drawn = u >= v ? nw + (ne - nw) * u + (se - ne) * v : nw + (sw - nw) * v + (se - sw) * u;
+                    const float drawn =
+                        u >= v ? nw + (ne - nw) * u + (se - ne) * v : nw + (sw - nw) * v + (se - sw) * u;
                     level.error_m = std::max(level.error_m, std::abs(drawn - height(x0 + x, y0 + y)));
                 }
         }
@@ -86,12 +87,13 @@ void Cdlod::set_ranges(double q) {
         }
         const Level& next = levels_[l + 1];
         const std::int32_t step = next.cells / patch_cells_;
-        const double square_m = std::hypot(static_cast<double>(ground_.x_m(step)), static_cast<double>(ground_.z_m(step)));
+        const double square_m =
+            std::hypot(static_cast<double>(ground_.x_m(step)), static_cast<double>(ground_.z_m(step)));
         const double from_m = std::max(static_cast<double>(next.error_m) * q + square_m, before_m);
         level.range_m = before_m + (from_m - before_m) / morph_share;
         if (ranges_ == Ranges::whole && l > 0)
-            level.range_m = std::max(level.range_m,
-                                     before_m + 1.01 * static_cast<double>(levels_[l - 1].diagonal_m) / morph_share);
+            level.range_m =
+                std::max(level.range_m, before_m + 1.01 * static_cast<double>(levels_[l - 1].diagonal_m) / morph_share);
         level.morph_from_m = before_m + (level.range_m - before_m) * morph_share;
         level.morph_to_m = level.range_m - 0.01 * (level.range_m - level.morph_from_m);
         before_m = level.range_m;

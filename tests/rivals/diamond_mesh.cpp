@@ -8,8 +8,7 @@ namespace {
 
 // The ends of a hypotenuse in steps from the apex, in the order that faces up: of a centre, whose hypotenuses are the
 // sides of its square, and of a side's vertex, where they lean.
-constexpr Coord straight_ends[4][2] = {
-    {{1, 1}, {1, -1}}, {{-1, 1}, {1, 1}}, {{-1, -1}, {-1, 1}}, {{1, -1}, {-1, -1}}};
+constexpr Coord straight_ends[4][2] = {{{1, 1}, {1, -1}}, {{-1, 1}, {1, 1}}, {{-1, -1}, {-1, 1}}, {{1, -1}, {-1, -1}}};
 constexpr Coord leaning_ends[4][2] = {{{0, 1}, {1, 0}}, {{-1, 0}, {0, 1}}, {{0, -1}, {-1, 0}}, {{1, 0}, {0, -1}}};
 
 constexpr unsigned direction_to(Coord way) {
@@ -21,8 +20,7 @@ constexpr unsigned direction_to(Coord way) {
 } // namespace
 
 DiamondMesh::DiamondMesh(std::int32_t side)
-    : tree_(Tree::covering(side + 1, side + 1, std::countr_zero(static_cast<std::uint32_t>(side)))),
-      stride_(side + 1) {
+    : tree_(Tree::covering(side + 1, side + 1, std::countr_zero(static_cast<std::uint32_t>(side)))), stride_(side + 1) {
     const auto samples = static_cast<std::size_t>(stride_) * static_cast<std::size_t>(stride_);
     active_.resize(samples);
     slots_.resize(4 * samples);

@@ -41,9 +41,9 @@ private:
 
     Tree tree_;
     std::int32_t stride_;
-    std::vector<std::uint8_t> active_;          // corners too
-    std::vector<std::uint32_t> slots_;          // by name, 4 * vertex + direction
-    std::vector<std::uint32_t> owners_;         // names, by slot
+    std::vector<std::uint8_t> active_;  // corners too
+    std::vector<std::uint32_t> slots_;  // by name, 4 * vertex + direction
+    std::vector<std::uint32_t> owners_; // names, by slot
     std::vector<std::uint32_t> indices_;
 };
 

@@ -12,10 +12,12 @@ ErrorSpheres::ErrorSpheres(const Ground& ground)
     : ground_(ground), mesh_(ground.side), layout_(ground.side), spheres_m_(layout_.places.size()),
       active_(layout_.places.size()), on_(2 * layout_.levels.size()), off_(2 * layout_.levels.size()) {
     for (const StepBlocks::Level& l : layout_.levels)
-        for (std::size_t i = l.first; i < l.first + static_cast<std::size_t>(l.per_side) * static_cast<std::size_t>(l.per_side); ++i) {
+        for (std::size_t i = l.first;
+             i < l.first + static_cast<std::size_t>(l.per_side) * static_cast<std::size_t>(l.per_side); ++i) {
             const StepBlocks::Block& b = layout_.blocks[i];
             const Coord middle{b.x + l.cells / 2, b.y + l.cells / 2};
-            clusters_.push_back({ground_.x_m(middle.x), ground_.height_m[ground_.index(middle)], ground_.z_m(middle.y)});
+            clusters_.push_back(
+                {ground_.x_m(middle.x), ground_.height_m[ground_.index(middle)], ground_.z_m(middle.y)});
         }
     for (const std::uint32_t place : layout_.places)
         heights_m_.push_back(ground_.height_m[ground_.index(StepBlocks::place(place))]);

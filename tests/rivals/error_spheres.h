@@ -1,6 +1,6 @@
-// Nested error spheres (Blow, "Terrain Rendering at High Levels of Detail", GDC 2000; thesis 3.4): for a fixed threshold
-// a vertex is in the mesh while the eye is in its sphere, and spheres are nested, so that what is outside one is outside
-// all within it.
+// Nested error spheres (Blow, "Terrain Rendering at High Levels of Detail", GDC 2000; thesis 3.4): for a fixed
+// threshold a vertex is in the mesh while the eye is in its sphere, and spheres are nested, so that what is outside one
+// is outside all within it.
 //
 // As there: a sphere a vertex with the threshold already in it, artificial spheres around clusters of them, and only
 // vertices whose state has changed touch the mesh, parents first. A cluster here is what one step has in 8 x 8 squares;
@@ -29,11 +29,11 @@ public:
 
 private:
     struct Cluster {
-        float x_m, y_m, z_m;  // of its middle
-        float outer_m = 0;    // beyond, nothing in it or below is active
-        float inner_m = 0;    // within, all of its own are
-        bool below = false;   // something in it or below may be active
-        bool all = false;     // all of its own are active
+        float x_m, y_m, z_m; // of its middle
+        float outer_m = 0;   // beyond, nothing in it or below is active
+        float inner_m = 0;   // within, all of its own are
+        bool below = false;  // something in it or below may be active
+        bool all = false;    // all of its own are active
     };
     void grow_spheres(float q);
     void grow_cluster(std::size_t level, std::int32_t cx, std::int32_t cy);

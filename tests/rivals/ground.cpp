@@ -63,7 +63,8 @@ Ground with_wedgies(const Ground& ground) {
             if (tree.contains(c.at[i])) below = std::max(below, static_cast<double>(g.error_m[g.index(c.at[i])]));
         const double moved = std::abs(height(v) - (height(d.ends[0]) + height(d.ends[1])) / 2);
         const auto wedgie = static_cast<float>(below + moved);
-        // A parent above its child by a margin that survives rounding: what forced splits would be needed for otherwise.
+        // A parent above its child by a margin that survives rounding: what forced splits would be needed for
+        // otherwise.
         g.error_m[g.index(v)] = std::nextafter(wedgie * (1 + 0x1p-16f), std::numeric_limits<float>::infinity());
     });
     return g;

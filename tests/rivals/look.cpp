@@ -86,8 +86,8 @@ void samples_of(const Ground& g, const Face& f, const Visit& visit) {
 
 Look look_at(const Ground& g, std::span<const Face> faces, const View& view, std::vector<float>* surface) {
     const Eye eye(g, view);
-    const double lost_m = 0x1p-22 * std::max(std::abs(static_cast<double>(g.min_m)),
-                                             std::abs(static_cast<double>(g.max_m)));
+    const double lost_m =
+        0x1p-22 * std::max(std::abs(static_cast<double>(g.min_m)), std::abs(static_cast<double>(g.max_m)));
     const auto samples = g.height_m.size();
     if (surface) surface->assign(samples, std::numeric_limits<float>::quiet_NaN());
     std::vector<bool> covered(samples);
@@ -110,8 +110,7 @@ Look look_at(const Ground& g, std::span<const Face> faces, const View& view, std
     for (std::int32_t row = 0; row <= g.side; ++row)
         for (std::int32_t column = 0; column <= g.side; ++column) {
             const std::uint32_t i = g.index({column, row});
-            if (!covered[i])
-                look.uncovered += eye.sees(place_of(g, column, row, static_cast<double>(g.height_m[i])));
+            if (!covered[i]) look.uncovered += eye.sees(place_of(g, column, row, static_cast<double>(g.height_m[i])));
         }
     return look;
 }

@@ -94,14 +94,14 @@ Refined Recursive::refine(const View& view, double error_px, std::uint32_t) {
     settings.topology = Topology::strip;
     FrameReport report;
     ensure(update_recursive(method_, view, settings, report));
-    if (!report.converged)
-        throw std::runtime_error("recursive: its slots do not suffice; ask for a larger threshold");
+    if (!report.converged) throw std::runtime_error("recursive: its slots do not suffice; ask for a larger threshold");
     return {report.triangles, false};
 }
 
 void Recursive::faces(std::vector<Face>& out) const {
     const MeshView mesh = recursive_mesh(method_);
-    faces_of_mesh(mesh, [&](std::uint32_t i) { return mesh.vertices[i].height_m; }, out);
+    faces_of_mesh(
+        mesh, [&](std::uint32_t i) { return mesh.vertices[i].height_m; }, out);
 }
 
 std::size_t Recursive::bytes() const {
@@ -110,7 +110,8 @@ std::size_t Recursive::bytes() const {
 
 Lean::Lean(const Terrain& terrain)
     : spacing_x_m_(terrain.spacing_x_m()), spacing_z_m_(terrain.spacing_z_m()),
-      recursion_(terrain, std::min<std::size_t>(std::size_t{1} << 23, 16 * std::size_t{terrain.columns()} * terrain.rows())) {}
+      recursion_(terrain,
+                 std::min<std::size_t>(std::size_t{1} << 23, 16 * std::size_t{terrain.columns()} * terrain.rows())) {}
 
 Refined Lean::refine(const View& view, double error_px, std::uint32_t) {
     const LeanRecursion::Frame frame = recursion_.refine(view, error_px, true);

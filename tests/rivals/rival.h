@@ -27,9 +27,7 @@ struct Ground {
     float min_m = 0, max_m = 0; // of all heights
     std::vector<float> height_m, error_m, radius_m;
 
-    [[nodiscard]] std::uint32_t index(Coord c) const {
-        return static_cast<std::uint32_t>(c.y * (side + 1) + c.x);
-    }
+    [[nodiscard]] std::uint32_t index(Coord c) const { return static_cast<std::uint32_t>(c.y * (side + 1) + c.x); }
     [[nodiscard]] float x_m(std::int32_t column) const { return static_cast<float>(column) * spacing_x_m; }
     [[nodiscard]] float z_m(std::int32_t row) const { return static_cast<float>(row) * spacing_z_m; }
 };
@@ -64,8 +62,8 @@ public:
     virtual ~Rival() = default;
     // operations: changes of the mesh that this frame may make; only interruptible methods count them.
     [[nodiscard]] virtual Refined refine(const View& view, double error_px, std::uint32_t operations) = 0;
-    virtual void faces(std::vector<Face>& out) const = 0;  // of the last refine(); replaces what is in `out`
-    [[nodiscard]] virtual std::size_t bytes() const = 0;   // all that it holds, its part of the ground and the output
+    virtual void faces(std::vector<Face>& out) const = 0; // of the last refine(); replaces what is in `out`
+    [[nodiscard]] virtual std::size_t bytes() const = 0;  // all that it holds, its part of the ground and the output
     [[nodiscard]] virtual Traits traits() const = 0;
 };
 

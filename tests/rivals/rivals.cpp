@@ -4,8 +4,10 @@
 #include "rivals/blocks_and_vertices.h"
 #include "rivals/cdlod.h"
 #include "rivals/error_spheres.h"
+#include "rivals/multi_triangulation.h"
 #include "rivals/ours.h"
 #include "rivals/roam.h"
+#include "rivals/skirted_tiles.h"
 
 namespace fjell::rivals {
 
@@ -37,7 +39,9 @@ constexpr Entry entries[] = {{"incremental", from_terrain<Incremental, false>},
                              {"cdlod", from_ground<Cdlod>},
                              {"blocks", from_ground<BlocksAndVertices>},
                              {"spheres", from_ground<ErrorSpheres>},
-                             {"binary-tree", from_ground<BinaryTree, true>}};
+                             {"binary-tree", from_ground<BinaryTree, true>},
+                             {"skirted-tiles", from_ground<SkirtedTiles>},
+                             {"multi-triangulation", from_ground<MultiTriangulation, true>}};
 
 } // namespace
 

@@ -60,8 +60,7 @@ struct Roam::Eye {
 };
 
 Roam::Roam(const Ground& ground) : ground_(ground), mesh_(ground.side), due_(ground.height_m.size()) {}
-Roam::Roam(Ground&& ground)
-    : own_(std::move(ground)), ground_(own_), mesh_(own_.side), due_(own_.height_m.size()) {}
+Roam::Roam(Ground&& ground) : own_(std::move(ground)), ground_(own_), mesh_(own_.side), due_(own_.height_m.size()) {}
 
 // Everything is looked at again.
 void Roam::restart() {
@@ -192,7 +191,8 @@ Refined Roam::refine(const View& view, double error_px, std::uint32_t operations
 std::size_t Roam::bytes() const {
     const std::size_t of_ground = 12 * ground_.height_m.size();
     return of_ground + mesh_.bytes() + 4 * due_.size() + deferred_.bytes() +
-           (splits_.capacity() + merges_.capacity()) * sizeof(Operation) + now_due_.capacity() * sizeof(DueQueue::Entry);
+           (splits_.capacity() + merges_.capacity()) * sizeof(Operation) +
+           now_due_.capacity() * sizeof(DueQueue::Entry);
 }
 
 } // namespace fjell::rivals

@@ -67,7 +67,7 @@ private:
     std::vector<Operation> splits_, merges_;
     std::vector<DueQueue::Entry> now_due_;
     Vec3 eye_m_;
-    float q_ = -1; // of the last frame
+    float q_ = -1;          // of the last frame
     std::uint32_t now_ = 0; // how far the eye has come, in ticks
 };
 

@@ -13,7 +13,7 @@
 namespace fjell::rivals {
 
 struct StepBlocks {
-    struct Level { // of one step, blocks row by row
+    struct Level {                                      // of one step, blocks row by row
         std::int32_t step = 0, per_side = 0, cells = 0; // cells: of a block's side
         std::size_t first = 0;
     };
