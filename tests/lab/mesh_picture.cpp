@@ -33,12 +33,12 @@ std::string mesh_svg(const rivals::Ground& ground, std::span<const rivals::Face>
     for (const rivals::Face& f : faces)
         for (std::size_t k = 0; k < 3; ++k) {
             const rivals::Corner &a = f[k], &b = f[(k + 1) % 3];
-            const auto [left, right] = std::minmax(static_cast<double>(a.column), static_cast<double>(b.column));
-            const auto [up, down] = std::minmax(static_cast<double>(a.row), static_cast<double>(b.row));
+            const auto [left, right] = std::minmax({static_cast<double>(a.column), static_cast<double>(b.column)});
+            const auto [up, down] = std::minmax({static_cast<double>(a.row), static_cast<double>(b.row)});
             if (right < x0 || left > x0 + cells || down < y0 || up > y0 + cells) continue;
             const auto from = place(static_cast<double>(a.column), static_cast<double>(a.row)),
                        to = place(static_cast<double>(b.column), static_cast<double>(b.row));
-            if (from != to) edges.insert(std::minmax(from, to));
+            if (from != to) edges.insert(std::minmax({from, to}));
         }
     std::string path;
     for (const auto& [from, to] : edges)

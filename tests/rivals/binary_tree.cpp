@@ -41,10 +41,10 @@ BinaryTree::BinaryTree(const Ground& ground, bool cull)
     : ground_(ground), cull_(cull), depth_(1 + 2 * std::countr_zero(static_cast<std::uint32_t>(ground.side))) {
     const std::size_t words = std::max<std::size_t>(1, (std::size_t{1} << depth_) / 64);
     bits_.resize(words);
+    words_.resize(words / 64 + 1);
     sums_.resize(2 * words);
-    bits_[0] = 1;
-    const std::uint32_t half = std::uint32_t{1} << (depth_ - 1);
-    bits_[half / 64] |= std::uint64_t{1} << (half % 64);
+    set(0);
+    set(std::uint32_t{1} << (depth_ - 1));
     sum_up();
 }
 
@@ -55,11 +55,19 @@ std::uint32_t BinaryTree::first_bit(std::uint32_t name) const {
 
 // The first bit after `at`, or the end.
 std::uint32_t BinaryTree::next_leaf(std::uint32_t at) const {
+    const std::uint32_t end = std::uint32_t{1} << depth_;
     std::size_t word = (at + 1) / 64;
-    if (word >= bits_.size()) return std::uint32_t{1} << depth_;
+    if (word >= bits_.size()) return end;
     std::uint64_t left = bits_[word] & ~std::uint64_t{0} << ((at + 1) % 64);
-    while (left == 0) {
-        if (++word == bits_.size()) return std::uint32_t{1} << depth_;
+    if (left == 0) {
+        std::size_t group = ++word / 64;
+        if (word >= bits_.size()) return end;
+        std::uint64_t some = words_[group] & ~std::uint64_t{0} << (word % 64);
+        while (some == 0) {
+            if (++group == words_.size()) return end;
+            some = words_[group];
+        }
+        word = 64 * group + static_cast<std::size_t>(std::countr_zero(some));
         left = bits_[word];
     }
     return static_cast<std::uint32_t>(64 * word) + static_cast<std::uint32_t>(std::countr_zero(left));
@@ -67,7 +75,8 @@ std::uint32_t BinaryTree::next_leaf(std::uint32_t at) const {
 
 void BinaryTree::sum_up() {
     const std::size_t words = bits_.size();
-    for (std::size_t i = 0; i < words; ++i) sums_[words + i] = static_cast<std::uint32_t>(std::popcount(bits_[i]));
+    for (std::size_t i = 0; i < words; ++i) // most are empty, and counting bits takes a call
+        sums_[words + i] = bits_[i] == 0 ? 0 : static_cast<std::uint32_t>(std::popcount(bits_[i]));
     for (std::size_t i = words - 1; i >= 1; --i) sums_[i] = sums_[2 * i] + sums_[2 * i + 1];
 }
 
@@ -120,18 +129,14 @@ void BinaryTree::walk(const Visit& visit) {
 // And whatever must be split for the mesh to conform. Nothing when it is split already.
 void BinaryTree::split(std::uint32_t name) {
     const auto is_split = [&](std::uint32_t n) { return bit(first_bit(2 * n + 1)); };
-    const auto set = [&](std::uint32_t n) {
-        const std::uint32_t at = first_bit(2 * n + 1);
-        bits_[at / 64] |= std::uint64_t{1} << (at % 64);
-    };
     if (is_split(name)) return;
     const std::uint32_t across = neighbours(name).edge;
     if (across != 0 && !is_split(across)) {
         if (across / 2 > 1) split(across / 2);
-        set(across);
+        set(first_bit(2 * across + 1));
         ++changes_;
     }
-    set(name);
+    set(first_bit(2 * name + 1));
     ++changes_;
 }
 
@@ -154,20 +159,19 @@ Refined BinaryTree::refine(const View& view, double error_px, std::uint32_t) {
     walk([&](std::uint32_t name, int depth, const Triangle* t) {
         if (depth < depth_ && needed(middle(*t))) split(name);
     });
+    const auto halves_are_leaves = [&](std::uint32_t n) {
+        const std::uint32_t first = first_bit(n), half = first_bit(2 * n + 1);
+        return bit(half) && next_leaf(first) == half && next_leaf(half) == 2 * half - first;
+    };
     walk([&](std::uint32_t name, int depth, const Triangle* t) {
         if (depth == 1 || name % 2 == 1) return; // the first of two halves decides
-        const std::uint32_t parent = name / 2, across = neighbours(parent).edge;
-        if (across != 0 && across < parent) return; // and the first of a diamond's two triangles
-        if (needed(middle(t[-1]))) return;
-        for (const std::uint32_t n : {parent, across}) {
-            if (n == 0) continue;
-            const std::uint32_t first = first_bit(n), half = first_bit(2 * n + 1), end = 2 * half - first;
-            if (!bit(half) || next_leaf(first) != half || next_leaf(half) != end) return;
-        }
+        const std::uint32_t parent = name / 2;
+        if (!halves_are_leaves(parent) || needed(middle(t[-1]))) return;
+        const std::uint32_t across = neighbours(parent).edge;
+        if (across != 0 && (across < parent || !halves_are_leaves(across))) return; // once a diamond
         for (const std::uint32_t n : {parent, across})
             if (n != 0) {
-                const std::uint32_t half = first_bit(2 * n + 1);
-                bits_[half / 64] &= ~(std::uint64_t{1} << (half % 64));
+                clear(first_bit(2 * n + 1));
                 ++changes_;
             }
     });
@@ -181,7 +185,7 @@ Refined BinaryTree::refine(const View& view, double error_px, std::uint32_t) {
 }
 
 std::size_t BinaryTree::bytes() const {
-    return 12 * ground_.height_m.size() + 8 * bits_.size() + 4 * (sums_.size() + indices_.capacity());
+    return 12 * ground_.height_m.size() + 8 * (bits_.size() + words_.size()) + 4 * (sums_.size() + indices_.capacity());
 }
 
 } // namespace fjell::rivals

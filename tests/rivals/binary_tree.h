@@ -40,6 +40,14 @@ private:
     template <typename Visit>
     void walk(const Visit& visit);
     void split(std::uint32_t name);
+    void set(std::uint32_t at) {
+        bits_[at / 64] |= std::uint64_t{1} << (at % 64);
+        words_[at / 4096] |= std::uint64_t{1} << (at / 64 % 64);
+    }
+    void clear(std::uint32_t at) {
+        bits_[at / 64] &= ~(std::uint64_t{1} << (at % 64));
+        if (bits_[at / 64] == 0) words_[at / 4096] &= ~(std::uint64_t{1} << (at / 64 % 64));
+    }
     [[nodiscard]] bool bit(std::uint32_t at) const { return bits_[at / 64] >> (at % 64) & 1; }
     [[nodiscard]] std::uint32_t first_bit(std::uint32_t name) const;
     [[nodiscard]] std::uint32_t next_leaf(std::uint32_t at) const;
@@ -49,6 +57,7 @@ private:
     bool cull_;
     int depth_; // of the finest triangles; that of the square is 0
     std::vector<std::uint64_t> bits_;
+    std::vector<std::uint64_t> words_; // a bit for each word of bits_ that has any: long runs of none are skipped
     std::vector<std::uint32_t> sums_; // a heap; its last level is over words of bits_
     std::vector<std::uint32_t> indices_;
     std::uint32_t changes_ = 0;

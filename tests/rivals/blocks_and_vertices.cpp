@@ -125,7 +125,10 @@ void BlocksAndVertices::emit(std::uint32_t apex, std::uint32_t left, std::uint32
             return;
         }
     }
-    indices_.insert(indices_.end(), {apex, left, right});
+    if (count_ + 3 > indices_.size()) indices_.resize(2 * indices_.size() + 48);
+    std::uint32_t* const out = indices_.data() + count_;
+    out[0] = apex, out[1] = left, out[2] = right;
+    count_ += 3;
 }
 
 Refined BlocksAndVertices::refine(const View& view, double error_px, std::uint32_t) {
@@ -141,12 +144,12 @@ Refined BlocksAndVertices::refine(const View& view, double error_px, std::uint32
                     make_frustum(view)};
     projected_ = 0;
     visit(pass, 0, 0, 0);
-    indices_.clear();
+    count_ = 0;
     const std::int32_t n = ground_.side;
     const int levels = 2 * std::countr_zero(static_cast<std::uint32_t>(n));
     emit(ground_.index({n, 0}), ground_.index({0, 0}), ground_.index({n, n}), levels);
     emit(ground_.index({0, n}), ground_.index({n, n}), ground_.index({0, 0}), levels);
-    return {static_cast<std::uint32_t>(indices_.size() / 3), false};
+    return {static_cast<std::uint32_t>(count_ / 3), false};
 }
 
 std::size_t BlocksAndVertices::bytes() const {

@@ -25,7 +25,7 @@ class BlocksAndVertices final : public Rival {
 public:
     explicit BlocksAndVertices(const Ground& ground); // keeps a reference
     [[nodiscard]] Refined refine(const View& view, double error_px, std::uint32_t operations) override;
-    void faces(std::vector<Face>& out) const override { faces_of(ground_, indices_, out); }
+    void faces(std::vector<Face>& out) const override { faces_of(ground_, {indices_.data(), count_}, out); }
     [[nodiscard]] std::size_t bytes() const override;
     [[nodiscard]] Traits traits() const override { return {false, false, true, true}; }
     [[nodiscard]] std::size_t projected() const { return projected_; } // vertices, in the last frame
@@ -46,7 +46,8 @@ private:
     std::vector<float> deltas_m_, heights_m_; // by place of layout_
     std::vector<std::uint16_t> enabled_;      // by sample: in which frame
     std::uint16_t frame_ = 0;
-    std::vector<std::uint32_t> indices_;
+    std::vector<std::uint32_t> indices_; // as many as any frame has had
+    std::size_t count_ = 0;              // of this one
     std::size_t projected_ = 0;
 };
 

@@ -26,6 +26,7 @@ public:
     // Both parents are active, or one where there is no more.
     [[nodiscard]] bool ready(Coord v) const;
     [[nodiscard]] bool has_active_child(Coord v) const;
+    void prefetch(Coord v) const { __builtin_prefetch(&slots_[4 * std::size_t{index(v)}]); }
     void activate(Coord v);
     void deactivate(Coord v);
 

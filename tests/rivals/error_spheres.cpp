@@ -19,8 +19,12 @@ ErrorSpheres::ErrorSpheres(const Ground& ground)
             clusters_.push_back(
                 {ground_.x_m(middle.x), ground_.height_m[ground_.index(middle)], ground_.z_m(middle.y)});
         }
-    for (const std::uint32_t place : layout_.places)
-        heights_m_.push_back(ground_.height_m[ground_.index(StepBlocks::place(place))]);
+    for (const std::uint32_t place : layout_.places) {
+        const Coord v = StepBlocks::place(place);
+        x_m_.push_back(ground_.x_m(v.x));
+        y_m_.push_back(ground_.height_m[ground_.index(v)]);
+        z_m_.push_back(ground_.z_m(v.y));
+    }
 }
 
 // The finest clusters first.
@@ -45,10 +49,9 @@ void ErrorSpheres::grow_cluster(std::size_t level, std::int32_t cx, std::int32_t
         return std::sqrt((x - c.x_m) * (x - c.x_m) + (y - c.y_m) * (y - c.y_m) + (z - c.z_m) * (z - c.z_m));
     };
     for (std::uint32_t i = block.first; i < block.first + block.count; ++i) {
-        const Coord v = StepBlocks::place(layout_.places[i]);
-        const std::uint32_t sample = ground_.index(v);
+        const std::uint32_t sample = ground_.index(StepBlocks::place(layout_.places[i]));
         spheres_m_[i] = (ground_.radius_m[sample] + ground_.error_m[sample] * q_) * reach_grow;
-        const float d = away(ground_.x_m(v.x), heights_m_[i], ground_.z_m(v.y));
+        const float d = away(x_m_[i], y_m_[i], z_m_[i]);
         c.outer_m = std::max(c.outer_m, (d + spheres_m_[i]) * (1 + 0x1p-18f));
         c.inner_m = std::min(c.inner_m, spheres_m_[i] - d - (d + spheres_m_[i]) * 0x1p-18f);
     }
@@ -61,19 +64,30 @@ void ErrorSpheres::grow_cluster(std::size_t level, std::int32_t cx, std::int32_t
 // Notes which of its vertices change.
 void ErrorSpheres::test(std::size_t cluster, const Vec3& eye_m, float pad, bool none, bool all, std::size_t level) {
     const auto ex = static_cast<float>(eye_m.x), ey = static_cast<float>(eye_m.y), ez = static_cast<float>(eye_m.z);
+    const std::uint32_t keep = none ? 0 : 1, force = all ? 1 : 0;
     Cluster& c = clusters_[cluster];
     const StepBlocks::Block& block = layout_.blocks[cluster];
     std::uint32_t active = 0;
     tested_ += block.count;
-    for (std::uint32_t i = block.first; i < block.first + block.count; ++i) {
-        const Coord v = StepBlocks::place(layout_.places[i]);
-        const float dx = ground_.x_m(v.x) - ex, dy = heights_m_[i] - ey, dz = ground_.z_m(v.y) - ez;
-        const float reach = spheres_m_[i] + pad;
-        const bool inside = all || (!none && dx * dx + dy * dy + dz * dz < reach * reach);
-        active += active_[i];
-        if (inside == (active_[i] != 0)) continue;
-        const std::size_t at = 2 * level + (Tree::kind(v) == VertexKind::centre ? 0 : 1);
-        (inside ? on_ : off_)[at].push_back(i);
+    constexpr std::uint32_t at_once = 16;
+    std::uint32_t inside[at_once];
+    for (std::uint32_t first = block.first, end = first + block.count; first < end; first += at_once) {
+        const std::uint32_t count = std::min(at_once, end - first);
+        std::uint32_t changed = 0;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const float dx = x_m_[first + i] - ex, dy = y_m_[first + i] - ey, dz = z_m_[first + i] - ez;
+            const float reach = spheres_m_[first + i] + pad;
+            const std::uint32_t in = dx * dx + dy * dy + dz * dz < reach * reach ? 1 : 0;
+            inside[i] = (in & keep) | force;
+            changed |= inside[i] ^ active_[first + i];
+            active += active_[first + i];
+        }
+        if (changed == 0) continue;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            if (inside[i] == active_[first + i]) continue;
+            const bool centre = Tree::kind(StepBlocks::place(layout_.places[first + i])) == VertexKind::centre;
+            (inside[i] != 0 ? on_ : off_)[2 * level + (centre ? 0 : 1)].push_back(first + i);
+        }
     }
     c.all = active == block.count;
     c.below = c.below || active > 0;
@@ -138,7 +152,7 @@ std::size_t ErrorSpheres::bytes() const {
     for (const auto* all : {&on_, &off_})
         for (const auto& list : *all) lists += list.capacity() * sizeof(std::uint32_t);
     // The samples' heights are in here: no other part of the ground is read once the spheres are grown.
-    return mesh_.bytes() + clusters_.size() * sizeof(Cluster) + layout_.places.size() * 13 + lists;
+    return mesh_.bytes() + clusters_.size() * sizeof(Cluster) + layout_.places.size() * 24 + lists;
 }
 
 } // namespace fjell::rivals

@@ -45,9 +45,10 @@ private:
     DiamondMesh mesh_;
     StepBlocks layout_;
     std::vector<Cluster> clusters_; // as its blocks
-    // By its places: the vertex' height, its sphere, whether it is active.
-    std::vector<float> heights_m_, spheres_m_;
-    std::vector<std::uint8_t> active_;
+    // By its places: where the vertex is, its sphere, and whether it is active: 1, as wide as a float, so that the
+    // compiler tests several at once.
+    std::vector<float> x_m_, y_m_, z_m_, spheres_m_;
+    std::vector<std::uint32_t> active_;
     std::vector<std::vector<std::uint32_t>> on_, off_; // by level of the vertex tree
     float q_ = -1;
     std::size_t tested_ = 0;

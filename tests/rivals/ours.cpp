@@ -14,11 +14,11 @@ void ensure(const Status& status) {
 
 CutBudget ample_cut_budget(const Terrain& terrain) {
     const std::uint32_t samples = terrain.columns() * terrain.rows();
-    const std::uint32_t vertices = std::min(samples + 4096, 1u << 20);
+    const std::uint32_t vertices = std::min(samples + 4096, CutBudget{}.vertices);
     return {vertices, 2 * vertices + 4096, 512, 1};
 }
 RecursiveBudget ample_recursive_budget(const Terrain& terrain) {
-    const std::uint32_t vertices = std::min(terrain.columns() * terrain.rows() + 256, 1u << 20);
+    const std::uint32_t vertices = std::min(terrain.columns() * terrain.rows() + 256, RecursiveBudget{}.vertices);
     return {vertices, 6 * vertices};
 }
 

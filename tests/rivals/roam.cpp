@@ -59,25 +59,35 @@ struct Roam::Eye {
     double ticks_a_metre;
 };
 
-Roam::Roam(const Ground& ground) : ground_(ground), mesh_(ground.side), due_(ground.height_m.size()) {}
-Roam::Roam(Ground&& ground) : own_(std::move(ground)), ground_(own_), mesh_(own_.side), due_(own_.height_m.size()) {}
+Roam::Roam(const Ground& ground) : ground_(ground), mesh_(ground.side) {
+    keep_vertices();
+}
+Roam::Roam(Ground&& ground) : own_(std::move(ground)), ground_(own_), mesh_(own_.side) {
+    keep_vertices();
+    own_.error_m = own_.radius_m = {};
+}
+
+void Roam::keep_vertices() {
+    for (std::size_t i = 0; i < ground_.height_m.size(); ++i)
+        vertices_.push_back({ground_.height_m[i], ground_.error_m[i], ground_.radius_m[i], not_deferred});
+}
 
 // Everything is looked at again.
 void Roam::restart() {
     now_ = 1;
     deferred_.clear(now_);
-    std::fill(due_.begin(), due_.end(), not_deferred);
+    for (Vertex& v : vertices_) v.due = not_deferred;
     now_due_.clear();
     const std::int32_t half = ground_.side / 2;
     now_due_.push_back({now_, packed({half, half})});
     for (std::size_t i = 0; i < now_due_.size(); ++i) { // top down, each once
         const Coord v = unpacked(now_due_[i].place);
-        due_[ground_.index(v)] = now_;
+        vertices_[ground_.index(v)].due = now_;
         if (!mesh_.active(v)) continue;
         const Children c = children(v);
         for (int k = 0; k < c.count; ++k)
-            if (mesh_.tree().contains(c.at[k]) && due_[ground_.index(c.at[k])] != now_) {
-                due_[ground_.index(c.at[k])] = now_;
+            if (mesh_.tree().contains(c.at[k]) && vertices_[ground_.index(c.at[k])].due != now_) {
+                vertices_[ground_.index(c.at[k])].due = now_;
                 now_due_.push_back({now_, packed(c.at[k])});
             }
     }
@@ -92,18 +102,18 @@ bool Roam::candidate(Coord v) const {
 }
 
 void Roam::put_off(Coord v, std::uint32_t due) {
-    due_[ground_.index(v)] = due;
+    vertices_[ground_.index(v)].due = due;
     deferred_.push({due, packed(v)});
 }
 
 // Queues a split or a merge, or puts the vertex off until it could need one.
 void Roam::consider(const Eye& eye, Coord v) {
-    const std::uint32_t i = ground_.index(v);
-    if (due_[i] == queued) return;
-    due_[i] = not_deferred;
+    Vertex& vertex = vertices_[ground_.index(v)];
+    if (vertex.due == queued) return;
+    vertex.due = not_deferred;
     if (!candidate(v)) return; // it is considered when it becomes one
-    const float x = ground_.x_m(v.x), y = ground_.height_m[i], z = ground_.z_m(v.y);
-    const float error_m = ground_.error_m[i], radius_m = ground_.radius_m[i];
+    const float y = vertex.height_m, error_m = vertex.error_m, radius_m = vertex.radius_m;
+    const float x = ground_.x_m(v.x), z = ground_.z_m(v.y);
     const bool is = mesh_.active(v), should = wanted(eye.reach, x, y, z, error_m, radius_m);
     const float dx = x - eye.reach.eye_x, dy = y - eye.reach.eye_y, dz = z - eye.reach.eye_z;
     const float distance = std::sqrt(dx * dx + dy * dy + dz * dz);
@@ -112,7 +122,7 @@ void Roam::consider(const Eye& eye, Coord v) {
         auto& queue = should ? splits_ : merges_;
         queue.push_back({should ? error_px : -error_px, packed(v)});
         std::push_heap(queue.begin(), queue.end());
-        due_[i] = queued;
+        vertex.due = queued;
         return;
     }
     // Nothing changes before the eye has moved by the slack; less what the roundings of both may hide.
@@ -128,11 +138,11 @@ std::uint32_t Roam::split(const Eye& eye, Coord v) {
     const Diamond d = diamond(mesh_.tree(), v);
     for (const Coord apex : d.apexes)
         if (mesh_.tree().contains(apex) && !mesh_.active(apex)) {
-            if (due_[ground_.index(apex)] == queued) due_[ground_.index(apex)] = not_deferred; // its entry is stale
+            if (vertices_[ground_.index(apex)].due == queued) vertices_[ground_.index(apex)].due = not_deferred; // its entry is stale
             done += split(eye, apex);
         }
     mesh_.activate(v);
-    due_[ground_.index(v)] = not_deferred; // a parent that was forced has queued it again
+    vertices_[ground_.index(v)].due = not_deferred; // a parent that was forced has queued it again
     const Children c = children(v);
     for (int i = 0; i < c.count; ++i)
         if (mesh_.tree().contains(c.at[i])) consider(eye, c.at[i]);
@@ -160,15 +170,24 @@ Refined Roam::refine(const View& view, double error_px, std::uint32_t operations
     }
     eye_m_ = view.eye_m;
     q_ = eye.reach.q;
-    for (const DueQueue::Entry& e : now_due_)
-        if (due_[ground_.index(unpacked(e.place))] == e.due) consider(eye, unpacked(e.place));
+    const std::size_t due_now = now_due_.size();
+    for (std::size_t i = 0; i < due_now; ++i) {
+        constexpr std::size_t ahead = 8;
+        if (i + ahead < due_now) {
+            const Coord next = unpacked(now_due_[i + ahead].place);
+            __builtin_prefetch(&vertices_[ground_.index(next)]);
+            mesh_.prefetch(next);
+        }
+        const DueQueue::Entry e = now_due_[i];
+        if (vertices_[ground_.index(unpacked(e.place))].due == e.due) consider(eye, unpacked(e.place));
+    }
     std::uint32_t left = operations;
     for (auto* queue : {&splits_, &merges_}) {
         while (!queue->empty() && left > 0) {
             const Coord v = unpacked(queue->front().place);
             std::pop_heap(queue->begin(), queue->end());
             queue->pop_back();
-            std::uint32_t& due = due_[ground_.index(v)];
+            std::uint32_t& due = vertices_[ground_.index(v)].due;
             if (due != queued) continue; // forced in the meantime
             due = not_deferred;
             const bool splits = queue == &splits_;
@@ -182,15 +201,14 @@ Refined Roam::refine(const View& view, double error_px, std::uint32_t operations
     const bool interrupted = !splits_.empty() || !merges_.empty();
     for (auto* queue : {&splits_, &merges_}) { // their priorities are those of this frame
         for (const Operation& o : *queue)
-            if (due_[ground_.index(unpacked(o.place))] == queued) put_off(unpacked(o.place), now_);
+            if (vertices_[ground_.index(unpacked(o.place))].due == queued) put_off(unpacked(o.place), now_);
         queue->clear();
     }
     return {mesh_.triangles(), interrupted};
 }
 
 std::size_t Roam::bytes() const {
-    const std::size_t of_ground = 12 * ground_.height_m.size();
-    return of_ground + mesh_.bytes() + 4 * due_.size() + deferred_.bytes() +
+    return mesh_.bytes() + sizeof(Vertex) * vertices_.size() + deferred_.bytes() +
            (splits_.capacity() + merges_.capacity()) * sizeof(Operation) +
            now_due_.capacity() * sizeof(DueQueue::Entry);
 }

@@ -52,6 +52,7 @@ private:
         friend bool operator<(const Operation& a, const Operation& b) { return a.priority < b.priority; }
     };
     struct Eye; // of a frame
+    void keep_vertices();
     void restart();
     [[nodiscard]] bool candidate(Coord v) const;
     void consider(const Eye& eye, Coord v);
@@ -63,7 +64,11 @@ private:
     const Ground& ground_;
     DiamondMesh mesh_;
     DueQueue deferred_;
-    std::vector<std::uint32_t> due_; // by vertex: when its entry counts; not_deferred: none does
+    struct Vertex { // what is looked at together lies together
+        float height_m, error_m, radius_m;
+        std::uint32_t due; // when its entry counts; not_deferred: none does
+    };
+    std::vector<Vertex> vertices_;
     std::vector<Operation> splits_, merges_;
     std::vector<DueQueue::Entry> now_due_;
     Vec3 eye_m_;
