@@ -43,11 +43,12 @@ std::string mesh_svg(const rivals::Ground& ground, std::span<const rivals::Face>
     std::string path;
     for (const auto& [from, to] : edges)
         path += fmt::format("M{} {}l{} {}", from.first, from.second, to.first - from.first, to.second - from.second);
-    std::string svg = fmt::format("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0} {1}' width='{0}' height='{1}' "
-                                  "font-family='sans-serif' font-size='14'>\n<rect width='100%' height='100%' fill='white'/>"
-                                  "<text x='4' y='17'>{2}</text>\n<svg y='{3}' width='{0}' height='{0}' viewBox='0 0 {4} {4}'>"
-                                  "<path d='{5}' fill='none' stroke='#345' stroke-width='6'/>\n",
-                                  side_px, side_px + top_px, escaped(title), top_px, 10 * side_px, path);
+    std::string svg =
+        fmt::format("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0} {1}' width='{0}' height='{1}' "
+                    "font-family='sans-serif' font-size='14'>\n<rect width='100%' height='100%' fill='white'/>"
+                    "<text x='4' y='17'>{2}</text>\n<svg y='{3}' width='{0}' height='{0}' viewBox='0 0 {4} {4}'>"
+                    "<path d='{5}' fill='none' stroke='#345' stroke-width='6'/>\n",
+                    side_px, side_px + top_px, escaped(title), top_px, 10 * side_px, path);
     for (const double tangent : {view.left, view.right}) {
         // The side of the picture on the ground, as if the camera looked level: right of forward is (-z, x) seen so.
         const auto from = place(eye_x, eye_y),

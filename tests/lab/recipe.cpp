@@ -89,8 +89,9 @@ private:
 };
 
 const std::vector<std::string> order_words{"planar", "hz", "linear"}, estimate_words{"true", "midpoint"},
-    way_words{"recursive", "incremental", "lean",    "incremental-morph", "roam",          "roam-wedgies",
-              "cdlod",     "blocks",      "spheres", "binary-tree",       "skirted-tiles", "multi-triangulation"},
+    way_words{
+        "recursive",      "incremental", "lean",    "incremental-morph", "roam",          "roam-wedgies",       "cdlod",
+        "cdlod-doubling", "blocks",      "spheres", "binary-tree",       "skirted-tiles", "multi-triangulation"},
     conclusion_words{"tilings", "orders", "estimates", "methods", "rivals"};
 
 Site site_of(const json& terrain, const std::string& file, const std::string& real_folder) {

@@ -24,6 +24,7 @@ enum class Way : std::uint8_t {
     roam,
     roam_wedgies,
     cdlod,
+    cdlod_doubling,
     blocks,
     spheres,
     binary_tree,

@@ -164,7 +164,8 @@ nlohmann::json measure_rival(const Recipe& recipe, const Case& c, World& world, 
         const Terrain& terrain = world.terrain(one_tile);
         const Ground ground = rivals::ground_of(terrain);
         const std::vector<View> views = world.views(c, recipe.frames);
-        const auto lean = rivals::make_rival("lean", ground, terrain), rival = rivals::make_rival(name, ground, terrain);
+        const auto lean = rivals::make_rival("lean", ground, terrain),
+                   rival = rivals::make_rival(name, ground, terrain);
         nlohmann::json all = times_of(recipe, c, *rival, *lean, views);
         if (c.cells_a_frame == recipe.cells_a_frame[0]) add_quality(recipe, c, ground, *rival, views, all);
         if (c.cells_a_frame == recipe.cells_a_frame[0] && !picture.empty()) {
@@ -209,8 +210,8 @@ std::vector<std::vector<std::string>> rivals_table(const Results& results) {
             } else if (const auto worst = r.value("worst_us"); worst && *worst > std::stod(row.back())) {
                 row.back() = fmt::format("{:.4g}", *worst); // of all speeds
             }
-            times.push_back(fmt::format("{:.4g} ({:.2f})", r.value("median_us").value_or(0),
-                                        r.value("lean_ratio").value_or(0)));
+            times.push_back(
+                fmt::format("{:.4g} ({:.2f})", r.value("median_us").value_or(0), r.value("lean_ratio").value_or(0)));
         }
         if (row.empty()) continue;
         times.resize(results.recipe.cells_a_frame.size(), "-");

@@ -142,6 +142,8 @@ TEST_CASE("interrupted after any operation, ROAM, error spheres and our own cut 
 TEST_CASE("every rival's mesh is whole, and its true error is what the method claims where the claim holds") {
     Random random(603);
     std::map<std::string, double> worst; // true error over threshold
+    // They do not bound what the paper has them bound, ask for no error, and bound twice as much: below.
+    const std::set<std::string> unbounded{"blocks", "cdlod-doubling", "skirted-tiles"};
     int cameras = 0;
     for (int round = 0; round < rounds(5, 60); ++round) {
         const Square square = random_square(random, 5, 7);
@@ -159,8 +161,7 @@ TEST_CASE("every rival's mesh is whole, and its true error is what the method cl
                 REQUIRE((l.seams.open_edges == 0 && l.look.facing_down == 0));
                 REQUIRE((l.look.uncovered == 0));
                 worst[name] = std::max(worst[name], l.look.error_px / error_px);
-                if (name != "blocks" && name != "cdlod" && name != "skirted-tiles")
-                    REQUIRE((l.look.error_px <= error_px * (1 + 1e-6)));
+                if (!unbounded.contains(name) && name != "cdlod") REQUIRE((l.look.error_px <= error_px * (1 + 1e-6)));
             }
         }
     }
@@ -168,8 +169,7 @@ TEST_CASE("every rival's mesh is whole, and its true error is what the method cl
     for (const auto& [name, ratio] : worst) {
         CAPTURE(name, ratio);
         CHECK(ratio > 0.3);
-        // The one does not bound what its paper has it bound, the other bounds twice as much: below.
-        if (name != "blocks" && name != "skirted-tiles") CHECK(ratio <= 1 + 1e-6);
+        if (!unbounded.contains(name)) CHECK(ratio <= 1 + 1e-6);
     }
 }
 

@@ -38,7 +38,8 @@ Neighbours neighbours(std::uint32_t name) {
 } // namespace
 
 BinaryTree::BinaryTree(const Ground& ground, bool cull)
-    : ground_(ground), cull_(cull), depth_(1 + 2 * std::countr_zero(static_cast<std::uint32_t>(ground.side))) {
+    : ground_(ground), vertices_(vertices_of(ground)), cull_(cull),
+      depth_(1 + 2 * std::countr_zero(static_cast<std::uint32_t>(ground.side))) {
     const std::size_t words = std::max<std::size_t>(1, (std::size_t{1} << depth_) / 64);
     bits_.resize(words);
     words_.resize(words / 64 + 1);
@@ -144,12 +145,12 @@ Refined BinaryTree::refine(const View& view, double error_px, std::uint32_t) {
     const Reach reach = make_reach(view, error_px);
     const Frustum frustum = make_frustum(view);
     const auto needed = [&](Coord v) {
-        const std::uint32_t i = ground_.index(v);
-        const float x = ground_.x_m(v.x), y = ground_.height_m[i], z = ground_.z_m(v.y);
-        if (!wanted(reach, x, y, z, ground_.error_m[i], ground_.radius_m[i])) return false;
+        const GroundVertex& at = vertices_[ground_.index(v)];
+        const float x = ground_.x_m(v.x), y = at.height_m, z = ground_.z_m(v.y);
+        if (!wanted(reach, x, y, z, at.error_m, at.radius_m)) return false;
         if (!cull_) return true;
         const Vec3 from_eye = Vec3{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)} - view.eye_m;
-        const double radius_m = static_cast<double>(ground_.radius_m[i]);
+        const double radius_m = static_cast<double>(at.radius_m);
         for (int k = 0; k < 6; ++k)
             if (dot(frustum.normal[k], from_eye) < frustum.offset[k] - radius_m) return false;
         return true;
@@ -185,7 +186,8 @@ Refined BinaryTree::refine(const View& view, double error_px, std::uint32_t) {
 }
 
 std::size_t BinaryTree::bytes() const {
-    return 12 * ground_.height_m.size() + 8 * (bits_.size() + words_.size()) + 4 * (sums_.size() + indices_.capacity());
+    return sizeof(GroundVertex) * vertices_.size() + 8 * (bits_.size() + words_.size()) +
+           4 * (sums_.size() + indices_.capacity());
 }
 
 } // namespace fjell::rivals

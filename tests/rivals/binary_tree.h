@@ -54,11 +54,12 @@ private:
     void sum_up();
 
     const Ground& ground_;
+    std::vector<GroundVertex> vertices_; // by sample
     bool cull_;
     int depth_; // of the finest triangles; that of the square is 0
     std::vector<std::uint64_t> bits_;
     std::vector<std::uint64_t> words_; // a bit for each word of bits_ that has any: long runs of none are skipped
-    std::vector<std::uint32_t> sums_; // a heap; its last level is over words of bits_
+    std::vector<std::uint32_t> sums_;  // a heap; its last level is over words of bits_
     std::vector<std::uint32_t> indices_;
     std::uint32_t changes_ = 0;
 };

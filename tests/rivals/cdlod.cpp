@@ -10,6 +10,8 @@ namespace {
 
 constexpr double morph_share = 0.66; // of a range, from the end of the one before: where morphing begins
 
+constexpr double square_thresholds = 16;
+
 // Squared distance from a place to a box.
 double squared_distance(const Vec3& p, const Vec3& low, const Vec3& high) {
     const auto beside = [](double v, double a, double b) { return std::max({a - v, 0.0, v - b}); };
@@ -91,7 +93,8 @@ void Cdlod::set_ranges(double q) {
             std::hypot(static_cast<double>(ground_.x_m(step)), static_cast<double>(ground_.z_m(step)));
         const double from_m = std::max(static_cast<double>(next.error_m) * q + square_m, before_m);
         level.range_m = before_m + (from_m - before_m) / morph_share;
-        if (ranges_ == Ranges::whole && l > 0)
+        if (ranges_ == Ranges::doubling) level.range_m = std::max(square_m * q / square_thresholds, before_m);
+        if (ranges_ != Ranges::bound && l > 0)
             level.range_m =
                 std::max(level.range_m, before_m + 1.01 * static_cast<double>(levels_[l - 1].diagonal_m) / morph_share);
         level.morph_from_m = before_m + (level.range_m - before_m) * morph_share;

@@ -10,6 +10,9 @@
 // Ranges::whole they are lengthened until the morphs of two neighbouring levels cannot overlap, without which there are
 // cracks; the paper asks the user to see to it.
 //
+// With Ranges::doubling no error is asked for: squares of the next level may be 16 thresholds wide on screen. That is
+// how the method is set up where nobody measures errors; it bounds none.
+//
 // The CPU selects patches; all else is work of the GPU, and in no time here. Complexity: O(patches).
 #pragma once
 
@@ -21,12 +24,16 @@ namespace fjell::rivals {
 
 class Cdlod final : public Rival {
 public:
-    enum class Ranges : std::uint8_t { whole, bound }; // bound: by the threshold alone
+    enum class Ranges : std::uint8_t {
+        whole,   // by the threshold, and so long that there are no cracks
+        bound,   // by the threshold alone
+        doubling // twice the one before, by the size of squares on screen; and no cracks
+    };
     explicit Cdlod(const Ground& ground, Ranges ranges = Ranges::whole, std::int32_t patch_cells = 32);
     [[nodiscard]] Refined refine(const View& view, double error_px, std::uint32_t operations) override;
     void faces(std::vector<Face>& out) const override;
     [[nodiscard]] std::size_t bytes() const override;
-    [[nodiscard]] Traits traits() const override { return {false, false, true, true}; }
+    [[nodiscard]] Traits traits() const override { return {false, false, true, ranges_ != Ranges::doubling}; }
 
 private:
     struct Node {

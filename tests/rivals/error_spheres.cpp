@@ -73,14 +73,16 @@ void ErrorSpheres::test(std::size_t cluster, const Vec3& eye_m, float pad, bool 
     std::uint32_t inside[at_once];
     for (std::uint32_t first = block.first, end = first + block.count; first < end; first += at_once) {
         const std::uint32_t count = std::min(at_once, end - first);
+        const float *const x = &x_m_[first], *const y = &y_m_[first], *const z = &z_m_[first],
+                           *const sphere = &spheres_m_[first];
+        const std::uint32_t* const is = &active_[first];
         std::uint32_t changed = 0;
-        for (std::uint32_t i = 0; i < count; ++i) {
-            const float dx = x_m_[first + i] - ex, dy = y_m_[first + i] - ey, dz = z_m_[first + i] - ez;
-            const float reach = spheres_m_[first + i] + pad;
+        for (std::size_t i = 0; i < count; ++i) {
+            const float dx = x[i] - ex, dy = y[i] - ey, dz = z[i] - ez, reach = sphere[i] + pad;
             const std::uint32_t in = dx * dx + dy * dy + dz * dz < reach * reach ? 1 : 0;
             inside[i] = (in & keep) | force;
-            changed |= inside[i] ^ active_[first + i];
-            active += active_[first + i];
+            changed |= inside[i] ^ is[i];
+            active += is[i];
         }
         if (changed == 0) continue;
         for (std::uint32_t i = 0; i < count; ++i) {

@@ -51,6 +51,12 @@ void leaves_first(std::int32_t side, const Visit& visit) {
 
 } // namespace
 
+std::vector<GroundVertex> vertices_of(const Ground& ground) {
+    std::vector<GroundVertex> all(ground.height_m.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = {ground.height_m[i], ground.error_m[i], ground.radius_m[i]};
+    return all;
+}
+
 Ground with_wedgies(const Ground& ground) {
     Ground g = ground;
     const Tree tree = Tree::covering(g.side + 1, g.side + 1, std::countr_zero(static_cast<std::uint32_t>(g.side)));

@@ -7,7 +7,8 @@
 
 namespace fjell::rivals {
 
-MultiTriangulation::MultiTriangulation(const Ground& ground, bool cull) : ground_(ground), cull_(cull) {
+MultiTriangulation::MultiTriangulation(const Ground& ground, bool cull)
+    : ground_(ground), vertices_(vertices_of(ground)), cull_(cull) {
     build();
     selected_.resize(refinements_.size());
 }
@@ -75,13 +76,13 @@ Refined MultiTriangulation::refine(const View& view, double error_px, std::uint3
     const auto stride = static_cast<std::uint32_t>(ground_.side + 1);
     const auto wants = [&](std::uint32_t refinement) {
         const std::uint32_t i = refinements_[refinement].vertex;
-        const float x = ground_.x_m(static_cast<std::int32_t>(i % stride)), y = ground_.height_m[i],
+        const float x = ground_.x_m(static_cast<std::int32_t>(i % stride)), y = vertices_[i].height_m,
                     z = ground_.z_m(static_cast<std::int32_t>(i / stride));
-        if (!wanted(reach, x, y, z, ground_.error_m[i], ground_.radius_m[i])) return false;
+        if (!wanted(reach, x, y, z, vertices_[i].error_m, vertices_[i].radius_m)) return false;
         if (!cull_) return true;
         const Vec3 from_eye = Vec3{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)} - view.eye_m;
         for (int k = 0; k < 6; ++k)
-            if (dot(frustum.normal[k], from_eye) < frustum.offset[k] - static_cast<double>(ground_.radius_m[i]))
+            if (dot(frustum.normal[k], from_eye) < frustum.offset[k] - static_cast<double>(vertices_[i].radius_m))
                 return false;
         return true;
     };
@@ -110,8 +111,8 @@ void MultiTriangulation::faces(std::vector<Face>& out) const {
 }
 
 std::size_t MultiTriangulation::bytes() const {
-    return 12 * ground_.height_m.size() + refinements_.size() * (sizeof(Refinement) + 4) + triangles_.size() * 16 +
-           4 * (queue_.capacity() + indices_.capacity());
+    return sizeof(GroundVertex) * vertices_.size() + refinements_.size() * (sizeof(Refinement) + 4) +
+           triangles_.size() * 16 + 4 * (queue_.capacity() + indices_.capacity());
 }
 
 } // namespace fjell::rivals

@@ -1,6 +1,6 @@
-// An explicit multi-triangulation (Puppo 1996; De Floriani, Magillo and Puppo 1997; thesis 3.3): a directed acyclic graph
-// of refinements, each of which replaces a set of triangles by a finer one, with an arc from each refinement to those
-// that need a triangle it makes. All triangles and arcs are stored, and the algorithm knows nothing else.
+// An explicit multi-triangulation (Puppo 1996; De Floriani, Magillo and Puppo 1997; thesis 3.3): a directed acyclic
+// graph of refinements, each of which replaces a set of triangles by a finer one, with an arc from each refinement to
+// those that need a triangle it makes. All triangles and arcs are stored, and the algorithm knows nothing else.
 //
 // The one here comes from bisecting two triangles again and again and grouping those that share a hypotenuse, without
 // the arithmetic of the vertex tree: its refinements turn out to be the tree's vertices, its arcs their parents, its
@@ -19,11 +19,11 @@ namespace fjell::rivals {
 class MultiTriangulation final : public Rival {
 public:
     struct Refinement {
-        std::uint32_t vertex = 0;                  // the sample that it adds
-        std::array<std::uint32_t, 2> removes{};    // triangles; none: there is one
+        std::uint32_t vertex = 0;               // the sample that it adds
+        std::array<std::uint32_t, 2> removes{}; // triangles; none: there is one
         std::array<std::uint32_t, 4> adds{};
-        std::array<std::uint32_t, 2> needs{};      // refinements that add what it removes; none: of the base mesh
-        std::array<std::uint32_t, 4> needed_by{};  // by triangle that it adds
+        std::array<std::uint32_t, 2> needs{};     // refinements that add what it removes; none: of the base mesh
+        std::array<std::uint32_t, 4> needed_by{}; // by triangle that it adds
     };
     static constexpr std::uint32_t none = 0xffffffff;
 
@@ -39,6 +39,7 @@ private:
     void select(std::uint32_t refinement);
 
     const Ground& ground_;
+    std::vector<GroundVertex> vertices_; // by sample
     bool cull_;
     std::vector<std::array<std::uint32_t, 3>> triangles_; // samples: apex, left, right
     std::vector<std::uint32_t> removed_by_;               // by triangle: a refinement

@@ -33,6 +33,11 @@ struct Ground {
 };
 // terrain: all its pages loaded, without holes, one tile.
 [[nodiscard]] Ground ground_of(const Terrain& terrain);
+// What is looked at together, together: a miss of the caches a vertex, not three.
+struct GroundVertex {
+    float height_m, error_m, radius_m;
+};
+[[nodiscard]] std::vector<GroundVertex> vertices_of(const Ground& ground);
 // The same ground with wedgies for errors (Duchaineau 1997, 4): what each split moves, added up from the leaves.
 [[nodiscard]] Ground with_wedgies(const Ground& ground);
 

@@ -138,7 +138,8 @@ std::uint32_t Roam::split(const Eye& eye, Coord v) {
     const Diamond d = diamond(mesh_.tree(), v);
     for (const Coord apex : d.apexes)
         if (mesh_.tree().contains(apex) && !mesh_.active(apex)) {
-            if (vertices_[ground_.index(apex)].due == queued) vertices_[ground_.index(apex)].due = not_deferred; // its entry is stale
+            if (vertices_[ground_.index(apex)].due == queued)
+                vertices_[ground_.index(apex)].due = not_deferred; // its entry is stale
             done += split(eye, apex);
         }
     mesh_.activate(v);

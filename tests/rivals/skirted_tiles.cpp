@@ -59,11 +59,12 @@ void SkirtedTiles::bisect(std::size_t level, Coord apex, Coord left, Coord right
         bisect(level, middle, right, apex);
         return;
     }
-    const std::int32_t x = std::min({apex.x, left.x, right.x}) / cells_, y = std::min({apex.y, left.y, right.y}) / cells_;
+    const std::int32_t x = std::min({apex.x, left.x, right.x}) / cells_,
+                       y = std::min({apex.y, left.y, right.y}) / cells_;
     Indices& indices = tiles_[static_cast<std::size_t>(y * per_side_ + x)].levels[level];
     const Coord corner{x * cells_, y * cells_};
-    const bool borders = side_of(corner, apex, left) >= 0 || side_of(corner, left, right) >= 0 ||
-                         side_of(corner, right, apex) >= 0;
+    const bool borders =
+        side_of(corner, apex, left) >= 0 || side_of(corner, left, right) >= 0 || side_of(corner, right, apex) >= 0;
     auto& list = borders ? indices.border : indices.inner;
     for (const Coord c : {apex, left, right}) list.push_back(ground_.index(c));
 }
@@ -109,8 +110,8 @@ Refined SkirtedTiles::refine(const View& view, double error_px, std::uint32_t) {
     for (Tile& tile : tiles_) {
         const auto beside = [](double v, double a, double b) { return std::max({a - v, 0.0, v - b}); };
         const Vec3 &eye = view.eye_m, &low = tile.low, &high = tile.high;
-        const double distance = length(
-            {beside(eye.x, low.x, high.x), beside(eye.y, low.y, high.y), beside(eye.z, low.z, high.z)});
+        const double distance =
+            length({beside(eye.x, low.x, high.x), beside(eye.y, low.y, high.y), beside(eye.z, low.z, high.z)});
         tile.drawn = true;
         for (int i = 0; i < 6 && tile.drawn; ++i) {
             const Vec3& n = frustum.normal[i];
@@ -118,7 +119,8 @@ Refined SkirtedTiles::refine(const View& view, double error_px, std::uint32_t) {
             tile.drawn = dot(n, farthest - eye) >= frustum.offset[i];
         }
         int level = static_cast<int>(tolerances_m_.size()) - 1;
-        while (level > 0 && static_cast<double>(tolerances_m_[static_cast<std::size_t>(level)]) > distance * scale) --level;
+        while (level > 0 && static_cast<double>(tolerances_m_[static_cast<std::size_t>(level)]) > distance * scale)
+            --level;
         if (level != tile.level) tile.skirts.clear();
         tile.level = level;
     }

@@ -31,7 +31,7 @@ private:
     };
     struct Tile {
         Vec3 low, high;
-        std::vector<Indices> levels; // the finest first; the same tolerances for all tiles
+        std::vector<Indices> levels;       // the finest first; the same tolerances for all tiles
         std::vector<std::uint32_t> skirts; // of the last mesh
         int level = -1;
         int around[4] = {-1, -1, -1, -1}; // to which levels the skirts lead: west, east, north, south
