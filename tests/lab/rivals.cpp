@@ -92,19 +92,19 @@ Equal equal_error(Rival& rival, const Ground& ground, const std::vector<View>& v
     return found;
 }
 
-// Between each of some frames and the next: the largest change.
-double popping_px(Rival& rival, const Ground& ground, const std::vector<View>& views, double error_px, int pairs) {
+// Between each frame and the next: the largest change.
+double popping_px(Rival& rival, const Ground& ground, const std::vector<View>& views, double error_px) {
     double most = 0;
     std::vector<Face> faces;
-    std::vector<float> before, after;
+    std::vector<float> now, before;
     settle(rival, views[0], error_px);
-    const std::size_t apart = std::max<std::size_t>(2, views.size() / static_cast<std::size_t>(pairs));
-    for (std::size_t i = 0; i < views.size(); ++i) {
-        (void)rival.refine(views[i], error_px, unlimited_operations);
-        if (i % apart > 1 || (i % apart == 0 && i + 1 == views.size())) continue;
+    for (const View& view : views) {
+        io::check_interrupt();
+        (void)rival.refine(view, error_px, unlimited_operations);
         rival.faces(faces);
-        (void)rivals::look_at(ground, faces, views[i], i % apart == 0 ? &before : &after);
-        if (i % apart == 1) most = std::max(most, rivals::popping_px(ground, before, after, views[i]));
+        before.swap(now);
+        (void)rivals::look_at(ground, faces, view, &now);
+        if (!before.empty()) most = std::max(most, rivals::popping_px(ground, before, now, view));
     }
     return most;
 }
@@ -145,7 +145,7 @@ void add_quality(const Recipe& recipe, const Case& c, const Ground& ground, Riva
     all["true_error_px"] = q.error_px;
     all["open_edges"] = static_cast<double>(q.open_edges) / static_cast<double>(count);
     all["gap_px"] = q.gap_px;
-    all["popping_px"] = popping_px(rival, ground, views, c.error_px, recipe.verify_frames);
+    all["popping_px"] = popping_px(rival, ground, views, c.error_px);
     all["interruptible"] = rival.traits().interruptible ? 1 : 0;
     all["memory_mb"] = static_cast<double>(rival.bytes()) * 1e-6; // at this threshold
     if (const Equal e = equal_error(rival, ground, some, c.error_px); e.in_view > 0) {
@@ -209,8 +209,8 @@ std::vector<std::vector<std::string>> rivals_table(const Results& results) {
                     row.push_back(v ? fmt::format("{:.4g}", *v) : "-");
                 }
                 // But for the rim there are half as many vertices as triangles.
-                row.push_back(fmt::format("{:.3g}", 2000 * r.value("median_us").value_or(0) /
-                                                        r.value("triangles").value_or(1)));
+                row.push_back(
+                    fmt::format("{:.3g}", 2000 * r.value("median_us").value_or(0) / r.value("triangles").value_or(1)));
             } else if (const auto most = r.value("worst_us"); most && *most > std::stod(row[quality.size()])) {
                 row[quality.size()] = fmt::format("{:.4g}", *most); // of all speeds
             }
