@@ -24,7 +24,7 @@ struct Profile {
     RefineSettings refine;               // [refine] error_px, corner_safe; recursive: metric, cull, topology
     CutSettings cut;                     // [refine] hysteresis, offscreen_factor, morph...; [budget] items...
     RecursiveBudget budget;              // [budget] vertices, indices
-    CutBudget cut_budget;                // [budget] vertices, triangles, views
+    CutBudget cut_budget;                // [budget] vertices, triangles, views, workers
     std::uint32_t page_slots = 8192;     // [stream] page_slots
     StreamBudget stream_budget;          // [stream] page_requests, map_requests, map_mb, tail_log2, decoders
     StreamSettings stream;               // [stream] texel_px, lookahead_s, fade_s, pages, tests, map_kb

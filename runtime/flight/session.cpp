@@ -88,6 +88,7 @@ void make_method(const FlightOptions& options, const CutBudget* recorded, Sessio
     session.method_memory = std::move(made.memory);
     session.method_bytes = made.bytes;
     session.cut_budget = made.cut_budget;
+    session.workers = made.cut_budget.workers > 1 ? std::make_unique<WorkerPool>(made.cut_budget.workers) : nullptr;
     session.cut = made.cut;
     session.recursive = made.recursive;
 }
@@ -136,8 +137,9 @@ void open_terrain(const FlightOptions& options, Session& session) {
         session.reference = std::make_unique<io::LoadedPack>(io::load_pack(file, io::LoadTerrain::yes));
 }
 
-FrameEntry run_incremental(Session& session, std::span<const View> views, const CutSettings& settings, bool rebuild,
+FrameEntry run_incremental(Session& session, std::span<const View> views, CutSettings settings, bool rebuild,
                            CutReport& report) {
+    if (session.workers) settings.jobs = session.workers->jobs();
     const auto start = Clock::now();
     const Status status = (rebuild ? rebuild_cut : update_cut)(session.cut, views, settings, report);
     const auto end = Clock::now();

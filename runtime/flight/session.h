@@ -23,6 +23,7 @@
 #include "flight/path.h"
 #include "flight/record.h"
 #include "flight/streamed.h"
+#include "flight/worker_pool.h"
 
 namespace fjell::flight {
 
@@ -48,10 +49,11 @@ struct Session {
     Method method = Method::incremental;
     RecursiveMethod recursive; // one of the two
     LiveCut cut;
-    LastUpdate last;                    // frame 0: none since the method was made
-    CutBudget cut_budget;               // the profile's, with segments to suit the terrain
-    std::optional<Recording> recording; // of --record, frame by frame; or what --replay repeats
-    bool begun = false;                 // a frame was updated, or the first one shall be like any other
+    LastUpdate last;                     // frame 0: none since the method was made
+    CutBudget cut_budget;                // the profile's, with segments to suit the terrain
+    std::unique_ptr<WorkerPool> workers; // where the budget has more than one
+    std::optional<Recording> recording;  // of --record, frame by frame; or what --replay repeats
+    bool begun = false;                  // a frame was updated, or the first one shall be like any other
     double load_seconds = 0;
     std::chrono::steady_clock::time_point started; // when opening was done
     std::unique_ptr<StreamedPack> streamed;        // last: its thread stops before what it streams into goes

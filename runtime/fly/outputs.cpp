@@ -73,6 +73,7 @@ void add_incremental(json& j, const Session& session, const CutSettings& c) {
                    {"triangles", session.cut_budget.triangles},
                    {"chunk_triangles", session.cut_budget.segment_triangles},
                    {"views", session.cut_budget.views},
+                   {"workers", session.cut_budget.workers},
                    {"items", c.items == unlimited_items ? 0 : c.items},
                    {"budget_us", c.budget_us}};
 }

@@ -45,57 +45,18 @@ TEST_CASE("every shipped profile loads and names every key") {
         CHECK(p.cut_budget.vertices == p.budget.vertices);
         const std::vector<std::byte> bytes = io::read_file(file.path().string());
         const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-        for (const char* key : {"method",
-                                "error_px",
-                                "corner_safe",
-                                "hysteresis",
-                                "offscreen_factor",
-                                "morph",
-                                "morph_s",
-                                "metric",
-                                "cull",
-                                "topology",
-                                "vertices",
-                                "triangles",
-                                "views",
-                                "items",
-                                "budget_us",
-                                "indices",
-                                "width_px",
-                                "height_px",
-                                "fov_deg",
-                                "page_slots",
-                                "page_requests",
-                                "map_requests",
-                                "decoders",
-                                "map_mb",
-                                "tail_log2",
-                                "texel_px",
-                                "lookahead_s",
-                                "fade_s",
-                                "pages",
-                                "tests",
-                                "map_kb",
-                                "samples",
-                                "sun",
-                                "azimuth_deg",
-                                "elevation_deg",
-                                "latitude_deg",
-                                "longitude_deg",
-                                "year",
-                                "month",
-                                "day",
-                                "hour_utc",
-                                "air",
-                                "visibility_km",
-                                "exposure",
-                                "ev100",
-                                "exposure_bias_ev",
-                                "tone_curve",
-                                "dither",
-                                "detail",
-                                "water",
-                                "water_level_m"}) {
+        for (const char* key :
+             {"method",        "error_px",         "corner_safe",   "hysteresis",    "offscreen_factor",
+              "morph",         "morph_s",          "metric",        "cull",          "topology",
+              "vertices",      "triangles",        "views",         "workers",       "items",
+              "budget_us",     "indices",          "width_px",      "height_px",     "fov_deg",
+              "page_slots",    "page_requests",    "map_requests",  "decoders",      "map_mb",
+              "tail_log2",     "texel_px",         "lookahead_s",   "fade_s",        "pages",
+              "tests",         "map_kb",           "samples",       "sun",           "azimuth_deg",
+              "elevation_deg", "latitude_deg",     "longitude_deg", "year",          "month",
+              "day",           "hour_utc",         "air",           "visibility_km", "exposure",
+              "ev100",         "exposure_bias_ev", "tone_curve",    "dither",        "detail",
+              "water",         "water_level_m"}) {
             INFO(file.path() << ' ' << key);
             std::string line = "\n"; // by +=: g++ 12 warns of an impossible overlap in +
             line += key;
@@ -138,13 +99,15 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     CHECK_FALSE(parse_profile("[refine]\ncull = false\n", "p.toml").refine.cull);
     const Profile q = parse_profile(
         "[refine]\nmethod = \"incremental\"\nerror_px = 3\ncorner_safe = true\nhysteresis = 0.5\nmorph = \"time\"\n"
-        "offscreen_factor = 6\nmorph_s = 2\n[budget]\nvertices = 1_000\ntriangles = 2_000\nviews = 3\nitems = "
+        "offscreen_factor = 6\nmorph_s = 2\n[budget]\nvertices = 1_000\ntriangles = 2_000\nviews = 3\nworkers = "
+        "6\nitems = "
         "400\nbudget_us = 99.5\n",
         "p.toml");
     CHECK(q.method == Method::incremental);
     CHECK(q.cut_budget.vertices == 1000);
     CHECK(q.cut_budget.triangles == 2000);
     CHECK(q.cut_budget.views == 3);
+    CHECK(q.cut_budget.workers == 6);
     const CutSettings settings = cut_settings(q, 1.5);
     CHECK(settings.error_px == 3);
     CHECK(settings.corner_safe);

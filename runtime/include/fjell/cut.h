@@ -24,6 +24,7 @@
 
 #include "fjell/export.h"
 #include "fjell/handle.h"
+#include "fjell/jobs.h"
 #include "fjell/mesh.h"
 #include "fjell/status.h"
 #include "fjell/terrain.h"
@@ -44,11 +45,14 @@ struct CutBudget {
     // two.
     std::uint32_t segment_triangles = 512;
     std::uint32_t views = 1; // 1 to max_cut_views
+    // Jobs that a build runs side by side at most, where CutSettings::jobs are given: some 20 KB for each level of a
+    // tile. 1 to max_cut_workers.
+    std::uint32_t workers = 1;
 };
 // Bytes of cut_bytes() for a slot of each buffer (some bits of bookkeeping not counted), for each page slot of the
 // terrain (TerrainBudget::page_slots), and for the state of a page.
 inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 12, cut_page_slot_bytes = 28,
-                             cut_page_bytes = 20'696;
+                             cut_page_bytes = 20'504;
 // A page has a state while one of its vertices may become active. So many can at a time: as measured, one holds 100 to
 // 280 active vertices, but for every tile's coarsest page, which always has a state. page_slots, tiles: the terrain's.
 [[nodiscard]] constexpr std::uint32_t cut_pages(const CutBudget& budget, std::uint32_t page_slots,
@@ -88,6 +92,7 @@ struct CutSettings {
     // turning costs nothing; more: a fraction of the vertices and of the work, and turning takes some; now and then
     // a frame looks at all pages that have a state, which no budget counts. 1 to 100.
     double offscreen_factor = 1;
+    JobSystem jobs = {}; // the host's, used within the call only; CutBudget::workers of it side by side
 };
 // Every number in its range. update_cut(), rebuild_cut() and update_stream() refuse what this does.
 Status validate(const CutSettings& settings);

@@ -7,6 +7,7 @@
 #include "fjell/cut.h"
 #include "fjell/export.h"
 #include "fjell/handle.h"
+#include "fjell/jobs.h"
 #include "fjell/measure.h"
 #include "fjell/mesh.h"
 #include "fjell/pack.h"

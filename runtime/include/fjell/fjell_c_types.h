@@ -228,7 +228,13 @@ typedef struct FjellCutBudget {
     uint32_t triangles;
     uint32_t segment_triangles;
     uint32_t views;
+    uint32_t workers;
 } FjellCutBudget;
+
+typedef struct FjellJobSystem { // JobSystem (fjell/jobs.h); run: NULL for none
+    void (*run)(void* user, uint32_t count, void (*job)(void* data, uint32_t index), void* data);
+    void* user;
+} FjellJobSystem;
 
 typedef struct FjellCutSettings {
     size_t struct_size;
@@ -242,6 +248,7 @@ typedef struct FjellCutSettings {
     double morph_s;
     double now_s;
     double offscreen_factor;
+    FjellJobSystem jobs;
 } FjellCutSettings;
 
 typedef struct FjellBudgetUse {

@@ -137,6 +137,11 @@ FJELL_FIELD(FjellCutBudget, vertices);
 FJELL_FIELD(FjellCutBudget, triangles);
 FJELL_FIELD(FjellCutBudget, segment_triangles);
 FJELL_FIELD(FjellCutBudget, views);
+FJELL_FIELD(FjellCutBudget, workers);
+
+FJELL_SIZE(FjellJobSystem);
+FJELL_FIELD(FjellJobSystem, run);
+FJELL_FIELD(FjellJobSystem, user);
 
 FJELL_SIZE(FjellCutSettings);
 FJELL_FIELD(FjellCutSettings, error_px);
@@ -149,6 +154,7 @@ FJELL_FIELD(FjellCutSettings, morph);
 FJELL_FIELD(FjellCutSettings, morph_s);
 FJELL_FIELD(FjellCutSettings, now_s);
 FJELL_FIELD(FjellCutSettings, offscreen_factor);
+FJELL_FIELD(FjellCutSettings, jobs);
 
 FJELL_SIZE(FjellBudgetUse);
 FJELL_FIELD(FjellBudgetUse, used);

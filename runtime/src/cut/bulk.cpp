@@ -4,10 +4,10 @@
 #include <bit>
 #include <utility>
 
-#include "cut/evaluate.h"
+#include "cut/bulk_decide.h"
+#include "cut/jobs.h"
 #include "cut/pages.h"
 #include "cut/sight.h"
-#include "pack/record.h"
 
 namespace fjell {
 
@@ -17,6 +17,7 @@ BulkPage& visit(CutState& s, std::uint32_t slot) {
     BulkPage& page = s.bulk.pages[slot];
     if (page.build == s.bulk.build) return page;
     page.build = s.bulk.build;
+    page.wanted = 0;
     page.grades = 0;
     std::fill_n(page.active, bulk_rows, 0);
     std::fill_n(page.ticks, page_ticks, unscheduled);
@@ -39,187 +40,6 @@ void visit_at(CutState& s, int z, std::int32_t i, std::int32_t j) {
     if (attach_squares(s, squares)) (void)visit(s, squares.slot);
 }
 
-std::uint32_t row_bits(const BulkPage* page, std::uint32_t row) {
-    return page == nullptr ? 0 : page->active[row];
-}
-
-// Decides rows of one page's vertices.
-class Decider {
-public:
-    Decider(CutState& state, const BulkSquares& squares)
-        : s(state), at_(squares), page_(visit(state, squares.slot)),
-          ticks_a_metre_(1 / tick_m(state.schedule, state.schedule.pages[squares.slot])) {}
-
-    [[nodiscard]] const BulkPage& page() const { return page_; }
-
-    void add(std::uint32_t row, std::uint32_t ready) {
-        if (ready == 0) return;
-        const std::uint32_t words = 1u << at_.step->words_log2, first = row << at_.step->words_log2;
-        for (std::uint32_t word = 0; word < words; ++word, ready >>= group_lanes) {
-            const std::uint32_t lanes = ready & 0xffff;
-            if (lanes == 0) continue;
-            groups_[count_++] = {static_cast<std::uint16_t>(first + word), static_cast<std::uint16_t>(lanes)};
-            prefetch(first + word);
-        }
-    }
-    // All that were added. Those that nobody sees can wait: they are due.
-    void postpone() {
-        page_.grades = std::max(page_.grades, count_ != 0 ? 1u : 0u);
-        for (std::uint32_t i = 0; i < count_; ++i) page_.ticks[groups_[i].number] = spent;
-    }
-    void decide() {
-        for (std::uint32_t i = 0; i < count_; ++i) decide(groups_[i].number, groups_[i].ready);
-        s.report.evaluations += count_;
-    }
-
-private:
-    struct Ready {
-        std::uint16_t number, ready;
-    };
-
-    void prefetch(std::uint32_t number) const {
-        const VertexRecord* const records = s.terrain->records + std::size_t{at_.slot} * s.terrain->page_capacity +
-                                            s.shapes[s.page_state[at_.slot].shape].groups[number].first;
-        __builtin_prefetch(records);
-        __builtin_prefetch(records + group_lanes - 1);
-    }
-
-    void decide(std::uint32_t number, std::uint32_t ready) {
-        VertexRecord gathered[group_lanes];
-        LaneGroup lanes = lanes_of(s, at_.slot * max_page_groups + number, gathered);
-        lanes.inactive = ready;
-        LaneAnswers answers;
-        LaneNumbers numbers;
-        evaluate_and_keep(criterion_of(s, at_.slot * max_page_groups + number), lanes, answers, numbers);
-        if (bulk_capacity(s) -
-            s.bulk.taken<group_lanes&& static_cast<std::uint32_t>(std::popcount(answers.wanted))> bulk_capacity(s) -
-            s.bulk.taken) {
-            s.bulk.no_vertices = true;
-            return;
-        }
-        const double ticks = static_cast<double>(answers.slack_m) * ticks_a_metre_;
-        page_.ticks[number] =
-            static_cast<std::uint16_t>(soon + static_cast<std::uint32_t>(std::min(ticks, double{most_ticks})));
-        page_.grades = std::max(page_.grades, grade_of(answers.code) + 1);
-        const std::uint32_t row = number >> at_.step->words_log2, word = number - (row << at_.step->words_log2);
-        if (page_.active[row] == 0) page_.first[row] = s.bulk.taken;
-        page_.active[row] |= answers.wanted << (group_lanes * word);
-        place(lanes, answers.wanted, numbers);
-    }
-
-    void place(const LaneGroup& lanes, std::uint32_t wanted, const LaneNumbers& numbers) {
-        const BulkSlots slots(s);
-        const std::uint32_t first = s.bulk.taken, dx = static_cast<std::uint32_t>(lanes.dx),
-                            dy = static_cast<std::uint32_t>(lanes.dy), x0 = static_cast<std::uint32_t>(lanes.x0),
-                            y0 = static_cast<std::uint32_t>(lanes.y0);
-        const auto last_x = static_cast<std::uint32_t>(s.criterion.last_x),
-                   last_y = static_cast<std::uint32_t>(s.criterion.last_y);
-        const VertexRecord* const records = lanes.records;
-        MeshVertex* const vertices = s.vertices;
-        MorphVertex* const morph = s.morph;
-        std::uint8_t* const hole = s.hole;
-        std::uint32_t number = first;
-        for (std::uint32_t left = wanted; left != 0; left &= left - 1) {
-            const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            const std::uint32_t slot = slots[number++];
-            vertices[slot] = {static_cast<std::int32_t>(std::min(x0 + lane * dx, last_x)),
-                              static_cast<std::int32_t>(std::min(y0 + lane * dy, last_y)), numbers.height_m[lane]};
-            morph[slot] = {0, numbers.error_m[lane], numbers.radius_m[lane], long_active_s};
-            hole[slot] = is_void(records[lane]);
-        }
-        s.bulk.taken = number;
-        if (s.bulk.beside)
-            for (std::uint32_t n = first; n != number; ++n) s.dirty_vertices.mark(slots[n]);
-    }
-
-    CutState& s;
-    const BulkSquares at_;
-    BulkPage& page_;
-    const double ticks_a_metre_;
-    std::uint32_t count_ = 0;
-    Ready groups_[max_page_groups];
-};
-
-// A full page is decided in parts, so that a unit of work stays small where time counts: the rows from `first` on.
-struct Part {
-    std::int32_t first, end;
-};
-std::uint32_t parts_of(const CutState& s, const BulkSquares& at) {
-    return s.bulk.beside && at.n == static_cast<std::int32_t>(page_squares) ? 4 : 1;
-}
-Part part_of(const CutState& s, const BulkSquares& at, std::uint32_t part) {
-    const std::int32_t rows = at.n / static_cast<std::int32_t>(parts_of(s, at)),
-                       first = static_cast<std::int32_t>(part) * rows;
-    return {first, first + rows};
-}
-
-// False: there is nothing to decide in any part.
-bool decide_centres(CutState& s, BulkSquares& at, const Part& part) {
-    std::uint32_t parents[2][page_squares];
-    if (!centre_parents(s, at, parents) || !attach_squares(s, at)) return false;
-    Decider page(s, at);
-    if (s.page_state[at.slot].status == PageStatus::evicting) return false;
-    const PageState& state = s.page_state[at.slot];
-    const bool waits = s.bulk.beside && state.shape != 0 && !may_be_seen(s, state);
-    for (std::int32_t j = waits ? 0 : part.first; j < (waits ? at.n : part.end); ++j)
-        page.add(at.row(VertexKind::centre, j), parents[0][j] & parents[1][j]);
-    if (waits)
-        page.postpone();
-    else
-        page.decide();
-    return !waits;
-}
-
-bool has_centres(const CutState& s, const BulkSquares& at) {
-    const std::uint32_t* const centres = s.bulk.pages[at.slot].active + at.row(VertexKind::centre, 0);
-    return std::any_of(centres, centres + at.n, [](std::uint32_t row) { return row != 0; });
-}
-
-// Of a page with active centres. Those to its north and west must have been decided.
-void decide_sides(CutState& s, const BulkSquares& at, const Part& part) {
-    Decider page(s, at);
-    const std::uint32_t* const centres = page.page().active + at.row(VertexKind::centre, 0);
-    const BulkPage* const north = found_at(s, at.z, at.i0, at.j0 - 1);
-    const BulkPage* const west = found_at(s, at.z, at.i0 - 1, at.j0);
-    for (std::int32_t j = part.first; j < part.end; ++j) {
-        const std::uint32_t c = centres[j];
-        const std::uint32_t above = j != 0       ? centres[j - 1]
-                                    : at.j0 == 0 ? at.all()
-                                                 : row_bits(north, at.row(VertexKind::centre, at.n - 1));
-        const std::uint32_t left = at.i0 == 0 ? 1 : row_bits(west, at.row(VertexKind::centre, j)) >> (at.n - 1) & 1;
-        page.add(at.row(VertexKind::side_x, j), c & above);
-        page.add(at.row(VertexKind::side_y, j), c & (c << 1 | left));
-    }
-    if (part.end == at.n) {
-        // The terrain's south and east rim: sides with one parent. Elsewhere those are the next page's, which has to
-        // know.
-        const std::uint32_t last = centres[at.n - 1];
-        std::uint32_t east = 0;
-        for (std::int32_t j = 0; j < at.n; ++j) east |= (centres[j] >> (at.n - 1) & 1) << j;
-        if (at.j0 + at.n == s.tiles_y << at.step->log2)
-            page.add(at.row(VertexKind::side_x, at.n), last);
-        else if (last != 0)
-            visit_at(s, at.z, at.i0, at.j0 + at.n);
-        if (at.i0 + at.n == s.tiles_x << at.step->log2)
-            page.add(at.column(), east);
-        else if (east != 0)
-            visit_at(s, at.z, at.i0 + at.n, at.j0);
-    }
-    page.decide();
-}
-
-// The squares of a step in a page that is listed.
-BulkSquares listed_squares(const CutState& s, std::uint32_t slot, int z) {
-    const PageState& page = s.page_state[slot];
-    const StepGroups& step = s.steps[z];
-    return {&step,
-            slot,
-            z,
-            (page.tile_x << step.log2) + page.i0,
-            (page.tile_y << step.log2) + page.j0,
-            1 << step.page_log2};
-}
-
 // The next page whose centres are to be decided. A step with at most one page a tile: every tile's. A finer one: those
 // under pages with active centres. No other can have an active parent.
 bool next_squares(const CutState& s, BulkSquares& squares) {
@@ -237,6 +57,125 @@ bool next_squares(const CutState& s, BulkSquares& squares) {
     const auto quarter = static_cast<std::int32_t>(b.at % 4);
     squares = squares_at(s, b.z, 2 * above.i0 + quarter % 2 * above.n, 2 * above.j0 + quarter / 2 * above.n);
     return true;
+}
+
+// The page's centres that are ready, in its masks. False: none is, or the page is about to go.
+bool find_ready(CutState& s, BulkSquares& at) {
+    std::uint32_t parents[2][page_squares];
+    if (!centre_parents(s, at, parents) || !attach_squares(s, at)) return false;
+    BulkPage& page = visit(s, at.slot);
+    if (s.page_state[at.slot].status == PageStatus::evicting) return false;
+    std::uint32_t any = 0;
+    for (std::int32_t j = 0; j < at.n; ++j)
+        any |= page.active[at.row(VertexKind::centre, j)] = parents[0][j] & parents[1][j];
+    return any != 0;
+}
+
+// Sides that lie in the next pages have a parent here, and those pages have to know. Which rim sides exist is known.
+void visit_neighbours(CutState& s, const BulkSquares& at) {
+    const std::uint32_t* const centres = s.bulk.pages[at.slot].active + at.row(VertexKind::centre, 0);
+    std::uint32_t east = 0;
+    for (std::int32_t j = 0; j < at.n; ++j) east |= centres[j] >> (at.n - 1) & 1;
+    if (centres[at.n - 1] != 0 && at.j0 + at.n != s.tiles_y << at.step->log2) visit_at(s, at.z, at.i0, at.j0 + at.n);
+    if (east != 0 && at.i0 + at.n != s.tiles_x << at.step->log2) visit_at(s, at.z, at.i0 + at.n, at.j0);
+}
+
+// Where time counts, a full page is done in parts, so that a unit of work stays small.
+constexpr std::uint32_t page_units = 4;
+std::uint32_t units_of(const CutState& s, bool full) {
+    return s.bulk.beside && full ? page_units : 1;
+}
+BulkUnit unit_of(const CutState& s, std::uint32_t slot, int z, std::int32_t rows, std::uint32_t units) {
+    const std::int32_t a_unit = (rows + static_cast<std::int32_t>(units) - 1) / static_cast<std::int32_t>(units),
+                       first = static_cast<std::int32_t>(s.bulk.part) * a_unit;
+    BulkUnit unit{};
+    unit.slot = slot;
+    unit.z = z;
+    unit.rows = {first, std::min(first + a_unit, rows)};
+    unit.last = s.bulk.part + 1 == units;
+    return unit;
+}
+
+// The next unit is as it says; after a page's last one comes the next page.
+void advance(BulkPass& b, const BulkUnit& unit) {
+    b.part = unit.last ? 0 : b.part + 1;
+    b.at += unit.last;
+}
+
+bool next_centres(CutState& s, BulkUnit& unit) {
+    BulkPass& b = s.bulk;
+    BulkSquares at;
+    if (!next_squares(s, at)) return false;
+    if (b.part == 0 && !find_ready(s, at)) {
+        unit = {};
+        unit.slot = no_index;
+        unit.last = true;
+    } else {
+        unit = unit_of(s, at.slot, b.z, at.n, units_of(s, at.n == page_squares));
+        const PageState& page = s.page_state[at.slot];
+        unit.waits = b.beside && page.shape != 0 && !may_be_seen(s, page);
+        if (unit.waits) unit.rows = {0, at.n}, unit.last = true;
+    }
+    advance(b, unit);
+    return true;
+}
+
+bool next_sides(CutState& s, BulkUnit& unit) {
+    BulkPass& b = s.bulk;
+    if (b.at == b.listed_count[1]) return false;
+    const BulkSquares at = listed_squares(s, b.listed[1][b.at], b.z);
+    if (b.part == 0) visit_neighbours(s, at);
+    unit = unit_of(s, at.slot, b.z, at.n, units_of(s, at.n == page_squares));
+    advance(b, unit);
+    return true;
+}
+
+bool next_vertices(CutState& s, BulkUnit& unit) {
+    BulkPass& b = s.bulk;
+    if (b.at == b.visited_count) return false;
+    const std::uint32_t slot = b.visited[b.at], shape = s.page_state[slot].shape;
+    const std::uint32_t rows = shape == 0 ? s.shapes[0].count : s.shapes[1].count / 2; // rows of two groups
+    unit = unit_of(s, slot, 0, static_cast<std::int32_t>(rows), units_of(s, shape != 0));
+    advance(b, unit);
+    return true;
+}
+
+bool next_unit(CutState& s, BulkUnit& unit) {
+    switch (s.bulk.phase) {
+    case BulkPhase::centres: return next_centres(s, unit);
+    case BulkPhase::sides: return next_sides(s, unit);
+    default: return next_vertices(s, unit);
+    }
+}
+
+bool has_centres(const CutState& s, const BulkSquares& at) {
+    const std::uint32_t* const centres = s.bulk.pages[at.slot].active + at.row(VertexKind::centre, 0);
+    return std::any_of(centres, centres + at.n, [](std::uint32_t row) { return row != 0; });
+}
+
+// What a unit has found, put together: in the order of units.
+void merge(CutState& s, const BulkUnit& unit) {
+    BulkPass& b = s.bulk;
+    if (unit.slot == no_index) return;
+    BulkPage& page = b.pages[unit.slot];
+    if (b.phase == BulkPhase::vertices) {
+        const std::uint32_t tile = s.page_state[unit.slot].tile, tiles_x = static_cast<std::uint32_t>(s.tiles_x);
+        b.tiles[tile].planned += unit.own;
+        if (tile % tiles_x != 0) b.tiles[tile - 1].planned += unit.west;
+        if (tile >= tiles_x) b.tiles[tile - tiles_x].planned += unit.north;
+        if (!b.beside) return; // all slots are written
+        const BulkSlots slots(s);
+        const std::uint32_t first = page.number + page.first[unit.rows.first];
+        for (std::uint32_t n = first; n != first + unit.wanted; ++n) s.dirty_vertices.mark(slots[n]);
+        return;
+    }
+    page.wanted = static_cast<std::uint16_t>(page.wanted + unit.wanted);
+    page.grades = static_cast<std::uint8_t>(std::max<std::uint32_t>(page.grades, unit.grades));
+    b.taken += unit.wanted;
+    s.report.evaluations += unit.waits ? 0 : unit.groups;
+    if (b.phase == BulkPhase::centres && unit.last && !unit.waits &&
+        has_centres(s, listed_squares(s, unit.slot, unit.z)))
+        b.listed[1][b.listed_count[1]++] = unit.slot;
 }
 
 } // namespace
@@ -291,6 +230,13 @@ bool centre_parents(const CutState& s, const BulkSquares& at, std::uint32_t (&pa
     return true;
 }
 
+std::uint32_t unit_limit(const CutState& s) {
+    const std::uint32_t workers = worker_count(s);
+    if (workers == 1) return 1;
+    if (!s.bulk.beside) return most_units;
+    return std::max(1u, std::min(4 * workers, s.settings.visits - s.report.visits));
+}
+
 void begin_bulk(CutState& s, bool beside) {
     BulkPass& b = s.bulk;
     FJELL_ASSERT(b.phase == BulkPhase::idle);
@@ -299,7 +245,7 @@ void begin_bulk(CutState& s, bool beside) {
         b.build = 1;
     }
     b.beside = beside;
-    b.no_vertices = b.no_pages = false;
+    b.no_pages = false;
     b.taken = b.visited_count = b.listed_count[0] = b.listed_count[1] = b.at = b.part = 0;
     b.free_before = beside ? s.free_vertex_count : 0;
     b.fresh_before = beside ? s.fresh_vertex : corner_slots(s);
@@ -325,47 +271,81 @@ BulkStatus stop(CutState& s, BulkStatus status) {
     return status;
 }
 
+// All vertices are decided: they get their numbers.
+void begin_vertices(CutState& s) {
+    BulkPass& b = s.bulk;
+    std::uint32_t number = 0;
+    for (std::uint32_t i = 0; i < b.visited_count; ++i) {
+        BulkPage& page = b.pages[b.visited[i]];
+        page.number = std::exchange(number, number + page.wanted);
+    }
+    FJELL_ASSERT(number == b.taken);
+    for (std::uint32_t i = 0; i <= s.terrain->tile_count(); ++i) b.tiles[i].planned = 2;
+    b.phase = BulkPhase::vertices;
+}
+
+// No unit of the phase is left.
+BulkStatus next_phase(CutState& s) {
+    BulkPass& b = s.bulk;
+    b.at = b.part = 0;
+    if (b.phase == BulkPhase::centres) {
+        b.phase = BulkPhase::sides;
+    } else if (b.phase == BulkPhase::sides && b.z != 0 && b.listed_count[1] != 0) {
+        std::swap(b.listed[0], b.listed[1]);
+        b.listed_count[0] = std::exchange(b.listed_count[1], 0u);
+        --b.z;
+        b.phase = BulkPhase::centres;
+    } else if (b.phase == BulkPhase::sides) {
+        if (!has_segments(s)) return stop(s, BulkStatus::no_triangles);
+        begin_vertices(s);
+    } else {
+        begin_triangles(s);
+        b.phase = BulkPhase::triangles;
+    }
+    return BulkStatus::unfinished;
+}
+
+// Those that come next. None after one with which a capacity might be spent: it would have been in vain, and leave
+// other pages with states than where units are done one by one.
+std::uint32_t next_units(CutState& s, BulkUnit (&units)[most_units]) {
+    const BulkPass& b = s.bulk;
+    const std::uint32_t limit = unit_limit(s), sides_too = b.phase == BulkPhase::sides ? 2 : 1;
+    std::uint32_t count = 0, most = 0;
+    while (count != limit && !b.no_pages && next_unit(s, units[count])) {
+        const BulkUnit& unit = units[count++];
+        if (unit.slot == no_index || b.phase == BulkPhase::vertices) continue;
+        most += static_cast<std::uint32_t>(unit.rows.end - unit.rows.first + 1) * page_squares * sides_too;
+        if (most > bulk_capacity(s) - b.taken) break;
+    }
+    return count;
+}
+
+BulkStatus step_tiles(CutState& s) {
+    if (s.bulk.beside && step_triangles(s)) return BulkStatus::unfinished;
+    if (!s.bulk.beside) build_tiles(s);
+    return stop(s, BulkStatus::built);
+}
+
 } // namespace
 
 BulkStatus step_bulk(CutState& s) {
     BulkPass& b = s.bulk;
-    FJELL_ASSERT(b.phase == BulkPhase::centres || b.phase == BulkPhase::sides || b.phase == BulkPhase::triangles);
-    if (b.phase == BulkPhase::triangles) return step_triangles(s) ? BulkStatus::unfinished : stop(s, BulkStatus::built);
-    if (b.no_vertices) return stop(s, BulkStatus::no_vertices);
-    if (b.no_pages) return stop(s, BulkStatus::no_pages);
-    if (b.phase == BulkPhase::centres) {
-        BulkSquares squares;
-        if (next_squares(s, squares)) {
-            if (decide_centres(s, squares, part_of(s, squares, b.part))) {
-                if (++b.part != parts_of(s, squares)) return BulkStatus::unfinished;
-                if (has_centres(s, squares)) b.listed[1][b.listed_count[1]++] = squares.slot;
-            }
-            b.part = 0;
-            ++b.at;
-            return BulkStatus::unfinished;
-        }
-        b.phase = BulkPhase::sides;
-        b.at = 0;
-    }
-    if (b.at != b.listed_count[1]) {
-        const BulkSquares squares = listed_squares(s, b.listed[1][b.at], b.z);
-        decide_sides(s, squares, part_of(s, squares, b.part));
-        if (++b.part == parts_of(s, squares)) {
-            b.part = 0;
-            ++b.at;
-        }
-        return BulkStatus::unfinished;
-    }
-    if (b.z != 0 && b.listed_count[1] != 0) {
-        std::swap(b.listed[0], b.listed[1]);
-        b.listed_count[0] = std::exchange(b.listed_count[1], 0u);
-        --b.z;
-        b.at = 0;
-        b.phase = BulkPhase::centres;
-        return BulkStatus::unfinished;
-    }
-    b.phase = BulkPhase::triangles;
-    return begin_triangles(s) ? BulkStatus::unfinished : stop(s, BulkStatus::no_triangles);
+    FJELL_ASSERT(b.phase != BulkPhase::idle && b.phase <= BulkPhase::triangles);
+    b.units = 1;
+    if (b.phase == BulkPhase::triangles) return step_tiles(s);
+    BulkUnit units[most_units];
+    const std::uint32_t count = next_units(s, units);
+    if (count == 0) return next_phase(s);
+    run_jobs(s, count, [&](std::uint32_t n, std::uint32_t) {
+        if (b.phase == BulkPhase::vertices)
+            place_unit(s, units[n]);
+        else
+            decide_unit(s, units[n]);
+    });
+    for (std::uint32_t n = 0; n < count; ++n) merge(s, units[n]);
+    b.units = count;
+    if (b.taken > bulk_capacity(s)) return stop(s, BulkStatus::no_vertices);
+    return b.no_pages ? stop(s, BulkStatus::no_pages) : BulkStatus::unfinished;
 }
 
 } // namespace fjell

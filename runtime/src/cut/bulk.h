@@ -6,7 +6,8 @@
 // known which children are active; a page's corners are handed down as a grid of slots, so that no vertex is looked up.
 // Both use only slots that are free. What they find becomes the cut's state at the end, page by page.
 //
-// All of it is done in units of a quarter of a page at most, so that it may stop after any of them.
+// Vertices are written once all are known. All of it is done in units of a quarter of a page at most, so that it may
+// stop after any of them.
 #pragma once
 
 #include "cut/find.h"
@@ -21,14 +22,18 @@ void begin_bulk(CutState& s, bool beside);
 void drop_bulk(CutState& s);
 
 enum class BulkStatus : std::uint8_t { unfinished, built, no_vertices, no_triangles, no_pages };
-// The next unit of deciding and building. no_vertices, no_triangles, no_pages: that capacity does not suffice; idle
-// again, and nothing has changed.
+// The next unit of deciding, placing and building, or the next ones, where the host has threads for them;
+// BulkPass::units says how many. no_vertices, no_triangles, no_pages: that capacity does not suffice; idle again, and
+// nothing has changed.
 [[nodiscard]] BulkStatus step_bulk(CutState& s);
 
-// Of it the triangles, once all vertices are decided (bulk_mesh.cpp). begin: false when there might not be segments
-// enough. step: those of one more quarter of a page; false when there is none.
-[[nodiscard]] bool begin_triangles(CutState& s);
+// Of it the triangles, once all vertices are placed (bulk_mesh.cpp). has_segments: there are enough for those that were
+// decided, whatever their order. step: the triangles of one more quarter of a page; false when there is none. build:
+// all of them, several tiles side by side.
+[[nodiscard]] bool has_segments(const CutState& s);
+void begin_triangles(CutState& s);
 [[nodiscard]] bool step_triangles(CutState& s);
+void build_tiles(CutState& s);
 
 // What was built is the cut's mesh from now on. Its state follows, and must be whole before anything is changed.
 // O(tiles and segments).
@@ -43,6 +48,9 @@ void finish_bulk(CutState& s);
 // After a jump of the camera: builds what is seen, as long as the frame may. True: it has not come to its end, and what
 // is drawn is as it was. What is not seen is due when it has.
 [[nodiscard]] bool run_bulk(CutState& s);
+
+// Units that may be done side by side: a few for each thread, where time counts, and no more than are left to a replay.
+[[nodiscard]] std::uint32_t unit_limit(const CutState& s);
 
 // The squares of one step in one page or, of coarse steps, in one tile; and of what the pass has found there.
 struct BulkSquares {
@@ -69,6 +77,18 @@ struct BulkSquares {
     return {&step, vertex == no_index ? no_index : vertex / group_lanes / max_page_groups, z, i & -n, j & -n, n};
 }
 
+// The squares of a step in a page that has a state.
+[[nodiscard]] inline BulkSquares listed_squares(const CutState& s, std::uint32_t slot, int z) {
+    const PageState& page = s.page_state[slot];
+    const StepGroups& step = s.steps[z];
+    return {&step,
+            slot,
+            z,
+            (page.tile_x << step.log2) + page.i0,
+            (page.tile_y << step.log2) + page.j0,
+            1 << step.page_log2};
+}
+
 // What the pass has found in a page; nullptr: nothing.
 [[nodiscard]] inline const BulkPage* found_in(const CutState& s, std::uint32_t slot) {
     return slot != no_index && s.bulk.pages[slot].build == s.bulk.build ? &s.bulk.pages[slot] : nullptr;
@@ -76,6 +96,10 @@ struct BulkSquares {
 [[nodiscard]] inline const BulkPage* found_at(const CutState& s, int z, std::int32_t i, std::int32_t j) {
     if (i < 0 || j < 0 || i >= s.tiles_x << s.steps[z].log2 || j >= s.tiles_y << s.steps[z].log2) return nullptr;
     return found_in(s, squares_at(s, z, i, j).slot);
+}
+
+[[nodiscard]] inline std::uint32_t row_bits(const BulkPage* page, std::uint32_t row) {
+    return page == nullptr ? 0 : page->active[row];
 }
 
 // Which parents of a page's centres are active, a word a row. False: none at all.
@@ -95,6 +119,7 @@ public:
     [[nodiscard]] std::uint32_t operator[](std::uint32_t n) const {
         return n < free_ ? stack_[free_ - 1 - n] : fresh_ + n;
     }
+    [[nodiscard]] bool are_consecutive(std::uint32_t first) const { return first >= free_; }
 
 private:
     const std::uint32_t* stack_;

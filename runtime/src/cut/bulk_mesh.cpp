@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "cut/bulk_masks.h"
+#include "cut/jobs.h"
 #include "cut/mesh.h"
 #include "cut/morph.h"
 
@@ -58,35 +59,43 @@ constexpr std::array<Fan, 16> fans = [] {
 // Triangles of one page after the other.
 class Emitter {
 public:
-    explicit Emitter(CutState& state)
-        : s(state), b(state.bulk), slots_(state), morphs_(state.morph_now.morph != Morph::none) {}
+    explicit Emitter(CutState& state, std::uint32_t worker = 0)
+        : s(state), b(state.bulk), down_(b.descents[worker]), slots_(state),
+          morphs_(state.morph_now.morph != Morph::none) {}
 
     // The next page; false: all tiles are done.
     bool step() {
-        while (b.depth != 0 || b.at != s.terrain->tile_count()) {
-            if (b.depth == 0) {
-                tile_ = b.at++;
-                if (begin_tile()) return true;
-                continue;
-            }
-            const BulkPlace& place = b.places[b.depth - 1];
-            tile_ = b.at - 1;
-            if (place.rows != 1u << s.steps[z_now()].page_log2) {
-                resume();
-                return true;
-            }
-            if (place.quarter == quarters()) {
-                --b.depth;
-                continue;
-            }
-            if (descend()) return true;
+        while (down_.depth != 0 || b.at != s.terrain->tile_count()) {
+            if (down_.depth != 0 ? next() : begin(b.at++)) return true;
         }
         return false;
     }
+    // All of a tile.
+    void tile(std::uint32_t number) {
+        (void)begin(number);
+        while (down_.depth != 0) (void)next();
+    }
 
 private:
+    // The tile's first page. False: it has none.
+    bool begin(std::uint32_t number) {
+        down_.tile = number;
+        return begin_tile();
+    }
+    // What comes after it. False: nothing does here.
+    bool next() {
+        const BulkPlace& place = down_.places[down_.depth - 1];
+        if (place.rows != 1u << s.steps[z_now()].page_log2) {
+            resume();
+            return true;
+        }
+        if (place.quarter != quarters()) return descend();
+        --down_.depth;
+        return false;
+    }
+
     // z of the place on top: the root's is the coarsest.
-    [[nodiscard]] int z_now() const { return s.terrain->tree.tile_log2 - static_cast<int>(b.depth); }
+    [[nodiscard]] int z_now() const { return s.terrain->tree.tile_log2 - static_cast<int>(down_.depth); }
     // Pages of the next step under one of this.
     [[nodiscard]] std::uint32_t quarters() const {
         const int z = z_now();
@@ -95,35 +104,39 @@ private:
 
     // The tile's last segment, written without going through its list.
     void open() {
-        const TileStack& list = b.tiles[tile_];
+        const BulkTile& list = b.tiles[down_.tile];
         out_ = {s.indices, s.triangle_of, 0, 0};
         if (list.last_segment == no_index) return;
         out_.next = (list.last_segment << s.segment_log2) + list.in_last;
-        if (!s.some_hidden) out_.end = (list.last_segment + 1) << s.segment_log2; // each one is looked at, otherwise
+        if (list.reserved != no_index) out_.end = (list.last_segment + 1) << s.segment_log2; // or each one is looked at
     }
     void close() {
-        TileStack& list = b.tiles[tile_];
+        TileStack& list = b.tiles[down_.tile];
         if (list.last_segment == no_index) return;
         const std::uint32_t in_last = out_.next - (list.last_segment << s.segment_log2);
         if (b.beside) s.dirty_triangles.mark_range((list.last_segment << s.segment_log2) + list.in_last, out_.next);
         list.total += in_last - list.in_last;
         list.in_last = in_last;
     }
-    std::uint32_t triangle(std::uint32_t tile, const MeshTriangle& t, std::uint32_t direction, bool named = true) {
-        const std::uint32_t list = list_for(s, tile, t);
-        if (list == tile_) close();
+    std::uint32_t triangle(const MeshTriangle& t, std::uint32_t direction, bool named = true) {
+        BulkTile& own = b.tiles[down_.tile];
+        const std::uint32_t list = own.reserved != no_index ? down_.tile : list_for(s, down_.tile, t);
+        close();
+        if (own.reserved != no_index && needs_segment(s, own))
+            push_segment(s, own, down_.tile, s.free_segments[--own.reserved]);
         const std::uint32_t slot = take_triangle(s, b.tiles[list], list), key = t.right * 4 + direction;
         const std::uint32_t before = s.triangle_of[key];
-        write_triangle(s, slot, t, key);
+        put_triangle(s, slot, t, key);
+        if (b.beside) s.dirty_triangles.mark(slot);
         if (!named) s.triangle_of[key] = before;
-        if (list == tile_) open();
+        open();
         return slot;
     }
 
     bool begin_tile() {
-        const auto tx = static_cast<std::int32_t>(tile_) % s.tiles_x, ty = static_cast<std::int32_t>(tile_) / s.tiles_x;
+        const auto tile = static_cast<std::int32_t>(down_.tile), tx = tile % s.tiles_x, ty = tile / s.tiles_x;
         const int z = s.terrain->tree.tile_log2 - 1;
-        SlotGrid& grid = b.grids[z];
+        SlotGrid& grid = down_.grids[z];
         const auto corner = [&](std::int32_t x, std::int32_t y) {
             return static_cast<std::uint32_t>((ty + y) * (s.tiles_x + 1) + tx + x);
         };
@@ -131,13 +144,13 @@ private:
             for (std::int32_t x = 0; x < 2; ++x) grid.corner[y][x] = corner(x, y);
         const BulkSquares root = squares_at(s, z, tx, ty);
         const BulkPage* const found = found_in(s, root.slot);
-        std::uint32_t(&base)[2] = b.bases[tile_];
+        std::uint32_t(&base)[2] = b.bases[down_.tile];
         base[0] = base[1] = no_index;
         if (found == nullptr || found->active[root.row(VertexKind::centre, 0)] == 0) {
             open();
             // Their keys are the drawn mesh's until this one is.
-            base[0] = triangle(tile_, {corner(1, 0), corner(0, 0), corner(1, 1)}, 2, false);
-            base[1] = triangle(tile_, {corner(0, 1), corner(1, 1), corner(0, 0)}, 1, false);
+            base[0] = triangle({corner(1, 0), corner(0, 0), corner(1, 1)}, 2, false);
+            base[1] = triangle({corner(0, 1), corner(1, 1), corner(0, 0)}, 1, false);
             close();
             return false;
         }
@@ -147,7 +160,7 @@ private:
 
     // The next quarter of the place on top, when it has anything.
     bool descend() {
-        BulkPlace& place = b.places[b.depth - 1];
+        BulkPlace& place = down_.places[down_.depth - 1];
         const int z = z_now();
         const std::int32_t finer = 1 << s.steps[z - 1].page_log2, half = finer / 2;
         const auto quarter = static_cast<std::int32_t>(place.quarter++);
@@ -159,7 +172,7 @@ private:
         std::uint32_t any = 0;
         for (std::int32_t j = 0; j < finer; ++j) any |= found->active[at.row(VertexKind::centre, j)];
         if (any == 0) return false;
-        hand_down(b.grids[z], b.grids[z - 1], static_cast<std::uint32_t>(qx), static_cast<std::uint32_t>(qy),
+        hand_down(down_.grids[z], down_.grids[z - 1], static_cast<std::uint32_t>(qx), static_cast<std::uint32_t>(qy),
                   static_cast<std::uint32_t>(half));
         page(at);
         return true;
@@ -185,53 +198,56 @@ private:
 
     // A page with active centres, whose grid has the corners of its squares.
     void page(const BulkSquares& at) {
-        b.places[b.depth++] = {at.i0, at.j0, 0, 0};
+        down_.places[down_.depth++] = {at.i0, at.j0, 0, 0};
         gather(at);
         scatter();
         rows();
     }
     // More of its rows.
     void resume() {
-        const BulkPlace& place = b.places[b.depth - 1];
+        const BulkPlace& place = down_.places[down_.depth - 1];
         gather(squares_at(s, z_now(), place.i0, place.j0));
         rows();
     }
     void gather(const BulkSquares& at) {
         at_ = at;
-        grid_ = &b.grids[at.z];
+        grid_ = &down_.grids[at.z];
         masks_.gather(s, at);
         if (masks_.any_side) masks_.gather_finer(s, at);
     }
     // A unit of work: a quarter of a full page.
     void rows() {
-        BulkPlace& place = b.places[b.depth - 1];
+        BulkPlace& place = down_.places[down_.depth - 1];
         const auto first = static_cast<std::int32_t>(place.rows), end = b.beside ? std::min(first + 8, at_.n) : at_.n;
         place.rows = static_cast<std::uint32_t>(end);
         open();
         const std::int32_t tile_side = (1 << at_.step->log2) - 1;
-        const bool west_border = (at_.i0 & tile_side) == 0;
+        const bool west_border = (at_.i0 & tile_side) == 0, east_border = ((at_.i0 + at_.n) & tile_side) == 0,
+                   south_border = ((at_.j0 + at_.n) & tile_side) == 0;
         for (std::int32_t j = first; j < end; ++j) {
             if (masks_.centre[j + 1] != 0) centre_row(j);
             const bool north_border = ((at_.j0 + j) & tile_side) == 0;
             if (masks_.side_x[j] != 0) side_x_row(j, north_border);
             if (const std::uint32_t own = static_cast<std::uint32_t>(masks_.side_y[j]) & at_.all(); own != 0)
                 side_y_row(j, own, west_border);
-            if (masks_.owns_east && (masks_.side_y[j] >> at_.n & 1) != 0)
+            if (east_border && (masks_.side_y[j] >> at_.n & 1) != 0)
                 border_side(VertexKind::side_y, at_.n, j, drawn_y(j, at_.n));
         }
-        if (end == at_.n && masks_.owns_south && masks_.side_x[end] != 0) side_x_row(end, true);
+        if (end == at_.n && south_border && masks_.side_x[end] != 0) side_x_row(end, true);
         close();
     }
 
     // --- slots
 
-    void put_slots(std::uint32_t* to, std::uint32_t active, std::uint32_t first) const {
+    void put_slots(std::uint32_t* to, const BulkPage& page, std::uint32_t row) const {
         const BulkSlots slots = slots_;
-        for (; active != 0; active &= active - 1) to[std::countr_zero(active)] = slots[first++];
+        std::uint32_t number = page.number + page.first[row];
+        for (std::uint32_t active = page.active[row]; active != 0; active &= active - 1)
+            to[std::countr_zero(active)] = slots[number++];
     }
     [[nodiscard]] std::uint32_t slot_in(const BulkPage& page, std::uint32_t row, std::uint32_t lane) const {
         const std::uint32_t before = page.active[row] & ((1u << lane) - 1);
-        return slots_[page.first[row] + static_cast<std::uint32_t>(std::popcount(before))];
+        return slots_[page.number + page.first[row] + static_cast<std::uint32_t>(std::popcount(before))];
     }
     void scatter() {
         const BulkPage& own = *masks_.own;
@@ -240,9 +256,9 @@ private:
         for (std::int32_t j = 0; j < n; ++j) {
             const std::uint32_t c = at_.row(VertexKind::centre, j), x = at_.row(VertexKind::side_x, j),
                                 y = at_.row(VertexKind::side_y, j);
-            put_slots(g.centre[j + 1] + 1, own.active[c], own.first[c]);
-            put_slots(g.side_x[j], own.active[x], own.first[x]);
-            put_slots(g.side_y[j], own.active[y], own.first[y]);
+            put_slots(g.centre[j + 1] + 1, own, c);
+            put_slots(g.side_x[j], own, x);
+            put_slots(g.side_y[j], own, y);
             if ((masks_.side_y[j] & 1) != 0 && masks_.west != nullptr)
                 g.centre[j + 1][0] = slot_in(*masks_.west, c, static_cast<std::uint32_t>(n) - 1);
             if ((masks_.side_y[j] >> n & 1) != 0)
@@ -251,12 +267,12 @@ private:
         }
         if (masks_.north != nullptr && masks_.side_x[0] != 0) {
             const std::uint32_t row = at_.row(VertexKind::centre, n - 1);
-            put_slots(g.centre[0] + 1, masks_.north->active[row], masks_.north->first[row]);
+            put_slots(g.centre[0] + 1, *masks_.north, row);
         }
         if (masks_.side_x[n] != 0) {
             const BulkPage& of = masks_.owns_south ? own : *masks_.south;
             const std::uint32_t row = at_.row(VertexKind::side_x, masks_.owns_south ? n : 0);
-            put_slots(g.side_x[n], of.active[row], of.first[row]);
+            put_slots(g.side_x[n], of, row);
         }
     }
 
@@ -275,8 +291,7 @@ private:
         for (std::uint32_t d = 0; d < 4; ++d)
             if (drawn >> d & 1)
                 (void)triangle(
-                    tile_, {v, static_cast<std::uint32_t>(corners[d]), static_cast<std::uint32_t>(corners[d] >> 32)},
-                    d);
+                    {v, static_cast<std::uint32_t>(corners[d]), static_cast<std::uint32_t>(corners[d] >> 32)}, d);
     }
     void fan(Out& out, std::uint32_t v, std::uint64_t c0, std::uint64_t c1, std::uint64_t c2, std::uint64_t c3,
              std::uint32_t drawn) {
@@ -396,7 +411,8 @@ private:
         }
     }
 
-    // A side between two tiles, or on the terrain's rim: each triangle belongs to the tile of its apex.
+    // A side between two tiles, or on the terrain's rim: each triangle belongs to the tile of its apex, and is made
+    // with that.
     void border_side(VertexKind kind, std::int32_t i, std::int32_t j, std::uint32_t drawn) {
         const SlotGrid& g = *grid_;
         const bool side_x = kind == VertexKind::side_x;
@@ -405,13 +421,16 @@ private:
         const std::uint32_t east = side_x ? g.corner[j][i + 1] : i == at_.n ? no_index : g.centre[j + 1][i + 1];
         const std::uint32_t south = !side_x ? g.corner[j + 1][i] : j == at_.n ? no_index : g.centre[j + 1][i + 1];
         const MeshTriangle quadrants[4] = {{v, north, west}, {v, east, north}, {v, west, south}, {v, south, east}};
-        std::fill_n(s.triangle_of + std::size_t{v} * 4, 4, no_index);
         const Site site{at_.z, kind, at_.i0 + i, at_.j0 + j};
+        const bool own = side_x ? j != at_.n || masks_.owns_south : i != at_.n || masks_.owns_east;
         for (std::uint32_t d = 0; d < 4; ++d) {
             const Site apex = parent_site(site, static_cast<int>(side_x ? d >> 1 : d & 1));
-            if ((drawn >> d & 1) != 0 && exists(s, apex)) triangle(tile_of(apex), quadrants[d], d);
+            const bool beyond = !exists(s, apex);
+            if (beyond ? !own : tile_of(apex) != down_.tile) continue;
+            s.triangle_of[std::size_t{v} * 4 + d] = no_index;
+            if (!beyond && (drawn >> d & 1) != 0) triangle(quadrants[d], d);
         }
-        if (morphs_) flatten(v, kind, i, j, side_x ? west : north, side_x ? east : south);
+        if (morphs_ && own) flatten(v, kind, i, j, side_x ? west : north, side_x ? east : south);
     }
 
     [[nodiscard]] std::uint32_t tile_of(const Site& centre) const {
@@ -427,9 +446,9 @@ private:
 
     CutState& s;
     BulkPass& b;
+    BulkDescent& down_;
     const BulkSlots slots_;
     const bool morphs_;
-    std::uint32_t tile_ = 0;
     Out out_{};
     BulkSquares at_{}; // the page in work
     SlotGrid* grid_ = nullptr;
@@ -438,22 +457,53 @@ private:
 
 } // namespace
 
-bool begin_triangles(CutState& s) {
+bool has_segments(const CutState& s) {
     // Every active vertex has split a triangle into two, twice unless it lies on the rim.
     const std::uint32_t most = 2 * s.terrain->tile_count() + 2 * s.bulk.taken;
     // Every tile's last segment may be nearly empty, and that of what is not drawn; two stay back for deactivations. No
     // more, or the smallest budget that is taken could never be filled.
     const std::uint32_t segments = (most >> s.segment_log2) + s.terrain->tile_count() + (s.some_hidden ? 1 : 0) + 2;
-    if (segments > (s.bulk.beside ? s.free_segment_count : s.segment_count)) return false;
+    return segments <= (s.bulk.beside ? s.free_segment_count : s.segment_count);
+}
+
+namespace {
+
+// May some of its triangles be hidden? Those are not counted before.
+bool may_hide(const CutState& s, std::uint32_t tile) {
+    const TerrainData& t = *s.terrain;
+    const std::uint32_t tiles_x = static_cast<std::uint32_t>(s.tiles_x),
+                        tiles_y = static_cast<std::uint32_t>(s.tiles_y);
+    return t.has_voids() || (t.tree.cut_x != 0 && tile % tiles_x + 1 == tiles_x) ||
+           (t.tree.cut_y != 0 && tile / tiles_x + 1 == tiles_y);
+}
+
+} // namespace
+
+// Each tile gets its segments, so that no order in which tiles are done can change who has which.
+void begin_triangles(CutState& s) {
     if (!s.bulk.beside) free_all_segments(s);
-    for (std::uint32_t i = 0; i <= s.terrain->tile_count(); ++i) s.bulk.tiles[i] = {no_index, 0, 0, 0};
-    s.bulk.at = s.bulk.depth = 0;
-    return true;
+    const std::uint32_t a_segment = 1u << s.segment_log2;
+    for (std::uint32_t i = 0; i <= s.terrain->tile_count(); ++i) {
+        BulkTile& tile = s.bulk.tiles[i];
+        const bool hides = i == s.terrain->tile_count() || may_hide(s, i);
+        tile = {{no_index, 0, 0, 0}, tile.planned, hides ? no_index : s.free_segment_count};
+        if (!hides) s.free_segment_count -= (tile.planned + a_segment - 1) >> s.segment_log2;
+    }
+    note_segments(s);
+    s.bulk.at = s.bulk.descents[0].depth = 0;
+}
+
+void build_tiles(CutState& s) {
+    const std::uint32_t tiles = s.terrain->tile_count();
+    run_jobs(s, tiles, [&](std::uint32_t tile, std::uint32_t worker) {
+        if (s.bulk.tiles[tile].reserved != no_index) Emitter(s, worker).tile(tile);
+    });
+    for (std::uint32_t tile = 0; tile < tiles; ++tile)
+        if (s.bulk.tiles[tile].reserved == no_index) Emitter(s).tile(tile);
 }
 
 bool step_triangles(CutState& s) {
-    Emitter emitter(s);
-    return emitter.step();
+    return Emitter(s).step();
 }
 
 } // namespace fjell

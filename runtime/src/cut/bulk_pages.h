@@ -12,15 +12,37 @@ namespace fjell {
 // Rows of the planes of a page: a full one has 32 + 33 + 32 of 32 lanes, and its column; page 0 has a row a group.
 inline constexpr std::uint32_t bulk_rows = 103;
 
-// Of a page that has a state. Holds something while `build` is the pass'.
-struct BulkPage {
+// Of a page that has a state. Holds something while `build` is the pass'. Its vertices take slots one after the other,
+// row by row.
+struct alignas(64) BulkPage {
     std::uint32_t build;
-    std::uint32_t grades; // 1 + the highest grade of the groups that were evaluated; 0: none was
+    std::uint32_t number; // of its first vertex, in the order in which slots are taken
     std::uint32_t active[bulk_rows];
-    std::uint32_t first[bulk_rows]; // of the row's active vertices: its number, in the order in which they take slots
+    std::uint16_t first[bulk_rows]; // of the row's vertices, counted from the page's first
+    std::uint16_t wanted;           // vertices
     std::uint16_t ticks[page_ticks];
+    std::uint8_t grades; // 1 + the highest grade of the groups that were evaluated; 0: none was
 };
-static_assert(sizeof(BulkPage) == 1280);
+static_assert(sizeof(BulkPage) == 1088);
+
+// Rows of squares, or of a page's groups.
+struct BulkRows {
+    std::int32_t first, end;
+};
+
+// What is done at once: rows of a page, of one step where it is decided.
+struct BulkUnit {
+    std::uint32_t slot; // no_index: there was nothing
+    int z;
+    BulkRows rows;
+    bool waits; // nobody sees the page: what is ready in it is due, not decided
+    bool last;  // of its page
+    // What was found:
+    std::uint32_t wanted, groups, grades;
+    // Triangles around its vertices, as they are placed: of its tile, and of those to the west and north.
+    std::uint32_t own, west, north;
+};
+inline constexpr std::uint32_t most_units = 256; // at once
 
 // Vertex slots in and around one page, where vertices are active. Rows and columns -1 of `centre` come first.
 struct SlotGrid {
@@ -39,10 +61,18 @@ struct TileStack {
     std::uint32_t segments;
 };
 
+// And what is known of them before: how many there will be, and which segments they take. free_segments below
+// `reserved` down to as many as that takes; no_index: how many are hidden is not known, and it takes what comes.
+struct BulkTile : TileStack {
+    std::uint32_t planned;
+    std::uint32_t reserved;
+};
+
 enum class BulkPhase : std::uint8_t {
     idle,
     centres,   // of step z, page by page: which are wanted
     sides,     // then which sides
+    vertices,  // all are known, and written to their slots
     triangles, // tile by tile on the way down, when it is known which vertices are active
     built,     // the mesh stands beside the one that is drawn
     // It is drawn, and the state of pages follows:
@@ -57,28 +87,34 @@ struct BulkPlace {
     std::uint32_t quarter; // of it that comes next
 };
 
+// The way down of one tile, with the grids of its steps.
+struct BulkDescent {
+    SlotGrid* grids; // one a step
+    std::uint32_t tile, depth;
+    BulkPlace places[max_tile_log2];
+};
+
 struct BulkPass {
     BulkPage* pages;          // one a page state
     std::uint32_t* visited;   // states of pages that hold something
     std::uint32_t* listed[2]; // of those with active centres of the coarser step, and of the one in work
     std::uint32_t visited_count, listed_count[2];
-    SlotGrid* grids;           // one a step
-    TileStack* tiles;          // as many as CutState::tiles
+    BulkDescent* descents;     // one a worker
+    BulkTile* tiles;           // as many as CutState::tiles
     std::uint32_t (*bases)[2]; // a tile's two triangles, where its root is not active; no_index where it is
     std::uint32_t build;
     bool beside;         // only slots that are free are used; otherwise all are, and what was drawn is gone
     bool again;          // the camera has jumped once more
-    std::uint32_t taken; // vertices so far: the n-th has bulk_slot(n)
+    std::uint32_t taken; // vertices so far: the n-th has BulkSlots[n]
     std::uint32_t free_before, fresh_before; // of CutState::free_vertices, when the pass began
     std::uint32_t mapped;                    // entries of that stack that say so while the state follows
     BulkPhase phase;
-    bool no_vertices, no_pages; // there were not enough
-    std::int32_t z;             // step in work
-    std::uint32_t at;           // next tile or page
-    std::uint32_t part;         // of it
-    std::uint32_t depth;
+    bool no_pages;                   // there were not enough
+    std::int32_t z;                  // step in work
+    std::uint32_t at;                // next tile or page
+    std::uint32_t part;              // of it
     double travelled_m[grade_count]; // by the odometers, since the pass began
-    BulkPlace places[max_tile_log2];
+    std::uint32_t units;             // that the last step has done
 };
 
 } // namespace fjell

@@ -49,7 +49,7 @@ bool run_bulk(CutState& s) {
     b.again = b.again || s.leapt;
     CutReport& r = s.report;
     do {
-        if (b.again && b.phase < BulkPhase::triangles) {
+        if (b.again && b.phase < BulkPhase::vertices) {
             drop_bulk(s);
             if (needs_pages(s) && reclaim_page(s)) {
                 ++r.visits;
@@ -65,12 +65,14 @@ bool run_bulk(CutState& s) {
             }
         }
         if (b.phase == BulkPhase::idle) return false;
-        ++r.visits;
         if (b.phase >= BulkPhase::releasing) {
             s.jumped = step_install(s) && s.jumped;
+            r.visits += b.units;
             continue;
         }
-        switch (step_bulk(s)) {
+        const BulkStatus status = step_bulk(s);
+        r.visits += b.units;
+        switch (status) {
         case BulkStatus::unfinished: break;
         case BulkStatus::built:
             r.deactivations += s.budget.vertices - free_vertices(s) - corner_slots(s);

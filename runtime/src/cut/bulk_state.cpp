@@ -5,6 +5,7 @@
 
 #include "cut/bulk.h"
 #include "cut/bulk_masks.h"
+#include "cut/jobs.h"
 #include "cut/lag.h"
 #include "cut/mesh.h"
 #include "cut/pages.h"
@@ -18,15 +19,15 @@ class Installer {
 public:
     Installer(CutState& state, std::uint32_t slot) : s(state), slot_(slot), page_(s.bulk.pages[slot]), taken_(state) {}
 
-    void page() {
+    // Writes nothing but them, their vertices' slots, and how many there are. Returns how many parents are active.
+    std::uint32_t page() {
         PageState& info = s.page_state[slot_];
         const int finest = info.shape == 0 ? std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
                   coarsest = info.shape == 0 ? s.terrain->tree.tile_log2 - 1 : info.z;
         std::uint32_t active = 0;
         for (int z = coarsest; z >= finest; --z) active += step(z);
         info.active = static_cast<std::uint16_t>(active);
-        count_parents(s, slot_, parents_ - (info.shape == 0 ? 2 : 0)); // a root's do not exist
-        if (page_.grades != 0) install_ticks(s.schedule, slot_, page_.ticks, page_.grades - 1, s.bulk.travelled_m);
+        return parents_ - (info.shape == 0 ? 2 : 0); // a root's do not exist
     }
 
 private:
@@ -72,7 +73,7 @@ private:
             for (std::size_t d = 0; d < 4; ++d) group.child[d] = part(child[d]);
         }
         parents_ += static_cast<std::uint32_t>(std::popcount(parent0 | std::uint64_t{parent1} << 32));
-        std::uint32_t number = page_.first[row];
+        std::uint32_t number = page_.number + page_.first[row];
         std::uint32_t* const slots = s.vertex_slot + std::size_t{first} * group_lanes;
         const BulkSlots taken = taken_;
         for (std::uint32_t left = active; left != 0; left &= left - 1) slots[std::countr_zero(left)] = taken[number++];
@@ -175,8 +176,28 @@ void install_mesh(CutState& s) {
     b.at = 0;
 }
 
+namespace {
+
+void install_pages(CutState& s) {
+    BulkPass& b = s.bulk;
+    std::uint32_t parents[most_units];
+    const std::uint32_t* const slots = b.visited + b.at;
+    b.units = std::min(unit_limit(s), b.visited_count - b.at);
+    run_jobs(s, b.units, [&](std::uint32_t n, std::uint32_t) { parents[n] = Installer(s, slots[n]).page(); });
+    for (std::uint32_t n = 0; n < b.units; ++n) {
+        clear_page_schedule(s.schedule, slots[n]); // roots, again
+        count_parents(s, slots[n], parents[n]);
+        const BulkPage& page = b.pages[slots[n]];
+        if (page.grades != 0) install_ticks(s.schedule, slots[n], page.ticks, page.grades - 1u, b.travelled_m);
+    }
+    b.at += b.units;
+}
+
+} // namespace
+
 bool step_install(CutState& s) {
     BulkPass& b = s.bulk;
+    b.units = 1;
     if (b.phase == BulkPhase::releasing) {
         while (b.at != s.fresh_page) {
             const std::uint32_t slot = b.at++;
@@ -193,9 +214,7 @@ bool step_install(CutState& s) {
         b.at = 0;
     }
     if (b.at != b.visited_count) {
-        const std::uint32_t slot = b.visited[b.at++];
-        clear_page_schedule(s.schedule, slot); // roots, again
-        Installer(s, slot).page();
+        install_pages(s);
         return true;
     }
     // The stack's entries that said which slots were taken go, and those above them come down.

@@ -43,8 +43,8 @@ struct Layout {
     std::size_t page_groups, loaded, groups, vertex_slot, page_state, free_pages, idle_pages, evicting, ticks,
         schedules, awake, bounds, next_due, vertices, morph, triangle_of, hole, free_vertices, indices, tiles,
         segment_tile, segment_below, free_segments, vertex_bits[2], vertex_words[2], triangle_bits[2],
-        triangle_words[2], ranges, hz_places, grids, late_s, morphing_out, late_pages, bulk_pages, bulk_slots[3],
-        bulk_tiles, bulk_bases, end;
+        triangle_words[2], ranges, hz_places, grids, descents, late_s, morphing_out, late_pages, bulk_pages,
+        bulk_slots[3], bulk_tiles, bulk_bases, end;
 };
 
 static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 * 4 + 1 + 3 * 4 &&
@@ -93,13 +93,14 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
     }
     l.ranges = place(segments, sizeof(TileRange));
     l.hz_places = place(t.pages.order == Order::hierarchical_z ? 2 * max_page_vertices : 0, 2);
-    l.grids = place(static_cast<std::size_t>(t.tree.tile_log2), sizeof(SlotGrid));
+    l.grids = place(static_cast<std::size_t>(t.tree.tile_log2) * b.workers, sizeof(SlotGrid));
+    l.descents = place(b.workers, sizeof(BulkDescent));
     l.late_s = place(b.vertices, 4);
     l.morphing_out = place(b.vertices, 4);
     l.late_pages = place(pages, 4);
     l.bulk_pages = place(pages, sizeof(BulkPage));
     for (std::size_t& slots : l.bulk_slots) slots = place(pages, 4);
-    l.bulk_tiles = place(t.tile_count() + 1, sizeof(TileStack));
+    l.bulk_tiles = place(t.tile_count() + 1, sizeof(BulkTile));
     l.bulk_bases = place(t.tile_count(), 8);
     l.end = at;
     return l;
@@ -113,6 +114,7 @@ Status check_budget(const TerrainData& t, const CutBudget& b) {
     if (b.segment_triangles < 8 || b.segment_triangles > 65536 || !std::has_single_bit(b.segment_triangles))
         return {Code::out_of_range, "CutBudget::segment_triangles (8 to 65,536, a power of two)"};
     if (b.views < 1 || b.views > max_cut_views) return {Code::out_of_range, "CutBudget::views (1 to 8)"};
+    if (b.workers < 1 || b.workers > max_cut_workers) return {Code::out_of_range, "CutBudget::workers (1 to 64)"};
     if (std::uint64_t{pages_of(t, b)} * max_page_vertices > 0xfffffff0u)
         return {Code::out_of_range, "CutBudget::vertices (states for 1,369,568 pages at most)"};
     if (b.vertices < corner_count(t)) return {Code::budget_too_small, "CutBudget::vertices (4 a tile)"};
@@ -279,7 +281,10 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     bits_part(s.untaken_vertices, l.vertex_bits[1], l.vertex_words[1]);
     bits_part(s.untaken_triangles, l.triangle_bits[1], l.triangle_words[1]);
     part(s.ranges, l.ranges);
-    part(s.bulk.grids, l.grids);
+    part(s.bulk.descents, l.descents);
+    for (std::uint32_t worker = 0; worker < budget.workers; ++worker)
+        part(s.bulk.descents[worker].grids,
+             l.grids + sizeof(SlotGrid) * static_cast<std::size_t>(terrain.tree.tile_log2) * worker);
     part(s.bulk.pages, l.bulk_pages);
     part(s.bulk.visited, l.bulk_slots[0]);
     for (int i = 0; i < 2; ++i) part(s.bulk.listed[i], l.bulk_slots[i + 1]);

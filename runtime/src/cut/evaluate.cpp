@@ -28,6 +28,19 @@ constexpr std::int32_t lane_numbers[group_lanes] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 constexpr std::int32_t lane_bits[group_lanes] = {1,      1 << 1, 1 << 2,  1 << 3,  1 << 4,  1 << 5,  1 << 6,  1 << 7,
                                                  1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15};
 
+template <typename VI, typename VF>
+HWY_INLINE void read_record(const Criterion& c, VI record, std::int32_t base, float unit_m, VI& error_code,
+                            VF& height_m, VF& error_m, VF& radius_m) {
+    const F d;
+    const I di;
+    const auto height = hn::Add(hn::And(record, hn::Set(di, 0xffff)), hn::Set(di, base));
+    height_m = hn::Add(hn::Set(d, c.base_m), hn::Mul(hn::ConvertTo(d, height), hn::Set(d, c.quantum_m)));
+    error_code = hn::And(hn::ShiftRight<16>(record), hn::Set(di, 0xff));
+    error_m = hn::GatherIndex(d, c.error_m, error_code);
+    const auto radius_code = hn::And(hn::ShiftRight<24>(record), hn::Set(di, 0x7f));
+    radius_m = hn::Mul(hn::Set(d, unit_m), hn::GatherIndex(d, c.radius_factor, radius_code));
+}
+
 // Of the lanes from `first` on: where they stand, and what their records say. Through references, because vectors whose
 // length nobody knows cannot be members.
 template <typename VI, typename VF>
@@ -41,16 +54,56 @@ HWY_INLINE void read_lanes(const Criterion& c, const LaneGroup& b, std::uint32_t
     x_m = hn::Mul(hn::ConvertTo(d, x), hn::Set(d, c.spacing_x_m));
     z_m = hn::Mul(hn::ConvertTo(d, y), hn::Set(d, c.spacing_z_m));
     const auto record = hn::LoadU(di, reinterpret_cast<const std::int32_t*>(b.records + first));
-    const auto height = hn::Add(hn::And(record, hn::Set(di, 0xffff)), hn::Set(di, b.base));
-    y_m = hn::Add(hn::Set(d, c.base_m), hn::Mul(hn::ConvertTo(d, height), hn::Set(d, c.quantum_m)));
-    error_code = hn::And(hn::ShiftRight<16>(record), hn::Set(di, 0xff));
-    error_m = hn::GatherIndex(d, c.error_m, error_code);
-    const auto radius_code = hn::And(hn::ShiftRight<24>(record), hn::Set(di, 0x7f));
-    radius_m = hn::Mul(hn::Set(d, b.unit_m), hn::GatherIndex(d, c.radius_factor, radius_code));
+    read_record(c, record, b.base, b.unit_m, error_code, y_m, error_m, radius_m);
 }
 
-template <bool Keep>
-HWY_INLINE void evaluate_all(const Criterion& c, const LaneGroup& b, LaneAnswers& out, LaneNumbers* numbers) {
+// Lanes of picked vertices, from `first` on.
+template <typename VI, typename VF>
+HWY_INLINE void read_picked(const Criterion& c, const PickedLanes& b, std::uint32_t first, VI& x, VI& y, VI& record,
+                            VI& error_code, VF& height_m, VF& error_m, VF& radius_m) {
+    const I di;
+    auto picked = hn::Undefined(di), unused = picked;
+    hn::LoadInterleaved2(di, reinterpret_cast<const std::int32_t*>(b.picked + first), picked, unused);
+    const auto byte = hn::Set(di, 0xff);
+    x = hn::Min(hn::Add(hn::Set(di, b.x0), hn::ShiftLeftSame(hn::And(hn::ShiftRight<16>(picked), byte), b.z)),
+                hn::Set(di, c.last_x));
+    y = hn::Min(hn::Add(hn::Set(di, b.y0), hn::ShiftLeftSame(hn::And(hn::ShiftRight<24>(picked), byte), b.z)),
+                hn::Set(di, c.last_y));
+    record =
+        hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(b.records), hn::And(picked, hn::Set(di, 0xffff)));
+    read_record(c, record, b.base, b.unit_m, error_code, height_m, error_m, radius_m);
+}
+
+// Margins of all views, and what they decide.
+template <typename VF, typename M>
+HWY_INLINE void decide(const Criterion& c, VF px, VF py, VF pz, VF error, VF radius, VF& reach_margin, VF& keep_margin,
+                       VF& span, M& is_wanted, M& is_kept) {
+    const F d;
+    reach_margin = keep_margin = hn::Set(d, -3.4e38f);
+    span = hn::Zero(d);
+    is_wanted = is_kept = hn::Lt(span, span); // none
+    for (std::uint32_t v = 0; v < c.views; ++v) {
+        const Reach& r = c.reach[v];
+        const auto dx = hn::Sub(px, hn::Set(d, r.eye_x));
+        const auto dy = hn::Sub(py, hn::Set(d, r.eye_y));
+        const auto dz = hn::Sub(pz, hn::Set(d, r.eye_z));
+        const auto squared = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+        const auto distance = hn::Sqrt(squared);
+        const auto with = [&](const Reach& reach_of, VF& margin, M& answer) HWY_ATTR {
+            const auto reach =
+                hn::Add(hn::Mul(hn::Add(radius, hn::Mul(error, hn::Set(d, reach_of.q))), hn::Set(d, reach_grow)),
+                        hn::Set(d, reach_of.pad));
+            margin = hn::Max(margin, hn::Sub(reach, distance));
+            span = hn::Max(span, hn::Add(reach, distance));
+            answer = hn::Or(answer, hn::Lt(squared, hn::Mul(reach, reach)));
+        };
+        with(r, reach_margin, is_wanted);
+        if (c.hysteresis) with(c.keep[v], keep_margin, is_kept);
+    }
+    if (!c.hysteresis) keep_margin = reach_margin, is_kept = is_wanted;
+}
+
+void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
     const F d;
     const I di;
     const std::uint32_t looked_at = b.inactive | b.childless;
@@ -63,32 +116,9 @@ HWY_INLINE void evaluate_all(const Criterion& c, const LaneGroup& b, LaneAnswers
         auto px = hn::Undefined(d), py = px, pz = px, error = px, radius = px;
         auto error_code = hn::Undefined(di);
         read_lanes(c, b, lane, px, py, pz, error_code, error, radius);
-        if constexpr (Keep) {
-            hn::StoreU(py, d, numbers->height_m + lane);
-            hn::StoreU(error, d, numbers->error_m + lane);
-            hn::StoreU(radius, d, numbers->radius_m + lane);
-        }
-        auto reach_margin = hn::Set(d, -3.4e38f), keep_margin = reach_margin, span = hn::Zero(d);
-        auto is_wanted = hn::Lt(span, span), is_kept = is_wanted; // none
-        for (std::uint32_t v = 0; v < c.views; ++v) {
-            const Reach& r = c.reach[v];
-            const auto dx = hn::Sub(px, hn::Set(d, r.eye_x));
-            const auto dy = hn::Sub(py, hn::Set(d, r.eye_y));
-            const auto dz = hn::Sub(pz, hn::Set(d, r.eye_z));
-            const auto squared = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
-            const auto distance = hn::Sqrt(squared);
-            const auto decide = [&](const Reach& with, auto& margin, auto& answer) HWY_ATTR {
-                const auto reach =
-                    hn::Add(hn::Mul(hn::Add(radius, hn::Mul(error, hn::Set(d, with.q))), hn::Set(d, reach_grow)),
-                            hn::Set(d, with.pad));
-                margin = hn::Max(margin, hn::Sub(reach, distance));
-                span = hn::Max(span, hn::Add(reach, distance));
-                answer = hn::Or(answer, hn::Lt(squared, hn::Mul(reach, reach)));
-            };
-            decide(r, reach_margin, is_wanted);
-            if (c.hysteresis) decide(c.keep[v], keep_margin, is_kept);
-        }
-        if (!c.hysteresis) keep_margin = reach_margin, is_kept = is_wanted;
+        auto reach_margin = hn::Undefined(d), keep_margin = reach_margin, span = reach_margin;
+        auto is_wanted = hn::Lt(px, px), is_kept = is_wanted;
+        decide(c, px, py, pz, error, radius, reach_margin, keep_margin, span, is_wanted, is_kept);
         const std::uint32_t wanted_bits = bits_of(d, is_wanted),
                             kept_bits = c.hysteresis ? bits_of(d, is_kept) : wanted_bits;
         wanted |= wanted_bits << lane;
@@ -112,11 +142,49 @@ HWY_INLINE void evaluate_all(const Criterion& c, const LaneGroup& b, LaneAnswers
     out.code = static_cast<std::uint32_t>(hn::GetLane(hn::MaxOfLanes(di, codes)));
 }
 
-void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
-    evaluate_all<false>(c, b, out, nullptr);
+// The same for picked vertices. An answer is 16 bits for 16 of them; ticks are what their slacks are worth.
+void evaluate_picked_lanes(const Criterion& c, const PickedLanes& b, float ticks_a_metre, PickedAnswers& out) {
+    const F d;
+    const I di;
+    auto codes = hn::Zero(di);
+    for (std::uint32_t first = 0; first < b.count; first += group_lanes) {
+        std::uint32_t wanted = 0;
+        for (std::uint32_t lane = 0; lane < group_lanes; lane += static_cast<std::uint32_t>(hn::Lanes(d))) {
+            auto x = hn::Undefined(di), y = x, record = x, error_code = x;
+            auto py = hn::Undefined(d), error = py, radius = py;
+            read_picked(c, b, first + lane, x, y, record, error_code, py, error, radius);
+            codes = hn::Max(codes, error_code);
+            const auto px = hn::Mul(hn::ConvertTo(d, x), hn::Set(d, c.spacing_x_m));
+            const auto pz = hn::Mul(hn::ConvertTo(d, y), hn::Set(d, c.spacing_z_m));
+            auto reach_margin = hn::Undefined(d), keep_margin = reach_margin, span = reach_margin;
+            auto is_wanted = hn::Lt(px, px), is_kept = is_wanted;
+            decide(c, px, py, pz, error, radius, reach_margin, keep_margin, span, is_wanted, is_kept);
+            wanted |= bits_of(d, is_wanted) << lane;
+            const auto margin = c.hysteresis ? hn::IfThenElse(is_wanted, keep_margin, reach_margin) : reach_margin;
+            const auto slack =
+                hn::Max(hn::Sub(hn::Abs(margin), hn::Mul(span, hn::Set(d, slack_rounding))), hn::Zero(d));
+            const auto ticks = hn::Min(hn::Mul(slack, hn::Set(d, ticks_a_metre)), hn::Set(d, float{most_ticks}));
+            hn::StoreU(hn::ConvertTo(di, ticks), di, out.ticks + first + lane);
+        }
+        out.wanted[first / group_lanes] = static_cast<std::uint16_t>(wanted);
+    }
+    out.code = static_cast<std::uint32_t>(hn::GetLane(hn::MaxOfLanes(di, codes)));
 }
-void evaluate_and_keep_lanes(const Criterion& c, const LaneGroup& b, LaneAnswers& out, LaneNumbers& numbers) {
-    evaluate_all<true>(c, b, out, &numbers);
+
+void place_picked_lanes(const Criterion& c, const PickedLanes& b, MeshVertex* vertices, MorphVertex* morph) {
+    const F d;
+    const I di;
+    auto* const words = reinterpret_cast<std::int32_t*>(vertices);
+    auto* const floats = reinterpret_cast<float*>(morph);
+    for (std::uint32_t first = 0; first < b.count; first += group_lanes)
+        for (std::uint32_t lane = first; lane < first + group_lanes; lane += static_cast<std::uint32_t>(hn::Lanes(d))) {
+            auto x = hn::Undefined(di), y = x, record = x, error_code = x;
+            auto height = hn::Undefined(d), error = height, radius = height;
+            read_picked(c, b, lane, x, y, record, error_code, height, error, radius);
+            hn::StoreInterleaved3(x, y, hn::BitCast(di, height), di, words + std::size_t{lane} * 3);
+            hn::StoreInterleaved4(hn::Zero(d), error, radius, hn::Set(d, long_active_s), d,
+                                  floats + std::size_t{lane} * 4);
+        }
 }
 
 float worst_of_lanes(const Criterion& c, const LaneGroup& b, const float* unit_px) {
@@ -158,7 +226,8 @@ HWY_AFTER_NAMESPACE();
 namespace fjell {
 
 HWY_EXPORT(evaluate_lanes);
-HWY_EXPORT(evaluate_and_keep_lanes);
+HWY_EXPORT(evaluate_picked_lanes);
+HWY_EXPORT(place_picked_lanes);
 HWY_EXPORT(worst_of_lanes);
 
 float worst_px(const Criterion& decision, const LaneGroup& group, const float* unit_px) {
@@ -203,8 +272,12 @@ void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& an
     HWY_DYNAMIC_DISPATCH(evaluate_lanes)(decision, group, answers);
 }
 
-void evaluate_and_keep(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers, LaneNumbers& numbers) {
-    HWY_DYNAMIC_DISPATCH(evaluate_and_keep_lanes)(decision, group, answers, numbers);
+void evaluate_picked(const Criterion& decision, const PickedLanes& lanes, float ticks_a_metre, PickedAnswers& answers) {
+    HWY_DYNAMIC_DISPATCH(evaluate_picked_lanes)(decision, lanes, ticks_a_metre, answers);
+}
+
+void place_picked(const Criterion& decision, const PickedLanes& lanes, MeshVertex* vertices, MorphVertex* morph) {
+    HWY_DYNAMIC_DISPATCH(place_picked_lanes)(decision, lanes, vertices, morph);
 }
 
 void evaluate_scalar(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {

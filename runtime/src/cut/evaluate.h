@@ -29,13 +29,31 @@ struct LaneAnswers {
 };
 
 void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers);
-// And what the lanes that were looked at, and those beside them, hold.
-struct LaneNumbers {
-    float height_m[group_lanes], error_m[group_lanes], radius_m[group_lanes];
-};
-void evaluate_and_keep(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers, LaneNumbers& numbers);
 // The same, bit for bit, without vector instructions.
 void evaluate_scalar(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers);
+
+// Vertices of one page and step, wherever they lie in it. picked: of each, from the lowest bit on, its place among the
+// page's records (16 bits), and how many steps it stands east and south of the page's corner (8 each); the rest is the
+// caller's. There are count of them; then, up to a multiple of group_lanes, any that exist.
+struct PickedLanes {
+    const VertexRecord* records;
+    const std::uint64_t* picked;
+    std::uint32_t count;
+    std::int32_t x0, y0; // the page's corner
+    int z;               // log2 of the step
+    std::int32_t base;   // height scale steps
+    float unit_m;        // of the level's radii
+};
+struct PickedAnswers {
+    std::uint16_t* wanted; // a bit a vertex
+    std::int32_t* ticks;   // of its slack, most_ticks at most
+    std::uint32_t code;    // their largest error code
+};
+// As evaluate() does for lanes that are not active.
+void evaluate_picked(const Criterion& decision, const PickedLanes& lanes, float ticks_a_metre, PickedAnswers& answers);
+// Writes them, one after the other, as they are before anything is known of the edges that they split. Both must have
+// room for a multiple of group_lanes.
+void place_picked(const Criterion& decision, const PickedLanes& lanes, MeshVertex* vertices, MorphVertex* morph);
 
 // Of the lanes called inactive, the largest error on screen of what each would split, in any view: error_m * unit_px /
 // (distance - radius), and no less. unit_px: pixels of a metre at a metre's distance, a number a view.

@@ -62,18 +62,25 @@ inline void free_all_segments(CutState& s) {
     return list.last_segment == no_index ? 0 : (1u << s.segment_log2) - list.in_last;
 }
 
+[[nodiscard]] inline bool needs_segment(const CutState& s, const TileStack& list) {
+    return list.last_segment == no_index || list.in_last == 1u << s.segment_log2;
+}
+inline void push_segment(CutState& s, TileStack& list, std::uint32_t tile, std::uint32_t segment) {
+    s.segment_below[segment] = list.last_segment;
+    s.segment_tile[segment] = tile;
+    list.last_segment = segment;
+    list.in_last = 0;
+    ++list.segments;
+}
+inline void note_segments(CutState& s) {
+    s.segment_peak = std::max(s.segment_peak, s.segment_count - s.free_segment_count);
+}
 // The next slot of a tile's list. There must be room: in its last segment or a free one.
 inline std::uint32_t take_triangle(CutState& s, TileStack& list, std::uint32_t tile) {
-    if (list.last_segment == no_index || list.in_last == 1u << s.segment_log2) {
+    if (needs_segment(s, list)) {
         FJELL_ASSERT(s.free_segment_count != 0);
-        const std::uint32_t segment = s.free_segments[--s.free_segment_count];
-        s.segment_below[segment] = list.last_segment;
-        s.segment_tile[segment] = tile;
-        list.last_segment = segment;
-        list.in_last = 0;
-        ++list.segments;
-        const std::uint32_t used = s.segment_count - s.free_segment_count;
-        if (used > s.segment_peak) s.segment_peak = used;
+        push_segment(s, list, tile, s.free_segments[--s.free_segment_count]);
+        note_segments(s);
     }
     ++list.total;
     return (list.last_segment << s.segment_log2) + list.in_last++;

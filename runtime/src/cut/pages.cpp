@@ -59,11 +59,12 @@ void mark_absent_parents(CutState& s, std::uint32_t slot) {
     const std::int32_t columns = s.tiles_x << s.steps[info.z].log2, rows = s.tiles_y << s.steps[info.z].log2;
     const std::int32_t i0 = (info.tile_x << s.steps[info.z].log2) + info.i0,
                        j0 = (info.tile_y << s.steps[info.z].log2) + info.j0;
-    const bool rim = info.shape == 0 || i0 == 0 || j0 == 0 || i0 + n >= columns || j0 + n >= rows;
-    for (std::uint32_t k = 0; rim && k < s.shapes[info.shape].count; ++k) {
+    const bool rim = i0 == 0 || j0 == 0 || i0 + n >= columns || j0 + n >= rows;
+    for (std::uint32_t k = 0; (rim || info.shape == 0) && k < s.shapes[info.shape].count; ++k) {
         const std::uint32_t number = slot * max_page_groups + k;
         GroupState& b = s.groups[number];
         const GroupShape& shape = s.shapes[info.shape].groups[k];
+        if (!rim && shape.z + 1 != s.terrain->tree.tile_log2) continue; // but a tile's root has no parents anywhere
         const Site first = site_of(s, number * group_lanes);
         // A border has a lane in each page that holds it; only the owner's counts.
         if (exists(s, first) && find_vertex(s, first) != number * group_lanes) continue;

@@ -299,10 +299,10 @@ void begin_frame(CutState& s, const CutSettings& settings) {
     advance_clock(s, s.frame == 1);
 }
 
-// Every slot that is in use: after a rebuild they are the first ones. written: so many vertices were, at most. Others
-// stay marked: a jump's build that a rebuild cut short has written there.
-void mark_all(CutState& s, std::uint32_t written) {
-    s.dirty_vertices.mark_range(0, std::max(s.fresh_vertex, written));
+// Every slot that is in use: after a rebuild they are the first ones. Others stay marked: a jump's build that a rebuild
+// cut short has written there.
+void mark_all(CutState& s) {
+    s.dirty_vertices.mark_range(0, s.fresh_vertex);
     s.dirty_triangles.mark_range(0, (s.segment_count - s.free_segment_count) << s.segment_log2);
 }
 
@@ -382,7 +382,6 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     // allow.
     s.governor = {settings.error_px, 0, governor_full, false, 0};
     bool complete = true;
-    std::uint32_t written = 0; // vertex slots, by attempts that failed
     finish_bulk(s);
     if (s.terrain->changes != s.seen_changes) reset(s);
     bool cleared = !may_lack_pages(s);
@@ -391,7 +390,6 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         watch_pages(s);
         const BulkStatus status = build_bulk(s);
         if (status == BulkStatus::built) break;
-        written = std::max(written, corner_slots(s) + s.bulk.taken);
         r.evaluations = 0;
         if (status == BulkStatus::no_pages && !std::exchange(cleared, true)) { // those of what is drawn were missing
             reset(s);
@@ -411,10 +409,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         break;
     }
     r.threshold_px = s.governor.effective_px;
-    if (complete)
-        mark_all(s, written);
-    else // refine() has marked what it wrote
-        for (std::uint32_t slot = 0; slot < written; ++slot) s.dirty_vertices.mark(slot);
+    if (complete) mark_all(s); // otherwise refine() has marked what it wrote
     r.activations = s.budget.vertices - free_vertices(s) - corner_slots(s);
     r.items = r.evaluations + r.activations;
     const auto built = Clock::now();

@@ -46,7 +46,10 @@ Violation check_triangles(const CutState& s) {
     // What the bulk pass builds beside.
     if (s.bulk.phase == BulkPhase::triangles || s.bulk.phase == BulkPhase::built) {
         for (std::uint32_t tile = 0; tile <= s.terrain->tile_count(); ++tile) {
-            const TileStack& list = s.bulk.tiles[tile];
+            const BulkTile& list = s.bulk.tiles[tile];
+            const std::uint32_t planned = (list.planned + (1u << s.segment_log2) - 1) >> s.segment_log2;
+            for (std::uint32_t n = list.segments; list.reserved != no_index && n < planned; ++n)
+                segments.add(s.free_segments[list.reserved - 1 - (n - list.segments)]);
             for (std::uint32_t segment = list.last_segment; segment != no_index; segment = s.segment_below[segment])
                 segments.add(segment);
         }

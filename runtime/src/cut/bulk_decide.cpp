@@ -1,0 +1,301 @@
+// What the bulk pass does to rows of a page: which of their vertices are wanted, and where they are written.
+//
+// Few vertices of a row are ready, so lanes are picked first, from as many rows as it takes, and then evaluated side by
+// side. All of it reads what coarser steps have found and writes to one page, so that units may run on any threads.
+#include "cut/bulk_decide.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "cut/bulk.h"
+#include "cut/evaluate.h"
+#include "pack/record.h"
+
+namespace fjell {
+
+namespace {
+
+constexpr std::uint32_t most_picks = 512;
+
+// Vertices of one page and step, taken from its rows.
+struct Picks {
+    std::uint32_t count = 0;
+    std::uint64_t picked[most_picks]; // as PickedLanes has them, then row * page_squares + lane
+
+    [[nodiscard]] std::uint32_t lane(std::uint32_t n) const { return static_cast<std::uint32_t>(picked[n] >> 32); }
+    [[nodiscard]] bool has_room() const { return count + page_squares <= most_picks; }
+    // So that whole groups can be evaluated: the last one, again.
+    void pad() {
+        for (std::uint32_t n = count; n % group_lanes != 0; ++n) picked[n] = picked[count - 1];
+    }
+};
+
+// A page's rows, to pick from.
+class Rows {
+public:
+    Rows(const CutState& state, std::uint32_t slot)
+        : s(state), slot_(slot), info_(state.page_state[slot]), shape_(state.shapes[info_.shape]),
+          words_log2_(info_.shape == 0 ? 0 : 1), records_(records_of(state, slot)) {}
+
+    [[nodiscard]] const GroupShape& group(std::uint32_t row) const { return shape_.groups[row << words_log2_]; }
+    [[nodiscard]] int z(std::uint32_t row) const { return info_.z + group(row).z; }
+    [[nodiscard]] std::uint32_t words_log2() const { return words_log2_; }
+
+    void pick(std::uint32_t row, std::uint32_t lanes, Picks& to) const {
+        FJELL_ASSERT(to.has_room());
+        const GroupShape& first = group(row);
+        const std::uint64_t place = first.first | std::uint32_t{first.x} << 16 | std::uint32_t{first.y} << 24 |
+                                    std::uint64_t{row * page_squares} << 32,
+                            apart = first.stride | (first.along_y ? 2u << 24 : 2u << 16) | std::uint64_t{1} << 32;
+        __builtin_prefetch(records_ + first.first);
+        __builtin_prefetch(records_ + first.first + group_lanes);
+        std::uint32_t count = to.count;
+        for (; lanes != 0; lanes &= lanes - 1)
+            to.picked[count++] = place + static_cast<std::uint32_t>(std::countr_zero(lanes)) * apart;
+        if (s.hz_places != nullptr) place_hz(row, to, count);
+        to.count = count;
+    }
+    // Those of one step and kind.
+    [[nodiscard]] PickedLanes lanes(Picks& picks) const {
+        picks.pad();
+        const std::uint32_t row = picks.lane(0) / page_squares;
+        return {records_,    picks.picked,
+                picks.count, info_.x0,
+                info_.y0,    z(row),
+                info_.base,  s.level_unit_m[2 * z(row) + (group(row).kind == VertexKind::centre ? 0 : 1)]};
+    }
+    [[nodiscard]] bool is_void_at(std::uint64_t picked) const { return is_void(records_[picked & 0xffff]); }
+
+    // Of a row's lanes those that no view sees.
+    [[nodiscard]] std::uint32_t offscreen(std::uint32_t row) const {
+        if (info_.offscreen == 0) return 0;
+        std::uint32_t lanes = 0;
+        for (std::uint32_t word = 0; word < 1u << words_log2_; ++word) {
+            const std::uint32_t number = slot_ * max_page_groups + (row << words_log2_) + word;
+            if (is_offscreen(s, number)) lanes |= 0xffffu << (group_lanes * word);
+        }
+        return lanes;
+    }
+
+private:
+    void place_hz(std::uint32_t row, Picks& to, std::uint32_t end) const {
+        const std::size_t first = (std::size_t{info_.shape} * max_page_groups + (row << words_log2_)) * group_lanes;
+        for (std::uint32_t n = to.count; n < end; ++n)
+            to.picked[n] = (to.picked[n] & ~std::uint64_t{0xffff}) | s.hz_places[first + to.lane(n) % page_squares];
+    }
+
+    const CutState& s;
+    const std::uint32_t slot_;
+    const PageState& info_;
+    const PageShape& shape_;
+    const std::uint32_t words_log2_;
+    const VertexRecord* const records_;
+};
+
+// Decides rows of one page's vertices, of one step and kind.
+class Decider {
+public:
+    Decider(const CutState& state, std::uint32_t slot, BulkUnit& unit)
+        : s(state), rows_(state, slot), page_(state.bulk.pages[slot]), unit_(unit),
+          ticks_a_metre_(static_cast<float>(1 / tick_m(state.schedule, state.schedule.pages[slot]))) {}
+
+    // The row is what is wanted of `ready`, from now on; once all has been decided.
+    void add(std::uint32_t row, std::uint32_t ready) {
+        page_.active[row] = 0;
+        if (ready == 0) return;
+        unit_.groups += (ready & 0xffff) != 0;
+        unit_.groups += ready >> group_lanes != 0;
+        const std::uint32_t off = rows_.offscreen(row) & ready;
+        if (off != 0) add(row, off, offscreen_, s.offscreen_criterion);
+        if (off != ready) add(row, ready & ~off, seen_, s.criterion);
+    }
+    // All that were added can wait: nobody sees them, and they are due.
+    void postpone(std::uint32_t row) {
+        for (std::uint32_t word = 0, ready = page_.active[row]; ready != 0; ++word, ready >>= group_lanes)
+            if ((ready & 0xffff) != 0)
+                page_.ticks[(row << rows_.words_log2()) + word] = spent, unit_.grades = 1, ++unit_.groups;
+        page_.active[row] = 0;
+    }
+    void finish() {
+        decide(seen_, s.criterion);
+        decide(offscreen_, s.offscreen_criterion);
+    }
+
+private:
+    void add(std::uint32_t row, std::uint32_t ready, Picks& picks, const Criterion& criterion) {
+        if (!picks.has_room()) decide(picks, criterion);
+        rows_.pick(row, ready, picks);
+    }
+    void decide(Picks& picks, const Criterion& criterion) {
+        if (picks.count == 0) return;
+        std::uint16_t wanted[most_picks / group_lanes];
+        std::int32_t ticks[most_picks];
+        PickedAnswers answers{wanted, ticks, 0};
+        evaluate_picked(criterion, rows_.lanes(picks), ticks_a_metre_, answers);
+        unit_.grades = std::max(unit_.grades, grade_of(answers.code) + 1);
+        const std::uint32_t to_group =
+            page_squares_log2 - rows_.words_log2(); // a coarse row is a group, a full one two
+        for (std::uint32_t n = 0; n < picks.count; ++n) {
+            std::uint16_t& of = page_.ticks[picks.lane(n) >> to_group];
+            of = std::min(of, static_cast<std::uint16_t>(soon + static_cast<std::uint32_t>(ticks[n])));
+        }
+        for (std::uint32_t first = 0; first < picks.count; first += group_lanes) {
+            const std::uint32_t left = std::min(picks.count - first, group_lanes);
+            std::uint32_t bits = wanted[first / group_lanes] & ((1u << left) - 1);
+            for (; bits != 0; bits &= bits - 1, ++unit_.wanted) {
+                const std::uint32_t lane = picks.lane(first + static_cast<std::uint32_t>(std::countr_zero(bits)));
+                page_.active[lane / page_squares] |= 1u << lane % page_squares;
+            }
+        }
+        picks.count = 0;
+    }
+
+    const CutState& s;
+    const Rows rows_;
+    BulkPage& page_;
+    BulkUnit& unit_;
+    const float ticks_a_metre_;
+    Picks seen_, offscreen_;
+};
+
+// Sides that are ready, from the centres around them.
+void decide_sides(const CutState& s, const BulkSquares& at, const BulkRows& part, Decider& page) {
+    const std::uint32_t* const centres = s.bulk.pages[at.slot].active + at.row(VertexKind::centre, 0);
+    const BulkPage* const north = found_at(s, at.z, at.i0, at.j0 - 1);
+    const BulkPage* const west = found_at(s, at.z, at.i0 - 1, at.j0);
+    const auto above = [&](std::int32_t j) {
+        if (j != 0) return centres[j - 1];
+        return at.j0 == 0 ? at.all() : row_bits(north, at.row(VertexKind::centre, at.n - 1));
+    };
+    for (std::int32_t j = part.first; j < part.end; ++j) page.add(at.row(VertexKind::side_x, j), centres[j] & above(j));
+    // The terrain's south and east rim: sides with one parent.
+    if (part.end == at.n && at.j0 + at.n == s.tiles_y << at.step->log2)
+        page.add(at.row(VertexKind::side_x, at.n), centres[at.n - 1]);
+    for (std::int32_t j = part.first; j < part.end; ++j) {
+        const std::uint32_t left = at.i0 == 0 ? 1 : row_bits(west, at.row(VertexKind::centre, j)) >> (at.n - 1) & 1;
+        page.add(at.row(VertexKind::side_y, j), centres[j] & (centres[j] << 1 | left));
+    }
+    if (part.end == at.n && at.i0 + at.n == s.tiles_x << at.step->log2) {
+        std::uint32_t east = 0;
+        for (std::int32_t j = 0; j < at.n; ++j) east |= (centres[j] >> (at.n - 1) & 1) << j;
+        page.add(at.column(), east);
+    }
+}
+
+// Every active vertex has split two triangles into two each, but on the terrain's rim one; on a tile's border they are
+// those of two tiles.
+void count_triangles(const CutState& s, const GroupShape& row, std::uint32_t active, BulkUnit& unit) {
+    const PageState& page = s.page_state[unit.slot];
+    const auto all = static_cast<std::uint32_t>(std::popcount(active));
+    unit.own += 2 * all;
+    if (row.kind == VertexKind::side_x) {
+        const bool last = row.j0 == 1u << s.steps[page.z + row.z].page_log2, first = page.j0 + row.j0 == 0;
+        if (first || last) unit.own -= all;
+        if (first) unit.north += all;
+    } else if (row.kind == VertexKind::side_y && row.along_y) {
+        unit.own -= all;
+    } else if (row.kind == VertexKind::side_y && page.i0 == 0) {
+        unit.own -= active & 1;
+        unit.west += active & 1;
+    }
+}
+
+// Writes a page's vertices, as the pass numbers them.
+class Placer {
+public:
+    Placer(CutState& state, std::uint32_t slot, std::uint32_t number)
+        : s(state), rows_(state, slot), slots_(state), number_(number) {}
+
+    [[nodiscard]] const Rows& rows() const { return rows_; }
+
+    void add(std::uint32_t row, std::uint32_t active) {
+        const GroupShape& group = rows_.group(row);
+        const std::uint32_t level = 2u * group.z + (group.kind == VertexKind::centre);
+        if (level != level_ || !picks_.has_room()) place();
+        level_ = level;
+        rows_.pick(row, active, picks_);
+    }
+    void place() {
+        if (picks_.count == 0) return;
+        const std::uint32_t count = picks_.count, number = std::exchange(number_, number_ + count);
+        const PickedLanes lanes = rows_.lanes(picks_);
+        // Whole groups go where they belong, if that is one after the other; the rest from slot to slot.
+        const std::uint32_t direct = slots_.are_consecutive(number) ? count / group_lanes * group_lanes : 0;
+        if (direct != 0) {
+            PickedLanes whole = lanes;
+            whole.count = direct;
+            place_picked(s.criterion, whole, s.vertices + slots_[number], s.morph + slots_[number]);
+        }
+        for (std::uint32_t first = direct; first < count; first += group_lanes)
+            scatter(lanes, first, std::min(count - first, group_lanes), number + first);
+        if (direct == 0 || s.some_hidden)
+            for (std::uint32_t n = 0; n < count; ++n)
+                s.hole[slots_[number + n]] = rows_.is_void_at(picks_.picked[n]) ? hole_bit : 0;
+        else
+            std::fill_n(s.hole + slots_[number], count, std::uint8_t{0});
+        picks_.count = 0;
+    }
+
+private:
+    void scatter(PickedLanes lanes, std::uint32_t first, std::uint32_t count, std::uint32_t number) {
+        MeshVertex vertices[group_lanes];
+        MorphVertex morph[group_lanes];
+        lanes.picked += first;
+        lanes.count = count;
+        place_picked(s.criterion, lanes, vertices, morph);
+        for (std::uint32_t n = 0; n < count; ++n) {
+            s.vertices[slots_[number + n]] = vertices[n];
+            s.morph[slots_[number + n]] = morph[n];
+        }
+    }
+
+    CutState& s;
+    const Rows rows_;
+    const BulkSlots slots_;
+    std::uint32_t number_, level_ = 0;
+    Picks picks_;
+};
+
+} // namespace
+
+void decide_unit(const CutState& s, BulkUnit& unit) {
+    if (unit.slot == no_index) return;
+    const BulkSquares at = listed_squares(s, unit.slot, unit.z);
+    Decider page(s, unit.slot, unit);
+    if (s.bulk.phase == BulkPhase::sides) {
+        decide_sides(s, at, unit.rows, page);
+    } else {
+        for (std::int32_t j = unit.rows.first; j < unit.rows.end; ++j) {
+            const std::uint32_t row = at.row(VertexKind::centre, j);
+            if (unit.waits)
+                page.postpone(row);
+            else
+                page.add(row, s.bulk.pages[unit.slot].active[row]); // what is ready, until now
+        }
+    }
+    page.finish();
+}
+
+void place_unit(CutState& s, BulkUnit& unit) {
+    BulkPage& page = s.bulk.pages[unit.slot];
+    const auto first = static_cast<std::uint32_t>(unit.rows.first), end = static_cast<std::uint32_t>(unit.rows.end);
+    const auto vertices = [&](std::uint32_t row) {
+        return static_cast<std::uint32_t>(std::popcount(page.active[row]));
+    };
+    std::uint32_t before = 0;
+    for (std::uint32_t row = 0; row < first; ++row) before += vertices(row);
+    Placer placer(s, unit.slot, page.number + before);
+    std::uint32_t number = before;
+    for (std::uint32_t row = first; row < end; ++row) {
+        page.first[row] = static_cast<std::uint16_t>(number);
+        if (page.active[row] == 0) continue;
+        placer.add(row, page.active[row]);
+        count_triangles(s, placer.rows().group(row), page.active[row], unit);
+        number += vertices(row);
+    }
+    placer.place();
+    unit.wanted = number - before;
+}
+
+} // namespace fjell
