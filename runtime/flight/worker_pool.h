@@ -11,8 +11,8 @@
 
 namespace fjell::flight {
 
-// Threads: jobs() may be used by one at a time, which works too while it waits. Failure: std::system_error when a thread
-// cannot be started.
+// Threads: jobs() may be used by one at a time, which works too while it waits. Failure: std::system_error when a
+// thread cannot be started.
 class WorkerPool {
 public:
     explicit WorkerPool(std::uint32_t workers); // with the one that asks

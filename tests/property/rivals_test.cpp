@@ -285,7 +285,7 @@ TEST_CASE("a binary tree's sums find every leaf once, in the order of its triang
             std::uint64_t end = 0; // each leaf covers the string of bits from where the one before ends
             for (std::uint32_t i = 0; i < tree.leaves(); ++i) {
                 const std::uint32_t name = tree.leaf(i);
-                const int above = depth - (std::bit_width(name) - 1);
+                const int above = depth - (static_cast<int>(std::bit_width(name)) - 1);
                 REQUIRE((std::uint64_t{name} << above) - (std::uint64_t{1} << depth) == end);
                 end += std::uint64_t{1} << above;
             }

@@ -21,7 +21,7 @@ constexpr std::uint32_t child(std::uint32_t name, std::uint32_t which) {
 
 // From the square's halves, 2 and 3, down.
 Neighbours neighbours(std::uint32_t name) {
-    const int depth = std::bit_width(name) - 1;
+    const int depth = static_cast<int>(std::bit_width(name)) - 1;
     std::uint32_t at = name >> (depth - 1);
     Neighbours n{0, 0, at ^ 1};
     for (int i = depth - 2; i >= 0; --i) {
@@ -50,7 +50,7 @@ BinaryTree::BinaryTree(const Ground& ground, bool cull)
 }
 
 std::uint32_t BinaryTree::first_bit(std::uint32_t name) const {
-    const int depth = std::bit_width(name) - 1;
+    const int depth = static_cast<int>(std::bit_width(name)) - 1;
     return (name << (depth_ - depth)) - (std::uint32_t{1} << depth_);
 }
 
@@ -92,7 +92,7 @@ std::uint32_t BinaryTree::leaf(std::uint32_t n) const {
     std::uint64_t left = bits_[word];
     for (; n > 0; --n) left &= left - 1;
     const std::uint32_t at = 64 * word + static_cast<std::uint32_t>(std::countr_zero(left));
-    const int above = std::bit_width(next_leaf(at) - at) - 1; // levels between it and the finest
+    const int above = static_cast<int>(std::bit_width(next_leaf(at) - at)) - 1; // levels between it and the finest
     return (at + (std::uint32_t{1} << depth_)) >> above;
 }
 
@@ -106,7 +106,7 @@ void BinaryTree::walk(const Visit& visit) {
     std::uint32_t before = 0;
     for (std::uint32_t at = 0; at < std::uint32_t{1} << depth_;) {
         const std::uint32_t end = next_leaf(at);
-        const int depth = depth_ - (std::bit_width(end - at) - 1);
+        const int depth = depth_ - (static_cast<int>(std::bit_width(end - at)) - 1);
         known = std::min(known, depth_ - static_cast<int>(std::bit_width(before ^ at)));
         const std::uint32_t name = (at + (std::uint32_t{1} << depth_)) >> (depth_ - depth);
         while (known < depth) {
