@@ -103,7 +103,7 @@ double popping_px(Rival& rival, const Ground& ground, const std::vector<View>& v
         (void)rival.refine(view, error_px, unlimited_operations);
         rival.faces(faces);
         before.swap(now);
-        (void)rivals::look_at(ground, faces, view, &now);
+        now = rivals::surface_of(ground, faces);
         if (!before.empty()) most = std::max(most, rivals::popping_px(ground, before, now, view));
     }
     return most;

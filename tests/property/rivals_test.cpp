@@ -335,8 +335,7 @@ TEST_CASE("looking at a mesh agrees with the library's measure and with the grou
                         square.ground.height_m[square.ground.index(t[k])]};
             faces.push_back(f);
         }
-        std::vector<float> surface;
-        const rivals::Look look = rivals::look_at(square.ground, faces, view, &surface);
+        const rivals::Look look = rivals::look_at(square.ground, faces, view);
         const Frustum frustum = make_frustum(view);
         const double measured_px = measure_error(square.terrain(), method.mesh(), view, &frustum).max_px;
         // Each allows for heights being floats, in its own way; both by some 2^-22 of the largest.

@@ -54,43 +54,57 @@ double doubled_area_up(const Face& f) {
     return ay * bx - ax * by;
 }
 
-// Calls visit(column, row, height) for every sample in the closed face.
+// Calls visit(column, row, height) for every sample in the closed face. A sample's three weights are linear, so each
+// says from where to where along a row it is not negative.
 template <typename Visit>
 void samples_of(const Ground& g, const Face& f, const Visit& visit) {
     const double area = doubled_area_up(f);
     if (area == 0) return;
-    double x[3], y[3], h[3];
+    constexpr double on_edge = -1e-9; // a sample between two faces belongs to both, whatever rounding says
+    double x[3], y[3], h[3], along[3];
     for (std::size_t k = 0; k < 3; ++k) {
         x[k] = static_cast<double>(f[k].column);
         y[k] = static_cast<double>(f[k].row);
         h[k] = static_cast<double>(f[k].height_m);
     }
+    for (std::size_t k = 0; k < 3; ++k) along[k] = (y[(k + 2) % 3] - y[(k + 1) % 3]) / area;
     const auto first = [](double v) { return std::max(static_cast<std::int32_t>(std::ceil(v)), 0); };
     const auto last = [&](double v) { return std::min(static_cast<std::int32_t>(std::floor(v)), g.side); };
-    const auto [x0, x1] = std::minmax({x[0], x[1], x[2]});
-    const auto [y0, y1] = std::minmax({y[0], y[1], y[2]});
-    for (std::int32_t row = first(y0); row <= last(y1); ++row)
-        for (std::int32_t column = first(x0); column <= last(x1); ++column) {
-            double weight[3];
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
-                weight[k] = ((y[b] - y[a]) * (column - x[a]) - (x[b] - x[a]) * (row - y[a])) / area;
-            }
-            // A sample on the edge between two faces belongs to both, whatever rounding says.
-            if (std::min({weight[0], weight[1], weight[2]}) < -1e-9) continue;
-            visit(column, row, weight[0] * h[0] + weight[1] * h[1] + weight[2] * h[2]);
+    const double x0 = std::min({x[0], x[1], x[2]}), x1 = std::max({x[0], x[1], x[2]});
+    const double y1 = std::max({y[0], y[1], y[2]});
+    for (std::int32_t row = first(std::min({y[0], y[1], y[2]})); row <= last(y1); ++row) {
+        double from = x0, to = x1, start[3];
+        for (std::size_t k = 0; k < 3; ++k) { // the weight at column 0
+            const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
+            start[k] = -along[k] * x[a] - (x[b] - x[a]) * (row - y[a]) / area;
+            const double zero = (on_edge - start[k]) / along[k];
+            if (along[k] > 0) from = std::max(from, zero);
+            if (along[k] < 0) to = std::min(to, zero);
+            if (along[k] == 0 && start[k] < on_edge) to = x0 - 1;
         }
+        const double slope = along[0] * h[0] + along[1] * h[1] + along[2] * h[2],
+                     height_m = start[0] * h[0] + start[1] * h[1] + start[2] * h[2];
+        for (std::int32_t column = first(from); column <= last(to); ++column)
+            visit(column, row, height_m + slope * column);
+    }
 }
 
 } // namespace
 
-Look look_at(const Ground& g, std::span<const Face> faces, const View& view, std::vector<float>* surface) {
+std::vector<float> surface_of(const Ground& g, std::span<const Face> faces) {
+    std::vector<float> surface(g.height_m.size(), std::numeric_limits<float>::quiet_NaN());
+    for (const Face& f : faces)
+        samples_of(g, f, [&](std::int32_t column, std::int32_t row, double height_m) {
+            surface[g.index({column, row})] = static_cast<float>(height_m);
+        });
+    return surface;
+}
+
+Look look_at(const Ground& g, std::span<const Face> faces, const View& view) {
     const Eye eye(g, view);
     const double lost_m =
         0x1p-22 * std::max(std::abs(static_cast<double>(g.min_m)), std::abs(static_cast<double>(g.max_m)));
-    const auto samples = g.height_m.size();
-    if (surface) surface->assign(samples, std::numeric_limits<float>::quiet_NaN());
-    std::vector<bool> covered(samples);
+    std::vector<bool> covered(g.height_m.size());
     Look look;
     for (const Face& f : faces) {
         const double area = doubled_area_up(f);
@@ -99,7 +113,6 @@ Look look_at(const Ground& g, std::span<const Face> faces, const View& view, std
         samples_of(g, f, [&](std::int32_t column, std::int32_t row, double height_m) {
             const std::uint32_t i = g.index({column, row});
             covered[i] = true;
-            if (surface) (*surface)[i] = static_cast<float>(height_m);
             const double wrong_m = std::abs(height_m - static_cast<double>(g.height_m[i])) - lost_m;
             if (wrong_m <= 0) return;
             const Vec3 place = place_of(g, column, row, static_cast<double>(g.height_m[i]));

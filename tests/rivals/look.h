@@ -20,9 +20,10 @@ struct Look {
     std::size_t in_view = 0;   // faces with an area that no side of the frustum excludes
     std::size_t facing_down = 0;
 };
-// surface: when given, of the heights at all samples, NaN where nothing is.
-[[nodiscard]] Look look_at(const Ground& ground, std::span<const Face> faces, const View& view,
-                           std::vector<float>* surface = nullptr);
+[[nodiscard]] Look look_at(const Ground& ground, std::span<const Face> faces, const View& view);
+
+// The surface's heights at all samples, NaN where nothing is.
+[[nodiscard]] std::vector<float> surface_of(const Ground& ground, std::span<const Face> faces);
 
 // Edges that lack their opposite: cracks and T-junctions. Those on the terrain's rim, and of what no view shows, are
 // none.
