@@ -170,7 +170,7 @@ constexpr ProfileKey keys_before_light[] = {
      .most = max_vertices,
      .logarithmic = true,
      .about = "Slots of the vertex buffer. Vertices, 16 to 134217728. 57 bytes each for the incremental method, 28 on "
-              "the GPU, and 20.7 KB for 64 of them as far as there are pages; 20 and 12 for the recursive one, which "
+              "the GPU, and 19.7 KB for 64 of them as far as there are pages; 20 and 12 for the recursive one, which "
               "needs a quarter to a sixth as many. When they do not "
               "suffice, the threshold rises, the mesh stays crack-free, and the report says \"vertices\".",
      .rebuild = Rebuild::method,

@@ -24,6 +24,7 @@
 #include "fjell/io/load.h"
 #include "fjell/measure.h"
 #include "fjell/recursive.h"
+#include "flight/worker_pool.h"
 #include "pack/terrain_data.h"
 #include "rivals/lean_recursion.h"
 #include "support/dem.h"
@@ -283,34 +284,43 @@ void from_nothing(benchmark::State& state, double error_px) {
     std::vector<View> views = flight(t, 3, 200); // a place every 24 cells
     for (std::size_t i = 0; i * 8 < views.size(); ++i) views[i] = views[i * 8];
     views.resize((views.size() + 7) / 8);
-    const std::size_t bytes = cut_bytes(t, cut_budget);
-    const io::AlignedMemory memory = io::allocate(bytes);
-    LiveCut cut;
-    if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
-    CutSettings settings;
-    settings.error_px = error_px;
-    std::vector<double> ns, lean_ns, lean_culled_ns;
+    flight::WorkerPool pool(2);
+    std::vector<double> ns[2], lean_ns, lean_culled_ns; // of one worker and of two
+    io::AlignedMemory memory[2];
+    LiveCut cuts[2];
+    CutSettings settings[2];
+    for (std::uint32_t two = 0; two < 2; ++two) {
+        CutBudget budget = cut_budget;
+        budget.workers = two + 1;
+        const std::size_t bytes = cut_bytes(t, budget);
+        memory[two] = io::allocate(bytes);
+        if (!create_cut(t, budget, {memory[two].get(), bytes}, cuts[two]).ok()) std::abort();
+        settings[two].error_px = error_px;
+        if (two != 0) settings[two].jobs = pool.jobs();
+    }
     double triangles = 0;
     for (auto _ : state)
         for (const View& view : views) {
-            CutReport report;
-            const auto start = Clock::now();
-            (void)rebuild_cut(cut, {&view, 1}, settings, report);
-            ns.push_back(us_since(start) * 1000 / report.triangles);
-            triangles += report.triangles;
-            if (!report.converged) return state.SkipWithError("a budget did not suffice");
-            for (const bool cull : {false, true}) {
+            for (std::uint32_t two = 0; two < 2; ++two) { // and a lean one after each, so that each finds cold caches
+                CutReport report;
+                const auto start = Clock::now();
+                (void)rebuild_cut(cuts[two], {&view, 1}, settings[two], report);
+                ns[two].push_back(us_since(start) * 1000 / report.triangles);
+                triangles += report.triangles;
+                if (!report.converged) return state.SkipWithError("a budget did not suffice");
                 const auto lean_start = Clock::now();
-                const auto frame = scene.lean->refine(view, error_px, cull);
-                (cull ? lean_culled_ns : lean_ns).push_back(us_since(lean_start) * 1000 / frame.triangles);
+                const auto frame = scene.lean->refine(view, error_px, two != 0);
+                (two != 0 ? lean_culled_ns : lean_ns).push_back(us_since(lean_start) * 1000 / frame.triangles);
                 if (!frame.whole) return state.SkipWithError("the strip did not suffice");
             }
         }
-    state.counters["triangles"] = triangles / static_cast<double>(ns.size());
-    state.counters["ns_per_triangle"] = rank(ns, 0.5);
+    state.counters["triangles"] = triangles / static_cast<double>(2 * ns[0].size());
+    state.counters["ns_per_triangle"] = rank(ns[0], 0.5);
+    state.counters["two_workers_ns_per_triangle"] = rank(ns[1], 0.5);
     state.counters["lean_ns_per_triangle"] = rank(lean_ns, 0.5);
     state.counters["lean_culled_ns_per_triangle"] = rank(lean_culled_ns, 0.5);
-    state.counters["ratio"] = rank(lean_ns, 0.5) / rank(ns, 0.5);
+    state.counters["ratio"] = rank(lean_ns, 0.5) / rank(ns[0], 0.5);
+    state.counters["two_workers_ratio"] = rank(lean_ns, 0.5) / rank(ns[1], 0.5);
 }
 
 // A hundred times the samples around the same eye.

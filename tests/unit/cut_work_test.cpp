@@ -182,7 +182,9 @@ TEST_CASE("queues are first in, first out, and take back at the front") {
     Scheduled owner(1);
     Queues queues{};
     queues.schedule = &owner.s;
+    std::vector<QueueNode> nodes(groups.size());
     queues.groups = groups.data();
+    queues.nodes = nodes.data();
     queues.group_count = 8;
     clear_queues(queues);
     for (const std::uint32_t group : {3u, 1u, 5u}) push_back(queues, work_queues + 4, group);

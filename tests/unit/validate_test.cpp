@@ -143,8 +143,8 @@ TEST_CASE(
     const Walk& walk = scene.walk;
     const std::uint32_t rank = first(rank_count, [&](std::uint32_t i) { return q.sizes[work_queues + i] > 1; });
     const std::uint32_t queue = work_queues + rank, head = q.ends[queue].next;
-    plant(walk, q.ends[queue].next, q.groups[head].link.next, "a queue's links disagree");
-    plant(walk, q.groups[head].link.prev, head, "a queue's links disagree");
+    plant(walk, q.ends[queue].next, q.nodes[head].link.next, "a queue's links disagree");
+    plant(walk, q.nodes[head].link.prev, head, "a queue's links disagree");
     plant(walk, q.groups[head].queue, static_cast<QueueId>(queue + 1), "a group is in a queue, and says otherwise");
     plant(walk, q.sizes[queue], q.sizes[queue] + 1, "a queue counts its groups wrongly");
     plant(walk, s.work_ranks, s.work_ranks & ~(1u << rank), "a queue holds work, and nobody will look at it");

@@ -40,21 +40,20 @@ void visit_at(CutState& s, int z, std::int32_t i, std::int32_t j) {
     if (attach_squares(s, squares)) (void)visit(s, squares.slot);
 }
 
-// The next page whose centres are to be decided. A step with at most one page a tile: every tile's. A finer one: those
-// under pages with active centres. No other can have an active parent.
+// The next page whose centres are to be decided: of the coarsest step every tile's, of any other those under pages with
+// active centres. No other can have an active parent.
 bool next_squares(const CutState& s, BulkSquares& squares) {
     const BulkPass& b = s.bulk;
-    const StepGroups& step = s.steps[b.z];
-    if (step.log2 <= page_squares_log2) {
+    if (b.z + 1 == s.terrain->tree.tile_log2) {
         if (b.at == s.terrain->tile_count()) return false;
-        const auto tiles_x = static_cast<std::uint32_t>(s.tiles_x);
-        squares = squares_at(s, b.z, static_cast<std::int32_t>(b.at % tiles_x) << step.log2,
-                             static_cast<std::int32_t>(b.at / tiles_x) << step.log2);
+        const auto tile = static_cast<std::int32_t>(b.at);
+        squares = squares_at(s, b.z, tile % s.tiles_x, tile / s.tiles_x);
         return true;
     }
-    if (b.at == 4 * b.listed_count[0]) return false;
-    const BulkSquares above = listed_squares(s, b.listed[0][b.at / 4], b.z + 1);
-    const auto quarter = static_cast<std::int32_t>(b.at % 4);
+    const std::uint32_t quarters = s.steps[b.z].log2 > page_squares_log2 ? 4 : 1; // a tile has one page otherwise
+    if (b.at == quarters * b.listed_count[0]) return false;
+    const BulkSquares above = listed_squares(s, b.listed[0][b.at / quarters], b.z + 1);
+    const auto quarter = static_cast<std::int32_t>(b.at % quarters);
     squares = squares_at(s, b.z, 2 * above.i0 + quarter % 2 * above.n, 2 * above.j0 + quarter / 2 * above.n);
     return true;
 }

@@ -16,10 +16,11 @@ namespace {
 // A lane has work of this rank: its group goes to that queue, unless it is in one of a higher rank.
 void queue_activation(CutState& s, std::uint32_t vertex, std::uint32_t rank) {
     const std::uint32_t group = vertex / group_lanes;
-    GroupState& b = s.groups[group];
+    const GroupState& b = s.groups[group];
     if (b.queue == being_visited) return; // will be evaluated
     const bool queued = b.queue != unqueued;
-    b.calls = (queued ? b.calls : 0) | bit_of(vertex);
+    std::uint32_t& calls = s.queues.nodes[group].calls;
+    calls = (queued ? calls : 0) | bit_of(vertex);
     if (queued && b.queue < deactivation_queue && b.queue >= work_queues + rank) return;
     forget(s.schedule, group);
     unlink(s.queues, group);
@@ -44,7 +45,7 @@ void reevaluate(CutState& s, std::uint32_t vertex, const Site& site, bool active
     } else if (s.groups[group].queue == unqueued) {
         forget(s.schedule, group);
         push_back(s.queues, deactivation_queue, group);
-        s.groups[group].calls = static_cast<std::uint32_t>(bit_of(vertex)) << 16;
+        s.queues.nodes[group].calls = static_cast<std::uint32_t>(bit_of(vertex)) << 16;
     }
 }
 

@@ -40,7 +40,7 @@ std::uint32_t pages_of(const TerrainData& t, const CutBudget& b) {
 
 // Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t page_groups, loaded, groups, vertex_slot, page_state, free_pages, idle_pages, evicting, ticks,
+    std::size_t page_groups, loaded, groups, nodes, vertex_slot, page_state, free_pages, idle_pages, evicting, ticks,
         schedules, awake, bounds, next_due, vertices, morph, triangle_of, hole, free_vertices, indices, tiles,
         segment_tile, segment_below, free_segments, vertex_bits[2], vertex_words[2], triangle_bits[2],
         triangle_words[2], ranges, hz_places, grids, descents, late_s, morphing_out, late_pages, bulk_pages,
@@ -49,8 +49,8 @@ struct Layout {
 
 static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 * 4 + 1 + 3 * 4 &&
                   cut_triangle_bytes == 3 * 4 && cut_page_slot_bytes == sizeof(LoadedPage) &&
-                  cut_page_bytes == max_page_groups * (sizeof(GroupState) + group_lanes * 4) + sizeof(PageState) +
-                                        page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) +
+                  cut_page_bytes == max_page_groups * (sizeof(GroupState) + sizeof(QueueNode) + group_lanes * 4) +
+                                        sizeof(PageState) + page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) +
                                         sizeof(HiddenBound) + sizeof(BulkPage) + 8 * 4,
               "hosts size their budgets by these: change them in fjell/cut.h with layout_of()");
 
@@ -65,6 +65,7 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
     l.page_groups = place(t.page_count(), 4);
     l.loaded = place(t.slot_count, sizeof(LoadedPage));
     l.groups = place(groups, sizeof(GroupState));
+    l.nodes = place(groups, sizeof(QueueNode));
     l.vertex_slot = place(groups * group_lanes, 4);
     l.page_state = place(pages, sizeof(PageState));
     l.free_pages = place(pages, 4);
@@ -249,6 +250,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     part(s.idle_pages, l.idle_pages);
     part(s.evicting, l.evicting);
     s.queues.groups = s.groups;
+    part(s.queues.nodes, l.nodes);
     s.queues.group_count = s.group_count;
     s.queues.schedule = &s.schedule;
     clear_queues(s.queues);

@@ -7,7 +7,7 @@ namespace fjell {
 namespace {
 
 Link& link(Queues& queues, std::uint32_t number) {
-    return number < queues.group_count ? queues.groups[number].link : queues.ends[number - queues.group_count];
+    return number < queues.group_count ? queues.nodes[number].link : queues.ends[number - queues.group_count];
 }
 
 // Whoever queues a group has taken it from the queue before: in two it would be visited twice, and then never.
@@ -18,7 +18,7 @@ Link& link(Queues& queues, std::uint32_t number) {
 void insert(Queues& queues, std::uint32_t queue, std::uint32_t group, Link between) {
     GroupState& b = queues.groups[group];
     FJELL_ASSERT(is_in_no_queue(b));
-    b.link = between;
+    queues.nodes[group].link = between;
     link(queues, between.prev).next = group;
     link(queues, between.next).prev = group;
     b.queue = static_cast<QueueId>(queue);
@@ -47,10 +47,11 @@ void unlink(Queues& queues, std::uint32_t group) {
     GroupState& b = queues.groups[group];
     if (b.queue == unqueued) return;
     FJELL_ASSERT(b.queue < queue_count && queues.sizes[b.queue] != 0);
-    FJELL_ASSERT(link(queues, b.link.prev).next == group && link(queues, b.link.next).prev == group);
+    const Link between = queues.nodes[group].link;
+    FJELL_ASSERT(link(queues, between.prev).next == group && link(queues, between.next).prev == group);
     --queues.sizes[b.queue];
-    link(queues, b.link.prev).next = b.link.next;
-    link(queues, b.link.next).prev = b.link.prev;
+    link(queues, between.prev).next = between.next;
+    link(queues, between.next).prev = between.prev;
     b.queue = unqueued;
     count_queued(*queues.schedule, group / max_page_groups, -1);
 }

@@ -1,4 +1,4 @@
-// Queues of work: groups just evaluated whose lanes call for changes. Linked through the groups' own states, so they
+// Queues of work: groups just evaluated whose lanes call for changes. Linked through a node of each group, so they
 // cannot run out of room.
 #pragma once
 
@@ -14,6 +14,12 @@ struct Link { // the queue's next and previous group; its head has the number af
     std::uint32_t next, prev;
 };
 
+// Of a group, apart from its state, because few groups wait.
+struct QueueNode {
+    Link link;
+    std::uint32_t calls; // lanes that call for work, activations in the lower half; a hint what to prefetch
+};
+
 inline constexpr std::uint32_t rank_count = 32; // of work: 16 by screen error, and 16 more for what a frustum shows
 
 using QueueId = std::uint16_t;
@@ -27,6 +33,7 @@ inline constexpr QueueId being_visited = 0xfffe; // taken from its queue, about 
 
 struct Queues {
     GroupState* groups;
+    QueueNode* nodes; // one a group
     std::uint32_t group_count;
     Link ends[queue_count]; // first and last group
     std::uint32_t sizes[queue_count];

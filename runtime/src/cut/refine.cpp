@@ -61,7 +61,7 @@ void schedule_group(CutState& s, std::uint32_t number, const Evaluated& group) {
 
 void queue(CutState& s, std::uint32_t number, const Evaluated& group, std::uint32_t queue) {
     push_back(s.queues, queue, number);
-    s.groups[number].calls = group.to_activate() | group.to_deactivate() << 16;
+    s.queues.nodes[number].calls = group.to_activate() | group.to_deactivate() << 16;
 }
 
 void queue_activations(CutState& s, std::uint32_t number, const Evaluated& group) {
@@ -257,7 +257,7 @@ void prefetch_changes(const CutState& s, std::span<const std::uint32_t> groups) 
     PlannedChange plans[most];
     std::uint32_t count = 0;
     for (const std::uint32_t group : groups)
-        for (std::uint32_t lanes = s.groups[group].calls; lanes != 0 && count < most; lanes &= lanes - 1) {
+        for (std::uint32_t lanes = s.queues.nodes[group].calls; lanes != 0 && count < most; lanes &= lanes - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
             plans[count++] = plan_change(s, group * group_lanes + lane % group_lanes, lane < group_lanes);
         }

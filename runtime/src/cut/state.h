@@ -33,23 +33,20 @@ struct Criterion {
 struct LaneGroup; // evaluate.h
 struct LaneAnswers;
 
-// One group: a bit a lane in every mask. 32 bytes, so that a visit costs half a cache line beside the records. When it
-// is due, the schedule says.
+// One group: a bit a lane in every mask. 16 bytes, so that a visit costs a quarter of a cache line beside the records.
+// When it is due, the schedule says.
 struct GroupState {
     std::uint16_t active;
     std::uint16_t parent[2]; // that parent is active, or does not exist because it would lie outside the terrain
     std::uint16_t child[4];  // that child is active; where it is not, an active vertex draws a triangle towards it
     QueueId queue;           // that the group waits in, or unqueued
-    Link link;
-    std::uint32_t calls; // in a queue: lanes that call for work, activations in the lower half; a hint what to prefetch
-    std::uint32_t spare;
 
     [[nodiscard]] std::uint16_t ready() const { return static_cast<std::uint16_t>(parent[0] & parent[1]); }
     [[nodiscard]] std::uint16_t parental() const {
         return static_cast<std::uint16_t>(child[0] | child[1] | child[2] | child[3]);
     }
 };
-static_assert(sizeof(GroupState) == 32, "two groups a cache line");
+static_assert(sizeof(GroupState) == 16, "four groups a cache line");
 
 // What a page's vertices stand within, and the largest of their errors and spheres: what it could hide.
 struct PageExtent {

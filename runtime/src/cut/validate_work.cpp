@@ -7,10 +7,10 @@ namespace {
 Violation check_queue(const Queues& q, std::uint32_t queue, Tally& queued) {
     const std::uint32_t head = q.group_count + queue;
     std::uint32_t count = 0, before = head;
-    for (std::uint32_t group = q.ends[queue].next; group != head; group = q.groups[group].link.next) {
+    for (std::uint32_t group = q.ends[queue].next; group != head; group = q.nodes[group].link.next) {
         if (group >= q.group_count || ++count > q.sizes[queue]) return {"a queue goes elsewhere"};
         if (q.groups[group].queue != queue) return {"a group is in a queue, and says otherwise"};
-        if (q.groups[group].link.prev != before) return {"a queue's links disagree"};
+        if (q.nodes[group].link.prev != before) return {"a queue's links disagree"};
         queued.add(group);
         before = group;
     }
