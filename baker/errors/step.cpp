@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "pack/clones.h"
+#include "compiler.h"
 #include "tree/order.h"
 
 namespace fjell::baker {
@@ -22,8 +22,8 @@ FinerCentres::FinerCentres(std::int32_t nx, std::int32_t ny) : stride(2 * (nx + 
 namespace {
 
 // |2 h - a - b| to codes, a row at a time: jumps in vector code, look-ups one by one.
-[[gnu::always_inline]] inline void look_up(const LeafErrors& leaf, const std::int32_t* h, const std::int32_t* a,
-                                           const std::int32_t* b, std::int32_t count, std::uint8_t* to) {
+FJELL_ALWAYS_INLINE inline void look_up(const LeafErrors& leaf, const std::int32_t* h, const std::int32_t* a,
+                                        const std::int32_t* b, std::int32_t count, std::uint8_t* to) {
     constexpr std::int32_t piece = 256;
     std::uint32_t jump[piece];
     const std::uint8_t* const table = leaf.table();
@@ -43,8 +43,8 @@ namespace {
 }
 
 // Every second square of a row of centres is cut the other way: first falling, where `odd` is 0.
-[[gnu::always_inline]] inline void diagonals(const std::int32_t* north, const std::int32_t* south, std::int32_t count,
-                                             std::int32_t odd, bool root, std::int32_t* a, std::int32_t* b) {
+FJELL_ALWAYS_INLINE inline void diagonals(const std::int32_t* north, const std::int32_t* south, std::int32_t count,
+                                          std::int32_t odd, bool root, std::int32_t* a, std::int32_t* b) {
     for (std::int32_t i = 0; i < count; ++i) {
         const std::int32_t rising = root ? 0 : -((i + odd) & 1);
         a[i] = (north[i] & ~rising) | (north[i + 1] & rising);
@@ -68,15 +68,15 @@ FJELL_CLONES void leaf_rows(const StepInput& in, const LeafErrors& leaf) {
 }
 
 // own: raised to what children ask for. Codes never reach 256: the scale was chosen so.
-[[gnu::always_inline]] inline std::uint8_t raised(std::uint8_t own, std::uint8_t child, std::uint8_t nesting) {
+FJELL_ALWAYS_INLINE inline std::uint8_t raised(std::uint8_t own, std::uint8_t child, std::uint8_t nesting) {
     const auto asked = static_cast<std::uint8_t>(child == 0 ? 0 : child + nesting);
     return asked > own ? asked : own;
 }
-[[gnu::always_inline]] inline std::uint8_t larger(std::uint8_t a, std::uint8_t b) {
+FJELL_ALWAYS_INLINE inline std::uint8_t larger(std::uint8_t a, std::uint8_t b) {
     return a > b ? a : b;
 }
 
-[[gnu::always_inline]] inline void climb_sides(const StepInput& in, std::uint8_t nesting) {
+FJELL_ALWAYS_INLINE inline void climb_sides(const StepInput& in, std::uint8_t nesting) {
     const FinerCentres& f = *in.finer;
     for (std::int32_t j = 0; j <= in.ny; ++j) {
         const std::uint8_t* const north = f.error.data() + f.row(2 * j - 1);
@@ -148,32 +148,25 @@ public:
         line.resize(static_cast<std::size_t>(in.nx + reach + 1));
     }
 
-    [[gnu::always_inline]] void run() {
+    FJELL_ALWAYS_INLINE void run() {
         const int side_level = 2 * (in.tree.tile_log2 - 1 - in.z) + 1;
         const float unit = in.scales.level_radius_m[side_level];
         // Squares beyond the last row or column that the region's own blocks reach into.
         const std::int32_t more = (1 << out.shift) - 1;
-        plane(
-            in.nx, in.ny + 1 + more, out.blocks_x, unit,
-            out.side_x, [&](std::int32_t j) __attribute__((always_inline)) {
-                in.finer ? side_x_row(j) : leaf_x_row(j);
-            });
-        plane(
-            in.nx + 1 + more, in.ny, out.blocks_x + 1, unit,
-            out.side_y, [&](std::int32_t j) __attribute__((always_inline)) {
-                in.finer ? side_y_row(j) : leaf_y_row(j);
-            });
+        plane(in.nx, in.ny + 1 + more, out.blocks_x, unit, out.side_x,
+              [&](std::int32_t j) FJELL_ALWAYS_INLINE_LAMBDA { in.finer ? side_x_row(j) : leaf_x_row(j); });
+        plane(in.nx + 1 + more, in.ny, out.blocks_x + 1, unit, out.side_y,
+              [&](std::int32_t j) FJELL_ALWAYS_INLINE_LAMBDA { in.finer ? side_y_row(j) : leaf_y_row(j); });
         for (std::size_t code = 0; code < radius_codes; ++code) side_m[code] = unit * in.scales.radii.factor[code];
-        plane(
-            in.nx, in.ny, out.blocks_x, in.scales.level_radius_m[side_level - 1],
-            out.centre, [&](std::int32_t j) __attribute__((always_inline)) { centre_row(j); });
+        plane(in.nx, in.ny, out.blocks_x, in.scales.level_radius_m[side_level - 1], out.centre,
+              [&](std::int32_t j) FJELL_ALWAYS_INLINE_LAMBDA { centre_row(j); });
     }
 
 private:
     // Codes of the blocks of a plane of columns x rows, whose radii row(j) puts on the line.
     template <typename Row>
-    [[gnu::always_inline]] void plane(std::int32_t columns, std::int32_t rows, std::int32_t blocks_x, float unit,
-                                      std::vector<std::uint8_t>& to, const Row& row) {
+    FJELL_ALWAYS_INLINE void plane(std::int32_t columns, std::int32_t rows, std::int32_t blocks_x, float unit,
+                                   std::vector<std::uint8_t>& to, const Row& row) {
         const std::int32_t size = 1 << out.shift, mask = size - 1;
         std::vector<float> most(static_cast<std::size_t>(columns));
         to.clear();
@@ -191,14 +184,14 @@ private:
         }
     }
 
-    [[nodiscard]] [[gnu::always_inline]] float climb_m(std::int32_t a, std::int32_t b) const {
+    [[nodiscard]] FJELL_ALWAYS_INLINE float climb_m(std::int32_t a, std::int32_t b) const {
         return static_cast<float>(std::abs(a - b)) * quantum + height_pad;
     }
 
     // A leaf's sphere holds the corners of its triangles: the ends of its side and the centres beside it.
-    [[gnu::always_inline]] void leaf_row(const std::int32_t* h, const std::int32_t* a, const std::int32_t* b,
-                                         const std::int32_t* c, const std::int32_t* d, float ends, float apexes,
-                                         std::int32_t count) {
+    FJELL_ALWAYS_INLINE void leaf_row(const std::int32_t* h, const std::int32_t* a, const std::int32_t* b,
+                                      const std::int32_t* c, const std::int32_t* d, float ends, float apexes,
+                                      std::int32_t count) {
         for (std::int32_t i = 0; i < count; ++i) {
             const std::int32_t e0 = std::abs(a[i] - h[i]), e1 = std::abs(b[i] - h[i]);
             const std::int32_t p0 = std::abs(c[i] - h[i]), p1 = std::abs(d[i] - h[i]);
@@ -208,12 +201,12 @@ private:
             line[static_cast<std::size_t>(i)] = (std::sqrt(x > y ? x : y) + leaf_pad) * float_rounding;
         }
     }
-    [[gnu::always_inline]] void leaf_x_row(std::int32_t j) {
+    FJELL_ALWAYS_INLINE void leaf_x_row(std::int32_t j) {
         const auto& h = in.steps;
         const std::int32_t* const ends = h.corner.row(j);
         leaf_row(h.side_x.row(j), ends, ends + 1, h.centre.row(j - 1), h.centre.row(j), along_x, along_y, in.nx);
     }
-    [[gnu::always_inline]] void leaf_y_row(std::int32_t j) {
+    FJELL_ALWAYS_INLINE void leaf_y_row(std::int32_t j) {
         const auto& h = in.steps;
         const std::int32_t* const apexes = h.centre.row(j);
         leaf_row(h.side_y.row(j), h.corner.row(j), h.corner.row(j + 1), apexes - 1, apexes, along_y, along_x,
@@ -221,8 +214,7 @@ private:
     }
 
     // Over two rows of finer centres, two of them each: (2 i + first) and the next.
-    [[gnu::always_inline]] void side_row(const std::int32_t* h, std::size_t north, std::size_t south,
-                                         std::int32_t count) {
+    FJELL_ALWAYS_INLINE void side_row(const std::int32_t* h, std::size_t north, std::size_t south, std::int32_t count) {
         const FinerCentres& f = *in.finer;
         const float ground = across;
         float* const to = line.data();
@@ -239,15 +231,15 @@ private:
             }
         }
     }
-    [[gnu::always_inline]] void side_x_row(std::int32_t j) {
+    FJELL_ALWAYS_INLINE void side_x_row(std::int32_t j) {
         side_row(in.steps.side_x.row(j), in.finer->row(2 * j - 1), in.finer->row(2 * j), in.nx);
     }
-    [[gnu::always_inline]] void side_y_row(std::int32_t j) {
+    FJELL_ALWAYS_INLINE void side_y_row(std::int32_t j) {
         side_row(in.steps.side_y.row(j), in.finer->row(2 * j) - 1, in.finer->row(2 * j + 1) - 1,
                  in.nx + 1 + (1 << out.shift) - 1);
     }
 
-    [[gnu::always_inline]] void centre_row(std::int32_t j) {
+    FJELL_ALWAYS_INLINE void centre_row(std::int32_t j) {
         const auto& steps = in.steps;
         const std::int32_t* const h = steps.centre.row(j);
         const std::int32_t* const north = steps.side_x.row(j);
@@ -269,8 +261,8 @@ private:
         }
     }
     // The radii in metres of a row of squares, from those of their blocks.
-    [[gnu::always_inline]] void expand(const std::vector<std::uint8_t>& codes, std::int32_t blocks, std::int32_t j,
-                                       std::vector<float>& to) {
+    FJELL_ALWAYS_INLINE void expand(const std::vector<std::uint8_t>& codes, std::int32_t blocks, std::int32_t j,
+                                    std::vector<float>& to) {
         const std::uint8_t* const row = codes.data() + (j >> out.shift) * blocks;
         const std::int32_t size = 1 << out.shift;
         to.resize(static_cast<std::size_t>(blocks * size));

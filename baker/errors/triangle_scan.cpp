@@ -12,6 +12,7 @@
 #include <cstdlib>
 
 #include "baker/errors/triangle_scan.h"
+#include "compiler.h"
 
 #ifndef FJELL_BAKER_SCAN_TRIANGLES
 #define FJELL_BAKER_SCAN_TRIANGLES
@@ -22,7 +23,7 @@ using Steps = std::uint32_t; // modulo 2^32
 // Calls take(row, count, first, slope) for the rows of samples under each of a vertex' triangles: `count` of them
 // against first + slope k, in units of 1 / 2s.
 template <typename Take>
-[[gnu::always_inline]] inline void side_x(const VertexRow& r, const std::int32_t* v, const Take& take) {
+FJELL_ALWAYS_INLINE inline void side_x(const VertexRow& r, const std::int32_t* v, const Take& take) {
     const std::int32_t s = r.s;
     const auto west = static_cast<Steps>(v[-s]), east = static_cast<Steps>(v[s]), slope = east - west;
     const auto half_triangle = [&](std::ptrdiff_t down) {
@@ -40,7 +41,7 @@ template <typename Take>
 }
 
 template <typename Take>
-[[gnu::always_inline]] inline void side_y(const VertexRow& r, const std::int32_t* v, const Take& take) {
+FJELL_ALWAYS_INLINE inline void side_y(const VertexRow& r, const std::int32_t* v, const Take& take) {
     const std::int32_t s = r.s;
     const auto north = static_cast<Steps>(v[-r.stride * s]), south = static_cast<Steps>(v[r.stride * s]);
     const Steps along = south - north, ends = north + south;
@@ -55,7 +56,7 @@ template <typename Take>
 }
 
 template <typename Take>
-[[gnu::always_inline]] inline void centre(const VertexRow& r, const std::int32_t* v, bool falling, const Take& take) {
+FJELL_ALWAYS_INLINE inline void centre(const VertexRow& r, const std::int32_t* v, bool falling, const Take& take) {
     const std::int32_t s = r.s, side = 2 * s;
     const auto h = [&](std::ptrdiff_t dx, std::ptrdiff_t dy) { return static_cast<Steps>(v[dy * r.stride + dx]); };
     const Steps nw = h(-s, -s), ne = h(s, -s), sw = h(-s, s), se = h(s, s);
@@ -70,7 +71,7 @@ template <typename Take>
 }
 
 template <typename Take>
-[[gnu::always_inline]] inline void triangles(const VertexRow& r, std::int32_t i, const Take& take) {
+FJELL_ALWAYS_INLINE inline void triangles(const VertexRow& r, std::int32_t i, const Take& take) {
     const std::int32_t* const v = r.first + std::ptrdiff_t{2} * r.s * i;
     switch (r.kind) {
     case VertexKind::side_x: return side_x(r, v, take);

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "compiler.h"
 #include "fjell/io/failure.h"
-#include "pack/clones.h"
 
 namespace fjell::baker {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pack/clones.h"
+#include "compiler.h"
 
 namespace fjell::baker {
 

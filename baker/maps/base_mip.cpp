@@ -4,17 +4,17 @@
 #include <array>
 #include <cmath>
 
-#include "pack/clones.h"
+#include "compiler.h"
 
 namespace fjell::baker {
 
 namespace {
 
 // Unit normals of a row by differences to both sides. per_*: 1 / the distance between the samples of a difference.
-// Without __restrict the compiler would have to compare too many pointers, and goes one by one.
+// Without FJELL_RESTRICT the compiler would have to compare too many pointers, and goes one by one.
 FJELL_CLONES void normals_of_row(const float* west, const float* east, const float* north, const float* south,
-                                 float per_east, float per_south, float* __restrict x, float* __restrict up,
-                                 float* __restrict z, std::size_t n) {
+                                 float per_east, float per_south, float* FJELL_RESTRICT x, float* FJELL_RESTRICT up,
+                                 float* FJELL_RESTRICT z, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) {
         const float rise_east = (east[i] - west[i]) * per_east, rise_south = (south[i] - north[i]) * per_south;
         const float upward = 1 / std::sqrt(1 + rise_east * rise_east + rise_south * rise_south);

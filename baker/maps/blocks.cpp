@@ -15,7 +15,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "pack/clones.h"
+#include "compiler.h"
 
 namespace fjell::baker {
 

@@ -11,9 +11,9 @@
 
 #include "baker/maps/base_mip.h"
 #include "baker/maps/blocks.h"
+#include "compiler.h"
 #include "fjell/pack.h"
 #include "fjell/texture.h"
-#include "pack/clones.h"
 
 namespace fjell::baker {
 
@@ -83,7 +83,7 @@ float unit_clamped(float v) {
     return v > 1 ? 1 : v;
 }
 
-FJELL_CLONES void to_light16(const float* light, std::size_t n, std::uint16_t* __restrict to) {
+FJELL_CLONES void to_light16(const float* light, std::size_t n, std::uint16_t* FJELL_RESTRICT to) {
     for (std::size_t i = 0; i < n; ++i) {
         float v = light[i] < 0 ? 0 : light[i];
         v = v > 1 ? 1 : v;
@@ -99,7 +99,7 @@ void to_srgb(const float* light, std::size_t n, std::uint8_t* to) {
         for (std::size_t i = 0; i < count; ++i) to[first + i] = code[light16[i]];
     }
 }
-FJELL_CLONES void to_normal_codes(const float* from, std::size_t n, std::uint8_t* __restrict to) {
+FJELL_CLONES void to_normal_codes(const float* from, std::size_t n, std::uint8_t* FJELL_RESTRICT to) {
     for (std::size_t i = 0; i < n; ++i) {
         float v = from[i] < -1 ? -1 : from[i];
         v = v > 1 ? 1 : v;

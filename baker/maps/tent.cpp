@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pack/clones.h"
+#include "compiler.h"
 
 namespace fjell::baker {
 
@@ -86,16 +86,16 @@ FJELL_CLONES void add_three(float* to, const float* const (&from)[3], const floa
 }
 
 // One tap of a run. A known stride lets the compiler load side by side.
-FJELL_CLONES void add_tap_1(float* __restrict to, const float* __restrict from, const float* __restrict w,
+FJELL_CLONES void add_tap_1(float* FJELL_RESTRICT to, const float* FJELL_RESTRICT from, const float* FJELL_RESTRICT w,
                             std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) to[i] += w[i] * from[i];
 }
-FJELL_CLONES void add_tap_2(float* __restrict to, const float* __restrict from, const float* __restrict w,
+FJELL_CLONES void add_tap_2(float* FJELL_RESTRICT to, const float* FJELL_RESTRICT from, const float* FJELL_RESTRICT w,
                             std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) to[i] += w[i] * from[2 * i];
 }
-FJELL_CLONES void set_three_1(float* __restrict to, const float* __restrict from, const float* __restrict u,
-                              const float* __restrict v, const float* __restrict w, std::size_t n) {
+FJELL_CLONES void set_three_1(float* FJELL_RESTRICT to, const float* FJELL_RESTRICT from, const float* FJELL_RESTRICT u,
+                              const float* FJELL_RESTRICT v, const float* FJELL_RESTRICT w, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) to[i] = u[i] * from[i] + v[i] * from[i + 1] + w[i] * from[i + 2];
 }
 void add_tap(float* to, const float* from, const float* w, std::size_t n, std::size_t stride) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "pack/clones.h"
+#include "compiler.h"
 
 namespace fjell::baker {
 
@@ -12,7 +12,7 @@ namespace {
 constexpr std::int32_t squares = page_squares;
 constexpr std::int32_t first_side_x = squares * squares, first_side_y = first_side_x + squares * (squares + 1);
 
-[[gnu::always_inline]] inline std::uint16_t fold(std::uint32_t difference) {
+FJELL_ALWAYS_INLINE inline std::uint16_t fold(std::uint32_t difference) {
     const auto d = static_cast<std::int16_t>(difference);
     return static_cast<std::uint16_t>((d << 1) ^ (d >> 15));
 }
@@ -136,7 +136,7 @@ const VertexPlane<T>& plane(const VertexPlanes<T>& of, VertexKind kind) {
 }
 
 // Of a row; a loop that the compiler vectorises.
-[[gnu::always_inline]] inline std::int32_t least_of(const std::int32_t* row, std::int32_t count, std::int32_t least) {
+FJELL_ALWAYS_INLINE inline std::int32_t least_of(const std::int32_t* row, std::int32_t count, std::int32_t least) {
     for (std::int32_t i = 0; i < count; ++i) least = row[i] < least ? row[i] : least;
     return least;
 }

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstring>
 
+#include "compiler.h"
+
 namespace fjell::baker {
 
 namespace {
@@ -36,7 +38,7 @@ void add_words(std::uint64_t block, std::size_t first, std::span<const std::byte
     for (std::size_t i = 0; i < bytes.size() / 8; ++i) {
         const std::uint64_t word = word_at(bytes.data() + 8 * i), by = factor + in_block[first + i];
         part.forwards += word * by;
-        part.backwards += __builtin_bswap64(word) * by;
+        part.backwards += byte_swapped(word) * by;
     }
     sum += part;
 }

@@ -4,11 +4,12 @@
 // file or a thread can cause gets a status.
 #pragma once
 
+#include "compiler.h"
 #include "fjell/asserts.h"
 
 namespace fjell {
 
-[[noreturn, gnu::cold, gnu::noinline]] void fail_assert(const char* file, int line, const char* condition);
+[[noreturn]] FJELL_COLD void fail_assert(const char* file, int line, const char* condition);
 
 } // namespace fjell
 

@@ -12,6 +12,7 @@
 #include <cstdio>
 
 #include "asserts.h"
+#include "compiler.h"
 #include "fjell/coord.h"
 
 namespace fjell {
@@ -59,7 +60,7 @@ struct Tally {
 [[nodiscard]] constexpr bool is_walked_after(std::uint64_t event) {
     return (event & (event - 1)) == 0 || event % 256 == 0;
 }
-[[gnu::cold, gnu::noinline]] inline void abort_if(const Violation& found, const char* file, int line) {
+FJELL_COLD inline void abort_if(const Violation& found, const char* file, int line) {
     if (!found) return;
     char what[200]; // and where
     (void)std::snprintf(what, sizeof what, "%s (%d, %d)", found.what, found.at.x, found.at.y);

@@ -1,5 +1,6 @@
 # What a host is refused, and how it is told.
-#   cmake -DSTATIC=PREFIX -DSHARED=PREFIX -DFOLDER=SCRATCH -DCOMPILER=C++ -DCC=C -DVERSION=V -P refusals.cmake
+#   cmake -DSTATIC=PREFIX -DSHARED=PREFIX -DFOLDER=SCRATCH -DCOMPILER=C++ -DCC=C -DVERSION=V -DFJELL=SOURCE [-DCLANG=CLANG++]
+#     [-DWINDOWS=TOOLCHAIN] -P refusals.cmake
 cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/must.cmake)
 file(REMOVE_RECURSE ${FOLDER})
@@ -21,6 +22,13 @@ foreach(flag -ffast-math -ffinite-math-only)
 endforeach()
 file(WRITE ${FOLDER}/small.cpp "#include <fjell/export.h>\n") # which all public headers include
 must_fail("32 bits" "Fjell needs 64 bits" ${COMPILER} -std=c++20 -m32 -I${headers} -fsyntax-only ${FOLDER}/small.cpp)
+if(CLANG) # which compiles for every processor
+  set(big ${CLANG} --target=s390x-linux-gnu -ffreestanding -I${headers} -fsyntax-only)
+  must_fail("a big-endian processor" "Fjell needs a little-endian processor" ${big} -std=c++20 ${FOLDER}/small.cpp)
+  must_fail("a big-endian processor from C" "Fjell needs a little-endian processor" ${big} -x c -std=c99 ${FOLDER}/host.c)
+else()
+  message(STATUS "skipped: a big-endian processor (needs clang)")
+endif()
 
 # The project's version, everywhere: as a number in the header, in the packages of CMake and of pkg-config.
 string(REGEX REPLACE "^([0-9]+)\\.([0-9]+)\\.([0-9]+)$" "\\1 * 1000000 + \\2 * 1000 + \\3" number "${VERSION}")
@@ -62,3 +70,21 @@ must_fail("a library that is missing" "component runtime needs hwy: install it" 
 full_rounds_only("asking an installation for what it was built without")
 find("0.2 REQUIRED COMPONENTS gl" ${SHARED})
 must_fail("a component that was not built" "component gl was not built: configure Fjell with -DFJELL_GL=ON" ${command})
+
+# Where the library cannot be is said while configuring, before anything is compiled.
+function(must_not_configure what text)
+  file(REMOVE_RECURSE ${FOLDER}/elsewhere)
+  must_fail("configuring for ${what}" "${text}" ${CMAKE_COMMAND} -S ${FJELL} -B ${FOLDER}/elsewhere -G Ninja -DFJELL_TOOLS=OFF
+    -DCMAKE_TRY_COMPILE_TARGET_TYPE=STATIC_LIBRARY ${ARGN})
+endfunction()
+must_not_configure("32 bits" "Fjell needs 64 bits, or WebAssembly" -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_FLAGS=-m32)
+if(CLANG)
+  must_not_configure("a big-endian processor" "Fjell needs a little-endian processor" -DCMAKE_CXX_COMPILER=${CLANG}
+    -DCMAKE_CXX_COMPILER_TARGET=s390x-linux-gnu)
+endif()
+if(WINDOWS)
+  must_not_configure("Windows with fjell::io" "fjell::io calls POSIX: set FJELL_IO to OFF" -DCMAKE_TOOLCHAIN_FILE=${WINDOWS} -DFJELL_IO=ON)
+  must_not_configure("Windows as a shared library" "set BUILD_SHARED_LIBS to OFF" -DCMAKE_TOOLCHAIN_FILE=${WINDOWS} -DBUILD_SHARED_LIBS=ON)
+else()
+  message(STATUS "skipped: what is refused for Windows (needs mingw-w64)")
+endif()

@@ -4,7 +4,7 @@
 
 #include <cinttypes>
 #include <cstdio>
-#include <cstdlib>
+#include <new>
 
 #include "fjell/pack.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 std::span<std::byte> block_of(std::size_t bytes) {
     const std::size_t whole = (bytes + 63) / 64 * 64;
-    return {static_cast<std::byte*>(std::aligned_alloc(64, whole)), whole};
+    return {static_cast<std::byte*>(::operator new (whole, std::align_val_t{64})), whole};
 }
 
 std::vector<std::byte> read(const char* path) {

@@ -1,5 +1,7 @@
 // The whole library in one include: packs, terrains, both methods, streaming and queries. Companions have headers of
 // their own (fjell/io, fjell/gl, fjell/gltf), and so has GLM (fjell/glm.h), which the library does without.
+// Where sizes have 32 bits (WebAssembly), a ..._bytes() function answers for a block that does not fit the largest
+// multiple of 64, which no memory has.
 #pragma once
 
 #include "fjell/asserts.h"

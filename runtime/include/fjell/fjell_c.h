@@ -19,9 +19,7 @@
 #include "fjell/fjell_c_types.h"
 #include "fjell/version.h"
 
-#if !defined(FJELL_STATIC_BUILD) && defined(__GNUC__)
-#pragma GCC visibility push(default) // as FJELL_API_BEGIN of fjell/export.h, which is C++
-#endif
+FJELL_API_BEGIN
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -213,8 +211,6 @@ FJELL_DEFAULT(FjellStreamSettings, stream_settings)
 #ifdef __cplusplus
 }
 #endif
-#if !defined(FJELL_STATIC_BUILD) && defined(__GNUC__)
-#pragma GCC visibility pop
-#endif
+FJELL_API_END
 
 #endif

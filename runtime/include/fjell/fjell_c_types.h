@@ -7,9 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if UINTPTR_MAX < UINT64_MAX
-#error "Fjell needs 64 bits: sizes such as fjell_cut_bytes() would wrap in less"
-#endif
+#include "fjell/export.h"
 
 // --- fjell/status.h ---
 
@@ -152,7 +150,7 @@ typedef struct FjellPack {
 // --- fjell/terrain.h ---
 
 typedef struct FjellTerrainBudget {
-    size_t struct_size;
+    uint64_t struct_size;
     uint32_t page_slots;
 } FjellTerrainBudget;
 
@@ -164,7 +162,7 @@ typedef struct FjellVec3 {
 
 // In an array of views all have the struct_size of the first.
 typedef struct FjellView {
-    size_t struct_size;
+    uint64_t struct_size;
     FjellVec3 eye_m;
     FjellVec3 forward;
     FjellVec3 up;
@@ -223,7 +221,7 @@ enum {                                                          // CutBudgetBit
 };
 
 typedef struct FjellCutBudget {
-    size_t struct_size;
+    uint64_t struct_size;
     uint32_t vertices;
     uint32_t triangles;
     uint32_t segment_triangles;
@@ -237,7 +235,7 @@ typedef struct FjellJobSystem { // JobSystem (fjell/jobs.h); run: NULL for none
 } FjellJobSystem;
 
 typedef struct FjellCutSettings {
-    size_t struct_size;
+    uint64_t struct_size;
     double error_px;
     double hysteresis;
     bool corner_safe;
@@ -256,7 +254,7 @@ typedef struct FjellBudgetUse {
 } FjellBudgetUse;
 
 typedef struct FjellCutReport {
-    size_t struct_size;
+    uint64_t struct_size;
     uint64_t frame;
     uint32_t items;
     uint32_t visits;
@@ -326,13 +324,13 @@ enum { FJELL_METRIC_ISOTROPIC, FJELL_METRIC_DEPTH };          // Metric
 enum { FJELL_BUDGET_VERTICES = 1, FJELL_BUDGET_INDICES = 2 }; // BudgetBit
 
 typedef struct FjellRecursiveBudget {
-    size_t struct_size;
+    uint64_t struct_size;
     uint32_t vertices;
     uint32_t indices;
 } FjellRecursiveBudget;
 
 typedef struct FjellRefineSettings {
-    size_t struct_size;
+    uint64_t struct_size;
     double error_px;
     uint8_t metric; // FJELL_METRIC_...
     bool cull;
@@ -341,7 +339,7 @@ typedef struct FjellRefineSettings {
 } FjellRefineSettings;
 
 typedef struct FjellFrameReport {
-    size_t struct_size;
+    uint64_t struct_size;
     uint64_t frame;
     uint32_t vertices;
     uint32_t triangles;
@@ -412,7 +410,7 @@ typedef struct FjellMapLayers {
 } FjellMapLayers;
 
 typedef struct FjellStreamBudget {
-    size_t struct_size;
+    uint64_t struct_size;
     uint32_t page_requests;
     uint32_t map_requests;
     uint64_t map_bytes;
@@ -421,7 +419,7 @@ typedef struct FjellStreamBudget {
 } FjellStreamBudget;
 
 typedef struct FjellStreamSettings {
-    size_t struct_size;
+    uint64_t struct_size;
     double texel_px;
     double lookahead_s;
     double fade_s;
@@ -442,7 +440,7 @@ typedef struct FjellPageArrival {
 } FjellPageArrival;
 
 typedef struct FjellStreamReport {
-    size_t struct_size;
+    uint64_t struct_size;
     uint64_t frame;
     bool converged;
     bool maps_converged;

@@ -6,7 +6,7 @@
 #include "fjell/export.h"
 #include "fjell/status.h"
 
-#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || __FINITE_MATH_ONLY__
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || __FINITE_MATH_ONLY__ || defined(_M_FP_FAST)
 #error "Fjell must be compiled without -ffast-math: it would accept a NaN, and decide otherwise than elsewhere"
 #endif
 

@@ -4,11 +4,11 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstring>
 #include <span>
 
+#include "compiler.h"
 #include "fjell/fjell.h"
 #include "fjell/fjell_c.h"
 
@@ -74,11 +74,11 @@ FJELL_C_TYPE(FjellStreamRequest, StreamRequest)
 
 template <typename C>
 [[nodiscard]] auto to_cpp(const C& value) {
-    return std::bit_cast<typename CppOf<C>::Type>(value);
+    return bits_as<typename CppOf<C>::Type>(value);
 }
 template <typename Cpp>
 [[nodiscard]] auto to_c(const Cpp& value) {
-    return std::bit_cast<typename COf<Cpp>::Type>(value);
+    return bits_as<typename COf<Cpp>::Type>(value);
 }
 
 // What a pointer of the host's points to; for NULL one that is all defaults.
@@ -125,14 +125,23 @@ template <typename Cpp>
 
 inline constexpr char struct_size[] = "struct_size";
 
+// Bytes of C before the fields that C++ knows of.
+template <typename C>
+constexpr std::size_t before = 0;
+template <typename C>
+requires requires(C c) {
+    c.struct_size;
+}
+constexpr std::size_t before<C> = sizeof(std::uint64_t);
+
 template <typename C>
 [[nodiscard]] bool fits(const C* sized) {
-    return sized == nullptr || (sized->struct_size >= sizeof(std::size_t) && sized->struct_size <= sizeof(C));
+    return sized == nullptr || (sized->struct_size >= before<C> && sized->struct_size <= sizeof(C));
 }
 // How much of the C++ type the host knows of.
 template <typename C>
 [[nodiscard]] std::size_t known_bytes(const C* sized) {
-    return std::min(sized->struct_size - sizeof(std::size_t), sizeof(typename CppOf<C>::Type));
+    return std::min(static_cast<std::size_t>(sized->struct_size) - before<C>, sizeof(typename CppOf<C>::Type));
 }
 
 // A descriptor: what the host has set, over the defaults.
@@ -141,7 +150,7 @@ class In {
 public:
     explicit In(const C* from) : ok(fits(from)) {
         if (ok && from != nullptr)
-            std::memcpy(&value, reinterpret_cast<const std::byte*>(from) + sizeof(std::size_t), known_bytes(from));
+            std::memcpy(&value, reinterpret_cast<const std::byte*>(from) + before<C>, known_bytes(from));
     }
     typename CppOf<C>::Type value{};
     bool ok; // struct_size is one that the library knows
@@ -154,8 +163,9 @@ public:
     Views(const FjellView* first, std::size_t count)
         : ok(fits(first)), count_(first == nullptr ? 0 : std::min<std::size_t>(count, max_cut_views + 1)) {
         for (std::size_t i = 0; ok && count_ <= max_cut_views && i < count_; ++i) {
-            const auto* at = reinterpret_cast<const std::byte*>(first) + i * first->struct_size;
-            std::memcpy(&view_[i], at + sizeof(std::size_t), known_bytes(first));
+            const auto* at =
+                reinterpret_cast<const std::byte*>(first) + i * static_cast<std::size_t>(first->struct_size);
+            std::memcpy(&view_[i], at + before<FjellView>, known_bytes(first));
         }
     }
     [[nodiscard]] std::span<const View> all() const { return {view_, count_}; }
@@ -170,7 +180,7 @@ private:
 template <typename Cpp>
 void write(const Cpp& from, typename COf<Cpp>::Type* to) {
     if (to != nullptr && fits(to))
-        std::memcpy(reinterpret_cast<std::byte*>(to) + sizeof(std::size_t), &from, known_bytes(to));
+        std::memcpy(reinterpret_cast<std::byte*>(to) + before<typename COf<Cpp>::Type>, &from, known_bytes(to));
 }
 
 } // namespace fjell::c_api

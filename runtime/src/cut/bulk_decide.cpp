@@ -8,6 +8,7 @@
 #include <bit>
 #include <utility>
 
+#include "compiler.h"
 #include "cut/bulk.h"
 #include "cut/evaluate.h"
 #include "pack/record.h"
@@ -48,8 +49,8 @@ public:
         const std::uint64_t place = first.first | std::uint32_t{first.x} << 16 | std::uint32_t{first.y} << 24 |
                                     std::uint64_t{row * page_squares} << 32,
                             apart = first.stride | (first.along_y ? 2u << 24 : 2u << 16) | std::uint64_t{1} << 32;
-        __builtin_prefetch(records_ + first.first);
-        __builtin_prefetch(records_ + first.first + group_lanes);
+        FJELL_PREFETCH(records_ + first.first);
+        FJELL_PREFETCH(records_ + first.first + group_lanes);
         std::uint32_t count = to.count;
         for (; lanes != 0; lanes &= lanes - 1)
             to.picked[count++] = place + static_cast<std::uint32_t>(std::countr_zero(lanes)) * apart;

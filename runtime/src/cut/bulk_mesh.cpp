@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 
+#include "compiler.h"
 #include "cut/bulk_masks.h"
 #include "cut/jobs.h"
 #include "cut/mesh.h"
@@ -284,8 +285,8 @@ private:
         std::uint32_t next, end;
     };
     // The triangles around a vertex: the one in direction d has those two other corners.
-    [[gnu::noinline]] void fan_one_by_one(std::uint32_t v, std::uint64_t west, std::uint64_t east, std::uint64_t north,
-                                          std::uint64_t south, std::uint32_t drawn) {
+    FJELL_NOINLINE void fan_one_by_one(std::uint32_t v, std::uint64_t west, std::uint64_t east, std::uint64_t north,
+                                       std::uint64_t south, std::uint32_t drawn) {
         std::fill_n(s.triangle_of + std::size_t{v} * 4, 4, no_index);
         const std::uint64_t corners[4] = {west, east, north, south};
         for (std::uint32_t d = 0; d < 4; ++d)

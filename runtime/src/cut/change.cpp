@@ -158,7 +158,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
         s.morph[slot].flat_m =
             flat_height(s, slot, site_coord(site), site.z, site.kind == VertexKind::centre, ends[0], ends[1]);
         // What comes into sight is refined before it is seen: at once, or it would still morph when it is.
-        if (s.sight_count == 0 || seen(s, v))
+        if (s.sights.count == 0 || seen(s, v))
             s.morph[slot].activated_s = activation_time_s(s, v.x, v.y, v.z, v.error_m, v.radius_m);
         if (s.morph[slot].activated_s != long_active_s) note_late(s, vertex / group_lanes / max_page_groups);
     }

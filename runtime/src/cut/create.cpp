@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "block_layout.h"
 #include "cut/change.h"
 #include "cut/evaluate.h"
 #include "cut/lag.h"
@@ -14,11 +15,6 @@
 namespace fjell {
 
 namespace {
-
-constexpr std::size_t alignment = 64;
-constexpr std::size_t aligned(std::size_t bytes) {
-    return (bytes + alignment - 1) / alignment * alignment;
-}
 
 std::uint32_t corner_count(const TerrainData& t) {
     return (t.header.tiles_x + 1) * (t.header.tiles_y + 1);
@@ -56,12 +52,10 @@ static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 *
 
 Layout layout_of(const TerrainData& t, const CutBudget& b) {
     Layout l{};
-    std::size_t at = aligned(sizeof(CutState));
-    const auto place = [&](std::size_t count, std::size_t bytes) {
-        return std::exchange(at, at + aligned(count * bytes));
-    };
-    const std::size_t pages = pages_of(t, b), groups = pages * max_page_groups;
-    const std::size_t segments = segments_of(b), triangles = segments * b.segment_triangles;
+    BlockLayout block(sizeof(CutState));
+    const auto place = [&](std::uint64_t count, std::size_t bytes) { return block.place(count, bytes); };
+    const std::uint64_t pages = pages_of(t, b), groups = pages * max_page_groups;
+    const std::uint64_t segments = segments_of(b), triangles = segments * b.segment_triangles;
     l.page_groups = place(t.page_count(), 4);
     l.loaded = place(t.slot_count, sizeof(LoadedPage));
     l.groups = place(groups, sizeof(GroupState));
@@ -103,7 +97,7 @@ Layout layout_of(const TerrainData& t, const CutBudget& b) {
     for (std::size_t& slots : l.bulk_slots) slots = place(pages, 4);
     l.bulk_tiles = place(t.tile_count() + 1, sizeof(BulkTile));
     l.bulk_bases = place(t.tile_count(), 8);
-    l.end = at;
+    l.end = block.end();
     return l;
 }
 
@@ -216,7 +210,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     const Layout l = layout_of(terrain, budget);
     if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
     std::byte* const at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {Code::out_of_range, "memory alignment"};
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
 
     auto& s = *new (at) CutState{};

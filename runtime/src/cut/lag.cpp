@@ -232,7 +232,7 @@ double lag_px(CutState& s) {
     for (std::uint32_t i = 0; i < s.schedule.awake_count; ++i) {
         const AwakePage& page = s.schedule.awake[i];
         if (!page.due && page.queued == 0) continue;
-        if (s.sight_count != 0 && s.page_state[page.slot].offscreen == all_parts)
+        if (s.sights.count != 0 && s.page_state[page.slot].offscreen == all_parts)
             continue; // whatever it hides, nobody sees it
         const double px = bound_px(s, s.schedule.bounds[page.slot]);
         if (px <= little_px)

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "compiler.h"
 #include "cut/change.h"
 #include "cut/evaluate.h"
 #include "cut/lag.h"
@@ -146,40 +147,32 @@ struct PlannedChange {
     bool activation;
 };
 
-// g++ takes a function that only prefetches for one without effects, and drops calls of it; hence the asm.
-#define FJELL_PREFETCH(at)                                                                                             \
-    do {                                                                                                               \
-        const void* const prefetched_at = (at);                                                                        \
-        asm volatile("" : : "r"(prefetched_at));                                                                       \
-        __builtin_prefetch(prefetched_at, 1);                                                                          \
-    } while (false)
-
 // What evaluating a group reads.
 inline void prefetch_group(const CutState& s, std::uint32_t group) {
-    FJELL_PREFETCH(&s.groups[group]);
+    FJELL_PREFETCH_TO_WRITE(&s.groups[group]);
     const VertexRecord* const records = records_of(s, group / max_page_groups) + shape_of(s, group).first;
-    FJELL_PREFETCH(records);
-    FJELL_PREFETCH(records + group_lanes - 1);
+    FJELL_PREFETCH_TO_WRITE(records);
+    FJELL_PREFETCH_TO_WRITE(records + group_lanes - 1);
 }
 
 inline void prefetch_record(const CutState& s, std::uint32_t vertex) {
     const std::uint32_t group = vertex / group_lanes, slot = group / max_page_groups;
     const GroupShape& shape = shape_of(s, group);
-    FJELL_PREFETCH(records_of(s, slot) + shape.first + shape.stride * (vertex % group_lanes));
+    FJELL_PREFETCH_TO_WRITE(records_of(s, slot) + shape.first + shape.stride * (vertex % group_lanes));
 }
 
 // The first link: vertices around it.
 inline PlannedChange plan_change(const CutState& s, std::uint32_t vertex, bool activation) {
     PlannedChange plan{vertex, {no_index, no_index, no_index, no_index}, {no_index, no_index}, {}, activation};
     const Site site = site_of(s, vertex);
-    FJELL_PREFETCH(&s.vertex_slot[vertex]);
+    FJELL_PREFETCH_TO_WRITE(&s.vertex_slot[vertex]);
     if (site.kind == VertexKind::centre || site.z != 0)
         for (int d = 0; d < 4; ++d) {
             const Site child = child_site(site, d);
             if (!exists(s, child)) continue;
             const std::uint32_t found = find_vertex(s, child);
             if (found == no_index) continue;
-            FJELL_PREFETCH(&s.groups[found / group_lanes]);
+            FJELL_PREFETCH_TO_WRITE(&s.groups[found / group_lanes]);
             if (activation) prefetch_record(s, found);
         }
     if (site.kind == VertexKind::centre && site.z == s.terrain->tree.tile_log2 - 1) return plan;
@@ -189,8 +182,8 @@ inline PlannedChange plan_change(const CutState& s, std::uint32_t vertex, bool a
         const std::uint32_t found = plan.parents[n] = find_vertex(s, parent);
         if (found == no_index) continue;
         plan.directions[n] = static_cast<std::uint8_t>(child_number(parent_bearing(site, n)));
-        FJELL_PREFETCH(&s.groups[found / group_lanes]);
-        FJELL_PREFETCH(&s.vertex_slot[found]);
+        FJELL_PREFETCH_TO_WRITE(&s.groups[found / group_lanes]);
+        FJELL_PREFETCH_TO_WRITE(&s.vertex_slot[found]);
         if (!activation) prefetch_record(s, found);
     }
     return plan;
@@ -203,11 +196,11 @@ inline void prefetch_triangle_slots(const CutState& s, PlannedChange& plan) {
             const std::uint32_t parent = plan.parents[n];
             if (parent == no_index || !(s.groups[parent / group_lanes].active & bit_of(parent))) continue;
             plan.triangles[n] = s.vertex_slot[parent] * 4 + plan.directions[n];
-            FJELL_PREFETCH(&s.triangle_of[plan.triangles[n]]);
+            FJELL_PREFETCH_TO_WRITE(&s.triangle_of[plan.triangles[n]]);
         }
     } else if (s.groups[plan.vertex / group_lanes].active & bit_of(plan.vertex)) {
         for (std::uint32_t d = 0; d < 4; ++d) plan.triangles[d] = s.vertex_slot[plan.vertex] * 4 + d;
-        FJELL_PREFETCH(&s.triangle_of[plan.triangles[0]]);
+        FJELL_PREFETCH_TO_WRITE(&s.triangle_of[plan.triangles[0]]);
     }
 }
 
@@ -217,7 +210,7 @@ inline void prefetch_triangles(const CutState& s, PlannedChange& plan) {
         if (triangle == no_index) continue;
         triangle = s.triangle_of[triangle];
         if (triangle == no_index) continue;
-        FJELL_PREFETCH(&s.indices[std::size_t{triangle} * 3]);
+        FJELL_PREFETCH_TO_WRITE(&s.indices[std::size_t{triangle} * 3]);
     }
 }
 
@@ -225,8 +218,8 @@ inline void prefetch_triangles(const CutState& s, PlannedChange& plan) {
 inline void prefetch_corners(const CutState& s, const PlannedChange& plan) {
     if (!plan.activation || plan.triangles[0] == no_index || s.morph_now.morph == Morph::none) return;
     const std::uint32_t* const t = s.indices + std::size_t{plan.triangles[0]} * 3;
-    FJELL_PREFETCH(&s.vertices[t[1]]);
-    FJELL_PREFETCH(&s.vertices[t[2]]);
+    FJELL_PREFETCH_TO_WRITE(&s.vertices[t[1]]);
+    FJELL_PREFETCH_TO_WRITE(&s.vertices[t[2]]);
 }
 
 // Groups that are changed together, so that what they touch can be prefetched for all of them first.
@@ -358,10 +351,10 @@ private:
         for (; n < most_pages; ++n) {
             popped[n] = pop_due(s.schedule);
             if (popped[n] == no_index) break;
-            FJELL_PREFETCH(&s.schedule.pages[popped[n]]);
-            FJELL_PREFETCH(&s.page_state[popped[n]]);
+            FJELL_PREFETCH_TO_WRITE(&s.schedule.pages[popped[n]]);
+            FJELL_PREFETCH_TO_WRITE(&s.page_state[popped[n]]);
             const std::uint16_t* const ticks = s.schedule.ticks + std::size_t{popped[n]} * page_ticks;
-            for (std::uint32_t i = 0; i < page_ticks; i += 32) FJELL_PREFETCH(ticks + i);
+            for (std::uint32_t i = 0; i < page_ticks; i += 32) FJELL_PREFETCH_TO_WRITE(ticks + i);
         }
         std::uint32_t used = 0;
         for (; used < n && count_ < enough_groups; ++used) add(popped[used]);

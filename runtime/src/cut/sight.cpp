@@ -11,11 +11,14 @@ namespace fjell {
 namespace {
 
 // Parts come into sight this far beside a view, turned and moved, and leave it when they are farther. Half of the first
-// margin is left for a view to turn or move until pages are looked at again. Measured (docs/notes/live-cut.md): wider
-// margins keep vertices that nobody will see, narrower ones have pages looked at too often. Tangents and not angles, as
-// in a view: another machine must decide alike.
-constexpr double margin_tangent = 0.1051 /* 6 degrees */, half_tangent = 0.0524, leave_tangent = 0.1477 /* 8.4 */;
+// margin is left for a view to turn or move until pages are looked at again, and a quarter while that is done. Measured
+// (docs/notes/live-cut.md): wider margins keep vertices that nobody will see, narrower ones have pages looked at too
+// often. Tangents and not angles, as in a view: another machine must decide alike.
+constexpr double margin_tangent = 0.1051 /* 6 degrees */, half_tangent = 0.0524, most_tangent = 0.0787,
+                 leave_tangent = 0.1477 /* 8.4 */;
 constexpr double margin_cells = 8, leave_cells = 11;
+constexpr double half_share = 0.5, most_share = 0.75; // of them
+constexpr std::uint32_t look_frames = 5;              // that a look at all pages takes, unless a view is faster
 constexpr double quarter_tangent = 0.0262; // what an error off-screen may span, so that it never reaches a view
 constexpr double widest = 1000;            // the tangents of a view
 
@@ -83,25 +86,46 @@ double cells_m(const CutState& s, double cells) {
     return cells * static_cast<double>(std::min(s.terrain->spacing_x_m, s.terrain->spacing_z_m));
 }
 
-// Does all that the view sees lie within half the margin of what another one saw?
-bool within(const View& view, const Sight& sight, double move_m) {
+// Does all that the view sees lie within a share of the margin of what another one saw?
+bool within(const View& view, const Sight& sight, const Frustum& frustum, double move_m) {
     if (length(view.eye_m - sight.eye_m) > move_m) return false;
     const Vec3 right = cross(view.forward, view.up);
     for (const double x : {view.left, view.right})
         for (const double y : {view.bottom, view.top}) {
             const Vec3 corner = view.forward + right * x + view.up * y;
             for (int plane = sides; plane < 6; ++plane)
-                if (dot(sight.inner.normal[plane], corner) < 0) return false;
+                if (dot(frustum.normal[plane], corner) < 0) return false;
         }
     return true;
 }
 
-bool all_within(const CutState& s) {
-    const double move_m = cells_m(s, margin_cells / 2);
+bool all_within(const CutState& s, const Sights& sights, Frustum Sight::*frustum, double share) {
+    const double move_m = cells_m(s, margin_cells * share);
     return std::all_of(s.views, s.views + s.view_count, [&](const View& view) {
-        return std::any_of(s.sights, s.sights + s.sight_count,
-                           [&](const Sight& sight) { return within(view, sight, move_m); });
+        return std::any_of(sights.of, sights.of + sights.count,
+                           [&](const Sight& sight) { return within(view, sight, sight.*frustum, move_m); });
     });
+}
+
+// How much of the way from half of the margin to most of it the views have gone, of what they turned apart.
+double gone(const CutState& s, const Sights& from) {
+    double worst_m = 0;
+    for (std::uint32_t i = 0; i < s.view_count; ++i) {
+        double least_m = length(s.views[i].eye_m - from.of[0].eye_m);
+        for (std::uint32_t n = 1; n < from.count; ++n)
+            least_m = std::min(least_m, length(s.views[i].eye_m - from.of[n].eye_m));
+        worst_m = std::max(worst_m, least_m);
+    }
+    return std::clamp((worst_m / cells_m(s, margin_cells) - half_share) / (most_share - half_share), 0.0, 1.0);
+}
+
+// Has no view moved or turned since the look began?
+bool rests(const CutState& s) {
+    for (std::uint32_t i = 0; i < s.view_count; ++i) {
+        const Sight& sight = s.sights.of[std::min(i, s.sights.count - 1)];
+        if (length(s.views[i].eye_m - sight.eye_m) > 0 || length(s.views[i].forward - sight.forward) > 0) return false;
+    }
+    return true;
 }
 
 // The parts of which nothing is met. met(box, part): what a box meets; part page_parts: the page as a whole.
@@ -132,51 +156,84 @@ void set_offscreen(CutState& s, std::uint32_t slot, std::uint8_t offscreen) {
 } // namespace
 
 double offscreen_factor(const CutState& s, const View& view, double threshold_px) {
-    const double most = quarter_tangent * lambda_px(view) / threshold_px;
-    return std::clamp(most, 1.0, s.settings.offscreen_factor);
+    const double highest = quarter_tangent * lambda_px(view) / threshold_px;
+    return std::clamp(highest, 1.0, s.settings.offscreen_factor);
 }
+
+namespace {
+
+void begin_look(CutState& s) {
+    s.sights_before = s.sights;
+    s.sights.count = s.view_count;
+    for (std::uint32_t i = 0; i < s.view_count; ++i) {
+        const View& view = s.views[i];
+        s.sights.of[i] = {view.eye_m,
+                          view.forward,
+                          wider(view, half_tangent),
+                          wider(view, most_tangent),
+                          wider(view, margin_tangent),
+                          wider(view, leave_tangent)};
+    }
+    s.next_look = 0;
+}
+
+void look_at(CutState& s, std::uint32_t slot) {
+    const PageState& page = s.page_state[slot];
+    if (page.page == no_index) return;
+    const double margin_m = cells_m(s, margin_cells), leave_m = cells_m(s, leave_cells);
+    const auto met = [&](const Box& box, std::uint32_t part) {
+        const bool out = part == page_parts ? page.offscreen == all_parts : page.offscreen >> part & 1;
+        Met meeting = Met::nothing;
+        for (std::uint32_t i = 0; i < s.sights.count && meeting != Met::all; ++i) {
+            const Sight& sight = s.sights.of[i];
+            meeting = std::max(meeting, out ? meets(sight.outer, sight.eye_m, box, sides, margin_m)
+                                            : meets(sight.last, sight.eye_m, box, sides, leave_m));
+        }
+        return meeting;
+    };
+    set_offscreen(s, slot, parts_not_met(s, page, met));
+}
+
+// More of the pages: all of them before a view can see what the others were not looked at for. all: at once.
+void go_on_looking(CutState& s, bool all) {
+    const Sights& before = s.sights_before;
+    std::uint32_t end = s.fresh_page;
+    if (!all && before.count != 0 && all_within(s, before, &Sight::most, most_share)) {
+        const auto gone_to = static_cast<std::uint32_t>(gone(s, before) * static_cast<double>(s.fresh_page));
+        end = std::min(end, std::max(s.next_look + s.fresh_page / look_frames + 1, gone_to));
+    }
+    while (s.next_look < end) look_at(s, s.next_look++);
+}
+
+} // namespace
 
 void watch_pages(CutState& s) {
     FJELL_ASSERT(s.bulk.phase == BulkPhase::idle);
     if (s.settings.offscreen_factor <= 1) {
-        if (s.sight_count == 0) return;
-        s.sight_count = 0;
+        if (s.sights.count == 0) return;
+        s.sights.count = 0;
         for (std::uint32_t slot = 0; slot < s.fresh_page; ++slot)
             if (s.page_state[slot].page != no_index) set_offscreen(s, slot, 0);
         return;
     }
-    if (s.sight_count != 0 && all_within(s)) return;
-    Frustum last[max_cut_views]; // beyond which parts leave
-    for (std::uint32_t i = 0; i < s.view_count; ++i) {
-        s.sights[i] = {s.views[i].eye_m, wider(s.views[i], half_tangent), wider(s.views[i], margin_tangent)};
-        last[i] = wider(s.views[i], leave_tangent);
+    if (s.sights.count != 0 && s.next_look < s.fresh_page) {
+        go_on_looking(s, rests(s));
+        if (s.next_look < s.fresh_page) return;
     }
-    s.sight_count = s.view_count;
-    const double margin_m = cells_m(s, margin_cells), leave_m = cells_m(s, leave_cells);
-    for (std::uint32_t slot = 0; slot < s.fresh_page; ++slot) {
-        const PageState& page = s.page_state[slot];
-        if (page.page == no_index) continue;
-        const auto met = [&](const Box& box, std::uint32_t part) {
-            const bool out = part == page_parts ? page.offscreen == all_parts : page.offscreen >> part & 1;
-            Met most = Met::nothing;
-            for (std::uint32_t i = 0; i < s.view_count && most != Met::all; ++i)
-                most = std::max(most, out ? meets(s.sights[i].outer, s.views[i].eye_m, box, sides, margin_m)
-                                          : meets(last[i], s.views[i].eye_m, box, sides, leave_m));
-            return most;
-        };
-        set_offscreen(s, slot, parts_not_met(s, page, met));
-    }
+    if (s.sights.count != 0 && all_within(s, s.sights, &Sight::half, half_share)) return;
+    begin_look(s);
+    go_on_looking(s, false);
 }
 
 void watch_page(CutState& s, std::uint32_t slot) {
     PageState& page = s.page_state[slot];
-    if (s.sight_count == 0) return;
+    if (s.sights.count == 0) return;
     const double margin_m = cells_m(s, margin_cells);
     page.offscreen = parts_not_met(s, page, [&](const Box& box, std::uint32_t) {
-        Met most = Met::nothing;
-        for (std::uint32_t i = 0; i < s.sight_count && most != Met::all; ++i)
-            most = std::max(most, meets(s.sights[i].outer, s.sights[i].eye_m, box, sides, margin_m));
-        return most;
+        Met meeting = Met::nothing;
+        for (std::uint32_t i = 0; i < s.sights.count && meeting != Met::all; ++i)
+            meeting = std::max(meeting, meets(s.sights.of[i].outer, s.sights.of[i].eye_m, box, sides, margin_m));
+        return meeting;
     });
 }
 

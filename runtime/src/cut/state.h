@@ -146,10 +146,16 @@ struct Governor {
     std::uint32_t cause; // CutBudgetBits that keep the effective threshold above the requested one
 };
 
-// With what the pages were looked at: planes 2 to 5, through the eye that a view had then (sight.h).
+// With what pages are looked at: planes 2 to 5 of frustums wider than a view, through the eye that it had then
+// (sight.h).
 struct Sight {
-    Vec3 eye_m;
-    Frustum inner, outer; // wider than the view by half the margin, and by all of it
+    Vec3 eye_m, forward;
+    Frustum half, most, outer; // by half the margin, three quarters and all of it
+    Frustum last;              // and beyond it: what parts leave
+};
+struct Sights {
+    Sight of[max_cut_views];
+    std::uint32_t count; // 0: nothing is off-screen
 };
 
 // The clock of morphing: the host's, in whole ticks that floats hold, however large its numbers are. Only what passes
@@ -228,11 +234,11 @@ struct CutState {
     Criterion criterion, offscreen_criterion; // of groups that are not off-screen, and of those that are
     View views[max_cut_views];
     Frustum frustums[max_cut_views];
-    Sight sights[max_cut_views];
-    std::uint32_t sight_count; // 0: nothing is off-screen
-    std::uint32_t view_count;  // 0: no update yet
-    double largest_unit_px;    // screen_unit_px() (lag.h)
-    double largest_ratio;      // of a view's threshold to that of the settings
+    Sights sights, sights_before; // of the look that pages are given, and of the one that the others had
+    std::uint32_t next_look;      // state of a page that comes next; from fresh_page on all have had it
+    std::uint32_t view_count;     // 0: no update yet
+    double largest_unit_px;       // screen_unit_px() (lag.h)
+    double largest_ratio;         // of a view's threshold to that of the settings
     Governor governor;
     // The frame in work.
     CutSettings settings;

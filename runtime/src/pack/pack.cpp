@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include <xxhash.h>
 #include <zstd.h>
@@ -165,7 +166,10 @@ std::size_t chunk_raw_bytes(const PackHeader& h, ChunkId id) {
     if (!has_chunk(h, id)) return 0;
     const auto blocks = [&](std::uint32_t log2_side) { return blocks_of(1u << (log2_side - id.item)); };
     switch (id.kind) {
-    case ChunkKind::corners: return (std::size_t{h.tiles_x} + 1) * (std::size_t{h.tiles_y} + 1) * 4;
+    case ChunkKind::corners: {
+        const std::uint64_t bytes = (std::uint64_t{h.tiles_x} + 1) * (std::uint64_t{h.tiles_y} + 1) * 4;
+        return static_cast<std::size_t>(std::min<std::uint64_t>(bytes, std::numeric_limits<std::size_t>::max()));
+    }
     case ChunkKind::geometry:
         return max_page_raw_bytes(PageLayout{static_cast<int>(h.tile_log2), h.order}.page_vertices(id.item));
     case ChunkKind::colour: return blocks(h.colour_log2) * colour_block_bytes;
@@ -206,9 +210,10 @@ Status open_index(std::span<const std::byte> header, std::span<const std::byte> 
     Pack opened;
     if (Status s = read_header(header, file_bytes, opened.header); !s.ok()) return s;
     const PackHeader& h = opened.header;
-    if (directory.size() < h.directory_count * sizeof(ChunkEntry)) return failed(Code::truncated, "directory");
+    const std::uint64_t bytes = h.directory_count * sizeof(ChunkEntry);
+    if (directory.size() < bytes) return failed(Code::truncated, "directory");
     opened.directory = directory.data();
-    if (h.directory_hash != XXH3_64bits(opened.directory, h.directory_count * sizeof(ChunkEntry)))
+    if (h.directory_hash != XXH3_64bits(opened.directory, static_cast<std::size_t>(bytes)))
         return failed(Code::corrupt, "directory");
     if (Status s = check_directory(opened); !s.ok()) return s;
     pack = opened;
@@ -218,9 +223,11 @@ Status open_index(std::span<const std::byte> header, std::span<const std::byte> 
 Status open_pack(std::span<const std::byte> file, Pack& pack) {
     PackHeader h;
     if (Status s = read_header(file, file.size(), h); !s.ok()) return s;
-    if (h.notes_bytes != 0 && h.notes_hash != XXH3_64bits(file.data() + h.notes_offset, h.notes_bytes))
+    if (h.notes_bytes != 0 &&
+        h.notes_hash != XXH3_64bits(file.data() + h.notes_offset, static_cast<std::size_t>(h.notes_bytes)))
         return failed(Code::corrupt, "notes");
-    if (Status s = open_index(file, file.subspan(h.directory_offset), file.size(), pack); !s.ok()) return s;
+    const std::span<const std::byte> directory = file.subspan(static_cast<std::size_t>(h.directory_offset));
+    if (Status s = open_index(file, directory, file.size(), pack); !s.ok()) return s;
     pack.bytes = file;
     return {};
 }
@@ -241,7 +248,7 @@ Status read_chunk(const Pack& pack, ChunkId id, std::span<std::byte> out) {
     const ChunkEntry e = pack.entry(chunk);
     if (e.offset > pack.bytes.size() || e.stored_bytes > pack.bytes.size() - e.offset)
         return failed(Code::truncated, "pack");
-    return decode_chunk(e, pack.bytes.subspan(e.offset, e.stored_bytes), out);
+    return decode_chunk(e, pack.bytes.subspan(static_cast<std::size_t>(e.offset), e.stored_bytes), out);
 }
 
 } // namespace fjell

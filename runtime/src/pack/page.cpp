@@ -1,7 +1,7 @@
 #include "pack/page.h"
 
 #include "asserts.h"
-#include "pack/clones.h"
+#include "compiler.h"
 #include "pack/page_loops.h"
 
 #include <algorithm>
@@ -42,7 +42,7 @@ struct Cursor {
 // A plane of n or fewer rows of `stride` vertices from one code for each 4 x 4: a line is made once and copied. The
 // last column of 33 has a code of its own.
 template <std::uint32_t Stride>
-[[gnu::always_inline]] inline void expand_plane(const std::uint8_t* stored, std::uint32_t rows, std::uint8_t* to) {
+FJELL_ALWAYS_INLINE inline void expand_plane(const std::uint8_t* stored, std::uint32_t rows, std::uint8_t* to) {
     constexpr std::uint32_t size = 1u << radius_squares_log2, blocks = n / size;
     static_assert(size == sizeof(std::uint32_t));
     for (std::uint32_t j = 0; j < rows; j += size, stored += blocks + Stride - n) {

@@ -33,34 +33,33 @@
 #include <cstring>
 #include <span>
 
+#include "compiler.h"
 #include "pack/terrain_data.h"
 
 namespace fjell {
 
-using RecordWord [[gnu::may_alias]] = std::uint32_t; // a VertexRecord as one atomic word
-static_assert(sizeof(VertexRecord) == sizeof(RecordWord));
+static_assert(sizeof(VertexRecord) == sizeof(std::uint32_t), "a record is read and written at once");
 static_assert(sizeof(PageEntry) == 8 && alignof(PageEntry) == 8, "an entry is read and written at once");
 
 // --- the frame's thread
 
 inline void publish_entry(PageEntry& entry, PageEntry value) {
-    __atomic_store(&entry, &value, __ATOMIC_RELEASE);
+    store_release(entry, value);
 }
 // Before records are written to a slot.
 inline void begin_slot(std::uint32_t& loads) {
-    __atomic_store_n(&loads, loads + 1, __ATOMIC_RELEASE);
-    __atomic_thread_fence(__ATOMIC_RELEASE);
+    store_release(loads, loads + 1);
+    fence_release();
 }
 inline void write_record(VertexRecord* to, std::uint32_t packed) {
-    __atomic_store_n(reinterpret_cast<RecordWord*>(to), packed, __ATOMIC_RELAXED);
+    store_word_relaxed(to, packed);
 }
 // Two records at a time, which the machine writes at once; single ones took three times as long.
 [[nodiscard]] inline bool takes_pairs(const VertexRecord* to) {
     return reinterpret_cast<std::uintptr_t>(to) % sizeof(std::uint64_t) == 0;
 }
 inline void write_pair(VertexRecord* to, std::uint64_t packed) {
-    using Pair [[gnu::may_alias]] = std::uint64_t;
-    __atomic_store_n(reinterpret_cast<Pair*>(to), packed, __ATOMIC_RELAXED);
+    store_pair_relaxed(to, packed);
 }
 
 // --- any thread
@@ -73,11 +72,10 @@ struct PublishedPage {
 };
 // False: it is not loaded, or was on its way out or in.
 [[nodiscard]] inline bool find_page(const TerrainData& terrain, std::size_t page, PublishedPage& found) {
-    PageEntry first, again;
-    __atomic_load(&terrain.page_table[page], &first, __ATOMIC_ACQUIRE);
+    const PageEntry first = load_acquire(terrain.page_table[page]);
     if (first.slot == no_index) return false;
-    found.loads = __atomic_load_n(&terrain.slot_loads[first.slot], __ATOMIC_ACQUIRE);
-    __atomic_load(&terrain.page_table[page], &again, __ATOMIC_ACQUIRE);
+    found.loads = load_acquire(terrain.slot_loads[first.slot]);
+    const PageEntry again = load_acquire(terrain.page_table[page]);
     found.slot = first.slot;
     found.base = first.base;
     return again.slot == first.slot && again.base == first.base;
@@ -86,21 +84,21 @@ struct PublishedPage {
 [[nodiscard]] inline bool read_record(const TerrainData& terrain, const PublishedPage& page, std::uint32_t index,
                                       VertexRecord& record) {
     const VertexRecord* const from = terrain.records + std::size_t{page.slot} * terrain.page_capacity + index;
-    const std::uint32_t word = __atomic_load_n(reinterpret_cast<const RecordWord*>(from), __ATOMIC_RELAXED);
-    __atomic_thread_fence(__ATOMIC_ACQUIRE);
+    const std::uint32_t word = load_word_relaxed(from);
+    fence_acquire();
     std::memcpy(&record, &word, sizeof record);
-    return __atomic_load_n(&terrain.slot_loads[page.slot], __ATOMIC_RELAXED) == page.loads;
+    return load_relaxed(terrain.slot_loads[page.slot]) == page.loads;
 }
 // The same of some that lie side by side: 5 and 6 once for all.
 [[nodiscard]] inline bool read_records(const TerrainData& terrain, const PublishedPage& page, std::uint32_t first,
                                        std::span<VertexRecord> records) {
     const VertexRecord* from = terrain.records + std::size_t{page.slot} * terrain.page_capacity + first;
     for (VertexRecord& record : records) {
-        const std::uint32_t word = __atomic_load_n(reinterpret_cast<const RecordWord*>(from++), __ATOMIC_RELAXED);
+        const std::uint32_t word = load_word_relaxed(from++);
         std::memcpy(&record, &word, sizeof record);
     }
-    __atomic_thread_fence(__ATOMIC_ACQUIRE);
-    return __atomic_load_n(&terrain.slot_loads[page.slot], __ATOMIC_RELAXED) == page.loads;
+    fence_acquire();
+    return load_relaxed(terrain.slot_loads[page.slot]) == page.loads;
 }
 
 } // namespace fjell

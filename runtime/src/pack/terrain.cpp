@@ -11,7 +11,8 @@
 #include <xxhash.h>
 #include <zstd.h>
 
-#include "pack/clones.h"
+#include "block_layout.h"
+#include "compiler.h"
 #include "pack/memory.h"
 #include "pack/page_loops.h"
 #include "pack/publish.h"
@@ -20,11 +21,6 @@
 namespace fjell {
 
 namespace {
-
-constexpr std::size_t alignment = 64;
-constexpr std::size_t aligned(std::size_t bytes) {
-    return (bytes + alignment - 1) / alignment * alignment;
-}
 
 std::uint32_t slots_of(const PackHeader& h, const TerrainBudget& budget, const PageLayout& pages) {
     const std::uint32_t all = h.tiles_x * h.tiles_y * pages.pages_per_tile();
@@ -38,20 +34,20 @@ struct Layout {
 
 Layout layout_of(const PackHeader& h, const TerrainBudget& budget) {
     const PageLayout pages = pages_of(h);
-    const std::size_t tiles = std::size_t{h.tiles_x} * h.tiles_y, slots = slots_of(h, budget, pages);
+    const std::uint64_t tiles = std::uint64_t{h.tiles_x} * h.tiles_y, slots = slots_of(h, budget, pages);
     Layout l{};
-    std::size_t at = aligned(sizeof(TerrainData));
-    const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
-    l.memory = place(sizeof(TerrainMemory));
-    l.records = place(slots * pages.page_capacity() * sizeof(VertexRecord));
-    l.page_table = place(tiles * pages.pages_per_tile() * sizeof(PageEntry));
-    l.slot_page = place(slots * sizeof(std::uint32_t));
-    l.slot_loads = place(slots * sizeof(std::uint32_t));
-    l.free_slots = place(slots * sizeof(std::uint32_t));
-    l.corners = place(chunk_raw_bytes(h, {ChunkKind::corners, 0, 0}));
-    l.zstd = place(ZSTD_estimateDCtxSize());
-    l.raw = place(max_page_raw_bytes(pages.page_capacity()));
-    l.end = at;
+    BlockLayout block(sizeof(TerrainData));
+    const auto place = [&](std::uint64_t count, std::size_t bytes) { return block.place(count, bytes); };
+    l.memory = place(1, sizeof(TerrainMemory));
+    l.records = place(slots * pages.page_capacity(), sizeof(VertexRecord));
+    l.page_table = place(tiles * pages.pages_per_tile(), sizeof(PageEntry));
+    l.slot_page = place(slots, sizeof(std::uint32_t));
+    l.slot_loads = place(slots, sizeof(std::uint32_t));
+    l.free_slots = place(slots, sizeof(std::uint32_t));
+    l.corners = place(chunk_raw_bytes(h, {ChunkKind::corners, 0, 0}), 1);
+    l.zstd = place(1, ZSTD_estimateDCtxSize());
+    l.raw = place(1, max_page_raw_bytes(pages.page_capacity()));
+    l.end = block.end();
     return l;
 }
 
@@ -130,7 +126,7 @@ struct StepRows {
     std::uint32_t i0, j0;
 
     // Heights of `count` vertices of row j.
-    [[gnu::always_inline]] void read(VertexKind kind, std::uint32_t j, std::uint32_t count, std::int32_t* to) const {
+    FJELL_ALWAYS_INLINE void read(VertexKind kind, std::uint32_t j, std::uint32_t count, std::int32_t* to) const {
         if (order == Order::planar) {
             const VertexRecord* const from = records + page_index<Order::planar>(side, kind, i0, j0 + j);
             for (std::uint32_t i = 0; i < count; ++i) { // whole records, so that the compiler loads many at once
@@ -146,8 +142,8 @@ struct StepRows {
 };
 
 // What stands on even places of a row, one more, then what on odd ones.
-[[gnu::always_inline]] inline void interleave_row(const std::int32_t* even, const std::int32_t* odd, std::uint32_t odds,
-                                                  std::int32_t* to) {
+FJELL_ALWAYS_INLINE inline void interleave_row(const std::int32_t* even, const std::int32_t* odd, std::uint32_t odds,
+                                               std::int32_t* to) {
     for (std::uint32_t i = 0; i < odds; ++i) {
         to[2 * i] = even[i];
         to[2 * i + 1] = odd[i];
@@ -156,8 +152,8 @@ struct StepRows {
 }
 
 // One step finer: from the corners of count x count squares to those of twice as many a side, by the step's planes.
-[[gnu::always_inline]] inline void refine_corners(const StepRows& rows, std::uint32_t count, const std::int32_t* grid,
-                                                  std::int32_t* finer) {
+FJELL_ALWAYS_INLINE inline void refine_corners(const StepRows& rows, std::uint32_t count, const std::int32_t* grid,
+                                               std::int32_t* finer) {
     const std::uint32_t width = 2 * count + 1;
     std::int32_t even[page_corners / 2 + 1], odd[page_corners / 2];
     for (std::uint32_t j = 0; j < count; ++j, grid += count + 1, finer += 2 * width) {
@@ -243,7 +239,8 @@ Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<s
     const ChunkEntry corners = pack.entry(chunk_index(pack.header, {ChunkKind::corners, 0, 0}));
     if (corners.offset > pack.bytes.size() || corners.stored_bytes > pack.bytes.size() - corners.offset)
         return {Code::truncated, "corners"};
-    return create_terrain(pack, pack.bytes.subspan(corners.offset, corners.stored_bytes), budget, memory, terrain);
+    const auto stored = pack.bytes.subspan(static_cast<std::size_t>(corners.offset), corners.stored_bytes);
+    return create_terrain(pack, stored, budget, memory, terrain);
 }
 
 Status create_terrain(const Pack& pack, std::span<const std::byte> corners, const TerrainBudget& budget,
@@ -254,7 +251,7 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     const Layout l = layout_of(h, budget);
     if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
     std::byte* const at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {Code::out_of_range, "memory alignment"};
 
     TerrainData& t = *new (at) TerrainData{}; // whatever was here is refused from now on
     t.header = h;

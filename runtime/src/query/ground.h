@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "compiler.h"
 #include "fjell/view.h"
 #include "pack/publish.h"
 #include "pack/terrain_data.h"
@@ -95,7 +96,7 @@ public:
 
 private:
     // A page that went while it was read may be back at once; one that keeps coming and going counts as missing.
-    [[gnu::noinline]] bool find(PagePlace at, VertexRecord& record) {
+    FJELL_NOINLINE bool find(PagePlace at, VertexRecord& record) {
         constexpr int attempts = 3;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             page_ = at.page;

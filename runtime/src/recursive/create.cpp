@@ -3,6 +3,7 @@
 #include <new>
 #include <utility>
 
+#include "block_layout.h"
 #include "recursive/emit.h"
 #include "recursive/state.h"
 
@@ -10,15 +11,10 @@ namespace fjell {
 
 namespace {
 
-constexpr std::size_t alignment = 64;
 constexpr std::uint32_t max_vertices = 0x7ffffffe; // the highest bit of a slot marks holes
 
-constexpr std::size_t aligned(std::size_t bytes) {
-    return (bytes + alignment - 1) / alignment * alignment;
-}
-
-std::size_t state_count(const TerrainData& terrain) {
-    return std::size_t{terrain.slot_count} * terrain.page_capacity + std::size_t{terrain.tile_count()} * 4;
+std::uint64_t state_count(const TerrainData& terrain) {
+    return std::uint64_t{terrain.slot_count} * terrain.page_capacity + std::uint64_t{terrain.tile_count()} * 4;
 }
 
 // Where its parts lie; one function for the size and for the placement, so they cannot disagree.
@@ -31,20 +27,20 @@ static_assert(recursive_vertex_bytes == sizeof(MeshVertex) + 2 * 4,
 
 Layout layout_of(const TerrainData& terrain, const RecursiveBudget& budget) {
     Layout l{};
-    std::size_t at = aligned(sizeof(RecursiveState));
-    const auto place = [&](std::size_t bytes) { return std::exchange(at, at + aligned(bytes)); };
-    l.statuses = place(state_count(terrain) * sizeof(std::uint16_t));
-    l.slots = place(state_count(terrain) * sizeof(std::uint32_t));
-    l.step_pages = place(std::size_t{terrain.tile_count()} * entries_per_tile(terrain.pages) * sizeof(StepPageEntry));
-    l.slot_pages = place(std::size_t{terrain.slot_count} * sizeof(std::uint32_t));
-    l.vertices = place(std::size_t{budget.vertices} * sizeof(MeshVertex));
-    l.owners = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
-    l.free_slots = place(std::size_t{budget.vertices} * sizeof(std::uint32_t));
-    l.indices = place(std::size_t{budget.indices} * sizeof(std::uint32_t));
-    l.tiles = place(std::size_t{terrain.tile_count()} * sizeof(TileRange));
-    l.x_m2 = place((std::size_t{terrain.pages.side()} + 1) * sizeof(float));
-    l.z_m2 = place((std::size_t{terrain.pages.side()} + 1) * sizeof(float));
-    l.end = at;
+    BlockLayout block(sizeof(RecursiveState));
+    const auto place = [&](std::uint64_t count, std::size_t bytes) { return block.place(count, bytes); };
+    l.statuses = place(state_count(terrain), sizeof(std::uint16_t));
+    l.slots = place(state_count(terrain), sizeof(std::uint32_t));
+    l.step_pages = place(std::uint64_t{terrain.tile_count()} * entries_per_tile(terrain.pages), sizeof(StepPageEntry));
+    l.slot_pages = place(terrain.slot_count, sizeof(std::uint32_t));
+    l.vertices = place(budget.vertices, sizeof(MeshVertex));
+    l.owners = place(budget.vertices, sizeof(std::uint32_t));
+    l.free_slots = place(budget.vertices, sizeof(std::uint32_t));
+    l.indices = place(budget.indices, sizeof(std::uint32_t));
+    l.tiles = place(terrain.tile_count(), sizeof(TileRange));
+    l.x_m2 = place(std::uint64_t{terrain.pages.side()} + 1, sizeof(float));
+    l.z_m2 = place(std::uint64_t{terrain.pages.side()} + 1, sizeof(float));
+    l.end = block.end();
     return l;
 }
 
@@ -92,7 +88,7 @@ Status create_recursive(const Terrain& handle, const RecursiveBudget& budget, st
     const Layout l = layout_of(terrain, budget);
     if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
     std::byte* at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {Code::out_of_range, "memory alignment"};
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
 
     auto& s = *new (at) RecursiveState{};

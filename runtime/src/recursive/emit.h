@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "compiler.h"
 #include "fjell/mesh.h"
 #include "recursive/state.h"
 
@@ -21,7 +22,7 @@ public:
     [[nodiscard]] bool full() const { return full_; }
 
     // False when there is no room for it.
-    [[gnu::always_inline]] bool triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    FJELL_ALWAYS_INLINE bool triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
         std::uint32_t* const out = next_;
         if (out > last_triangle_) return false;
         out[0] = a;
@@ -41,7 +42,7 @@ public:
     }
 
     // tStripAppend. parity: of the vertex' level; parities alternate along the strip, or the older vertex is repeated.
-    [[gnu::always_inline]] void append(std::uint32_t slot, int parity) {
+    FJELL_ALWAYS_INLINE void append(std::uint32_t slot, int parity) {
         if (slot == newest_ || slot == older_) return;
         if (holes_) return append_around_holes(slot, parity);
         // One of two, without a branch that could not be predicted: the older one is overwritten, or stays.

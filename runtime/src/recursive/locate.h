@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 
+#include "compiler.h"
 #include "pack/terrain_data.h"
 
 namespace fjell {
@@ -111,7 +112,7 @@ struct Located {
     bool loaded;
 };
 template <Order O>
-[[gnu::always_inline]] inline Located locate(const LevelPlane& p, std::uint32_t xy) {
+FJELL_ALWAYS_INLINE inline Located locate(const LevelPlane& p, std::uint32_t xy) {
     if constexpr (O == Order::linear) {
         const std::uint32_t index = (xy >> 16) * p.stride + (xy & 0xffff);
         const StepPageEntry& e = p.pages[index / max_page_vertices];

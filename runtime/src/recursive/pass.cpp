@@ -17,6 +17,7 @@
 #include <cstring>
 #include <limits>
 
+#include "compiler.h"
 #include "recursive/emit.h"
 #include "recursive/locate.h"
 #include "view/wanted.h"
@@ -138,8 +139,8 @@ private:
     // The vertex of a triangle of this kind, from its hypotenuse. One whose ends share x is a side that runs along y.
     // to_ask: of the parent's.
     template <Kind K>
-    [[gnu::always_inline]] Node look(std::uint32_t end, std::uint32_t other_end, const LevelPlane* at,
-                                     std::uint32_t to_ask) {
+    FJELL_ALWAYS_INLINE Node look(std::uint32_t end, std::uint32_t other_end, const LevelPlane* at,
+                                  std::uint32_t to_ask) {
         const std::uint32_t xy = (end + other_end) >> 1;
         const LevelPlane& plane = K.even || ((end ^ other_end) & 0xffff) != 0 ? *at : at[1];
         const Located found = locate<O>(plane, xy);
@@ -159,8 +160,8 @@ private:
     // meshRefine of a triangle of kind K whose vertex m is selected. Both halves are looked at before either is
     // entered: their memory is fetched side by side, and leaves cost no call. at: the planes of the next level.
     template <Kind K>
-    [[gnu::always_inline]] void split(Corner apex, Corner left, Corner right, Corner m, const LevelPlane* at,
-                                      std::uint32_t to_ask) {
+    FJELL_ALWAYS_INLINE void split(Corner apex, Corner left, Corner right, Corner m, const LevelPlane* at,
+                                   std::uint32_t to_ask) {
         constexpr Kind first_kind = K.even ? left_half(K) : right_half(K),
                        second_kind = K.even ? right_half(K) : left_half(K);
         const Corner first_end = K.even ? left : right, second_end = K.even ? right : left;
@@ -178,18 +179,18 @@ private:
     }
     // Out of line, or the compiler unrolls the recursion.
     template <Kind K>
-    [[gnu::noinline]] void refine(Corner apex, Corner left, Corner right, Corner m, const LevelPlane* at,
-                                  std::uint32_t to_ask) {
+    FJELL_NOINLINE void refine(Corner apex, Corner left, Corner right, Corner m, const LevelPlane* at,
+                               std::uint32_t to_ask) {
         split<K>(apex, left, right, m, at, to_ask);
     }
     template <Kind K>
-    [[gnu::noinline]] void refine_inside(Corner apex, Corner left, Corner right, Corner m, const LevelPlane* at) {
+    FJELL_NOINLINE void refine_inside(Corner apex, Corner left, Corner right, Corner m, const LevelPlane* at) {
         split<K>(apex, left, right, m, at, 0);
     }
 
     // The half of a split triangle beside `end`, which was its parent's left end or its right one. K: its own kind.
     template <Kind K, bool LeftEnd>
-    [[gnu::always_inline]] void half(Corner m, Corner apex, Corner end, const LevelPlane* at, const Node& node) {
+    FJELL_ALWAYS_INLINE void half(Corner m, Corner apex, Corner end, const LevelPlane* at, const Node& node) {
         const Corner left = LeftEnd ? apex : end, right = LeftEnd ? end : apex;
         if (!node.selected) return leaf<K.even>(m, left, right);
         enter<K>(m, left, right, node, at + (K.even ? 1 : 2));
@@ -198,24 +199,24 @@ private:
     // Asks for the four squares of the next step that meet at a centre, two levels before the recursion comes to them:
     // it waits for memory otherwise, and the processor does not look so far ahead. The south-eastern one is never a
     // page's first, so that the others lie before it; an address that is none does no harm.
-    [[gnu::always_inline]] void fetch_squares(std::uint32_t xy, const LevelPlane& centres) const {
+    FJELL_ALWAYS_INLINE void fetch_squares(std::uint32_t xy, const LevelPlane& centres) const {
         const std::uint32_t at = locate<O>(centres, xy).index;
-        __builtin_prefetch(slots + at);
-        if constexpr (O == Order::hierarchical_z) __builtin_prefetch(records + at);
+        FJELL_PREFETCH(slots + at);
+        if constexpr (O == Order::hierarchical_z) FJELL_PREFETCH(records + at);
         if constexpr (O == Order::planar) {
             constexpr std::uint32_t row = page_squares, side_x = page_index<O>(page_squares, VertexKind::side_x, 0, 0),
                                     side_y = page_index<O>(page_squares, VertexKind::side_y, 0, 0);
             for (const std::uint32_t plane : {at, at + side_x, at + side_y}) {
-                __builtin_prefetch(records + plane);
-                __builtin_prefetch(records + (plane - row));
+                FJELL_PREFETCH(records + plane);
+                FJELL_PREFETCH(records + (plane - row));
             }
-            __builtin_prefetch(slots + (at - row));
+            FJELL_PREFETCH(slots + (at - row));
         }
     }
 
     // The triangle of a selected vertex becomes two.
     template <Kind K>
-    [[gnu::always_inline]] void enter(Corner apex, Corner left, Corner right, const Node& node, const LevelPlane* at) {
+    FJELL_ALWAYS_INLINE void enter(Corner apex, Corner left, Corner right, const Node& node, const LevelPlane* at) {
         if constexpr (T == Topology::strip) ++result.triangles;
         if constexpr (K.even && O != Order::linear)
             if (at + 2 != last_planes) fetch_squares(node.xy, at[2]);
@@ -243,7 +244,7 @@ private:
 
     // Even: of the level of the vertex that could split it.
     template <bool Even>
-    [[gnu::always_inline]] void leaf(Corner apex, Corner left, Corner right) {
+    FJELL_ALWAYS_INLINE void leaf(Corner apex, Corner left, Corner right) {
         if (some_not_drawn && not_drawn(apex, left, right)) {
             if constexpr (T == Topology::triangles) return;
             --result.triangles; // a strip needs the vertex on its way
@@ -264,7 +265,7 @@ private:
 
     // Does a corner lie in a hole, or has the triangle shrunk to nothing, because its vertices stand at the terrain's
     // rim?
-    [[gnu::noinline]] bool not_drawn(Corner a, Corner b, Corner c) const {
+    FJELL_NOINLINE bool not_drawn(Corner a, Corner b, Corner c) const {
         if (holes && ((slot_of(a) | slot_of(b) | slot_of(c)) & hole_flag) != 0) return true;
         const Coord from = place(xy_of(a)), ab = place(xy_of(b)) - from, ac = place(xy_of(c)) - from;
         return ab.x * ac.y == ab.y * ac.x;
@@ -291,20 +292,19 @@ private:
         }
     }
 
-    [[gnu::always_inline]] float radius_m(VertexRecord record, const LevelPlane& plane) const {
+    FJELL_ALWAYS_INLINE float radius_m(VertexRecord record, const LevelPlane& plane) const {
         return plane.unit_m * radius_factor[record.radius & (radius_codes - 1)];
     }
 
     // evalTriangle where nothing but the distance is left to ask.
-    [[gnu::always_inline]] bool near_enough(VertexRecord record, std::int32_t page_base, const LevelPlane& plane,
-                                            std::uint32_t xy) const {
+    FJELL_ALWAYS_INLINE bool near_enough(VertexRecord record, std::int32_t page_base, const LevelPlane& plane,
+                                         std::uint32_t xy) const {
         return wanted_at(reach, x_m2[xy & 0xffff], height_scale.height_m(page_base + record.height), z_m2[xy >> 16],
                          error_m[record.error], radius_m(record, plane));
     }
 
     // evalTriangle in full; stores what it finds.
-    [[gnu::noinline]] std::uint32_t decide(Located at, const LevelPlane& plane, std::uint32_t xy,
-                                           std::uint32_t to_ask) {
+    FJELL_NOINLINE std::uint32_t decide(Located at, const LevelPlane& plane, std::uint32_t xy, std::uint32_t to_ask) {
         if (incomplete && decision(at.index) <= in_wholly) // a child of it was decided
             return decision(at.index) == not_in ? not_selected : to_ask;
         to_ask = select(records[at.index], position(records[at.index], at.base, xy), plane, to_ask);
@@ -313,7 +313,7 @@ private:
         return store(at.index, to_ask);
     }
 
-    [[gnu::always_inline]] std::uint32_t store(std::uint32_t index, std::uint32_t to_ask) {
+    FJELL_ALWAYS_INLINE std::uint32_t store(std::uint32_t index, std::uint32_t to_ask) {
         const bool selected = to_ask != not_selected;
         statuses[index] = static_cast<std::uint16_t>(base + (!selected ? not_in : to_ask == 0 ? in_wholly : in_partly));
         result.selected += selected;
@@ -328,8 +328,8 @@ private:
     }
 
     // Answers with what is left to ask, or not_selected.
-    [[gnu::always_inline]] std::uint32_t select(VertexRecord record, Position p, const LevelPlane& plane,
-                                                std::uint32_t to_ask) const {
+    FJELL_ALWAYS_INLINE std::uint32_t select(VertexRecord record, Position p, const LevelPlane& plane,
+                                             std::uint32_t to_ask) const {
         const float radius = radius_m(record, plane), error = error_m[record.error];
         const Vec3 centre{p.x_m, p.y_m, p.z_m};
         if (!depth) {
@@ -360,7 +360,7 @@ private:
     // Where pages are missing, nested errors are not enough: a vertex is in the cut when it is wanted, all pages that
     // hold it are there, and its parents are in the cut (invariant 7). One parent is known on the way down; this
     // asks both, across tiles.
-    [[gnu::noinline]] bool parents_in(Coord v) {
+    FJELL_NOINLINE bool parents_in(Coord v) {
         if (!copies_loaded(v)) return false;
         const Diamond d = diamond(terrain.tree, v);
         for (const Coord parent : d.apexes)
@@ -431,7 +431,7 @@ private:
                                                  (stored & corner_void_bit) != 0, pack_xy(x, y)));
     }
 
-    [[gnu::noinline]] std::uint32_t insert_record(std::uint32_t index, std::uint32_t xy) {
+    FJELL_NOINLINE std::uint32_t insert_record(std::uint32_t index, std::uint32_t xy) {
         const VertexRecord record = records[index];
         const PageEntry page = terrain.page_table[terrain.slot_page[index / terrain.page_capacity]];
         return insert(index, page.base + record.height, is_void(record), xy);

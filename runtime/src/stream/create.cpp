@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cstring>
 #include <new>
-#include <utility>
 
 #define ZSTD_STATIC_LINKING_ONLY
 #include <zstd.h>
 
+#include "block_layout.h"
 #include "stream/maps.h"
 #include "stream/pages.h"
 #include "stream/requests.h"
@@ -14,11 +14,6 @@
 namespace fjell {
 
 namespace {
-
-constexpr std::size_t alignment = 64;
-constexpr std::size_t aligned(std::size_t bytes) {
-    return (bytes + alignment - 1) / alignment * alignment;
-}
 
 std::uint32_t watch_count(const TerrainData& t) {
     return t.slot_count * watches_per_slot + t.tile_count();
@@ -38,11 +33,11 @@ std::size_t map_room(const PackHeader& h, const StreamBudget& budget) {
         for (std::uint32_t log2 = sizes.tail_log2 + 1; log2 <= sizes.top_log2; ++log2)
             if (sizes.layers[log2] != 0) most = std::max(most, chunk_raw_bytes(h, {chunks, 0, sizes.top_log2 - log2}));
     }
-    return aligned(most);
+    return block_aligned(most);
 }
 
 std::size_t page_room(const TerrainData& t) {
-    return aligned(max_page_raw_bytes(t.page_capacity));
+    return block_aligned(max_page_raw_bytes(t.page_capacity));
 }
 
 // Where its parts lie; one function for the size and for the placement, so they cannot disagree.
@@ -54,11 +49,9 @@ struct Layout {
 
 Layout layout_of(const Pack& pack, const TerrainData& t, const StreamBudget& budget) {
     Layout l{};
-    std::size_t at = aligned(sizeof(StreamState));
-    const auto place = [&](std::size_t count, std::size_t bytes) {
-        return std::exchange(at, at + aligned(count * bytes));
-    };
-    const std::size_t watches = watch_count(t), padded = (watches + 63) / 64 * 64;
+    BlockLayout block(sizeof(StreamState));
+    const auto place = [&](std::uint64_t count, std::size_t bytes) { return block.place(count, bytes); };
+    const std::uint64_t watches = watch_count(t), padded = (watches + 63) / 64 * 64;
     const std::uint32_t requests = budget.page_requests + budget.map_requests;
     l.watches = place(watches, sizeof(Watch));
     l.due = place(padded, sizeof(float));
@@ -86,10 +79,10 @@ Layout layout_of(const Pack& pack, const TerrainData& t, const StreamBudget& bud
     l.requests = place(requests, sizeof(Request));
     l.page_rooms = place(budget.page_requests, page_room(t));
     l.map_rooms = place(budget.map_requests, map_room(pack.header, budget));
-    l.zstd = place(budget.decoders, aligned(ZSTD_estimateDCtxSize()));
+    l.zstd = place(budget.decoders, block_aligned(ZSTD_estimateDCtxSize()));
     l.failures = place(requests + 64, sizeof(StreamFailure));
     l.arrivals = place(max_arrivals, sizeof(PageArrival));
-    l.end = at;
+    l.end = block.end();
     return l;
 }
 
@@ -138,7 +131,7 @@ Status create_stream(const Pack& pack, const Terrain& handle, LiveCut cut, const
     const Layout l = layout_of(pack, terrain, budget);
     if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
     std::byte* const at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % alignment != 0) return {Code::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {Code::out_of_range, "memory alignment"};
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
     auto& s = *new (at) StreamState{};
     const auto part = [&]<typename T>(T*& pointer, std::size_t offset) { pointer = reinterpret_cast<T*>(at + offset); };
@@ -189,7 +182,8 @@ Status create_stream(const Pack& pack, const Terrain& handle, LiveCut cut, const
     }
     for (std::uint32_t i = 0; i < budget.decoders; ++i) {
         Decoder& decoder = s.decoders[i];
-        decoder.zstd = ZSTD_initStaticDCtx(at + l.zstd + i * aligned(ZSTD_estimateDCtxSize()), ZSTD_estimateDCtxSize());
+        decoder.zstd =
+            ZSTD_initStaticDCtx(at + l.zstd + i * block_aligned(ZSTD_estimateDCtxSize()), ZSTD_estimateDCtxSize());
         if (decoder.zstd == nullptr) return {Code::memory_too_small, "memory"};
     }
     const auto padded = (s.watch_count + 63) / 64 * 64;

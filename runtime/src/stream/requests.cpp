@@ -137,7 +137,7 @@ Status stream_provide(Stream stream, std::uint32_t ticket, std::span<const std::
     std::size_t raw = 0;
     for (std::uint32_t i = 0; i < r->chunks; ++i) {
         const ChunkEntry e = s.pack->entry(r->first_chunk + i);
-        const auto bytes = stored.subspan(e.offset - r->offset, e.stored_bytes);
+        const auto bytes = stored.subspan(static_cast<std::size_t>(e.offset - r->offset), e.stored_bytes);
         if (e.raw_bytes > r->raw_bytes - raw || XXH3_64bits(bytes.data(), bytes.size()) != e.hash) return damaged();
         const std::size_t written =
             ZSTD_decompressDCtx(decoder.zstd(), r->raw + raw, r->raw_bytes - raw, bytes.data(), bytes.size());

@@ -1,0 +1,36 @@
+# The library on another system: compiles all of it, and there the golden flight comes to what it comes to here.
+#   cmake -DTOOLCHAIN=FILE -DFJELL=SOURCE -DSOURCES=FOLDER -DXXHASH=HEADER -DFOLDER=BUILD -DBAKE=PROPERTY_CUT -DHERE=CUT_GOLDEN
+#     -DPROGRAM=NAME -DRUNNER=COMMAND... -P elsewhere.cmake
+cmake_minimum_required(VERSION 3.25)
+include(${CMAKE_CURRENT_LIST_DIR}/must.cmake)
+cmake_path(GET PROGRAM EXTENSION suffix)
+full_rounds_only("the library for another system")
+file(REMOVE_RECURSE ${FOLDER})
+set(ENV{NODE_PATH} /usr/share/nodejs) # where Debian's emscripten finds its parts
+
+# -O1: what is asked is whether it decides alike, and cut_golden_compilers asks that of every level.
+must("configuring" ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/elsewhere -B ${FOLDER} -G Ninja -DCMAKE_TOOLCHAIN_FILE=${TOOLCHAIN}
+  -DFJELL=${FJELL} -DSOURCES=${SOURCES} -DXXHASH=${XXHASH} -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG")
+must("building" ${CMAKE_COMMAND} --build ${FOLDER} -j 2)
+
+# A place of its own for wine, without the copies of its libraries that it would make: it takes them from its own folder.
+if(WINE_LIBRARIES)
+  set(ENV{WINEPREFIX} ${FOLDER}/wine)
+  set(ENV{WINEDEBUG} -all)
+  file(MAKE_DIRECTORY ${FOLDER}/wine/drive_c/windows)
+  file(WRITE ${FOLDER}/wine/.update-timestamp "disable\n")
+  file(CREATE_LINK ${WINE_LIBRARIES} ${FOLDER}/wine/drive_c/windows/system32 SYMBOLIC)
+endif()
+set(pack ${FOLDER}/golden.fjell)
+must("baking" ${CMAKE_COMMAND} -E env FJELL_GOLDEN_PACK=${pack} ${BAKE} [golden])
+must("flying here" ${HERE} ${pack})
+string(STRIP "${output}" here)
+must("flying there" ${RUNNER} ${FOLDER}/${PROGRAM} ${pack})
+string(STRIP "${output}" there)
+must("sizes there" ${RUNNER} ${FOLDER}/sizes${suffix} ${pack})
+message(STATUS "${output}")
+file(REMOVE ${FOLDER}/wine/dosdevices/z:) # a link to all of this machine's files
+if(NOT here MATCHES "^vector [0-9a-f]+ [0-9a-f]+ scalar [0-9a-f]+ [0-9a-f]+$" OR NOT there STREQUAL here)
+  message(FATAL_ERROR "invariant 8: there it decides\n${there}\nand here\n${here}")
+endif()
+message(STATUS "${there}")
