@@ -184,6 +184,46 @@ std::string on_methods(const Results& results) {
     return text;
 }
 
+// The median of one over that of another, at each speed.
+std::vector<Range> over(const Results& results, const char* measure, Way of, Way to) {
+    std::vector<Range> all;
+    for (const double cells : results.recipe.cells_a_frame)
+        all.push_back(ratios(
+            results, measure, [&](const Case& c) { return c.way == of && c.cells_a_frame == cells; },
+            [to](Case& c) { c.way = to; }));
+    return all;
+}
+
+std::string on_rivals(const Results& results) {
+    const Result* ours = nullptr;
+    for (const Result& r : results.all)
+        if (r.c.way == Way::incremental && r.value("equal_triangles")) ours = &r;
+    if (!ours) return {};
+    std::string most = "At equal true error", cracked, beyond;
+    for (const Result& r : results.all) {
+        if (!r.value("true_error_px")) continue;
+        const std::string name = r.c.json().at("method");
+        if (r.value("open_edges").value_or(0) > 0) cracked += (cracked.empty() ? "" : ", ") + name;
+        if (*r.value("true_error_px") > r.c.error_px)
+            beyond += fmt::format("{}{} ({:.1f} times)", beyond.empty() ? "" : ", ", name,
+                                  *r.value("true_error_px") / r.c.error_px);
+        if (const auto equal = r.value("equal_triangles"); equal && r.c.way != Way::incremental)
+            most += fmt::format("{} {} takes {:.2f}", most.ends_with("error") ? "" : ",", name,
+                                *equal / *ours->value("equal_triangles"));
+    }
+    most += " times the triangles of our incremental method. ";
+    const std::string speeds = fmt::format("{}", fmt::join(results.recipe.cells_a_frame, " / "));
+    return most +
+           fmt::format("The true error goes beyond the threshold with {}. There are cracks with {}. ",
+                       beyond.empty() ? "none" : beyond, cracked.empty() ? "none" : cracked) +
+           fmt::format("At {} cells a frame ROAM's median takes {} times ours, nested error spheres {}, the leanest "
+                       "recursion {}, a binary tree {}. ",
+                       speeds, listed(over(results, "median_us", Way::incremental, Way::roam)),
+                       listed(over(results, "median_us", Way::incremental, Way::spheres)),
+                       listed(over(results, "median_us", Way::incremental, Way::lean)),
+                       listed(over(results, "median_us", Way::incremental, Way::binary_tree)));
+}
+
 } // namespace
 
 std::string conclusion_of(const Results& results) {
@@ -191,6 +231,7 @@ std::string conclusion_of(const Results& results) {
     std::string text = kind == "tilings"     ? on_tilings(results)
                        : kind == "orders"    ? on_orders(results)
                        : kind == "estimates" ? on_estimates(results)
+                       : kind == "rivals"    ? on_rivals(results)
                                              : on_methods(results);
     if (text.empty()) return "Too few cases are measured to say anything.";
     text.pop_back();

@@ -46,7 +46,7 @@ lab::Results run_recipe(const lab::Recipe& recipe, const Options& options, const
         ++number;
         if (store.find(c) || left == 0) continue;
         fmt::print(stderr, "fjell-lab: {}: {} of {}\n", recipe.name, number, cases.size());
-        store.add(c, lab::measure_case(recipe, c, world));
+        store.add(c, lab::measure_case(recipe, c, world, options.out));
         --left;
         ++measured;
     }

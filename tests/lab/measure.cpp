@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <set>
 
 #include <fmt/format.h>
@@ -11,7 +10,9 @@
 #include "fjell/io/failure.h"
 #include "fjell/measure.h"
 #include "fjell/recursive.h"
+#include "lab/clock.h"
 #include "lab/pages.h"
+#include "lab/rivals.h"
 
 namespace fjell::lab {
 
@@ -39,13 +40,6 @@ double five_digits(double value) {
 
 void check(const Status& status) {
     if (!status.ok()) throw io::Failure(1, fmt::format("{}: {}", status.field, message(status.code)));
-}
-
-// What this thread has worked: neighbours that take the core away are not in it.
-double worked_us() {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) * 1e6 + static_cast<double>(t.tv_nsec) * 1e-3;
 }
 
 template <typename Update>
@@ -189,7 +183,14 @@ double mean_cells_a_frame(const std::vector<View>& views, double cell_m) {
 
 } // namespace
 
-nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world) {
+nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world, const std::string& out) {
+    if (recipe.conclusion == "rivals") {
+        const nlohmann::json all = measure_rival(recipe, c, world, out + "/" + picture_name(recipe, c));
+        nlohmann::json measured{{"frames", all["frames"]}};
+        for (const std::string& key : recipe.measures)
+            if (all.contains(key)) measured[key] = five_digits(all[key].get<double>());
+        return measured;
+    }
     const std::vector<View> views = world.views(c, recipe.frames);
     const Flight f = c.way == Way::recursive     ? fly_recursive(recipe, c, world, views)
                      : c.way == Way::incremental ? fly_incremental(recipe, c, world, views)

@@ -13,6 +13,7 @@ namespace fjell::lab {
 
 // The recipe's measures by key; those that a method does not have are absent. And frames, how many were flown,
 // and flown_cells_a_frame.
-[[nodiscard]] nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world);
+// out: a folder for pictures of rivals' meshes.
+[[nodiscard]] nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world, const std::string& out);
 
 } // namespace fjell::lab

@@ -60,7 +60,10 @@ void draw_axes(std::string& svg, const Axis& x, const Axis& y, const std::string
 
 void draw_line(std::string& svg, const Axis& x, const Axis& y, const Line& line, std::size_t number) {
     const char* const colour = colours[number % std::size(colours)];
-    const char* const dash = line.dashed ? " stroke-dasharray='6 4'" : "";
+    // Dotted where the colours come again.
+    const char* const dash = line.dashed                    ? " stroke-dasharray='6 4'"
+                             : number >= std::size(colours) ? " stroke-dasharray='2 3'"
+                                                            : "";
     std::string points;
     for (const auto& [px, py] : line.points)
         if (px > 0 && py > 0) points += fmt::format("{:.1f},{:.1f} ", x.at(px), y.at(py));

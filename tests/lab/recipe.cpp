@@ -89,7 +89,10 @@ private:
 };
 
 const std::vector<std::string> order_words{"planar", "hz", "linear"}, estimate_words{"true", "midpoint"},
-    way_words{"recursive", "incremental", "lean"}, conclusion_words{"tilings", "orders", "estimates", "methods"};
+    way_words{
+        "recursive",      "incremental", "lean",    "incremental-morph", "roam",          "roam-wedgies",       "cdlod",
+        "cdlod-doubling", "blocks",      "spheres", "binary-tree",       "skirted-tiles", "multi-triangulation"},
+    conclusion_words{"tilings", "orders", "estimates", "methods", "rivals"};
 
 Site site_of(const json& terrain, const std::string& file, const std::string& real_folder) {
     Keys kinds(terrain, file, "terrain.");
@@ -162,6 +165,22 @@ void read_lists(Keys& keys, Recipe& r) {
     if (r.thresholds_px.empty()) keys.bad("thresholds_px", "is missing; give a list");
 }
 
+// What only the comparison of rivals has, and what it cannot do without.
+void read_rivals(Keys& keys, Recipe& r) {
+    if (r.conclusion != "rivals") {
+        for (const Way way : r.ways)
+            if (way > Way::lean)
+                keys.bad("methods", way_words[static_cast<std::size_t>(way)] + " is for the conclusion rivals alone");
+        return;
+    }
+    r.repetitions = static_cast<int>(keys.number("repetitions", r.repetitions, 1, 100));
+    r.picture_px = keys.number("picture_px", r.picture_px, 0.01, 1000);
+    r.picture_cells = static_cast<int>(keys.number("picture_cells", r.picture_cells, 8, 4096));
+    if (r.tile_cells.size() != 1 || r.offscreen_factors != std::vector<double>{1})
+        keys.bad("tile_cells", "rivals take one tile as large as the terrain, and no offscreen_factors");
+    if (r.verify_frames == 0) keys.bad("verify_frames", "rivals are looked at; give at least 1");
+}
+
 } // namespace
 
 nlohmann::json Site::identity() const {
@@ -195,7 +214,18 @@ const std::vector<Measure>& all_measures() {
                                           {"pages_in_use", "pages in use, mean"},
                                           {"pages_read", "pages read in the flight"},
                                           {"memory_pages", "memory pages (4 KB) in use, mean"},
-                                          {"bake_s", "baking errors, radii, pages [s]"}};
+                                          {"bake_s", "baking errors, radii, pages [s]"},
+                                          {"low_us", "lowest median [us]"},
+                                          {"high_us", "highest median [us]"},
+                                          {"lean_ratio", "median, times the leanest recursion's"},
+                                          {"triangles_in_view", "triangles in view, mean"},
+                                          {"equal_triangles", "triangles in view at equal true error"},
+                                          {"equal_threshold_px", "threshold that this takes [px]"},
+                                          {"memory_mb", "memory [MB]"},
+                                          {"interruptible", "interruptible (1: yes)"},
+                                          {"open_edges", "open edges in view, mean"},
+                                          {"gap_px", "largest gap [px]"},
+                                          {"popping_px", "popping, largest [px]"}};
     return all;
 }
 
@@ -246,6 +276,7 @@ Recipe read_recipe(const std::string& file, const std::string& real_folder, bool
             r.published.push_back(name.get<std::string>());
         }
     r.plots = plots_of(keys, file, r.measures);
+    read_rivals(keys, r);
     keys.refuse_others();
     return r;
 }
@@ -273,12 +304,17 @@ std::vector<Case> cases_of(const Recipe& r) {
 }
 
 std::string key_of(const Recipe& r, const Case& c) {
-    return json{{"site", r.site.identity()},
-                {"case", c.json()},
-                {"frames", r.frames},
-                {"verify_frames", r.verify_frames},
-                {"measures", r.measures}}
-        .dump();
+    json key{{"site", r.site.identity()},
+             {"case", c.json()},
+             {"frames", r.frames},
+             {"verify_frames", r.verify_frames},
+             {"measures", r.measures}};
+    if (r.conclusion == "rivals") key["repetitions"] = r.repetitions;
+    return key.dump();
+}
+
+std::string picture_name(const Recipe& r, const Case& c) {
+    return fmt::format("{}-mesh-{}.svg", r.name, way_words[static_cast<std::size_t>(c.way)]);
 }
 
 } // namespace fjell::lab

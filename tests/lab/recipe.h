@@ -14,8 +14,23 @@
 
 namespace fjell::lab {
 
-// How the mesh is found: our two methods, or the leanest recursion (rivals/lean_recursion.h), which knows no tiles.
-enum class Way : std::uint8_t { recursive, incremental, lean };
+// How the mesh is found: our two methods, or the leanest recursion (rivals/lean_recursion.h), which knows no tiles; and
+// for the conclusion "rivals" alone whatever else rivals/rival.h has.
+enum class Way : std::uint8_t {
+    recursive,
+    incremental,
+    lean,
+    incremental_morph,
+    roam,
+    roam_wedgies,
+    cdlod,
+    cdlod_doubling,
+    blocks,
+    spheres,
+    binary_tree,
+    skirted_tiles,
+    multi_triangulation
+};
 
 // Heights and a camera path over them. One of the two: a landscape for the baker's synthesis, or a file.
 struct Site {
@@ -46,7 +61,8 @@ struct Plot {
 struct Recipe {
     std::string file, name; // name: the file's without its extension
     std::string title, question;
-    std::string conclusion; // which template says what was found: "tilings", "orders", "estimates", "methods"
+    std::string conclusion; // which template says what was found: "tilings", "orders", "estimates", "methods",
+                            // "rivals"
     Site site;
     std::vector<int> tile_cells;
     std::vector<Order> orders;
@@ -54,6 +70,9 @@ struct Recipe {
     std::vector<Way> ways;
     std::vector<double> offscreen_factors, cells_a_frame, thresholds_px;
     int frames = 840, verify_frames = 0;
+    // Of rivals: flights in turns with the leanest recursion, and a picture of each mesh, how fine and how large.
+    int repetitions = 1, picture_cells = 128;
+    double picture_px = 8;
     std::vector<std::string> measures;
     std::vector<std::string> published; // names of series (published.h) for its pictures
     std::vector<Plot> plots;
@@ -70,6 +89,8 @@ struct Measure {
 
 // real_folder: of real height fields; empty: synthetic terrain instead. quick: with what the recipe says under "quick".
 [[nodiscard]] Recipe read_recipe(const std::string& file, const std::string& real_folder, bool quick);
+// Of a rival's mesh, in the folder of results.
+[[nodiscard]] std::string picture_name(const Recipe& recipe, const Case& c);
 [[nodiscard]] std::vector<Case> cases_of(const Recipe& recipe);
 // What its number in the store depends on, in one line.
 [[nodiscard]] std::string key_of(const Recipe& recipe, const Case& c);

@@ -1,12 +1,14 @@
 #include "lab/report.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "io/file.h"
 #include "lab/plot.h"
+#include "lab/rivals.h"
 
 namespace fjell::lab {
 
@@ -111,6 +113,27 @@ struct Pages {
     }
 };
 
+// A row a method, and pictures of their meshes.
+void add_rivals(Pages& pages, const Results& results, const std::string& folder) {
+    pages.heading(3, "The rivals in one table");
+    const auto rows = rivals_table(results);
+    pages.html += "<table>\n";
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        pages.markdown += row(rows[i], false, "");
+        if (i == 0) pages.markdown += row(std::vector<std::string>(rows[0].size(), "---"), false, "");
+        pages.html += row(rows[i], true, i == 0 ? "th" : "td");
+    }
+    pages.markdown += "\n";
+    pages.html += "</table>\n";
+    std::set<std::string> shown;
+    for (const Result& r : results.all) {
+        const std::string name = picture_name(results.recipe, r.c), path = folder + "/" + name;
+        if (!shown.insert(name).second || !std::filesystem::exists(path)) continue;
+        pages.markdown += fmt::format("![Mesh of {}]({})\n\n", r.c.json().at("method").get<std::string>(), name);
+        pages.html += io::read_text(path);
+    }
+}
+
 void add_experiment(Pages& pages, const Results& results, const std::string& folder) {
     const Recipe& r = results.recipe;
     pages.heading(2, r.title);
@@ -131,6 +154,7 @@ void add_experiment(Pages& pages, const Results& results, const std::string& fol
                         p.name, p.where));
     pages.markdown += table(results, false) + "\n";
     pages.html += table(results, true);
+    if (r.conclusion == "rivals") add_rivals(pages, results, folder);
 }
 
 } // namespace

@@ -62,7 +62,7 @@ template <typename VI, typename VF>
 HWY_INLINE void read_picked(const Criterion& c, const PickedLanes& b, std::uint32_t first, VI& x, VI& y, VI& record,
                             VI& error_code, VF& height_m, VF& error_m, VF& radius_m) {
     const I di;
-    auto picked = hn::Undefined(di), unused = picked;
+    auto picked = hn::Zero(di), unused = picked;
     hn::LoadInterleaved2(di, reinterpret_cast<const std::int32_t*>(b.picked + first), picked, unused);
     const auto byte = hn::Set(di, 0xff);
     x = hn::Min(hn::Add(hn::Set(di, b.x0), hn::ShiftLeftSame(hn::And(hn::ShiftRight<16>(picked), byte), b.z)),

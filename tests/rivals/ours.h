@@ -1,0 +1,68 @@
+// Our own methods, and the leanest recursion, as entries among their rivals.
+//
+// Ownership: they keep the terrain. Budgets are ample for a square of samples; a frame that does not converge for want
+// of them throws std::runtime_error.
+#pragma once
+
+#include "fjell/cut.h"
+#include "fjell/recursive.h"
+#include "rivals/lean_recursion.h"
+#include "rivals/rival.h"
+
+namespace fjell::rivals {
+
+// What the library's objects lie in: aligned to 64.
+class Memory {
+public:
+    explicit Memory(std::size_t bytes) : bytes_(bytes), raw_(bytes + 64) {}
+    [[nodiscard]] std::span<std::byte> span();
+    [[nodiscard]] std::size_t size() const { return bytes_; }
+
+private:
+    std::size_t bytes_;
+    std::vector<std::byte> raw_;
+};
+
+class Incremental final : public Rival {
+public:
+    Incremental(const Terrain& terrain, bool morphing);
+    [[nodiscard]] Refined refine(const View& view, double error_px, std::uint32_t operations) override;
+    void faces(std::vector<Face>& out) const override;
+    [[nodiscard]] std::size_t bytes() const override;
+    [[nodiscard]] Traits traits() const override { return {true, true, false, true}; }
+
+private:
+    Terrain terrain_;
+    Memory memory_;
+    LiveCut cut_;
+    bool morphing_;
+};
+
+class Recursive final : public Rival {
+public:
+    explicit Recursive(const Terrain& terrain);
+    [[nodiscard]] Refined refine(const View& view, double error_px, std::uint32_t operations) override;
+    void faces(std::vector<Face>& out) const override;
+    [[nodiscard]] std::size_t bytes() const override;
+    [[nodiscard]] Traits traits() const override { return {false, false, true, true}; }
+
+private:
+    Terrain terrain_;
+    Memory memory_;
+    RecursiveMethod method_;
+};
+
+class Lean final : public Rival {
+public:
+    explicit Lean(const Terrain& terrain);
+    [[nodiscard]] Refined refine(const View& view, double error_px, std::uint32_t operations) override;
+    void faces(std::vector<Face>& out) const override;
+    [[nodiscard]] std::size_t bytes() const override;
+    [[nodiscard]] Traits traits() const override { return {false, false, true, true}; }
+
+private:
+    float spacing_x_m_, spacing_z_m_;
+    LeanRecursion recursion_;
+};
+
+} // namespace fjell::rivals
