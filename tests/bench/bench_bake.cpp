@@ -307,7 +307,8 @@ ProgramRun run_bake(std::vector<std::string> arguments) {
 }
 
 // From a file, as users do it: everything from decoding the GeoTIFF to the pack on the disk.
-void program(benchmark::State& state, const std::string& options, int threads, bool in_files) {
+void program(benchmark::State& state, const std::string& options, int threads,
+             const std::vector<std::string>& more = {}) {
     const std::string dem_path = folder + "/mountains-4097" + options + ".tif";
     if (!std::filesystem::exists(dem_path)) {
         std::filesystem::create_directories(folder);
@@ -319,7 +320,7 @@ void program(benchmark::State& state, const std::string& options, int threads, b
             return state.SkipWithError("gdal_translate (package gdal-bin) is missing");
     }
     std::vector<std::string> arguments{dem_path, "-o", folder + "/bake.fjell", "--threads", std::to_string(threads)};
-    if (in_files) arguments.insert(arguments.end(), {"--checkpoint", "5"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
     ProgramRun run;
     for (auto _ : state) {
         run = run_bake(arguments);
@@ -357,8 +358,8 @@ void verify(benchmark::State& state) {
 } // namespace
 
 int main(int argc, char** argv) {
-    const auto declare = [](const char* name, auto run) {
-        benchmark::RegisterBenchmark(name, run)->Unit(benchmark::kMillisecond)->UseRealTime();
+    const auto declare = [](const std::string& name, auto run) {
+        benchmark::RegisterBenchmark(name.c_str(), run)->Unit(benchmark::kMillisecond)->UseRealTime();
     };
     declare("copy/mountains-2049/floats", copy);
     declare("errors/mountains-2049/max", [](auto& s) { errors(s, fjell::Estimate::max, false); });
@@ -366,10 +367,16 @@ int main(int argc, char** argv) {
     declare("errors/mountains-2049/max-and-pages", [](auto& s) { errors(s, fjell::Estimate::max, true); });
     declare("bake/mountains-2049/1-thread", [](auto& s) { whole_bake(s, 1); });
     declare("bake/mountains-2049/2-threads", [](auto& s) { whole_bake(s, 2); });
-    declare("program/mountains-4097-tiled/1-thread", [](auto& s) { program(s, "", 1, false); });
-    declare("program/mountains-4097-tiled/2-threads", [](auto& s) { program(s, "", 2, false); });
-    declare("program/mountains-4097-tiled/1-thread-in-files", [](auto& s) { program(s, "", 1, true); });
-    declare("program/mountains-4097-tiled-deflate/1-thread", [](auto& s) { program(s, "-deflate", 1, false); });
+    declare("program/mountains-4097-tiled/1-thread", [](auto& s) { program(s, "", 1); });
+    declare("program/mountains-4097-tiled/2-threads", [](auto& s) { program(s, "", 2); });
+    declare("program/mountains-4097-tiled/1-thread-in-files", [](auto& s) {
+        program(s, "", 1, {"--checkpoint", "5"});
+    });
+    for (const char* const texel : {"half", "quarter"})
+        declare("program/mountains-4097-tiled/horizons-" + std::string(texel), [=](auto& s) {
+            program(s, "", 1, {"--horizons", texel});
+        });
+    declare("program/mountains-4097-tiled-deflate/1-thread", [](auto& s) { program(s, "-deflate", 1); });
     declare("program/plain-16385/256-MB", [](auto& s) { larger_than_memory(s, "256"); });
     declare("load/mountains-2049/whole", load);
     declare("decode/mountains-2049/planar", [](auto& s) { decode(s, Order::planar); });
