@@ -219,3 +219,42 @@ TEST_CASE("what C reads of a stream and of vertices that morph is what C++ reads
     CHECK(!released);
     CHECK(fjell_cut_cancel_release(as_c(cut), 0, 0).code == FJELL_OK);
 }
+
+TEST_CASE("a job system of C is given a cut's jobs, and the cut is that of one thread") {
+    const auto pack = a_pack();
+    Memory memory;
+    const auto terrain = as_c(pack.terrain);
+    FjellCutBudget budget = fjell_cut_budget_default();
+    CHECK(budget.workers == 1);
+    budget.vertices = 40'000;
+    budget.triangles = 80'000;
+    budget.workers = 3;
+    const std::size_t bytes = fjell_cut_bytes(terrain, &budget);
+    FjellLiveCut cut{};
+    REQUIRE(fjell_create_cut(terrain, &budget, memory.give(&memory, bytes), bytes, &cut).code == FJELL_OK);
+    FjellCutSettings settings = fjell_cut_settings_default();
+    CHECK(settings.jobs.run == nullptr);
+    std::uint32_t most = 0;
+    settings.jobs = {[](void* user, std::uint32_t count, void (*job)(void*, std::uint32_t), void* data) {
+                         auto& seen = *static_cast<std::uint32_t*>(user);
+                         seen = std::max(seen, count);
+                         for (std::uint32_t n = count; n != 0; --n) job(data, n - 1);
+                     },
+                     &most};
+    FjellView view = fjell_view_default();
+    REQUIRE(fjell_make_view({100, 800, 100}, {1, -1, 0.5}, {0, 1, 0}, 1, 1280, 720, 1, 1e5, &view).code == FJELL_OK);
+    FjellCutReport report = {};
+    report.struct_size = sizeof report;
+    REQUIRE(fjell_rebuild_cut(cut, &view, 1, &settings, &report).code == FJELL_OK);
+    CHECK(most == 3);
+
+    const CutBudget alone{.vertices = 40'000, .triangles = 80'000};
+    LiveCut expected;
+    REQUIRE(create_cut(pack.terrain, alone, memory.span(cut_bytes(pack.terrain, alone)), expected).ok());
+    const View seen = view_of(0);
+    CutReport said;
+    REQUIRE(rebuild_cut(expected, {&seen, 1}, {}, said).ok());
+    CHECK(report.vertices > 1000);
+    CHECK(report.vertices == said.vertices);
+    CHECK(report.triangles == said.triangles);
+}
