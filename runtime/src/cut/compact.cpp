@@ -1,9 +1,9 @@
 #include "fjell/compact.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
+#include "compiler.h"
 #include "fjell/pack.h"
 
 namespace fjell {
@@ -16,19 +16,19 @@ static_assert(max_tile_log2 < 16, "16 bits tell the columns of a tile apart");
 
 // 11 bits of mantissa, rounded up: by a 2048th at most, up to 2^22; less than 2^-10 becomes that.
 std::uint16_t length_up(float positive_m) {
-    const std::uint32_t above = std::bit_cast<std::uint32_t>(std::max(positive_m, least_length_m)) -
-                                std::bit_cast<std::uint32_t>(least_length_m);
+    const std::uint32_t above =
+        bits_as<std::uint32_t>(std::max(positive_m, least_length_m)) - bits_as<std::uint32_t>(least_length_m);
     return static_cast<std::uint16_t>(std::min((above + 0xfff) >> 12, 0xffffu));
 }
 
 // An IEEE half, rounded towards 0: by a 1024th at most; what is smaller than 2^-14 becomes 0. Of a double, which holds
 // the difference of two heights: a float might have rounded it up.
 std::uint16_t half_towards_zero(double value) {
-    constexpr std::uint64_t most = 0x7bff, least_bits = std::bit_cast<std::uint64_t>(double{least_rise_m});
+    constexpr std::uint64_t most = 0x7bff, least_bits = bits_as<std::uint64_t>(double{least_rise_m});
     const std::uint64_t sign = value < 0 ? 0x8000 : 0;
     if (!(std::abs(value) >= 0x1p-14)) return static_cast<std::uint16_t>(sign);
-    return static_cast<std::uint16_t>(
-        sign | std::min((std::bit_cast<std::uint64_t>(std::abs(value)) - least_bits) >> 42, most));
+    return static_cast<std::uint16_t>(sign |
+                                      std::min((bits_as<std::uint64_t>(std::abs(value)) - least_bits) >> 42, most));
 }
 
 std::uint16_t steps_up(float activated_s) {
@@ -72,11 +72,11 @@ double compact_share(const MorphView& view) {
 
 float compact_rise_m(std::uint16_t rise) {
     const std::uint32_t size = rise & 0x7fffu;
-    const float value = size == 0 ? 0 : std::bit_cast<float>((size << 13) + std::bit_cast<std::uint32_t>(least_rise_m));
+    const float value = size == 0 ? 0 : bits_as<float>((size << 13) + bits_as<std::uint32_t>(least_rise_m));
     return (rise & 0x8000) != 0 ? -value : value;
 }
 float compact_length_m(std::uint16_t error_or_radius) {
-    return std::bit_cast<float>((std::uint32_t{error_or_radius} << 12) + std::bit_cast<std::uint32_t>(least_length_m));
+    return bits_as<float>((std::uint32_t{error_or_radius} << 12) + bits_as<std::uint32_t>(least_length_m));
 }
 
 } // namespace fjell
