@@ -171,7 +171,11 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
                 view = moved(random, view, 20.0 * pack.terrain.spacing_x_m());
                 step();
             }
-            for (int frame = 0; frame < 600 && !report.maps_converged; ++frame) step();
+            // One request at a time takes as long as all mips of all tiles and kinds, each on its way for up to 8
+            // frames.
+            const std::uint32_t patience =
+                plenty && !fails ? 9 * max_texture_log2 * map_kinds * pack.terrain.tile_count() : 600;
+            for (std::uint32_t frame = 0; frame < patience && !report.maps_converged; ++frame) step();
             CAPTURE(round, leg, plenty, settings.texel_px, report.missing_mips, report.in_flight, report.exhausted);
             limited += (report.exhausted & stream_map_bytes) != 0;
             if (plenty && !fails) REQUIRE(report.maps_converged);
