@@ -128,12 +128,12 @@ inline constexpr char struct_size[] = "struct_size";
 
 // Bytes of C before the fields that C++ knows of.
 template <typename C>
-constexpr std::size_t before = 0;
+inline constexpr std::size_t before = 0;
 template <typename C>
 requires requires(C c) {
     c.struct_size;
 }
-constexpr std::size_t before<C> = sizeof(std::uint64_t);
+inline constexpr std::size_t before<C> = sizeof(std::uint64_t);
 
 template <typename C>
 [[nodiscard]] bool fits(const C* sized) {
