@@ -336,7 +336,7 @@ constexpr ProfileKey keys_before_light[] = {
      .kind = whole,
      .least = 1,
      .most = most_decoders,
-     .about = "Threads that read and decompress what the views want, beside the frame's. 1 to 16; one decodes some 200 "
+     .about = "Threads that read and decompress what the views want, beside the frame's. 1 to 16; one decodes some 400 "
               "million samples a second. 160 KB each.",
      .rebuild = Rebuild::session,
      .used_by = UsedBy::streaming,
