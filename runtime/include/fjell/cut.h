@@ -90,7 +90,7 @@ struct CutSettings {
     double now_s = 0;
     // What no view sees, nor soon will, is refined to error_px times this. 1: as finely as what is seen, so that
     // turning costs nothing; more: a fraction of the vertices and of the work, and turning takes some; now and then
-    // a frame looks at all pages that have a state, which no budget counts. 1 to 100.
+    // frames look at the pages that have a state, which no budget counts. 1 to 100.
     double offscreen_factor = 1;
     JobSystem jobs = {}; // the host's, used within the call only; CutBudget::workers of it side by side
 };

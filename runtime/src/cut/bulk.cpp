@@ -112,7 +112,8 @@ bool next_centres(CutState& s, BulkUnit& unit) {
     } else {
         unit = unit_of(s, at.slot, b.z, at.n, units_of(s, at.n == page_squares));
         const PageState& page = s.page_state[at.slot];
-        unit.waits = b.beside && page.shape != 0 && !may_be_seen(s, page);
+        // Asked once a page: a view may move between its parts, and what is decided stays.
+        unit.waits = b.beside && b.part == 0 && page.shape != 0 && !may_be_seen(s, page);
         if (unit.waits) unit.rows = {0, at.n}, unit.last = true;
     }
     advance(b, unit);

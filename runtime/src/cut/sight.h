@@ -14,8 +14,9 @@ namespace fjell {
 // so large that errors off-screen might reach into the picture.
 [[nodiscard]] double offscreen_factor(const CutState& s, const View& view, double threshold_px);
 
-// Looks at all pages if a view has left what they were looked at with. Groups that come into sight, or leave it, are
-// due. Not while the bulk pass is under way. O(pages with a state) when it does.
+// Begins to look at all pages if a view has left the middle of what they were looked at with, and goes on with some of
+// them in each frame, or with all when views are fast. Groups that come into sight, or leave it, are due. Not while the
+// bulk pass is under way.
 void watch_pages(CutState& s);
 // A page that has just got its state.
 void watch_page(CutState& s, std::uint32_t slot);
