@@ -158,3 +158,30 @@ TEST_CASE("a host that copies only what was written has the mesh, from the first
         }
     }
 }
+
+TEST_CASE("a head that turns while a jump is built, between two parts of a page, leaves no vertex without a place") {
+    Random random(109);
+    const auto pack = rich_terrain(random, 513, 8);
+    const Terrain& terrain = pack.terrain;
+    const double extent = terrain.x_m(512);
+    Cut cut(terrain, ample_cut(terrain));
+    CutSettings settings;
+    settings.error_px = 0.5;
+    const auto look = [&](double x, double to) {
+        return make_view({x, terrain.header().max_m + extent / 100, extent / 2}, {to, -0.1, 0}, {0, 1, 0}, 0.5, 640,
+                         480, 1, 1e6);
+    };
+    View view = look(extent / 4, 1);
+    (void)cut.rebuild({&view, 1}, settings);
+    int built = 0;
+    for (int jump = 0; jump < 4; ++jump)
+        for (int frame = 0; frame < 400; ++frame) {
+            view = look(jump % 2 == 0 ? extent * 0.7 : extent * 0.3, frame % 2 == 0 ? 1 : -1);
+            settings.visits = frame == 399 ? unlimited_items : static_cast<std::uint32_t>(pick(random, 1, 3));
+            (void)cut.update({&view, 1}, settings);
+            built += cut.state().bulk.phase != BulkPhase::idle;
+            CAPTURE(jump, frame, static_cast<int>(cut.state().bulk.phase));
+            if (frame % 100 == 99) REQUIRE(check_cut(cut) == "");
+        }
+    CHECK(built > 100);
+}
