@@ -66,6 +66,12 @@ void declare_bake(CLI::App& app, Arguments& a) {
     add_words(app, "horizons", r.horizons,
               "horizon maps, for shadows at any time of day and for the share of the sky that ground sees: none "
               "(default), half or quarter of the samples' density");
+    app.add_option("--layers", r.layers,
+                   "control maps: which materials lie where, by rules over the ground, rasters of classes and painted "
+                   "images (JSON, content/materials/control)");
+    add_words(app, "control", r.control,
+              "texels of control maps: full, half (default) or quarter of the samples' "
+              "density");
     app.add_option("--threads", a.threads, "0: all cores")->check(io::whole_within(0, 1024));
     app.add_option("--memory", a.memory_mb, "MB the bake may use, whatever the height field's size (default 512)")
         ->check(io::whole_within(128, 1 << 24));

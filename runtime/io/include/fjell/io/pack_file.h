@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fjell/export.h"
@@ -20,6 +21,9 @@ namespace fjell::io {
 
 // What people call a chunk: "page 3 of tile 1", "colour mip 0 of tile 2", "CRS".
 [[nodiscard]] std::string chunk_name(ChunkId id);
+
+// The materials that a pack's control maps speak of, from the chunk `layers`: one name each.
+[[nodiscard]] std::vector<std::string> layer_names(std::string_view text);
 
 // An open file.
 class PackFile {
