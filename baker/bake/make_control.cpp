@@ -28,8 +28,7 @@ std::vector<float> coarse_heights(const BakeContext& context, const HeightStores
         const std::int32_t rows = std::min(side, tree.rows() - y);
         for (std::int32_t i = 0; i < rows; ++i) {
             heights.heights.read({0, y + i, tree.columns(), 1}, line.data(), tree.columns());
-            for (std::size_t x = 0; x < line.size(); ++x)
-                sums[x >> grid.factor_log2] += static_cast<double>(line[x]);
+            for (std::size_t x = 0; x < line.size(); ++x) sums[x >> grid.factor_log2] += static_cast<double>(line[x]);
         }
         for (std::int32_t x = 0; x < grid.columns; ++x) {
             const std::int32_t wide = std::min(side, tree.columns() - x * side);
@@ -72,20 +71,22 @@ void make_near_control(const BakeContext& context, const BakePlan& plan, const H
                        const ControlOutput& out) {
     std::optional<Wetness> wetness;
     if (context.control.wants_wetness()) {
-        const WetnessGrid grid =
-            wetness_grid(context.tree.columns(), context.tree.rows(), context.source.spacing_m);
+        const WetnessGrid grid = wetness_grid(context.tree.columns(), context.tree.rows(), context.source.spacing_m);
         wetness.emplace(grid, coarse_heights(context, heights, grid));
     }
-    ControlGround ground{context.tree.columns(), context.tree.rows(), {1, 1}, plan.maps.stride_log2(MapKind::control),
+    ControlGround ground{context.tree.columns(),
+                         context.tree.rows(),
+                         {1, 1},
+                         plan.maps.stride_log2(MapKind::control),
                          wetness ? &*wetness : nullptr};
     std::copy_n(context.source.spacing_m, 2, ground.spacing_m);
     // Shares of points, of each raster too, texels of them and of their mips; heights; strips of pixels.
     const double points = std::ldexp(context.tree.side(), -ground.stride_log2) + 40,
                  samples = context.tree.side() + 120.0;
     const auto rasters = static_cast<double>(context.control.rasters.size());
-    const auto tile_bytes = static_cast<std::uint64_t>(points * points * max_control_names * (10 + 4 * rasters) +
-                                                       samples * samples * 4) +
-                            (std::uint64_t{6} << 20);
+    const auto tile_bytes =
+        static_cast<std::uint64_t>(points * points * max_control_names * (10 + 4 * rasters) + samples * samples * 4) +
+        (std::uint64_t{6} << 20);
     ReaderSets sets(context.control_images);
     const auto make_tile = [&](std::uint64_t u) {
         const auto tile = static_cast<std::uint32_t>(u);

@@ -18,8 +18,8 @@ using Layers = std::array<float, max_control_names>;
 // ---- noise ---------------------------------------------------------------------------------------------------------
 
 float of_place(std::int64_t x, std::int64_t y) {
-    std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15ull ^
-                      static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4full;
+    std::uint64_t h =
+        static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15ull ^ static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4full;
     h ^= h >> 29;
     h *= 0xbf58476d1ce4e5b9ull;
     h ^= h >> 32;
@@ -86,8 +86,17 @@ struct Prepared {
 std::vector<Prepared> prepared(const ControlPlan& plan) {
     std::vector<Prepared> all;
     for (const ControlRule& r : plan.rules) {
-        Prepared p{&r, edges_of(r.height_m), edges_of(r.slope_deg), edges_of(r.curvature), edges_of(r.wetness),
-                   edges_of(r.noise), turn_of(r.aspect_deg), static_cast<float>(r.opacity), 0, 0, r.noise.given};
+        Prepared p{&r,
+                   edges_of(r.height_m),
+                   edges_of(r.slope_deg),
+                   edges_of(r.curvature),
+                   edges_of(r.wetness),
+                   edges_of(r.noise),
+                   turn_of(r.aspect_deg),
+                   static_cast<float>(r.opacity),
+                   0,
+                   0,
+                   r.noise.given};
         if (r.height_m.given) p.ragged_m = static_cast<float>(r.ragged * r.height_m.soft);
         if (r.slope_deg.given) p.ragged_deg = static_cast<float>(r.ragged * r.slope_deg.soft);
         p.noisy |= p.ragged_m > 0 || p.ragged_deg > 0;
@@ -113,10 +122,10 @@ public:
         const auto degrees = static_cast<float>(180 / std::numbers::pi);
         const std::int32_t west = std::max(x - 1, 0), east = std::min(x + 1, ground_.columns - 1);
         const std::int32_t north = std::max(y - 1, 0), south = std::min(y + 1, ground_.rows - 1);
-        const float rise_east = (height(east, y) - height(west, y)) *
-                                static_cast<float>(1 / ((east - west) * ground_.spacing_m[0]));
-        const float rise_south = (height(x, south) - height(x, north)) *
-                                 static_cast<float>(1 / ((south - north) * ground_.spacing_m[1]));
+        const float rise_east =
+            (height(east, y) - height(west, y)) * static_cast<float>(1 / ((east - west) * ground_.spacing_m[0]));
+        const float rise_south =
+            (height(x, south) - height(x, north)) * static_cast<float>(1 / ((south - north) * ground_.spacing_m[1]));
         const float azimuth = std::atan2(-rise_east, rise_south) * degrees; // downwards, clockwise from north
         return {height(x, y), std::atan(std::sqrt(rise_east * rise_east + rise_south * rise_south)) * degrees,
                 azimuth < 0 ? azimuth + 360 : azimuth, 0};
@@ -256,8 +265,7 @@ public:
           shapes_(ground, heights_for_control(ground, points), in.heights_m) {
         for (const Prepared& p : rules_) curved_ |= p.rule->curvature.given, wet_ |= p.rule->wetness.given;
         for (std::size_t i = 0; i < plan.rasters.size(); ++i)
-            rasters_.push_back(
-                raster_shares(plan.rasters[i], in.images[i]->layers[0], ground, points, *in.readers[i]));
+            rasters_.push_back(raster_shares(plan.rasters[i], in.images[i]->layers[0], ground, points, *in.readers[i]));
     }
 
     // i: of the point in the window.
@@ -379,8 +387,8 @@ void store_control_texel(const float (&shares)[max_control_names], std::byte* to
         best[k] = most;
         kept += std::max(shares[most], 0.0f);
     }
-    // Rounded so that the sum is what it should be, and the order stays: what is missing goes to the largest, what is too
-    // much is the smallest's.
+    // Rounded so that the sum is what it should be, and the order stays: what is missing goes to the largest, what is
+    // too much is the smallest's.
     const float scale = kept > 0 ? 255 * std::min(all, 1.0f) / kept : 0;
     int weight[control_layers], sum = 0;
     for (std::size_t k = 0; k < control_layers; ++k) {

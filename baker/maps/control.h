@@ -76,7 +76,8 @@ struct ControlPlan {
 [[nodiscard]] ControlPlan parse_control(const std::string& text, const std::string& file);
 [[nodiscard]] ControlPlan read_control(const std::string& path);
 
-// The plan's rasters, each ready to be read over the ground. Throws Failure 1: no such file, or one that lies elsewhere.
+// The plan's rasters, each ready to be read over the ground. Throws Failure 1: no such file, or one that lies
+// elsewhere.
 using ControlImages = std::vector<std::unique_ptr<ImageSource>>;
 [[nodiscard]] ControlImages open_control_images(const ControlPlan& plan, const Frame& ground);
 // One a thread.

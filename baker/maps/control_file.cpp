@@ -72,8 +72,8 @@ public:
                 throw Failure(1, fmt::format("{}: unknown field \"{}\"{}", file_, key, see));
         if (!json.contains("rules") || !json["rules"].is_array() || json["rules"].empty() ||
             json["rules"].size() > max_control_rules)
-            throw Failure(1, fmt::format("{}: \"rules\" must be a list of 1 to {} rules{}", file_, max_control_rules,
-                                         see));
+            throw Failure(
+                1, fmt::format("{}: \"rules\" must be a list of 1 to {} rules{}", file_, max_control_rules, see));
         for (const Json& rule : json["rules"]) add(rule);
         return std::move(plan_);
     }
@@ -216,10 +216,10 @@ private:
                                    : std::nullopt;
             if (!value) refuse(fmt::format("colour \"{}\" must be #rrggbb", colour));
             const std::uint8_t layer = layer_named(name, "colours");
-            raster.colours.push_back({{static_cast<std::uint8_t>(*value >> 16),
-                                       static_cast<std::uint8_t>(*value >> 8 & 255),
-                                       static_cast<std::uint8_t>(*value & 255)},
-                                      layer});
+            raster.colours.push_back(
+                {{static_cast<std::uint8_t>(*value >> 16), static_cast<std::uint8_t>(*value >> 8 & 255),
+                  static_cast<std::uint8_t>(*value & 255)},
+                 layer});
             raster.layers.push_back(layer);
         }
     }

@@ -75,16 +75,14 @@ public:
     [[nodiscard]] double steepest(std::uint32_t i) const {
         double steepest = 0;
         for_neighbours(i, [&](std::uint32_t n, double distance_m) {
-            steepest = std::max(
-                steepest, (static_cast<double>(heights_[i]) - static_cast<double>(heights_[n])) / distance_m);
+            steepest =
+                std::max(steepest, (static_cast<double>(heights_[i]) - static_cast<double>(heights_[n])) / distance_m);
         });
         return steepest;
     }
 
 private:
-    [[nodiscard]] std::int32_t column(std::uint32_t i) const {
-        return static_cast<std::int32_t>(i) % grid_.columns;
-    }
+    [[nodiscard]] std::int32_t column(std::uint32_t i) const { return static_cast<std::int32_t>(i) % grid_.columns; }
     [[nodiscard]] std::int32_t row(std::uint32_t i) const { return static_cast<std::int32_t>(i) / grid_.columns; }
     [[nodiscard]] bool on_rim(std::uint32_t i) const {
         return column(i) == 0 || row(i) == 0 || column(i) == grid_.columns - 1 || row(i) == grid_.rows - 1;
@@ -122,8 +120,8 @@ Wetness::Wetness(const WetnessGrid& grid, std::vector<float> heights_m) : grid_(
     index_ = drainage.areas();
     const double contour_m = 0.5 * (grid_.spacing_m[0] + grid_.spacing_m[1]);
     for (std::uint32_t i = 0; i < index_.size(); ++i)
-        index_[i] = static_cast<float>(std::log(static_cast<double>(index_[i]) / contour_m /
-                                                std::max(drainage.steepest(i), least_slope)));
+        index_[i] = static_cast<float>(
+            std::log(static_cast<double>(index_[i]) / contour_m / std::max(drainage.steepest(i), least_slope)));
 }
 
 float Wetness::at(std::int32_t column, std::int32_t row) const {
