@@ -208,6 +208,7 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
     REQUIRE(failures > 20);
     REQUIRE(satisfied > 200);
     REQUIRE(horizons > 6);
+    REQUIRE(controls > 6);
 }
 
 TEST_CASE("no mip is read twice unless its layer was given up in between") {

@@ -40,7 +40,8 @@ std::string rules_refusal(const std::string& rules) {
 class ControlMip {
 public:
     ControlMip(const Pack& pack, std::uint32_t tile, std::uint32_t mip)
-        : side_((1u << pack.header.control_log2) >> mip), texels_(chunk_raw_bytes(pack.header, {ChunkKind::control, tile, mip})) {
+        : side_((1u << pack.header.control_log2) >> mip),
+          texels_(chunk_raw_bytes(pack.header, {ChunkKind::control, tile, mip})) {
         REQUIRE(read_chunk(pack, {ChunkKind::control, tile, mip}, texels_).ok());
         std::vector<std::byte> text(pack.header.layer_bytes);
         REQUIRE(read_chunk(pack, {ChunkKind::layers, 0, 0}, text).ok());
@@ -51,7 +52,8 @@ public:
         NamedShares shares;
         for (std::size_t k = 0; k < control_layers; ++k) {
             const std::byte* const pair = texels_.data() + (std::size_t{y} * side_ + x) * control_texel_bytes + 2 * k;
-            if (pair[0] != std::byte{0}) shares[names_.at(std::to_integer<std::size_t>(pair[1]))] += std::to_integer<int>(pair[0]) / 255.0;
+            if (pair[0] != std::byte{0})
+                shares[names_.at(std::to_integer<std::size_t>(pair[1]))] += std::to_integer<int>(pair[0]) / 255.0;
         }
         return shares;
     }
@@ -74,14 +76,16 @@ NamedShares shares_by_hand(const Dem& dem, int x, int y) {
     const auto rise = [&](int dx, int dy, double spacing) {
         const int before = (dx ? std::max(x - 1, 0) : std::max(y - 1, 0)),
                   after = dx ? std::min(x + 1, dem.columns - 1) : std::min(y + 1, dem.rows - 1);
-        return ((dx ? at(after, y) : at(x, after)) - (dx ? at(before, y) : at(x, before))) / ((after - before) * spacing) * (dx + dy);
+        return ((dx ? at(after, y) : at(x, after)) - (dx ? at(before, y) : at(x, before))) /
+               ((after - before) * spacing) * (dx + dy);
     };
     const double east = rise(1, 0, dem.spacing_m[0]), south = rise(0, 1, dem.spacing_m[1]);
     const double slope = std::atan(std::hypot(east, south)) * 180 / 3.14159265358979;
     double azimuth = std::atan2(-east, south) * 180 / 3.14159265358979; // water runs against the rise; south is -north
     if (azimuth < 0) azimuth += 360;
-    const double bend = 500 * ((2 * at(x, y) - at(x - 2, y) - at(x + 2, y)) / (4 * dem.spacing_m[0] * dem.spacing_m[0]) +
-                               (2 * at(x, y) - at(x, y - 2) - at(x, y + 2)) / (4 * dem.spacing_m[1] * dem.spacing_m[1]));
+    const double bend =
+        500 * ((2 * at(x, y) - at(x - 2, y) - at(x + 2, y)) / (4 * dem.spacing_m[0] * dem.spacing_m[0]) +
+               (2 * at(x, y) - at(x, y - 2) - at(x, y + 2)) / (4 * dem.spacing_m[1] * dem.spacing_m[1]));
     const double off_north = std::min(azimuth, 360 - azimuth);
     NamedShares s{{"grass", 1}};
     const auto lay = [&](const char* name, double share) {
@@ -105,7 +109,8 @@ constexpr const char* evaluated_rules = R"({"rules": [{"layer": "grass"},
 std::vector<std::pair<int, double>> tent_taps(double place, double radius, int last) {
     std::vector<std::pair<int, double>> taps;
     double all = 0;
-    for (int i = std::max(static_cast<int>(std::ceil(place - radius)), 0); i <= std::min(static_cast<int>(place + radius), last); ++i)
+    for (int i = std::max(static_cast<int>(std::ceil(place - radius)), 0);
+         i <= std::min(static_cast<int>(place + radius), last); ++i)
         if (const double w = radius - std::abs(i - place); w > 0) taps.push_back({i, w}), all += w;
     for (auto& tap : taps) tap.second /= all;
     return taps;
@@ -138,7 +143,7 @@ TEST_CASE("rules of control maps that cannot be are refused in one line with fil
     std::string many = "{\"rules\": [";
     for (int i = 0; i < 17; ++i) many += "{\"layer\": \"m" + std::to_string(i) + "\"},\n";
     many.resize(many.size() - 2);
-    CHECK(rules_refusal(many + "]}").find("rules.json:17: rule 16: \"layer\" would be the 17th material") == 0);
+    CHECK(rules_refusal(many + "]}").find("rules.json:17: rule 16: \"m16\" would be the 17th material") == 0);
     CHECK(rules_refusal("{\"rules\": []}").find("rules.json: \"rules\" must be a list of 1 to 32 rules") == 0);
 }
 
@@ -150,8 +155,8 @@ TEST_CASE("a baked control map shows what its rules say of each texel's place, e
         dem.spacing_m[0] = 30, dem.spacing_m[1] = 25;
         for (int y = 0; y < dem.rows; ++y)
             for (int x = 0; x < dem.columns; ++x)
-                dem.heights_m.push_back(static_cast<float>(450 + 90 * std::sin(0.21 * x) +
-                                                           110 * std::cos(0.15 * y + 0.06 * x) + uniform(random, 0, 4)));
+                dem.heights_m.push_back(static_cast<float>(
+                    450 + 90 * std::sin(0.21 * x) + 110 * std::cos(0.15 * y + 0.06 * x) + uniform(random, 0, 4)));
         const RulesFile rules(evaluated_rules);
         BakeOptions options = small_bake(5);
         options.max_texture_log2 = 6;
@@ -182,7 +187,7 @@ TEST_CASE("a baked control map shows what its rules say of each texel's place, e
                     for (const auto& [y, wy] : tent_taps(py, radius, (dem.rows - 2) / spacing + 1))
                         for (const auto& [x, wx] : tent_taps(px, radius, (dem.columns - 2) / spacing + 1))
                             for (const auto& [name, share] : shares_by_hand(dem, std::min(x * spacing, dem.columns - 1),
-                                                                       std::min(y * spacing, dem.rows - 1)))
+                                                                            std::min(y * spacing, dem.rows - 1)))
                                 wanted[name] += wx * wy * share;
                     std::vector<double> in_order;
                     for (const auto& [name, share] : wanted) in_order.push_back(share);
@@ -281,7 +286,9 @@ TEST_CASE("classes and paint lie where their rasters lie, warped or stretched, a
         const double at_x = east * 64, at_y = south * 64;
         const auto tile = static_cast<std::uint32_t>(at_y / 32) * 2 + static_cast<std::uint32_t>(at_x / 32);
         const ControlMip mip(pack.pack, tile, 0);
-        const auto texel = [&](double at) { return static_cast<std::uint32_t>(std::fmod(at, 32) / 32 * (mip.side() - 1) + 0.5); };
+        const auto texel = [&](double at) {
+            return static_cast<std::uint32_t>(std::fmod(at, 32) / 32 * (mip.side() - 1) + 0.5);
+        };
         return mip.at(texel(at_x), texel(at_y));
     };
     for (const char* const name : {"classes.tif", "stretched.tif"}) {
@@ -296,7 +303,8 @@ TEST_CASE("classes and paint lie where their rasters lie, warped or stretched, a
     const auto alone = baked(R"({"rules": [{"classes": "classes.tif", "layers": {"7": "rock"}, "opacity": 0.5}]})");
     CHECK(share(alone, 0.8, 0.4).empty()); // no rule covers it: its colour map stays
     CHECK(share(alone, 0.2, 0.4).at("rock") == Approx(0.5).margin(0.003));
-    const auto painted = baked(R"({"rules": [{"painted": "paint.tif", "colours": {"#ff0000": "rock", "#00ff00": "grass"}}]})");
+    const auto painted =
+        baked(R"({"rules": [{"painted": "paint.tif", "colours": {"#ff0000": "rock", "#00ff00": "grass"}}]})");
     CHECK(share(painted, 0.15, 0.5) == NamedShares{{"rock", 1}});
     CHECK(share(painted, 0.45, 0.5) == NamedShares{{"grass", 1}});
     CHECK(share(painted, 0.85, 0.5).empty());
