@@ -13,9 +13,12 @@
 
 namespace fjell::baker {
 
-ReadResult read_heights(const BakeContext& context, Store<float>& heights) {
+ReadStatistics read_windows(const BakeContext& context, Store<float>& heights) {
     constexpr std::size_t window_samples = std::size_t{1} << 20;
-    const std::vector<Window> windows = context.source.windows(window_samples);
+    std::vector<Window> windows = context.source.windows(window_samples);
+    const Window own = context.sample_window();
+    for (Window& w : windows) w = common(w, own);
+    std::erase_if(windows, [](const Window& w) { return w.area() == 0; });
     std::size_t largest = 0;
     for (const Window& w : windows) largest = std::max(largest, w.area());
     ReadStatistics all;
@@ -34,6 +37,10 @@ ReadResult read_heights(const BakeContext& context, Store<float>& heights) {
                           const std::lock_guard hold(adding);
                           all.add(part);
                       });
+    return all;
+}
+
+ReadResult read_result(const BakeContext& context, const ReadStatistics& all) {
     return {context.source.properties(all), all.voids.count + all.implausible.count > 0};
 }
 
@@ -97,14 +104,13 @@ HeightStatistics measure_region(const BakeContext& context, const HeightStores& 
 } // namespace
 
 HeightStatistics measure_heights(const BakeContext& context, const HeightStores& heights) {
-    std::vector<HeightStatistics> parts(static_cast<std::size_t>(context.regions.count()));
+    std::vector<HeightStatistics> parts(context.region_count());
     const double side = context.regions.cells() + 1.0;
     context.run_units({"measure", parts.size(), context.workers_for(static_cast<std::uint64_t>(side * side * 5)),
                        context.samples() / static_cast<double>(parts.size())},
                       [&](std::uint64_t i) {
                           thread_local Buffer<float> buffer;
-                          parts[i] = measure_region(context, heights, context.regions.at(static_cast<std::int64_t>(i)),
-                                                    buffer);
+                          parts[i] = measure_region(context, heights, context.regions.at(context.region_at(i)), buffer);
                       });
     HeightStatistics all;
     for (const HeightStatistics& part : parts) all.add(part);
