@@ -44,33 +44,27 @@ ReadResult read_result(const BakeContext& context, const ReadStatistics& all) {
     return {context.source.properties(all), all.voids.count + all.implausible.count > 0};
 }
 
-namespace {
-
-void mark_voids(const BakeContext& context, const Store<float>& raw, Store<std::uint8_t>& marks) {
+void mark_voids(const BakeContext& context, const Store<float>& raw, const Window& of, Store<std::uint8_t>& marks) {
     constexpr std::int32_t band = 64;
-    const auto columns = static_cast<std::int32_t>(raw.columns()), rows = static_cast<std::int32_t>(raw.rows());
-    parallel_for((rows - 1) / band + 1, context.threads, [&](std::int64_t i) {
+    parallel_for((of.rows - 1) / band + 1, context.threads, [&](std::int64_t i) {
         const auto y = static_cast<std::int32_t>(i) * band;
-        const Window w{0, y, columns, std::min(band, rows - y)};
+        const Window w{of.x, of.y + y, of.columns, std::min(band, of.rows - y)};
         std::vector<float> heights(w.area());
         std::vector<std::uint8_t> voids(w.area());
-        raw.read(w, heights.data(), columns);
+        raw.read(w, heights.data(), w.columns);
         std::transform(heights.begin(), heights.end(), voids.begin(),
                        [](float h) { return static_cast<std::uint8_t>(std::isnan(h)); });
-        marks.write(w, voids.data(), columns);
+        marks.write(w, voids.data(), w.columns);
     });
 }
-
-} // namespace
 
 void fill_heights(const BakeContext& context, const Store<float>& raw, const SourceProperties& properties,
                   const FilledStores& out) {
     if (context.options.progress) context.options.progress("fill", 0, 1);
-    if (out.marks.exists()) mark_voids(context, raw, out.marks);
-    constexpr std::uint64_t piece_bytes = std::uint64_t{24} << 20;
+    if (out.marks.exists()) mark_voids(context, raw, context.sample_window(), out.marks);
     fill_voids({raw,
                 {properties.native_quantum_m, properties.anchor_m},
-                context.workers_for(piece_bytes),
+                context.workers_for(fill_piece_bytes),
                 [&](const std::string& name, std::int64_t columns, std::int64_t rows) {
                     return context.open<float>(name, columns, rows);
                 }},

@@ -31,6 +31,9 @@ struct FilledStores {
     Store<float>& heights;
     Store<std::uint8_t>& marks;
 };
+// The marks of a window alone.
+void mark_voids(const BakeContext& context, const Store<float>& raw, const Window& window, Store<std::uint8_t>& marks);
+inline constexpr std::uint64_t fill_piece_bytes = std::uint64_t{24} << 20; // that a thread takes which fills
 void fill_heights(const BakeContext& context, const Store<float>& raw, const SourceProperties& properties,
                   const FilledStores& out);
 

@@ -1,7 +1,7 @@
 #include "baker/cli/shards.h"
 
-#include <cstdio>
 #include <charconv>
+#include <cstdio>
 #include <functional>
 #include <utility>
 

@@ -85,11 +85,14 @@ UnsaturatedStores Merge::gather_unsaturated() const {
     const std::int32_t take = 1 << (plan_.rounds - 1);
     const Window all = places_of(context_.tree, 1);
     UnsaturatedStores stores = open_unsaturated(context_, plan_.rounds);
-    gather(first, "unsaturated", all, take, take, [](const PartWindows& w) { return w.places(1); }, stores.inside);
-    gather(first, "south", {0, 0, all.columns, context_.regions.down()}, take, 1,
-           [](const PartWindows& w) { return w.south(1); }, stores.south);
-    gather(first, "east", {0, 0, all.rows, context_.regions.across()}, take, 1,
-           [](const PartWindows& w) { return w.east(1); }, stores.east);
+    gather(
+        first, "unsaturated", all, take, take, [](const PartWindows& w) { return w.places(1); }, stores.inside);
+    gather(
+        first, "south", {0, 0, all.columns, context_.regions.down()}, take, 1,
+        [](const PartWindows& w) { return w.south(1); }, stores.south);
+    gather(
+        first, "east", {0, 0, all.rows, context_.regions.across()}, take, 1,
+        [](const PartWindows& w) { return w.east(1); }, stores.east);
     return stores;
 }
 
@@ -99,9 +102,11 @@ void Merge::make_steps(const BakePlan& plan, const CheckpointState& found, Mixed
     UnsaturatedStores unsaturated = gather_unsaturated();
     StepStores finer = open_step(context_, first - 1);
     const Window all = places_of(context_.tree, first);
-    gather(last_, "places", all, 1, 1, [&](const PartWindows& w) { return w.places(first); }, finer.places);
-    gather(last_, "centres", {0, 0, all.columns - 1, all.rows - 1}, 1, 1,
-           [&](const PartWindows& w) { return w.centres(first - 1); }, finer.centres);
+    gather(
+        last_, "places", all, 1, 1, [&](const PartWindows& w) { return w.places(first); }, finer.places);
+    gather(
+        last_, "centres", {0, 0, all.columns - 1, all.rows - 1}, 1, 1,
+        [&](const PartWindows& w) { return w.centres(first - 1); }, finer.centres);
     for (int z = first; z <= last_z; ++z) {
         StepStores step;
         if (z < last_z) step = open_step(context_, z);
@@ -118,8 +123,9 @@ void Merge::make_mips(const BakePlan& plan, ChunkSpool& spool) const {
         if (!leaves_texels(plan.maps, kind, left)) continue;
         TexelStore finer = open_texels(context_, plan.maps, kind, left);
         const Window grid{0, 0, static_cast<std::int32_t>(finer.columns()), static_cast<std::int32_t>(finer.rows())};
-        gather(last_, texel_name(kind, left), grid, 1, 1,
-               [&](const PartWindows& w) { return w.texels(plan.maps, kind, left); }, finer);
+        gather(
+            last_, texel_name(kind, left), grid, 1, 1,
+            [&](const PartWindows& w) { return w.texels(plan.maps, kind, left); }, finer);
         const std::uint32_t mips = mip_count(plan.maps.log2_side(kind));
         for (std::uint32_t mip = left + 1; mip < mips; ++mip) {
             TexelStore texels;

@@ -1,5 +1,5 @@
-// From what all shards have left to a pack: the steps of the vertex tree and the mips that are left, root pages, corners,
-// and all chunks in the order of a pack. The pack is that of bake(), byte for byte.
+// From what all shards have left to a pack: the steps of the vertex tree and the mips that are left, root pages,
+// corners, and all chunks in the order of a pack. The pack is that of bake(), byte for byte.
 #pragma once
 
 #include <string>

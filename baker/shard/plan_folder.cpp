@@ -190,9 +190,10 @@ void check_inputs(const ShardPlan& plan, const Recipe& recipe) {
 
 void check_source(const ShardPlan& plan, const HeightSource& source) {
     if (source.columns != plan.columns || source.rows != plan.rows)
-        throw Failure(1, fmt::format("{}: the terrain has {} x {} samples, and {} x {} were planned; put the files back, "
-                                     "or plan anew into another folder",
-                                     plan.folder, source.columns, source.rows, plan.columns, plan.rows));
+        throw Failure(1,
+                      fmt::format("{}: the terrain has {} x {} samples, and {} x {} were planned; put the files back, "
+                                  "or plan anew into another folder",
+                                  plan.folder, source.columns, source.rows, plan.columns, plan.rows));
 }
 
 // ---- what a shard has left
@@ -207,7 +208,8 @@ std::optional<ShardRecord> find_record(const ShardPlan& plan, const ShardStep& s
             throw Failure(1, fmt::format("{}: is of another plan than {}; delete {}/{} and run {}", path,
                                          plan_path(plan.folder), plan.folder, step.name(), plan.command(step, shard)));
         for (const auto& [name, file] : j.at("files").items())
-            record.files[name] = {file.at("bytes"), {from_hex(file.at("digest").at(0)), from_hex(file.at("digest").at(1))}};
+            record.files[name] = {file.at("bytes"),
+                                  {from_hex(file.at("digest").at(0)), from_hex(file.at("digest").at(1))}};
         record.seconds = j.at("seconds");
         record.cpu_seconds = j.at("cpu_seconds");
         record.resident_mb = j.at("resident_mb");
@@ -313,9 +315,10 @@ void ScratchFolder::write_parcel(const std::string& name, std::span<const std::b
 void ScratchFolder::add(const std::string& name, const Digest& digest) {
     std::error_code error;
     files_[name] = {fs::file_size(file(name), error), digest};
-    if (error) throw Failure(3, fmt::format("{}: is gone; the shared folder went away, or another attempt removed it; run "
-                                            "the step again",
-                                            file(name)));
+    if (error)
+        throw Failure(3, fmt::format("{}: is gone; the shared folder went away, or another attempt removed it; run "
+                                     "the step again",
+                                     file(name)));
 }
 
 void ScratchFolder::publish(ShardRecord record) {

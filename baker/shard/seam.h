@@ -75,12 +75,12 @@ std::uint64_t add_frames(const ShardPlan& plan, const ShardStep& step, const std
                 const Window shared = common(at, strip.at);
                 for (std::int32_t y = shared.y; y < shared.y + shared.rows; ++y)
                     for (std::int32_t x = shared.x; x < shared.x + shared.columns; ++x) {
-                        const auto to = static_cast<std::size_t>(y - strip.at.y) *
-                                            static_cast<std::size_t>(strip.at.columns) +
-                                        static_cast<std::size_t>(x - strip.at.x);
-                        strip.values[to] = values[static_cast<std::size_t>(y - at.y) *
-                                                      static_cast<std::size_t>(at.columns) +
-                                                  static_cast<std::size_t>(x - at.x)];
+                        const auto to =
+                            static_cast<std::size_t>(y - strip.at.y) * static_cast<std::size_t>(strip.at.columns) +
+                            static_cast<std::size_t>(x - strip.at.x);
+                        strip.values[to] =
+                            values[static_cast<std::size_t>(y - at.y) * static_cast<std::size_t>(at.columns) +
+                                   static_cast<std::size_t>(x - at.x)];
                         strip.known[to] = true;
                     }
             }

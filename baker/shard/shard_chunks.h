@@ -16,8 +16,7 @@ namespace fjell::baker {
 // Appends chunks to a file and keeps their entries, 40 bytes a chunk.
 class ChunkFile final : public ChunkSink {
 public:
-    ChunkFile(const std::string& path, const PackHeader& layout)
-        : layout_(layout), file_(path, WorkFile::grows) {}
+    ChunkFile(const std::string& path, const PackHeader& layout) : layout_(layout), file_(path, WorkFile::grows) {}
     void append(ChunkBatch batch) override;
     // Chunk numbers and entries: a parcel's bytes. No append() at the same time.
     [[nodiscard]] std::vector<std::byte> index() const;

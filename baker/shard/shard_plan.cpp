@@ -19,8 +19,8 @@ std::vector<Window> cut_in_rows(std::int32_t across, std::int32_t down, int shar
         const int in_row = (shards - done) / (rows_of_shards - row);
         const int rows_after = rows_of_shards - row - 1;
         // At least one row of regions for each row of shards that is still to come.
-        const auto share = static_cast<std::int32_t>((std::int64_t{down - y} * in_row + (shards - done) / 2) /
-                                                     (shards - done));
+        const auto share =
+            static_cast<std::int32_t>((std::int64_t{down - y} * in_row + (shards - done) / 2) / (shards - done));
         const std::int32_t height = std::clamp(share, 1, std::max(down - y - rows_after, 1));
         for (int i = 0; i < in_row; ++i) {
             const auto x = static_cast<std::int32_t>(std::int64_t{across} * i / in_row),
@@ -52,6 +52,7 @@ std::vector<Window> cut_into_shards(std::int32_t across, std::int32_t down, int 
 std::string ShardStep::name() const {
     switch (kind) {
     case Kind::read: return "read";
+    case Kind::means: return "means";
     case Kind::measure: return "measure";
     case Kind::errors: break;
     }
@@ -59,7 +60,7 @@ std::string ShardStep::name() const {
 }
 
 std::vector<ShardStep> shard_steps(int rounds) {
-    std::vector<ShardStep> steps{{ShardStep::Kind::read}, {ShardStep::Kind::measure}};
+    std::vector<ShardStep> steps{{ShardStep::Kind::read}, {ShardStep::Kind::means}, {ShardStep::Kind::measure}};
     for (int z = 0; z < rounds; ++z) steps.push_back({ShardStep::Kind::errors, z});
     return steps;
 }
@@ -108,8 +109,8 @@ Window PartWindows::texels(const MapPlan& maps, MapKind kind, std::uint32_t mip)
 std::int32_t height_frame(const MapPlan& maps) {
     std::int32_t most = step_frame;
     const Tree& tree = maps.tree;
-    for (std::uint32_t tile = 0; tile < static_cast<std::uint32_t>(tree.tiles_x) * static_cast<std::uint32_t>(tree.tiles_y);
-         ++tile) {
+    for (std::uint32_t tile = 0;
+         tile < static_cast<std::uint32_t>(tree.tiles_x) * static_cast<std::uint32_t>(tree.tiles_y); ++tile) {
         const Window seen = heights_for_maps(maps, tile);
         if (seen.area() == 0) continue;
         const std::int32_t x = static_cast<std::int32_t>(tile) % tree.tiles_x * tree.side(),

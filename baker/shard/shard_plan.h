@@ -2,8 +2,8 @@
 //
 // A shard is a rectangle of regions (heights/region.h), in which whole tiles lie. All shards together cover the terrain
 // once. A shard runs the stages of a bake over its own regions; what it needs from beside them are frames of a few
-// rows and columns that its neighbours have left (seam.h). After `rounds` steps of the vertex tree what is left is small
-// enough for one machine: `merge` does the rest (docs/notes/sharding.md). Thread: pure functions.
+// rows and columns that its neighbours have left (seam.h). After `rounds` steps of the vertex tree what is left is
+// small enough for one machine: `merge` does the rest (docs/notes/sharding.md). Thread: pure functions.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +26,9 @@ inline constexpr int most_rounds = 4;
 // 2%, the one with the widest shards, because files are read row by row.
 [[nodiscard]] std::vector<Window> cut_into_shards(std::int32_t across, std::int32_t down, int shards);
 
-// The part of a step that shards run one by one. Step::errors: one for each round, named after the step's length.
+// What shards run one by one, all of them before the next. errors: one for each round, named after the step's length.
 struct ShardStep {
-    enum class Kind { read, measure, errors } kind = Kind::read;
+    enum class Kind { read, means, measure, errors } kind = Kind::read;
     int z = 0; // of errors
     [[nodiscard]] std::string name() const;
     friend bool operator==(const ShardStep&, const ShardStep&) = default;

@@ -10,6 +10,7 @@
 #include "baker/bake/stages.h"
 #include "baker/shard/seam.h"
 #include "baker/shard/shard_chunks.h"
+#include "baker/shard/shard_fill.h"
 
 namespace fjell::baker {
 
@@ -49,6 +50,7 @@ public:
         const double cpu = cpu_seconds();
         switch (step_.kind) {
         case Kind::read: read(); break;
+        case Kind::means: means(); break;
         case Kind::measure: measure(); break;
         case Kind::errors: errors(); break;
         }
@@ -106,9 +108,10 @@ private:
     }
 
     void read();
+    void means();
     void measure();
     void errors();
-    void finest(const BakePlan& plan, ChunkFile& chunks, StepStores& step);
+    void finest(const BakePlan& plan, const CheckpointState& found, ChunkFile& chunks, StepStores& step);
     void coarser(const BakePlan& plan, const CheckpointState& found, ChunkFile& chunks, StepStores& step);
     void far_mips(const BakePlan& plan, ChunkFile& chunks);
     [[nodiscard]] Store<float> find_heights(std::int32_t frame);
@@ -137,23 +140,42 @@ void ShardRun::read() {
     facts.put(read_windows(context_, heights));
     scratch_.write_parcel("facts", facts.bytes);
     scratch_.add("heights", heights.written());
-    const std::int32_t width = height_frame(map_sizes());
+    const std::int32_t width = ShardFill::raw_frame(height_frame(map_sizes())); // in case there are voids
     leave_frame("heights", heights, width, width);
 }
 
 Store<float> ShardRun::find_heights(std::int32_t frame) {
     Store<float> heights = find<float>(read_step, "heights", samples_of(context_.tree), own_.samples());
-    add_frames_to(heights, read_step, "heights", frame, frame, [](const PartWindows& w) { return w.samples(); });
+    if (frame != 0)
+        add_frames_to(heights, read_step, "heights", frame, frame, [](const PartWindows& w) { return w.samples(); });
     return heights;
 }
 
+void ShardRun::means() {
+    if (!found_by_shards(plan_, context_, false).has_voids) return;
+    ShardFill(plan_, context_, shard_, height_frame(map_sizes()), scratch_).leave_means(find_heights(0));
+}
+
 void ShardRun::measure() {
-    const Store<float> heights = find_heights(1);
-    const Store<std::uint8_t> holes;
-    if (found_by_shards(plan_, context_, false).has_voids)
-        throw Failure(1, fmt::format("{}: there are samples without a height, which shards cannot fill; bake on one "
-                                     "machine, or fill them first",
-                                     plan_.folder));
+    const CheckpointState found = found_by_shards(plan_, context_, false);
+    const std::int32_t frame = height_frame(map_sizes());
+    Store<float> heights;
+    Store<std::uint8_t> holes;
+    if (found.has_voids) {
+        const ShardFill fill(plan_, context_, shard_, frame, scratch_);
+        const Store<float> raw = find_heights(ShardFill::raw_frame(frame));
+        const Window all = samples_of(context_.tree), filled = fill.filled_window();
+        heights = make<float>("filled", all, filled);
+        record_.seam_bytes_read += fill.fill(raw, {found.native_quantum_m, found.anchor_m}, heights);
+        leave("filled", heights);
+        if (found.holes) {
+            holes = make<std::uint8_t>("holes", all, filled);
+            mark_voids(context_, raw, filled, holes);
+            leave("holes", holes);
+        }
+    } else {
+        heights = find_heights(1);
+    }
     ParcelWriter facts;
     facts.put(measure_heights(context_, {heights, holes}));
     scratch_.write_parcel("facts", facts.bytes);
@@ -168,7 +190,7 @@ void ShardRun::errors() {
     const Window all = places_of(context_.tree, z + 1);
     step.centres = make<CentreRecord>("centres", {0, 0, all.columns - 1, all.rows - 1}, own_.centres(z));
     if (z == 0) {
-        finest(plan, chunks, step);
+        finest(plan, found, chunks, step);
     } else {
         coarser(plan, found, chunks, step);
         far_mips(plan, chunks);
@@ -183,9 +205,14 @@ void ShardRun::errors() {
     scratch_.write_parcel("index", chunks.index());
 }
 
-void ShardRun::finest(const BakePlan& plan, ChunkFile& chunks, StepStores& step) {
-    const Store<float> heights = find_heights(height_frame(plan.maps));
-    const Store<std::uint8_t> holes;
+void ShardRun::finest(const BakePlan& plan, const CheckpointState& found, ChunkFile& chunks, StepStores& step) {
+    const std::int32_t frame = height_frame(plan.maps);
+    const Window samples = samples_of(context_.tree);
+    const Window filled = ShardFill(plan_, context_, shard_, frame, scratch_).filled_window();
+    const Store<float> heights =
+        found.has_voids ? find<float>(measure_step, "filled", samples, filled) : find_heights(frame);
+    const Store<std::uint8_t> holes =
+        found.holes ? find<std::uint8_t>(measure_step, "holes", samples, filled) : Store<std::uint8_t>{};
     const std::uint32_t mip = mip_of_round(0);
     TexelStore colour = make_texels(plan.maps, MapKind::colour, mip),
                normal = make_texels(plan.maps, MapKind::normal, mip);
