@@ -20,8 +20,11 @@ std::string mean_name(std::size_t level) {
 
 ShardFill::ShardFill(const ShardPlan& plan, const BakeContext& context, int shard, std::int32_t frame,
                      ScratchFolder& scratch)
-    : plan_(plan), context_(context), shard_(shard), scratch_(scratch),
-      levels_{{0, 0, context.tree.columns(), context.tree.rows()}} {
+    : plan_(plan), context_(context), shard_(shard),
+      // What is filled around a part becomes half as wide with each level, and half the halo and a little wider: 24 at
+      // most, or little more than half of the first.
+      mean_frame_(std::max(frame / 2 + 12, 24) + fill_halo),
+      scratch_(scratch), levels_{{0, 0, context.tree.columns(), context.tree.rows()}} {
     while (levels_.size() <= most_mean_levels && (levels_.back().columns > 1 || levels_.back().rows > 1))
         levels_.push_back({0, 0, (levels_.back().columns + 1) / 2, (levels_.back().rows + 1) / 2});
     const Window own = context.sample_window();
@@ -40,27 +43,14 @@ Window ShardFill::held_of(int shard, std::size_t level) const {
     return {x, y, end(own.x + own.columns) - x, end(own.y + own.rows) - y};
 }
 
-// With each level what is filled around a part becomes (frame + halo) / 2 and a little: 20 at most, or less than the
-// first.
-std::int32_t ShardFill::mean_frame() const {
-    std::int32_t most = 0;
-    for (std::size_t level = 1; level < levels_.size(); ++level) {
-        const Window held = held_of(shard_, level), &need = needs_[level];
-        most = std::max({most, held.x - need.x, held.y - need.y, need.x + need.columns - held.x - held.columns,
-                         need.y + need.rows - held.y - held.rows});
-    }
-    return most + fill_halo;
-}
-
 void ShardFill::leave_means(const Store<float>& raw) {
     const int threads = context_.workers_for(fill_piece_bytes);
-    constexpr std::int32_t widest = 64; // no frame is wider: see mean_frame
     std::vector<Store<float>> means;
     for (std::size_t level = 1; level < levels_.size(); ++level) {
         const Window held = held_of(shard_, level);
         means.emplace_back(scratch_.file(mean_name(level)), levels_[level].columns, levels_[level].rows, held);
         (void)halve_heights(level == 1 ? raw : means[level - 2], held, threads, means.back());
-        scratch_.write_parcel(mean_name(level) + "-frame", frame_of_store(means.back(), widest, widest));
+        scratch_.write_parcel(mean_name(level) + "-frame", frame_of_store(means.back(), mean_frame_, mean_frame_));
         scratch_.add(mean_name(level), means.back().digest());
     }
     const Window held = held_of(shard_, levels_.size() - 1);
@@ -92,24 +82,23 @@ std::uint64_t ShardFill::fill(const Store<float>& raw, const FillStep& step, Sto
     const Store<float> coarsest = gather_coarsest();
     std::uint64_t bytes_read = levels_[top].area() * sizeof(float);
     Store<float> filled("", levels_[top].columns, levels_[top].rows);
-    fill_voids({coarsest,
-                {},
-                threads,
-                [](const std::string&, std::int64_t columns, std::int64_t rows) {
-                    return Store<float>("", columns, rows);
-                }},
-               filled);
+    fill_voids(
+        {coarsest,
+         {},
+         threads,
+         [](const std::string&, std::int64_t columns, std::int64_t rows) { return Store<float>("", columns, rows); }},
+        filled);
     for (std::size_t level = top - 1; level > 0; --level) {
         const Window& all = levels_[level];
         const std::string name = mean_name(level);
         const ShardRecord record = require_record(plan_, means_step, shard_);
-        Store<float> means = Store<float>::complete(plan_.file(means_step, shard_, name), all.columns, all.rows,
-                                                    held_of(shard_, level));
+        Store<float> means =
+            Store<float>::complete(plan_.file(means_step, shard_, name), all.columns, all.rows, held_of(shard_, level));
         if (means.digest() != record.files.at(name).digest)
             throw Failure(1, fmt::format("{}: is damaged; run {} --again", plan_.file(means_step, shard_, name),
                                          plan_.command(means_step, shard_)));
         bytes_read += add_frames<float>(
-            plan_, means_step, name + "-frame", shard_, mean_frame(), mean_frame(),
+            plan_, means_step, name + "-frame", shard_, mean_frame_, mean_frame_,
             [&](int other) { return held_of(other, level); }, means);
         Store<float> to(scratch_.file("filling" + std::to_string(level)), all.columns, all.rows, needs_[level]);
         fill_level(means, filled, {}, needs_[level], threads, to);

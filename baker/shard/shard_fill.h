@@ -16,8 +16,7 @@ inline constexpr int most_mean_levels = 8;
 class ShardFill {
 public:
     // frame: how many samples around its own a shard fills.
-    ShardFill(const ShardPlan& plan, const BakeContext& context, int shard, std::int32_t frame,
-              ScratchFolder& scratch);
+    ShardFill(const ShardPlan& plan, const BakeContext& context, int shard, std::int32_t frame, ScratchFolder& scratch);
 
     [[nodiscard]] Window filled_window() const { return needs_.front(); }
     // What a frame of raw heights must be wide.
@@ -31,11 +30,11 @@ public:
 private:
     [[nodiscard]] Window held_of(int shard, std::size_t level) const;
     [[nodiscard]] Store<float> gather_coarsest() const;
-    [[nodiscard]] std::int32_t mean_frame() const;
 
     const ShardPlan& plan_;
     const BakeContext& context_;
     const int shard_;
+    const std::int32_t mean_frame_; // of the coarser levels
     ScratchFolder& scratch_;
     std::vector<Window> levels_; // the whole of each: level 0 are the samples
     std::vector<Window> needs_;  // of each: what is filled here
