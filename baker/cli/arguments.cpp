@@ -101,6 +101,20 @@ void declare_shards(CLI::App& app, Arguments& a, Commands& c) {
     c.shard->add_option("--step", a.shard_step, "this step: read, measure, step1, step2, ...");
     c.shard->add_flag("--again", a.again, "also if it is complete");
     add_how_options(*c.shard, a);
+    c.launch = app.add_subcommand("launch", "run all shards of a plan, step by step, and merge them");
+    c.launch->add_option("DIR", a.plan_folder, "the plan's folder")->required();
+    c.launch->add_option("-o,--output", a.given.output, "the pack to write")->required();
+    c.launch
+        ->add_option(
+            "--with", a.launcher,
+            "local: processes on this machine (default); slurm: a job array a step; mpi: an mpirun a step, with "
+            "what FJELL_MPI_OPTIONS says")
+        ->check(io::one_of({"local", "slurm", "mpi"}));
+    c.launch->add_option("--at-once", a.at_once, "local, mpi: processes side by side (default 1)")
+        ->check(io::whole_within(1, max_shards));
+    c.launch->add_flag("--dry-run", a.dry_run,
+                       "only print the commands, and what a shard takes of time, disk and memory");
+    add_how_options(*c.launch, a);
     c.merge = app.add_subcommand("merge", "make the pack from what all shards of a plan have left");
     c.merge->add_option("DIR", a.plan_folder, "the plan's folder")->required();
     c.merge->add_option("-o,--output", a.given.output, "the pack to write")->required();

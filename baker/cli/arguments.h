@@ -22,6 +22,9 @@ struct Arguments {
     std::string plan_folder, shard, shard_step; // plan, shard, merge
     int shards = 0;
     bool status = false, again = false;
+    std::string launcher = "local";
+    int at_once = 1;
+    bool dry_run = false;
 
     std::string pack;      // info, verify, heights
     std::string info_json; // where to; empty: as a table
@@ -45,6 +48,7 @@ struct Commands {
     CLI::App* materials;
     CLI::App* plan;
     CLI::App* shard;
+    CLI::App* launch;
     CLI::App* merge;
 };
 

@@ -276,6 +276,7 @@ int run(int argc, char** argv) {
     if (commands.materials->parsed()) return run_materials(a);
     if (commands.plan->parsed()) return run_plan(a);
     if (commands.shard->parsed()) return run_shard(a);
+    if (commands.launch->parsed()) return run_launch(a);
     if (commands.merge->parsed()) return run_merge(a);
     return run_bake(a);
 }

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "baker/cli/progress.h"
 #include "baker/cli/summary.h"
 #include "baker/place/open_source.h"
+#include "baker/shard/launch.h"
 #include "baker/shard/merge.h"
 #include "baker/shard/plan_folder.h"
 #include "baker/shard/shard_step.h"
@@ -119,6 +121,32 @@ int run_shard(const Arguments& a) {
     if (!a.quiet)
         fmt::print("shard {}: {} {}\n", a.shard, step.name(),
                    done == StepDone::before ? "was complete; nothing to do" : "is complete");
+    return 0;
+}
+
+int run_launch(const Arguments& a) {
+    const ShardPlan plan = load_plan(a.plan_folder);
+    check_program(plan);
+    const Recipe recipe = plan_recipe(plan.folder);
+    const LaunchOptions options{a.launcher == "slurm" ? Launcher::slurm
+                                : a.launcher == "mpi" ? Launcher::mpi
+                                                      : Launcher::local,
+                                a.at_once,
+                                a.threads,
+                                static_cast<int>(a.memory_mb),
+                                std::filesystem::read_symlink("/proc/self/exe").string(),
+                                *a.given.output};
+    if (a.dry_run) {
+        const ShardCost cost = cost_of(plan, recipe);
+        for (const std::string& command : launch_commands(plan, options)) fmt::print("{}\n", command);
+        fmt::print("# the largest shard: about {:.0f} CPU seconds, {:.0f} MB of the shared folder at most, {} MB of "
+                   "memory, {:.2g} MB for its neighbours; the merge: about {:.0f} s; the folder: {:.0f} MB at most\n",
+                   cost.seconds, cost.largest_shard_bytes / 1e6, a.memory_mb, cost.frame_bytes / 1e6,
+                   cost.merge_seconds, cost.disk_bytes / 1e6);
+        return 0;
+    }
+    refuse_overwriting(places_written(options.out_path), files_read(recipe));
+    launch(plan, options);
     return 0;
 }
 

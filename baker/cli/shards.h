@@ -1,4 +1,4 @@
-// The commands around shards: plan, shard, merge. Each returns the program's exit code.
+// The commands around shards: plan, shard, launch, merge. Each returns the program's exit code.
 #pragma once
 
 #include "baker/cli/arguments.h"
@@ -7,6 +7,7 @@ namespace fjell::baker {
 
 int run_plan(const Arguments& arguments);
 int run_shard(const Arguments& arguments);
+int run_launch(const Arguments& arguments);
 int run_merge(const Arguments& arguments);
 
 } // namespace fjell::baker

@@ -147,7 +147,8 @@ TEST_CASE("holes and filled voids, several rounds of steps and mips, are the sam
     }
 }
 
-TEST_CASE("what is missing, cut off, damaged or of another plan is said with the command to run, and is all that runs") {
+TEST_CASE(
+    "what is missing, cut off, damaged or of another plan is said with the command to run, and is all that runs") {
     Random random(23);
     baker::BakeOptions options;
     options.tile_log2 = 6;
@@ -183,5 +184,6 @@ TEST_CASE("what is missing, cut off, damaged or of another plan is said with the
     fs::copy_file(other.file(read, 1, "json"), plan.file(read, 1, "json"), fs::copy_options::overwrite_existing);
     CHECK_THAT(failure_of(merge), Catch::Contains("is of another plan"));
     CHECK_THAT(failure_of([&] { (void)job.plan(5, "plan"); }), Catch::Contains("holds another plan"));
-    CHECK_THAT(failure_of([&] { (void)baker::load_plan(job.folder / "gone"); }), Catch::Contains("is not mounted here"));
+    CHECK_THAT(failure_of([&] { (void)baker::load_plan(job.folder / "gone"); }),
+               Catch::Contains("is not mounted here"));
 }
