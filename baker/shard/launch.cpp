@@ -51,11 +51,11 @@ std::vector<std::string> of_slurm(const ShardPlan& plan, const LaunchOptions& o)
     const std::string log = quoted(plan.folder + "/log");
     commands.push_back("mkdir -p " + log);
     for (const ShardStep& step : shard_steps(plan.rounds))
-        commands.push_back(sbatch(o, step.name(),
-                                  fmt::format(" --requeue --array=1-{} --output={}/{}-%a.txt", plan.shards, log,
-                                              step.name()),
-                                  shard_command(plan, o, step, "$SLURM_ARRAY_TASK_ID")));
-    commands.push_back(sbatch(o, "merge", fmt::format(" --requeue --output={}/merge.txt", log), merge_command(plan, o)));
+        commands.push_back(sbatch(
+            o, step.name(), fmt::format(" --requeue --array=1-{} --output={}/{}-%a.txt", plan.shards, log, step.name()),
+            shard_command(plan, o, step, "$SLURM_ARRAY_TASK_ID")));
+    commands.push_back(
+        sbatch(o, "merge", fmt::format(" --requeue --output={}/merge.txt", log), merge_command(plan, o)));
     commands.push_back("echo \"submitted; the merge is job $JOB\"");
     return commands;
 }
@@ -110,7 +110,8 @@ ShardCost cost_of(const ShardPlan& plan, const Recipe& recipe) {
     // Bytes a sample: heights 4 (twice with voids), unsaturated errors 1/4, places and centres of all rounds
     // 12/4 (1 + 1/4 + ...), texels of mips, and chunks, of which work_bytes knows the most.
     constexpr double shard_rate = 11e6, merge_rate = 8e6; // samples a second and core; docs/notes/sharding.md
-    const auto normals = static_cast<std::uint32_t>(std::min(plan.tile_log2, static_cast<int>(options.max_texture_log2)));
+    const auto normals =
+        static_cast<std::uint32_t>(std::min(plan.tile_log2, static_cast<int>(options.max_texture_log2)));
     const auto all = static_cast<double>(work_bytes(tree, options.order, {normals - 1, normals, 0}));
     ShardCost cost;
     cost.seconds = largest / shard_rate;
@@ -140,8 +141,8 @@ void launch(const ShardPlan& plan, const LaunchOptions& o) {
     std::string script;
     for (const std::string& command : launch_commands(plan, o)) script += command + "\n";
     if (run_shell(script) != 0)
-        throw Failure(1, fmt::format("{}: {} failed; what is complete stays, and the same command goes on", plan.folder,
-                                     needs));
+        throw Failure(
+            1, fmt::format("{}: {} failed; what is complete stays, and the same command goes on", plan.folder, needs));
 }
 
 } // namespace fjell::baker

@@ -30,8 +30,8 @@ struct ShardCost {
 };
 [[nodiscard]] ShardCost cost_of(const ShardPlan& plan, const Recipe& recipe);
 
-// Local: each step's commands, one a shard. Slurm: one sbatch a step, an array of shards that waits for the step before.
-// MPI: one mpirun a step. The last one merges. For a shell.
+// Local: each step's commands, one a shard. Slurm: one sbatch a step, an array of shards that waits for the step
+// before. MPI: one mpirun a step. The last one merges. For a shell.
 [[nodiscard]] std::vector<std::string> launch_commands(const ShardPlan& plan, const LaunchOptions& options);
 
 // Runs them all, and waits unless the engine has a queue. A step of a shard that is complete costs nothing again.
