@@ -142,10 +142,10 @@ void add_tiles(const Chunks& pack, const Snapshot::Content& content, const Snaps
             throw io::Failure(130, "stopped; nothing is written");
         TileGeometry geometry = taken;
         set_texture_size(geometry, 1u << pack.header.tile_log2, textures.side_px());
-        const std::string name =
-            fmt::format("tile {} {}", taken.tile % pack.header.tiles_x, taken.tile / pack.header.tiles_x);
+        const std::uint32_t place = pack.tile_place(taken.tile);
+        const std::string name = fmt::format("tile {} {}", place % pack.header.tiles_x, place / pack.header.tiles_x);
         const int colour = textures.add_colour(taken.tile, name, scene);
-        scene.add_tile(name, geometry, tile_corner_m(pack.header, taken.tile),
+        scene.add_tile(name, geometry, tile_corner_m(pack, taken.tile),
                        {colour, textures.add_normal(geometry, name, scene)});
         ++result.tiles;
         result.vertices += geometry.vertices.size();
