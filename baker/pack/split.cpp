@@ -105,8 +105,11 @@ public:
         const std::size_t size = ZSTD_compress(stored.data(), stored.size(), raw.data(), raw.size(), 3);
         if (ZSTD_isError(size)) throw Failure(3, fmt::format("cannot compress: {}", ZSTD_getErrorName(size)));
         stored.resize(size);
-        directory_[0] = {file_.size(), XXH3_64bits(stored.data(), size), static_cast<std::uint32_t>(size),
-                         static_cast<std::uint32_t>(raw.size()), {}};
+        directory_[0] = {file_.size(),
+                         XXH3_64bits(stored.data(), size),
+                         static_cast<std::uint32_t>(size),
+                         static_cast<std::uint32_t>(raw.size()),
+                         {}};
         file_.write(stored);
     }
     void copy(const Copied& chunk) {
@@ -164,7 +167,8 @@ SplitSummary split_pack(const std::string& pack, const std::string& folder, cons
     const io::PackFile file(pack);
     if (file.packs() != 1) throw Failure(1, pack + ": is a set already; give the one pack that is to be split");
     const PackHeader& whole = file.pack().header;
-    if (options.packs_x < 1 || options.packs_y < 1 || options.packs_x > whole.tiles_x || options.packs_y > whole.tiles_y)
+    if (options.packs_x < 1 || options.packs_y < 1 || options.packs_x > whole.tiles_x ||
+        options.packs_y > whole.tiles_y)
         throw Failure(2, fmt::format("{}: has {} x {} tiles, which cannot be split into {} x {} packs; give fewer to "
                                      "--packs, or bake it with a smaller --tile",
                                      pack, whole.tiles_x, whole.tiles_y, options.packs_x, options.packs_y));
@@ -180,12 +184,10 @@ SplitSummary split_pack(const std::string& pack, const std::string& folder, cons
     std::uint64_t done = 0;
     for (std::uint32_t py = 0; py < options.packs_y; ++py)
         for (std::uint32_t px = 0; px < options.packs_x; ++px) {
-            const Rectangle r{part_begin(px, options.packs_x, whole.tiles_x),
-                              part_begin(py, options.packs_y, whole.tiles_y),
-                              part_begin(px + 1, options.packs_x, whole.tiles_x) -
-                                  part_begin(px, options.packs_x, whole.tiles_x),
-                              part_begin(py + 1, options.packs_y, whole.tiles_y) -
-                                  part_begin(py, options.packs_y, whole.tiles_y)};
+            const Rectangle r{
+                part_begin(px, options.packs_x, whole.tiles_x), part_begin(py, options.packs_y, whole.tiles_y),
+                part_begin(px + 1, options.packs_x, whole.tiles_x) - part_begin(px, options.packs_x, whole.tiles_x),
+                part_begin(py + 1, options.packs_y, whole.tiles_y) - part_begin(py, options.packs_y, whole.tiles_y)};
             PackHeader h = header_of(whole, r);
             if (whole.voids != 0) measure(source, r, h);
             done += std::uint64_t{r.tiles_x} * r.tiles_y;

@@ -169,7 +169,8 @@ SetFilePack read_pack(Reader& in) {
         };
         if (key == "file") {
             pack.file = in.string();
-            if (leads_out(pack.file)) in.fail("\"file\" must name a pack in the folder of the set; write the set again");
+            if (leads_out(pack.file))
+                in.fail("\"file\" must name a pack in the folder of the set; write the set again");
             seen |= 1;
             return true;
         }
@@ -184,7 +185,8 @@ SetFilePack read_pack(Reader& in) {
         return place("tile_x", pack.tile_x, 0, 1) || place("tile_y", pack.tile_y, 0, 2) ||
                place("tiles_x", pack.tiles_x, 1, 3) || place("tiles_y", pack.tiles_y, 1, 4);
     });
-    if (seen != 31) in.fail("a pack lacks \"file\", \"tile_x\", \"tile_y\", \"tiles_x\" or \"tiles_y\"; write the set again");
+    if (seen != 31)
+        in.fail("a pack lacks \"file\", \"tile_x\", \"tile_y\", \"tiles_x\" or \"tiles_y\"; write the set again");
     return pack;
 }
 
@@ -227,7 +229,8 @@ SetFile parse_set_file(std::string_view text, const std::string& name) {
         return true;
     });
     in.end();
-    if (version == 0) in.fail("this is no pack set (\"fjell_set\" is missing); give a folder that fjell-bake has written");
+    if (version == 0)
+        in.fail("this is no pack set (\"fjell_set\" is missing); give a folder that fjell-bake has written");
     if (set.columns == 0 || set.rows == 0 || set.tile_cells == 0 || !(set.spacing_m[0] > 0) || !has_packs)
         in.fail("\"columns\", \"rows\", \"tile_cells\", \"spacing_m\" or \"packs\" is missing; write the set again");
     if (set.packs.empty()) in.fail("the set has no packs; write it again");
@@ -250,7 +253,7 @@ std::string set_file_text(const SetFile& set) {
             out += c;
         }
         char hash[17] = {};
-        for (int i = 0; i < 16; ++i) hash[i] = "0123456789abcdef"[pack.pack_hash >> (60 - 4 * i) & 15];
+        for (int i = 0; pack.has_hash && i < 16; ++i) hash[i] = "0123456789abcdef"[pack.pack_hash >> (60 - 4 * i) & 15];
         out += "\", \"tile_x\": " + std::to_string(pack.tile_x) + ", \"tile_y\": " + std::to_string(pack.tile_y) +
                ", \"tiles_x\": " + std::to_string(pack.tiles_x) + ", \"tiles_y\": " + std::to_string(pack.tiles_y) +
                ", \"pack_hash\": \"" + hash + "\"}";

@@ -42,7 +42,8 @@ void read_index(const std::string& path, OpenedPart& part) {
 void check_named(const SetFile& set, const SetFilePack& named, const PackHeader& h, const std::string& path,
                  const std::string& set_path) {
     const auto other = [&](const std::string& what) {
-        throw Failure(1, path + ": " + what + " than " + set_path + " says; copy the pack again, or write the set again");
+        throw Failure(1,
+                      path + ": " + what + " than " + set_path + " says; copy the pack again, or write the set again");
     };
     if (named.has_hash && named.pack_hash != h.directory_hash) other("another pack (pack_hash)");
     if (named.tiles_x != h.tiles_x || named.tiles_y != h.tiles_y) other("other numbers of tiles");

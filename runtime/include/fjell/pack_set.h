@@ -27,8 +27,8 @@ namespace fjell {
 
 // One pack of the set.
 struct SetPart {
-    const Pack* pack = nullptr;         // of open_index() or open_pack()
-    std::span<const std::byte> corners; // its chunk of corners, as stored
+    const Pack* pack = nullptr;           // of open_index() or open_pack()
+    std::span<const std::byte> corners;   // its chunk of corners, as stored
     std::uint32_t tile_x = 0, tile_y = 0; // of its north-western tile, in tiles from the set's
 };
 // Samples of the whole, at least 2 and at most max_columns a side.

@@ -211,8 +211,8 @@ void enter_chunks(const SetPart& part, std::uint64_t begins, const PackHeader& h
         ChunkId id = chunk_id(p, chunk);
         if (id.kind == ChunkKind::corners) continue;
         if (id.kind != ChunkKind::crs)
-            id.tile = numbers[std::size_t{part.tile_y + id.tile / p.tiles_x} * h.tiles_x + part.tile_x +
-                              id.tile % p.tiles_x];
+            id.tile =
+                numbers[std::size_t{part.tile_y + id.tile / p.tiles_x} * h.tiles_x + part.tile_x + id.tile % p.tiles_x];
         ChunkEntry entry = part.pack->entry(chunk);
         entry.offset += begins;
         if (id.kind == ChunkKind::geometry) entry.bound = rescaled(entry.bound, shift);
@@ -221,8 +221,8 @@ void enter_chunks(const SetPart& part, std::uint64_t begins, const PackHeader& h
 }
 
 // One part's corners to the whole's: of a full terrain row by row, of a sparse one four a tile.
-void place_corners(const SetPart& part, const PackHeader& h, const std::uint32_t* numbers,
-                   const std::byte* from, std::byte* to) {
+void place_corners(const SetPart& part, const PackHeader& h, const std::uint32_t* numbers, const std::byte* from,
+                   std::byte* to) {
     const PackHeader& p = part.pack->header;
     const std::size_t a_row = std::size_t{p.tiles_x} + 1, each = sizeof(std::uint32_t);
     if (h.tiles_held == 0) {
@@ -273,8 +273,11 @@ Status make_set_index(const SetShape& shape, std::span<const SetPart> parts, std
     at_fault = static_cast<std::uint32_t>(parts.size());
     write_frame(at + l.raw, l.raw_bytes, at + l.corners);
     const std::size_t stored = l.directory - l.corners;
-    const ChunkEntry corners{end, XXH3_64bits(at + l.corners, stored), static_cast<std::uint32_t>(stored),
-                             static_cast<std::uint32_t>(l.raw_bytes), {}};
+    const ChunkEntry corners{end,
+                             XXH3_64bits(at + l.corners, stored),
+                             static_cast<std::uint32_t>(stored),
+                             static_cast<std::uint32_t>(l.raw_bytes),
+                             {}};
     std::memcpy(at + l.directory, &corners, sizeof corners);
     const std::size_t places = std::size_t{h.tiles_x} * h.tiles_y;
     for (std::size_t place = 0; h.tiles_held != 0 && place < places; ++place) {
