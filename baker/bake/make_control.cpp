@@ -89,7 +89,7 @@ void make_near_control(const BakeContext& context, const BakePlan& plan, const H
         (std::uint64_t{6} << 20);
     ReaderSets sets(context.control_images);
     const auto make_tile = [&](std::uint64_t u) {
-        const auto tile = static_cast<std::uint32_t>(u);
+        const std::uint32_t tile = context.tile_at(u);
         const Window at = points_for_map(plan.maps, MapKind::control, tile);
         const Window seen = heights_for_control(ground, at);
         Buffer<float> heights_m(seen.area());
@@ -108,8 +108,8 @@ void make_near_control(const BakeContext& context, const BakePlan& plan, const H
                          mips.back().texels);
         out.spool.append(std::move(batch));
     };
-    context.run_units({"control maps", context.tiles(), context.workers_for(tile_bytes),
-                       context.samples() / static_cast<double>(context.tiles())},
+    context.run_units({"control maps", context.tile_count(), context.workers_for(tile_bytes),
+                       context.samples() / static_cast<double>(context.tile_count())},
                       make_tile);
 }
 

@@ -86,13 +86,13 @@ NamedShares shares_by_hand(const Dem& dem, int x, int y) {
     const double bend =
         500 * ((2 * at(x, y) - at(x - 2, y) - at(x + 2, y)) / (4 * dem.spacing_m[0] * dem.spacing_m[0]) +
                (2 * at(x, y) - at(x, y - 2) - at(x, y + 2)) / (4 * dem.spacing_m[1] * dem.spacing_m[1]));
-    const double off_north = std::min(azimuth, 360 - azimuth);
+    const double off_east = std::abs(azimuth - 80); // from 10 to 150 degrees
     NamedShares s{{"grass", 1}};
     const auto lay = [&](const char* name, double share) {
         for (auto& [other, left] : s) left *= 1 - share;
         s[name] += share;
     };
-    lay("soil", 0.6 * trapezoid(off_north, -1e9, 70, 30) * std::min(slope / 2, 1.0)); // 290 to 70 degrees
+    lay("soil", 0.6 * trapezoid(off_east > 180 ? 360 - off_east : off_east, -1e9, 70, 30) * std::min(slope / 2, 1.0));
     lay("scree", trapezoid(bend, -1e9, -1, 4));
     lay("rock", trapezoid(slope, 25, 1e9, 12));
     lay("snow", trapezoid(at(x, y), 400, 900, 150) * 0.9);
@@ -100,7 +100,7 @@ NamedShares shares_by_hand(const Dem& dem, int x, int y) {
 }
 
 constexpr const char* evaluated_rules = R"({"rules": [{"layer": "grass"},
-  {"layer": "soil", "aspect_deg": [290, 70], "aspect_soft_deg": 30, "opacity": 0.6},
+  {"layer": "soil", "aspect_deg": [10, 150], "aspect_soft_deg": 30, "opacity": 0.6},
   {"layer": "scree", "curvature_per_km": [null, -1], "curvature_soft_per_km": 4},
   {"layer": "rock", "slope_deg": [25, null], "slope_soft_deg": 12, "ragged": 0},
   {"layer": "snow", "height_m": [400, 900], "height_soft_m": 150, "ragged": 0, "opacity": 0.9}]})";
