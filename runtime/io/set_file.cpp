@@ -152,7 +152,8 @@ private:
 
 bool leads_out(const std::string& file) {
     const std::filesystem::path path(file);
-    return file.empty() || path.is_absolute() || file.find('\0') != std::string::npos ||
+    const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20; }; // messages are one line
+    return file.empty() || path.is_absolute() || std::any_of(file.begin(), file.end(), is_control) ||
            std::find(path.begin(), path.end(), "..") != path.end();
 }
 

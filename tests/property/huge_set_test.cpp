@@ -109,7 +109,8 @@ TEST_CASE("a terrain of a million samples a side is opened, flown across its voi
     six.columns = 6 * tile_cells + 1, six.rows = tile_cells + 1;
     six.tiles_x = 6, six.tiles_y = 1, six.tiles_held = 0;
     const double places = std::pow(tiles_a_side + 1.0, 2);
-    CHECK(static_cast<double>(terrain_bytes(h, {600})) < static_cast<double>(terrain_bytes(six, {600})) + 8 * places + 4096);
+    CHECK(static_cast<double>(terrain_bytes(h, {600})) <
+          static_cast<double>(terrain_bytes(six, {600})) + 8 * places + 4096);
 
     Flown flown(file);
     const Terrain& terrain = flown.terrain;
@@ -121,7 +122,8 @@ TEST_CASE("a terrain of a million samples a side is opened, flown across its voi
         const Vec3 eye{(at.x + 0.93) * a_tile + 0.2, 0, (at.y + 0.4) * a_tile + 0.7};
         const View view = make_view({eye.x, terrain.header().max_m + 30.0, eye.z}, {0.7, -0.3, 0.5}, {0, 1, 0}, 1, 640,
                                     480, 0.5, 2e6);
-        const View between = make_view({eye.x + 30 * a_tile, 500, eye.z}, {0, -1, 0.01}, {0, 1, 0}, 1, 640, 480, 1, 1e6);
+        const View between =
+            make_view({eye.x + 30 * a_tile, 500, eye.z}, {0, -1, 0.01}, {0, 1, 0}, 1, 640, 480, 1, 1e6);
         flown.rest(between);
         CHECK(!ground_height(terrain, between.eye_m.x, eye.z).finest);
         CHECK(ground_height(terrain, between.eye_m.x, eye.z).hole);

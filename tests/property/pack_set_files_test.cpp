@@ -120,7 +120,8 @@ TEST_CASE("what is wrong with a set is said in one line that names the file") {
     const std::string hash = slurp(place.index).substr(slurp(place.index).find("\"pack_hash\": \"") + 14, 16);
     CHECK(says(place.with(hash, "0123456789abcdef"), "another pack (pack_hash)"));
     const std::string text = slurp(place.index);
-    for (auto size = std::size_t{0}; size + 2 < text.size(); size += rounds<std::size_t>(9, 1)) { // the last bracket and its newline
+    for (auto size = std::size_t{0}; size + 2 < text.size();
+         size += rounds<std::size_t>(9, 1)) { // the last bracket and its newline
         spit(place.index, text.substr(0, size));
         CAPTURE(size);
         REQUIRE(says(refusal(place.set), "set.json:"));
