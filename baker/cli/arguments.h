@@ -19,6 +19,13 @@ struct Arguments {
     std::optional<double> checkpoint_s;
     bool quiet = false;
 
+    std::string plan_folder, shard, shard_step; // plan, shard, merge
+    int shards = 0;
+    bool status = false, again = false;
+    std::string launcher = "local";
+    int at_once = 1;
+    bool dry_run = false;
+
     std::string pack;      // info, verify, heights
     std::string info_json; // where to; empty: as a table
     std::string picture_path;
@@ -43,6 +50,10 @@ struct Commands {
     CLI::App* split;
     CLI::App* synth;
     CLI::App* materials;
+    CLI::App* plan;
+    CLI::App* shard;
+    CLI::App* launch;
+    CLI::App* merge;
 };
 
 [[nodiscard]] Commands declare_arguments(CLI::App& app, Arguments& arguments);
