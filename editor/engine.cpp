@@ -229,6 +229,7 @@ Scene Engine::scene() const {
     s.rows = h.rows;
     s.tiles_x = h.tiles_x;
     s.tiles_y = h.tiles_y;
+    s.tiles = tiles_of(h);
     s.tile_cells = 1u << h.tile_log2;
     s.pages = session.terrain().page_count();
     s.spacing_m[0] = h.spacing_m[0];

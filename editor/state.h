@@ -37,6 +37,7 @@ namespace fjell::editor {
 struct Scene {
     std::string path; // of the pack; empty: nothing is open
     std::uint32_t columns = 0, rows = 0, tiles_x = 0, tiles_y = 0, tile_cells = 0, pages = 0;
+    std::uint32_t tiles = 0; // that there are: fewer than fit, of a sparse pack set
     double spacing_m[2] = {}, min_m = 0, max_m = 0, quantum_m = 0;
     std::string order, maps; // for people
     std::uint32_t mips = 0;  // of the maps that are shown by their mips; 0: it has none

@@ -109,8 +109,9 @@ private:
     }
 
     [[nodiscard]] bool own(Coord v) const {
-        return (v.x < nw.x + side || v.x == tree.grid_columns() - 1) &&
-               (v.y < nw.y + side || v.y == tree.grid_rows() - 1);
+        const Coord place{nw.x / side, nw.y / side}; // beyond the rim, and in a set, there may be no neighbour
+        return (v.x < nw.x + side || terrain.tile_at({place.x + 1, place.y}) == no_tile) &&
+               (v.y < nw.y + side || terrain.tile_at({place.x, place.y + 1}) == no_tile);
     }
 
     void check_vertex(Coord v) {

@@ -36,6 +36,7 @@
 #include "io/command_line.h"
 #include "io/file.h"
 #include "io/json.h"
+#include "io/set_file.h"
 #include "tree/order.h"
 
 namespace {
@@ -133,7 +134,7 @@ json info_json(const PackFile& file) {
 int run_info(Arguments a) {
     if (a.pack.empty() && a.info_json != "-") a.pack = std::exchange(a.info_json, "-"); // info --json PACK
     if (a.pack.empty()) throw Failure(2, "no pack given; see fjell-bake info --help");
-    refuse_overwriting({a.picture_path, a.info_json}, {a.pack});
+    refuse_overwriting({a.picture_path, a.info_json}, files_of_pack(a.pack));
     std::optional<AtomicFile> picture; // opened before the work
     if (!a.picture_path.empty()) picture.emplace(a.picture_path);
     const PackFile file(a.pack); // header, directory, corners and CRS, however large it is
@@ -222,7 +223,7 @@ void print_verify(const VerifyReport& r, const MapsReport& maps, const std::vect
 int run_verify(const Arguments& a) {
     Recipe source = complete(a.against, a.against_recipe_path);
     std::vector<std::string> inputs = source.inputs;
-    inputs.push_back(a.pack);
+    for (const std::string& file : files_of_pack(a.pack)) inputs.push_back(file);
     inputs.push_back(a.against_recipe_path);
     refuse_overwriting({a.verify_json_path}, inputs);
     JsonOutput report(a.verify_json_path);
@@ -252,7 +253,7 @@ void require_tif(const std::string& path) {
 }
 
 int run_heights(const Arguments& a) {
-    refuse_overwriting(places_written(a.dem_path), {a.pack});
+    refuse_overwriting(places_written(a.dem_path), files_of_pack(a.pack));
     require_tif(a.dem_path);
     write_dem(PackSource(a.pack), a.dem_path, DemForm::plain);
     return 0;

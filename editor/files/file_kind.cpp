@@ -14,6 +14,7 @@
 #include "fjell/pack.h"
 #include "io/file.h"
 #include "io/json.h"
+#include "io/set_file.h"
 
 namespace fjell::editor {
 
@@ -33,6 +34,7 @@ FileKind json_kind_of(const std::string& path) {
     const auto has = [&](std::initializer_list<const char*> keys) {
         return std::ranges::any_of(keys, [&](const char* key) { return object.contains(key); });
     };
+    if (has({"fjell_set"})) return FileKind::pack;
     if (has({"points", "orbit", "straight"})) return FileKind::path;
     if (has({"inputs", "relief_m", "feature_m"})) return FileKind::heights;
     throw Failure(
@@ -48,6 +50,7 @@ FileKind file_kind_of(const std::string& path) {
     if (baker::is_gdal_name(path)) return FileKind::heights;
     const fs::file_status status = fs::status(path, error);
     if (!fs::exists(status)) throw Failure(1, fmt::format("{}: there is no such file", path));
+    if (fs::is_directory(status) && !io::set_file_of(path).empty()) return FileKind::pack;
     if (fs::is_directory(status)) throw Failure(1, fmt::format("{}: a folder; open a file in it", path));
     if (!fs::is_regular_file(status)) throw Failure(1, fmt::format("{}: not a file", path));
     char first[64] = {};

@@ -28,7 +28,7 @@ void draw_not_streamed(const State& state, Commands& commands) {
     ImGui::Spacing();
     ImGui::TextWrapped("To stream it, give the profile fewer page slots than the pack has pages (stream.page_slots in "
                        "the Tune panel), at least one per tile. Pages are then read when the view wants them.");
-    const std::uint32_t tiles = state.scene.tiles_x * state.scene.tiles_y;
+    const std::uint32_t tiles = state.scene.tiles;
     const std::uint32_t slots = std::max(tiles, state.scene.pages / 2);
     if (slots >= state.scene.pages) return;
     char label[64];

@@ -34,8 +34,7 @@ double page_state_bytes(const State& state, double vertices) {
     const Scene& scene = state.scene;
     const std::uint32_t slots =
         scene.streamed ? std::min(scene.pages, state.document.profile().page_slots) : scene.pages;
-    return static_cast<double>(
-               cut_pages({.vertices = static_cast<std::uint32_t>(vertices)}, slots, scene.tiles_x * scene.tiles_y)) *
+    return static_cast<double>(cut_pages({.vertices = static_cast<std::uint32_t>(vertices)}, slots, scene.tiles)) *
            static_cast<double>(cut_page_bytes);
 }
 

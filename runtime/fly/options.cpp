@@ -39,7 +39,7 @@ struct Flags {
 };
 
 void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
-    app.add_option("PACK", o.pack, "the terrain, from fjell-bake")->required();
+    app.add_option("PACK", o.pack, "the terrain, from fjell-bake: a pack, or the folder of a pack set")->required();
     app.add_option("--profile", o.profile_path, "budgets and thresholds (profiles/*.toml); flags win over it");
     app.add_option("--path", o.path, "camera path (content/paths/*.json); default: an orbit");
     app.add_option("--frames", o.frames, "frames to resample the path to (default 840); a window closes after them")

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "fjell/io/failure.h"
+#include "io/file.h"
 
 namespace fjell::io {
 
@@ -152,7 +153,8 @@ private:
 
 bool leads_out(const std::string& file) {
     const std::filesystem::path path(file);
-    return file.empty() || path.is_absolute() || file.find('\0') != std::string::npos ||
+    const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20; }; // messages are one line
+    return file.empty() || path.is_absolute() || std::any_of(file.begin(), file.end(), is_control) ||
            std::find(path.begin(), path.end(), "..") != path.end();
 }
 
@@ -259,6 +261,20 @@ std::string set_file_text(const SetFile& set) {
                ", \"pack_hash\": \"" + hash + "\"}";
     }
     return out + "\n  ]\n}\n";
+}
+
+std::vector<std::string> files_of_pack(const std::string& path) {
+    const std::string index = set_file_of(path);
+    if (index.empty()) return {path};
+    std::vector<std::string> files{index};
+    try {
+        const std::filesystem::path folder = std::filesystem::path(index).parent_path();
+        for (const SetFilePack& pack : parse_set_file(read_text(index), index).packs)
+            files.push_back((folder / pack.file).string());
+    } catch (const Failure&) {
+        files.resize(1); // whoever opens it says why
+    }
+    return files;
 }
 
 std::string set_file_of(const std::string& path) {

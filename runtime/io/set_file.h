@@ -37,5 +37,9 @@ struct SetFile {
 // A folder with a set.json in it, or such a file itself: the file's name. Empty: the path is no set's.
 [[nodiscard]] std::string set_file_of(const std::string& path);
 
+// All files that are read of a pack, or of a set by either name: what no output may overwrite. Never throws: of a set
+// that cannot be read its name alone.
+[[nodiscard]] std::vector<std::string> files_of_pack(const std::string& path);
+
 } // namespace fjell::io
 FJELL_API_END

@@ -45,19 +45,21 @@ void repair(std::vector<std::byte>& bytes, bool directory_too) {
     PackHeader h;
     std::memcpy(&h, bytes.data(), sizeof h);
     std::memcpy(h.magic, pack_magic, sizeof pack_magic);
-    h.version = version_of(h);
+    h.version = h.tiles_held ? pack_version_sparse : version_of(h);
     h.header_bytes = sizeof h;
     h.layout_hash = pack_layout_hash;
     h.file_bytes = size;
     if (directory_too && check_ranges(h).ok()) {
-        const std::uint64_t count = chunk_count(h);
-        if (count <= (size - sizeof h) / sizeof(ChunkEntry)) {
-            h.directory_count = count;
-            h.directory_offset = size - count * sizeof(ChunkEntry);
+        PackHeader put = h;
+        put.directory_count = chunk_count(h);
+        if (put.directory_count <= (size - sizeof h) / sizeof(ChunkEntry) && directory_bytes(put) <= size - sizeof h) {
+            h.directory_count = put.directory_count;
+            h.directory_offset = size - directory_bytes(h);
         }
     }
     if (h.directory_offset >= sizeof h && h.directory_offset <= size) {
-        const std::size_t count = (size - h.directory_offset) / sizeof(ChunkEntry);
+        const std::size_t bytes_there = size - h.directory_offset;
+        const std::size_t count = std::min<std::uint64_t>(bytes_there / sizeof(ChunkEntry), h.directory_count);
         std::byte* const directory = bytes.data() + h.directory_offset;
         for (std::size_t i = 0; i < count; ++i) {
             ChunkEntry e;
@@ -66,7 +68,7 @@ void repair(std::vector<std::byte>& bytes, bool directory_too) {
                 e.hash = XXH3_64bits(bytes.data() + e.offset, e.stored_bytes);
             std::memcpy(directory + i * sizeof e, &e, sizeof e);
         }
-        h.directory_hash = XXH3_64bits(directory, count * sizeof(ChunkEntry));
+        h.directory_hash = XXH3_64bits(directory, std::min<std::uint64_t>(directory_bytes(h), bytes_there));
     }
     h.header_hash = XXH3_64bits(&h, offsetof(PackHeader, header_hash));
     std::memcpy(bytes.data(), &h, sizeof h);
@@ -130,9 +132,9 @@ void check_records(const Terrain& t, const Terrain& whole) {
 
 // Inside a tile, where no other one has a say, a vertex of the mesh is the terrain's.
 void check_vertex(const Terrain& t, std::uint32_t tile, const MeshVertex& v) {
-    const std::int32_t side = data_of(t).tree.side(), tiles_x = data_of(t).tree.tiles_x;
-    const auto n = static_cast<std::int32_t>(tile);
-    const std::int32_t x = v.column - n % tiles_x * side, y = v.row - n / tiles_x * side;
+    const std::int32_t side = data_of(t).tree.side();
+    const Coord place = t.tile_place(tile);
+    const std::int32_t x = v.column - place.x * side, y = v.row - place.y * side;
     must(x >= 0 && y >= 0 && x <= side && y <= side, "a vertex lies in its tile");
     must(std::isfinite(v.height_m), "a height is finite");
     const Coord at{v.column, v.row};
@@ -180,7 +182,7 @@ struct Refiner {
         if (script.frame & 1) budget.vertices = 4 * tiles + script.eye; // hardly enough
         if (script.frame & 64) budget.indices = 9 * tiles + 2u * script.eye;
         const std::size_t bytes = recursive_bytes(terrain, budget);
-        if (bytes > most_bytes) return;
+        if (bytes > most_bytes || bytes == 0) return; // 0: tiles are missing, or there are too many vertices
         memory = allocate(bytes);
         must(create_recursive(terrain, budget, {memory.get(), bytes}, method).ok(), "a method for what was loaded");
     }

@@ -21,8 +21,11 @@
 
 #include "baker/bake/checkpoint.h"
 #include "baker/materials/encode.h"
+#include "baker/pack/split.h"
 #include "flight/record.h"
 #include "input.h"
+#include "io/file.h"
+#include "io/set_file.h"
 #include "support/terrain_fixture.h"
 
 namespace {
@@ -84,6 +87,8 @@ Bytes uncompressed(const Pack& pack) {
     std::memcpy(out.data(), &h, sizeof h);
     return out;
 }
+
+void write_text(const std::filesystem::path& path, const std::string& text);
 
 constexpr std::size_t most_seed_bytes = 32'000; // a fuzzer changes one byte at a time
 
@@ -187,6 +192,19 @@ io::LoadedPack make_pack(Random& random, Order order, const SeedPack& seed) {
     return bake_and_load(std::move(dem), options);
 }
 
+// As a pack set is to readers of packs: tiles are missing in the middle and at the rim.
+io::LoadedPack make_sparse(Random& random) {
+    const TemporaryFolder folder;
+    (void)baker::bake(random_dem(random, 49, 33, Shape::fractal), small_bake(4), folder / "pack.fjell");
+    (void)baker::split_pack(folder / "pack.fjell", folder / "set", {3, 2});
+    const std::string path = folder / "set/set.json";
+    io::SetFile set = io::parse_set_file(io::read_text(path), path);
+    set.packs.erase(set.packs.begin() + 1);
+    set.packs.pop_back();
+    write_text(path, io::set_file_text(set));
+    return io::load_pack(folder / "set", io::LoadTerrain::no);
+}
+
 // Coarse pages mostly, so that finer ones find theirs: fuzz_record's terrain has 2 tiles of 6 pages.
 void script_pages(Random& random, flight::RecordedFrame& frame) {
     for (int n = 0; n < 12; ++n)
@@ -251,6 +269,17 @@ void copy_texts(const std::filesystem::path& to, const std::filesystem::path& fr
 }
 
 // Headers with two dimensions, an attribute and two variables, one of which has records.
+void make_sets(const std::filesystem::path& folder) {
+    std::filesystem::create_directories(folder);
+    write_text(folder / "full",
+               R"({"fjell_set": 1, "columns": 129, "rows": 65, "tile_cells": 32, "spacing_m": [1.5, 2e0],
+"made_by": {"a": [true, null, -1.5e-3, "x\u00e9\n"]}, "packs": [
+{"file": "a/0-0.fjell", "tile_x": 0, "tile_y": 0, "tiles_x": 2, "tiles_y": 2, "pack_hash": "00ff00ff00ff00ff"},
+{"tiles_y": 2, "file": "b\"\\.fjell", "tile_x": 2, "tile_y": 0, "tiles_x": 2, "pack_hash": ""}]})");
+    write_text(folder / "least", R"({"fjell_set":1,"columns":2,"rows":2,"tile_cells":2,"spacing_m":[1,1],"packs":[
+{"file":"p","tile_x":0,"tile_y":0,"tiles_x":1,"tiles_y":1}]})");
+}
+
 void make_netcdf(const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder);
     for (const int version : {1, 2, 5}) {
@@ -325,8 +354,10 @@ void make_seeds(const std::filesystem::path& folder) {
     make_netcdf(folder / "netcdf");
     make_checkpoint(folder / "checkpoint");
     make_materials(folder / "materials");
+    make_sets(folder / "set");
     SeedWriter seeds(folder);
     Random random(31);
+    seeds.packs("sparse", make_sparse(random));
     for (const auto& [order, order_name] :
          {std::pair{Order::planar, "planar"}, {Order::hierarchical_z, "hz"}, {Order::linear, "linear"}})
         for (const SeedPack& seed : seed_packs) {

@@ -4,8 +4,8 @@
 // directories together, so that they are one pack, of one file that no disk has: everything else in Fjell knows of no
 // set. That file is, one after the other: a header of 512 bytes, the packs' files from first to last, and a tail
 // (corners, directory, tiles). Whoever reads for the set looks up in which file an offset lies; io::PackFile does.
-// Tiles that no pack has are void: nothing is drawn there, queries find no ground, and each costs 8 bytes. With such
-// tiles the terrain is sparse: its tiles' numbers (tiles_of()) leave the missing ones out, and Terrain::tile_at() and
+// Tiles that no pack has are missing: nothing is drawn there, queries find no ground, and each costs 8 bytes. Such a
+// terrain is sparse: its tiles' numbers (tiles_of()) leave the missing ones out, and Terrain::tile_at() and
 // tile_place() lead from places to numbers and back.
 // Packs of a set share all that their codes count on: tile size, order, spacing, the scales of heights, errors and
 // radii, sizes of maps, CRS. All of it is compared. What they cannot tell is whether they were baked of one field.
