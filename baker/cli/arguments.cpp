@@ -1,5 +1,8 @@
 #include "baker/cli/arguments.h"
 
+#include <algorithm>
+#include <charconv>
+
 #include <fmt/format.h>
 
 #include "baker/shard/shard_plan.h"
@@ -138,6 +141,27 @@ void declare_materials(CLI::App& app, Arguments& a, Commands& c) {
     c.materials->add_option("--threads", a.threads, "0: all cores")->check(io::whole_within(0, 1024));
 }
 
+void declare_split(CLI::App& app, Arguments& a, Commands& c) {
+    c.split = app.add_subcommand("split", "take a pack apart into a pack set, a folder that is opened like one pack");
+    c.split->add_option("PACK", a.pack)->required();
+    c.split->add_option("-o,--output", a.set_folder, "the folder to write")->required();
+    c.split
+        ->add_option_function<std::string>(
+            "--packs",
+            [&a](const std::string& text) {
+                const auto number = [](std::string_view digits, std::uint32_t& to) {
+                    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), to);
+                    return error == std::errc{} && end == digits.data() + digits.size() && to >= 1;
+                };
+                const std::string_view all = text;
+                const std::size_t x = std::min(all.find('x'), all.size());
+                if (x == all.size() || !number(all.substr(0, x), a.packs_x) || !number(all.substr(x + 1), a.packs_y))
+                    throw CLI::ValidationError("--packs", "must be two numbers such as 2x3");
+            },
+            "how many across and down (default 2x2); those without any ground are left out")
+        ->type_name("AxB");
+}
+
 } // namespace
 
 Commands declare_arguments(CLI::App& app, Arguments& a) {
@@ -168,6 +192,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     c.heights = app.add_subcommand("heights", "write a pack's heights as a GeoTIFF, holes as no-data");
     c.heights->add_option("PACK", a.pack)->required();
     c.heights->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
+    declare_split(app, a, c);
     c.synth = app.add_subcommand("synth", "make a height field from a recipe");
     c.synth->add_option("RECIPE", a.terrain_path)->required();
     c.synth->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();

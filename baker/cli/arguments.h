@@ -34,6 +34,9 @@ struct Arguments {
     Recipe against; // verify: its inputs and read options
     std::string against_recipe_path, verify_json_path;
 
+    std::string set_folder; // split
+    std::uint32_t packs_x = 2, packs_y = 2;
+
     std::string terrain_path, dem_path; // synth, heights
 
     std::string recipes_path, materials_path, textures_folder; // materials
@@ -44,6 +47,7 @@ struct Commands {
     CLI::App* info;
     CLI::App* verify;
     CLI::App* heights;
+    CLI::App* split;
     CLI::App* synth;
     CLI::App* materials;
     CLI::App* plan;

@@ -1,5 +1,5 @@
-// fjell-bake: IN -o OUT.fjell, info, verify, heights, synth, materials. Exit codes: 0 done, 1 the input is at fault, 2
-// usage, 3 the machine is.
+// fjell-bake: IN -o OUT.fjell, info, verify, heights, split, synth, materials. Exit codes: 0 done, 1 the input is at
+// fault, 2 usage, 3 the machine is.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -25,6 +25,7 @@
 #include "baker/cli/shards.h"
 #include "baker/cli/summary.h"
 #include "baker/materials/encode.h"
+#include "baker/pack/split.h"
 #include "baker/place/crs_label.h"
 #include "baker/place/open_source.h"
 #include "baker/read/pack_source.h"
@@ -110,6 +111,8 @@ json info_json(const PackFile& file) {
            {"colour_texels", h.colour_log2 ? 1u << h.colour_log2 : 0},
            {"normal_texels", h.normal_log2 ? 1u << h.normal_log2 : 0},
            {"horizon_texels", h.horizon_log2 ? 1u << h.horizon_log2 : 0},
+           {"packs", file.packs()},
+           {"tiles_held", tiles_of(h)},
            {"chunks", h.directory_count},
            {"file_bytes", h.file_bytes},
            {"pack_hash", fmt::format("{:016x}", h.directory_hash)},
@@ -244,6 +247,16 @@ int run_heights(const Arguments& a) {
     return 0;
 }
 
+int run_split(const Arguments& a) {
+    refuse_overwriting({a.set_folder + "/"}, {a.pack});
+    ProgressBar bar(a.quiet);
+    const SplitSummary s = split_pack(a.pack, a.set_folder, {a.packs_x, a.packs_y},
+                                      [&](std::uint64_t done, std::uint64_t total) { bar("split", done, total); });
+    fmt::print("{}: {} packs, {:.1f} MB{}\n", a.set_folder, s.packs, static_cast<double>(s.file_bytes) / 1e6,
+               s.left_out ? fmt::format("; {} without any ground are left out", s.left_out) : "");
+    return 0;
+}
+
 int run_synth(const Arguments& a) {
     refuse_overwriting(places_written(a.dem_path), {a.terrain_path});
     require_tif(a.dem_path);
@@ -264,14 +277,16 @@ int run(int argc, char** argv) {
     const Commands commands = declare_arguments(app, a);
     if (!io::parse_command_line(app, argc, argv, "fjell-bake")) return 0;
     const bool other = commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() ||
-                       commands.synth->parsed() || commands.materials->parsed();
+                       commands.split->parsed() || commands.synth->parsed() || commands.materials->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))
-        throw Failure(2, "info, verify, heights, synth and materials bake nothing; leave out the height field and "
-                         "-o, or the command");
+        throw Failure(2,
+                      "info, verify, heights, split, synth and materials bake nothing; leave out the height field and "
+                      "-o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);
     if (commands.verify->parsed()) return run_verify(a);
     if (commands.heights->parsed()) return run_heights(a);
+    if (commands.split->parsed()) return run_split(a);
     if (commands.synth->parsed()) return run_synth(a);
     if (commands.materials->parsed()) return run_materials(a);
     if (commands.plan->parsed()) return run_plan(a);
