@@ -1,8 +1,9 @@
 // Shimmering: what a picture does from frame to frame of a slow flight that many more samples a pixel would not do.
 //
-// Of each pixel the second difference over three frames, in linear light: a place that moves on evenly has next to none,
-// one that flickers has much. Its energy in pictures of one sample a pixel, over that in pictures of 16, is 1 where
-// nothing aliases beyond what the frame's grid does by itself. Prints the figures that docs/notes/renderer.md has.
+// Of each pixel the second difference over three frames, in linear light: a place that moves on evenly has next to
+// none, one that flickers has much. Its energy in pictures of one sample a pixel, over that in pictures of 16, is 1
+// where nothing aliases beyond what the frame's grid does by itself. Prints the figures that docs/notes/renderer.md
+// has.
 #include <cstdio>
 #include <span>
 #include <vector>
@@ -49,8 +50,8 @@ struct Flight {
             view.eye_m = view.eye_m + view.forward * (0.9 * i);
             std::vector<float> now = frame(view, options, finer);
             for (std::size_t k = 0; i >= 2 && k < now.size(); ++k, ++count) {
-                const double second = static_cast<double>(now[k]) - 2 * static_cast<double>(last[k]) +
-                                      static_cast<double>(before[k]);
+                const double second =
+                    static_cast<double>(now[k]) - 2 * static_cast<double>(last[k]) + static_cast<double>(before[k]);
                 sum += second * second;
                 const double code = 255 * (1.055 * std::pow(static_cast<double>(now[k]), 1 / 2.4) - 0.055);
                 const double step = linear(code + 0.5) - linear(code - 0.5);
@@ -95,7 +96,8 @@ TEST_CASE("a slow flight shimmers hardly more than pictures of 16 samples a pixe
     const std::vector<gl::LayerRule> rules{{}};
     REQUIRE(flight.scene.renderer->set_layers(io::open_materials(file, "stones"), rules).empty());
     const gl::DrawOptions layered{.layers = {.on = true}};
-    const double stones_drawn = flight.flicker(layered, 1, frames), stones_wanted = flight.flicker(layered, across, frames);
+    const double stones_drawn = flight.flicker(layered, 1, frames),
+                 stones_wanted = flight.flicker(layered, across, frames);
     std::printf("shimmer with a layer of stones too: %.3g, of 16 samples a pixel %.3g: %.2f times\n", stones_drawn,
                 stones_wanted, stones_drawn / stones_wanted);
     CHECK(stones_drawn < 2 * stones_wanted);
