@@ -194,13 +194,12 @@ void fill_slice(Sky& sky, int slice, float sun_y) {
         const float v = static_cast<float>(row) / (sky_rows - 1), y = std::max(v * v, 1e-4f);
         const float level = std::sqrt(std::max(1 - y * y, 0.0f));
         const float mu = true_sine(r, y), true_level = std::sqrt(std::max(1 - mu * mu, 0.0f)), d = to_top(r, mu);
-        const int steps = mu < 0 ? 28 : 16; // the densest air is not where the ray begins
         const float low = std::max(v - 0.5f / (sky_rows - 1), 0.0f), high = std::min(v + 0.5f / (sky_rows - 1), 1.0f);
         for (int column = 0; column < sky_columns; ++column) {
             const auto at = static_cast<float>(column);
             const float turned = std::cos(column_angle(at)), towards = turned * level;
             const float true_cos_sun = mu * sun_y + turned * true_level * sun_level;
-            const Rgb here = radiance_of(march(sky, r, mu, true_cos_sun, sun_y, d, steps, true),
+            const Rgb here = radiance_of(march(sky, r, mu, true_cos_sun, sun_y, d, 24, true),
                                          y * sun_y + towards * sun_level); // around the sun that is drawn
             *out++ = here.r, *out++ = here.g, *out++ = here.b;
             // Both sides of the sun's azimuth.

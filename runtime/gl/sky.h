@@ -5,7 +5,7 @@
 // the CPU and only when the sun or the air changes; the sky view ends at the planet's horizon, which is drawn level
 // because the ground is flat; it has four altitudes instead of following the eye; aerial perspective is a closed form
 // in the shader, fed by SkyLight::source. Radiance is that of a sun of irradiance 1 above the air, seen by film for
-// daylight. Internal to runtime/gl. Memory: 120 KB. Complexity: make_sky() some 20 ms.
+// daylight. Internal to runtime/gl. Memory: 120 KB. Complexity: make_sky() some 25 ms.
 #pragma once
 
 #include <array>
