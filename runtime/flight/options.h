@@ -49,6 +49,7 @@ struct FlightOptions {
     std::string csv, json;
     std::string record, replay; // of the incremental method (flight/record.h)
     std::vector<Export> exports;
+    double export_texel_m = 0;     // width of a texel of the file's textures; 0: as fine as the maps are
     bool export_converged = false; // the mesh that the view would settle on, not the frame's
     std::string render_folder;
     std::size_t render_every = 1;

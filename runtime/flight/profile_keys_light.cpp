@@ -169,7 +169,7 @@ constexpr ProfileKey keys[] = {
      .name = "detail",
      .label = "Detail",
      .kind = KeyKind::flag,
-     .about = "Fine noise on ground so near that a texel of its map covers many pixels: true or false. Five texture "
+     .about = "Fine noise on ground so near that a texel of its map covers many pixels: true or false. 6 to 12 texture "
               "reads a pixel.",
      .get = At<&Profile::light, &Light::detail>::get,
      .set = At<&Profile::light, &Light::detail>::set},

@@ -24,7 +24,8 @@ using Clock = std::chrono::steady_clock;
 
 void write_export(const std::string& path, const FlightOptions& options, const Session& session) {
     const gltf::Snapshot snapshot = options.export_converged ? take_converged(session) : take_frame(session);
-    const gltf::SnapshotResult result = flight::write_snapshot(session, snapshot, path);
+    const gltf::SnapshotResult result =
+        flight::write_snapshot(session, snapshot, path, {.texel_m = options.export_texel_m});
     if (!result.ok()) throw Failure(result.exit_code, result.message);
 }
 

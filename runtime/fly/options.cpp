@@ -141,6 +141,9 @@ void declare_outputs(CLI::App& app, FlightOptions& o, Flags& f) {
         ->allow_extra_args(false);
     app.add_flag("--export-converged", o.export_converged,
                  "--export the mesh that the frame's view would settle on, had it time and items");
+    app.add_option("--export-texel", o.export_texel_m,
+                   "width of a texel of --export's textures in metres; 0 (default): as fine as the maps are")
+        ->check(io::within(0, 1e6));
     app.add_option("--render", o.render_folder,
                    "write frame_NNNNN.png into this folder; it is made where there is none");
     app.add_option("--render-every", o.render_every, "only every N-th frame")->check(io::whole_within(1, most_frames));
@@ -302,6 +305,7 @@ void check_together(const FlightOptions& o) {
     if (o.still && (o.seeded || !o.path.empty()))
         throw Failure(2, "--eye is a camera of its own: leave out --seed and --path");
     if (o.export_converged && o.exports.empty()) throw Failure(2, "--export-converged needs --export FRAME:OUT.glb");
+    if (o.export_texel_m > 0 && o.exports.empty()) throw Failure(2, "--export-texel needs --export FRAME:OUT.glb");
     if (!o.headless && !o.render_folder.empty()) throw Failure(2, "--render needs --headless");
     if (!o.headless && !o.exports.empty()) throw Failure(2, "--export needs --headless");
     if (!o.headless && o.wait) throw Failure(2, "--wait needs --headless: a window never waits");

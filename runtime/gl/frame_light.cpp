@@ -51,7 +51,7 @@ void Renderer::State::set_noise(const View& view, FrameBlock& block, double shru
     // The coarsest noise begins where the map's texels end.
     const double coarse_m = nearest_power(16 * texel_m, spacing_x_m);
     const double waves_m = nearest_power(48 / shrunk, spacing_x_m);
-    put(block.noise_scale, 1 / coarse_m, 1 / waves_m, 0, 0);
+    put(block.noise_scale, 1 / coarse_m, 1 / waves_m, texel_m, 0);
     const double repeats_m = std::max({coarse_m, 4 * waves_m, spacing_x_m});
     const auto place = [&](double metres, double spacing, std::int32_t cell) {
         const double corner = cell * spacing;

@@ -242,8 +242,38 @@ vec3 from_codes(vec2 codes) {
     return vec3(slope.x, sqrt(max(1.0 - dot(slope, slope), 0.0)), slope.y);
 }
 
+#if defined(DETAIL) && defined(NORMAL_MAPS)
+// A map between its texels. Straight from texel to texel, as hardware filters, the cells of a slope show as facets with
+// creases between them; a cubic B-spline has none, and takes four reads, each between two texels (C. Sigg and
+// M. Hadwiger, GPU Gems 2, chapter 20). It comes where a texel covers pixels, and turns straight again over the last
+// texel before a border, where both tiles then read the same. mip: the finest that is there; between two, straight.
+vec2 smooth_codes(sampler2DArray map, int layer, vec2 uv, vec2 dx, vec2 dy, vec2 own_dx, vec2 own_dy, float mip) {
+    float whole = round(mip), texels = maps.y * exp2(-whole);
+    float covers = inversesqrt(max(max(dot(own_dx, own_dx), dot(own_dy, own_dy)), 1e-20)) / texels;
+    float curved = smoothstep(1.0, 3.0, covers) * clamp(1.0 - 2.0 * abs(mip - whole), 0.0, 1.0);
+    vec2 at = clamp(uv * texels - 0.5, 0.0, texels - 1.0), first = floor(at), f = at - first, f2 = f * f, f3 = f2 * f;
+    vec2 here = clamp(min(at, texels - 1.0 - at), 0.0, 1.0) * curved;
+    vec2 before = here * (1.0 - 3.0 * f + 3.0 * f2 - f3) / 6.0, after = here * f3 / 6.0;
+    vec2 low = mix(1.0 - f, (5.0 - 3.0 * f - 3.0 * f2 + 2.0 * f3) / 6.0, here), high = 1.0 - low;
+    vec4 place = vec4(first - before / max(low, 1e-6), first + 1.0 + after / max(high, 1e-6)) + 0.5;
+    place /= texels;
+    vec2 codes = vec2(0.0);
+    int read = 0, reads = curved > 0.0 ? 4 : 1;
+    do {
+        vec4 by = reads == 1 ? vec4(uv, 1.0, 1.0)
+                             : vec4((read & 1) == 0 ? vec2(place.x, low.x) : vec2(place.z, high.x),
+                                    (read & 2) == 0 ? vec2(place.y, low.y) : vec2(place.w, high.y)).xzyw;
+        codes += by.z * by.w * textureGrad(map, vec3(by.xy, layer), dx, dy).rg;
+    } while (++read < reads);
+    return codes;
+}
+#endif
+
 vec3 world_normal() {
-#if defined(ALL_THERE) && defined(NORMAL_MAPS)
+#if defined(ALL_THERE) && defined(NORMAL_MAPS) && defined(DETAIL)
+    vec2 uv = surface.sample_at * grid2.x + grid2.y, dx = dFdx(uv), dy = dFdy(uv);
+    return from_codes(smooth_codes(normal_map[0], surface.block, uv, dx, dy, dx, dy, 0.0));
+#elif defined(ALL_THERE) && defined(NORMAL_MAPS)
     return from_codes(texture(normal_map[0], vec3(surface.sample_at * grid2.x + grid2.y, surface.block)).rg);
 #else
     vec3 n = normalize(cross(dFdx(surface.position), dFdy(surface.position)));
@@ -252,7 +282,12 @@ vec3 world_normal() {
     Place at = place_in_map(1, grid2.xy, maps.y);
     ivec2 map = tile_block[surface.block].map.zw;
     if (map.y >= 0) { // the same for a whole draw, as indexing needs
+#ifdef DETAIL
+        n = from_codes(smooth_codes(normal_map[map.y], map.x, at.uv, at.dx, at.dy, dFdx(at.uv), dFdy(at.uv),
+                                    finest_mip(1)));
+#else
         n = from_codes(textureGrad(normal_map[map.y], vec3(at.uv, map.x), at.dx, at.dy).rg);
+#endif
     }
 #endif
     return n;

@@ -43,7 +43,7 @@ struct FrameBlock {
     float film[4];      // exposure; 1: filmic; 1: dithered; time [s]
     float water[4], water_tint[4]; // level, 1 where it is seen; extinction in water [1/m]
     float backdrop[4];             // ground around the terrain: rgb; height
-    float noise_scale[4];          // tiles of noise a metre: the coarsest on ground, waves
+    float noise_scale[4];          // tiles of noise a metre: the coarsest on ground, waves; a texel [m]
     float noise_at[4];             // of the eye, from where the noise repeats [m]
     float to_rim[4];               // from the eye to the terrain's rim: west, east, north, south [m]
     float layers_at[4];            // of the eye, from where materials repeat [m]; 1: one mip a read

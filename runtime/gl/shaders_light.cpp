@@ -122,21 +122,44 @@ layout(binding = 17) uniform sampler2D noise_map;
 // 17 times finer and turned by 28 degrees, so that no two scales line up; whole numbers keep what repeats repeating.
 const mat2 finer = mat2(15.0, 8.0, -8.0, 15.0);
 
-// Roughens what a map's texels, as large as a cell, leave smooth: steep ground more than level ground, from three sides
-// where it is steep. Mips fade the noise out with the distance, so nothing pops and far ground is as it was baked.
+// Roughens what a map's texels, as large as a cell, leave smooth: steep ground more than level ground, snow less than
+// rock, from three sides where it is steep. Mips fade the finer scales out with the distance. The coarsest, as wide as
+// texels, would never end, and show as blotches: it fades where a texel is a few pixels. So nothing pops, and far ground is as it was baked.
 void add_detail(inout vec3 base, inout vec3 normal) {
     vec3 at = (surface.position + noise_at.xyz) * noise_scale.x; // from the corner of the eye's cell
+    vec3 dx = dFdx(surface.position), dy = dFdy(surface.position);
+    float coarse = smoothstep(2.0, 9.0, noise_scale.z * inversesqrt(sqrt(max(dot(dx, dx) * dot(dy, dy), 1e-20))));
+    dx *= noise_scale.x;
+    dy *= noise_scale.x;
     vec3 side = normal * normal;
     side *= side;
+    side.xz *= smoothstep(0.9, 0.75, normal.y); // sides count from 26 degrees on
+    side = max(side / (side.x + side.y + side.z) - 0.05, 0.0);
     side /= side.x + side.y + side.z;
     float rough = smoothstep(0.03, 0.35, 1.0 - normal.y);
-    vec2 top = finer * at.xz, east = finer * at.zy, south = finer * at.xy;
-    vec4 coarse = texture(noise_map, at.xz);
-    vec4 middle = mat3x4(texture(noise_map, east), texture(noise_map, top), texture(noise_map, south)) * side;
-    vec4 fine = texture(noise_map, finer * (side.y > 0.5 ? top : side.x > side.z ? east : south));
-    vec4 all = (coarse - 0.5) + (middle - 0.5) + 0.8 * (fine - 0.5);
-    base *= clamp(1.0 + mix(1.2 * all.z, 1.6 * all.w, rough), 0.3, 1.9);
-    normal = normalize(normal - mix(0.7, 1.6, rough) * vec3(all.x, 0.0, all.y));
+    rough *= 1.0 - 0.6 * smoothstep(0.35, 0.75, luminance(base));
+    vec2 shade = vec2(0.0); // soft, ridged
+    vec3 bump = vec3(0.0);
+    vec3 left = side;
+    // A loop that ends with its condition: a software driver goes through every branch.
+    do {
+        // On cliffs noise is stretched downwards, as gullies are.
+        bool above = left.y > 0.0, east = left.x > 0.0;
+        mat2x3 plane = above ? mat2x3(1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+                     : east  ? mat2x3(0.0, 0.0, 1.0, 0.0, 0.4, 0.0)
+                             : mat2x3(1.0, 0.0, 0.0, 0.0, 0.4, 0.0);
+        float share = above ? left.y : east ? left.x : left.z;
+        vec2 place = at * plane, along = dx * plane, across = dy * plane;
+        vec4 all = coarse * (textureGrad(noise_map, place, along, across) - 0.5);
+        place = finer * place, along = finer * along, across = finer * across;
+        all += textureGrad(noise_map, place, along, across) - 0.5;
+        all += 0.8 * (textureGrad(noise_map, finer * place, finer * along, finer * across) - 0.5);
+        shade += share * all.zw;
+        bump += plane * (share * all.xy);
+        left = above ? vec3(left.x, 0.0, left.z) : east ? vec3(0.0, 0.0, left.z) : vec3(0.0);
+    } while (left.x + left.y + left.z > 0.0);
+    base *= clamp(1.0 + mix(0.6 * shade.x, 1.1 * shade.y, rough), 0.3, 1.9);
+    normal = normalize(normal - mix(0.5, 2.0, rough) * (bump - normal * dot(bump, normal)));
 }
 #endif
 
@@ -209,7 +232,11 @@ vec3 shaded(vec3 base, vec3 normal) {
     add_detail(base, normal);
 #endif
 #ifdef LAYERS
-    add_layers(base, normal, map, map_normal, metres);
+    // Nearby a strong colour of the map only leans on a material's own: soil under an orange image is not orange.
+    float grey = max(luminance(map), 1e-4);
+    vec3 leaning = sqrt(max(map, 0.0) / grey);
+    leaning *= grey / max(luminance(leaning), 1e-4);
+    add_layers(base, normal, mix(leaning, map, smoothstep(0.05, 0.6, metres / layers.x)), map_normal, metres);
 #endif
     float rise = surface.position.y;
     float sunlit = 0.31831 * max(dot(normal, sun.xyz), 0.0), sky_seen = 1.0;

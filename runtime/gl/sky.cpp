@@ -94,7 +94,7 @@ Rgb multiple(const Sky& sky, float altitude_m, float sun_mu) {
 struct Gathered {
     Rgb rayleigh, mie, multiple, left{1, 1, 1};
 };
-Gathered march(const Sky& sky, float r, float mu, float cos_sun, float sun_mu, float d, int steps, bool with_multiple) {
+Gathered march(const Sky& sky, float r, float mu, float cos_sun, float sun_mu, float d, int steps, bool to_eye) {
     Gathered sum;
     for (int k = 0; k < steps; ++k) {
         const float a = static_cast<float>(k) / static_cast<float>(steps);
@@ -102,7 +102,10 @@ Gathered march(const Sky& sky, float r, float mu, float cos_sun, float sun_mu, f
         const float t = d * 0.25f * (a + b) * (a + b), along = d * (b * b - a * a);
         const float here = std::max(std::sqrt(r * r + t * t + 2 * r * mu * t), ground_m);
         const float sun_here = (r * sun_mu + t * cos_sun) / here;
-        const Medium air = medium_at(sky, here - ground_m);
+        Medium air = medium_at(sky, here - ground_m);
+        // Ozone colours the sun's way through the air. Before the eye it would colour level rays from tens of km up,
+        // which the picture shows far above its horizon: purple.
+        if (to_eye) air.extinction = air.rayleigh + sky.mie * (air.mie / std::max(sky.mie.g * mie_albedo, 1e-12f));
         const Rgb through = exp_of(air.extinction * -along);
         const Rgb share{(1 - through.r) / air.extinction.r, (1 - through.g) / air.extinction.g,
                         (1 - through.b) / air.extinction.b};
@@ -110,7 +113,7 @@ Gathered march(const Sky& sky, float r, float mu, float cos_sun, float sun_mu, f
         const Rgb sunlight = sun_colour * transmittance(sky, here, sun_here) * above_horizon(here, sun_here);
         sum.rayleigh = sum.rayleigh + arriving * air.rayleigh * sunlight;
         sum.mie = sum.mie + arriving * sunlight * air.mie;
-        if (with_multiple)
+        if (to_eye)
             sum.multiple = sum.multiple + arriving * (air.rayleigh + Rgb{air.mie, air.mie, air.mie}) *
                                               multiple(sky, here - ground_m, sun_here);
         sum.left = sum.left * through;
@@ -169,6 +172,14 @@ float column_angle(float column) {
     return 2 * std::asin(std::clamp(column / (sky_columns - 1), 0.0f, 1.0f));
 }
 
+// The picture's ground is flat, so its horizon is level; the planet's lies lower, the more the higher the eye is. The
+// picture's sky is the one above the planet's horizon, pulled down to the level: from far up a level ray meets hardly
+// more than ozone, and a horizon of its colour was purple. Sine of the elevation there by that in the picture.
+float true_sine(float r, float y) {
+    const float dip = std::sqrt(std::max(1 - ground_m * ground_m / (r * r), 0.0f));
+    return y * (1 + dip) - dip;
+}
+
 // One altitude of the sky view, and the sums over it.
 void fill_slice(Sky& sky, int slice, float sun_y) {
     SkyLight& light = sky.light[static_cast<std::size_t>(slice)];
@@ -181,13 +192,15 @@ void fill_slice(Sky& sky, int slice, float sun_y) {
     Rgb falling;
     for (int row = 0; row < sky_rows; ++row) {
         const float v = static_cast<float>(row) / (sky_rows - 1), y = std::max(v * v, 1e-4f);
-        const float level = std::sqrt(std::max(1 - y * y, 0.0f)), d = to_top(r, y);
+        const float level = std::sqrt(std::max(1 - y * y, 0.0f));
+        const float mu = true_sine(r, y), true_level = std::sqrt(std::max(1 - mu * mu, 0.0f)), d = to_top(r, mu);
         const float low = std::max(v - 0.5f / (sky_rows - 1), 0.0f), high = std::min(v + 0.5f / (sky_rows - 1), 1.0f);
         for (int column = 0; column < sky_columns; ++column) {
             const auto at = static_cast<float>(column);
-            const float towards = std::cos(column_angle(at)) * level;
-            const float cos_sun = y * sun_y + towards * sun_level;
-            const Rgb here = radiance_of(march(sky, r, y, cos_sun, sun_y, d, 16, true), cos_sun);
+            const float turned = std::cos(column_angle(at)), towards = turned * level;
+            const float true_cos_sun = mu * sun_y + turned * true_level * sun_level;
+            const Rgb here = radiance_of(march(sky, r, mu, true_cos_sun, sun_y, d, 24, true),
+                                         y * sun_y + towards * sun_level); // around the sun that is drawn
             *out++ = here.r, *out++ = here.g, *out++ = here.b;
             // Both sides of the sun's azimuth.
             const float angle = 2 * (high * high - low * low) * (column_angle(at + 0.5f) - column_angle(at - 0.5f));
@@ -207,11 +220,12 @@ void fill_slice(Sky& sky, int slice, float sun_y) {
 
 void fill_source(const Sky& sky, int slice, float sun_y, SkyLight& light) {
     const float share = static_cast<float>(slice) / (sky_slices - 1);
-    const float r = ground_m + std::max(static_cast<float>(sky_top_m) * share * share, 1.0f), y = 0.005f;
+    const float r = ground_m + std::max(static_cast<float>(sky_top_m) * share * share, 1.0f);
+    const float y = true_sine(r, 0.005f);
     const float sun_level = std::sqrt(std::max(1 - sun_y * sun_y, 0.0f));
     Gathered ray[3]; // towards the sun's azimuth, across, away
     for (int i = 0; i < 3; ++i)
-        ray[i] = march(sky, r, y, y * sun_y + static_cast<float>(1 - i) * sun_level, sun_y, to_top(r, y), 20, true);
+        ray[i] = march(sky, r, y, y * sun_y + static_cast<float>(1 - i) * sun_level, sun_y, to_top(r, y), 28, true);
     const auto mean = [&](Rgb Gathered::*of) { return (ray[0].*of + ray[1].*of * 2 + ray[2].*of) * 0.25f; };
     const auto lean = [&](Rgb Gathered::*of) { // never more than the mean: nothing gets negative
         const Rgb m = mean(of), d = (ray[0].*of - ray[2].*of) * 0.5f;

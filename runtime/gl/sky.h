@@ -2,11 +2,10 @@
 //
 // S. Hillaire, A Scalable and Production Ready Sky and Atmosphere Rendering Technique (2020): the atmosphere of its
 // table 1, a table of transmittance (after E. Bruneton), one of multiple scattering, and a sky view. Departures: all on
-// the CPU and only when the sun or the air changes; the sky view ends at the horizon, because the ground is flat and
-// drawn; it has three altitudes instead of following the eye; aerial perspective is a closed form in the shader, fed by
-// SkyLight::source. Radiance is that of a sun of irradiance 1 above the air,
-// seen by film for daylight.
-// Internal to runtime/gl. Memory: 90 KB. Complexity: make_sky() some 20 ms.
+// the CPU and only when the sun or the air changes; the sky view ends at the planet's horizon, which is drawn level
+// because the ground is flat; it has four altitudes instead of following the eye; aerial perspective is a closed form
+// in the shader, fed by SkyLight::source. Radiance is that of a sun of irradiance 1 above the air, seen by film for
+// daylight. Internal to runtime/gl. Memory: 120 KB. Complexity: make_sky() some 25 ms.
 #pragma once
 
 #include <array>
@@ -28,9 +27,10 @@ struct Rgb {
 }
 
 // Columns by the sine of half the angle from the sun's azimuth, rows by the root of the elevation's sine, slices by the
-// root of the altitude; the first of each at 0, the last at 1 (180 degrees, the zenith, sky_top_m).
-inline constexpr int sky_columns = 40, sky_rows = 56, sky_slices = 3;
-inline constexpr double sky_top_m = 16000;
+// root of the altitude; the first of each at 0, the last at 1 (180 degrees, the zenith, sky_top_m). Altitudes 0, 4, 16
+// and 36 km.
+inline constexpr int sky_columns = 40, sky_rows = 56, sky_slices = 4;
+inline constexpr double sky_top_m = 36000;
 
 // At one altitude.
 struct SkyLight {

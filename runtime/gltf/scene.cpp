@@ -153,12 +153,14 @@ int SceneBuilder::add_material(const std::string& name, TileTextures textures) {
     material.pbrMetallicRoughness.baseColorTexture.index = textures.colour;
     if (textures.colour < 0) material.pbrMetallicRoughness.baseColorFactor = {0.5, 0.5, 0.5, 1};
     material.normalTexture.index = textures.normal;
+    material.occlusionTexture.index = textures.occlusion;
     model_.materials.push_back(std::move(material));
     return last(model_.materials);
 }
 
 int SceneBuilder::add_mesh(const std::string& name, const TileGeometry& geometry, TileTextures textures) {
-    const bool textured = textures.colour >= 0 || textures.normal >= 0, tangents = textures.normal >= 0;
+    const bool textured = textures.colour >= 0 || textures.normal >= 0 || textures.occlusion >= 0;
+    const bool tangents = textures.normal >= 0;
     const std::size_t count = geometry.vertices.size();
     const std::size_t stride = tangents   ? sizeof(SnapshotVertex)
                                : textured ? offsetof(SnapshotVertex, tangent)

@@ -18,7 +18,7 @@
 namespace fjell::gltf {
 
 struct TileTextures {
-    int colour = -1, normal = -1; // -1: none
+    int colour = -1, normal = -1, occlusion = -1; // -1: none
 };
 
 class SceneBuilder {

@@ -58,12 +58,39 @@ struct MapMip {
     std::uint32_t level = 0, side_px = 0;
 };
 
-MapMip choose_mip(std::uint32_t map_log2, std::uint32_t max_texture_px) {
+// tile_m: a tile's longer side. A mip's outer texel centres lie on the tile's border.
+MapMip choose_mip(std::uint32_t map_log2, const SnapshotOptions& options, double tile_m) {
     const std::uint32_t mips = mip_count(map_log2);
     if (mips == 0) return {};
+    const auto side = [&](std::uint32_t level) { return 1u << (map_log2 - level); };
     std::uint32_t level = 0;
-    while (level + 1 < mips && (1u << (map_log2 - level)) > max_texture_px) ++level;
-    return {level, 1u << (map_log2 - level)};
+    while (level + 1 < mips &&
+           (side(level) > options.max_texture_px || tile_m / (side(level + 1) - 1) <= options.texel_m))
+        ++level;
+    return {level, side(level)};
+}
+
+// The sky's share of a horizon map, resampled bilinearly so that texel centres of both sizes begin and end on the
+// border.
+std::vector<std::uint8_t> sky_texture(std::span<const std::uint8_t> planes, std::uint32_t side,
+                                      std::uint32_t texture_px) {
+    const auto share = [&](std::uint32_t x, std::uint32_t y) {
+        return static_cast<double>(planes[(std::size_t{y} * side + x) * horizon_planes + horizon_directions]);
+    };
+    std::vector<std::uint8_t> rgb;
+    rgb.reserve(std::size_t{texture_px} * texture_px * 3);
+    const double step = static_cast<double>(side - 1) / (texture_px - 1);
+    for (std::uint32_t j = 0; j < texture_px; ++j)
+        for (std::uint32_t i = 0; i < texture_px; ++i) {
+            const double x = i * step, y = j * step;
+            const auto x0 = std::min(static_cast<std::uint32_t>(x), side - 2);
+            const auto y0 = std::min(static_cast<std::uint32_t>(y), side - 2);
+            const double u = x - x0, v = y - y0;
+            const double value = (share(x0, y0) * (1 - u) + share(x0 + 1, y0) * u) * (1 - v) +
+                                 (share(x0, y0 + 1) * (1 - u) + share(x0 + 1, y0 + 1) * u) * v;
+            rgb.insert(rgb.end(), 3, static_cast<std::uint8_t>(std::lround(value)));
+        }
+    return rgb;
 }
 
 Json crs_of(const Chunks& pack) {
@@ -100,14 +127,18 @@ Json extras(const Chunks& pack, const SnapshotInfo& info, const SnapshotResult& 
 // The textures of one tile after the other, in buffers that are kept.
 class Textures {
 public:
-    Textures(const Chunks& pack, std::uint32_t max_texture_px)
-        : pack_(pack), colour_(choose_mip(pack.header.colour_log2, max_texture_px)),
-          normal_(choose_mip(pack.header.normal_log2, max_texture_px)) {}
+    Textures(const Chunks& pack, const SnapshotOptions& options)
+        : pack_(pack), colour_(mip_of(pack, pack.header.colour_log2, options)),
+          normal_(mip_of(pack, pack.header.normal_log2, options)),
+          horizon_(mip_of(pack, pack.header.horizon_log2, options)) {}
 
     [[nodiscard]] std::uint32_t colour_px() const { return colour_.side_px; }
     [[nodiscard]] std::uint32_t normal_px() const { return normal_.side_px; }
     // The texture coordinates are one set, so the textures are of one size.
-    [[nodiscard]] std::uint32_t side_px() const { return colour_.side_px ? colour_.side_px : normal_.side_px; }
+    [[nodiscard]] std::uint32_t side_px() const {
+        return colour_.side_px ? colour_.side_px : normal_.side_px ? normal_.side_px : horizon_.side_px;
+    }
+    [[nodiscard]] std::uint32_t occlusion_px() const { return horizon_.side_px ? side_px() : 0; }
 
     // -1: there is none.
     int add_colour(std::uint32_t tile, const std::string& name, SceneBuilder& scene) {
@@ -125,19 +156,34 @@ public:
         const std::vector<std::uint8_t> rgb = normal_texture(geometry, side_px(), texels_, normal_.side_px);
         return scene.add_texture(name + " normal", side_px(), std::as_bytes(std::span(rgb)));
     }
+    int add_occlusion(std::uint32_t tile, const std::string& name, SceneBuilder& scene) {
+        if (!horizon_.side_px) return -1;
+        pack_.read({ChunkKind::horizon, tile, horizon_.level}, blocks_);
+        texels_.resize(std::size_t{horizon_.side_px} * horizon_.side_px * horizon_planes);
+        (void)decode_horizon(blocks_, horizon_.side_px, texels_);
+        const std::vector<std::uint8_t> rgb = sky_texture(texels_, horizon_.side_px, side_px());
+        return scene.add_texture(name + " occlusion", side_px(), std::as_bytes(std::span(rgb)));
+    }
 
 private:
+    static MapMip mip_of(const Chunks& pack, std::uint32_t map_log2, const SnapshotOptions& options) {
+        const PackHeader& h = pack.header;
+        return choose_mip(map_log2, options,
+                          std::ldexp(std::max(h.spacing_m[0], h.spacing_m[1]), static_cast<int>(h.tile_log2)));
+    }
+
     const Chunks& pack_;
-    MapMip colour_, normal_;
+    MapMip colour_, normal_, horizon_;
     std::vector<std::byte> blocks_;
     std::vector<std::uint8_t> texels_;
 };
 
 void add_tiles(const Chunks& pack, const Snapshot::Content& content, const SnapshotOptions& options,
                SceneBuilder& scene, SnapshotResult& result) {
-    Textures textures(pack, options.max_texture_px);
+    Textures textures(pack, options);
     result.texture_px = textures.colour_px();
     result.normal_px = textures.normal_px() ? textures.side_px() : 0;
+    result.occlusion_px = textures.occlusion_px();
     std::uint64_t done = 0;
     for (const TileGeometry& taken : content.tiles) {
         if (options.progress && !options.progress(done++, content.tiles.size()))
@@ -146,9 +192,11 @@ void add_tiles(const Chunks& pack, const Snapshot::Content& content, const Snaps
         set_texture_size(geometry, 1u << pack.header.tile_log2, textures.side_px());
         const std::uint32_t place = pack.pack.tile_place(taken.tile);
         const std::string name = fmt::format("tile {} {}", place % pack.header.tiles_x, place / pack.header.tiles_x);
-        const int colour = textures.add_colour(taken.tile, name, scene);
-        scene.add_tile(name, geometry, tile_corner_m(pack.pack, taken.tile),
-                       {colour, textures.add_normal(geometry, name, scene)});
+        TileTextures added;
+        added.colour = textures.add_colour(taken.tile, name, scene);
+        added.normal = textures.add_normal(geometry, name, scene);
+        added.occlusion = textures.add_occlusion(taken.tile, name, scene);
+        scene.add_tile(name, geometry, tile_corner_m(pack.pack, taken.tile), added);
         ++result.tiles;
         result.vertices += geometry.vertices.size();
         result.triangles += geometry.indices.size() / 3;
@@ -205,6 +253,7 @@ SnapshotResult write_with(const Chunks& pack, const Snapshot& snapshot, const st
                               "the pack is not the one that the snapshot was taken of; open that one, or take it anew");
         std::optional<io::AtomicFile> file; // says what is wrong with the place before seconds of work, not after
         if (options.write) file.emplace(path);
+        if (!(options.texel_m >= 0)) throw io::Failure(2, "texel_m must be 0 (the finest) or a number of metres");
         const std::uint64_t max_file_bytes = std::min(options.max_file_bytes, most_file_bytes);
         SnapshotResult result;
         result.converged = content->info.converged;

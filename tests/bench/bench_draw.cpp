@@ -2,9 +2,12 @@
 //
 // Names: draw/threshold at 720 rows/picture; the counter triangles_drawn says how many that is. light/feature, at 12 px
 // and 1280 x 720: what a feature of light costs a pixel, to be read against light/bare of the same run; near: 100 m
-// over the ground, where detail shows. layers/off and layers/on: 40 m over the ground, without and with the materials
-// and rules of content. sky/tables: what a sun that moves costs the CPU. On a machine without a GPU this
-// is Mesa's software renderer, and its cost in pixels, not ours.
+// over the ground, where detail shows. light/all-N-samples: all of them but materials. layers/off and layers/on: 40 m
+// over the ground, without and with the materials and rules of content; layers/all: with shadows and water too. Ratios
+// want
+// --benchmark_enable_random_interleaving=true and repetitions: neighbours then hit all alike. sky/tables: what a sun
+// that moves costs the CPU. On a machine without a GPU this is Mesa's software renderer, and its cost in pixels, not
+// ours.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -43,12 +46,14 @@ void require(const std::string& error) {
 
 const io::LoadedPack& scene() {
     static const io::LoadedPack pack = [] {
-        const std::string path = std::string(FJELL_BENCH_DIR) + "/draw-" + std::to_string(pack_layout_hash) + ".fjell";
+        const std::string path =
+            std::string(FJELL_BENCH_DIR) + "/draw-horizons-" + std::to_string(pack_layout_hash) + ".fjell";
         std::filesystem::create_directories(FJELL_BENCH_DIR);
         if (!std::filesystem::exists(path)) {
             baker::BakeOptions options;
             options.tile_log2 = 9;
             options.max_texture_log2 = 9;
+            options.horizon_spacing = 2;
             (void)baker::bake(*baker::open_synth(FJELL_SOURCE_DIR "/content/terrain/mountains.json"), options, path);
         }
         return io::load_pack(path, io::LoadTerrain::yes);
@@ -135,13 +140,14 @@ void add(const std::string& name, const Picture& picture) {
         ->Unit(benchmark::kMillisecond);
 }
 
-gl::DrawOptions lit(gl::Air air, bool detail, bool dither, bool filmic, bool water) {
+gl::DrawOptions lit(gl::Air air, bool detail, bool dither, bool filmic, bool water, bool shadows = false) {
     gl::DrawOptions options;
     options.light.air = air;
     options.light.detail = detail;
     options.light.dither = dither;
     options.light.tone_curve = filmic ? gl::ToneCurve::filmic : gl::ToneCurve::none;
     options.light.water = water;
+    options.light.shadows = shadows;
     options.light.water_level_m = 900;
     return options;
 }
@@ -169,19 +175,25 @@ const int registered = [] {
         {"simple-linear", lit(simple, false, false, false, false)},
         {"simple", lit(simple, false, false, true, false)},
         {"simple-dither", lit(simple, false, true, true, false)},
+        {"simple-shadows", lit(simple, false, true, true, false, true)},
         {"physical", lit(physical, false, true, true, false)},
+        {"physical-water", lit(physical, false, true, true, true)},
+        {"physical-shadows", lit(physical, false, true, true, false, true)},
         {"physical-detail", lit(physical, true, true, true, false)},
-        {"physical-detail-water", lit(physical, true, true, true, true)},
+        {"physical-detail-shadows", lit(physical, true, true, true, false, true)},
+        {"all", lit(physical, true, true, true, true, true)},
     };
     for (const auto& [name, options] : features) {
         add(std::string("light/") + name, {.options = options});
         add(std::string("light-near/") + name, {.above_m = 2400, .options = options});
     }
-    add("light/physical-detail-4-samples", {.samples = 4, .options = features[5].second});
-    gl::DrawOptions layered = features[5].second;
+    gl::DrawOptions all = lit(physical, true, true, true, true, true), layered = lit(physical, true, true, true, false);
+    for (const std::uint32_t samples : {2u, 4u})
+        add("light/all-" + std::to_string(samples) + "-samples", {.samples = samples, .options = all});
     add("layers/off", {.above_m = 1640, .options = layered});
-    layered.layers.on = true;
+    layered.layers.on = all.layers.on = true;
     add("layers/on", {.above_m = 1640, .options = layered});
+    add("layers/all", {.above_m = 1640, .options = all});
     benchmark::RegisterBenchmark("sky/tables", sky_tables)->Unit(benchmark::kMillisecond);
     return 0;
 }();

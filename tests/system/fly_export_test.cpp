@@ -109,6 +109,7 @@ TEST_CASE("an export is the mesh of its frame, and says what was asked, what it 
     REQUIRE(settled.code == 0);
     CHECK(extras_of("f.glb")["converged"] == true);
     refuses_export("small.fjell --headless --frames 3 --export-converged", 2, "needs --export");
+    refuses_export("small.fjell --headless --frames 3 --export-texel 30", 2, "needs --export");
     for (const char* name : {"few.toml", "f.glb"}) fs::remove(export_place().folder.path / name);
 }
 

@@ -2,6 +2,8 @@
 // (gltf/*.mjs).
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <span>
@@ -163,6 +165,58 @@ TEST_CASE("the largest mip that fits is embedded", "[gltf]") {
     CHECK(require_export(baked, view, 4, folder / "out.glb", {.max_texture_px = full - 1}).texture_px == full / 2);
     CHECK(require_export(baked, view, 4, folder / "out.glb", {.max_texture_px = 0}).texture_px == 4);
     require_sound(folder / "out.glb", "");
+}
+
+TEST_CASE("textures have the coarsest mip whose texels are no wider than asked", "[gltf]") {
+    const Folder folder;
+    const BakedTerrain baked(folder, hills(129, 65, 30, 30), options_with(6, 6));
+    const std::uint32_t full = 1u << baked.pack.header.colour_log2;
+    const View view = view_of(baked.terrain);
+    const double tile_m = 64 * 30.0;
+    for (std::uint32_t side = full; side >= 8; side /= 2) {
+        const double texel_m = tile_m / (side - 1); // outer texel centres lie on the border
+        CHECK(require_export(baked, view, 4, folder / "out.glb", {.texel_m = texel_m * 1.001}).texture_px == side);
+        if (side < full)
+            CHECK(require_export(baked, view, 4, folder / "out.glb", {.texel_m = texel_m * 0.999}).texture_px ==
+                  2 * side);
+    }
+    const gltf::SnapshotOptions wrong{.texel_m = -1};
+    CHECK(gltf::export_snapshot(baked.pack, baked.terrain, view, 4, folder / "out.glb", wrong).exit_code == 2);
+}
+
+TEST_CASE("the occlusion in the file is the sky that ground hides: dark in a pit, none on a plain", "[gltf]") {
+    const Folder folder;
+    baker::Dem dem = hills(65, 65, 30, 30);
+    for (int y = 0, i = 0; y < 65; ++y)
+        for (int x = 0; x < 65; ++x, ++i) // a cone 480 m wide and deep
+            dem.heights_m[static_cast<std::size_t>(i)] =
+                static_cast<float>(1000 - std::max(480 - 60 * std::hypot(x - 24, y - 40), 0.0));
+    baker::BakeOptions options = options_with(6, 6);
+    options.horizon_spacing = 2;
+    const BakedTerrain baked(folder, dem, options);
+    const auto result = require_export(baked, view_of(baked.terrain), 4, folder / "out.glb");
+    CHECK(result.occlusion_px == 1u << baked.pack.header.colour_log2);
+    require_valid(folder / "out.glb");
+    require_sound(folder / "out.glb", baked.heights_argument);
+    tinygltf::Model model;
+    std::string errors, warnings;
+    REQUIRE(tinygltf::TinyGLTF().LoadBinaryFromFile(&model, &errors, &warnings, folder / "out.glb"));
+    const int texture = model.materials.at(0).occlusionTexture.index;
+    REQUIRE(texture >= 0);
+    const tinygltf::Image& image =
+        model.images[static_cast<std::size_t>(model.textures[static_cast<std::size_t>(texture)].source)];
+    const auto at = [&](double column, double row) { // sample of the height field -> red
+        const auto texel = [&](double sample) { return std::lround(sample / 64 * (image.width - 1)); };
+        return static_cast<int>(
+            image.image[static_cast<std::size_t>((texel(row) * image.width + texel(column)) * image.component)]);
+    };
+    // Walls of 63 degrees leave a cone of 27 degrees around the zenith: sin(27 degrees)^2, a fifth of the sky's light,
+    // and more where a texel is wider than the bottom.
+    CHECK(at(24, 40) < 130);
+    CHECK(at(24, 38) < 200); // half-way up nothing stands before the open side
+    CHECK(at(60, 4) > 250);
+    CHECK(at(4, 4) > 250);
+    CHECK(at(40, 24) > 250); // and not mirrored
 }
 
 TEST_CASE("the checker notices every way to spoil a snapshot", "[gltf]") {

@@ -128,6 +128,28 @@ TEST_CASE("the sky gives no more light than comes, reddens a low sun by the air'
     }
 }
 
+TEST_CASE("from tens of km up the sky is blue and never purple: pale at the horizon, and almost black overhead") {
+    Sky sky;
+    make_sky(at_elevation(40), 160, sky);
+    const auto at = [&](int slice, int row, int column) {
+        const std::size_t first =
+            (static_cast<std::size_t>(slice) * sky_rows + static_cast<std::size_t>(row)) * sky_columns;
+        const float* const rgb = &sky.radiance[(first + static_cast<std::size_t>(column)) * 3];
+        return Rgb{rgb[0], rgb[1], rgb[2]};
+    };
+    for (int slice = 0; slice < sky_slices; ++slice)
+        for (int row = 0; row < sky_rows; ++row)
+            for (int column = sky_columns / 3; column < sky_columns; ++column) { // beside the sun and away from it
+                const Rgb here = at(slice, row, column);
+                CAPTURE(slice, row, column, here.r, here.g, here.b);
+                REQUIRE(here.g > here.r); // purple is red and blue
+                REQUIRE(here.b > here.g);
+            }
+    const int top = sky_slices - 1, away = sky_columns - 1;
+    CHECK(luminance(at(top, 1, away)) > 0.8f * luminance(at(1, 1, away)));
+    CHECK(luminance(at(top, sky_rows - 1, away)) < 0.1f * luminance(at(0, sky_rows - 1, away)));
+}
+
 TEST_CASE("noise repeats without a seam and fades to its mean") {
     const std::vector<std::uint8_t> texels = make_noise();
     std::size_t texel_count = 0;

@@ -132,7 +132,7 @@ function decodeTexture({json, bin}, tile, problems) {
     const material = json.materials[tile.primitive.material], normal = material.normalTexture,
           colour = material.pbrMetallicRoughness.baseColorTexture;
     problems.require(material.name === tile.name, 'texture', `${tile.name}: its material is called ${material.name}`);
-    problems.require(Boolean(colour || normal) === Boolean(tile.uvs), 'texture',
+    problems.require(Boolean(colour || normal || material.occlusionTexture) === Boolean(tile.uvs), 'texture',
         `${tile.name}: coordinates and texture do not go together`);
     problems.require(Boolean(normal) === Boolean(tile.tangents), 'texture',
         `${tile.name}: tangents and normal texture do not go together`);
@@ -140,6 +140,14 @@ function decodeTexture({json, bin}, tile, problems) {
         tile.normal_map = decodePng(viewBytes({json, bin}, json.images[json.textures[normal.index].source].bufferView));
         problems.require(normal.scale === undefined && normal.texCoord === undefined, 'texture',
             `${tile.name}: its normal texture is scaled or of another set of coordinates`);
+    }
+    const occlusion = material.occlusionTexture;
+    if (occlusion) {
+        const sky = decodePng(viewBytes({json, bin}, json.images[json.textures[occlusion.index].source].bufferView));
+        let grey = true;
+        for (let i = 0; i < sky.rgb.length; i += 3) grey &&= sky.rgb[i] === sky.rgb[i + 1] && sky.rgb[i] === sky.rgb[i + 2];
+        problems.require(grey && sky.size[0] === sky.size[1] && occlusion.texCoord === undefined && Boolean(tile.uvs),
+            'texture', `${tile.name}: its occlusion is coloured, not square or of another set of coordinates`);
     }
     if (!colour || !tile.uvs) return null;
     const texture = json.textures[colour.index], sampler = json.samplers[texture.sampler],

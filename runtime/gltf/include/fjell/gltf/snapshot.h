@@ -7,8 +7,9 @@
 // One node, mesh and material a tile, named "tile COLUMN ROW"; positions are metres relative to the tile's corner, the
 // node's translation (doubles in JSON) puts it in place. Axes as everywhere: x east, y up, z south. Normals come from
 // the full-resolution heights as far as they are loaded. The colour map is embedded as PNG; so is a normal texture that
-// turns the interpolated normals into the baked ones, so shading does not change with the level of detail. The camera
-// is a glTF camera.
+// turns the interpolated normals into the baked ones, so shading does not change with the level of detail. Of a pack
+// with horizon maps the share of the sky that each place sees is the material's occlusion texture. All textures of a
+// file are of one size. The camera is a glTF camera.
 //
 // scenes[0].extras.fjell, for checkers: error_px (as it was asked for), error_px_effective (no sample under the file's
 // mesh is farther from it on screen, the quantum's share apart; 1e7: no bound is known), corner_safe (it holds in
@@ -63,7 +64,8 @@ struct SnapshotInfo {
 
 // What to write, and how large it may get.
 struct SnapshotOptions {
-    std::uint32_t max_texture_px = 1024;        // texels a side of an embedded texture; costs up to 3 bytes each
+    std::uint32_t max_texture_px = 1024; // texels a side of an embedded texture; costs up to 3 bytes each
+    double texel_m = 0; // 0: as fine as the maps are; else the coarsest mip whose texels are no wider, in metres
     std::uint64_t max_file_bytes = 0xffff'ffff; // glTF counts a file's bytes in 32 bits; less is allowed, more is not
     bool write =
         true; // false: all but the file, which tells its counts and its size to the byte; the path may be empty
@@ -79,8 +81,9 @@ struct [[nodiscard]] SnapshotResult {
     std::uint64_t vertices = 0, triangles = 0; // as in extras
     bool converged = false;
     double error_px_effective = 0;
-    std::uint32_t texture_px = 0; // texels a side; 0: the pack has no colour
-    std::uint32_t normal_px = 0;  // the same of the normal texture
+    std::uint32_t texture_px = 0;   // texels a side; 0: the pack has no colour
+    std::uint32_t normal_px = 0;    // the same of the normal texture
+    std::uint32_t occlusion_px = 0; // and of the occlusion: of packs with horizon maps
     std::uint64_t file_bytes = 0;
     [[nodiscard]] bool ok() const { return exit_code == 0; }
 };
