@@ -52,10 +52,11 @@ private:
     void paint_overview();
     void finish_opening();  // of a pack that a thread has read
     void finish_requests(); // screenshots and dumps of the frame that was just drawn
-    bool run_script();      // false: it is over
-    bool settled() const;   // all that was requested is done and drawn
-    void open_input();      // the command line's: a pack, or heights that are baked before the script begins
-    void show_baking();     // on stderr, once a second
+    void read_script();
+    bool run_script();    // false: it is over
+    bool settled() const; // all that was requested is done and drawn
+    void open_input();    // the command line's: a pack, or heights that are baked before the script begins
+    void show_baking();   // on stderr, once a second
     void make_surface_and_graphics();
     void replace_surface();
     void place_view();

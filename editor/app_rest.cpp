@@ -22,6 +22,7 @@ constexpr double look_s = 0.1, look_soon_s = 0.002; // for signals and jobs, whi
 bool only_panels(const Command& command) {
     return std::holds_alternative<MoveCamera>(command) || std::holds_alternative<ShowPanel>(command) ||
            std::holds_alternative<ShowDialog>(command) || std::holds_alternative<ArrangeColumn>(command) ||
+           std::holds_alternative<FloatPanel>(command) || std::holds_alternative<PlacePanel>(command) ||
            std::holds_alternative<PointProbe>(command) || std::holds_alternative<MarkPlace>(command) ||
            std::holds_alternative<ClearMarks>(command) || std::holds_alternative<SetSwitch>(command) ||
            std::holds_alternative<ChooseFrame>(command) || std::holds_alternative<HoldMeasures>(command) ||

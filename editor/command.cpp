@@ -147,6 +147,19 @@ Command arrange_column(Words& w) {
     return c;
 }
 
+Command place_panel(Words& w) {
+    PlacePanel c;
+    c.panel = w.one_of<Panel>(panel_names, "panel");
+    const auto pixels = [&](const char* what, double least) {
+        return Words::number_in(w.text(what), what, least, static_cast<double>(most_floating_px));
+    };
+    c.x_px = pixels("x in pixels", -static_cast<double>(most_floating_px));
+    c.y_px = pixels("y in pixels", 0);
+    c.width_px = pixels("the width in pixels", static_cast<double>(least_floating_px));
+    c.height_px = pixels("the height in pixels", static_cast<double>(least_floating_px));
+    return c;
+}
+
 Command bake(Words& w) {
     BakePack b;
     b.inputs.push_back(w.text("a file of heights"));
@@ -326,6 +339,13 @@ std::vector<Verb> picture_verbs() {
          }},
         {"column", "left|right width|split|folded VALUE",
          "width in pixels of a scale of 1, the upper section's share, or on|off", arrange_column},
+        {"float", "PANEL on|off", "a panel over the picture, or back in its column",
+         [](Words& w) {
+             const auto panel = w.one_of<Panel>(panel_names, "panel");
+             return FloatPanel{panel, w.on(), {}};
+         }},
+        {"place-panel", "PANEL X Y WIDTH HEIGHT",
+         "where a panel that floats lies, in pixels of a scale of 1 from the window's corner", place_panel},
         {"scale", "S", "scale of the interface, 0.5 to 4",
          [](Words& w) { return SetScale{Words::number_in(w.text("a scale"), "a scale", 0.5, 4)}; }},
         {"frame-report", "AGO|off", "shows what a measured frame cost, 0 the newest",

@@ -5,6 +5,7 @@
 // scripts can do what a user can. Thread: the frame's. Memory: those of a steady frame allocate nothing.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -156,6 +157,15 @@ struct ArrangeColumn { // its width in unscaled pixels, its upper section's shar
     ColumnPart part = ColumnPart::width;
     double value = 0;
 };
+struct FloatPanel { // over the picture, or back in its column
+    Panel panel = Panel::tune;
+    bool on = false;
+    std::optional<std::array<double, 2>> at_px; // where; as in PlacePanel
+};
+struct PlacePanel { // one that floats, in unscaled pixels from the window's corner
+    Panel panel = Panel::tune;
+    double x_px = 0, y_px = 0, width_px = 0, height_px = 0;
+};
 struct SetScale {
     double scale = 1; // of the user interface
 };
@@ -229,9 +239,9 @@ using Command =
                  JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath,
                  SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath,
                  SetPathSeconds, LoopPath, PointProbe, MarkPlace, ClearMarks, SetPictureMode, SetOverlay, ShowPanel,
-                 ShowDialog, SetSwitch, ArrangeColumn, SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage,
-                 BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot,
-                 ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled>;
+                 ShowDialog, SetSwitch, ArrangeColumn, FloatPanel, PlacePanel, SetScale, ChooseFrame, HoldMeasures,
+                 ZoomGraphs, DismissMessage, BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport,
+                 CancelJob, TakeScreenshot, ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once. push() takes any Command's
 // alternative; it is compiled in commands.cpp alone, or else every panel would compile the variant's moves again.

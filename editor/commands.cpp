@@ -65,6 +65,8 @@ template void Commands::push(ShowPanel);
 template void Commands::push(ShowDialog);
 template void Commands::push(SetSwitch);
 template void Commands::push(ArrangeColumn);
+template void Commands::push(FloatPanel);
+template void Commands::push(PlacePanel);
 template void Commands::push(SetScale);
 template void Commands::push(ChooseFrame);
 template void Commands::push(HoldMeasures);

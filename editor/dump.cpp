@@ -90,6 +90,14 @@ json route_json(const Route& r) {
             {"selected", r.selected() ? json(*r.selected()) : json()}};
 }
 
+json floating_json(const Arrangement& a) {
+    json all = json::object();
+    for (int p = 0; p < panels; ++p)
+        if (const FloatingPanel& f = a.floating[static_cast<std::size_t>(p)]; f.on)
+            all[panel_names[p]] = {f.x_px, f.y_px, f.width_px, f.height_px};
+    return all;
+}
+
 json interface_json(const State& state) {
     const Interface& i = state.interface;
     json overlay;
@@ -99,6 +107,7 @@ json interface_json(const State& state) {
             {"right", panel_names[static_cast<int>(i.arrangement.shown(right_groups))]},
             {"newest", panel_names[static_cast<int>(i.arrangement.latest.front())]},
             {"panels", i.arrangement.panels},
+            {"floating", floating_json(i.arrangement)},
             {"picture_only", i.picture_only},
             {"panel_keys", i.panel_keys},
             {"half_resolution", i.half_resolution},

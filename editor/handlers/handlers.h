@@ -81,6 +81,8 @@ void handle(const ShowPanel& c, HandlerContext context);
 void handle(const ShowDialog& c, HandlerContext context);
 void handle(const SetSwitch& c, HandlerContext context);
 void handle(const ArrangeColumn& c, HandlerContext context);
+void handle(const FloatPanel& c, HandlerContext context);
+void handle(const PlacePanel& c, HandlerContext context);
 void handle(const SetScale& c, HandlerContext context);
 void handle(const ChooseFrame& c, HandlerContext context);
 void handle(const HoldMeasures& c, HandlerContext context);

@@ -58,6 +58,7 @@ TEST_CASE("settings are read as they were written, and damaged ones are the defa
     settings.look.arrangement.width_px[0] = 411;
     settings.look.arrangement.split[1] = 0.25F;
     settings.look.arrangement.panels = false;
+    settings.look.arrangement.floating[3] = {true, -12, 40.5F, 300, 200};
     write_settings(folder / "config", settings);
     CHECK(read() == settings);
     CHECK(problem.empty());
