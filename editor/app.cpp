@@ -102,6 +102,7 @@ App::~App() {
     target_.reset();
     half_target_.reset();
     overview_.drop_graphics(state_.overview);
+    preview_.drop_graphics(state_.bake);
     engine_.drop_graphics();
     engine_.close();
     surface_.reset();
@@ -129,6 +130,7 @@ void App::replace_surface() {
     target_.reset();
     half_target_.reset();
     overview_.drop_graphics(state_.overview);
+    preview_.drop_graphics(state_.bake);
     engine_.drop_graphics();
     const InputCounts counted = surface_->input;
     surface_.reset();
@@ -143,6 +145,7 @@ void App::replace_surface() {
     }
     surface_->input = counted;
     engine_.make_graphics();
+    preview_.set(state_.bake);
     post_message(state_, Severity::warning, "the graphics driver was reset; all GPU resources were recreated");
 }
 
@@ -254,6 +257,10 @@ double App::handle_commands() {
         note(command);
     }
     commands_.clear();
+    if (look_.follow(state_.bake)) {
+        preview_.set(state_.bake);
+        stir();
+    }
     if (jobs_.poll(state_.job)) {
         handle_job_result(context);
         picture_old_ = true;

@@ -177,7 +177,8 @@ Command bake(Words& w) {
                {"texture", [&](const std::string& v) { b.texture = v; }},
                {"ramp", [&](const std::string& v) { b.ramp = v; }},
                {"spacing", [&](const std::string& v) { b.spacing_m = Words::number_of(v, "spacing"); }},
-               {"zscale", [&](const std::string& v) { b.height_scale = Words::number_of(v, "zscale"); }}});
+               {"zscale", [&](const std::string& v) { b.height_scale = Words::number_of(v, "zscale"); }},
+               {"zoffset", [&](const std::string& v) { b.height_offset_m = Words::number_of(v, "zoffset"); }}});
     return b;
 }
 
@@ -262,9 +263,23 @@ std::vector<Verb> terrain_verbs() {
              return RecoverChanges{w.one_of<int>(ways, "way") == 1};
          }},
         {"bake",
-         "HEIGHTS... PACK [tile=N|auto] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S] [order=planar|hz|linear] "
+         "HEIGHTS... PACK [tile=N|auto] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S] [zoffset=M] "
+         "[order=planar|hz|linear] "
          "[nodata=hole|fill|refuse] [void=V,...|none] [crs=C] [memory_mb=N]",
          "bakes a pack and opens it; several files make a mosaic, a .json file is a recipe", bake},
+        {"bake-file", "FILE [heights|another|output|texture|ramp]",
+         "puts a file into the dialog that bakes, and opens that; without a field, by the kind of the file",
+         [](Words& w) {
+             GiveBakeFile c{w.text("a file"), BakeField::none, false};
+             constexpr const char* places[] = {"", "heights", "output", "texture", "ramp", "another"};
+             if (!w.more()) return c;
+             const int place = w.one_of<int>(places, "place");
+             c.another = place == 5;
+             c.field = c.another ? BakeField::heights : static_cast<BakeField>(place);
+             return c;
+         }},
+        {"open-baked", "on|off", "flies the pack that was baked beside the terrain that is flown, or does not",
+         with_switch<OpenBaked>()},
     };
 }
 

@@ -39,6 +39,25 @@ json profile_json(const flight::Profile& profile) {
     return values;
 }
 
+json bake_json(const BakeDraft& d) {
+    const HeightFacts& f = d.facts;
+    return {{"inputs", d.pack.inputs},
+            {"output", d.pack.output},
+            {"texture", d.pack.texture},
+            {"spacing_m", d.pack.spacing_m},
+            {"looking", d.looking},
+            {"looks", d.looks},
+            {"known", f.known},
+            {"columns", f.columns},
+            {"rows", f.rows},
+            {"height_m", {f.least_m, f.most_m}},
+            {"problem", f.problem},
+            {"field", bake_field_names[static_cast<int>(f.at)]},
+            {"proposed", f.proposed},
+            {"pictured", d.texture != 0},
+            {"ready", d.ready}};
+}
+
 json files_json(const State& state) {
     const Files& f = state.files;
     json differences = json::array(), entries = json::array();
@@ -54,7 +73,7 @@ json files_json(const State& state) {
             {"waiting", f.waiting.has_value()},
             {"recovery_file", f.recovery.file()},
             {"found", f.recovery.found().has_value()},
-            {"bake_input", state.bake_input}};
+            {"bake", bake_json(state.bake)}};
 }
 
 json camera_json(const Eye& eye) {

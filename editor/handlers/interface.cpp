@@ -21,7 +21,7 @@ void prepare_dialog(Dialog dialog, State& state) {
     if (folder.empty()) folder = files.settings.folder.empty() ? "." : files.settings.folder;
     const std::string& own = dialog == Dialog::save_path ? state.route.path() : state.document.path();
     if (dialog != Dialog::open_file && !own.empty()) folder = std::filesystem::absolute(own).parent_path().string();
-    files.browser.filter(dialog, false);
+    files.browser.filter(filter_of(dialog), false);
     files.browser.look(folder);
 }
 
@@ -94,6 +94,12 @@ void handle(const PlacePanel& c, HandlerContext context) {
 void handle(const ShowDialog& c, HandlerContext context) {
     State& state = context.state;
     prepare_dialog(c.dialog, state);
+    // A pack that is ready asks once nothing else does.
+    if (c.dialog == Dialog::none && !state.bake.ready.empty() && state.interface.dialog != Dialog::baked) {
+        state.interface.dialog = Dialog::baked;
+        return;
+    }
+    if (state.interface.dialog == Dialog::baked) state.bake.ready.clear();
     const bool leaves_nothing = c.dialog == Dialog::none && !state.scene.open();
     state.interface.dialog = leaves_nothing && state.interface.dialog != Dialog::start ? Dialog::start : c.dialog;
 }

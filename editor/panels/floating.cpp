@@ -133,17 +133,17 @@ void draw_floating(const State& state, const ui::Layout& layout, Commands& comma
 void draw_detaching(Panel panel, const ui::Rect& column, const State& state, Commands& commands) {
     const ImGuiIO& io = ImGui::GetIO();
     const bool twice = ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
-    const bool dragged = ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Left) &&
-                         !is_inside(io.MousePos, column);
+    const bool dragged =
+        ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Left) && !is_inside(io.MousePos, column);
     if (!twice && !dragged) return;
     const auto s = static_cast<float>(state.interface.scale);
     const float em = ImGui::GetFontSize();
     // Under the pointer that drags it; otherwise beside its column.
     const bool right = column.x > io.DisplaySize.x / 2;
     const float width = state.interface.arrangement.floating[static_cast<std::size_t>(panel)].width_px * s;
-    const ImVec2 at = dragged ? ImVec2{io.MousePos.x - 4 * em, io.MousePos.y - 0.7F * em}
-                              : ImVec2{right ? column.x - width - 2 * em : column.x + column.width + 2 * em,
-                                       column.y + em};
+    const ImVec2 at = dragged
+                          ? ImVec2{io.MousePos.x - 4 * em, io.MousePos.y - 0.7F * em}
+                          : ImVec2{right ? column.x - width - 2 * em : column.x + column.width + 2 * em, column.y + em};
     commands.push(FloatPanel{panel, true, std::array{static_cast<double>(at.x / s), static_cast<double>(at.y / s)}});
 }
 

@@ -67,6 +67,7 @@ void draw_compare(const State& state, Commands& commands);
 void draw_unsaved(const State& state, Commands& commands);
 void draw_recover(const State& state, Commands& commands);
 void draw_bake(const State& state, Commands& commands);
+void draw_baked(const State& state, Commands& commands);
 void draw_snapshot(const State& state, Commands& commands);
 void draw_screenshot(const State& state, Commands& commands);
 void draw_keys(const State& state, Commands& commands);
