@@ -5,18 +5,14 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <iostream>
 #include <optional>
-#include <sstream>
 #include <thread>
 #include <utility>
 
 #include <epoxy/gl.h>
-#include <fmt/format.h>
 #include <imgui.h>
 
 #include "editor/dump.h"
-#include "editor/files/file_kind.h"
 #include "editor/files/persistence.h"
 #include "editor/handlers/handlers.h"
 #include "editor/jobs/factories.h"
@@ -54,28 +50,6 @@ const char* dump_file() {
     return file;
 }
 
-std::vector<ScriptLine> read_script(const Options& options) {
-    std::vector<ScriptLine> script;
-    const auto add = [&](const std::string& line, const std::string& where) {
-        try {
-            if (auto command = parse_command(line)) script.push_back({std::move(command), {}});
-        } catch (const Failure& failure) {
-            script.push_back({{}, where + ": " + failure.what()});
-        }
-    };
-    for (const std::string& line : options.commands) add(line, "--do");
-    if (options.script.empty()) return script;
-    std::string text;
-    if (options.script == "-")
-        text.assign(std::istreambuf_iterator<char>(std::cin), {});
-    else
-        text = io::read_text(options.script);
-    std::istringstream lines(text);
-    int number = 0;
-    for (std::string line; std::getline(lines, line);) add(line, options.script + ":" + std::to_string(++number));
-    return script;
-}
-
 void write_text(const std::string& path, const std::string& text) {
     io::AtomicFile file(path);
     file.write(std::as_bytes(std::span(text)));
@@ -93,7 +67,7 @@ bool App::dump_asked_for() {
 }
 
 App::App(Options options) : options_(std::move(options)) {
-    script_ = read_script(options_);
+    read_script();
     if (!options_.materials.empty())
         engine_.set_layers(std::make_shared<const flight::GroundLayers>(
             flight::read_ground_layers(options_.materials, options_.layers)));
@@ -128,6 +102,7 @@ App::~App() {
     target_.reset();
     half_target_.reset();
     overview_.drop_graphics(state_.overview);
+    preview_.drop_graphics(state_.bake);
     engine_.drop_graphics();
     engine_.close();
     surface_.reset();
@@ -155,6 +130,7 @@ void App::replace_surface() {
     target_.reset();
     half_target_.reset();
     overview_.drop_graphics(state_.overview);
+    preview_.drop_graphics(state_.bake);
     engine_.drop_graphics();
     const InputCounts counted = surface_->input;
     surface_.reset();
@@ -169,6 +145,7 @@ void App::replace_surface() {
     }
     surface_->input = counted;
     engine_.make_graphics();
+    preview_.set(state_.bake);
     post_message(state_, Severity::warning, "the graphics driver was reset; all GPU resources were recreated");
 }
 
@@ -211,90 +188,6 @@ int App::run() {
     }
     ended_ = true;
     return options_.headless ? state_.exit_code : 0;
-}
-
-// A window asks how heights are to be baked; without one they are baked as that dialog would begin.
-void App::open_input() {
-    const HandlerContext context{state_, engine_, jobs_};
-    const std::string& input = options_.pack;
-    attempt([&] {
-        if (!options_.headless || file_kind_of(input) != FileKind::heights)
-            return apply(OpenFile{input, true}, context);
-        bake_beside(input, context);
-        baking_input_ = true;
-    });
-}
-
-void App::show_baking() {
-    if (!jobs_.running()) {
-        baking_input_ = false;
-        state_.frame = 0; // --frames counts from here
-        return;
-    }
-    if (state_.now_s - baking_shown_s_ < 1) return;
-    baking_shown_s_ = state_.now_s;
-    fmt::print(stderr, "fjell-editor: baking {}: {} {:.0f}%\n", options_.pack, state_.job.stage,
-               100 * state_.job.share);
-}
-
-bool App::settled() const {
-    if (jobs_.running()) return false;
-    if (!engine_.is_open()) return true;
-    if (state_.shows(Overlay::error) && state_.heights_share >= 0 && state_.heights_share < 1) return false;
-    if (state_.probe.looking) return false;
-    const flight::FrameEntry& e = state_.measures.last();
-    const StreamReport& r = e.stream;
-    // Slots may not suffice for what is wanted, and damaged pages never come: then all is there that will be.
-    const bool resting = r.in_flight == 0 && r.pages_left == 0 && r.mips_left == 0 && r.pages_inserted == 0 &&
-                         r.mips_uploaded == 0 && r.pages_evicting == 0 && e.activations == 0 && e.deactivations == 0;
-    const bool streamed = !e.streamed || (r.converged && r.maps_converged) || resting;
-    return state_.measures.frames() > 1 && e.waiting == e.blocked && e.morphing == 0 && streamed;
-}
-
-// Carries on with the script where nothing waits. False: a headless run is over.
-bool App::run_script() {
-    if (baking_input_ || engine_.opening()) return true;
-    if (state_.frame == 0) return true; // how large the picture is, is known after a frame
-    const HandlerContext context{state_, engine_, jobs_};
-    while (script_at_ < script_.size()) {
-        if (state_.frame < wait_until_frame_) return true;
-        if (waiting_settled_) {
-            if (!settled()) return true;
-            waiting_settled_ = false;
-        }
-        const ScriptLine& line = script_[script_at_++];
-        if (!line.command) {
-            post_failure(state_, Failure(2, line.problem));
-            continue;
-        }
-        const Command& command = *line.command;
-        if (const auto* wait = std::get_if<WaitFrames>(&command)) {
-            wait_until_frame_ = state_.frame + wait->frames;
-        } else if (std::holds_alternative<WaitSettled>(command)) {
-            waiting_settled_ = true;
-            wait_until_frame_ = state_.frame + 2; // what was just asked for shows in the frames that follow
-        } else if (std::holds_alternative<TakeScreenshot>(command) || std::holds_alternative<DumpState>(command)) {
-            after_frame_.push_back(command);
-            wait_until_frame_ = state_.frame + 2; // drawn with what came before it
-        } else if (const auto* size = std::get_if<ResizeWindow>(&command)) {
-            surface_->resize(size->width, size->height);
-            wait_until_frame_ = state_.frame + 3;
-        } else if (std::holds_alternative<LoseGraphics>(command)) {
-            replace_surface();
-        } else {
-            const bool ran = jobs_.running();
-            apply(command, context);
-            note(command);
-            if (engine_.opening()) return true;
-            // Heights that a script opens are baked first; what follows is about the terrain.
-            if (std::holds_alternative<OpenFile>(command) && options_.headless && !ran && jobs_.running()) {
-                waiting_settled_ = true;
-                wait_until_frame_ = state_.frame + 2;
-            }
-        }
-    }
-    const bool waiting = state_.frame < wait_until_frame_ || (waiting_settled_ && !settled());
-    return waiting || !options_.headless || options_.frames != 0;
 }
 
 void App::frame() {
@@ -364,6 +257,10 @@ double App::handle_commands() {
         note(command);
     }
     commands_.clear();
+    if (look_.follow(state_.bake)) {
+        preview_.set(state_.bake);
+        stir();
+    }
     if (jobs_.poll(state_.job)) {
         handle_job_result(context);
         picture_old_ = true;

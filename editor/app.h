@@ -15,9 +15,11 @@
 #include "editor/command.h"
 #include "editor/engine.h"
 #include "editor/handlers/apply.h"
+#include "editor/jobs/height_look.h"
 #include "editor/jobs/jobs.h"
 #include "editor/options.h"
 #include "editor/scene/overview.h"
+#include "editor/scene/preview_texture.h"
 #include "editor/state.h"
 #include "editor/surface.h"
 
@@ -52,10 +54,11 @@ private:
     void paint_overview();
     void finish_opening();  // of a pack that a thread has read
     void finish_requests(); // screenshots and dumps of the frame that was just drawn
-    bool run_script();      // false: it is over
-    bool settled() const;   // all that was requested is done and drawn
-    void open_input();      // the command line's: a pack, or heights that are baked before the script begins
-    void show_baking();     // on stderr, once a second
+    void read_script();
+    bool run_script();    // false: it is over
+    bool settled() const; // all that was requested is done and drawn
+    void open_input();    // the command line's: a pack, or heights that are baked before the script begins
+    void show_baking();   // on stderr, once a second
     void make_surface_and_graphics();
     void replace_surface();
     void place_view();
@@ -93,6 +96,8 @@ private:
     // Destroyed from last to first: GL objects need their context.
     std::unique_ptr<Surface> surface_;
     Engine engine_;
+    HeightLook look_; // at what is to be baked
+    PreviewTexture preview_;
     Overview overview_;
     std::uint64_t overview_of_ = 0;                    // Engine::terrains() that the overview shows
     std::unique_ptr<gl::Target> target_, half_target_; // the terrain's picture, and that of a moving camera

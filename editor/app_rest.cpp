@@ -22,11 +22,14 @@ constexpr double look_s = 0.1, look_soon_s = 0.002; // for signals and jobs, whi
 bool only_panels(const Command& command) {
     return std::holds_alternative<MoveCamera>(command) || std::holds_alternative<ShowPanel>(command) ||
            std::holds_alternative<ShowDialog>(command) || std::holds_alternative<ArrangeColumn>(command) ||
+           std::holds_alternative<FloatPanel>(command) || std::holds_alternative<PlacePanel>(command) ||
            std::holds_alternative<PointProbe>(command) || std::holds_alternative<MarkPlace>(command) ||
            std::holds_alternative<ClearMarks>(command) || std::holds_alternative<SetSwitch>(command) ||
            std::holds_alternative<ChooseFrame>(command) || std::holds_alternative<HoldMeasures>(command) ||
            std::holds_alternative<ZoomGraphs>(command) || std::holds_alternative<DismissMessage>(command) ||
-           std::holds_alternative<BrowseFolder>(command) || std::holds_alternative<BrowseAllKinds>(command);
+           std::holds_alternative<BrowseFolder>(command) || std::holds_alternative<BrowseFor>(command) ||
+           std::holds_alternative<DraftBake>(command) || std::holds_alternative<GiveBakeFile>(command) ||
+           std::holds_alternative<BrowseAllKinds>(command);
 }
 
 } // namespace
@@ -92,7 +95,7 @@ void App::rest() {
             stir();
             break;
         }
-        if (dump_asked_for() || jobs_.news() || engine_.opening_done()) break;
+        if (dump_asked_for() || jobs_.news() || look_.news() || engine_.opening_done()) break;
         update_file_state(state_); // what is not saved is kept at its time, frames or not
     }
     if (state_.now_s >= until_s) stirred_frame_ = state_.frame; // a tip takes a frame to find its size

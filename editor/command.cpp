@@ -147,6 +147,19 @@ Command arrange_column(Words& w) {
     return c;
 }
 
+Command place_panel(Words& w) {
+    PlacePanel c;
+    c.panel = w.one_of<Panel>(panel_names, "panel");
+    const auto pixels = [&](const char* what, double least) {
+        return Words::number_in(w.text(what), what, least, static_cast<double>(most_floating_px));
+    };
+    c.x_px = pixels("x in pixels", -static_cast<double>(most_floating_px));
+    c.y_px = pixels("y in pixels", 0);
+    c.width_px = pixels("the width in pixels", static_cast<double>(least_floating_px));
+    c.height_px = pixels("the height in pixels", static_cast<double>(least_floating_px));
+    return c;
+}
+
 Command bake(Words& w) {
     BakePack b;
     b.inputs.push_back(w.text("a file of heights"));
@@ -164,7 +177,8 @@ Command bake(Words& w) {
                {"texture", [&](const std::string& v) { b.texture = v; }},
                {"ramp", [&](const std::string& v) { b.ramp = v; }},
                {"spacing", [&](const std::string& v) { b.spacing_m = Words::number_of(v, "spacing"); }},
-               {"zscale", [&](const std::string& v) { b.height_scale = Words::number_of(v, "zscale"); }}});
+               {"zscale", [&](const std::string& v) { b.height_scale = Words::number_of(v, "zscale"); }},
+               {"zoffset", [&](const std::string& v) { b.height_offset_m = Words::number_of(v, "zoffset"); }}});
     return b;
 }
 
@@ -249,9 +263,23 @@ std::vector<Verb> terrain_verbs() {
              return RecoverChanges{w.one_of<int>(ways, "way") == 1};
          }},
         {"bake",
-         "HEIGHTS... PACK [tile=N|auto] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S] [order=planar|hz|linear] "
+         "HEIGHTS... PACK [tile=N|auto] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S] [zoffset=M] "
+         "[order=planar|hz|linear] "
          "[nodata=hole|fill|refuse] [void=V,...|none] [crs=C] [memory_mb=N]",
          "bakes a pack and opens it; several files make a mosaic, a .json file is a recipe", bake},
+        {"bake-file", "FILE [heights|another|output|texture|ramp]",
+         "puts a file into the dialog that bakes, and opens that; without a field, by the kind of the file",
+         [](Words& w) {
+             GiveBakeFile c{w.text("a file"), BakeField::none, false};
+             constexpr const char* places[] = {"", "heights", "output", "texture", "ramp", "another"};
+             if (!w.more()) return c;
+             const int place = w.one_of<int>(places, "place");
+             c.another = place == 5;
+             c.field = c.another ? BakeField::heights : static_cast<BakeField>(place);
+             return c;
+         }},
+        {"open-baked", "on|off", "flies the pack that was baked beside the terrain that is flown, or does not",
+         with_switch<OpenBaked>()},
     };
 }
 
@@ -326,6 +354,13 @@ std::vector<Verb> picture_verbs() {
          }},
         {"column", "left|right width|split|folded VALUE",
          "width in pixels of a scale of 1, the upper section's share, or on|off", arrange_column},
+        {"float", "PANEL on|off", "a panel over the picture, or back in its column",
+         [](Words& w) {
+             const auto panel = w.one_of<Panel>(panel_names, "panel");
+             return FloatPanel{panel, w.on(), {}};
+         }},
+        {"place-panel", "PANEL X Y WIDTH HEIGHT",
+         "where a panel that floats lies, in pixels of a scale of 1 from the window's corner", place_panel},
         {"scale", "S", "scale of the interface, 0.5 to 4",
          [](Words& w) { return SetScale{Words::number_in(w.text("a scale"), "a scale", 0.5, 4)}; }},
         {"frame-report", "AGO|off", "shows what a measured frame cost, 0 the newest",

@@ -5,6 +5,7 @@
 // scripts can do what a user can. Thread: the frame's. Memory: those of a steady frame allocate nothing.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -156,6 +157,15 @@ struct ArrangeColumn { // its width in unscaled pixels, its upper section's shar
     ColumnPart part = ColumnPart::width;
     double value = 0;
 };
+struct FloatPanel { // over the picture, or back in its column
+    Panel panel = Panel::tune;
+    bool on = false;
+    std::optional<std::array<double, 2>> at_px; // where; as in PlacePanel
+};
+struct PlacePanel { // one that floats, in unscaled pixels from the window's corner
+    Panel panel = Panel::tune;
+    double x_px = 0, y_px = 0, width_px = 0, height_px = 0;
+};
 struct SetScale {
     double scale = 1; // of the user interface
 };
@@ -177,10 +187,28 @@ struct BakePack {
     std::string output;     // opened when it is done
     std::uint32_t tile = 0; // cells a side; 0: auto
     std::string texture, ramp;
-    double spacing_m = 0, height_scale = 1; // 0: the file's own
-    std::string order, nodata, voids, crs;  // as fjell-bake has them; empty: its defaults
+    double spacing_m = 0, height_scale = 1, height_offset_m = 0; // spacing 0: the file's own
+    std::string order, nodata, voids, crs;                       // as fjell-bake has them; empty: its defaults
     std::uint32_t memory_mb = 512;
     double checkpoint_s = -1; // at least 0: work files even when all fits the memory (baker/bake/bake.h)
+    bool asks = false;        // before the new pack takes the place of a terrain that is flown
+    friend bool operator==(const BakePack&, const BakePack&) = default;
+};
+struct DraftBake { // what the dialog that bakes holds by now; output_is_chosen: typed or browsed, not derived
+    BakePack pack;
+    bool output_is_chosen = false;
+};
+struct GiveBakeFile { // to that dialog, which opens: in a field, or where its kind belongs
+    std::string path;
+    BakeField field = BakeField::none;
+    bool another = false; // heights: beside those that are there, as a mosaic
+};
+struct OpenBaked { // the pack that was baked beside the terrain that is flown, or not
+    bool open = true;
+};
+struct BrowseFor { // files of a kind, from the folder of a file that is named
+    FileFilter filter = FileFilter::everything;
+    std::string beside; // empty: where the last dialog looked
 };
 struct TuneThreshold {
     TuneSettings settings;
@@ -229,9 +257,10 @@ using Command =
                  JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath,
                  SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath,
                  SetPathSeconds, LoopPath, PointProbe, MarkPlace, ClearMarks, SetPictureMode, SetOverlay, ShowPanel,
-                 ShowDialog, SetSwitch, ArrangeColumn, SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage,
-                 BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot,
-                 ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled>;
+                 ShowDialog, SetSwitch, ArrangeColumn, FloatPanel, PlacePanel, SetScale, ChooseFrame, HoldMeasures,
+                 ZoomGraphs, DismissMessage, DraftBake, GiveBakeFile, OpenBaked, BrowseFor, BakePack, TuneThreshold,
+                 RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot, ResizeWindow, DumpState,
+                 LoseGraphics, Quit, WaitFrames, WaitSettled>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once. push() takes any Command's
 // alternative; it is compiled in commands.cpp alone, or else every panel would compile the variant's moves again.

@@ -39,6 +39,25 @@ json profile_json(const flight::Profile& profile) {
     return values;
 }
 
+json bake_json(const BakeDraft& d) {
+    const HeightFacts& f = d.facts;
+    return {{"inputs", d.pack.inputs},
+            {"output", d.pack.output},
+            {"texture", d.pack.texture},
+            {"spacing_m", d.pack.spacing_m},
+            {"looking", d.looking},
+            {"looks", d.looks},
+            {"known", f.known},
+            {"columns", f.columns},
+            {"rows", f.rows},
+            {"height_m", {f.least_m, f.most_m}},
+            {"problem", f.problem},
+            {"field", bake_field_names[static_cast<int>(f.at)]},
+            {"proposed", f.proposed},
+            {"pictured", d.texture != 0},
+            {"ready", d.ready}};
+}
+
 json files_json(const State& state) {
     const Files& f = state.files;
     json differences = json::array(), entries = json::array();
@@ -54,7 +73,7 @@ json files_json(const State& state) {
             {"waiting", f.waiting.has_value()},
             {"recovery_file", f.recovery.file()},
             {"found", f.recovery.found().has_value()},
-            {"bake_input", state.bake_input}};
+            {"bake", bake_json(state.bake)}};
 }
 
 json camera_json(const Eye& eye) {
@@ -90,6 +109,14 @@ json route_json(const Route& r) {
             {"selected", r.selected() ? json(*r.selected()) : json()}};
 }
 
+json floating_json(const Arrangement& a) {
+    json all = json::object();
+    for (int p = 0; p < panels; ++p)
+        if (const FloatingPanel& f = a.floating[static_cast<std::size_t>(p)]; f.on)
+            all[panel_names[p]] = {f.x_px, f.y_px, f.width_px, f.height_px};
+    return all;
+}
+
 json interface_json(const State& state) {
     const Interface& i = state.interface;
     json overlay;
@@ -99,6 +126,7 @@ json interface_json(const State& state) {
             {"right", panel_names[static_cast<int>(i.arrangement.shown(right_groups))]},
             {"newest", panel_names[static_cast<int>(i.arrangement.latest.front())]},
             {"panels", i.arrangement.panels},
+            {"floating", floating_json(i.arrangement)},
             {"picture_only", i.picture_only},
             {"panel_keys", i.panel_keys},
             {"half_resolution", i.half_resolution},

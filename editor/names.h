@@ -61,16 +61,36 @@ enum class Dialog : std::uint8_t {
     keys,
     messages,
     unsaved, // before what would lose changes
-    recover  // changes that an earlier run did not save
+    recover, // changes that an earlier run did not save
+    baked    // a pack, while another terrain is flown
 };
-inline constexpr const char* dialog_names[] = {"none",     "start",   "open",   "save-profile", "save-path",
-                                               "compare",  "bake",    "export", "screenshot",   "keys",
-                                               "messages", "unsaved", "recover"};
+inline constexpr const char* dialog_names[] = {"none",     "start",   "open",    "save-profile", "save-path",
+                                               "compare",  "bake",    "export",  "screenshot",   "keys",
+                                               "messages", "unsaved", "recover", "baked"};
 inline constexpr int dialogs = static_cast<int>(std::size(dialog_names));
 // Nothing beneath these reacts.
 inline constexpr bool is_modal(Dialog dialog) {
     return dialog != Dialog::none && dialog != Dialog::start && dialog != Dialog::keys && dialog != Dialog::messages;
 }
+
+// Which files a dialog lists.
+enum class FileFilter : std::uint8_t { everything, profiles, paths, heights, images, ramps, packs };
+
+// What the dialog that bakes asks for.
+enum class BakeField : std::uint8_t {
+    none,
+    heights, // the first file, or one more
+    output,
+    texture,
+    ramp,
+    spacing,
+    height_scale,
+    nodata,
+    voids,
+    crs
+};
+inline constexpr const char* bake_field_names[] = {"none",    "heights", "output", "texture", "ramp",
+                                                   "spacing", "zscale",  "nodata", "void",    "crs"};
 
 // To the question about unsaved changes.
 enum class Answer : std::uint8_t { save, discard, cancel };

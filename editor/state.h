@@ -19,6 +19,7 @@
 #include "editor/files/recovery.h"
 #include "editor/files/settings.h"
 #include "editor/input_counts.h"
+#include "editor/jobs/height_look.h"
 #include "editor/jobs/jobs.h"
 #include "editor/measures.h"
 #include "editor/names.h"
@@ -151,7 +152,7 @@ struct State {
     JobView tuned; // the last tuning that was not cancelled
     Messages messages;
     Files files;
-    std::string bake_input; // heights or a recipe that were opened: for the dialog that bakes them
+    BakeDraft bake; // of the dialog that bakes
     Interface interface;
     InputCounts input;
     double now_s = 0;

@@ -45,6 +45,24 @@ FileKind json_kind_of(const std::string& path) {
 
 } // namespace
 
+BakeField bake_field_of(const std::string& path, bool first) {
+    try {
+        if (path.ends_with(".fjell")) return BakeField::output;
+        if (path.ends_with(".json")) {
+            const json object = io::parse_json(io::read_text(path), path, io::JsonComments::yes);
+            return object.contains("stops") ? BakeField::ramp : BakeField::heights;
+        }
+        if (first) return BakeField::heights;
+        baker::GdalMessages messages;
+        baker::register_drivers();
+        const baker::GdalFile file = baker::open_raster(path, "a height field or an image", messages);
+        const bool bytes = file->GetRasterBand(1)->GetRasterDataType() == GDT_Byte;
+        return bytes && file->GetRasterCount() >= 3 ? BakeField::texture : BakeField::heights;
+    } catch (const std::exception&) {
+        return BakeField::heights;
+    }
+}
+
 FileKind file_kind_of(const std::string& path) {
     std::error_code error;
     if (baker::is_gdal_name(path)) return FileKind::heights;

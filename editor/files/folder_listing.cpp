@@ -15,16 +15,25 @@ namespace fs = std::filesystem;
 constexpr const char* everything[] = {".fjell", ".toml", ".json", ".txt", ".path", ".tif", ".tiff", ".hgt",
                                       ".asc",   ".dem",  ".vrt",  ".nc",  ".png",  ".img", ".bil",  ".flt",
                                       ".adf",   ".bmp",  ".dt0",  ".dt1", ".dt2",  ".jp2"};
-constexpr const char* profiles[] = {".toml"};
-constexpr const char* paths[] = {".json", ".txt", ".path"};
+constexpr const char* profile_files[] = {".toml"};
+constexpr const char* path_files[] = {".json", ".txt", ".path"};
+constexpr const char* height_files[] = {".tif", ".tiff", ".hgt", ".asc", ".dem", ".vrt", ".nc",  ".png", ".img",
+                                        ".bil", ".flt",  ".adf", ".bmp", ".dt0", ".dt1", ".dt2", ".jp2", ".json"};
+constexpr const char* image_files[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".jp2", ".vrt", ".webp"};
+constexpr const char* ramp_files[] = {".json"};
+constexpr const char* pack_files[] = {".fjell"};
 
-std::span<const char* const> kinds(Dialog dialog) {
-    switch (dialog) {
-    case Dialog::save_profile:
-    case Dialog::compare: return profiles;
-    case Dialog::save_path: return paths;
-    default: return everything;
+std::span<const char* const> endings_of(FileFilter filter) {
+    switch (filter) {
+    case FileFilter::profiles: return profile_files;
+    case FileFilter::paths: return path_files;
+    case FileFilter::heights: return height_files;
+    case FileFilter::images: return image_files;
+    case FileFilter::ramps: return ramp_files;
+    case FileFilter::packs: return pack_files;
+    case FileFilter::everything: break;
     }
+    return everything;
 }
 
 bool ends_with(std::string_view name, std::string_view end) {
@@ -43,6 +52,15 @@ bool comes_first(const FolderListing::Entry& a, const FolderListing::Entry& b) {
 bool shows_files(Dialog dialog) {
     return dialog == Dialog::open_file || dialog == Dialog::save_profile || dialog == Dialog::save_path ||
            dialog == Dialog::compare;
+}
+
+FileFilter filter_of(Dialog dialog) {
+    switch (dialog) {
+    case Dialog::save_profile:
+    case Dialog::compare: return FileFilter::profiles;
+    case Dialog::save_path: return FileFilter::paths;
+    default: return FileFilter::everything;
+    }
 }
 
 bool FolderListing::has_file(std::string_view name) const {
@@ -75,8 +93,8 @@ void FolderListing::look(const std::string& folder) {
     choose_shown();
 }
 
-void FolderListing::filter(Dialog dialog, bool all) {
-    dialog_ = dialog;
+void FolderListing::filter(FileFilter kinds, bool all) {
+    kinds_ = kinds;
     all_ = all;
     choose_shown();
 }
@@ -86,7 +104,7 @@ void FolderListing::choose_shown() {
     for (std::size_t i = 0; i < entries_.size(); ++i) {
         const Entry& e = entries_[i];
         const auto fits = [&](const char* end) { return ends_with(e.name, end); };
-        if (e.folder || all_ || std::ranges::any_of(kinds(dialog_), fits)) shown_.push_back(i);
+        if (e.folder || all_ || std::ranges::any_of(endings_of(kinds_), fits)) shown_.push_back(i);
     }
 }
 

@@ -34,8 +34,9 @@ public:
     // The name in the folder, or the path that it is already.
     [[nodiscard]] std::string path_of(std::string_view name) const;
 
-    void look(const std::string& folder); // relative ones start at the one that is looked at
-    void filter(Dialog dialog, bool all); // which files are shown; all: whatever their kind
+    void look(const std::string& folder);    // relative ones start at the one that is looked at
+    void filter(FileFilter kinds, bool all); // which files are shown; all: whatever their kind
+    [[nodiscard]] FileFilter kinds() const { return kinds_; }
 
 private:
     void choose_shown();
@@ -43,11 +44,12 @@ private:
     std::string folder_, parent_, problem_;
     std::vector<Entry> entries_;
     std::vector<std::size_t> shown_;
-    Dialog dialog_ = Dialog::none;
+    FileFilter kinds_ = FileFilter::everything;
     bool all_ = false;
 };
 
 // Whether the dialog looks at files.
 [[nodiscard]] bool shows_files(Dialog dialog);
+[[nodiscard]] FileFilter filter_of(Dialog dialog);
 
 } // namespace fjell::editor

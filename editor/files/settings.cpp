@@ -91,6 +91,18 @@ void read_arrangement(KeyReader& keys, Arrangement& a) {
         for (const json& name : names) turned_to.push_back(static_cast<Panel>(index_of(name, panel_names)));
         for (auto panel = turned_to.rbegin(); panel != turned_to.rend(); ++panel) a.turn_to(*panel);
     });
+    keys.key("floating", [&](const json& all) {
+        for (const auto& [name, place] : all.items()) {
+            FloatingPanel& f = a.floating[index_of(json(name), panel_names)];
+            const auto px = [&](const char* key, float least) {
+                const auto value = place.at(key).get<float>();
+                if (!(value >= least && value <= most_floating_px)) throw Failure(1, "out of range");
+                return value;
+            };
+            f = {place.at("on").get<bool>(), px("x_px", -most_floating_px), px("y_px", 0),
+                 px("width_px", least_floating_px), px("height_px", least_floating_px)};
+        }
+    });
     for (std::size_t i = 0; i < columns; ++i)
         keys.key(column_names[i], [&](const json& column) {
             KeyReader part(column, "");
@@ -128,7 +140,11 @@ void read_look(KeyReader& keys, Look& look) {
 
 json look_json(const Look& look) {
     const Arrangement& a = look.arrangement;
-    json shown = json::array(), latest = json::array();
+    json shown = json::array(), latest = json::array(), floating = json::object();
+    for (std::size_t i = 0; i < a.floating.size(); ++i)
+        if (const FloatingPanel& f = a.floating[i]; !(f == FloatingPanel{}))
+            floating[panel_names[i]] = {
+                {"on", f.on}, {"x_px", f.x_px}, {"y_px", f.y_px}, {"width_px", f.width_px}, {"height_px", f.height_px}};
     for (std::size_t i = 0; i < look.overlay.size(); ++i)
         if (look.overlay[i]) shown.push_back(overlay_names[i]);
     for (const Panel panel : a.latest) latest.push_back(panel_names[static_cast<std::size_t>(panel)]);
@@ -138,7 +154,8 @@ json look_json(const Look& look) {
                 {"overlays", shown},
                 {"half_resolution", look.half_resolution},
                 {"panels", a.panels},
-                {"panels_latest", latest}};
+                {"panels_latest", latest},
+                {"floating", floating}};
     for (std::size_t i = 0; i < columns; ++i)
         all[column_names[i]] = {{"width_px", a.width_px[i]}, {"split", a.split[i]}, {"folded", a.folded[i]}};
     return all;

@@ -23,8 +23,21 @@ void handle(const BrowseFolder& c, HandlerContext context) {
     files.browser.look(c.folder);
 }
 
+void handle(const BrowseFor& c, HandlerContext context) {
+    Files& files = context.state.files;
+    std::string folder = files.browser.folder();
+    if (folder.empty()) folder = files.settings.folder.empty() ? "." : files.settings.folder;
+    std::error_code ignored;
+    if (!c.beside.empty())
+        if (const fs::path above = fs::absolute(c.beside, ignored).parent_path(); fs::is_directory(above, ignored))
+            folder = above.string();
+    files.browser.filter(c.filter, false);
+    files.browser.look(folder);
+}
+
 void handle(const BrowseAllKinds& c, HandlerContext context) {
-    context.state.files.browser.filter(context.state.interface.dialog, c.on);
+    FolderListing& browser = context.state.files.browser;
+    browser.filter(browser.kinds(), c.on);
 }
 
 void handle(const OpenFile& c, HandlerContext context) {
@@ -45,8 +58,7 @@ void handle(const OpenFile& c, HandlerContext context) {
         return handle(OpenPath{c.path, c.discard}, context);
     case FileKind::heights:
         if (state.headless) return bake_beside(c.path, context); // nobody is there to fill in a dialog
-        state.bake_input = c.path;
-        return handle(ShowDialog{Dialog::bake}, context);
+        return handle(GiveBakeFile{c.path, BakeField::none, state.interface.dialog == Dialog::bake}, context);
     }
 }
 

@@ -26,6 +26,16 @@ void handle(const OpenSample& c, HandlerContext context);
 void handle(const BrowseFolder& c, HandlerContext context);
 void handle(const BrowseAllKinds& c, HandlerContext context);
 
+void handle(const BrowseFor& c, HandlerContext context);
+
+// bake.cpp
+void handle(const DraftBake& c, HandlerContext context);
+void handle(const GiveBakeFile& c, HandlerContext context);
+void handle(const OpenBaked& c, HandlerContext context);
+void handle(const BakePack& c, HandlerContext context);
+// A pack is ready: it is opened, or the user is asked.
+void take_baked(const std::string& pack, HandlerContext context);
+
 // unsaved.cpp
 void handle(const AnswerUnsaved& c, HandlerContext context);
 void handle(const RecoverChanges& c, HandlerContext context);
@@ -81,6 +91,8 @@ void handle(const ShowPanel& c, HandlerContext context);
 void handle(const ShowDialog& c, HandlerContext context);
 void handle(const SetSwitch& c, HandlerContext context);
 void handle(const ArrangeColumn& c, HandlerContext context);
+void handle(const FloatPanel& c, HandlerContext context);
+void handle(const PlacePanel& c, HandlerContext context);
 void handle(const SetScale& c, HandlerContext context);
 void handle(const ChooseFrame& c, HandlerContext context);
 void handle(const HoldMeasures& c, HandlerContext context);
@@ -88,7 +100,6 @@ void handle(const ZoomGraphs& c, HandlerContext context);
 void handle(const DismissMessage& c, HandlerContext context);
 
 // jobs.cpp
-void handle(const BakePack& c, HandlerContext context);
 void handle(const TuneThreshold& c, HandlerContext context);
 void handle(const RunBenchmark& c, HandlerContext context);
 void handle(const ExportMesh& c, HandlerContext context);

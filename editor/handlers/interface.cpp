@@ -21,7 +21,7 @@ void prepare_dialog(Dialog dialog, State& state) {
     if (folder.empty()) folder = files.settings.folder.empty() ? "." : files.settings.folder;
     const std::string& own = dialog == Dialog::save_path ? state.route.path() : state.document.path();
     if (dialog != Dialog::open_file && !own.empty()) folder = std::filesystem::absolute(own).parent_path().string();
-    files.browser.filter(dialog, false);
+    files.browser.filter(filter_of(dialog), false);
     files.browser.look(folder);
 }
 
@@ -72,9 +72,34 @@ void handle(const ArrangeColumn& c, HandlerContext context) {
     }
 }
 
+void handle(const FloatPanel& c, HandlerContext context) {
+    Arrangement& a = context.state.interface.arrangement;
+    FloatingPanel& f = a.floating[static_cast<std::size_t>(c.panel)];
+    f.on = c.on;
+    if (c.at_px) {
+        f.x_px = static_cast<float>((*c.at_px)[0]);
+        f.y_px = static_cast<float>((*c.at_px)[1]);
+    }
+    handle(ShowPanel{c.panel}, context);
+}
+
+void handle(const PlacePanel& c, HandlerContext context) {
+    FloatingPanel& f = context.state.interface.arrangement.floating[static_cast<std::size_t>(c.panel)];
+    f.x_px = std::clamp(static_cast<float>(c.x_px), -most_floating_px, most_floating_px);
+    f.y_px = std::clamp(static_cast<float>(c.y_px), 0.0F, most_floating_px);
+    f.width_px = std::clamp(static_cast<float>(c.width_px), least_floating_px, most_floating_px);
+    f.height_px = std::clamp(static_cast<float>(c.height_px), least_floating_px, most_floating_px);
+}
+
 void handle(const ShowDialog& c, HandlerContext context) {
     State& state = context.state;
     prepare_dialog(c.dialog, state);
+    // A pack that is ready asks once nothing else does.
+    if (c.dialog == Dialog::none && !state.bake.ready.empty() && state.interface.dialog != Dialog::baked) {
+        state.interface.dialog = Dialog::baked;
+        return;
+    }
+    if (state.interface.dialog == Dialog::baked) state.bake.ready.clear();
     const bool leaves_nothing = c.dialog == Dialog::none && !state.scene.open();
     state.interface.dialog = leaves_nothing && state.interface.dialog != Dialog::start ? Dialog::start : c.dialog;
 }

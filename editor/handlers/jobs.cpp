@@ -46,14 +46,6 @@ void apply_tuned(HandlerContext context) {
 
 } // namespace
 
-void handle(const BakePack& c, HandlerContext context) {
-    // Over the pack that is open it may go: that is replaced whole, and opened again.
-    const std::string& pack = context.state.scene.path;
-    refuse_overwriting_open_files(context.state,
-                                  c.output.empty() && !c.inputs.empty() ? pack_beside(c.inputs[0]) : c.output, pack);
-    context.jobs.start(JobKind::bake, bake_job(c));
-}
-
 void handle(const TuneThreshold& c, HandlerContext context) {
     refuse_overwriting_open_files(context.state, c.csv);
     context.jobs.start(JobKind::tune, tune_job(plan_of(context, c.settings.frames), c.settings, c.csv));
@@ -95,10 +87,7 @@ void handle_job_result(HandlerContext context) {
     if (!job.result.empty())
         post_message(state, Severity::note, bare ? fmt::format("{}: {}", name, job.result) : job.result);
     if (job.kind == JobKind::tune) apply_tuned(context);
-    if (job.kind == JobKind::bake) {
-        if (state.interface.dialog == Dialog::bake) state.interface.dialog = Dialog::none;
-        apply(OpenFile{job.output}, context);
-    }
+    if (job.kind == JobKind::bake) take_baked(job.output, context);
 }
 
 } // namespace fjell::editor

@@ -4,6 +4,9 @@
 #include <system_error>
 #include <utility>
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <fmt/format.h>
 
 #include "baker/bake/bake.h"
@@ -29,7 +32,9 @@ void set_word(std::optional<std::string>& word, const std::string& value, const 
     word = value;
 }
 
-baker::Recipe recipe_of(const BakePack& b) {
+} // namespace
+
+baker::Recipe bake_recipe(const BakePack& b) {
     if (b.inputs.empty() || b.inputs.front().empty()) throw Failure(2, "choose a file of heights to bake");
     baker::Recipe recipe;
     recipe.inputs = b.inputs;
@@ -40,6 +45,7 @@ baker::Recipe recipe_of(const BakePack& b) {
     if (!(b.spacing_m >= 0)) throw Failure(2, fmt::format("spacing={}: must be 0 or more (metres)", b.spacing_m));
     if (b.spacing_m > 0) recipe.spacing = b.spacing_m;
     if (b.height_scale != 1) recipe.zscale = b.height_scale;
+    if (b.height_offset_m != 0) recipe.zoffset = b.height_offset_m;
     set_word(recipe.order, b.order, "order");
     set_word(recipe.nodata, b.nodata, "nodata");
     if (!b.voids.empty()) baker::parse_voids(b.voids, recipe.voids);
@@ -49,13 +55,22 @@ baker::Recipe recipe_of(const BakePack& b) {
     return recipe;
 }
 
-std::unique_ptr<baker::HeightSource> open_inputs(const baker::Recipe& recipe) {
+std::unique_ptr<baker::HeightSource> bake_source(const baker::Recipe& recipe) {
     if (recipe.inputs.size() == 1 && recipe.inputs[0].ends_with(".json")) return baker::open_synth(recipe.inputs[0]);
     return baker::open_source(recipe.inputs, baker::read_options(recipe));
 }
 
+namespace {
+
+// A bake takes every core for seconds or minutes, and so would starve the frames of who flies on. Its threads inherit
+// this; where it may not be had, nothing is lost.
+void yield_to_frames() {
+    (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 15);
+}
+
 void run(const baker::Recipe& recipe, baker::BakeOptions options, JobControl& control) {
     const std::string& output = *recipe.output;
+    yield_to_frames();
     control.progress("open", 0, 1);
     io::refuse_overwriting(baker::places_written(output), baker::files_read(recipe));
     options.progress = [&](const char* stage, std::uint64_t done, std::uint64_t total) {
@@ -66,7 +81,7 @@ void run(const baker::Recipe& recipe, baker::BakeOptions options, JobControl& co
     };
     baker::limit_gdal_cache(options.memory_bytes / 16);
     try {
-        const baker::BakeSummary s = baker::bake(*open_inputs(recipe), options, output);
+        const baker::BakeSummary s = baker::bake(*bake_source(recipe), options, output);
         control.publish([&](JobView& view) {
             view.output = output;
             view.result = fmt::format("{}: {} x {} samples, {} x {} tiles of {} cells, {} in {:.1f} s{}", output,
@@ -95,7 +110,7 @@ std::string pack_beside(const std::string& input) {
 
 Jobs::Body bake_job(BakePack bake) {
     if (bake.output.empty() && !bake.inputs.empty()) bake.output = pack_beside(bake.inputs.front());
-    const baker::Recipe recipe = recipe_of(bake);
+    const baker::Recipe recipe = bake_recipe(bake);
     baker::BakeOptions options = baker::bake_options(recipe);
     if (bake.checkpoint_s >= 0) options.checkpoint_s = bake.checkpoint_s;
     options.memory_bytes = std::uint64_t{bake.memory_mb} << 20;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "baker/bake/recipe.h"
 #include "editor/command.h"
 #include "editor/jobs/jobs.h"
 #include "editor/jobs/measured_flight.h"
@@ -18,6 +19,9 @@ namespace fjell::editor {
 
 // bake_job.cpp
 [[nodiscard]] Jobs::Body bake_job(BakePack bake);
+// Its options, as fjell-bake has them, and the heights that it reads. Failure: io::Failure.
+[[nodiscard]] baker::Recipe bake_recipe(const BakePack& bake);
+[[nodiscard]] std::unique_ptr<baker::HeightSource> bake_source(const baker::Recipe& recipe);
 // The pack's name beside its heights: mountains.tif becomes mountains.fjell.
 [[nodiscard]] std::string pack_beside(const std::string& input);
 

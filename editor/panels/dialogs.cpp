@@ -20,13 +20,14 @@ constexpr Window windows[] = {
     {"Save profile", 640, 460, draw_save_profile},
     {"Save camera path", 640, 460, draw_save_path},
     {"Compare profiles", 640, 460, draw_compare},
-    {"Bake", 560, 0, draw_bake},
+    {"Bake", 820, 0, draw_bake},
     {"Export glTF", 520, 0, draw_snapshot},
     {"Screenshot", 520, 0, draw_screenshot},
     {"Keys", 560, 600, draw_keys},
     {"Messages", 640, 420, draw_messages},
     {"Unsaved changes", 480, 0, draw_unsaved},
     {"Recovered changes", 480, 0, draw_recover},
+    {"The pack is ready", 480, 0, draw_baked},
 };
 static_assert(std::size(windows) == dialogs, "a dialog was added: add its window");
 

@@ -160,8 +160,10 @@ bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& 
     ui::mark("browse", "choose");
     ImGui::EndDisabled();
     ImGui::SameLine();
-    if (ui::button("Cancel")) commands.push(ShowDialog{Dialog::none});
+    const bool cancelled = ui::button("Cancel");
     ui::mark("browse", "cancel");
+    if (cancelled && !form.nested) commands.push(ShowDialog{Dialog::none});
+    form.cancelled = cancelled;
     ImGui::SameLine();
     bool all = state.files.browser.all();
     if (ImGui::Checkbox("All files", &all)) commands.push(BrowseAllKinds{all});

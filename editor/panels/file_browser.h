@@ -14,6 +14,8 @@ struct FileBrowserForm {
     bool asks = false;        // about overwriting that file
     std::uint64_t frame = 0;  // that it was drawn in last, in
     Dialog of = Dialog::none; // this dialog
+    bool nested = false;      // over another dialog, which stays
+    bool cancelled = false;   // of such a one: its button was pressed
 };
 // A dialog that opens starts again, with that name in it.
 void begin_file_browser(FileBrowserForm& form, const State& state, const char* name);

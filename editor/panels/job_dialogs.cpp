@@ -4,7 +4,6 @@
 
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <string>
 
 #include "editor/number_text.h"
@@ -13,64 +12,6 @@
 namespace fjell::editor {
 
 namespace {
-
-// ---- bake
-
-constexpr const char* tile_names[] = {"auto", "64", "128", "256", "512", "1024", "2048"};
-constexpr const char* order_names[] = {"planar", "hz", "linear"};
-constexpr const char* nodata_names[] = {"auto: holes, suspicious values refused", "hole", "fill", "refuse"};
-
-struct BakeForm {
-    std::string made_for; // State::bake_input, which resets the form when it changes
-    fields::PathText input = "", output = "", texture = "", ramp = "", voids = "";
-    int tile = 0, order = 0, nodata = 0;
-    double spacing_m = 0, height_scale = 1;
-};
-
-BakePack bake_of(const BakeForm& form) {
-    BakePack b;
-    b.inputs = {form.input};
-    b.output = form.output;
-    b.texture = form.texture;
-    b.ramp = form.ramp;
-    b.tile = form.tile == 0 ? 0 : 32u << form.tile;
-    b.order = order_names[form.order];
-    b.nodata = form.nodata == 0 ? "" : nodata_names[form.nodata];
-    b.voids = form.voids;
-    b.spacing_m = form.spacing_m;
-    b.height_scale = form.height_scale;
-    return b;
-}
-
-void draw_bake_form(BakeForm& form) {
-    ui::focus_first();
-    fields::path("Heights", "bake", "input", form.input, "a file",
-                 "GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT; or a recipe (.json). Several files make a "
-                 "mosaic with the command `bake`.");
-    fields::path("Pack", "bake", "output", form.output, "beside the heights, with .fjell",
-                 "Where the pack is written; an existing file is replaced only when the bake is complete. Temporary "
-                 "files go to a folder PACK.work beside it.");
-    fields::choice("Tile", "bake", "tile", form.tile, tile_names, static_cast<int>(std::size(tile_names)),
-                   "Cells along a side of a tile, the unit of drawing. Smaller tiles are culled more tightly and cost "
-                   "more draw calls; auto chooses 512, or what suits the extents.");
-    fields::number("Spacing, m", "bake", "spacing", form.spacing_m, "%.6g",
-                   "Metres between samples; 0: the file's own. Needed where it has no coordinates.");
-    fields::number("Height scale", "bake", "zscale", form.height_scale, "%.6g",
-                   "Multiplies heights: 0.3048 converts feet to metres.");
-    fields::path("Texture", "bake", "texture", form.texture, "none",
-                 "An ortho-image, placed by its coordinates or stretched over the terrain.");
-    fields::path("Ramp", "bake", "ramp", form.ramp, "meadows to snow",
-                 "Colours by height and slope where there is no image (JSON, as in content/ramps).");
-    fields::choice("Order", "bake", "order", form.order, order_names, static_cast<int>(std::size(order_names)),
-                   "Order of vertices in a page: planar and hz (hierarchical Z) for both methods; linear, as in the "
-                   "thesis, for the recursive method.");
-    fields::choice("No data", "bake", "nodata", form.nodata, nodata_names, static_cast<int>(std::size(nodata_names)),
-                   "Samples without a height: a hole, filled from their neighbours, or refused.");
-    fields::path(
-        "Voids", "bake", "void", form.voids, "what the file marks",
-        "Numbers that stand for no height without the file saying so, such as -9999; several with commas. none: "
-        "every other number is a height.");
-}
 
 // ---- export
 
@@ -88,26 +29,6 @@ struct ScreenshotForm {
 };
 
 } // namespace
-
-void draw_bake(const State& state, Commands& commands) {
-    static BakeForm form;
-    if (form.made_for != state.bake_input) {
-        form = {};
-        form.made_for = state.bake_input;
-        fields::copy(form.input, state.bake_input);
-        if (!state.bake_input.empty())
-            fields::copy(form.output, std::filesystem::path(state.bake_input).replace_extension(".fjell").string());
-    }
-    draw_bake_form(form);
-    ImGui::Separator();
-    const bool can = !state.job.running && form.input[0] != '\0';
-    if (fields::button("Bake", "bake", "start", can,
-                       "Bakes in the background with 512 MB of memory, and opens the pack when it is done.", true))
-        commands.push(bake_of(form));
-    fields::close("bake", commands);
-    if (fields::runs(state, JobKind::bake)) fields::cancel("bake", commands);
-    fields::outcome(state, JobKind::bake, true);
-}
 
 void draw_snapshot(const State& state, Commands& commands) {
     static ExportForm form;

@@ -13,6 +13,7 @@ constexpr float two_columns_from_px = 1880;
 constexpr unsigned upper_groups = 5; // the first of the left column's, and of the right one's
 constexpr float least_view_share = 0.3F;
 
+// groups: of the panels that stand there; those that float need no room.
 ColumnLayout column_at(std::size_t side, const Rect& room, unsigned groups, const Interface& i) {
     const auto s = static_cast<float>(i.scale);
     const Arrangement& a = i.arrangement;
@@ -25,8 +26,9 @@ ColumnLayout column_at(std::size_t side, const Rect& room, unsigned groups, cons
     c.strip = {left ? room.x + width : room.x, room.y, strip, room.height};
     if (c.folded) return c;
     const float x = left ? room.x : room.x + strip;
-    const unsigned upper = groups & (groups == (left_groups | right_groups) ? left_groups : upper_groups);
-    if (room.height < stacked_from_px * s) {
+    const bool both = (groups & left_groups) != 0 && (groups & right_groups) != 0;
+    const unsigned upper = groups & (both ? left_groups : upper_groups);
+    if (room.height < stacked_from_px * s || upper == 0 || upper == groups) {
         c.sections = 1;
         c.section[0] = {{x, room.y, width, room.height}, groups};
         return c;
@@ -54,18 +56,17 @@ Layout layout(float width, float height, const Interface& i) {
     l.view = {0, top, std::max(width, 1.0F), rest};
     const Arrangement& a = i.arrangement;
     if (!a.panels) return l;
-    const bool two = width >= two_columns_from_px * s;
+    const unsigned all = a.docked(left_groups | right_groups);
+    const bool two = width >= two_columns_from_px * s && (all & left_groups) != 0 && (all & right_groups) != 0;
+    const unsigned groups[columns] = {two ? all & left_groups : all, two ? all & right_groups : 0};
     const float most = (1 - least_view_share) * width / (two ? 2 : 1);
     float taken[columns] = {};
-    for (std::size_t side = 0; side < (two ? 2u : 1u); ++side) {
+    for (std::size_t side = 0; side < columns; ++side) {
+        if (groups[side] == 0) continue; // all of its panels float
         taken[side] =
             std::floor(a.folded[side] ? folded_strip_px * s : std::min(a.width_px[side] * s + strip_px * s, most));
         const Rect room{side == 0 ? 0 : width - taken[side], top, taken[side], rest};
-        l.column[side] = column_at(side, room,
-                                   !two        ? left_groups | right_groups
-                                   : side == 0 ? left_groups
-                                               : right_groups,
-                                   i);
+        l.column[side] = column_at(side, room, groups[side], i);
     }
     l.view.x = taken[0];
     l.view.width = std::max(width - taken[0] - taken[1], 1.0F);

@@ -123,6 +123,16 @@ void draw_window_items(const State& state, Commands& commands) {
         ui::mark("menu", switch_names[static_cast<int>(which)]);
     };
     entry("Panels", "Tab", Switch::show_panels, i.arrangement.panels);
+    if (ImGui::BeginMenu("Floating panels")) {
+        for (int p = 0; p < panels; ++p) {
+            const auto panel = static_cast<Panel>(p);
+            const bool floats = i.arrangement.floats(panel);
+            if (ImGui::MenuItem(title_of(panel), "", floats)) commands.push(FloatPanel{panel, !floats, {}});
+            ui::mark("float", panel_names[p]);
+        }
+        ImGui::EndMenu();
+    }
+    ui::mark("menu", "floating");
     entry("Picture only", "F11", Switch::picture_only, i.picture_only);
     entry("Keys move in panels", "F6", Switch::panel_keys, i.panel_keys);
     entry("Half resolution while moving", "", Switch::half_resolution, i.half_resolution);

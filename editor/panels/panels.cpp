@@ -15,12 +15,12 @@ constexpr const char* titles[] = {"Tune",      "Camera", "View",      "Time",   
 static_assert(std::size(draws) == panels && std::size(titles) == panels, "a panel was added: draw and title it");
 
 // Tabs that the state, not ImGui, remembers, so that scripts can turn to them.
-void draw_tabs(unsigned groups, Panel shown, Commands& commands) {
+void draw_tabs(const ui::Section& section, Panel shown, const State& state, Commands& commands) {
     const float right = ImGui::GetWindowContentRegionMax().x;
     bool first = true;
     for (int i = 0; i < panels; ++i) {
         const auto panel = static_cast<Panel>(i);
-        if ((groups & group_bit(panel)) == 0) continue;
+        if ((section.groups & group_bit(panel)) == 0 || state.interface.arrangement.floats(panel)) continue;
         const float width = ImGui::CalcTextSize(titles[i]).x + 2 * ImGui::GetStyle().FramePadding.x;
         if (!first) {
             ImGui::SameLine(0, 0.5F * ImGui::GetStyle().ItemSpacing.x);
@@ -32,20 +32,16 @@ void draw_tabs(unsigned groups, Panel shown, Commands& commands) {
         if (ImGui::Button(titles[i])) commands.push(ShowPanel{panel});
         ui::mark("panel", panel_names[i]);
         if (!on) ImGui::PopStyleColor();
+        draw_detaching(panel, section.rect, state, commands);
+        ui::tip("Drag it onto the picture, or click it twice, and the panel floats there.");
     }
     ImGui::Separator();
-}
-
-// The keyboard is the camera's unless it was given to the panels.
-ImGuiWindowFlags key_flags(const State& state) {
-    const bool keys = state.interface.panel_keys || ImGui::GetIO().WantTextInput;
-    return keys ? 0 : ImGuiWindowFlags_NoNavInputs;
 }
 
 void draw_section(const char* name, const ui::Section& section, const State& state, Commands& commands) {
     const Panel shown = state.interface.arrangement.shown(section.groups);
     ui::begin_column(name, section.rect, key_flags(state) | ImGuiWindowFlags_NoScrollbar);
-    draw_tabs(section.groups, shown, commands);
+    draw_tabs(section, shown, state, commands);
     // The scroll bar has its room always, in the column's margin, and stands off what it scrolls.
     const ImGuiStyle& style = ImGui::GetStyle();
     const float width = ImGui::GetContentRegionAvail().x + style.WindowPadding.x / 2;
@@ -54,7 +50,7 @@ void draw_section(const char* name, const ui::Section& section, const State& sta
     if (!std::exchange(had_keys, state.interface.panel_keys) && had_keys) ImGui::SetNextWindowFocus();
     // Each where it was scrolled to.
     ImGui::BeginChild(titles[static_cast<int>(shown)], {width, 0}, false, key_flags(state));
-    draws[static_cast<int>(shown)](state, commands);
+    draw_panel(shown, state, commands);
     ImGui::EndChild();
     ImGui::End();
 }
@@ -124,12 +120,26 @@ void draw_column(std::size_t side, const ui::ColumnLayout& column, const State& 
 
 } // namespace
 
+void draw_panel(Panel panel, const State& state, Commands& commands) {
+    draws[static_cast<int>(panel)](state, commands);
+}
+
+const char* title_of(Panel panel) {
+    return titles[static_cast<int>(panel)];
+}
+
+ImGuiWindowFlags key_flags(const State& state) {
+    const bool keys = state.interface.panel_keys || ImGui::GetIO().WantTextInput;
+    return keys ? 0 : ImGuiWindowFlags_NoNavInputs;
+}
+
 void draw_panels(const State& state, Commands& commands) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const ui::Layout layout = ui::layout(display.x, display.y, state.interface);
     draw_shortcuts(state, commands);
     if (layout.menu_height > 0) draw_menu(state, commands);
     for (std::size_t side = 0; side < columns; ++side) draw_column(side, layout.column[side], state, commands);
+    draw_floating(state, layout, commands);
     draw_view(state, layout, commands);
     if (layout.status_height > 0) draw_status(state, layout, commands);
     draw_dialog(state, commands);

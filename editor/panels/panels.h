@@ -12,6 +12,16 @@ namespace fjell::editor {
 // Everything of a frame: menu, columns, status line, the picture's area and whatever dialog is open.
 void draw_panels(const State& state, Commands& commands);
 
+// One panel's contents, and what it is called.
+void draw_panel(Panel panel, const State& state, Commands& commands);
+[[nodiscard]] const char* title_of(Panel panel);
+// The keyboard is the camera's unless it was given to the panels: flags of a panel's window.
+[[nodiscard]] ImGuiWindowFlags key_flags(const State& state);
+// Panels that float over the picture: moved and resized by hand; back in a column when closed or dropped there.
+void draw_floating(const State& state, const ui::Layout& layout, Commands& commands);
+// Of a panel's tab, the last item: dragged out of that rectangle or clicked twice, the panel floats.
+void draw_detaching(Panel panel, const ui::Rect& column, const State& state, Commands& commands);
+
 void draw_menu(const State& state, Commands& commands);
 // Keys that do what the menu has.
 void draw_shortcuts(const State& state, Commands& commands);
@@ -57,6 +67,7 @@ void draw_compare(const State& state, Commands& commands);
 void draw_unsaved(const State& state, Commands& commands);
 void draw_recover(const State& state, Commands& commands);
 void draw_bake(const State& state, Commands& commands);
+void draw_baked(const State& state, Commands& commands);
 void draw_snapshot(const State& state, Commands& commands);
 void draw_screenshot(const State& state, Commands& commands);
 void draw_keys(const State& state, Commands& commands);

@@ -380,14 +380,27 @@ TEST_CASE("panels hide, fold and are resized by hand, and the next run looks as 
         editor.click_at(x + 40, y);
         editor.until("a folded column", [&](const json& s) { return view_of(s).width > view.width; });
         editor.resize(640, 330);
-        last = editor.until("its mesh", converged);
+        editor.click_at(3, y); // unfolded
+        const Place tab = editor.place("panel.time");
+        editor.drag_at(tab.x + tab.width / 2, tab.y + tab.height / 2, 420, 60);
+        last = editor.until("a floating panel", [](const json& s) {
+            return s["interface"]["floating"].contains("time") && s["marks"].contains("floating.time") &&
+                   !s["marks"].contains("panel.time");
+        });
+        editor.click("handle.left-column");
+        last = editor.until("a folded column", [&](const json& s) { return view_of(s).width > view.width; });
         editor.key("ctrl+q");
         CHECK(editor.exit_code() == 0);
     }
     EditorWindow editor(display(), home.path, {small_pack(), "--scale", half_scale});
     const json next = editor.until("a picture", converged);
-    for (const char* key : {"columns", "window_px", "view_px", "mode"})
+    for (const char* key : {"columns", "floating", "window_px", "view_px", "mode"})
         CHECK(next["interface"][key] == last["interface"][key]);
+    editor.click("handle.left-column");
+    const Place title = editor.place("floating.time"); // it is dropped back into its column
+    editor.drag_at(title.x + title.width / 2, title.y + title.height / 2, 60, 160);
+    editor.until("a tab again",
+                 [](const json& s) { return s["interface"]["floating"].empty() && s["marks"].contains("panel.time"); });
     CHECK(next["messages"].empty());
 }
 

@@ -58,6 +58,7 @@ TEST_CASE("settings are read as they were written, and damaged ones are the defa
     settings.look.arrangement.width_px[0] = 411;
     settings.look.arrangement.split[1] = 0.25F;
     settings.look.arrangement.panels = false;
+    settings.look.arrangement.floating[3] = {true, -12, 40.5F, 300, 200};
     write_settings(folder / "config", settings);
     CHECK(read() == settings);
     CHECK(problem.empty());
@@ -180,15 +181,15 @@ TEST_CASE("a folder is listed with folders first, files of the dialog's kinds, a
         for (std::size_t i = 0; i < browser.size(); ++i) all.push_back(browser.entry(i).name);
         return all;
     };
-    browser.filter(Dialog::open_file, false);
+    browser.filter(filter_of(Dialog::open_file), false);
     browser.look(folder.path.string());
     CHECK(names() == std::vector<std::string>{"a", "b", "Y.TIF", "p.toml", "z.fjell"});
     CHECK(browser.entry(0).folder);
     CHECK(browser.entry(4).bytes == 5);
     CHECK(browser.hidden() == 1);
-    browser.filter(Dialog::save_profile, false);
+    browser.filter(filter_of(Dialog::save_profile), false);
     CHECK(names() == std::vector<std::string>{"a", "b", "p.toml"});
-    browser.filter(Dialog::save_profile, true);
+    browser.filter(filter_of(Dialog::save_profile), true);
     CHECK(names().size() == 6);
     CHECK(browser.has_file("program.exe"));
     CHECK_FALSE(browser.has_file("a"));
@@ -217,7 +218,7 @@ TEST_CASE("a folder that cannot be read is a problem to show, and a large one is
         CHECK(browser.parent() == folder.path.string()); // there is a way out
     }
     for (int i = 0; i < 5000; ++i) spit(folder / (std::to_string(i) + ".fjell"), "");
-    browser.filter(Dialog::open_file, false);
+    browser.filter(filter_of(Dialog::open_file), false);
     browser.look(folder.path.string());
     CHECK(browser.problem().empty());
     CHECK(browser.size() == 5000);

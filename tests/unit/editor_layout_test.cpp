@@ -128,6 +128,37 @@ TEST_CASE("commands hide, fold, resize and turn to panels, and a panel that is a
     CHECK(state.messages.all.back().severity == Severity::error); // none has been measured
 }
 
+TEST_CASE("panels float and come back, and columns give the room of those that float to the others or to the picture") {
+    const Ui ui;
+    State state;
+    Engine engine;
+    Jobs jobs;
+    const auto run = [&](const char* line) { apply(*parse_command(line), {state, engine, jobs}); };
+    const Arrangement& a = state.interface.arrangement;
+    const auto at = [&](float width, float height) { return ui::layout(width, height, state.interface); };
+    run("interface panels off");
+    run("float time on");
+    CHECK(a.floats(Panel::time));
+    CHECK(a.panels); // it is seen
+    CHECK(a.shown(left_groups | right_groups) != Panel::time);
+    run("place-panel time 40 50 300 400");
+    CHECK(a.floating[static_cast<std::size_t>(Panel::time)] == FloatingPanel{true, 40, 50, 300, 400});
+    run("float time off");
+    CHECK(a.shown(right_groups) == Panel::time); // turned to where it belongs
+    for (const char* panel : {"budgets", "streaming"}) run((std::string("float ") + panel + " on").c_str());
+    const ui::Layout tall = at(1920, 1080);
+    CHECK(tall.column[1].sections == 1); // the lower one's panels are elsewhere
+    CHECK((groups_of(tall) & group_bit(Panel::budgets)) == 0);
+    for (const Panel panel : {Panel::time, Panel::levels, Panel::auto_tune, Panel::benchmark})
+        run((std::string("float ") + panel_names[static_cast<std::size_t>(panel)] + " on").c_str());
+    CHECK_FALSE(at(1920, 1080).column[1].there);
+    CHECK(at(1920, 1080).column[0].there);
+    for (const Panel panel : {Panel::tune, Panel::camera, Panel::show})
+        run((std::string("float ") + panel_names[static_cast<std::size_t>(panel)] + " on").c_str());
+    CHECK(at(1280, 720).view.width == 1280);
+    CHECK_THROWS(parse_command("place-panel time 1 1 2 2"));
+}
+
 TEST_CASE("graphs are held while they show some of the frames only, and show all of them when they go on") {
     State state;
     Engine engine;

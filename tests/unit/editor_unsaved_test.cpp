@@ -308,7 +308,7 @@ TEST_CASE("what cannot be opened is a message, heights are offered to be baked")
     spit(folder / "dem.asc", tiny_dem());
     editor.run("open " + folder / "dem.asc");
     CHECK(editor.state.interface.dialog == Dialog::bake);
-    CHECK(editor.state.bake_input == folder / "dem.asc");
+    CHECK(editor.state.bake.pack.inputs.front() == folder / "dem.asc");
     Editor script;
     script.state.headless = true;
     script.run("open " + folder / "dem.asc");

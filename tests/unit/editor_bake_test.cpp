@@ -1,0 +1,157 @@
+// What the dialog that bakes finds in files, proposes and asks.
+#include <catch2/catch.hpp>
+
+#include <atomic>
+#include <string>
+
+#include "editor/command.h"
+#include "editor/files/file_kind.h"
+#include "editor/handlers/handlers.h"
+#include "support/program.h"
+#include "support/temporary_folder.h"
+
+using namespace fjell::editor;
+using fjell::test::spit;
+using fjell::test::TemporaryFolder;
+
+namespace {
+
+// A binary grey map: numbers without coordinates. 40 columns, slopes of 6 a column.
+std::string grey_map(int rows) {
+    std::string text = "P5\n40 " + std::to_string(rows) + "\n255\n";
+    for (int i = 0; i < 40 * rows; ++i) text += static_cast<char>(10 + i % 40 * 6);
+    return text;
+}
+
+std::string ascii_grid(int west, const char* number) {
+    std::string text = "ncols 20\nnrows 10\nxllcorner " + std::to_string(west) + "\nyllcorner 0\ncellsize 10\n";
+    for (int i = 0; i < 200; ++i) text += i == 25 ? std::string(number) + " " : std::to_string(100 + i % 20) + " ";
+    return text + "\n";
+}
+
+HeightFacts facts_of(const BakePack& pack) {
+    const std::atomic<bool> stop{false};
+    return look_at_heights(pack, stop);
+}
+
+BakePack pack_of(std::vector<std::string> inputs) {
+    BakePack pack;
+    pack.inputs = std::move(inputs);
+    return pack;
+}
+
+struct BakeDialog {
+    State state;
+    Engine engine;
+    Jobs jobs;
+
+    void run(const std::string& line) { apply(*parse_command(line), {state, engine, jobs}); }
+};
+
+} // namespace
+
+TEST_CASE("heights without coordinates: the spacing is missing, and one is proposed from the name or from the slopes") {
+    const TemporaryFolder folder;
+    spit(folder / "hills_30m.png", grey_map(30));
+    spit(folder / "hills.png", grey_map(30));
+    const HeightFacts named = facts_of(pack_of({folder / "hills_30m.png"}));
+    CHECK(named.known);
+    CHECK(named.columns == 40);
+    CHECK(named.rows == 30);
+    CHECK(named.least_m == 10);
+    CHECK(named.most_m == 10 + 39 * 6);
+    CHECK(named.at == BakeField::spacing);
+    CHECK(named.proposed == "30");
+    CHECK(named.problem.find("--") == std::string::npos); // no option of another program
+    CHECK(named.problem.starts_with("hills_30m.png: "));
+    CHECK(named.texels.size() == 40 * 30);
+    const HeightFacts sloped = facts_of(pack_of({folder / "hills.png"}));
+    // 6 m from column to column, but 0 from row to row, which is not looked at.
+    CHECK(std::stod(sloped.proposed) == Approx(6 / 0.18).margin(10));
+    BakePack given = pack_of({folder / "hills.png"});
+    given.spacing_m = 25;
+    given.height_scale = 2;
+    given.height_offset_m = 100;
+    const HeightFacts right = facts_of(given);
+    CHECK(right.problem.empty());
+    CHECK(right.at == BakeField::none);
+    CHECK(right.spacing_m[0] == 25);
+    CHECK(right.least_m == 120);
+}
+
+TEST_CASE("numbers that look like voids, missing files and images that are none mark their fields") {
+    const TemporaryFolder folder;
+    spit(folder / "voids.asc", ascii_grid(0, "-9999"));
+    spit(folder / "west.asc", ascii_grid(0, "101"));
+    spit(folder / "east.asc", ascii_grid(200, "101"));
+    spit(folder / "notes.txt", "no image");
+    const HeightFacts voids = facts_of(pack_of({folder / "voids.asc"}));
+    CHECK(voids.at == BakeField::voids);
+    CHECK(voids.proposed == "-9999");
+    CHECK(voids.problem.find("--") == std::string::npos);
+    BakePack declared = pack_of({folder / "voids.asc"});
+    declared.voids = "-9999";
+    CHECK(facts_of(declared).problem.empty());
+    CHECK(facts_of(declared).void_share == Approx(1.0 / 200));
+    CHECK(facts_of(pack_of({folder / "none.tif"})).at == BakeField::heights);
+    CHECK_FALSE(facts_of(pack_of({folder / "none.tif"})).known);
+    BakePack mosaic = pack_of({folder / "west.asc", folder / "east.asc"});
+    CHECK(facts_of(mosaic).columns == 40);
+    mosaic.texture = folder / "notes.txt";
+    CHECK(facts_of(mosaic).at == BakeField::texture);
+    CHECK(facts_of(mosaic).known); // and the heights are still shown
+    mosaic.texture = folder / "west.asc";
+    const HeightFacts pictured = facts_of(mosaic);
+    CHECK(pictured.image_px > 0);
+    CHECK(pictured.texels.size() == std::size_t{pictured.width_px} * pictured.height_px);
+    const std::atomic<bool> stop{true};
+    CHECK_FALSE(look_at_heights(mosaic, stop).known);
+}
+
+TEST_CASE("files that are given find their fields, other heights begin another bake, and the pack follows them") {
+    const TemporaryFolder folder;
+    spit(folder / "west.asc", ascii_grid(0, "101"));
+    spit(folder / "east.asc", ascii_grid(200, "101"));
+    spit(folder / "ramp.json", R"({"stops": []})");
+    BakeDialog d;
+    const BakePack& pack = d.state.bake.pack;
+    d.run("open " + folder / "west.asc");
+    CHECK(d.state.interface.dialog == Dialog::bake);
+    CHECK(pack.output == folder / "west.fjell");
+    d.run("open " + folder / "east.asc"); // dropped on the open dialog: beside the first
+    CHECK(pack.inputs.size() == 2);
+    d.run("bake-file " + folder / "ramp.json");
+    CHECK(pack.ramp == folder / "ramp.json");
+    CHECK(pack.inputs.size() == 2);
+    d.run("bake-file " + folder / "mine" + " output");
+    CHECK(pack.output == folder / "mine.fjell");
+    CHECK(d.state.bake.output_problem.empty());
+    d.run("bake-file /nowhere/mine.fjell output");
+    CHECK(d.state.bake.output_problem.find("/nowhere") != std::string::npos);
+    d.run("bake-file " + folder / "east.asc" + " heights");
+    CHECK(pack.inputs == std::vector<std::string>{folder / "east.asc"});
+    CHECK(pack.output == folder / "east.fjell");
+    CHECK(pack.ramp == folder / "ramp.json"); // of no file in particular
+    spit(folder / "east.fjell", "");
+    d.run("bake-file " + folder / "east.asc" + " another"); // the same again adds nothing
+    CHECK(pack.inputs.size() == 1);
+    CHECK(d.state.bake.output_exists);
+}
+
+TEST_CASE("a pack that is ready is asked about only while another terrain is flown, and after other dialogs") {
+    BakeDialog d;
+    d.state.scene.path = "flown.fjell";
+    d.state.interface.dialog = Dialog::save_profile;
+    d.state.bake.asks = true;
+    take_baked("new.fjell", {d.state, d.engine, d.jobs});
+    CHECK(d.state.interface.dialog == Dialog::save_profile); // what is typed there is not lost
+    CHECK(d.state.bake.ready == "new.fjell");
+    d.run("dialog none");
+    CHECK(d.state.interface.dialog == Dialog::baked);
+    d.run("open-baked off");
+    CHECK(d.state.interface.dialog == Dialog::none);
+    CHECK(d.state.bake.ready.empty());
+    CHECK(d.state.scene.path == "flown.fjell");
+    d.run("open-baked on");
+    CHECK(d.state.messages.all.back().severity == Severity::error); // there is none any more
+}
