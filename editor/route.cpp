@@ -230,6 +230,7 @@ void Route::edit(Content next, const flight::Ground& ground) {
 }
 
 void Route::take_over(Content next) {
+    dragged_.reset();
     if (!now_.points.empty()) before_ = std::move(now_);
     now_ = std::move(next);
 }

@@ -68,6 +68,15 @@ public:
     void move(std::size_t point, std::size_t to, const flight::Ground& ground); // so that it becomes the to-th
     [[nodiscard]] flight::Pose select(std::size_t point);
 
+    // route_shapes.cpp. Over that place, as high above the ground as it was. dragging: the same point's next place
+    // follows, and all of them are one step for restore().
+    void place(std::size_t point, double x_m, double z_m, bool dragging, const flight::Ground& ground);
+    // All points look at that place on the ground.
+    void aim(double x_m, double z_m, const flight::Ground& ground);
+    // Another path: level, once around centre_m, from from_m on and looking inwards; that high above all ground on it.
+    void circle(const Vec3& centre_m, const Vec3& from_m, double seconds, double least_above_m,
+                const flight::Ground& ground);
+
 private:
     struct Content {
         std::string path;
@@ -85,6 +94,7 @@ private:
     void record_point(const flight::Pose& pose);
 
     Content now_, before_;
+    std::optional<std::size_t> dragged_; // the point that place() is dragging
     double share_ = 0;
     bool playing_ = false, loops_ = true;
     bool recording_ = false; // what follows: of it

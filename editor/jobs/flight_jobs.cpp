@@ -87,7 +87,13 @@ void tune(MeasuredFlightPlan plan, const TuneSettings& settings, io::AtomicFile*
     });
 }
 
+std::string name_of(const std::string& path) {
+    return path.substr(path.find_last_of('/') + 1);
+}
+
 void benchmark(MeasuredFlightPlan plan, const std::string& path, io::AtomicFile& file, JobControl& control) {
+    const double budget_us = plan.profile.cut.budget_us;
+    const std::string profile = plan.profile_name;
     MeasuredFlight flight(std::move(plan), control);
     flight::FlightLog log;
     log.frames.reserve(flight.frames());
@@ -98,7 +104,12 @@ void benchmark(MeasuredFlightPlan plan, const std::string& path, io::AtomicFile&
     });
     write(file, flight::csv(log));
     const flight::Summary s = flight::summarise(log, flight.incremental());
+    auto run = std::make_shared<FlownRun>(make_run(log.frames, flight.poses()));
+    run->name = name_of(path);
+    run->profile = profile;
+    run->budget_us = budget_us;
     control.publish([&](JobView& view) {
+        if (!run->places.empty()) view.run = std::move(run);
         view.output = path;
         view.result = fmt::format("{}: {} frames, {} of them converged; update p50 {} us, p99 {} us", path, s.frames,
                                   s.converged, grouped(s.update_us.p50), grouped(s.update_us.p99));

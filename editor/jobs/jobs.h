@@ -19,13 +19,15 @@
 #include <vector>
 
 #include "editor/jobs/tune_settings.h"
+#include "editor/runs.h"
 #include "flight/path.h"
 #include "flight/profile.h"
 
 namespace fjell::editor {
 
-enum class JobKind : std::uint8_t { none, bake, tune, benchmark, snapshot, preview, heights };
-inline constexpr const char* job_names[] = {"none", "bake", "tune", "benchmark", "export", "preview", "heights"};
+enum class JobKind : std::uint8_t { none, bake, tune, benchmark, snapshot, preview, heights, pictures };
+inline constexpr const char* job_names[] = {"none",   "bake",    "tune",    "benchmark",
+                                            "export", "preview", "heights", "pictures"};
 
 // What flights at one threshold cost: each frame with its least time (editor/jobs/threshold_search.h).
 struct TunePoint {
@@ -60,7 +62,8 @@ struct JobView {
     std::uint32_t flights = 0; // of tuning, so far
     double best_px = 0;        // of tuning: the smallest threshold that keeps the budget; 0: none does
     ExportPreview preview;
-    std::uint64_t finished = 0; // jobs that ended so far
+    std::shared_ptr<const FlownRun> run; // of a benchmark that is done
+    std::uint64_t finished = 0;          // jobs that ended so far
 };
 
 // What a job's body is given. Thread: the job's, and those that it starts.

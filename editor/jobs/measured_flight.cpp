@@ -140,6 +140,10 @@ std::size_t MeasuredFlight::frames() const {
     return impl_->poses.size();
 }
 
+const std::vector<flight::Pose>& MeasuredFlight::poses() const {
+    return impl_->poses;
+}
+
 bool MeasuredFlight::incremental() const {
     return impl_->session.incremental();
 }

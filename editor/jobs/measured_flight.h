@@ -30,6 +30,7 @@ struct MeasuredFlightPlan {
     std::vector<flight::Pose> route; // 60 a second; empty: an orbit around the terrain's middle
     std::size_t frames = 0;          // 0: as many as the route has
     bool draws = false;              // with upload, drawing and the GPU's work
+    std::string profile_name;        // for people
 };
 
 // The route in so many frames, from its first pose to its last; directions in between are orthonormal.
@@ -43,6 +44,7 @@ public:
     MeasuredFlight& operator=(const MeasuredFlight&) = delete;
 
     [[nodiscard]] std::size_t frames() const;
+    [[nodiscard]] const std::vector<flight::Pose>& poses() const;
     [[nodiscard]] bool incremental() const;
     [[nodiscard]] double error_px() const; // the profile's
     // From the first pose to the last, the first frame built from nothing. each: after every frame, with what it took

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "editor/panels/panels.h"
+#include "editor/panels/runs.h"
 
 namespace fjell::editor {
 
@@ -112,6 +113,7 @@ void draw_overview(const State& state, Commands& commands) {
     list.PushClipRect(frame.from, high, true);
     if (state.shows(Overlay::tile_borders)) draw_tiles(list, frame, scene);
     draw_route(list, frame, state.route);
+    draw_heat(state, list, frame.from, frame.size);
     if (state.eye.refining) draw_eye(list, frame, *state.eye.refining, frozen_colour);
     draw_eye(list, frame, state.eye.view, camera_colour);
     list.PopClipRect();

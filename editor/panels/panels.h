@@ -28,12 +28,17 @@ void draw_probe(const State& state, const ui::Rect& view);
 void draw_tune(const State& state, Commands& commands);
 void draw_camera(const State& state, Commands& commands);
 void draw_picture(const State& state, Commands& commands);
+void draw_pictures(const State& state, Commands& commands);
 void draw_time(const State& state, Commands& commands);
 void draw_budgets(const State& state, Commands& commands);
 void draw_streaming(const State& state, Commands& commands);
 void draw_levels(const State& state, Commands& commands);
 void draw_auto_tune(const State& state, Commands& commands);
 void draw_benchmark(const State& state, Commands& commands);
+
+// Inside the view panel; and over the picture.
+void draw_compare_picture(const State& state, Commands& commands);
+void draw_divider(const State& state, const ui::Rect& view, Commands& commands);
 
 // Inside the camera panel.
 void draw_overview(const State& state, Commands& commands);

@@ -180,6 +180,7 @@ void draw_picture(const State& state, Commands& commands) {
         ui::tip(overlay_choices[i].about);
     }
     if (state.scene.open()) explain_overlays(state);
+    if (state.scene.open()) draw_compare_picture(state, commands);
     draw_scale(state, commands);
 }
 
