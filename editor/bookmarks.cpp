@@ -88,9 +88,8 @@ void write_bookmarks(const std::string& folder, const std::vector<Bookmark>& boo
     json list = json::array();
     for (const Bookmark& b : bookmarks) {
         const auto& [at, to, up] = b.pose;
-        list.push_back({{"name", b.name},
-                        {"pack", b.pack},
-                        {"pose", {at.x, at.y, at.z, to.x, to.y, to.z, up.x, up.y, up.z}}});
+        list.push_back(
+            {{"name", b.name}, {"pack", b.pack}, {"pose", {at.x, at.y, at.z, to.x, to.y, to.z, up.x, up.y, up.z}}});
     }
     std::error_code ignored; // what is wrong with the folder, the file says
     fs::create_directories(folder + "/bookmarks", ignored);

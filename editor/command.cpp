@@ -188,7 +188,8 @@ std::vector<Verb> picture_verbs() {
         {"clear-marks", "", "removes both marks", plain<ClearMarks>()},
         {"mode", "NAME", "shaded, wire, levels, tiles, mips, residency or distance",
          [](Words& w) { return SetPictureMode{w.one_of<flight::PictureMode>(flight::picture_mode_names, "mode")}; }},
-        {"overlay", "NAME on|off", "wireframe, tile-borders, page-borders, spheres, culled, error or path",
+        {"overlay", "NAME on|off",
+         "wireframe, tile-borders, page-borders, spheres, culled, error, path, contours or slope",
          [](Words& w) {
              const auto overlay = w.one_of<Overlay>(overlay_names, "overlay");
              return SetOverlay{overlay, w.on()};

@@ -129,6 +129,8 @@ void Comparison::draw(const State& state, const gl::Target& target) {
     options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
     options.tile_borders = state.shows(Overlay::tile_borders);
     options.page_borders = state.shows(Overlay::page_borders);
+    options.contour_m = state.shows(Overlay::contours) ? contour_interval_m(state.scene) : 0;
+    options.slope = state.shows(Overlay::slope);
     error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, *target_);
     must(error.empty(), error);
     if (state.compared.view == CompareView::difference) {

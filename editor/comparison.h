@@ -38,7 +38,7 @@ private:
     void close(State& state);
     void adopt(State& state, const Engine& engine);
 
-    flight::Profile profile_; // that it goes by
+    flight::Profile profile_;    // that it goes by
     std::uint64_t terrains_ = 0; // Engine::terrains() that it belongs to
     // In the order of destruction, last first: the renderer points into the session.
     std::unique_ptr<flight::Session> session_;

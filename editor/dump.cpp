@@ -161,6 +161,7 @@ json job_json(const JobView& j) {
                          {"keeps", p.keeps},
                          {"reached", p.reached},
                          {"frames", p.frames},
+                         {"dearest_us", p.dearest_us},
                          {"flights", p.flights}});
     return {{"kind", job_names[static_cast<int>(j.kind)]},
             {"running", j.running},

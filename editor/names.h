@@ -12,11 +12,22 @@ namespace fjell::editor {
 enum class Navigation : std::uint8_t { fly, orbit, path };
 inline constexpr const char* navigation_names[] = {"fly", "orbit", "path"};
 
-enum class Overlay : std::uint8_t { wireframe, tile_borders, page_borders, spheres, culled, error, path };
-inline constexpr const char* overlay_names[] = {"wireframe", "tile-borders", "page-borders", "spheres",
-                                                "culled",    "error",        "path"};
+enum class Overlay : std::uint8_t {
+    wireframe,
+    tile_borders,
+    page_borders,
+    spheres,
+    culled,
+    error,
+    path,
+    contours,
+    slope
+};
+inline constexpr const char* overlay_names[] = {"wireframe", "tile-borders", "page-borders", "spheres", "culled",
+                                                "error",     "path",         "contours",     "slope"};
 inline constexpr int overlays = static_cast<int>(std::size(overlay_names));
-inline constexpr std::array<bool, overlays> first_overlays{false, false, false, false, false, false, true}; // the path
+inline constexpr std::array<bool, overlays> first_overlays{false, false, false, false,
+                                                           false, false, true}; // the path alone
 
 // Those of the left column, then those of the right one.
 enum class Panel : std::uint8_t {

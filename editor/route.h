@@ -36,6 +36,10 @@ public:
     [[nodiscard]] double seconds() const { return static_cast<double>(now_.poses.size()) / poses_a_second; }
     // That it shall take; 0: as long as its way at a sixtieth of the terrain's longer extent a second.
     [[nodiscard]] double requested_seconds() const { return now_.seconds; }
+    // Where a point lies in the path's time, 0..1.
+    [[nodiscard]] double share_of(std::size_t point) const {
+        return point < now_.shares.size() ? now_.shares[point] : 0;
+    }
     // Not points yet: an orbit, say, as it was read.
     [[nodiscard]] bool as_read() const { return now_.as_read.has_value(); }
     [[nodiscard]] bool can_restore() const { return !before_.points.empty(); }
@@ -81,6 +85,7 @@ private:
     struct Content {
         std::string path;
         std::vector<flight::ControlPoint> points;
+        std::vector<double> shares; // of the points
         std::vector<flight::Pose> poses;
         std::optional<flight::CameraPath> as_read;
         std::optional<std::size_t> selected;

@@ -51,6 +51,9 @@ struct Scene {
     [[nodiscard]] double depth_m() const { return rows > 1 ? (rows - 1) * spacing_m[1] : 0; }
 };
 
+// Between contours: a round number of metres, some 20 of them over the terrain's heights.
+[[nodiscard]] double contour_interval_m(const Scene& scene);
+
 struct Eye {
     flight::FreeCamera free;
     Navigation navigation = Navigation::fly;

@@ -68,8 +68,8 @@ void Studio::draw(const PicturePlan& plan, const flight::Pose& pose, double now_
         const std::string error = flight::upload_mesh(*renderer, session, poll);
         need(error.empty(), error);
     });
-    std::string error = renderer->draw_uploaded(session.mesh(), view,
-                                                flight::draw_options(plan.mode, plan.profile, now_s), *target);
+    std::string error =
+        renderer->draw_uploaded(session.mesh(), view, flight::draw_options(plan.mode, plan.profile, now_s), *target);
     need(error.empty(), error);
     target->read_colour(image);
     error = gl::write_png(image, file);

@@ -42,7 +42,8 @@ void side_plate(ImDrawList& list, ImVec2 at, bool right_aligned, const char* tex
     const float em = ImGui::GetFontSize();
     const ImVec2 size = ImGui::CalcTextSize(text), pad{0.5F * em, 0.25F * em};
     if (right_aligned) at.x -= size.x + 2 * pad.x;
-    list.AddRectFilled(at, {at.x + size.x + 2 * pad.x, at.y + size.y + 2 * pad.y}, IM_COL32(12, 14, 18, 205), 0.25F * em);
+    list.AddRectFilled(at, {at.x + size.x + 2 * pad.x, at.y + size.y + 2 * pad.y}, IM_COL32(12, 14, 18, 205),
+                       0.25F * em);
     list.AddText({at.x + pad.x, at.y + pad.y}, IM_COL32_WHITE, text);
 }
 

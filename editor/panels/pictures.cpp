@@ -27,7 +27,8 @@ void draw_bookmark(const Bookmark& b, std::size_t index, float width, Commands& 
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const ImVec2 high{at.x + width, at.y + height};
     if (b.texture != 0) { // cut to the frame's shape, not stretched
-        const float aspect = static_cast<float>(b.thumbnail.width) / static_cast<float>(std::max(b.thumbnail.height, 1u));
+        const float aspect =
+            static_cast<float>(b.thumbnail.width) / static_cast<float>(std::max(b.thumbnail.height, 1u));
         const float wide = aspect > 16.0F / 9 ? 16.0F / 9 / aspect : 1, tall = aspect < 16.0F / 9 ? aspect * 9 / 16 : 1;
         list.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(b.texture)), at, high,
                       {(1 - wide) / 2, (1 - tall) / 2}, {(1 + wide) / 2, (1 + tall) / 2});
@@ -53,8 +54,8 @@ void draw_bookmarks(const State& state, Commands& commands) {
     ui::heading("Bookmarks");
     const float add = ImGui::CalcTextSize("Add").x + 2 * ImGui::GetStyle().FramePadding.x;
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - add - ImGui::GetStyle().ItemSpacing.x);
-    const bool entered = ImGui::InputTextWithHint("##name", "a name, or none", name, sizeof name,
-                                                  ImGuiInputTextFlags_EnterReturnsTrue);
+    const bool entered =
+        ImGui::InputTextWithHint("##name", "a name, or none", name, sizeof name, ImGuiInputTextFlags_EnterReturnsTrue);
     ui::mark("bookmark", "name");
     ui::tip("What the bookmark is called; without a name it is numbered.");
     ImGui::SameLine();

@@ -15,9 +15,10 @@ namespace fjell::editor {
 namespace {
 
 // Told apart with any kind of colour vision (Okabe and Ito), light enough for the panels.
-constexpr ImU32 run_colours[most_runs] = {
-    IM_COL32(86, 180, 233, 255),  IM_COL32(230, 159, 0, 255),   IM_COL32(0, 178, 135, 255),  IM_COL32(240, 228, 66, 255),
-    IM_COL32(204, 121, 167, 255), IM_COL32(213, 110, 40, 255), IM_COL32(120, 150, 255, 255), IM_COL32(200, 200, 200, 255)};
+constexpr ImU32 run_colours[most_runs] = {IM_COL32(86, 180, 233, 255),  IM_COL32(230, 159, 0, 255),
+                                          IM_COL32(0, 178, 135, 255),   IM_COL32(240, 228, 66, 255),
+                                          IM_COL32(204, 121, 167, 255), IM_COL32(213, 110, 40, 255),
+                                          IM_COL32(120, 150, 255, 255), IM_COL32(200, 200, 200, 255)};
 constexpr ImU32 strip_paper = IM_COL32(28, 31, 37, 255), strip_grid = IM_COL32(255, 255, 255, 26);
 constexpr float unbounded_px = 1e6F;
 
@@ -52,7 +53,7 @@ struct Strip {
 };
 
 void draw_run_curve(ImDrawList& list, const FlownRun& run, const Strip& strip, ImVec2 low, ImVec2 high, double most,
-                ImU32 colour, bool latest) {
+                    ImU32 colour, bool latest) {
     std::array<ImVec2, most_places> points;
     const std::size_t n = std::min(run.places.size(), most_places);
     const float em = ImGui::GetFontSize(), w = 0.22F * em;
@@ -72,7 +73,8 @@ void draw_run_curve(ImDrawList& list, const FlownRun& run, const Strip& strip, I
 // Where budgets were exhausted, along the foot of a strip.
 void draw_exhausted(ImDrawList& list, const FlownRun& run, ImVec2 low, ImVec2 high) {
     const float em = ImGui::GetFontSize();
-    const float wide = std::max((high.x - low.x) / static_cast<float>(std::max<std::size_t>(run.places.size(), 1)), 1.0F);
+    const float wide =
+        std::max((high.x - low.x) / static_cast<float>(std::max<std::size_t>(run.places.size(), 1)), 1.0F);
     for (std::size_t i = 0; i < run.places.size(); ++i) {
         if (run.places[i].exhausted == 0) continue;
         const float x = low.x + static_cast<float>(run.share_of(i)) * (high.x - low.x);
@@ -103,11 +105,11 @@ void draw_strip(const Strip& strip, const State& state, Commands& commands) {
     const bool clicked = ImGui::InvisibleButton(strip.name, {width, strip.height_em * em});
     ui::mark("run", strip.name);
     if (!ImGui::IsItemVisible()) return;
-    const ImVec2 low{from.x + 3.6F * em, from.y + 1.5F * em}, high{from.x + width - 1, from.y + (strip.height_em - 0.6F) * em};
+    const ImVec2 low{from.x + 3.6F * em, from.y + 1.5F * em},
+        high{from.x + width - 1, from.y + (strip.height_em - 0.6F) * em};
     ImDrawList& list = *ImGui::GetWindowDrawList();
     list.AddRectFilled(low, high, strip_paper);
-    const double most =
-        ui::round_up(std::max(static_cast<double>(usual_most(state, strip.value)), 1.15 * strip.line));
+    const double most = ui::round_up(std::max(static_cast<double>(usual_most(state, strip.value)), 1.15 * strip.line));
     char text[16];
     for (int i = 0; i <= 2; ++i) {
         const float y = high.y - static_cast<float>(i) / 2 * (high.y - low.y);
@@ -185,8 +187,8 @@ void draw_run_table(const State& state, Commands& commands) {
     ImGui::EndTable();
 }
 
-void draw_flown_place(const FlownPlace& place, const FlownRun& run, std::size_t index, std::size_t at, const State& state,
-                Commands& commands) {
+void draw_flown_place(const FlownPlace& place, const FlownRun& run, std::size_t index, std::size_t at,
+                      const State& state, Commands& commands) {
     char text[96], error[24];
     if (place.error_px >= unbounded_px)
         std::snprintf(error, sizeof error, "unbounded");
@@ -226,11 +228,12 @@ void draw_heat_choice(const State& state, Commands& commands) {
     ImGui::TextUnformatted("Path on the overview coloured by");
     for (int i = 0; i < 3; ++i) {
         if (i > 0) ImGui::SameLine();
-        if (ImGui::RadioButton(labels[i], static_cast<int>(state.runs.heat) == i)) commands.push(SetHeat{static_cast<Heat>(i)});
+        if (ImGui::RadioButton(labels[i], static_cast<int>(state.runs.heat) == i))
+            commands.push(SetHeat{static_cast<Heat>(i)});
         ui::mark("heat", heat_names[i]);
         ui::tip("Colours the overview in the Camera panel along the latest run's path: blue is cheap or exact, red "
                 "the run's p99 time or its threshold, white beyond that.");
-        }
+    }
 }
 
 } // namespace

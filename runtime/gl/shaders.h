@@ -50,8 +50,9 @@ struct FrameBlock {
     float layers[4];               // LayerSettings: distance [m], tint, relief; where the fine textures end [m]
     float shadow_plane[4];         // column and row of the horizon map's planes on both sides of the sun's azimuth
     float shadow[4];               // share of the second; sine of half the penumbra; texels a side of mip 0; mips
+    float relief[4];               // contours a metre, 0: none; 1: slopes; 1: hatching of broken bounds
 };
-static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6 + 27) * 16 &&
+static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6 + 28) * 16 &&
                   offsetof(FrameBlock, tile) == 208,
               "FrameBlock is uploaded: change the block `Frame` in shaders.cpp with it");
 
