@@ -15,7 +15,7 @@ constexpr double sun_deg_a_pixel = 0.25;
 constexpr float drag_begins_px = 4;
 
 struct Held {
-    std::optional<std::size_t> point;                // of the path
+    std::optional<std::size_t> point;        // of the path
     const flight::ProfileKey* key = nullptr; // of the sun
     double value = 0;                        // of the key, when it was taken
     bool sun = false;                        // taken, but whether along or across is not clear yet
@@ -71,9 +71,9 @@ void drag_sun(const State& state, bool ends, Commands& commands) {
     if (taken.key == nullptr) {
         if (std::max(std::abs(moved.x), std::abs(moved.y)) < drag_begins_px) return;
         const bool across = std::abs(moved.x) >= std::abs(moved.y);
-        taken.key = flight::find_profile_key(by_time ? "light.hour_utc"
-                                            : across ? "light.azimuth_deg"
-                                                     : "light.elevation_deg");
+        taken.key = flight::find_profile_key(by_time  ? "light.hour_utc"
+                                             : across ? "light.azimuth_deg"
+                                                      : "light.elevation_deg");
         taken.value = taken.key->get(profile);
     }
     const bool up = taken.key == flight::find_profile_key("light.elevation_deg");
@@ -102,7 +102,8 @@ bool draw_hands(const State& state, const ui::Rect& view, Commands& commands) {
     }
     if (taken.sun) {
         if (!ends || taken.key != nullptr) drag_sun(state, ends, commands);
-    } else if (ImGui::IsMouseDragging(ImGuiMouseButton_Left, drag_begins_px) || (ends && io.MouseDragMaxDistanceSqr[0] >= drag_begins_px * drag_begins_px)) {
+    } else if (ImGui::IsMouseDragging(ImGuiMouseButton_Left, drag_begins_px) ||
+               (ends && io.MouseDragMaxDistanceSqr[0] >= drag_begins_px * drag_begins_px)) {
         if (ends || io.MouseDelta.x != 0 || io.MouseDelta.y != 0) drag_point(state, view, ends, commands);
     } else if (ends) {
         commands.push(SelectPoint{*taken.point});

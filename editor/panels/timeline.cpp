@@ -22,14 +22,17 @@ std::size_t speeds_of(const Route& route, std::array<float, most_speeds>& speeds
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t from = i * (poses.size() - 1) / count, to = (i + 1) * (poses.size() - 1) / count;
         const double way_m = length(poses[to].position_m - poses[from].position_m);
-        speeds[i] = static_cast<float>(way_m * poses_a_second / static_cast<double>(std::max<std::size_t>(to - from, 1)));
+        speeds[i] =
+            static_cast<float>(way_m * poses_a_second / static_cast<double>(std::max<std::size_t>(to - from, 1)));
         most = std::max(most, speeds[i]);
     }
     return count;
 }
 
 void draw_points_of(ImDrawList& list, const Route& route, ImVec2 low, ImVec2 high) {
-    const float r = 0.3F * ImGui::GetFontSize();
+    // Of many points the marks are smaller, or they would be one bar.
+    const float apart = (high.x - low.x) / static_cast<float>(std::max<std::size_t>(route.points().size(), 1));
+    const float r = std::clamp(apart / 2.4F, 0.12F * ImGui::GetFontSize(), 0.3F * ImGui::GetFontSize());
     for (std::size_t i = 0; i < route.points().size(); ++i) {
         const float x = low.x + static_cast<float>(route.share_of(i)) * (high.x - low.x), y = high.y - r;
         const bool selected = route.selected() == i;

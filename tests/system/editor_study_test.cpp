@@ -30,7 +30,8 @@ public:
                                       "[refine]\nerror_px = " +
                                           std::to_string(error_px) +
                                           "\n[light]\nair = \"simple\"\ndetail = false\ndither = false\n");
-        std::string line = "ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR "/fjell-editor --headless --size 480x320 --scale "
+        std::string line = "ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR
+                           "/fjell-editor --headless --size 480x320 --scale "
                            "0.5 --profile profile.toml '" +
                            small_pack() + "'";
         for (const std::string& c : commands) line += " --do '" + c + "'";
@@ -66,10 +67,10 @@ TEST_CASE("beyond the divider the picture is that of the other threshold, before
     const Studies s;
     (void)s.after({"wait", "screenshot fine.png terrain"}, 2);
     (void)s.after({"wait", "screenshot coarse.png terrain"}, 40);
-    const json both = s.after({"compare-picture 40", "divider 0.25", "wait", "screenshot both.png terrain",
-                               "compare-view difference", "wait", "screenshot apart.png terrain", "compare-picture 2",
-                               "wait", "screenshot alike.png terrain"},
-                              2);
+    const json both =
+        s.after({"compare-picture 40", "divider 0.25", "wait", "screenshot both.png terrain", "compare-view difference",
+                 "wait", "screenshot apart.png terrain", "compare-picture 2", "wait", "screenshot alike.png terrain"},
+                2);
     CHECK(both["compared_picture"]["there"] == true);
     const gl::Image fine = s.picture("fine.png"), coarse = s.picture("coarse.png"), split = s.picture("both.png");
     const std::uint32_t at = fine.width / 4, all = fine.width;
@@ -130,7 +131,8 @@ TEST_CASE("a picture is rendered at any size, and a path as a sequence that says
     CHECK(differing(large, large, 0, 1) == 0);
     const json path = s.after({"circle-path 2", "render turn path width=64 height=36 fps=3", "wait"});
     CHECK(path["route"]["points"] == 25);
-    CHECK_THAT(path["messages"].back()["text"].get<std::string>(), Catch::Contains("6 pictures") && Catch::Contains("ffmpeg -framerate 3"));
+    CHECK_THAT(path["messages"].back()["text"].get<std::string>(),
+               Catch::Contains("6 pictures") && Catch::Contains("ffmpeg -framerate 3"));
     for (int i = 0; i < 6; ++i) CHECK(fs::exists(s.folder / ("turn/frame_0000" + std::to_string(i) + ".png")));
     CHECK_FALSE(fs::exists(s.folder / "turn/frame_00006.png"));
     CHECK(differing(s.picture("turn/frame_00000.png"), s.picture("turn/frame_00003.png"), 0, 64) > 100);
