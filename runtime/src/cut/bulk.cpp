@@ -22,6 +22,7 @@ BulkPage& visit(CutState& s, std::uint32_t slot) {
     std::fill_n(page.active, bulk_rows, 0);
     std::fill_n(page.ticks, page_ticks, unscheduled);
     s.bulk.visited[s.bulk.visited_count++] = slot;
+    if (s.bulk.beside) watch_visited_page(s, slot);
     return page;
 }
 

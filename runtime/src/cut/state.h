@@ -236,6 +236,7 @@ struct CutState {
     Frustum frustums[max_cut_views];
     Sights sights, sights_before; // of the look that pages are given, and of the one that the others had
     std::uint32_t next_look;      // state of a page that comes next; from fresh_page on all have had it
+    bool sights_mixed;            // the others had several: looks that did not come to their end
     std::uint32_t view_count;     // 0: no update yet
     double largest_unit_px;       // screen_unit_px() (lag.h)
     double largest_ratio;         // of a view's threshold to that of the settings
