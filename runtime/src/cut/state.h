@@ -293,7 +293,7 @@ inline void count_parents(CutState& s, std::uint32_t slot, std::uint32_t more) {
 }
 // The corners of all tiles have the first vertex slots.
 [[nodiscard]] inline std::uint32_t corner_slots(const CutState& s) {
-    return static_cast<std::uint32_t>((s.tiles_x + 1) * (s.tiles_y + 1));
+    return s.terrain->corner_count;
 }
 [[nodiscard]] inline std::uint32_t take_vertex(CutState& s) {
     FJELL_ASSERT(free_vertices(s) != 0);
