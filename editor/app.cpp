@@ -101,12 +101,20 @@ App::~App() {
     shown_ = nullptr;
     target_.reset();
     half_target_.reset();
-    overview_.drop_graphics(state_.overview);
-    preview_.drop_graphics(state_.bake);
-    engine_.drop_graphics();
+    drop_graphics();
     engine_.close();
     surface_.reset();
     ImGui::DestroyContext();
+}
+
+// Before the context goes.
+void App::drop_graphics() {
+    overview_.drop_graphics(state_.overview);
+    thumbnails_.drop_graphics(state_.bookmarks);
+    gpu_timer_.drop_graphics();
+    comparison_.drop_graphics();
+    preview_.drop_graphics(state_.bake);
+    engine_.drop_graphics();
 }
 
 void App::make_surface_and_graphics() {
@@ -117,6 +125,7 @@ void App::make_surface_and_graphics() {
     state_.graphics = surface_->description();
     for (const char* name : {"llvmpipe", "softpipe", "SwiftShader"})
         software_ = software_ || state_.graphics.find(name) != std::string::npos;
+    state_.software = software_;
     picture_old_ = true;
 }
 
@@ -129,9 +138,7 @@ void App::replace_surface() {
     shown_ = nullptr;
     target_.reset();
     half_target_.reset();
-    overview_.drop_graphics(state_.overview);
-    preview_.drop_graphics(state_.bake);
-    engine_.drop_graphics();
+    drop_graphics();
     const InputCounts counted = surface_->input;
     surface_.reset();
     for (int left = 20;; --left) { // a driver that resets takes a while
@@ -205,6 +212,7 @@ void App::frame() {
     next_frame_.clear();
     const bool recording = dumping_ || !after_frame_.empty();
     if (recording) ui::record_marks(true);
+    thumbnails_.upload(state_.bookmarks);
     paint_overview(); // before the panels, which show its texture
     times_.editor_us = interface();
     times_.editor_us += handle_commands();
@@ -216,6 +224,10 @@ void App::frame() {
     state_.measures.observe(entry_); // before a dump tells of it
     finish_requests();
     const auto present = Clock::now();
+    if (!software_) {
+        gpu_timer_.end();
+        times_.gpu_us = gpu_timer_.take_us();
+    }
     surface_->present();
     const auto end = Clock::now();
     times_.present_us += microseconds(end - present);
@@ -287,6 +299,7 @@ double App::handle_commands() {
 
 double App::move_and_update() {
     entry_ = {};
+    compared_changed_ = false;
     if (!engine_.is_open()) return 0;
     const auto start = Clock::now();
     {
@@ -294,8 +307,11 @@ double App::move_and_update() {
         move_camera({state_, engine_, jobs_}, state_.frame_s);
     }
     const auto moved = Clock::now();
+    comparison_.follow(state_, engine_);
+    if (!software_) gpu_timer_.begin(); // ends when all of the frame was given to the driver
     const View& refining = state_.eye.refining ? *state_.eye.refining : state_.eye.view;
     entry_ = engine_.update(refining, state_.document.profile(), state_.now_s, times_.upload_us);
+    compared_changed_ = comparison_.update(state_, refining);
     const OwnCode own(watch_);
     const auto updated = Clock::now();
     const flight::Session& session = engine_.session();
@@ -369,10 +385,13 @@ void App::attempt(const std::function<void()>& what) {
 void App::draw_terrain() {
     const auto start = Clock::now();
     // Who asks for a picture gets it whole.
-    const bool half = moving_ && state_.interface.half_resolution && software_ && after_frame_.empty();
+    const bool half =
+        moving_ && state_.interface.half_resolution && software_ && after_frame_.empty() && !state_.bookmarks.wanted;
     const gl::Target& target = fit_target(half);
     shown_ = nullptr;
     engine_.draw(state_, target);
+    take_thumbnail(target);
+    comparison_.draw(state_, target);
     shown_ = &target;
     drawn_view_ = state_.eye.view;
     picture_old_ = half; // until it is drawn whole
@@ -383,6 +402,17 @@ void App::draw_terrain() {
     state_.heights_share = engine_.heights_share();
     state_.drawn = engine_.stats();
     times_.draw_us = microseconds(Clock::now() - start);
+}
+
+void App::take_thumbnail(const gl::Target& target) {
+    Bookmarks& b = state_.bookmarks;
+    if (!b.wanted || *b.wanted >= b.all.size()) return b.wanted.reset();
+    gl::Image image;
+    target.read_colour(image);
+    b.all[*b.wanted].thumbnail = shrunk(image);
+    b.wanted.reset();
+    b.changed = true;
+    if (state_.files.persists) write_bookmarks(state_.files.standard_folders.config, b.all);
 }
 
 void App::draw() {

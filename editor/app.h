@@ -13,13 +13,16 @@
 
 #include "editor/clock.h"
 #include "editor/command.h"
+#include "editor/comparison.h"
 #include "editor/engine.h"
 #include "editor/handlers/apply.h"
 #include "editor/jobs/height_look.h"
 #include "editor/jobs/jobs.h"
 #include "editor/options.h"
+#include "editor/scene/gpu_timer.h"
 #include "editor/scene/overview.h"
 #include "editor/scene/preview_texture.h"
+#include "editor/scene/thumbnails.h"
 #include "editor/state.h"
 #include "editor/surface.h"
 
@@ -50,6 +53,7 @@ private:
     double move_and_update(); // what the editor itself took of it, us
     void draw();
     void draw_terrain();
+    void take_thumbnail(const gl::Target& target); // of a bookmark that wants one
     void attempt(const std::function<void()>& what);
     void paint_overview();
     void finish_opening();  // of a pack that a thread has read
@@ -61,6 +65,7 @@ private:
     void show_baking();   // on stderr, once a second
     void make_surface_and_graphics();
     void replace_surface();
+    void drop_graphics();
     void place_view();
     gl::Target& fit_target(bool half);
 
@@ -98,12 +103,16 @@ private:
     Engine engine_;
     HeightLook look_; // at what is to be baked
     PreviewTexture preview_;
+    Comparison comparison_;
+    Thumbnails thumbnails_;
+    GpuTimer gpu_timer_; // off where software draws
     Overview overview_;
     std::uint64_t overview_of_ = 0;                    // Engine::terrains() that the overview shows
     std::unique_ptr<gl::Target> target_, half_target_; // the terrain's picture, and that of a moving camera
     const gl::Target* shown_ = nullptr;                // the one that was drawn last
     bool software_ = false;                            // draws
     bool picture_old_ = true;                          // the terrain's, of this frame
+    bool compared_changed_ = false;                    // the other profile's mesh, in this frame
     bool moving_ = false;                              // the camera, since the last picture
     View drawn_view_;                                  // of the last picture
     double frame_s_ = 0;                               // the clock of the last frame

@@ -29,7 +29,8 @@ bool only_panels(const Command& command) {
            std::holds_alternative<ZoomGraphs>(command) || std::holds_alternative<DismissMessage>(command) ||
            std::holds_alternative<BrowseFolder>(command) || std::holds_alternative<BrowseFor>(command) ||
            std::holds_alternative<DraftBake>(command) || std::holds_alternative<GiveBakeFile>(command) ||
-           std::holds_alternative<BrowseAllKinds>(command);
+           std::holds_alternative<BrowseAllKinds>(command) ||
+           std::holds_alternative<SetHeat>(command) || std::holds_alternative<ForgetRun>(command);
 }
 
 } // namespace
@@ -57,6 +58,7 @@ void App::judge_picture() {
                        (target_->width() != i.view_width_px || target_->height() != i.view_height_px);
     if (moving_ || mesh || reading || sized || shown_ == nullptr || state_.route.recording()) picture_old_ = true;
     if (!after_frame_.empty() && shown_ != target_.get()) picture_old_ = true;
+    if (compared_changed_ || state_.bookmarks.wanted) picture_old_ = true;
     if (picture_old_ && engine_.is_open()) stir();
 }
 
@@ -66,6 +68,7 @@ bool App::at_rest() const {
     if (stirred || script || options_.frames != 0 || state_.quit) return false;
     if (!after_frame_.empty() || !next_frame_.empty() || !surface_->dropped.empty()) return false;
     if (!engine_.is_open()) return true;
+    if (!comparison_.settled() || state_.bookmarks.changed) return false;
     const bool plays = state_.route.playing() || state_.route.recording();
     return !plays && !picture_old_ && !state_.probe.looking && overview_.done() && (settled() || jobs_.running());
 }

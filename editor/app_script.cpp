@@ -63,6 +63,7 @@ void App::show_baking() {
 bool App::settled() const {
     if (jobs_.running()) return false;
     if (!engine_.is_open()) return true;
+    if (!comparison_.settled() || state_.bookmarks.wanted || state_.bookmarks.changed) return false;
     if (state_.shows(Overlay::error) && state_.heights_share >= 0 && state_.heights_share < 1) return false;
     if (state_.probe.looking) return false;
     const flight::FrameEntry& e = state_.measures.last();

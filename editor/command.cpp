@@ -1,14 +1,7 @@
 #include "editor/command.h"
 
-#include <charconv>
-#include <cmath>
-#include <functional>
-#include <map>
-#include <span>
-
-#include <fmt/format.h>
-
 #include "editor/arrangement.h"
+#include "editor/command_words.h"
 #include "editor/measures.h"
 #include "fjell/io/failure.h"
 
@@ -17,90 +10,6 @@ namespace fjell::editor {
 namespace {
 
 using io::Failure;
-
-// The words after the verb. Quotes hold words with spaces together.
-class Words {
-public:
-    explicit Words(std::vector<std::string> words) : words_(std::move(words)) {}
-
-    [[nodiscard]] bool more() const { return at_ < words_.size(); }
-    [[nodiscard]] std::string text(const char* what) {
-        if (!more()) throw Failure(2, fmt::format("{} is missing", what));
-        return words_[at_++];
-    }
-    [[nodiscard]] std::string text_or(std::string otherwise) { return more() ? words_[at_++] : std::move(otherwise); }
-    [[nodiscard]] double number(const char* what) { return number_of(text(what), what); }
-    [[nodiscard]] double number_or(double otherwise, const char* what) { return more() ? number(what) : otherwise; }
-    [[nodiscard]] std::size_t count(const char* what) { return count_of(text(what), what); }
-    // Whether the last word is that one; no other may be there.
-    [[nodiscard]] bool flag(const char* name) {
-        if (!more()) return false;
-        const std::string word = text(name);
-        if (word != name) throw Failure(2, fmt::format("{}: only {} may follow", word, name));
-        return true;
-    }
-    [[nodiscard]] bool on() {
-        const std::string word = text("on or off");
-        if (word != "on" && word != "off") throw Failure(2, fmt::format("{}: must be on or off", word));
-        return word == "on";
-    }
-    template <typename E>
-    [[nodiscard]] E one_of(std::span<const char* const> names, const char* what) {
-        const std::string word = text(what);
-        std::string all;
-        for (std::size_t i = 0; i < names.size(); ++i) {
-            if (word == names[i]) return static_cast<E>(i);
-            all += (all.empty() ? "" : ", ") + std::string(names[i]);
-        }
-        throw Failure(2, fmt::format("{}: no such {}; choose one of {}", word, what, all));
-    }
-    // NAME=VALUE words from here on.
-    void options(const std::map<std::string, std::function<void(const std::string&)>>& known) {
-        while (more()) {
-            const std::string word = text("");
-            const std::size_t sign = word.find('=');
-            const auto found = sign == std::string::npos ? known.end() : known.find(word.substr(0, sign));
-            if (found == known.end()) {
-                std::string all;
-                for (const auto& [name, set] : known) all += (all.empty() ? "" : ", ") + name + "=";
-                throw Failure(2, fmt::format("{}: no such option; choose from {}", word, all));
-            }
-            found->second(word.substr(sign + 1));
-        }
-    }
-    // NAME=..., which no file is called here; after a folder it may be.
-    [[nodiscard]] bool is_option() const {
-        const std::size_t sign = words_[at_].find('=');
-        return sign != std::string::npos && sign != 0 && words_[at_].find('/') > sign;
-    }
-    void end() const {
-        if (more()) throw Failure(2, fmt::format("{}: unexpected extra word", words_[at_]));
-    }
-    [[nodiscard]] static double number_of(const std::string& word, const char* what) {
-        double value = 0;
-        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-        if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value))
-            throw Failure(2, fmt::format("{}: {} must be a number", word, what));
-        return value;
-    }
-    [[nodiscard]] static std::uint32_t count_of(const std::string& word, const char* what, double least = 0,
-                                                double most = 1e9) {
-        const double value = number_of(word, what);
-        if (!(value >= least && value <= most && value == std::floor(value)))
-            throw Failure(2, fmt::format("{} must be a whole number from {} to {}", what, least, most));
-        return static_cast<std::uint32_t>(value);
-    }
-    [[nodiscard]] static double number_in(const std::string& word, const char* what, double least, double most) {
-        const double value = number_of(word, what);
-        if (!(value >= least && value <= most))
-            throw Failure(2, fmt::format("{} must be a number from {} to {}", what, least, most));
-        return value;
-    }
-
-private:
-    std::vector<std::string> words_;
-    std::size_t at_ = 0;
-};
 
 // Of an export: nothing, "converged" or a threshold.
 struct MeshChoice {
@@ -208,35 +117,6 @@ Command tune(Words& w) {
     return t;
 }
 
-struct Verb {
-    const char *name, *words, *about;
-    std::function<Command(Words&)> parse;
-};
-
-template <typename C>
-std::function<Command(Words&)> plain() {
-    return [](Words&) { return C{}; };
-}
-template <typename C>
-std::function<Command(Words&)> with_path(bool needed) {
-    return [=](Words& w) { return C{needed ? w.text("a file") : w.text_or("")}; };
-}
-template <typename C>
-std::function<Command(Words&)> with_path_and_discard() {
-    return [](Words& w) {
-        const std::string path = w.text("a file");
-        return C{path, w.flag("discard")};
-    };
-}
-template <typename C>
-std::function<Command(Words&)> with_switch() {
-    return [](Words& w) { return C{w.on()}; };
-}
-template <typename C>
-std::function<Command(Words&)> with_point() {
-    return [](Words& w) { return C{w.count("a point, from 0")}; };
-}
-
 std::vector<Verb> terrain_verbs() {
     return {
         {"open", "FILE [discard]", "a pack, a profile, a camera path, or heights to bake",
@@ -336,12 +216,13 @@ std::vector<Verb> picture_verbs() {
         {"clear-marks", "", "removes both marks", plain<ClearMarks>()},
         {"mode", "NAME", "shaded, wire, levels, tiles, mips, residency or distance",
          [](Words& w) { return SetPictureMode{w.one_of<flight::PictureMode>(flight::picture_mode_names, "mode")}; }},
-        {"overlay", "NAME on|off", "wireframe, tile-borders, page-borders, spheres, culled, error or path",
+        {"overlay", "NAME on|off",
+         "wireframe, tile-borders, page-borders, spheres, culled, error, path, contours or slope",
          [](Words& w) {
              const auto overlay = w.one_of<Overlay>(overlay_names, "overlay");
              return SetOverlay{overlay, w.on()};
          }},
-        {"panel", "NAME", "tune, camera, show, time, budgets, streaming, levels, auto-tune or benchmark",
+        {"panel", "NAME", "tune, camera, show, pictures, time, budgets, streaming, levels, auto-tune or benchmark",
          [](Words& w) { return ShowPanel{w.one_of<Panel>(panel_names, "panel")}; }},
         {"dialog", "NAME", "opens a dialog; none closes it",
          [](Words& w) { return ShowDialog{w.one_of<Dialog>(dialog_names, "dialog")}; }},
@@ -426,7 +307,7 @@ std::vector<Verb> program_verbs() {
 const std::vector<Verb>& verbs() {
     static const std::vector<Verb> all = [] {
         std::vector<Verb> list = terrain_verbs();
-        for (auto* const more : {camera_verbs, picture_verbs, program_verbs})
+        for (auto* const more : {camera_verbs, picture_verbs, program_verbs, study_verbs})
             for (Verb& verb : more()) list.push_back(std::move(verb));
         return list;
     }();

@@ -16,6 +16,7 @@
 
 #include "editor/jobs/tune_settings.h"
 #include "editor/names.h"
+#include "editor/study_command.h"
 #include "fjell/view.h"
 #include "flight/camera.h"
 #include "flight/profile_keys.h"
@@ -260,7 +261,8 @@ using Command =
                  ShowDialog, SetSwitch, ArrangeColumn, FloatPanel, PlacePanel, SetScale, ChooseFrame, HoldMeasures,
                  ZoomGraphs, DismissMessage, DraftBake, GiveBakeFile, OpenBaked, BrowseFor, BakePack, TuneThreshold,
                  RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot, ResizeWindow, DumpState,
-                 LoseGraphics, Quit, WaitFrames, WaitSettled>;
+                 LoseGraphics, Quit, WaitFrames, WaitSettled, ChoosePlace, ForgetRun, SetHeat, RenderPictures, CirclePath, AimPath,
+                 PlacePoint, AddBookmark, GoToBookmark, RemoveBookmark, ComparePictures, SetCompareView, SetDivider>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once. push() takes any Command's
 // alternative; it is compiled in commands.cpp alone, or else every panel would compile the variant's moves again.

@@ -89,5 +89,18 @@ template void Commands::push(LoseGraphics);
 template void Commands::push(Quit);
 template void Commands::push(WaitFrames);
 template void Commands::push(WaitSettled);
+template void Commands::push(ChoosePlace);
+template void Commands::push(ForgetRun);
+template void Commands::push(SetHeat);
+template void Commands::push(RenderPictures);
+template void Commands::push(CirclePath);
+template void Commands::push(AimPath);
+template void Commands::push(PlacePoint);
+template void Commands::push(AddBookmark);
+template void Commands::push(GoToBookmark);
+template void Commands::push(RemoveBookmark);
+template void Commands::push(ComparePictures);
+template void Commands::push(SetCompareView);
+template void Commands::push(SetDivider);
 
 } // namespace fjell::editor

@@ -189,6 +189,7 @@ json job_json(const JobView& j) {
                          {"keeps", p.keeps},
                          {"reached", p.reached},
                          {"frames", p.frames},
+                         {"dearest_us", p.dearest_us},
                          {"flights", p.flights}});
     return {{"kind", job_names[static_cast<int>(j.kind)]},
             {"running", j.running},
@@ -263,7 +264,64 @@ json measures_json(const State& state) {
             {"upload_us", ring(Series::upload_us)},
             {"present_us", ring(Series::present_us)},
             {"other_us", ring(Series::other_us)},
+            {"gpu_us", state.software ? json() : ring(Series::gpu_us)},
             {"levels", levels}};
+}
+
+json place_json(const FlownRun& run, std::size_t at) {
+    const FlownPlace& p = run.places[at];
+    return {{"share", run.share_of(at)},
+            {"frame", p.frame},
+            {"update_us", p.update_us},
+            {"error_px", p.error_px},
+            {"exhausted", flight::budget_names(p.exhausted)},
+            {"position_m", vector_json(p.pose.position_m)}};
+}
+
+json runs_json(const Runs& runs) {
+    json all = json::array();
+    for (const auto& run : runs.all) {
+        json worst = json::array();
+        for (const std::vector<std::uint16_t>& by : run->worst) {
+            worst.push_back(json::array());
+            for (const std::uint16_t at : by) worst.back().push_back(place_json(*run, at));
+        }
+        all.push_back({{"name", run->name},
+                       {"error_px", run->error_px},
+                       {"frames", run->frames},
+                       {"places", run->places.size()},
+                       {"p50_us", run->p50_us},
+                       {"p99_us", run->p99_us},
+                       {"max_us", run->max_us},
+                       {"converged", run->converged},
+                       {"worst", worst}});
+    }
+    json chosen;
+    if (runs.chosen) {
+        chosen = place_json(*runs.all[runs.chosen->run], runs.chosen->place);
+        chosen["run"] = runs.chosen->run;
+    }
+    return {{"all", all}, {"chosen", chosen}, {"heat", heat_names[static_cast<int>(runs.heat)]}};
+}
+
+json bookmarks_json(const Bookmarks& bookmarks) {
+    json all = json::array();
+    for (const Bookmark& b : bookmarks.all)
+        if (b.pack == bookmarks.pack)
+            all.push_back({{"name", b.name},
+                           {"position_m", vector_json(b.pose.position_m)},
+                           {"thumbnail_px", {b.thumbnail.width, b.thumbnail.height}},
+                           {"texture", b.texture != 0}});
+    return all;
+}
+
+json compared_json(const ComparedPicture& c) {
+    return {{"with", compare_with_names[static_cast<int>(c.with)]},
+            {"error_px", c.error_px},
+            {"view", compare_view_names[static_cast<int>(c.view)]},
+            {"divider", c.divider},
+            {"there", c.there},
+            {"triangles", c.triangles}};
 }
 
 } // namespace
@@ -295,6 +353,9 @@ std::string dump(const State& state) {
                       {"probe", probe_json(state.probe)},
                       {"input", input_json(state.input)},
                       {"job", job_json(state.job)},
+                      {"runs", runs_json(state.runs)},
+                      {"bookmarks", bookmarks_json(state.bookmarks)},
+                      {"compared_picture", compared_json(state.compared)},
                       {"messages", messages_json(state)},
                       {"measures", measures_json(state)},
                       {"map", {{"share", state.overview.share}, {"there", state.overview.texture != 0}}},

@@ -196,6 +196,9 @@ void Engine::draw(const State& state, const gl::Target& target) {
     options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
     options.tile_borders = state.shows(Overlay::tile_borders);
     options.page_borders = state.shows(Overlay::page_borders);
+    options.contour_m = state.shows(Overlay::contours) ? contour_interval_m(state.scene) : 0;
+    options.slope = state.shows(Overlay::slope);
+    options.hatch = true;
     set_error_options(state, options);
     std::string error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, target);
     scene_lines_.build(state, *session_);

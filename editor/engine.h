@@ -29,6 +29,7 @@ public:
 
     // Of every terrain that is opened from now on.
     void set_layers(std::shared_ptr<const flight::GroundLayers> layers) { layers_ = std::move(layers); }
+    [[nodiscard]] const std::shared_ptr<const flight::GroundLayers>& layers() const { return layers_; }
     void open(const std::string& pack, const flight::Profile& profile);
     // The same, read by a thread: what is shown goes on until finish_opening() replaces it. Failure: io::Failure 2
     // while another one is read.

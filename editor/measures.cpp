@@ -111,6 +111,7 @@ void Measures::record(const FrameTimes& times, const flight::Pose& pose, bool dr
     push(Series::other_us, std::max(times.frame_us - entry.update_us - entry.stream_us - times.upload_us -
                                         times.draw_us - times.present_us - times.editor_us,
                                     0.0));
+    if (times.gpu_us >= 0) push(Series::gpu_us, times.gpu_us);
     kept_[kept_next_] = {entry, times, pose, ++recorded_};
     kept_next_ = (kept_next_ + 1) % measured_frames;
     push(Series::requested_px, entry.error_px_requested);

@@ -31,6 +31,7 @@ enum class Series : std::uint8_t {
     present_us, // the picture copied, panels drawn, the swap: where the driver catches up
     editor_us,  // panels, commands, measures: the editor's own
     other_us,   // input, the overview, what is rebuilt
+    gpu_us,     // beside all of these: what the GPU took for a frame some frames ago; none where software draws
     requested_px,
     effective_px,
     vertices,
@@ -47,6 +48,7 @@ inline constexpr std::size_t series_count = static_cast<std::size_t>(Series::cou
 // What a frame took, microseconds. All but the update, which its entry has.
 struct FrameTimes {
     double frame_us = 0, upload_us = 0, draw_us = 0, present_us = 0, editor_us = 0;
+    double gpu_us = -1; // of a frame some frames ago; below 0: not known
 };
 
 struct Quantiles {

@@ -12,20 +12,42 @@ namespace fjell::editor {
 enum class Navigation : std::uint8_t { fly, orbit, path };
 inline constexpr const char* navigation_names[] = {"fly", "orbit", "path"};
 
-enum class Overlay : std::uint8_t { wireframe, tile_borders, page_borders, spheres, culled, error, path };
-inline constexpr const char* overlay_names[] = {"wireframe", "tile-borders", "page-borders", "spheres",
-                                                "culled",    "error",        "path"};
+enum class Overlay : std::uint8_t {
+    wireframe,
+    tile_borders,
+    page_borders,
+    spheres,
+    culled,
+    error,
+    path,
+    contours,
+    slope
+};
+inline constexpr const char* overlay_names[] = {"wireframe", "tile-borders", "page-borders", "spheres", "culled",
+                                                "error",     "path",         "contours",     "slope"};
 inline constexpr int overlays = static_cast<int>(std::size(overlay_names));
-inline constexpr std::array<bool, overlays> first_overlays{false, false, false, false, false, false, true}; // the path
+inline constexpr std::array<bool, overlays> first_overlays{false, false, false, false,
+                                                           false, false, true}; // the path alone
 
 // Those of the left column, then those of the right one.
-enum class Panel : std::uint8_t { tune, camera, show, time, budgets, streaming, levels, auto_tune, benchmark };
-inline constexpr const char* panel_names[] = {"tune",      "camera", "show",      "time",     "budgets",
-                                              "streaming", "levels", "auto-tune", "benchmark"};
-inline constexpr int panels = static_cast<int>(std::size(panel_names)), left_panels = 3;
+enum class Panel : std::uint8_t {
+    tune,
+    camera,
+    show,
+    pictures,
+    time,
+    budgets,
+    streaming,
+    levels,
+    auto_tune,
+    benchmark
+};
+inline constexpr const char* panel_names[] = {"tune",    "camera",    "show",   "pictures",  "time",
+                                              "budgets", "streaming", "levels", "auto-tune", "benchmark"};
+inline constexpr int panels = static_cast<int>(std::size(panel_names)), left_panels = 4;
 // Panels of one group share a section of a column, however much room there is: two groups a column.
 inline constexpr unsigned group_bit(Panel panel) {
-    constexpr unsigned groups[] = {1, 2, 1, 4, 8, 8, 4, 4, 4};
+    constexpr unsigned groups[] = {1, 2, 1, 2, 4, 8, 8, 4, 4, 4};
     static_assert(std::size(groups) == panels, "a panel was added: give it a group");
     return groups[static_cast<std::size_t>(panel)];
 }

@@ -78,6 +78,19 @@ std::vector<ControlPoint> points_of(const CameraPath& path, std::span<const Pose
     return points;
 }
 
+// Of the points that points_of() gives, or an edit has, in the flight's time.
+std::vector<double> shares_of(const CameraPath* path, std::span<const ControlPoint> points) {
+    std::vector<double> shares(points.size());
+    for (std::size_t i = 0; i < shares.size(); ++i)
+        shares[i] = static_cast<double>(i) / static_cast<double>(std::max<std::size_t>(shares.size() - 1, 1));
+    const auto* spline = path != nullptr ? std::get_if<flight::SplinePath>(&path->kind) : nullptr;
+    if (spline == nullptr || spline->spline.knots().size() != points.size()) return shares;
+    const auto& knots = spline->spline.knots();
+    const double span = knots.back() - knots.front();
+    for (std::size_t i = 0; i < shares.size() && span > 0; ++i) shares[i] = (knots[i] - knots.front()) / span;
+    return shares;
+}
+
 } // namespace
 
 void Route::open(const std::string& path, const flight::Ground& ground) {
@@ -86,6 +99,7 @@ void Route::open(const std::string& path, const flight::Ground& ground) {
     next.seconds = read.seconds > 0 ? read.seconds : static_cast<double>(flight::default_frames) / poses_a_second;
     next.poses = flight::resample(read, ground, frames_for(next.seconds));
     next.points = points_of(read, next.poses);
+    next.shares = shares_of(&read, next.points);
     next.path = path;
     next.as_read = std::move(read);
     take_over(std::move(next));
@@ -216,6 +230,7 @@ void Route::edit(Content next, const flight::Ground& ground) {
     if (std::ranges::adjacent_find(next.points, same_place) != next.points.end())
         throw Failure(2, "an adjacent point has the same pose already; move the camera first");
     next.poses.clear();
+    next.shares.clear();
     next.as_read.reset();
     next.unsaved = !next.points.empty() || !next.path.empty();
     if (next.points.size() >= 2) {
@@ -223,13 +238,16 @@ void Route::edit(Content next, const flight::Ground& ground) {
         const double seconds = next.seconds > 0
                                    ? next.seconds
                                    : std::clamp(length_m(next.points) / cruising_m_s, 2.0, flight::max_path_seconds);
-        next.poses = flight::resample(spline_through(next.points, seconds), ground, frames_for(seconds));
+        const CameraPath path = spline_through(next.points, seconds);
+        next.poses = flight::resample(path, ground, frames_for(seconds));
+        next.shares = shares_of(&path, next.points);
     }
     take_over(std::move(next));
     if (empty()) playing_ = false;
 }
 
 void Route::take_over(Content next) {
+    dragged_.reset();
     if (!now_.points.empty()) before_ = std::move(now_);
     now_ = std::move(next);
 }

@@ -36,6 +36,10 @@ public:
     [[nodiscard]] double seconds() const { return static_cast<double>(now_.poses.size()) / poses_a_second; }
     // That it shall take; 0: as long as its way at a sixtieth of the terrain's longer extent a second.
     [[nodiscard]] double requested_seconds() const { return now_.seconds; }
+    // Where a point lies in the path's time, 0..1.
+    [[nodiscard]] double share_of(std::size_t point) const {
+        return point < now_.shares.size() ? now_.shares[point] : 0;
+    }
     // Not points yet: an orbit, say, as it was read.
     [[nodiscard]] bool as_read() const { return now_.as_read.has_value(); }
     [[nodiscard]] bool can_restore() const { return !before_.points.empty(); }
@@ -68,10 +72,20 @@ public:
     void move(std::size_t point, std::size_t to, const flight::Ground& ground); // so that it becomes the to-th
     [[nodiscard]] flight::Pose select(std::size_t point);
 
+    // route_shapes.cpp. Over that place, as high above the ground as it was. dragging: the same point's next place
+    // follows, and all of them are one step for restore().
+    void place(std::size_t point, double x_m, double z_m, bool dragging, const flight::Ground& ground);
+    // All points look at that place on the ground.
+    void aim(double x_m, double z_m, const flight::Ground& ground);
+    // Another path: level, once around centre_m, from from_m on and looking inwards; that high above all ground on it.
+    void circle(const Vec3& centre_m, const Vec3& from_m, double seconds, double least_above_m,
+                const flight::Ground& ground);
+
 private:
     struct Content {
         std::string path;
         std::vector<flight::ControlPoint> points;
+        std::vector<double> shares; // of the points
         std::vector<flight::Pose> poses;
         std::optional<flight::CameraPath> as_read;
         std::optional<std::size_t> selected;
@@ -85,6 +99,7 @@ private:
     void record_point(const flight::Pose& pose);
 
     Content now_, before_;
+    std::optional<std::size_t> dragged_; // the point that place() is dragging
     double share_ = 0;
     bool playing_ = false, loops_ = true;
     bool recording_ = false; // what follows: of it

@@ -1,5 +1,8 @@
 #include "editor/state.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <cstdio>
 #include <utility>
 #include <vector>
@@ -10,6 +13,14 @@
 #include "io/file.h"
 
 namespace fjell::editor {
+
+double contour_interval_m(const Scene& scene) {
+    const double rough_m = std::max((scene.max_m - scene.min_m) / 20, 1e-3);
+    const double power = std::pow(10.0, std::floor(std::log10(rough_m)));
+    for (const double step : {1.0, 2.0, 5.0})
+        if (step * power >= rough_m * (1 - 1e-9)) return step * power;
+    return 10 * power;
+}
 
 namespace {
 

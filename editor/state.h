@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "editor/arrangement.h"
+#include "editor/bookmarks.h"
 #include "editor/command.h"
 #include "editor/document.h"
 #include "editor/files/folder_listing.h"
@@ -25,6 +26,7 @@
 #include "editor/names.h"
 #include "editor/probe.h"
 #include "editor/route.h"
+#include "editor/runs.h"
 #include "fjell/gl/renderer.h"
 #include "fjell/io/stream_reader.h"
 #include "fjell/view.h"
@@ -50,6 +52,9 @@ struct Scene {
     [[nodiscard]] double width_m() const { return columns > 1 ? (columns - 1) * spacing_m[0] : 0; }
     [[nodiscard]] double depth_m() const { return rows > 1 ? (rows - 1) * spacing_m[1] : 0; }
 };
+
+// Between contours: a round number of metres, some 20 of them over the terrain's heights.
+[[nodiscard]] double contour_interval_m(const Scene& scene);
 
 struct Eye {
     flight::FreeCamera free;
@@ -136,6 +141,17 @@ struct OverviewImage {
     double share = 0;     // of it that is painted, 0..1
 };
 
+// Another profile in the same picture (editor/comparison.h).
+struct ComparedPicture {
+    CompareWith with = CompareWith::nothing;
+    double error_px = 0; // of CompareWith::threshold
+    CompareView view = CompareView::split;
+    double divider = 0.5; // in shares of the picture's width
+    bool there = false;   // drawn; otherwise still being opened
+    std::uint32_t triangles = 0;
+    double update_us = 0; // of the last frame
+};
+
 struct State {
     Scene scene;
     std::string opening; // a pack that is being read; empty: none
@@ -149,6 +165,9 @@ struct State {
     Probe probe;
     io::StreamReaderCounters reader; // of a streamed pack
     JobView job;
+    Runs runs; // benchmarks that were flown
+    Bookmarks bookmarks;
+    ComparedPicture compared;
     JobView tuned; // the last tuning that was not cancelled
     Messages messages;
     Files files;
@@ -169,6 +188,7 @@ struct State {
     double heights_share = 0; // of what the picture of the true error needs, read; below 1 it is not drawn yet,
                               // below 0 it cannot be
     std::string graphics;     // the driver
+    bool software = false;    // it draws on the CPU: no GPU to be timed
 
     [[nodiscard]] bool shows(Overlay overlay) const { return interface.overlay[static_cast<std::size_t>(overlay)]; }
 };

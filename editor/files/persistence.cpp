@@ -96,6 +96,9 @@ void start_persistence(State& state, bool window) {
     if (window) show(files.settings.look, state.interface);
     files.recovery.find(files.standard_folders.state);
     files.persists = window;
+    if (window) state.bookmarks.all = read_bookmarks(files.standard_folders.config, problem);
+    if (window && !problem.empty()) post_message(state, Severity::warning, std::move(problem));
+    state.bookmarks.changed = true;
     if (!window) return; // a script's changes are its own affair
     files.recovery.start(files.standard_folders.state);
 }

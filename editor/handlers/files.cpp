@@ -71,6 +71,13 @@ void show_opened(const std::string& pack, HandlerContext context) {
     context.state.document.accept();
     start_at_scene(context);
     remember_pack(pack, context.state);
+    State& state = context.state;
+    std::error_code unknown;
+    std::string absolute = fs::absolute(pack, unknown).lexically_normal().string();
+    if (absolute == state.bookmarks.pack) return;
+    state.bookmarks.pack = std::move(absolute);
+    state.runs = {}; // of another terrain
+    state.compared = {};
 }
 
 void bake_beside(const std::string& heights, HandlerContext context) {

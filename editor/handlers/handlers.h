@@ -76,6 +76,9 @@ void handle(const ClearPath& c, HandlerContext context);
 void handle(const RestorePath& c, HandlerContext context);
 void handle(const SetPathSeconds& c, HandlerContext context);
 void handle(const LoopPath& c, HandlerContext context);
+void handle(const CirclePath& c, HandlerContext context);
+void handle(const AimPath& c, HandlerContext context);
+void handle(const PlacePoint& c, HandlerContext context);
 // Makes what is being recorded the path, so that it can be saved, asked about and restored.
 void end_recording(HandlerContext context);
 
@@ -107,6 +110,20 @@ void handle(const PreviewExport& c, HandlerContext context);
 void handle(const CancelJob& c, HandlerContext context);
 // What a job that has just ended means for the state: a baked pack is opened, a tuned threshold offered.
 void handle_job_result(HandlerContext context);
+
+// study.cpp
+void handle(const ChoosePlace& c, HandlerContext context);
+void handle(const ForgetRun& c, HandlerContext context);
+void handle(const SetHeat& c, HandlerContext context);
+void handle(const RenderPictures& c, HandlerContext context);
+void handle(const AddBookmark& c, HandlerContext context);
+void handle(const GoToBookmark& c, HandlerContext context);
+void handle(const RemoveBookmark& c, HandlerContext context);
+void handle(const ComparePictures& c, HandlerContext context);
+void handle(const SetCompareView& c, HandlerContext context);
+void handle(const SetDivider& c, HandlerContext context);
+// Looks from there, with its roll, until a hand moves the camera.
+void look_from(const flight::Pose& pose, HandlerContext context);
 
 // The app handles those of the surface and of scripts itself (editor/app.h).
 inline void handle(const TakeScreenshot&, HandlerContext) {}

@@ -20,7 +20,8 @@ void require_scene(const State& state) {
 MeasuredFlightPlan plan_of(HandlerContext context, std::size_t frames) {
     const State& state = context.state;
     require_scene(state);
-    return {context.engine.session().file, state.document.profile(), state.route.poses(), frames, false};
+    return {context.engine.session().file, state.document.profile(), state.route.poses(), frames, false,
+            state.files.profile_name};
 }
 
 // Of the frame that is shown, as it stands; converged or with a threshold of its own, for that frame's view.
@@ -87,6 +88,7 @@ void handle_job_result(HandlerContext context) {
     if (!job.result.empty())
         post_message(state, Severity::note, bare ? fmt::format("{}: {}", name, job.result) : job.result);
     if (job.kind == JobKind::tune) apply_tuned(context);
+    if (job.run) state.runs.add(job.run);
     if (job.kind == JobKind::bake) take_baked(job.output, context);
 }
 

@@ -105,6 +105,25 @@ void handle(const RestorePath&, HandlerContext context) {
     context.state.route.restore();
 }
 
+// A path once around what the camera looks at.
+void handle(const CirclePath& c, HandlerContext context) {
+    State& state = context.state;
+    const flight::Ground ground = whole_ground(context);
+    end_recording(context);
+    begin_orbit(context); // finds what that is
+    const bool lost = state.route.unsaved();
+    state.route.circle(state.eye.orbit_centre_m, state.eye.free.position_m, c.seconds, 2 * ground.cell_m, ground);
+    if (lost) post_message(state, Severity::warning, "the previous path was not saved; Restore brings it back");
+}
+
+void handle(const AimPath& c, HandlerContext context) {
+    context.state.route.aim(c.x_m, c.z_m, whole_ground(context));
+}
+
+void handle(const PlacePoint& c, HandlerContext context) {
+    context.state.route.place(c.point, c.x_m, c.z_m, c.dragging, whole_ground(context));
+}
+
 void handle(const SetPathSeconds& c, HandlerContext context) {
     context.state.route.set_seconds(c.seconds, whole_ground(context));
 }

@@ -39,15 +39,42 @@ private:
     double shown_ = 0;
 };
 
+// Shares of the update are those that the method has timed itself; the recursive one has none, and refines.
+CostParts parts_of(const flight::FrameEntry& entry, const FlownTimes& times) {
+    const double timed_us = entry.prepare_us + entry.refine_us + entry.output_us;
+    const double stream_us = std::min(entry.streamed ? entry.stream_us : 0, times.update_us);
+    const double update_us = times.update_us - stream_us;
+    const auto part = [&](double us) { return timed_us > 0 ? update_us * us / timed_us : 0; };
+    return {part(entry.prepare_us), timed_us > 0 ? part(entry.refine_us) : update_us,
+            part(entry.output_us),  stream_us,
+            times.upload_us,        times.draw_us};
+}
+
+CostParts mean_of_dearest(const std::vector<double>& times_us, const std::vector<CostParts>& parts) {
+    const double p99_us = flight::percentiles(times_us).p99;
+    CostParts mean{};
+    double count = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        if (times_us[i] < p99_us) continue;
+        for (std::size_t k = 0; k < mean.size(); ++k) mean[k] += parts[i][k];
+        ++count;
+    }
+    for (double& us : mean) us /= std::max(count, 1.0);
+    return mean;
+}
+
 // each: with the frame's number, to show how far it is.
 FlightCost fly_once(MeasuredFlight& flight, double error_px, const std::function<void(std::size_t)>& each) {
     FlightCost flown;
     flown.times_us.reserve(flight.frames());
+    std::vector<CostParts> parts;
+    parts.reserve(flight.frames());
     double vertices = 0, reached = 0;
-    flight.fly(error_px, [&](const flight::FrameEntry& entry, double frame_us, std::size_t frame) {
+    flight.fly(error_px, [&](const flight::FrameEntry& entry, const FlownTimes& times, std::size_t frame) {
         each(frame);
         if (frame == 0) return; // built from nothing, once
-        flown.times_us.push_back(frame_us);
+        flown.times_us.push_back(times.all_us());
+        parts.push_back(parts_of(entry, times));
         vertices += entry.vertices;
         reached += entry.converged ? 1 : 0;
     });
@@ -56,6 +83,7 @@ FlightCost fly_once(MeasuredFlight& flight, double error_px, const std::function
     const auto frames = static_cast<double>(flown.times_us.size());
     flown.vertices = vertices / frames;
     flown.reached = reached / frames;
+    flown.dearest_us = mean_of_dearest(flown.times_us, parts);
     return flown;
 }
 
@@ -87,18 +115,29 @@ void tune(MeasuredFlightPlan plan, const TuneSettings& settings, io::AtomicFile*
     });
 }
 
+std::string name_of(const std::string& path) {
+    return path.substr(path.find_last_of('/') + 1);
+}
+
 void benchmark(MeasuredFlightPlan plan, const std::string& path, io::AtomicFile& file, JobControl& control) {
+    const double budget_us = plan.profile.cut.budget_us;
+    const std::string profile = plan.profile_name;
     MeasuredFlight flight(std::move(plan), control);
     flight::FlightLog log;
     log.frames.reserve(flight.frames());
     const double error_px = flight.error_px();
-    flight.fly(error_px, [&](const flight::FrameEntry& entry, double, std::size_t frame) {
+    flight.fly(error_px, [&](const flight::FrameEntry& entry, const FlownTimes&, std::size_t frame) {
         log.frames.push_back(entry);
         control.progress("fly", frame + 1, flight.frames());
     });
     write(file, flight::csv(log));
     const flight::Summary s = flight::summarise(log, flight.incremental());
+    auto run = std::make_shared<FlownRun>(make_run(log.frames, flight.poses()));
+    run->name = name_of(path);
+    run->profile = profile;
+    run->budget_us = budget_us;
     control.publish([&](JobView& view) {
+        if (!run->places.empty()) view.run = std::move(run);
         view.output = path;
         view.result = fmt::format("{}: {} frames, {} of them converged; update p50 {} us, p99 {} us", path, s.frames,
                                   s.converged, grouped(s.update_us.p50), grouped(s.update_us.p99));

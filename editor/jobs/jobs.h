@@ -6,11 +6,13 @@
 // frame's. Failure: what a job throws becomes JobView::problem; files appear only when they are complete.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <stop_token>
@@ -19,13 +21,20 @@
 #include <vector>
 
 #include "editor/jobs/tune_settings.h"
+#include "editor/runs.h"
 #include "flight/path.h"
 #include "flight/profile.h"
 
 namespace fjell::editor {
 
-enum class JobKind : std::uint8_t { none, bake, tune, benchmark, snapshot, preview, heights };
-inline constexpr const char* job_names[] = {"none", "bake", "tune", "benchmark", "export", "preview", "heights"};
+enum class JobKind : std::uint8_t { none, bake, tune, benchmark, snapshot, preview, heights, pictures };
+inline constexpr const char* job_names[] = {"none",   "bake",    "tune",    "benchmark",
+                                            "export", "preview", "heights", "pictures"};
+
+// What a flight's frame spends its time on; the first three are the method's update, of the recursive one all refining.
+inline constexpr const char* cost_parts[] = {"preparing views", "refining",  "writing triangles",
+                                             "streaming",       "uploading", "drawing"};
+using CostParts = std::array<double, std::size(cost_parts)>; // microseconds
 
 // What flights at one threshold cost: each frame with its least time (editor/jobs/threshold_search.h).
 struct TunePoint {
@@ -35,6 +44,7 @@ struct TunePoint {
     double reached = 1;        // share of frames that had what the threshold asks for: no budget in its way, no lag
     std::uint32_t frames = 0;  // that counted: without the first
     std::uint32_t flights = 0; // at this threshold
+    CostParts dearest_us{};    // the mean of frames at p99 and above, in the cheapest of these flights
     bool keeps = false;        // p99 is within the budget, and the threshold was reached
 };
 
@@ -60,7 +70,8 @@ struct JobView {
     std::uint32_t flights = 0; // of tuning, so far
     double best_px = 0;        // of tuning: the smallest threshold that keeps the budget; 0: none does
     ExportPreview preview;
-    std::uint64_t finished = 0; // jobs that ended so far
+    std::shared_ptr<const FlownRun> run; // of a benchmark that is done
+    std::uint64_t finished = 0;          // jobs that ended so far
 };
 
 // What a job's body is given. Thread: the job's, and those that it starts.

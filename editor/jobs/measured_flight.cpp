@@ -75,7 +75,7 @@ struct MeasuredFlight::Impl { // in the order of destruction, last first: GL obj
 
     void open();
     void make_graphics(const flight::FlightOptions& options);
-    double update(const View& view, flight::FrameEntry& entry); // the dearest update with its upload, in microseconds
+    FlownTimes update(const View& view, flight::FrameEntry& entry); // the dearest update with its upload
     double draw(const View& view);
 };
 
@@ -103,21 +103,22 @@ void MeasuredFlight::Impl::make_graphics(const flight::FlightOptions& options) {
     require(renderer != nullptr, error);
 }
 
-double MeasuredFlight::Impl::update(const View& view, flight::FrameEntry& entry) {
-    double dearest_us = 0, since_us = thread_us();
+FlownTimes MeasuredFlight::Impl::update(const View& view, flight::FrameEntry& entry) {
+    FlownTimes dearest;
+    double since_us = thread_us();
     entry = flight::update_until_there(session, view, plan.profile, now_s, [&](const flight::FrameEntry& poll) {
         control.check();
-        double us = std::min(poll.update_us + poll.stream_us, thread_us() - since_us);
+        FlownTimes times{std::min(poll.update_us + poll.stream_us, thread_us() - since_us), 0, 0};
         if (renderer) {
             const auto start = Clock::now();
             const std::string error = flight::upload_mesh(*renderer, session, poll);
             require(error.empty(), error);
-            us += microseconds(Clock::now() - start);
+            times.upload_us = microseconds(Clock::now() - start);
         }
-        dearest_us = std::max(dearest_us, us);
+        if (times.all_us() > dearest.all_us()) dearest = times;
         since_us = thread_us();
     });
-    return dearest_us;
+    return dearest;
 }
 
 double MeasuredFlight::Impl::draw(const View& view) {
@@ -140,6 +141,10 @@ std::size_t MeasuredFlight::frames() const {
     return impl_->poses.size();
 }
 
+const std::vector<flight::Pose>& MeasuredFlight::poses() const {
+    return impl_->poses;
+}
+
 bool MeasuredFlight::incremental() const {
     return impl_->session.incremental();
 }
@@ -156,10 +161,10 @@ void MeasuredFlight::fly(double error_px, const Each& each) {
         s.control.check();
         const View view = flight::view_of(s.poses[i], s.session.terrain(), s.plan.profile);
         flight::FrameEntry entry;
-        double us = s.update(view, entry);
-        if (s.renderer) us += s.draw(view);
+        FlownTimes times = s.update(view, entry);
+        if (s.renderer) times.draw_us = s.draw(view);
         s.now_s += 1.0 / 60;
-        each(entry, us, i);
+        each(entry, times, i);
     }
 }
 

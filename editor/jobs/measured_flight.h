@@ -30,6 +30,13 @@ struct MeasuredFlightPlan {
     std::vector<flight::Pose> route; // 60 a second; empty: an orbit around the terrain's middle
     std::size_t frames = 0;          // 0: as many as the route has
     bool draws = false;              // with upload, drawing and the GPU's work
+    std::string profile_name{};      // for people
+};
+
+// What a frame took, microseconds; upload and drawing only where the plan draws.
+struct FlownTimes {
+    double update_us = 0, upload_us = 0, draw_us = 0; // update: with the stream's
+    [[nodiscard]] double all_us() const { return update_us + upload_us + draw_us; }
 };
 
 // The route in so many frames, from its first pose to its last; directions in between are orthonormal.
@@ -43,11 +50,12 @@ public:
     MeasuredFlight& operator=(const MeasuredFlight&) = delete;
 
     [[nodiscard]] std::size_t frames() const;
+    [[nodiscard]] const std::vector<flight::Pose>& poses() const;
     [[nodiscard]] bool incremental() const;
     [[nodiscard]] double error_px() const; // the profile's
     // From the first pose to the last, the first frame built from nothing. each: after every frame, with what it took
-    // altogether and its number.
-    using Each = std::function<void(const flight::FrameEntry& entry, double frame_us, std::size_t frame)>;
+    // and its number.
+    using Each = std::function<void(const flight::FrameEntry& entry, const FlownTimes& times, std::size_t frame)>;
     void fly(double error_px, const Each& each);
 
 private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -72,6 +73,8 @@ void Search::add(Candidate& c, FlightCost flight) const {
         c.least_us = std::move(flight.times_us);
     else
         for (std::size_t i = 0; i < c.least_us.size(); ++i) c.least_us[i] = std::min(c.least_us[i], flight.times_us[i]);
+    const auto sum = [](const CostParts& parts) { return std::accumulate(parts.begin(), parts.end(), 0.0); };
+    if (p.flights == 0 || sum(flight.dearest_us) < sum(p.dearest_us)) p.dearest_us = flight.dearest_us;
     p.reached = p.flights == 0 ? flight.reached : std::max(p.reached, flight.reached);
     p.vertices = flight.vertices;
     p.frames = static_cast<std::uint32_t>(c.least_us.size());
@@ -206,6 +209,13 @@ const TunePoint* TuneResult::at(double error_px) const {
     return found == curve.end() ? nullptr : &*found;
 }
 
+LimitingPart limiting_part(const CostParts& parts_us) {
+    const auto most = std::ranges::max_element(parts_us);
+    const double sum = std::accumulate(parts_us.begin(), parts_us.end(), 0.0);
+    if (!(sum > 0)) return {};
+    return {cost_parts[static_cast<std::size_t>(most - parts_us.begin())], *most / sum};
+}
+
 double rounded_up(double error_px) {
     const double unit = std::pow(10.0, std::floor(std::log10(error_px)) - 2);
     // A hair less, or 1.23 would become 1.24: it is 123.00000000000001 hundredths.
@@ -231,6 +241,8 @@ std::string tune_text(const TuneResult& result, const TuneSettings& settings) {
             if (p.reached < least_reached) why = "; below it a budget of the profile is the limit, not time";
             break;
         }
+    const LimitingPart limit = limiting_part(best->dearest_us);
+    if (limit.name != nullptr) why = fmt::format("; dearest frames: {:.0f}% {}", 100 * limit.share, limit.name) + why;
     return fmt::format("p99 {} us of {} at {:.3g} px{}{}; {} flights", grouped(best->p99_us),
                        grouped(settings.budget_us), result.best_px, least ? ", the smallest allowed" : "", why,
                        result.flights);

@@ -30,6 +30,7 @@ namespace fjell::editor {
 struct FlightCost {
     std::vector<double> times_us;     // of the frames that count, in their order; as many in every flight
     double vertices = 0, reached = 1; // as in TunePoint
+    CostParts dearest_us{};           // the mean of the frames at its p99 and above
 };
 
 struct TuneResult {
@@ -46,6 +47,13 @@ inline constexpr double least_reached = 0.99; // share of frames: as p99 is of t
 [[nodiscard]] TuneResult find_threshold(const TuneSettings& settings,
                                         const std::function<FlightCost(double error_px)>& fly,
                                         const std::function<void(const TuneResult&)>& each);
+
+// The part that most of the time goes to, and its share of it; none of no time.
+struct LimitingPart {
+    const char* name = nullptr;
+    double share = 0;
+};
+[[nodiscard]] LimitingPart limiting_part(const CostParts& parts_us);
 
 // To three digits: 1.2301 is 1.24.
 [[nodiscard]] double rounded_up(double error_px);

@@ -5,6 +5,7 @@
 
 #include "editor/panels/fields.h"
 #include "editor/panels/panels.h"
+#include "editor/panels/runs.h"
 #include "editor/panels/tune_curve.h"
 #include "flight/profile_keys.h"
 
@@ -111,6 +112,7 @@ void draw_benchmark(const State& state, Commands& commands) {
         commands.push(RunBenchmark{form.path, static_cast<std::size_t>(form.frames)});
     if (fields::runs(state, JobKind::benchmark)) fields::cancel("benchmark", commands);
     fields::outcome(state, JobKind::benchmark);
+    draw_runs(state, commands);
 }
 
 } // namespace fjell::editor

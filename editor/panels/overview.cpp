@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "editor/panels/panels.h"
+#include "editor/panels/runs.h"
 
 namespace fjell::editor {
 
@@ -88,6 +89,37 @@ void draw_tiles(ImDrawList& list, const Frame& frame, const Scene& scene) {
     }
 }
 
+// A point of the path that was pressed, which follows the mouse. False: the press is none of a point.
+bool drag_point_on(const Frame& frame, const Route& route, Commands& commands) {
+    static bool dragging = false;
+    static std::size_t point = 0;
+    const ImVec2 mouse = ImGui::GetMousePos();
+    if (ImGui::IsItemActivated()) {
+        dragging = false;
+        float nearest = 0.5F * ImGui::GetFontSize();
+        for (std::size_t i = 0; i < route.points().size(); ++i) {
+            const ImVec2 at = frame.at(route.points()[i][0], route.points()[i][2]);
+            const float away = std::max(std::abs(at.x - mouse.x), std::abs(at.y - mouse.y));
+            if (away > nearest) continue;
+            nearest = away;
+            point = i;
+            dragging = true;
+        }
+        if (dragging) return true;
+    }
+    if (!dragging) return false;
+    const bool ends = ImGui::IsItemDeactivated();
+    if (!ends && !ImGui::IsItemActive()) return dragging = false;
+    const bool moved = ImGui::GetIO().MouseDelta.x != 0 || ImGui::GetIO().MouseDelta.y != 0;
+    const bool far = ImGui::GetIO().MouseDragMaxDistanceSqr[0] > 9;
+    if (ends && !far) commands.push(SelectPoint{point}); // a click
+    if (far && (moved || ends))
+        commands.push(PlacePoint{point, static_cast<double>((mouse.x - frame.from.x) / frame.size.x) * frame.width_m,
+                                 static_cast<double>((mouse.y - frame.from.y) / frame.size.y) * frame.depth_m, !ends});
+    if (ends) dragging = false;
+    return true;
+}
+
 } // namespace
 
 void draw_overview(const State& state, Commands& commands) {
@@ -112,9 +144,11 @@ void draw_overview(const State& state, Commands& commands) {
     list.PushClipRect(frame.from, high, true);
     if (state.shows(Overlay::tile_borders)) draw_tiles(list, frame, scene);
     draw_route(list, frame, state.route);
+    draw_heat(state, list, frame.from, frame.size);
     if (state.eye.refining) draw_eye(list, frame, *state.eye.refining, frozen_colour);
     draw_eye(list, frame, state.eye.view, camera_colour);
     list.PopClipRect();
+    if (drag_point_on(frame, state.route, commands)) return;
     if (ImGui::IsItemActive()) {
         const ImVec2 mouse = ImGui::GetMousePos();
         const JumpTo jump{static_cast<double>((mouse.x - frame.from.x) / frame.size.x) * frame.width_m,

@@ -8,10 +8,10 @@ namespace fjell::editor {
 namespace {
 
 using Draw = void (*)(const State&, Commands&);
-constexpr Draw draws[] = {draw_tune,      draw_camera, draw_picture,   draw_time,     draw_budgets,
-                          draw_streaming, draw_levels, draw_auto_tune, draw_benchmark};
-constexpr const char* titles[] = {"Tune",      "Camera", "View",      "Time",     "Budgets",
-                                  "Streaming", "Levels", "Auto-tune", "Benchmark"};
+constexpr Draw draws[] = {draw_tune,    draw_camera,    draw_picture, draw_pictures,  draw_time,
+                          draw_budgets, draw_streaming, draw_levels,  draw_auto_tune, draw_benchmark};
+constexpr const char* titles[] = {"Tune",    "Camera",    "View",   "Pictures",  "Time",
+                                  "Budgets", "Streaming", "Levels", "Auto-tune", "Benchmark"};
 static_assert(std::size(draws) == panels && std::size(titles) == panels, "a panel was added: draw and title it");
 
 // Tabs that the state, not ImGui, remembers, so that scripts can turn to them.
@@ -141,6 +141,7 @@ void draw_panels(const State& state, Commands& commands) {
     for (std::size_t side = 0; side < columns; ++side) draw_column(side, layout.column[side], state, commands);
     draw_floating(state, layout, commands);
     draw_view(state, layout, commands);
+    draw_divider(state, layout.view, commands);
     if (layout.status_height > 0) draw_status(state, layout, commands);
     draw_dialog(state, commands);
 }

@@ -31,6 +31,9 @@ void draw_job_status(const State& state, Commands& commands);
 // Keys and mouse over the picture.
 void draw_view(const State& state, const ui::Layout& layout, Commands& commands);
 
+// In the picture: points of the path, and the sun with L, follow the mouse. True: it is not the camera's.
+[[nodiscard]] bool draw_hands(const State& state, const ui::Rect& view, Commands& commands);
+
 // Over the picture.
 void draw_probe(const State& state, const ui::Rect& view);
 
@@ -38,6 +41,7 @@ void draw_probe(const State& state, const ui::Rect& view);
 void draw_tune(const State& state, Commands& commands);
 void draw_camera(const State& state, Commands& commands);
 void draw_picture(const State& state, Commands& commands);
+void draw_pictures(const State& state, Commands& commands);
 void draw_time(const State& state, Commands& commands);
 void draw_budgets(const State& state, Commands& commands);
 void draw_streaming(const State& state, Commands& commands);
@@ -45,9 +49,15 @@ void draw_levels(const State& state, Commands& commands);
 void draw_auto_tune(const State& state, Commands& commands);
 void draw_benchmark(const State& state, Commands& commands);
 
+// Inside the view panel; and over the picture.
+void draw_compare_picture(const State& state, Commands& commands);
+void draw_divider(const State& state, const ui::Rect& view, Commands& commands);
+
 // Inside the camera panel.
 void draw_overview(const State& state, Commands& commands);
 void draw_path(const State& state, Commands& commands);
+// Inside that: the path over its time.
+void draw_timeline(const State& state, Commands& commands);
 
 // A graph over the frames that are shown: a click on it chooses one, a drag over it zooms.
 void draw_measured_graph(ui::Graph graph, std::initializer_list<ui::GraphLine> lines, const State& state,

@@ -47,7 +47,8 @@ void draw_name(const Route& route) {
     }
 }
 
-void draw_flight(const Route& route, Commands& commands) {
+void draw_flight(const State& state, Commands& commands) {
+    const Route& route = state.route;
     const bool there = !route.empty();
     if (button(route.playing() ? "Pause" : "Play", "play", there, "Fly along the path, or pause (P)."))
         commands.push(PlayPath{!route.playing()});
@@ -70,6 +71,7 @@ void draw_flight(const Route& route, Commands& commands) {
     ImGui::EndDisabled();
     ui::mark("path", "seek");
     ui::tip("Position along the path; drag to seek.");
+    draw_timeline(state, commands);
     double seconds = route.requested_seconds();
     ImGui::SetNextItemWidth(6.5F * ImGui::GetFontSize());
     if (ImGui::InputDouble("Duration", &seconds, 0, 0, seconds > 0 ? "%.1f s" : "auto",
@@ -112,7 +114,8 @@ void draw_points(const Route& route, Commands& commands) {
     ImGui::EndChild();
 }
 
-void draw_editing(const Route& route, Commands& commands) {
+void draw_editing(const State& state, Commands& commands) {
+    const Route& route = state.route;
     const std::size_t at = route.selected().value_or(0), n = route.points().size();
     const bool selected = route.selected().has_value();
     if (button("Add", "add", true, "A point where the camera is, after the selected one, or last (N)."))
@@ -128,6 +131,17 @@ void draw_editing(const Route& route, Commands& commands) {
     beside("Down");
     if (button("Down", "down", selected && at + 1 < n, "Swaps the selected point with the one after."))
         commands.push(MovePoint{at, at + 1});
+    if (button("Turntable", "circle", state.scene.open(), "Another path: once around what the camera looks at."))
+        commands.push(CirclePath{});
+    beside("Look at centre");
+    if (button(
+            "Look at centre", "aim", n > 0 && state.scene.open(),
+            "All points look at the middle between the probe's marks, at its mark, or else at the terrain's middle.")) {
+        Vec3 centre{state.scene.width_m() / 2, 0, state.scene.depth_m() / 2};
+        if (state.probe.marks > 0) centre = state.probe.mark_m[0];
+        if (state.probe.marks > 1) centre = (state.probe.mark_m[0] + state.probe.mark_m[1]) * 0.5;
+        commands.push(AimPath{centre.x, centre.z});
+    }
     if (button("Open...", "open", true, "A camera path from a file.")) commands.push(ShowDialog{Dialog::open_file});
     beside("Save...");
     if (button("Save...", "save", n >= 2, "The camera path to a file, as control points in metres."))
@@ -144,9 +158,9 @@ void draw_editing(const Route& route, Commands& commands) {
 void draw_path(const State& state, Commands& commands) {
     ui::heading("Camera path");
     draw_name(state.route);
-    draw_flight(state.route, commands);
+    draw_flight(state, commands);
     draw_points(state.route, commands);
-    draw_editing(state.route, commands);
+    draw_editing(state, commands);
 }
 
 } // namespace fjell::editor

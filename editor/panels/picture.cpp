@@ -30,9 +30,11 @@ constexpr Choice overlay_choices[] = {
     {"Page borders", "Borders of pages, which are loaded and evicted as a whole."},
     {"Bounding spheres", "Around vertices, as refinement uses them."},
     {"Culled", "With refinement frozen: culled tiles, and the frustum of the frozen camera."},
-    {"True error", "Distance of the mesh from the full-resolution terrain, in pixels. Replaces the picture; all "
-                   "heights are read first."},
+    {"True error", "Distance of the mesh from the full-resolution terrain, in pixels; hatched where it breaks the "
+                   "bound. Replaces the picture; all heights are read first."},
     {"Camera path", "The path, its points and the recording in progress; hidden during playback."},
+    {"Contours", "Lines of equal height, every fifth one wider."},
+    {"Slope", "Steep ground in bands, from 15, 25, 35 and 45 degrees on."},
 };
 static_assert(std::size(overlay_choices) == overlays, "an overlay was added: say what it shows");
 
@@ -97,7 +99,7 @@ void error_legend(double promised_px) {
         std::snprintf(text, sizeof text, share < 1 ? "%.3g" : "%.3g px: the bound", share * promised_px);
         legend.entry(ui::colour(gl::error_rgb(share)), text);
     }
-    legend.entry(ui::colour(gl::error_stops[4]), "above the bound");
+    legend.entry(ui::colour(gl::error_stops[4]), "hatched: above the bound");
     legend.entry(ui::colour(gl::error_stops[5]), "no reference");
 }
 
@@ -111,7 +113,25 @@ void draw_legend(const State& state) {
     }
 }
 
+void explain_relief(const State& state) {
+    char text[80];
+    if (state.shows(Overlay::contours)) {
+        const double every_m = contour_interval_m(state.scene);
+        std::snprintf(text, sizeof text, "Contours every %.4g m, wider every %.4g m.", every_m, 5 * every_m);
+        note(text);
+    }
+    if (!state.shows(Overlay::slope)) return;
+    note("Slope, degrees:");
+    Legend legend;
+    for (std::size_t i = 0; i < std::size(gl::slope_rgb); ++i) {
+        std::snprintf(text, sizeof text, i + 1 < std::size(gl::slope_rgb) ? "from %d" : "%d and steeper",
+                      gl::slope_bands_deg[i]);
+        legend.entry(ui::colour(gl::slope_rgb[i]), text);
+    }
+}
+
 void explain_overlays(const State& state) {
+    explain_relief(state);
     if (state.shows(Overlay::culled) && !state.eye.frozen)
         note("Culled tiles are out of view: freeze refinement (F), and look from elsewhere.");
     if (!state.shows(Overlay::error)) return;
@@ -180,6 +200,7 @@ void draw_picture(const State& state, Commands& commands) {
         ui::tip(overlay_choices[i].about);
     }
     if (state.scene.open()) explain_overlays(state);
+    if (state.scene.open()) draw_compare_picture(state, commands);
     draw_scale(state, commands);
 }
 

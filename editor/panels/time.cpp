@@ -73,7 +73,15 @@ void draw_table(const State& state) {
     quantiles("Editor", state, Series::editor_us,
               "The editor's own code: panels, commands and measures. Should stay below 1 ms.");
     quantiles("Other", state, Series::other_us, other_about);
+    if (state.measures.ring(Series::gpu_us).size() != 0)
+        quantiles("GPU", state, Series::gpu_us,
+                  "What the GPU took, by its own clock, of some frames before: beside the CPU, so none of the parts "
+                  "above.");
     ImGui::EndTable();
+    if (!state.software) return;
+    ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
+    ImGui::TextWrapped("GPU: not measured; software draws, in Present.");
+    ImGui::PopStyleColor();
 }
 
 // The clicked frame, or the mean of all.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdio>
 
+#include "editor/jobs/threshold_search.h"
 #include "editor/number_text.h"
 #include "editor/panels/ui.h"
 
@@ -122,6 +123,8 @@ void draw_hover(ImDrawList& list, const TunePoint& p, const Axes& time, const Ax
                 count_text(p.max_us).text);
     ImGui::Text("%s vertices; %u flights of %u frames", count_text(p.vertices).text, p.flights, p.frames);
     if (p.reached < 0.9999) ImGui::Text("%.1f%% of the frames reached it", 100 * p.reached);
+    if (const LimitingPart limit = limiting_part(p.dearest_us); limit.name != nullptr)
+        ImGui::Text("dearest frames: %.0f%% %s", 100 * limit.share, limit.name);
     ImGui::TextUnformatted(p.keeps ? "keeps the budget" : "does not keep the budget");
     ImGui::EndTooltip();
 }

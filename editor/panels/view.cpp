@@ -146,7 +146,7 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
         steer(move);
         handle_key_presses(state, commands);
     }
-    if (!io.WantCaptureMouse) point(state, move);
+    if (!io.WantCaptureMouse && !draw_hands(state, layout.view, commands)) point(state, move);
     if (panel_keys && !io.WantCaptureMouse && ImGui::IsMouseClicked(ImGuiMouseButton_Left))
         commands.push(SetSwitch{Switch::panel_keys, false});
     commands.push(move);

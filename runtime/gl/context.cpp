@@ -1,5 +1,8 @@
 #include "fjell/gl/context.h"
 
+#include <map>
+#include <mutex>
+
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
@@ -63,6 +66,31 @@ EGLContext start_context(EGLDisplay display, bool debug, std::string& reason) {
     return context;
 }
 
+// EGL has one connection to a display, however often it is asked for: to end it for one context ends it for those of
+// other threads, whose driver then finds no functions any more. So the last context of a display ends it.
+struct Connections {
+    std::mutex lock;
+    std::map<EGLDisplay, int> contexts;
+};
+Connections& connections() {
+    static Connections all;
+    return all;
+}
+
+bool connect(EGLDisplay display) {
+    Connections& all = connections();
+    const std::scoped_lock hold(all.lock);
+    if (!eglInitialize(display, nullptr, nullptr)) return false;
+    ++all.contexts[display];
+    return true;
+}
+
+void disconnect(EGLDisplay display) {
+    Connections& all = connections();
+    const std::scoped_lock hold(all.lock);
+    if (--all.contexts[display] == 0) eglTerminate(display);
+}
+
 struct Started {
     EGLDisplay display = EGL_NO_DISPLAY;
     EGLContext context = EGL_NO_CONTEXT;
@@ -71,7 +99,7 @@ struct Started {
 Started try_display(EGLenum platform, void* native, bool debug, std::string& reason) {
     Started result;
     const EGLDisplay display = eglGetPlatformDisplayEXT(platform, native, nullptr);
-    if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr)) {
+    if (display == EGL_NO_DISPLAY || !connect(display)) {
         reason = egl_error_name();
         return result;
     }
@@ -79,7 +107,7 @@ Started try_display(EGLenum platform, void* native, bool debug, std::string& rea
     if (result.context != EGL_NO_CONTEXT)
         result.display = display;
     else
-        eglTerminate(display);
+        disconnect(display);
     return result;
 }
 
@@ -154,7 +182,7 @@ Headless::~Headless() {
     if (display_ == nullptr) return;
     eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     eglDestroyContext(display_, context_);
-    eglTerminate(display_);
+    disconnect(display_);
 }
 
 bool Headless::make_current() {

@@ -102,6 +102,7 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
     const bool blocks = header.order != Order::linear;
     set_colour(block.tile_border, tile_border_rgb, now.tile_borders ? 1 : 0);
     set_colour(block.page_border, page_border_rgb, now.page_borders && blocks ? 0.8 : 0);
+    set4(block.relief, now.contour_m > 0 ? 1 / now.contour_m : 0, now.slope ? 1 : 0, now.hatch ? 1 : 0, 0);
     block.last[0] = static_cast<std::int32_t>(header.columns) - 1;
     block.last[1] = static_cast<std::int32_t>(header.rows) - 1;
     set_light(view, now, block);

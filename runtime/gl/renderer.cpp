@@ -73,7 +73,7 @@ std::string Renderer::State::make_program_of(const DrawOptions& now) {
     before += modes[static_cast<int>(mode)];
     if (all_there(mode)) before += "#define ALL_THERE\n";
     if (now.wireframe) before += "#define WIREFRAME\n";
-    if (now.tile_borders || now.page_borders) before += "#define BORDERS\n";
+    if (draws_lines(now)) before += "#define BORDERS\n";
     const bool shaded = mode == Mode::shaded;
     if (shaded) before += light_defines(now.lit ? light_bits : light_none);
     before += common_shader();

@@ -39,6 +39,7 @@ layout(std140, binding = 0) uniform Frame {
     vec4 to_rim;
     vec4 layers_at, layers;
     vec4 shadow_plane, control, shadow;
+    vec4 relief;
 };
 
 // What stages hand on: metres from the eye; samples from the tile's first; the tile's block; what modes need.
@@ -363,7 +364,9 @@ vec3 error_colour() {
     float error_m = max(abs(drawn - full) - rounding.x, 0.0);
     vec3 from_eye = vec3(surface.position.x, (full - eye.z) - eye.w, surface.position.z) - error_eye.xyz;
     float share = error_m * error_eye.w / max(length(from_eye), 1e-6);
-    if (share > 1.0) return legend[4].rgb;
+    // Hatched, a broken promise is told from snow, and from red, by its pattern too.
+    bool gap = relief.z > 0.0 && mod(gl_FragCoord.x + gl_FragCoord.y, 8.0) < 3.0;
+    if (share > 1.0) return gap ? vec3(0.0) : legend[4].rgb;
     float t = clamp((share - 0.1) / 0.3, 0.0, 3.0);
     int i = min(int(t), 2);
     return mix(legend[i].rgb, legend[i + 1].rgb, t - float(i));
@@ -434,6 +437,27 @@ vec3 with_line(vec3 colour, vec4 line_colour, vec2 samples, vec2 samples_a_pixel
                line_colour.a * border_cover(samples, samples_a_pixel, apart, half_width_px));
 }
 
+// Bands of slope: from 15, 25, 35 and 45 degrees on, each darker than the one before, so that no hue is needed to tell
+// them apart. Contours: lines of equal height, every fifth one wider; they pale before they would lie closer than 6
+// pixels.
+vec3 with_relief(vec3 colour, vec3 normal) {
+    if (relief.y > 0.0) {
+        const vec3 bands[4] = vec3[](vec3(0.97, 0.70, 0.13), vec3(0.91, 0.20, 0.01), vec3(0.35, 0.02, 0.10),
+                                     vec3(0.02, 0.003, 0.08));
+        float degrees_up = degrees(acos(clamp(normal.y, 0.0, 1.0)));
+        int band = int(floor((degrees_up - 5.0) / 10.0)) - 1;
+        if (band >= 0) colour = mix(colour, bands[min(band, 3)], 0.6);
+    }
+    if (relief.x > 0.0) {
+        float at = (surface.position.y + eye.z + eye.w) * relief.x, a_pixel = max(fwidth(at), 1e-9);
+        float nearest = round(at), wide = mod(nearest, 5.0) < 0.5 ? 1.1 : 0.5;
+        float cover = clamp(wide + 0.5 - abs(at - nearest) / a_pixel, 0.0, 1.0);
+        float apart = wide > 1.0 ? 5.0 : 1.0;
+        colour = mix(colour, vec3(0.02, 0.012, 0.008), 0.75 * cover * smoothstep(6.0, 16.0, apart / a_pixel));
+    }
+    return colour;
+}
+
 // Tiles draw half of their common border each, like triangles their edges.
 vec3 with_borders(vec3 colour) {
     vec2 at = surface.sample_at, dx = dFdx(at), dy = dFdy(at);
@@ -464,6 +488,9 @@ void main() {
     if (sun.w > 0.0) colour *= 0.35 + 0.65 * min(dot(light(normal), vec3(1.0 / 3.0)), 1.0); // the legend stays readable
 #else
     if (sun.w > 0.0) colour *= light(normal);
+#endif
+#ifdef BORDERS
+    colour = with_relief(colour, normal);
 #endif
 #endif
 #ifdef WIREFRAME

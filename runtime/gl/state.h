@@ -66,9 +66,13 @@ struct Renderer::State {
     // The first texture unit of control maps: behind those of horizons.
     [[nodiscard]] unsigned control_unit() const { return horizon_unit + maps.kind[2].sizes; }
     // renderer.cpp
+    // On the surface: a variant of the shader has them all.
+    [[nodiscard]] static bool draws_lines(const DrawOptions& now) {
+        return now.tile_borders || now.page_borders || now.contour_m > 0 || now.slope;
+    }
     [[nodiscard]] bool all_there(Mode mode) const { return maps.all_there && mode <= Mode::distance; }
     [[nodiscard]] Program& program_of(const DrawOptions& now) {
-        const bool borders = now.tile_borders || now.page_borders;
+        const bool borders = draws_lines(now);
         return programs[static_cast<int>(now.mode)][now.wireframe ? 1 : 0][borders ? 1 : 0][all_there(now.mode) ? 1 : 0]
                        [now.mode != Mode::shaded ? 0
                         : now.lit                ? light_bits

@@ -100,6 +100,20 @@ const std::map<std::string, Use>& uses() {
         {"frames", {{"3"}, {"", "-1", "x"}}},
         {"wait", {{""}, {"x"}}},
         {"quit", {{"", "discard"}, {"x", "discard discard"}}},
+        {"run-place", {{"0 0.5", "7 1"}, {"", "0", "x 0", "0 2", "0 0 0"}}},
+        {"forget-run", {{"0"}, {"", "x", "-1"}}},
+        {"heat", {{"none", "time", "error"}, {"", "warm"}}},
+        {"render",
+         {{"a.png", "a.png still width=64 height=36", "frames path fps=25"}, {"", "a.png sideways", "a.png width=8"}}},
+        {"circle-path", {{"", "20"}, {"x", "1 2"}}},
+        {"aim-path", {{"100 200"}, {"", "100", "x 1", "1 2 3"}}},
+        {"place-point", {{"0 100 200"}, {"", "0", "0 1", "x 1 2"}}},
+        {"add-bookmark", {{"", "valley"}, {"a b"}}},
+        {"bookmark", {{"0"}, {"", "x"}}},
+        {"remove-bookmark", {{"0"}, {"", "x"}}},
+        {"compare-picture", {{"off", "profile", "4"}, {"", "x", "-1", "4 5"}}},
+        {"compare-view", {{"split", "difference"}, {"", "both"}}},
+        {"divider", {{"0", "0.5"}, {"", "2", "x"}}},
     };
     return all;
 }

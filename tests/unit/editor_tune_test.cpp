@@ -241,3 +241,19 @@ TEST_CASE("settings of a tuning that are out of range are refused by their names
     refuses([](TuneSettings& s) { s.most_px = s.least_px; }, "most_px");
     refuses([](TuneSettings& s) { s.most_px = 1001; }, "most_px");
 }
+
+TEST_CASE("what limits a threshold is the part that its dearest frames spend most on, and the text says it") {
+    CHECK(limiting_part({}).name == nullptr);
+    const LimitingPart limit = limiting_part({10, 20, 0, 0, 10, 160});
+    CHECK(std::string(limit.name) == "drawing");
+    CHECK(limit.share == Approx(0.8));
+    const TuneResult r = find_threshold(
+        asked(1000),
+        [](double error_px) {
+            return FlightCost{
+                std::vector<double>(50, 400 / error_px), 1, 1, {0, 300 / error_px, 100 / error_px, 0, 0, 0}};
+        },
+        [](const TuneResult&) {});
+    REQUIRE(r.best_px > 0);
+    CHECK_THAT(tune_text(r, asked(1000)), Catch::Contains("dearest frames: 75% refining"));
+}

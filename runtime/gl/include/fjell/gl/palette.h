@@ -38,6 +38,10 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 inline constexpr Rgb8 error_stops[6] = {{34, 46, 140}, {70, 160, 225},  {244, 214, 50},
                                         {220, 24, 16}, {255, 255, 255}, {120, 120, 120}};
 
+// Slopes (DrawOptions::slope) from these degrees on, in these colours, of which six parts of ten cover the ground's.
+inline constexpr int slope_bands_deg[4] = {15, 25, 35, 45};
+inline constexpr Rgb8 slope_rgb[4] = {{251, 217, 101}, {244, 124, 25}, {160, 39, 89}, {39, 9, 79}};
+
 [[nodiscard]] double to_linear(std::uint8_t srgb); // 0 to 1
 
 // Borders on the surface (DrawOptions): of tiles, and of pages of the finest step.

@@ -88,6 +88,10 @@ struct DrawOptions {
     // Lines on the surface, over any mode: around tiles, and around squares of 64 x 64 samples, the pages of the finest
     // step (none in linear order, whose pages are rows). Where they would lie closer than 6 pixels they fade out.
     bool tile_borders = false, page_borders = false;
+    // Over any mode but distance: lines of equal height so many metres apart, every fifth one wider (0: none); and
+    // slopes from 15, 25, 35 and 45 degrees on in palette.h's slope_rgb.
+    double contour_m = 0;
+    bool slope = false;
     bool sky = true;  // false: black
     bool lit = true;  // false: bare colours, to compare; with Mode::shaded without haze, film and water too
     bool haze = true; // Mode::shaded: air before the ground. Legends' colours are never hazed
@@ -98,6 +102,7 @@ struct DrawOptions {
     float error_full_px = 1;           // what is red: the threshold that was promised; above it is white
     std::optional<Vec3> error_eye_m{}; // whose picture was refined; none: the view's
     double error_lambda_px = 0;        // that eye's; 0: the view's
+    bool hatch = false;                // above it black and white stripes, not white
 };
 
 // What uploads and draws have done.

@@ -1,0 +1,155 @@
+#include "editor/comparison.h"
+
+#include <chrono>
+#include <utility>
+
+#include <epoxy/gl.h>
+
+#include "fjell/io/failure.h"
+#include "flight/pictures.h"
+#include "flight/profile_keys.h"
+
+namespace fjell::editor {
+
+namespace {
+
+bool needs_reopening(const flight::Profile& from, const flight::Profile& to) {
+    for (const flight::ProfileKey& key : flight::profile_keys())
+        if (key.rebuild != flight::Rebuild::nothing && key.get(from) != key.get(to)) return true;
+    return false;
+}
+
+void must(bool made, const std::string& error) {
+    if (!made) throw io::Failure(3, error);
+}
+
+} // namespace
+
+Comparison::~Comparison() = default;
+
+flight::Profile Comparison::wanted(const State& state) const {
+    const flight::Profile* const other = state.document.compared();
+    flight::Profile profile =
+        state.compared.with == CompareWith::profile && other != nullptr ? *other : state.document.profile();
+    if (state.compared.with == CompareWith::threshold) profile.refine.error_px = state.compared.error_px;
+    return profile;
+}
+
+flight::FlightOptions Comparison::options(const Engine& engine) const {
+    flight::FlightOptions o;
+    o.file = engine.session().file;
+    o.pack = o.file->path();
+    o.profile = profile_;
+    o.layers = engine.layers();
+    return o;
+}
+
+void Comparison::close(State& state) {
+    drop_graphics();
+    session_.reset();
+    opening_ = {}; // waits for its thread
+    state.compared.there = false;
+}
+
+void Comparison::adopt(State& state, const Engine& engine) {
+    session_ = opening_.get();
+    std::string error;
+    renderer_ = flight::make_renderer(options(engine), *session_, error);
+    if (!renderer_) {
+        session_.reset();
+        state.compared.with = CompareWith::nothing;
+        throw io::Failure(3, error);
+    }
+    new_ = true;
+}
+
+void Comparison::follow(State& state, const Engine& engine) {
+    const bool lost = state.compared.with == CompareWith::profile && state.document.compared() == nullptr;
+    if (state.compared.with == CompareWith::nothing || lost || !engine.is_open()) {
+        if (lost) state.compared.with = CompareWith::nothing;
+        if (session_ || opening_.valid()) close(state);
+        return;
+    }
+    if (opening_.valid() && opening_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+        try {
+            adopt(state, engine);
+        } catch (...) { // what it needs cannot be had: the first profile's picture goes on
+            state.compared.with = CompareWith::nothing;
+            throw;
+        }
+    }
+    if (opening_.valid() || state.document.dragging()) return;
+    const flight::Profile now = wanted(state);
+    if (session_ && terrains_ == engine.terrains() && !needs_reopening(profile_, now)) {
+        if (!renderer_) { // the context was lost
+            std::string error;
+            renderer_ = flight::make_renderer(options(engine), *session_, error);
+            must(renderer_ != nullptr, error);
+            new_ = true;
+        }
+        profile_ = now;
+        return;
+    }
+    close(state);
+    profile_ = now;
+    terrains_ = engine.terrains();
+    opening_ = std::async(std::launch::async, [o = options(engine)] {
+        auto session = std::make_unique<flight::Session>();
+        flight::open_session(o, *session);
+        return session;
+    });
+}
+
+bool Comparison::update(State& state, const View& refining) {
+    if (!session_ || !renderer_) return false;
+    entry_ = flight::update_frame(*session_, refining, profile_, state.now_s);
+    const std::string error = flight::upload_mesh(*renderer_, *session_, entry_);
+    must(error.empty(), error);
+    state.compared.there = true;
+    state.compared.triangles = entry_.triangles_drawn;
+    state.compared.update_us = entry_.update_us + entry_.stream_us;
+    return std::exchange(new_, false) || entry_.rebuilt || entry_.activations != 0 || entry_.deactivations != 0 ||
+           entry_.morphing != 0 || entry_.upload_bytes != 0;
+}
+
+bool Comparison::settled() const {
+    if (opening_.valid()) return false;
+    if (!session_) return true;
+    const StreamReport& r = entry_.stream;
+    return !new_ && entry_.waiting == entry_.blocked && entry_.morphing == 0 && (!entry_.streamed || r.in_flight == 0);
+}
+
+void Comparison::draw(const State& state, const gl::Target& target) {
+    if (!session_ || !renderer_) return;
+    const std::uint32_t w = target.width(), h = target.height();
+    std::string error;
+    if (!target_ || target_->width() != w || target_->height() != h) target_ = gl::Target::create({w, h, 1}, error);
+    must(target_ != nullptr, error);
+    gl::DrawOptions options = flight::draw_options(state.interface.mode, profile_, 0);
+    options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
+    options.tile_borders = state.shows(Overlay::tile_borders);
+    options.page_borders = state.shows(Overlay::page_borders);
+    options.contour_m = state.shows(Overlay::contours) ? contour_interval_m(state.scene) : 0;
+    options.slope = state.shows(Overlay::slope);
+    error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, *target_);
+    must(error.empty(), error);
+    if (state.compared.view == CompareView::difference) {
+        error = difference_.draw(target, *target_);
+        must(error.empty(), error);
+        return;
+    }
+    glDisable(GL_FRAMEBUFFER_SRGB);
+    const auto from = static_cast<GLint>(state.compared.divider * w), to = static_cast<GLint>(w),
+               top = static_cast<GLint>(h);
+    if (from >= to) return;
+    glBlitNamedFramebuffer(target_->framebuffer(), target.framebuffer(), from, 0, to, top, from, 0, to, top,
+                           GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+void Comparison::drop_graphics() {
+    difference_.drop_graphics();
+    target_.reset();
+    renderer_.reset();
+}
+
+} // namespace fjell::editor

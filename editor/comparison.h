@@ -1,0 +1,53 @@
+// A second profile of the terrain that is shown, drawn into the same picture: beyond a divider, or as a difference.
+//
+// It has a session of its own, opened by a thread from the file that is open, and is refined for the same view in the
+// same frame. Ownership: that session, its renderer and its target. Thread: the frame's, with the graphics context
+// current. Memory: as much as the terrain itself takes, while it is on. Cost: an update and a picture more a frame,
+// which are not the editor's own nor the first profile's. Failure: io::Failure; it is off then.
+#pragma once
+
+#include <cstdint>
+#include <future>
+#include <memory>
+
+#include "editor/engine.h"
+#include "editor/scene/difference.h"
+#include "editor/state.h"
+#include "fjell/gl/renderer.h"
+#include "fjell/gl/target.h"
+#include "flight/session.h"
+
+namespace fjell::editor {
+
+class Comparison {
+public:
+    ~Comparison();
+    // Before a frame's update: opens, reopens or closes what the state wants now.
+    void follow(State& state, const Engine& engine);
+    // True: its mesh is another one than before, or it has just come.
+    bool update(State& state, const View& refining);
+    // Over the picture of the first profile.
+    void draw(const State& state, const gl::Target& target);
+    [[nodiscard]] bool opening() const { return opening_.valid(); }
+    [[nodiscard]] bool settled() const; // it is off, or has all that its view wants
+    void drop_graphics();
+
+private:
+    [[nodiscard]] flight::Profile wanted(const State& state) const;
+    [[nodiscard]] flight::FlightOptions options(const Engine& engine) const;
+    void close(State& state);
+    void adopt(State& state, const Engine& engine);
+
+    flight::Profile profile_;    // that it goes by
+    std::uint64_t terrains_ = 0; // Engine::terrains() that it belongs to
+    // In the order of destruction, last first: the renderer points into the session.
+    std::unique_ptr<flight::Session> session_;
+    std::unique_ptr<gl::Renderer> renderer_;
+    std::unique_ptr<gl::Target> target_;
+    PictureDifference difference_;
+    std::future<std::unique_ptr<flight::Session>> opening_;
+    flight::FrameEntry entry_;
+    bool new_ = false;
+};
+
+} // namespace fjell::editor

@@ -1,0 +1,74 @@
+// Commands that study a terrain: runs that were flown, pictures rendered beside the frame, bookmarks, and two profiles
+// in one picture. Part of editor/command.h, which every other file includes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <string>
+
+namespace fjell::editor {
+
+// --- runs that benchmarks flew (editor/runs.h) ---
+struct ChoosePlace { // of a run, and look from there
+    std::size_t run = 0;
+    double share = 0; // 0..1 of its frames
+};
+struct ForgetRun {
+    std::size_t run = 0;
+};
+enum class Heat : std::uint8_t { none, time, error };
+inline constexpr const char* heat_names[] = {"none", "time", "error"};
+struct SetHeat { // what the overview's path is coloured by, from the latest run
+    Heat heat = Heat::none;
+};
+
+// --- pictures of any size, rendered beside the frame ---
+enum class PictureWay : std::uint8_t { still, path };
+inline constexpr const char* picture_way_names[] = {"still", "path"};
+struct RenderPictures {
+    std::string path;                   // a .png, or of a path a folder: frame_00000.png and so on
+    PictureWay way = PictureWay::still; // what the camera sees, or a picture for each frame of the path
+    std::uint32_t width = 3840, height = 2160;
+    double fps = 30; // of the path
+};
+struct CirclePath { // a path once around what the camera looks at: a turntable
+    double seconds = 20;
+};
+struct AimPath { // all points look at that place on the ground
+    double x_m = 0, z_m = 0;
+};
+struct PlacePoint { // over that place, as high above the ground as it was
+    std::size_t point = 0;
+    double x_m = 0, z_m = 0;
+    bool dragging = false; // more of the same follows: one step for Restore
+};
+
+// --- bookmarks ---
+struct AddBookmark {
+    std::string name; // empty: numbered
+};
+struct GoToBookmark {
+    std::size_t bookmark = 0;
+};
+struct RemoveBookmark {
+    std::size_t bookmark = 0;
+};
+
+// --- two profiles in one picture (editor/comparison.h) ---
+enum class CompareWith : std::uint8_t { nothing, threshold, profile };
+inline constexpr const char* compare_with_names[] = {"off", "threshold", "profile"};
+struct ComparePictures {
+    CompareWith with = CompareWith::nothing;
+    double error_px = 0; // of a threshold; the rest is the profile's
+};
+enum class CompareView : std::uint8_t { split, difference };
+inline constexpr const char* compare_view_names[] = {"split", "difference"};
+struct SetCompareView {
+    CompareView view = CompareView::split;
+};
+struct SetDivider {
+    double share = 0.5; // of the picture's width: on its left the profile, on its right the other one
+};
+
+} // namespace fjell::editor

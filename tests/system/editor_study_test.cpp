@@ -1,0 +1,154 @@
+// Two profiles in one picture, runs by place and rendered pictures, by the built editor without a window: state, files
+// and pixels.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "fjell/gl/image.h"
+#include "support/editor_pack.h"
+#include "support/program.h"
+#include "support/temporary_folder.h"
+
+using namespace fjell;
+using namespace fjell::test;
+using nlohmann::json;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+class Studies {
+public:
+    // The state after these commands. The light is what software draws fastest, and what does not adapt.
+    [[nodiscard]] json after(const std::vector<std::string>& commands, double error_px = 3) const {
+        spit(folder / "profile.toml", "[view]\nwidth_px = 320\nheight_px = 180\nsamples = 1\n"
+                                      "[refine]\nerror_px = " +
+                                          std::to_string(error_px) +
+                                          "\n[light]\nair = \"simple\"\ndetail = false\ndither = false\n");
+        std::string line = "ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR
+                           "/fjell-editor --headless --size 480x320 --scale "
+                           "0.5 --profile profile.toml '" +
+                           small_pack() + "'";
+        for (const std::string& c : commands) line += " --do '" + c + "'";
+        const Run r = run_in(folder.path, line + " --do 'dump state.json'");
+        INFO(line << "\n" << r.err);
+        code = r.code;
+        REQUIRE(r.code <= 3);
+        return json::parse(slurp(folder / "state.json"));
+    }
+    [[nodiscard]] gl::Image picture(const std::string& name) const {
+        gl::Image image;
+        REQUIRE(gl::read_png(folder / name, image).empty());
+        return image;
+    }
+
+    TemporaryFolder folder;
+    mutable int code = 0;
+};
+
+// Of the columns from..to, how many pixels differ.
+std::size_t differing(const gl::Image& a, const gl::Image& b, std::uint32_t from, std::uint32_t to) {
+    REQUIRE(a.width == b.width);
+    REQUIRE(a.height == b.height);
+    std::size_t count = 0;
+    for (std::uint32_t y = 0; y < a.height; ++y)
+        for (std::uint32_t x = from; x < to; ++x) count += !std::equal(a.pixel(x, y), a.pixel(x, y) + 3, b.pixel(x, y));
+    return count;
+}
+
+} // namespace
+
+TEST_CASE("beyond the divider the picture is that of the other threshold, before it that of the profile's") {
+    const Studies s;
+    (void)s.after({"wait", "screenshot fine.png terrain"}, 2);
+    (void)s.after({"wait", "screenshot coarse.png terrain"}, 40);
+    const json both =
+        s.after({"compare-picture 40", "divider 0.25", "wait", "screenshot both.png terrain", "compare-view difference",
+                 "wait", "screenshot apart.png terrain", "compare-picture 2", "wait", "screenshot alike.png terrain"},
+                2);
+    CHECK(both["compared_picture"]["there"] == true);
+    const gl::Image fine = s.picture("fine.png"), coarse = s.picture("coarse.png"), split = s.picture("both.png");
+    const std::uint32_t at = fine.width / 4, all = fine.width;
+    CHECK(differing(fine, split, 0, at) == 0);
+    CHECK(differing(coarse, split, at, all) == 0);
+    CHECK(differing(fine, coarse, 0, at) > 100); // so each side is told apart
+    CHECK(differing(fine, coarse, at, all) > 100);
+    const gl::Image apart = s.picture("apart.png"), alike = s.picture("alike.png");
+    CHECK(std::ranges::count(alike.rgb, 0) == static_cast<std::ptrdiff_t>(alike.rgb.size()));
+    std::size_t wrong = 0;
+    for (std::uint32_t y = 0; y < apart.height; ++y)
+        for (std::uint32_t x = 0; x < all; ++x) {
+            const bool same = std::equal(fine.pixel(x, y), fine.pixel(x, y) + 3, coarse.pixel(x, y));
+            const std::uint8_t* const p = apart.pixel(x, y);
+            wrong += same != (p[0] == 0 && p[1] == 0 && p[2] == 0);
+        }
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("benchmarks are kept as runs, the latest first, and a place of one is looked from") {
+    const Studies s;
+    const json state = s.after({"benchmark a.csv 60", "wait", "set refine.error_px 30", "benchmark b.csv 40", "wait",
+                                "run-place 1 0.5", "heat error", "frames 2"});
+    const json& all = state["runs"]["all"];
+    REQUIRE(all.size() == 2);
+    CHECK(all[0]["name"] == "b.csv");
+    CHECK(all[0]["error_px"] == 30);
+    CHECK(all[0]["frames"] == 39);
+    CHECK(all[1]["frames"] == 59);
+    CHECK(all[1]["worst"][0].size() >= 5);
+    CHECK(all[1]["worst"][0][0]["update_us"].get<double>() == Approx(all[1]["max_us"].get<double>()));
+    CHECK(state["runs"]["chosen"]["run"] == 1);
+    const json &chosen = state["runs"]["chosen"]["position_m"], &eye = state["camera"]["view_eye_m"];
+    for (int i = 0; i < 3; ++i) CHECK(eye[i].get<double>() == Approx(chosen[i].get<double>()));
+    // The dearest place is the frame that the CSV has as its dearest, but for the first.
+    const std::string csv = slurp(s.folder / "a.csv");
+    double dearest_us = 0;
+    long dearest = -1;
+    for (std::size_t from = csv.find('\n') + 1; from < csv.size(); from = csv.find('\n', from) + 1) {
+        const long frame = std::stol(csv.substr(from, csv.find(',', from) - from));
+        const double us = std::stod(csv.substr(csv.find(',', from) + 1));
+        if (frame == 0 || us <= dearest_us) continue;
+        dearest_us = us;
+        dearest = frame;
+    }
+    CHECK(all[1]["worst"][0][0]["frame"] == dearest);
+    (void)s.after({"run-place 0 0.5"});
+    CHECK(s.code == 2);
+}
+
+TEST_CASE("a picture is rendered at any size, and a path as a sequence that says how a film is made of it") {
+    const Studies s;
+    const json one = s.after({"wait", "render large.png width=1000 height=300", "wait"});
+    INFO(one["messages"].dump());
+    const gl::Image large = s.picture("large.png");
+    CHECK(large.width == 1000);
+    CHECK(large.height == 300);
+    CHECK(differing(large, large, 0, 1) == 0);
+    const json path = s.after({"circle-path 2", "render turn path width=64 height=36 fps=3", "wait"});
+    CHECK(path["route"]["points"] == 25);
+    CHECK_THAT(path["messages"].back()["text"].get<std::string>(),
+               Catch::Contains("6 pictures") && Catch::Contains("ffmpeg -framerate 3"));
+    for (int i = 0; i < 6; ++i) CHECK(fs::exists(s.folder / ("turn/frame_0000" + std::to_string(i) + ".png")));
+    CHECK_FALSE(fs::exists(s.folder / "turn/frame_00006.png"));
+    CHECK(differing(s.picture("turn/frame_00000.png"), s.picture("turn/frame_00003.png"), 0, 64) > 100);
+    (void)s.after({"circle-path 2", "render turn path", "wait"}); // never over pictures that are there
+    CHECK(s.code == 2);
+}
+
+TEST_CASE("a bookmark has the picture that is seen, and leads back") {
+    const Studies s;
+    const json state = s.after({"wait", "add-bookmark Start", "wait", "jump 9000 9000", "wait", "add-bookmark", "wait",
+                                "bookmark 0", "wait", "remove-bookmark 1", "frames 2"});
+    REQUIRE(state["bookmarks"].size() == 1);
+    const json& b = state["bookmarks"][0];
+    CHECK(b["name"] == "Start");
+    CHECK(b["thumbnail_px"][0] == 160);
+    CHECK(b["texture"] == true);
+    for (int i = 0; i < 3; ++i)
+        CHECK(state["camera"]["view_eye_m"][i].get<double>() == Approx(b["position_m"][i].get<double>()));
+}
