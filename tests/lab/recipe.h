@@ -29,7 +29,8 @@ enum class Way : std::uint8_t {
     spheres,
     binary_tree,
     skirted_tiles,
-    multi_triangulation
+    multi_triangulation,
+    progressive_mesh
 };
 
 // Heights and a camera path over them. One of the two: a landscape for the baker's synthesis, or a file.
