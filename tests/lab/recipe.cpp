@@ -170,6 +170,7 @@ void read_lists(Keys& keys, Recipe& r) {
     const bool linear = std::find(r.orders.begin(), r.orders.end(), Order::linear) != r.orders.end();
     if (linear && std::find(r.ways.begin(), r.ways.end(), Way::incremental) != r.ways.end())
         keys.bad("orders", "the incremental method does not take linear; leave one of them out");
+    r.cache_mb = keys.number("cache_mb", r.cache_mb, 0.1, 1e6);
     r.offscreen_factors = keys.numbers("offscreen_factors", {1}, 1, 100);
     r.cells_a_frame = keys.numbers("cells_a_frame", {0}, 0, 1000);
     r.thresholds_px = keys.numbers("thresholds_px", {}, 0.01, 1000);
@@ -225,6 +226,9 @@ const std::vector<Measure>& all_measures() {
                                           {"pages_in_use", "pages in use, mean"},
                                           {"pages_read", "pages read in the flight"},
                                           {"memory_pages", "memory pages (4 KB) in use, mean"},
+                                          {"memory_read", "memory pages read in the flight"},
+                                          {"memory_misses", "memory pages that miss the cache, mean"},
+                                          {"page_misses", "pages that miss the cache, mean"},
                                           {"bake_s", "baking errors, radii, pages [s]"},
                                           {"low_us", "lowest median [us]"},
                                           {"high_us", "highest median [us]"},
@@ -247,6 +251,7 @@ const char* heading_of(const std::string& key) {
                                              {"estimate", "estimate"},
                                              {"method", "method"},
                                              {"offscreen_factor", "offscreen factor"},
+
                                              {"cells_a_frame", "cells a frame"},
                                              {"error_px", "threshold [px]"}};
     for (const auto* list : {&all_measures(), &fields})
@@ -318,11 +323,8 @@ std::vector<Case> cases_of(const Recipe& r) {
 }
 
 std::string key_of(const Recipe& r, const Case& c) {
-    json key{{"site", r.site.identity()},
-             {"case", c.json()},
-             {"frames", r.frames},
-             {"verify_frames", r.verify_frames},
-             {"measures", r.measures}};
+    json key{{"site", r.site.identity()},        {"case", c.json()},       {"frames", r.frames},
+             {"verify_frames", r.verify_frames}, {"measures", r.measures}, {"cache_mb", r.cache_mb}};
     if (r.conclusion == "rivals") key["repetitions"] = r.repetitions;
     return key.dump();
 }

@@ -71,6 +71,7 @@ struct Recipe {
     std::vector<Way> ways;
     std::vector<double> offscreen_factors, cells_a_frame, thresholds_px;
     int frames = 840, verify_frames = 0;
+    double cache_mb = 8; // that page and memory misses are counted with
     // Of rivals: flights in turns with the leanest recursion, and a picture of each mesh, how fine and how large.
     int repetitions = 1, picture_cells = 128;
     double picture_px = 8;

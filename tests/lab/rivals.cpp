@@ -22,12 +22,13 @@ using rivals::Rival;
 using rivals::unlimited_operations;
 
 // Methods that follow their view by a level a frame need as many as there are levels.
-constexpr int settling_frames = 64;
+constexpr int settling_frames = 128, resting_frames = 40; // a morph goes on for some when nothing else changes
 constexpr std::size_t few_cameras = 8;
 
 void settle(Rival& rival, const View& view, double error_px) {
     std::uint32_t before = 0;
-    for (int i = 0, same = 0; i < settling_frames && same < 2; ++i) {
+    const int rest = rival.traits().coherent ? resting_frames : 2;
+    for (int i = 0, same = 0; i < settling_frames && same < rest; ++i) {
         io::check_interrupt();
         const rivals::Refined now = rival.refine(view, error_px, unlimited_operations);
         same = now.triangles == before && !now.interrupted ? same + 1 : 0;

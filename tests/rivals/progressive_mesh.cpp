@@ -98,7 +98,8 @@ bool ProgressiveMesh::wanted(const Eye& eye, std::uint32_t s) const {
 
 std::uint32_t ProgressiveMesh::add_face(std::uint32_t face, const LinkedFace& f) {
     std::uint32_t slot = static_cast<std::uint32_t>(drawn_.size());
-    if (free_.empty()) drawn_.push_back(f);
+    if (free_.empty())
+        drawn_.push_back(f);
     else {
         slot = free_.back();
         free_.pop_back();
@@ -142,8 +143,10 @@ void ProgressiveMesh::split(std::uint32_t s) {
     std::uint32_t first = no_index, second = no_index;
     const std::uint32_t at_1 = first_fan == no_index ? 0 : place_in(first_fan),
                         at_2 = last_fan == no_index ? 0 : place_in(last_fan);
-    if (first_fan != no_index) turn_around(first_fan, true, last_fan, v, u);
-    else turn_around(last_fan, false, no_index, v, u);
+    if (first_fan != no_index)
+        turn_around(first_fan, true, last_fan, v, u);
+    else
+        turn_around(last_fan, false, no_index, v, u);
     if (first_fan != no_index) {
         const std::uint32_t ring = drawn_[first_fan].corner[(at_1 + 1) % 3];
         first = add_face(number, {{u, v, ring}, {slot_of(to_1), first_fan, no_index}});
@@ -184,8 +187,10 @@ void ProgressiveMesh::unsplit(std::uint32_t s) {
         }
         remove_face(number + i);
     }
-    if (first_fan != no_index) turn_around(first_fan, true, last_fan, u, v);
-    else turn_around(last_fan, false, no_index, u, v);
+    if (first_fan != no_index)
+        turn_around(first_fan, true, last_fan, u, v);
+    else
+        turn_around(last_fan, false, no_index, u, v);
     next_[v] = s;
     for (const std::uint32_t face : record.around)
         if (const std::uint32_t m = maker_of(face); m != no_index) --leaning_[m];
@@ -206,8 +211,10 @@ std::uint32_t ProgressiveMesh::force(std::uint32_t wanted_split, std::uint32_t m
             stack_.pop_back();
             continue;
         }
-        if (v >= base_ && !made(v - base_)) missing = v - base_;
-        else if (next_[v] != s) missing = next_[v];
+        if (v >= base_ && !made(v - base_))
+            missing = v - base_;
+        else if (next_[v] != s)
+            missing = next_[v];
         else
             for (const std::uint32_t face : splits_[s].around)
                 if (!made(maker_of(face))) missing = maker_of(face);

@@ -1,6 +1,7 @@
 // A view-dependent progressive mesh (Hoppe, "View-dependent refinement of progressive meshes", 1997, and "Smooth
-// view-dependent level-of-detail control and its application to terrain rendering", 1998): the collapses of an irregular
-// simplification (simplify.h), undone where the view wants them, in any order that their neighbourhoods allow.
+// view-dependent level-of-detail control and its application to terrain rendering", 1998): the collapses of an
+// irregular simplification (simplify.h), undone where the view wants them, in any order that their neighbourhoods
+// allow.
 //
 // As in the papers: a vertex hierarchy; a split may be made when its vertex is there and the four triangles around it
 // are (1997, 4.1), which forces other splits; the front goes on from the frame before; only triangles that are drawn
@@ -71,12 +72,12 @@ private:
     std::vector<Split> splits_;
     std::vector<std::uint32_t> first_; // split of a vertex
     // The front.
-    std::vector<std::uint32_t> next_;     // split of a vertex
-    std::vector<std::uint32_t> where_;    // of a split in made_
-    std::vector<std::uint16_t> leaning_;  // made splits that have one of its triangles around them
-    std::vector<std::uint32_t> made_;     // splits
-    std::vector<std::uint32_t> slots_;    // of a triangle in drawn_
-    std::vector<LinkedFace> drawn_;       // neighbours are slots; what a renderer would upload
+    std::vector<std::uint32_t> next_;    // split of a vertex
+    std::vector<std::uint32_t> where_;   // of a split in made_
+    std::vector<std::uint16_t> leaning_; // made splits that have one of its triangles around them
+    std::vector<std::uint32_t> made_;    // splits
+    std::vector<std::uint32_t> slots_;   // of a triangle in drawn_
+    std::vector<LinkedFace> drawn_;      // neighbours are slots; what a renderer would upload
     std::vector<std::uint32_t> free_, stack_;
 };
 

@@ -76,8 +76,8 @@ void Simplifier::make_faces() {
     };
     for (std::int32_t y = 0; y < n; ++y)
         for (std::int32_t x = 0; x < n; ++x) {
-            const std::uint32_t a = ground_.index({x, y}), b = ground_.index({x + 1, y}),
-                                c = ground_.index({x, y + 1}), d = ground_.index({x + 1, y + 1});
+            const std::uint32_t a = ground_.index({x, y}), b = ground_.index({x + 1, y}), c = ground_.index({x, y + 1}),
+                                d = ground_.index({x + 1, y + 1});
             done.faces[lower(x, y)] = {{a, c, d}, {upper(x, y + 1), upper(x, y), upper(x - 1, y)}};
             done.faces[upper(x, y)] = {{a, d, b}, {lower(x + 1, y), lower(x, y - 1), lower(x, y)}};
             face_of_[a] = lower(x, y);
@@ -139,8 +139,9 @@ double Simplifier::deviation(std::uint32_t ia, std::uint32_t ib, std::uint32_t i
     };
     double most = 0;
     for (std::int32_t y = p[0].y; y <= p[2].y; ++y) {
-        double x0 = at_row(p[0], p[2], y),
-               x1 = y == p[1].y ? p[1].x : y < p[1].y ? at_row(p[0], p[1], y) : at_row(p[1], p[2], y);
+        double x0 = at_row(p[0], p[2], y), x1 = y == p[1].y  ? p[1].x
+                                                : y < p[1].y ? at_row(p[0], p[1], y)
+                                                             : at_row(p[1], p[2], y);
         if (x0 > x1) std::swap(x0, x1);
         const auto from = static_cast<std::int32_t>(std::ceil(x0 - 1e-9)),
                    to = static_cast<std::int32_t>(std::floor(x1 + 1e-9));
@@ -158,9 +159,7 @@ double Simplifier::error_of(const Star& star, std::size_t target, double limit) 
     const std::uint32_t to = star.ring[target];
     const Coord v = coord(to);
     const std::size_t count = star.faces.size();
-    const auto gone = [&](std::size_t i) {
-        return i == target || (star.closed ? (i + 1) % count : i + 1) == target;
-    };
+    const auto gone = [&](std::size_t i) { return i == target || (star.closed ? (i + 1) % count : i + 1) == target; };
     for (std::size_t i = 0; i < count; ++i)
         if (!gone(i) && doubled_area(v, coord(star.ring[i]), coord(star.ring[i + 1])) <= 0)
             return std::numeric_limits<double>::infinity();
@@ -201,8 +200,8 @@ void Simplifier::replace_neighbour(std::uint32_t face, std::uint32_t was, std::u
 void Simplifier::collapse(const Candidate& candidate) {
     star_of(candidate.from, star_);
     const std::size_t count = star_.faces.size();
-    const auto target = static_cast<std::size_t>(
-        std::find(star_.ring.begin(), star_.ring.end(), candidate.to) - star_.ring.begin());
+    const auto target =
+        static_cast<std::size_t>(std::find(star_.ring.begin(), star_.ring.end(), candidate.to) - star_.ring.begin());
     Collapse c;
     c.from = candidate.from;
     c.to = candidate.to;

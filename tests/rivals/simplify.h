@@ -2,8 +2,8 @@
 // that is least wrong first (Hoppe 1998, 5): a sample goes, and its triangles follow to one of its neighbours.
 //
 // How wrong a collapse is, is the largest vertical distance from any sample under the triangles that it leaves to
-// those, measured and not added up. Blocks of samples are simplified one after the other with their borders locked, to a
-// number of vertices each; four neighbours are one block of the next level, until one is left. So no queue is ever
+// those, measured and not added up. Blocks of samples are simplified one after the other with their borders locked, to
+// a number of vertices each; four neighbours are one block of the next level, until one is left. So no queue is ever
 // longer than a block. Triangles never flip: doubled areas of whole coordinates stay above 0. The corners of the
 // terrain stay, and samples of its sides go along them.
 // Complexity: O(samples * log(side)), a few microseconds each. Memory: O(samples), but for the queues. Failure: none.
