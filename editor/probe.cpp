@@ -77,7 +77,8 @@ void look_for_mesh(Probe& probe, const flight::Session& session, const View& ref
     const DrawnMesh drawn{session.mesh(), session.incremental() ? cut_mesh(session.cut) : CutMesh{}, session.terrain()};
     ProbedGround& g = *probe.ground;
     const PackHeader& header = session.terrain().header();
-    const std::uint32_t tile = g.tile_y * header.tiles_x + g.tile_x;
+    const std::uint32_t tile =
+        session.terrain().tile_at({static_cast<std::int32_t>(g.tile_x), static_cast<std::int32_t>(g.tile_y)});
     const double column = g.position_m.x / header.spacing_m[0], row = g.position_m.z / header.spacing_m[1];
     const std::size_t step = drawn.mesh.topology == Topology::strip ? 1 : 3;
     std::size_t left = triangles_a_call;

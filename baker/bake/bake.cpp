@@ -58,7 +58,6 @@ private:
     void make_far_mips(const BakePlan& plan, MapKind kind, TexelStore finer);
     void make_coarser_steps(const BakePlan& plan, const UnsaturatedStores& unsaturated, StepStores finer,
                             MixedStores& mixed);
-    void summarise(const PackHeader& header);
 
     // Runs a stage unless an earlier run has completed it.
     template <typename Work>
@@ -107,7 +106,7 @@ void Bake::run_stages() {
     if (raw.exists()) check(raw, complete({Stage::read}), found.stores.heights);
     stage({Stage::read}, [&] {
         reads_input_ = true;
-        const ReadResult read = read_heights(context_, raw);
+        const ReadResult read = read_result(context_, read_windows(context_, raw));
         reads_input_ = false;
         found.has_voids = read.has_voids;
         found.holes = read.has_voids && read.properties.holes;
@@ -171,7 +170,12 @@ void Bake::run_stages() {
 
     const Clock::time_point write_start = Clock::now();
     plan.header.max_error_m = found.max_error_m;
-    summarise(plan.header);
+    const BakeSummary times = std::exchange(summary_, summary_of(context_, found, plan.header));
+    summary_.resumed = times.resumed;
+    summary_.seconds_read = times.seconds_read;
+    summary_.seconds_textures = times.seconds_textures;
+    summary_.seconds_horizons = times.seconds_horizons;
+    summary_.seconds_errors = times.seconds_errors;
     write_pack(context_, plan.header, *spool_, summary_);
     summary_.seconds_write = seconds_since(write_start);
     summary_.seconds_total = seconds_since(start);
@@ -240,28 +244,6 @@ void Bake::make_coarser_steps(const BakePlan& plan, const UnsaturatedStores& uns
         finer.remove();
         finer = std::move(step);
     }
-}
-
-void Bake::summarise(const PackHeader& header) {
-    summary_.columns = context_.tree.columns();
-    summary_.rows = context_.tree.rows();
-    summary_.tree = context_.tree;
-    std::copy_n(header.spacing_m, 2, summary_.spacing_m);
-    summary_.quantum_m = header.quantum_m;
-    summary_.min_m = header.min_m;
-    summary_.max_m = header.max_m;
-    const CheckpointState& found = checkpoint_.state;
-    constexpr double fine_m = 0.01; // a centimetre
-    if (context_.options.quantum_m == 0 && header.quantum_m > std::max(found.native_quantum_m, fine_m) &&
-        header.quantum_m <= least_quantum_m(found.heights) * 1.001)
-        summary_.quantum_range_m = found.heights.tile_range_m;
-    summary_.max_error_m = header.max_error_m;
-    summary_.ground_error_m = header.voids ? checkpoint_.state.ground_error_m : header.max_error_m;
-    summary_.voids = header.voids;
-    summary_.crs_wkt = context_.source.crs_wkt;
-    summary_.source = context_.source.facts;
-    summary_.lowest = found.lowest;
-    summary_.highest = found.highest;
 }
 
 constexpr StageId far_mip_stage(MapKind kind, std::uint32_t mip) {

@@ -39,9 +39,9 @@ std::uint32_t map_log2(double texels_a_side, const BakeOptions& options) {
 } // namespace
 
 BakeContext::BakeContext(const HeightSource& the_source, const BakeOptions& the_options,
-                         const std::string& the_out_path)
+                         const std::string& the_out_path, const Window& the_part)
     : source(the_source), options(the_options), out_path(the_out_path), tree(tiling(source, options)),
-      regions(tree, options.region_cells), pages{tree.tile_log2, options.order},
+      regions(tree, options.region_cells), part(the_part), pages{tree.tile_log2, options.order},
       threads(resolve_threads(options.threads)),
       mixed_log2(options.order == Order::linear ? 0 : std::max(tree.tile_log2 - page_squares_log2, 0)),
       folder(out_path), image(images_of(source, options)),
@@ -51,9 +51,25 @@ BakeContext::BakeContext(const HeightSource& the_source, const BakeOptions& the_
       horizon_log2(
           options.horizon_spacing ? map_log2(tree.side() / static_cast<double>(options.horizon_spacing), options) : 0),
       // Work files that an earlier run has left are gone on with.
-      in_memory(!options.checkpoint_s && !std::filesystem::exists(folder.file("checkpoint")) &&
+      in_memory(part.area() == 0 && !options.checkpoint_s && !std::filesystem::exists(folder.file("checkpoint")) &&
                 static_cast<double>(work_bytes(tree, options.order, {colour_log2, normal_log2, horizon_log2}) +
                                     base_bytes) <= 0.75 * static_cast<double>(options.memory_bytes)) {}
+
+Window BakeContext::region_window() const {
+    return part.area() ? part : Window{0, 0, regions.across(), regions.down()};
+}
+
+std::int64_t BakeContext::region_at(std::uint64_t u) const {
+    const Window r = region_window();
+    const auto i = static_cast<std::int64_t>(u);
+    return (r.y + i / r.columns) * regions.across() + r.x + i % r.columns;
+}
+
+std::uint32_t BakeContext::tile_at(std::uint64_t u) const {
+    const Window t = tile_window();
+    const auto i = static_cast<std::int64_t>(u);
+    return static_cast<std::uint32_t>((t.y + i / t.columns) * tree.tiles_x + t.x + i % t.columns);
+}
 
 std::string BakeContext::store_path(const std::string& name) const {
     return in_memory ? "" : folder.file(name);

@@ -24,8 +24,10 @@ struct UnitLoop {
 
 class BakeContext {
 public:
-    // Makes the work folder and opens the images; nothing of an earlier run is touched. Throws Failure.
-    BakeContext(const HeightSource& the_source, const BakeOptions& the_options, const std::string& the_out_path);
+    // Makes the work folder and opens the images; nothing of an earlier run is touched. part: regions that are baked,
+    // counted in regions, for a shard of the terrain; no area: all of them. Throws Failure.
+    BakeContext(const HeightSource& the_source, const BakeOptions& the_options, const std::string& the_out_path,
+                const Window& the_part = {});
 
     // Calls unit(i) for i in [0, loop.count) on loop.workers threads. Throws what units and the progress throw.
     void run_units(const UnitLoop& loop, const std::function<void(std::uint64_t)>& unit) const;
@@ -42,16 +44,23 @@ public:
     [[nodiscard]] std::string temporary() const;
     // All that the pack's bytes depend on, as text.
     [[nodiscard]] std::string identity() const;
-    [[nodiscard]] double samples() const { return static_cast<double>(tree.columns()) * tree.rows(); }
-    [[nodiscard]] std::uint64_t tiles() const {
-        return static_cast<std::uint64_t>(tree.tiles_x) * static_cast<std::uint64_t>(tree.tiles_y);
-    }
+    [[nodiscard]] double samples() const { return static_cast<double>(sample_window().area()); }
+    // What is baked here: all of the terrain, or a shard's part of it.
+    [[nodiscard]] Window region_window() const;
+    [[nodiscard]] Window tile_window() const { return regions.tiles_of(region_window()); }
+    [[nodiscard]] Window sample_window() const { return regions.samples_of(region_window()); }
+    [[nodiscard]] std::uint64_t region_count() const { return region_window().area(); }
+    [[nodiscard]] std::uint64_t tile_count() const { return tile_window().area(); }
+    // The u-th of them: its number among all.
+    [[nodiscard]] std::int64_t region_at(std::uint64_t u) const;
+    [[nodiscard]] std::uint32_t tile_at(std::uint64_t u) const;
 
     const HeightSource& source;
     const BakeOptions& options;
     const std::string out_path;
     const Tree tree;
     const Regions regions;
+    const Window part; // of the regions; no area: all
     const PageLayout pages;
     const int threads;
     // log2 of the finest step whose vertices lie in pages of several steps; 0 in linear order: all of them.

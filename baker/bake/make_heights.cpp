@@ -13,9 +13,12 @@
 
 namespace fjell::baker {
 
-ReadResult read_heights(const BakeContext& context, Store<float>& heights) {
+ReadStatistics read_windows(const BakeContext& context, Store<float>& heights) {
     constexpr std::size_t window_samples = std::size_t{1} << 20;
-    const std::vector<Window> windows = context.source.windows(window_samples);
+    std::vector<Window> windows = context.source.windows(window_samples);
+    const Window own = context.sample_window();
+    for (Window& w : windows) w = common(w, own);
+    std::erase_if(windows, [](const Window& w) { return w.area() == 0; });
     std::size_t largest = 0;
     for (const Window& w : windows) largest = std::max(largest, w.area());
     ReadStatistics all;
@@ -34,36 +37,34 @@ ReadResult read_heights(const BakeContext& context, Store<float>& heights) {
                           const std::lock_guard hold(adding);
                           all.add(part);
                       });
+    return all;
+}
+
+ReadResult read_result(const BakeContext& context, const ReadStatistics& all) {
     return {context.source.properties(all), all.voids.count + all.implausible.count > 0};
 }
 
-namespace {
-
-void mark_voids(const BakeContext& context, const Store<float>& raw, Store<std::uint8_t>& marks) {
+void mark_voids(const BakeContext& context, const Store<float>& raw, const Window& of, Store<std::uint8_t>& marks) {
     constexpr std::int32_t band = 64;
-    const auto columns = static_cast<std::int32_t>(raw.columns()), rows = static_cast<std::int32_t>(raw.rows());
-    parallel_for((rows - 1) / band + 1, context.threads, [&](std::int64_t i) {
+    parallel_for((of.rows - 1) / band + 1, context.threads, [&](std::int64_t i) {
         const auto y = static_cast<std::int32_t>(i) * band;
-        const Window w{0, y, columns, std::min(band, rows - y)};
+        const Window w{of.x, of.y + y, of.columns, std::min(band, of.rows - y)};
         std::vector<float> heights(w.area());
         std::vector<std::uint8_t> voids(w.area());
-        raw.read(w, heights.data(), columns);
+        raw.read(w, heights.data(), w.columns);
         std::transform(heights.begin(), heights.end(), voids.begin(),
                        [](float h) { return static_cast<std::uint8_t>(std::isnan(h)); });
-        marks.write(w, voids.data(), columns);
+        marks.write(w, voids.data(), w.columns);
     });
 }
-
-} // namespace
 
 void fill_heights(const BakeContext& context, const Store<float>& raw, const SourceProperties& properties,
                   const FilledStores& out) {
     if (context.options.progress) context.options.progress("fill", 0, 1);
-    if (out.marks.exists()) mark_voids(context, raw, out.marks);
-    constexpr std::uint64_t piece_bytes = std::uint64_t{24} << 20;
+    if (out.marks.exists()) mark_voids(context, raw, context.sample_window(), out.marks);
     fill_voids({raw,
                 {properties.native_quantum_m, properties.anchor_m},
-                context.workers_for(piece_bytes),
+                context.workers_for(fill_piece_bytes),
                 [&](const std::string& name, std::int64_t columns, std::int64_t rows) {
                     return context.open<float>(name, columns, rows);
                 }},
@@ -97,14 +98,13 @@ HeightStatistics measure_region(const BakeContext& context, const HeightStores& 
 } // namespace
 
 HeightStatistics measure_heights(const BakeContext& context, const HeightStores& heights) {
-    std::vector<HeightStatistics> parts(static_cast<std::size_t>(context.regions.count()));
+    std::vector<HeightStatistics> parts(context.region_count());
     const double side = context.regions.cells() + 1.0;
     context.run_units({"measure", parts.size(), context.workers_for(static_cast<std::uint64_t>(side * side * 5)),
                        context.samples() / static_cast<double>(parts.size())},
                       [&](std::uint64_t i) {
                           thread_local Buffer<float> buffer;
-                          parts[i] = measure_region(context, heights, context.regions.at(static_cast<std::int64_t>(i)),
-                                                    buffer);
+                          parts[i] = measure_region(context, heights, context.regions.at(context.region_at(i)), buffer);
                       });
     HeightStatistics all;
     for (const HeightStatistics& part : parts) all.add(part);

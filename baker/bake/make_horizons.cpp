@@ -73,10 +73,10 @@ void make_near_horizons(const BakeContext& context, const BakePlan& plan, const 
     const double points = std::ldexp(context.tree.side(), -stride_log2) + 40, samples = context.tree.side() + 120.0;
     const auto tile_bytes = static_cast<std::uint64_t>(points * points * horizon_planes * 10 + samples * samples * 6) +
                             (std::uint64_t{2} << 20);
-    context.run_units({"horizons", context.tiles(), context.workers_for(tile_bytes),
-                       context.samples() / static_cast<double>(context.tiles())},
+    context.run_units({"horizons", context.tile_count(), context.workers_for(tile_bytes),
+                       context.samples() / static_cast<double>(context.tile_count())},
                       [&](std::uint64_t u) {
-                          const auto tile = static_cast<std::uint32_t>(u);
+                          const std::uint32_t tile = context.tile_at(u);
                           const Window at = points_for_horizons(plan.maps, tile);
                           std::vector<LevelWindow> seen;
                           for (int level = 0; level < levels.count(); ++level)

@@ -46,10 +46,10 @@ void make_near_maps(const BakeContext& context, const BakePlan& plan, const Heig
     const auto tile_bytes =
         static_cast<std::uint64_t>(places * places * 20 + texels * texels * 24) + (std::uint64_t{2} << 20);
     ReaderPool<ImageSource, ImageReader> readers(context.image.get());
-    context.run_units({"maps", context.tiles(), context.workers_for(tile_bytes),
-                       context.samples() / static_cast<double>(context.tiles())},
+    context.run_units({"maps", context.tile_count(), context.workers_for(tile_bytes),
+                       context.samples() / static_cast<double>(context.tile_count())},
                       [&](std::uint64_t u) {
-                          const auto tile = static_cast<std::uint32_t>(u);
+                          const std::uint32_t tile = context.tile_at(u);
                           const Window w = heights_for_maps(plan.maps, tile);
                           Buffer<float> heights_m(w.area());
                           heights.heights.read(w, heights_m.data(), w.columns);
@@ -73,13 +73,12 @@ void make_near_maps(const BakeContext& context, const BakePlan& plan, const Heig
 
 void make_far_mip(const BakeContext& context, const BakePlan& plan, const FarMipInput& in, const FarMipOutput& out) {
     // Tiles are small by now: many at once, in rows.
-    const Tree& tree = context.tree;
-    const auto rows = static_cast<std::uint64_t>(tree.tiles_y);
-    context.run_units({"mips", rows, context.threads, static_cast<double>(tree.tiles_x)}, [&](std::uint64_t row) {
+    const Window tiles = context.tile_window();
+    const auto rows = static_cast<std::uint64_t>(tiles.rows), across = static_cast<std::uint64_t>(tiles.columns);
+    context.run_units({"mips", rows, context.threads, static_cast<double>(across)}, [&](std::uint64_t row) {
         ChunkBatch batch;
-        for (std::int32_t x = 0; x < tree.tiles_x; ++x) {
-            const auto tile = static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(tree.tiles_x) +
-                              static_cast<std::uint32_t>(x);
+        for (std::uint64_t x = 0; x < across; ++x) {
+            const std::uint32_t tile = context.tile_at(row * across + x);
             const Window stored = in_channels(finer_texels(plan.maps, in.kind, in.mip, tile), in.kind);
             Texels finer(stored.area());
             in.finer.read(stored, finer.data(), stored.columns);

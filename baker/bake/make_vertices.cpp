@@ -32,7 +32,7 @@ std::uint64_t region_bytes(std::int32_t cells, int z) {
 }
 
 UnitLoop loop_over_regions(const BakeContext& context, const char* name, int z) {
-    const auto count = static_cast<std::uint64_t>(context.regions.count());
+    const std::uint64_t count = context.region_count();
     return {name, count, context.workers_for(region_bytes(context.regions.cells(), z)),
             context.samples() / static_cast<double>(count) / (1 << (2 * z))};
 }
@@ -82,7 +82,7 @@ std::uint8_t correct_leaves(const BakeContext& context, const BakePlan& plan, co
 }
 
 // The pages that hold nothing but this step; none in linear order and of steps that are smaller than a page.
-void append_pages(const BakeContext& context, const BakePlan& plan, const StepResult& result, ChunkSpool& spool) {
+void append_pages(const BakeContext& context, const BakePlan& plan, const StepResult& result, ChunkSink& spool) {
     const StepInput& in = result.step;
     const std::int32_t n = context.tree.side() >> (in.z + 1); // squares of a tile
     if (context.options.order == Order::linear || n < static_cast<std::int32_t>(page_squares)) return;
@@ -112,7 +112,7 @@ void append_pages(const BakeContext& context, const BakePlan& plan, const StepRe
 struct StepOutput {
     StepStores& step;
     MixedStores& mixed;
-    ChunkSpool& spool;
+    ChunkSink& spool;
 };
 
 // From unsaturated errors to what a step leaves.
@@ -132,9 +132,9 @@ void finish_step(const BakeContext& context, const BakePlan& plan, const Region&
 float make_finest_step(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
                        const FinestStepOutput& out) {
     const double spacing_m[2] = {context.source.spacing_m[0], context.source.spacing_m[1]};
-    std::vector<std::uint8_t> worst(static_cast<std::size_t>(context.regions.count()));
+    std::vector<std::uint8_t> worst(context.region_count());
     context.run_units(loop_over_regions(context, "errors", 0), [&](std::uint64_t u) {
-        const auto index = static_cast<std::int64_t>(u);
+        const std::int64_t index = context.region_at(u);
         const Region region = context.regions.at(index);
         const auto [square, nx, ny] = extents_of(region, 0);
         std::optional<QuantisedHeights> ground = load_heights(context, plan.height_scale, heights, region);
@@ -166,7 +166,7 @@ float make_finest_step(const BakeContext& context, const BakePlan& plan, const H
 void make_coarser_step(const BakeContext& context, const BakePlan& plan, const CoarserStepInput& in,
                        const CoarserStepOutput& out) {
     context.run_units(loop_over_regions(context, "steps", in.z), [&](std::uint64_t u) {
-        const auto index = static_cast<std::int64_t>(u);
+        const std::int64_t index = context.region_at(u);
         const Region region = context.regions.at(index);
         const auto [square, nx, ny] = extents_of(region, in.z);
         VertexPlanes<std::int32_t> steps(nx, ny);
@@ -186,7 +186,7 @@ void make_coarser_step(const BakeContext& context, const BakePlan& plan, const C
 
 namespace {
 
-void append_corners(const BakeContext& context, const BakePlan& plan, const MixedStores& mixed, ChunkSpool& spool) {
+void append_corners(const BakeContext& context, const BakePlan& plan, const MixedStores& mixed, ChunkSink& spool) {
     const auto columns = static_cast<std::int32_t>(mixed.heights.columns());
     std::vector<std::uint32_t> corners, row(static_cast<std::size_t>(columns));
     const std::int32_t step = context.tree.side() >> context.mixed_log2;
@@ -205,15 +205,15 @@ void append_corners(const BakeContext& context, const BakePlan& plan, const Mixe
 
 } // namespace
 
-float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const MixedStores& mixed, ChunkSpool& spool) {
+float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const MixedStores& mixed, ChunkSink& spool) {
     const Tree& tree = context.tree;
     const int z = context.mixed_log2;
     const std::uint32_t pages = context.options.order == Order::linear ? context.pages.pages_per_tile() : 1;
     const std::int32_t places = (tree.side() >> z) + 1; // of a tile, a side
     const std::uint64_t place_count = static_cast<std::uint64_t>(places) * static_cast<std::uint64_t>(places);
-    std::vector<std::uint8_t> worst(context.tiles(), 0);
+    std::vector<std::uint8_t> worst(context.tile_count(), 0);
     context.run_units(
-        {"root pages", context.tiles(), context.workers_for(place_count * 8), static_cast<double>(place_count)},
+        {"root pages", context.tile_count(), context.workers_for(place_count * 8), static_cast<double>(place_count)},
         [&](std::uint64_t tile) {
             const auto t = static_cast<std::int32_t>(tile);
             const Window w{t % tree.tiles_x * (places - 1), t / tree.tiles_x * (places - 1), places, places};

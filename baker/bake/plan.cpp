@@ -89,4 +89,27 @@ BakePlan make_plan(const BakeContext& context, const CheckpointState& found) {
     return plan;
 }
 
+BakeSummary summary_of(const BakeContext& context, const CheckpointState& found, const PackHeader& header) {
+    BakeSummary s;
+    s.columns = context.tree.columns();
+    s.rows = context.tree.rows();
+    s.tree = context.tree;
+    std::copy_n(header.spacing_m, 2, s.spacing_m);
+    s.quantum_m = header.quantum_m;
+    s.min_m = header.min_m;
+    s.max_m = header.max_m;
+    constexpr double fine_m = 0.01; // a centimetre
+    if (context.options.quantum_m == 0 && header.quantum_m > std::max(found.native_quantum_m, fine_m) &&
+        header.quantum_m <= least_quantum_m(found.heights) * 1.001)
+        s.quantum_range_m = found.heights.tile_range_m;
+    s.max_error_m = header.max_error_m;
+    s.ground_error_m = header.voids ? found.ground_error_m : header.max_error_m;
+    s.voids = header.voids;
+    s.crs_wkt = context.source.crs_wkt;
+    s.source = context.source.facts;
+    s.lowest = found.lowest;
+    s.highest = found.highest;
+    return s;
+}
+
 } // namespace fjell::baker

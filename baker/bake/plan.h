@@ -21,4 +21,8 @@ struct BakePlan {
 // found: of the stages up to `measure`. Throws Failure for a terrain that no pack can hold and for a ramp that is none.
 [[nodiscard]] BakePlan make_plan(const BakeContext& context, const CheckpointState& found);
 
+// All of the summary but times and sizes. header: with the largest error.
+[[nodiscard]] BakeSummary summary_of(const BakeContext& context, const CheckpointState& found,
+                                     const PackHeader& header);
+
 } // namespace fjell::baker

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cstring>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace fjell::baker {
@@ -25,32 +24,27 @@ void MixedStores::remove() {
     heights.remove();
 }
 
-namespace {
-
-// Columns and rows of the places of step 2^z of the whole terrain.
-std::pair<std::int32_t, std::int32_t> places_of(const Tree& tree, int z) {
-    return {((tree.grid_columns() - 1) >> z) + 1, ((tree.grid_rows() - 1) >> z) + 1};
+Window places_of(const Tree& tree, int z) {
+    return {0, 0, ((tree.grid_columns() - 1) >> z) + 1, ((tree.grid_rows() - 1) >> z) + 1};
 }
-
-} // namespace
 
 StepStores open_step(const BakeContext& context, int z) {
-    const auto [columns, rows] = places_of(context.tree, z + 1);
-    return {context.open<std::uint32_t>("places" + std::to_string(z + 1), columns, rows),
-            context.open<CentreRecord>("centres" + std::to_string(z), columns - 1, rows - 1)};
+    const Window all = places_of(context.tree, z + 1);
+    return {context.open<std::uint32_t>("places" + std::to_string(z + 1), all.columns, all.rows),
+            context.open<CentreRecord>("centres" + std::to_string(z), all.columns - 1, all.rows - 1)};
 }
 
-UnsaturatedStores open_unsaturated(const BakeContext& context) {
-    const auto [columns, rows] = places_of(context.tree, 1);
-    return {context.open<std::uint8_t>("unsaturated", columns, rows),
-            context.open<std::uint8_t>("unsaturated-south", columns, context.regions.down()),
-            context.open<std::uint8_t>("unsaturated-east", rows, context.regions.across())};
+UnsaturatedStores open_unsaturated(const BakeContext& context, int z) {
+    const Window all = places_of(context.tree, z);
+    return {context.open<std::uint8_t>("unsaturated", all.columns, all.rows),
+            context.open<std::uint8_t>("unsaturated-south", all.columns, context.regions.down()),
+            context.open<std::uint8_t>("unsaturated-east", all.rows, context.regions.across()), z};
 }
 
 MixedStores open_mixed(const BakeContext& context) {
-    const auto [columns, rows] = places_of(context.tree, context.mixed_log2);
-    return {context.open<std::uint16_t>("mixed-records", columns, rows),
-            context.open<std::uint32_t>("mixed-heights", columns, rows)};
+    const Window all = places_of(context.tree, context.mixed_log2);
+    return {context.open<std::uint16_t>("mixed-records", all.columns, all.rows),
+            context.open<std::uint32_t>("mixed-heights", all.columns, all.rows)};
 }
 
 Digest records_digest(const BakeContext& context, const MixedStores& stores, int first, int last, bool with_rest) {
@@ -190,14 +184,14 @@ void load_unsaturated(const BakeContext& context, const UnsaturatedStores& store
     const Region region = regions.at(region_index);
     const auto across = static_cast<std::int32_t>(region_index % regions.across()),
                down = static_cast<std::int32_t>(region_index / regions.across());
-    const std::int32_t x0 = region.first.x / 2, y0 = region.first.y / 2,
-                       columns = (region.last.x - region.first.x) / 2 + 1,
-                       rows = (region.last.y - region.first.y) / 2 + 1;
+    const std::int32_t x0 = region.first.x >> stores.z, y0 = region.first.y >> stores.z,
+                       columns = ((region.last.x - region.first.x) >> stores.z) + 1,
+                       rows = ((region.last.y - region.first.y) >> stores.z) + 1;
     std::vector<std::uint8_t> row(static_cast<std::size_t>(columns)), other(row.size());
     std::vector<std::uint8_t> west(static_cast<std::size_t>(rows), 0), east(west);
     if (across > 0) stores.east.read({y0, across - 1, rows, 1}, west.data(), rows);
     if (across + 1 < regions.across()) stores.east.read({y0, across, rows, 1}, east.data(), rows);
-    const std::int32_t step = 1 << (z - 1), n = (columns - 1) / (2 * step);
+    const std::int32_t step = 1 << (z - stores.z), n = (columns - 1) / (2 * step);
     for (std::int32_t y = 0; y < rows; y += step) {
         stores.inside.read({x0, y0 + y, columns, 1}, row.data(), columns);
         const auto merge = [&](std::int32_t border) {

@@ -36,13 +36,17 @@ struct StepStores {
 };
 [[nodiscard]] StepStores open_step(const BakeContext& context, int z);
 
-// Codes of errors before they are saturated, at places of step 2: what each region has measured inside of itself, so
-// that the southern and eastern borders, which the neighbours measure too, lie apart.
+// Codes of errors before they are saturated, at places of step 2^z: what each region has measured inside of itself, so
+// that the southern and eastern borders, which the neighbours measure too, lie apart: south has a row for each row of
+// regions, east one for each column of them, along y.
 struct UnsaturatedStores {
     Store<std::uint8_t> inside, south, east;
+    int z = 1;
     void remove();
 };
-[[nodiscard]] UnsaturatedStores open_unsaturated(const BakeContext& context);
+[[nodiscard]] UnsaturatedStores open_unsaturated(const BakeContext& context, int z = 1);
+// Columns and rows of the places of step 2^z of the whole terrain.
+[[nodiscard]] Window places_of(const Tree& tree, int z);
 
 // Vertices whose pages hold several steps, at places of step 2^mixed_log2: error code, radius code and void_bit; and
 // heights as in StepStores.

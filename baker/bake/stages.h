@@ -18,17 +18,22 @@ namespace fjell::baker {
 
 // ---- heights
 
+[[nodiscard]] ReadStatistics read_windows(const BakeContext& context, Store<float>& heights);
 struct ReadResult {
     SourceProperties properties;
     bool has_voids = false; // samples without height: NaN in the store
 };
-[[nodiscard]] ReadResult read_heights(const BakeContext& context, Store<float>& heights);
+// all: of the whole terrain.
+[[nodiscard]] ReadResult read_result(const BakeContext& context, const ReadStatistics& all);
 
 // Only for heights with voids. marks: 1 where there was none; not written where the store does not exist.
 struct FilledStores {
     Store<float>& heights;
     Store<std::uint8_t>& marks;
 };
+// The marks of a window alone.
+void mark_voids(const BakeContext& context, const Store<float>& raw, const Window& window, Store<std::uint8_t>& marks);
+inline constexpr std::uint64_t fill_piece_bytes = std::uint64_t{24} << 20; // that a thread takes which fills
 void fill_heights(const BakeContext& context, const Store<float>& raw, const SourceProperties& properties,
                   const FilledStores& out);
 
@@ -41,7 +46,7 @@ using TexelStore = Store<std::uint16_t>; // columns * channels by rows of a mip 
 
 struct NearMapsOutput {
     TexelStore &colour, &normal; // the last near mip; not written where there is no further one
-    ChunkSpool& spool;
+    ChunkSink& spool;
 };
 void make_near_maps(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
                     const NearMapsOutput& out);
@@ -53,7 +58,7 @@ struct FarMipInput {
 };
 struct FarMipOutput {
     TexelStore& texels; // of this mip; not written where it does not exist
-    ChunkSpool& spool;
+    ChunkSink& spool;
 };
 // 16-bit texels of a window into the store of their mip.
 void store_texels(TexelStore& store, const Window& at, MapKind kind, const Texels& texels);
@@ -69,7 +74,7 @@ struct HorizonInput {
 };
 struct HorizonOutput {
     TexelStore& texels; // the last near mip; not written where there is no further one
-    ChunkSpool& spool;
+    ChunkSink& spool;
 };
 void make_near_horizons(const BakeContext& context, const BakePlan& plan, const HorizonInput& in,
                         const HorizonOutput& out);
@@ -82,7 +87,7 @@ struct FinestStepOutput {
     UnsaturatedStores& unsaturated; // of all coarser steps
     StepStores& step;
     MixedStores& mixed;
-    ChunkSpool& spool;
+    ChunkSink& spool;
 };
 // Returns the largest error on the ground of all steps, in metres: UnsaturatedError::on_ground.
 [[nodiscard]] float make_finest_step(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
@@ -97,18 +102,18 @@ struct CoarserStepInput {
 struct CoarserStepOutput {
     StepStores& step;   // not written where it does not exist
     MixedStores& mixed; // what finer steps wrote to it stays
-    ChunkSpool& spool;
+    ChunkSink& spool;
 };
 void make_coarser_step(const BakeContext& context, const BakePlan& plan, const CoarserStepInput& in,
                        const CoarserStepOutput& out);
 
 // Pages of several steps, corners and the CRS. Returns the largest error in metres.
 [[nodiscard]] float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const MixedStores& mixed,
-                                     ChunkSpool& spool);
+                                     ChunkSink& spool);
 
 // ---- the pack
 
 // Puts it together beside its place and renames it. Counts its bytes in the summary.
-void write_pack(const BakeContext& context, const PackHeader& header, const ChunkSpool& spool, BakeSummary& summary);
+void write_pack(const BakeContext& context, const PackHeader& header, const ChunkSource& chunks, BakeSummary& summary);
 
 } // namespace fjell::baker

@@ -44,15 +44,15 @@ std::vector<ChunkId> chunk_sequence(const PackHeader& header, const PageLayout& 
 
 } // namespace
 
-void write_pack(const BakeContext& context, const PackHeader& header, const ChunkSpool& spool, BakeSummary& summary) {
+void write_pack(const BakeContext& context, const PackHeader& header, const ChunkSource& chunks, BakeSummary& summary) {
     const std::vector<ChunkId> sequence = chunk_sequence(header, context.pages);
     io::AtomicFile out(context.out_path, context.temporary());
     const Progress& progress = context.options.progress;
     const PackNotes notes{context.options.reading, context.source.facts, summary.ground_error_m};
-    summary.file_bytes = assemble_pack(header, spool, sequence, notes_text(notes), out, [&](std::uint64_t n) {
+    summary.file_bytes = assemble_pack(header, chunks, sequence, notes_text(notes), out, [&](std::uint64_t n) {
         if (progress) progress("write", n, sequence.size());
     });
-    const std::vector<ChunkEntry> entries = spool.entries();
+    const std::vector<ChunkEntry> entries = chunks.entries();
     const std::uint64_t tiles = std::uint64_t{header.tiles_x} * header.tiles_y;
     const std::uint64_t maps = 1 + tiles * context.pages.pages_per_tile(); // the corners before them
     for (std::uint64_t i = 0; i < entries.size(); ++i) {

@@ -54,8 +54,7 @@ public:
     // bounds: the pack whose directory has them, or null.
     TileCheck(const Terrain& the_terrain, std::uint32_t the_tile, const Original& from, const Pack* bounds)
         : terrain(the_terrain), tree(data_of(the_terrain).tree), original(from), pack(bounds), tile(the_tile),
-          side(tree.side()), nw{static_cast<std::int32_t>(the_tile) % tree.tiles_x * side,
-                                static_cast<std::int32_t>(the_tile) / tree.tiles_x * side} {
+          side(tree.side()), nw{the_terrain.tile_place(the_tile).x * side, the_terrain.tile_place(the_tile).y * side} {
         vertices.resize(static_cast<std::size_t>(side + 1) * static_cast<std::size_t>(side + 1));
         // base + steps * quantum in float: one rounding of the product, one of the sum.
         const double largest = std::max(std::abs(terrain.header().min_m), std::abs(terrain.header().max_m));
@@ -293,6 +292,19 @@ public:
     Pages(const Terrain& whole, const Pack* bounds) : whole_(&whole), bounds_(bounds) {}
     explicit Pages(const io::PackFile& file) : file_(&file), bounds_(&file.pack()) {}
     [[nodiscard]] const Pack* bounds() const { return bounds_; }
+    // Tiles by place, row by row; no_tile where there is none.
+    [[nodiscard]] std::vector<std::uint32_t> tiles(const Tree& tree) const {
+        std::vector<std::uint32_t> at(static_cast<std::size_t>(tree.tiles_x) * static_cast<std::size_t>(tree.tiles_y),
+                                      no_tile);
+        for (std::uint32_t tile = 0; whole_ != nullptr && tile < whole_->tile_count(); ++tile) {
+            const Coord place = whole_->tile_place(tile);
+            at[static_cast<std::size_t>(place.y) * static_cast<std::size_t>(tree.tiles_x) +
+               static_cast<std::size_t>(place.x)] = tile;
+        }
+        for (std::uint32_t tile = 0; file_ != nullptr && tile < file_->pack().tile_count(); ++tile)
+            at[file_->pack().tile_place(tile)] = tile;
+        return at;
+    }
 
     template <typename Body>
     void with(std::uint32_t tile, const Body& body) {
@@ -389,6 +401,7 @@ void compare(VerifyReport& all, const std::vector<StoredVertex>& a, const std::v
 VerifyReport check_tiles(const Tree& tree, Pages& pages, SourceHeights* heights) {
     VerifyReport all;
     all.vertices = static_cast<std::uint64_t>(tree.grid_columns()) * static_cast<std::uint64_t>(tree.grid_rows());
+    const std::vector<std::uint32_t> tiles = pages.tiles(tree);
     const auto across = static_cast<std::size_t>(tree.tiles_x);
     std::vector<Borders> row, above;
     std::vector<VerifyReport> reports;
@@ -398,7 +411,8 @@ VerifyReport check_tiles(const Tree& tree, Pages& pages, SourceHeights* heights)
         if (heights) heights->start_row(ty);
         parallel_for(tree.tiles_x, resolve_threads(0), [&](std::int64_t x) {
             const auto tx = static_cast<std::int32_t>(x);
-            const auto tile = static_cast<std::uint32_t>(ty * tree.tiles_x + tx);
+            const std::uint32_t tile = tiles[static_cast<std::size_t>(ty) * across + static_cast<std::size_t>(tx)];
+            if (tile == no_tile) return;
             std::vector<float> own;
             const Original original = heights ? heights->tile(tx, ty, own) : Original{};
             pages.with(tile, [&](const Terrain& terrain) {
@@ -407,10 +421,11 @@ VerifyReport check_tiles(const Tree& tree, Pages& pages, SourceHeights* heights)
             });
         });
         for (std::size_t x = 0; x < across; ++x) {
-            const std::size_t tile = static_cast<std::size_t>(ty) * across + x;
+            const std::size_t place = static_cast<std::size_t>(ty) * across + x, tile = tiles[place];
+            if (tile == no_tile) continue;
             add(all, reports[x]);
-            if (x > 0) compare(all, row[x - 1].east, row[x].west, "west", tile);
-            if (ty > 0) compare(all, above[x].south, row[x].north, "north", tile);
+            if (x > 0 && tiles[place - 1] != no_tile) compare(all, row[x - 1].east, row[x].west, "west", tile);
+            if (ty > 0 && tiles[place - across] != no_tile) compare(all, above[x].south, row[x].north, "north", tile);
         }
         above = std::move(row);
     }

@@ -92,17 +92,24 @@ private:
         const std::uint32_t mips = mip_count(log2_of(pack.header, kind));
         const std::uint32_t tiles_x = pack.header.tiles_x;
         std::vector<Border> east(mips), south(std::size_t{mips} * tiles_x);
+        std::vector<std::uint64_t> below(tiles_x, 0); // the place after which south's border was the last one's, + 1
+        std::uint64_t after = 0;                      // the same of east
         for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile) {
             Mip finer;
+            const std::uint64_t at = pack.tile_place(tile);
+            const std::size_t column = at % tiles_x;
+            const bool has_west = column > 0 && after == at, has_north = below[column] == at + 1;
+            after = at + 1;
+            below[column] = at + tiles_x + 1;
             for (std::uint32_t level = 0; level < mips; ++level) {
                 place = {kind, tile, level};
                 Mip mip = decode(pack.header, read, place);
                 report.texels += mip.tolerance.size();
                 if (kind == ChunkKind::normal) check_lengths(mip);
                 if (level > 0) check_tent(finer, mip);
-                if (tile % tiles_x > 0) compare(east[level], border(mip, 0, 0, 0, 1), "west");
-                Border& above = south[std::size_t{level} * tiles_x + tile % tiles_x];
-                if (tile >= tiles_x) compare(above, border(mip, 0, 0, 1, 0), "north");
+                if (has_west) compare(east[level], border(mip, 0, 0, 0, 1), "west");
+                Border& above = south[std::size_t{level} * tiles_x + column];
+                if (has_north) compare(above, border(mip, 0, 0, 1, 0), "north");
                 east[level] = border(mip, mip.side - 1, 0, 0, 1);
                 above = border(mip, 0, mip.side - 1, 1, 0);
                 finer = std::move(mip);

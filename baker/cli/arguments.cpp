@@ -1,7 +1,11 @@
 #include "baker/cli/arguments.h"
 
+#include <algorithm>
+#include <charconv>
+
 #include <fmt/format.h>
 
+#include "baker/shard/shard_plan.h"
 #include "fjell/io/materials.h"
 #include "fjell/pack.h"
 #include "io/command_line.h"
@@ -46,15 +50,12 @@ void add_read_options(CLI::App& app, Recipe& r) {
         ->allow_extra_args(false);
 }
 
-void declare_bake(CLI::App& app, Arguments& a) {
-    Recipe& r = a.given;
+// Shared by bake and plan: all that a pack's bytes depend on.
+void add_recipe_options(CLI::App& app, Recipe& r) {
     app.add_option(
         "IN", r.inputs,
         "the height field: GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT, ...; several of one CRS "
         "and spacing make a mosaic, later ones on top");
-    app.add_option("-o,--output", r.output, "the pack to write");
-    app.add_option("--recipe", a.recipe_path, "take from this file what is not given here (--save-recipe writes one)");
-    app.add_option("--save-recipe", a.save_recipe_path, "record inputs and options in a file, for --recipe");
     app.add_option("--tile", r.tile, "cells a side of a tile, a power of two, or auto");
     add_words(app, "estimate", r.estimate, "world-space error: max (true, default) or midpoint");
     app.add_option("--nesting", r.nesting, "mu: how much larger a parent's error is, 0.001 to 1 (default 0.05)");
@@ -66,17 +67,62 @@ void declare_bake(CLI::App& app, Arguments& a) {
     add_words(app, "horizons", r.horizons,
               "horizon maps, for shadows at any time of day and for the share of the sky that ground sees: none "
               "(default), half or quarter of the samples' density");
+    add_read_options(app, r);
+}
+
+void add_how_options(CLI::App& app, Arguments& a) {
     app.add_option("--threads", a.threads, "0: all cores")->check(io::whole_within(0, 1024));
     app.add_option("--memory", a.memory_mb, "MB the bake may use, whatever the height field's size (default 512)")
         ->check(io::whole_within(128, 1 << 24));
+    app.add_flag("--quiet", a.quiet, "no progress, no summary");
+}
+
+void declare_bake(CLI::App& app, Arguments& a) {
+    add_recipe_options(app, a.given);
+    app.add_option("-o,--output", a.given.output, "the pack to write");
+    app.add_option("--recipe", a.recipe_path, "take from this file what is not given here (--save-recipe writes one)");
+    app.add_option("--save-recipe", a.save_recipe_path, "record inputs and options in a file, for --recipe");
+    add_how_options(app, a);
     app.add_option(
            "--checkpoint", a.checkpoint_s,
            "keep complete stages on the disk, to go on from, even when all fits --memory; what an input that fails "
            "within this many seconds leaves is removed (default 5)")
         ->check(io::within(0, 3600));
     app.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
-    app.add_flag("--quiet", a.quiet, "no progress, no summary");
-    add_read_options(app, r);
+}
+
+void declare_shards(CLI::App& app, Arguments& a, Commands& c) {
+    c.plan = app.add_subcommand("plan", "cut a bake into shards that machines with a shared folder bake apart");
+    add_recipe_options(*c.plan, a.given);
+    c.plan->add_option("-o,--output", a.plan_folder, "the shared folder to write the plan to");
+    c.plan->add_option("--shards", a.shards, "how many")->check(io::whole_within(1, max_shards));
+    c.plan->add_option("--recipe", a.recipe_path, "take from this file what is not given here");
+    c.plan->add_flag("--status", a.status, "of the plan in the folder IN: which shards have completed which step");
+    c.shard = app.add_subcommand("shard", "run a step of one shard of a plan, the next one that it has not completed");
+    c.shard->add_option("DIR", a.plan_folder, "the plan's folder")->required();
+    c.shard->add_option("K/N", a.shard, "the shard, from 1/N to N/N")->required();
+    c.shard->add_option("--step", a.shard_step, "this step: read, measure, step1, step2, ...");
+    c.shard->add_flag("--again", a.again, "also if it is complete");
+    add_how_options(*c.shard, a);
+    c.launch = app.add_subcommand("launch", "run all shards of a plan, step by step, and merge them");
+    c.launch->add_option("DIR", a.plan_folder, "the plan's folder")->required();
+    c.launch->add_option("-o,--output", a.given.output, "the pack to write")->required();
+    c.launch
+        ->add_option(
+            "--with", a.launcher,
+            "local: processes on this machine (default); slurm: a job array a step; mpi: an mpirun a step, with "
+            "what FJELL_MPI_OPTIONS says")
+        ->check(io::one_of({"local", "slurm", "mpi"}));
+    c.launch->add_option("--at-once", a.at_once, "local, mpi: processes side by side (default 1)")
+        ->check(io::whole_within(1, max_shards));
+    c.launch->add_flag("--dry-run", a.dry_run,
+                       "only print the commands, and what a shard takes of time, disk and memory");
+    add_how_options(*c.launch, a);
+    c.merge = app.add_subcommand("merge", "make the pack from what all shards of a plan have left");
+    c.merge->add_option("DIR", a.plan_folder, "the plan's folder")->required();
+    c.merge->add_option("-o,--output", a.given.output, "the pack to write")->required();
+    c.merge->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
+    add_how_options(*c.merge, a);
 }
 
 void declare_materials(CLI::App& app, Arguments& a, Commands& c) {
@@ -93,6 +139,27 @@ void declare_materials(CLI::App& app, Arguments& a, Commands& c) {
     c.materials->add_option("--pictures", a.textures_folder,
                             "write each material's colour, height and normal as PNGs into this folder too");
     c.materials->add_option("--threads", a.threads, "0: all cores")->check(io::whole_within(0, 1024));
+}
+
+void declare_split(CLI::App& app, Arguments& a, Commands& c) {
+    c.split = app.add_subcommand("split", "take a pack apart into a pack set, a folder that is opened like one pack");
+    c.split->add_option("PACK", a.pack)->required();
+    c.split->add_option("-o,--output", a.set_folder, "the folder to write")->required();
+    c.split
+        ->add_option_function<std::string>(
+            "--packs",
+            [&a](const std::string& text) {
+                const auto number = [](std::string_view digits, std::uint32_t& to) {
+                    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), to);
+                    return error == std::errc{} && end == digits.data() + digits.size() && to >= 1;
+                };
+                const std::string_view all = text;
+                const std::size_t x = std::min(all.find('x'), all.size());
+                if (x == all.size() || !number(all.substr(0, x), a.packs_x) || !number(all.substr(x + 1), a.packs_y))
+                    throw CLI::ValidationError("--packs", "must be two numbers such as 2x3");
+            },
+            "how many across and down (default 2x2); those without any ground are left out")
+        ->type_name("AxB");
 }
 
 } // namespace
@@ -125,10 +192,12 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     c.heights = app.add_subcommand("heights", "write a pack's heights as a GeoTIFF, holes as no-data");
     c.heights->add_option("PACK", a.pack)->required();
     c.heights->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
+    declare_split(app, a, c);
     c.synth = app.add_subcommand("synth", "make a height field from a recipe");
     c.synth->add_option("RECIPE", a.terrain_path)->required();
     c.synth->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
     declare_materials(app, a, c);
+    declare_shards(app, a, c);
     app.require_subcommand(0, 1);
     return c;
 }

@@ -19,6 +19,13 @@ struct Arguments {
     std::optional<double> checkpoint_s;
     bool quiet = false;
 
+    std::string plan_folder, shard, shard_step; // plan, shard, merge
+    int shards = 0;
+    bool status = false, again = false;
+    std::string launcher = "local";
+    int at_once = 1;
+    bool dry_run = false;
+
     std::string pack;      // info, verify, heights
     std::string info_json; // where to; empty: as a table
     std::string picture_path;
@@ -26,6 +33,9 @@ struct Arguments {
 
     Recipe against; // verify: its inputs and read options
     std::string against_recipe_path, verify_json_path;
+
+    std::string set_folder; // split
+    std::uint32_t packs_x = 2, packs_y = 2;
 
     std::string terrain_path, dem_path; // synth, heights
 
@@ -37,8 +47,13 @@ struct Commands {
     CLI::App* info;
     CLI::App* verify;
     CLI::App* heights;
+    CLI::App* split;
     CLI::App* synth;
     CLI::App* materials;
+    CLI::App* plan;
+    CLI::App* shard;
+    CLI::App* launch;
+    CLI::App* merge;
 };
 
 [[nodiscard]] Commands declare_arguments(CLI::App& app, Arguments& arguments);

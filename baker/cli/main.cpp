@@ -1,5 +1,5 @@
-// fjell-bake: IN -o OUT.fjell, info, verify, heights, synth, materials. Exit codes: 0 done, 1 the input is at fault, 2
-// usage, 3 the machine is.
+// fjell-bake: IN -o OUT.fjell, info, verify, heights, split, synth, materials. Exit codes: 0 done, 1 the input is at
+// fault, 2 usage, 3 the machine is.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -22,7 +22,10 @@
 #include "baker/cli/arguments.h"
 #include "baker/cli/describe.h"
 #include "baker/cli/progress.h"
+#include "baker/cli/shards.h"
+#include "baker/cli/summary.h"
 #include "baker/materials/encode.h"
+#include "baker/pack/split.h"
 #include "baker/place/crs_label.h"
 #include "baker/place/open_source.h"
 #include "baker/read/pack_source.h"
@@ -42,25 +45,6 @@ using namespace fjell::baker;
 using namespace fjell::io;
 using nlohmann::json;
 
-// A summary for scripts, opened before the work so that a missing folder does not cost a bake.
-class JsonOutput {
-public:
-    explicit JsonOutput(const std::string& path) : to_stdout_(path == "-") {
-        if (!path.empty() && !to_stdout_) file_.emplace(path);
-    }
-    void write(const json& value) {
-        const std::string text = value.dump(2) + "\n";
-        if (to_stdout_) fmt::print("{}", text);
-        if (!file_) return;
-        file_->write(std::as_bytes(std::span(text)));
-        file_->commit();
-    }
-
-private:
-    bool to_stdout_;
-    std::optional<AtomicFile> file_;
-};
-
 const char* order_name(Order order) {
     switch (order) {
     case Order::planar: return "planar";
@@ -70,63 +54,10 @@ const char* order_name(Order order) {
     return "linear";
 }
 
-// The most memory that this program was resident with; 0 where the system does not say.
-double most_resident_mb() {
-    std::ifstream status("/proc/self/status");
-    for (std::string line; std::getline(status, line);)
-        if (line.starts_with("VmHWM:")) return std::strtod(line.c_str() + 6, nullptr) / 1024;
-    return 0;
-}
-
-// Heights that many samples share: null for none.
-json repeated_json(const RepeatedHeight& r) {
-    if (r.share == 0) return {};
-    return {{"height_m", r.height_m}, {"number", r.number}, {"share", r.share}, {"first", {r.column, r.row}}};
-}
-
-json summary_json(const BakeSummary& s) {
-    json j{{"columns", s.columns},
-           {"rows", s.rows},
-           {"tiles", {s.tree.tiles_x, s.tree.tiles_y}},
-           {"tile_cells", s.tree.side()},
-           {"quantum_m", s.quantum_m},
-           {"quantum_range_m", s.quantum_range_m},
-           {"max_error_m", s.max_error_m},
-           {"file_bytes", s.file_bytes},
-           {"geometry_bytes", s.geometry_bytes},
-           {"directory_bytes", s.directory_bytes},
-           {"holes", s.voids},
-           {"repeated_lowest", repeated_json(s.lowest)},
-           {"repeated_highest", repeated_json(s.highest)},
-           {"texture_bytes", s.texture_bytes},
-           {"horizon_bytes", s.horizon_bytes},
-           {"resumed", s.resumed},
-           {"resident_mb_max", most_resident_mb()},
-           {"seconds_read", s.seconds_read},
-           {"seconds_textures", s.seconds_textures},
-           {"seconds_horizons", s.seconds_horizons},
-           {"seconds_errors", s.seconds_errors},
-           {"seconds_write", s.seconds_write},
-           {"seconds_total", s.seconds_total}};
-    add_description(j, s);
-    return j;
-}
-
-// The command line, completed from --recipe.
-Recipe complete(const Recipe& given, const std::string& recipe_path) {
-    return recipe_path.empty() ? given : merged(given, load_recipe(recipe_path));
-}
-
 void save_recipe(const Recipe& recipe, const std::string& path, AtomicFile& file) {
     const std::string text = recipe_text(for_file(recipe, path));
     file.write(std::as_bytes(std::span(text)));
     file.commit();
-}
-
-// Files of heights, or one of content/terrain: mountains are made as they are asked for.
-std::unique_ptr<HeightSource> open_inputs(const Recipe& recipe) {
-    if (recipe.inputs.size() == 1 && recipe.inputs[0].ends_with(".json")) return open_synth(recipe.inputs[0]);
-    return open_source(recipe.inputs, read_options(recipe));
 }
 
 int run_bake(const Arguments& a) {
@@ -152,19 +83,7 @@ int run_bake(const Arguments& a) {
     const BakeSummary s = bake(*open_inputs(recipe), options, output);
     if (saved) save_recipe(recipe, a.save_recipe_path, *saved);
     summary.write(summary_json(s));
-    if (a.quiet || a.json_path == "-") return 0;
-    if (s.work_damaged) fmt::print("what an earlier bake had left in its work folder was damaged; baked anew\n");
-    fmt::print("{}: {} x {} samples in {} x {} tiles of {} cells, quantum {:.4g} m, largest error {:.4g} m\n", output,
-               s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(), s.quantum_m, s.ground_error_m);
-    fmt::print("{}", describe(s));
-    if (const auto tiles = std::int64_t{s.tree.tiles_x} * s.tree.tiles_y; tiles > 1024)
-        fmt::print("its {} tiles need as many page_slots in a profile that streams it; a larger --tile needs fewer\n",
-                   tiles);
-    const double samples = static_cast<double>(s.columns) * s.rows;
-    fmt::print("{:.1f} MB ({:.2f} bytes a sample of geometry) in {:.1f} s ({:.1f} M samples/s; errors {:.1f} s)\n",
-               static_cast<double>(s.file_bytes) / 1e6, static_cast<double>(s.geometry_bytes) / samples,
-               s.seconds_total, samples / s.seconds_total / 1e6, s.seconds_errors);
-    for (const std::string& line : remarks(s)) fmt::print("{}\n", line);
+    if (!a.quiet && a.json_path != "-") print_summary(s, output);
     return 0;
 }
 
@@ -192,6 +111,8 @@ json info_json(const PackFile& file) {
            {"colour_texels", h.colour_log2 ? 1u << h.colour_log2 : 0},
            {"normal_texels", h.normal_log2 ? 1u << h.normal_log2 : 0},
            {"horizon_texels", h.horizon_log2 ? 1u << h.horizon_log2 : 0},
+           {"packs", file.packs()},
+           {"tiles_held", tiles_of(h)},
            {"chunks", h.directory_count},
            {"file_bytes", h.file_bytes},
            {"pack_hash", fmt::format("{:016x}", h.directory_hash)},
@@ -326,6 +247,16 @@ int run_heights(const Arguments& a) {
     return 0;
 }
 
+int run_split(const Arguments& a) {
+    refuse_overwriting({a.set_folder + "/"}, {a.pack});
+    ProgressBar bar(a.quiet);
+    const SplitSummary s = split_pack(a.pack, a.set_folder, {a.packs_x, a.packs_y},
+                                      [&](std::uint64_t done, std::uint64_t total) { bar("split", done, total); });
+    fmt::print("{}: {} packs, {:.1f} MB{}\n", a.set_folder, s.packs, static_cast<double>(s.file_bytes) / 1e6,
+               s.left_out ? fmt::format("; {} without any ground are left out", s.left_out) : "");
+    return 0;
+}
+
 int run_synth(const Arguments& a) {
     refuse_overwriting(places_written(a.dem_path), {a.terrain_path});
     require_tif(a.dem_path);
@@ -346,16 +277,22 @@ int run(int argc, char** argv) {
     const Commands commands = declare_arguments(app, a);
     if (!io::parse_command_line(app, argc, argv, "fjell-bake")) return 0;
     const bool other = commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() ||
-                       commands.synth->parsed() || commands.materials->parsed();
+                       commands.split->parsed() || commands.synth->parsed() || commands.materials->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))
-        throw Failure(2, "info, verify, heights, synth and materials bake nothing; leave out the height field and "
-                         "-o, or the command");
+        throw Failure(2,
+                      "info, verify, heights, split, synth and materials bake nothing; leave out the height field and "
+                      "-o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);
     if (commands.verify->parsed()) return run_verify(a);
     if (commands.heights->parsed()) return run_heights(a);
+    if (commands.split->parsed()) return run_split(a);
     if (commands.synth->parsed()) return run_synth(a);
     if (commands.materials->parsed()) return run_materials(a);
+    if (commands.plan->parsed()) return run_plan(a);
+    if (commands.shard->parsed()) return run_shard(a);
+    if (commands.launch->parsed()) return run_launch(a);
+    if (commands.merge->parsed()) return run_merge(a);
     return run_bake(a);
 }
 

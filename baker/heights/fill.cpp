@@ -15,7 +15,8 @@ constexpr std::int32_t chunk = 1024; // samples a side that one piece of work co
 // Sweeps that take out the coarse grid's corners; the coarse grid takes care of the rest. Each one looks one sample
 // further, twice (see relax): what is cut off further away cannot be felt.
 constexpr int sweeps = 8;
-constexpr std::int32_t halo = 2 * sweeps;
+constexpr std::int32_t halo = fill_halo;
+static_assert(halo == 2 * sweeps);
 
 struct Grid {
     Window at; // of its level
@@ -31,28 +32,32 @@ struct Grid {
     }
 };
 
+Window whole(const Store<float>& level) {
+    return {0, 0, static_cast<std::int32_t>(level.columns()), static_cast<std::int32_t>(level.rows())};
+}
+Window clipped(std::int32_t x0, std::int32_t y0, std::int32_t x1, std::int32_t y1, const Window& level) {
+    return common({x0, y0, x1 - x0, y1 - y0}, level);
+}
 Window clipped(std::int32_t x0, std::int32_t y0, std::int32_t x1, std::int32_t y1, const Store<float>& level) {
-    x0 = std::max(x0, 0);
-    y0 = std::max(y0, 0);
-    x1 = static_cast<std::int32_t>(std::min<std::int64_t>(x1, level.columns()));
-    y1 = static_cast<std::int32_t>(std::min<std::int64_t>(y1, level.rows()));
-    return {x0, y0, x1 - x0, y1 - y0};
+    return clipped(x0, y0, x1, y1, whole(level));
 }
 
-// body(window): pieces of a level, in parallel.
+// body(piece): pieces of a window, in parallel.
 template <typename Body>
-void for_each_chunk(const Store<float>& level, int threads, const Body& body) {
-    const std::int64_t across = (level.columns() - 1) / chunk + 1, down = (level.rows() - 1) / chunk + 1;
+void for_each_chunk(const Window& window, int threads, const Body& body) {
+    const std::int64_t across = (window.columns - 1) / chunk + 1, down = (window.rows - 1) / chunk + 1;
     parallel_for(across * down, threads, [&](std::int64_t i) {
-        const auto x = static_cast<std::int32_t>(i % across) * chunk, y = static_cast<std::int32_t>(i / across) * chunk;
-        body(clipped(x, y, x + chunk, y + chunk, level));
+        const auto x = window.x + static_cast<std::int32_t>(i % across) * chunk,
+                   y = window.y + static_cast<std::int32_t>(i / across) * chunk;
+        body(clipped(x, y, x + chunk, y + chunk, window));
     });
 }
 
-// Means of what is there in each 2 x 2; true when voids are left.
-bool halve(const Store<float>& fine, Store<float>& coarse, int threads) {
+} // namespace
+
+bool halve_heights(const Store<float>& fine, const Window& window, int threads, Store<float>& coarse) {
     std::atomic<bool> voids{false};
-    for_each_chunk(coarse, threads, [&](const Window& w) {
+    for_each_chunk(window, threads, [&](const Window& w) {
         const Grid from(fine, clipped(2 * w.x, 2 * w.y, 2 * (w.x + w.columns), 2 * (w.y + w.rows), fine));
         Grid to(w);
         for (std::int32_t y = w.y; y < w.y + w.rows; ++y)
@@ -72,6 +77,8 @@ bool halve(const Store<float>& fine, Store<float>& coarse, int threads) {
     });
     return voids;
 }
+
+namespace {
 
 // The coarse grid at the middle of a fine cell, between its four nearest.
 float interpolate(const Grid& coarse, const Store<float>& level, std::int32_t x, std::int32_t y) {
@@ -111,8 +118,7 @@ void fill_chunk(const Store<float>& level, const Store<float>& coarse, const Fil
         if (std::isnan(grid.values[i])) voids.push_back(i);
     if (!voids.empty()) {
         const Window& g = grid.at;
-        const Grid from(coarse,
-                        clipped(g.x / 2 - 1, g.y / 2 - 1, (g.x + g.columns) / 2 + 2, (g.y + g.rows) / 2 + 2, coarse));
+        const Grid from(coarse, seen_coarser(w, whole(level), whole(coarse)));
         const auto columns = static_cast<std::size_t>(g.columns);
         for (const std::size_t i : voids)
             grid.values[i] = interpolate(from, coarse, g.x + static_cast<std::int32_t>(i % columns),
@@ -131,26 +137,36 @@ void fill_chunk(const Store<float>& level, const Store<float>& coarse, const Fil
 
 } // namespace
 
+Window seen_coarser(const Window& w, const Window& level, const Window& coarse) {
+    const Window g = clipped(w.x - halo, w.y - halo, w.x + w.columns + halo, w.y + w.rows + halo, level);
+    return clipped(g.x / 2 - 1, g.y / 2 - 1, (g.x + g.columns) / 2 + 2, (g.y + g.rows) / 2 + 2, coarse);
+}
+
+void fill_level(const Store<float>& level, const Store<float>& coarse, const FillStep& step, const Window& window,
+                int threads, Store<float>& out) {
+    for_each_chunk(window, threads, [&](const Window& w) { fill_chunk(level, coarse, step, w, out); });
+}
+
 void fill_voids(const FillInput& input, Store<float>& out) {
     std::vector<Store<float>> means; // of level 1, 2, ...
     for (bool voids = true; voids;) {
         const Store<float>& fine = means.empty() ? input.raw : means.back();
         const std::string name = "means" + std::to_string(means.size() + 1);
         Store<float> coarse = input.make(name, (fine.columns() + 1) / 2, (fine.rows() + 1) / 2);
-        voids = halve(fine, coarse, input.threads) && (coarse.columns() > 1 || coarse.rows() > 1);
+        voids =
+            halve_heights(fine, whole(coarse), input.threads, coarse) && (coarse.columns() > 1 || coarse.rows() > 1);
         means.push_back(std::move(coarse));
     }
     Store<float> filled = std::move(means.back());
     for (std::size_t level = means.size() - 1; level > 0; --level) {
         Store<float>& from = means[level - 1];
         Store<float> to = input.make("filled" + std::to_string(level), from.columns(), from.rows());
-        for_each_chunk(from, input.threads, [&](const Window& w) { fill_chunk(from, filled, {}, w, to); });
+        fill_level(from, filled, {}, whole(from), input.threads, to);
         filled.remove();
         from.remove();
         filled = std::move(to);
     }
-    for_each_chunk(input.raw, input.threads,
-                   [&](const Window& w) { fill_chunk(input.raw, filled, input.step, w, out); });
+    fill_level(input.raw, filled, input.step, whole(input.raw), input.threads, out);
     filled.remove();
 }
 

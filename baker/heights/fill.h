@@ -27,4 +27,15 @@ struct FillInput {
 };
 void fill_voids(const FillInput& input, Store<float>& out);
 
+// ---- the same by parts, for shards: windows are of a level, whose sizes are halved and rounded up from level to level
+
+// Means of what is there in each 2 x 2 of the finer level, NaN for none. True where voids are left.
+bool halve_heights(const Store<float>& fine, const Window& window, int threads, Store<float>& coarse);
+// A level's window filled, from its means and the coarser level, which is filled. Reads fill_halo places around it, and
+// of the coarser level what seen_coarser says.
+inline constexpr std::int32_t fill_halo = 16;
+void fill_level(const Store<float>& level, const Store<float>& coarse, const FillStep& step, const Window& window,
+                int threads, Store<float>& out);
+[[nodiscard]] Window seen_coarser(const Window& window, const Window& level, const Window& coarse);
+
 } // namespace fjell::baker

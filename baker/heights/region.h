@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "baker/store/store.h"
+#include "baker/store/window.h"
 #include "tree/tree.h"
 
 namespace fjell::baker {
@@ -34,6 +35,18 @@ public:
         return {first,
                 {std::min(first.x + cells(), tree_.grid_columns() - 1),
                  std::min(first.y + cells(), tree_.grid_rows() - 1)}};
+    }
+    // Of a part, counted in regions: its tiles; and its samples, each in one part: a border's are those of the part to
+    // the south or east.
+    [[nodiscard]] Window tiles_of(const Window& part) const {
+        const std::int32_t x = part.x * group_, y = part.y * group_;
+        return {x, y, std::min((part.x + part.columns) * group_, tree_.tiles_x) - x,
+                std::min((part.y + part.rows) * group_, tree_.tiles_y) - y};
+    }
+    [[nodiscard]] Window samples_of(const Window& part) const {
+        const std::int32_t x = part.x * cells(), y = part.y * cells();
+        return {x, y, (part.x + part.columns == across_ ? tree_.columns() : x + part.columns * cells()) - x,
+                (part.y + part.rows == down_ ? tree_.rows() : y + part.rows * cells()) - y};
     }
     // Calls visit(tile, its north-west corner).
     template <typename Visit>

@@ -12,7 +12,7 @@ namespace fjell::baker {
 namespace {
 
 // Values 0 to 1, as stored, `bands` a texel.
-struct Texels {
+struct ImageBands {
     int side = 0;
     std::vector<float> values;
 };
@@ -25,7 +25,7 @@ double full_scale(GDALDataType type, const std::string& path) {
                                  path, GDALGetDataTypeName(type)));
 }
 
-Texels read_bands(const std::string& path, int bands) {
+ImageBands read_bands(const std::string& path, int bands) {
     GdalMessages messages;
     const GdalFile file = open_raster(path, "an image", messages);
     const int side = file->GetRasterXSize();
@@ -34,7 +34,7 @@ Texels read_bands(const std::string& path, int bands) {
                                      "scale it with gdal_translate -outsize",
                                      path, side, file->GetRasterYSize()));
     const int present = file->GetRasterCount();
-    Texels texels{side, {}};
+    ImageBands texels{side, {}};
     const auto count = static_cast<std::size_t>(bands), n = static_cast<std::size_t>(side);
     texels.values.resize(count * n * n);
     std::vector<double> row(n);
@@ -51,7 +51,7 @@ Texels read_bands(const std::string& path, int bands) {
 }
 
 // Means of squares, to `side` texels a side.
-std::vector<float> scaled(const Texels& from, int bands, int side, const std::string& path) {
+std::vector<float> scaled(const ImageBands& from, int bands, int side, const std::string& path) {
     if (from.side < side)
         throw Failure(1, fmt::format("{}: has {} texels a side where {} are asked for; give --size {}", path, from.side,
                                      side, from.side));
@@ -71,7 +71,7 @@ std::vector<float> scaled(const Texels& from, int bands, int side, const std::st
 
 Canvas read_images(const MaterialRecipe& recipe, int side, std::vector<float>& normal) {
     Canvas canvas{side, recipe.size_m, {}, {}};
-    Texels albedo = read_bands(recipe.albedo, 3);
+    ImageBands albedo = read_bands(recipe.albedo, 3);
     for (float& v : albedo.values) v = light_of_srgb(255 * v);
     canvas.rgb = scaled(albedo, 3, side, recipe.albedo);
     canvas.height.assign(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), 0.0f);

@@ -6,36 +6,45 @@
 
 #include <xxhash.h>
 
+#include "fjell/io/failure.h"
+
 namespace fjell::baker {
 
 namespace {
 
-// Chunks that follow each other in the spool are copied in one go.
+// Chunks that follow each other there are copied in one go, and compared with their hashes: what lies in files between
+// here and the stage that made it may be damaged.
 class Copier {
 public:
-    Copier(const ChunkSpool& spool, io::AtomicFile& file) : spool_(spool), file_(file) {}
-    void add(std::uint64_t offset, std::uint64_t bytes) {
-        if (offset != from_ + bytes_ || bytes_ + bytes > most) flush(), from_ = offset;
-        bytes_ += bytes;
+    Copier(const ChunkSource& chunks, io::AtomicFile& file) : chunks_(chunks), file_(file) {}
+    void add(const ChunkEntry& chunk) {
+        if (chunk.offset != from_ + bytes_ || bytes_ + chunk.stored_bytes > most) flush(), from_ = chunk.offset;
+        bytes_ += chunk.stored_bytes;
+        pending_.push_back(chunk);
     }
     void flush() {
         buffer_.resize(bytes_);
-        spool_.read(from_, buffer_);
+        chunks_.read(from_, buffer_);
+        for (const ChunkEntry& c : pending_)
+            if (XXH3_64bits(buffer_.data() + (c.offset - from_), c.stored_bytes) != c.hash)
+                throw io::Failure(1, chunks_.damage(c.offset));
         file_.write(buffer_);
         bytes_ = 0;
+        pending_.clear();
     }
 
 private:
     static constexpr std::uint64_t most = std::uint64_t{4} << 20;
-    const ChunkSpool& spool_;
+    const ChunkSource& chunks_;
     io::AtomicFile& file_;
     std::vector<std::byte> buffer_;
+    std::vector<ChunkEntry> pending_;
     std::uint64_t from_ = 0, bytes_ = 0;
 };
 
 } // namespace
 
-std::uint64_t assemble_pack(PackHeader header, const ChunkSpool& spool, const std::vector<ChunkId>& sequence,
+std::uint64_t assemble_pack(PackHeader header, const ChunkSource& chunks, const std::vector<ChunkId>& sequence,
                             const std::string& notes, io::AtomicFile& file,
                             const std::function<void(std::uint64_t)>& moved) {
     std::memcpy(header.magic, pack_magic, sizeof pack_magic);
@@ -45,13 +54,13 @@ std::uint64_t assemble_pack(PackHeader header, const ChunkSpool& spool, const st
     const PackHeader empty{}; // no magic number until the pack is complete
     file.write(std::as_bytes(std::span(&empty, 1)));
 
-    std::vector<ChunkEntry> directory = spool.entries();
-    Copier copier(spool, file);
+    std::vector<ChunkEntry> directory = chunks.entries();
+    Copier copier(chunks, file);
     std::uint64_t end = sizeof(PackHeader), done = 0;
     for (const ChunkId& id : sequence) {
         ChunkEntry& entry = directory.at(chunk_index(header, id));
         if (entry.stored_bytes == 0) throw std::logic_error("a chunk is missing");
-        copier.add(entry.offset, entry.stored_bytes);
+        copier.add(entry);
         entry.offset = end;
         end += entry.stored_bytes;
         if (++done % 1024 == 0) moved(done);

@@ -12,10 +12,10 @@
 
 namespace fjell::baker {
 
-// Copies the spool's chunks to the file in the order given and completes header and directory. Every chunk of the pack
+// Copies the chunks to the file in the order given and completes header and directory. Every chunk of the pack
 // must be in the sequence once. notes: what it says of its making (notes.h). moved(n): n chunks are there. Returns the
 // file's size; it is not yet committed.
-std::uint64_t assemble_pack(PackHeader header, const ChunkSpool& spool, const std::vector<ChunkId>& sequence,
+std::uint64_t assemble_pack(PackHeader header, const ChunkSource& chunks, const std::vector<ChunkId>& sequence,
                             const std::string& notes, io::AtomicFile& file,
                             const std::function<void(std::uint64_t)>& moved);
 

@@ -93,6 +93,10 @@ void ChunkSpool::read(std::uint64_t offset, std::span<std::byte> to) const {
     }
 }
 
+std::string ChunkSpool::damage(std::uint64_t) const {
+    return "the work folder was damaged while the bake ran; bake again, on another disk if it happens again";
+}
+
 SpoolState ChunkSpool::state() const {
     SpoolState now{end_, found_.chunks, found_.entries};
     now.chunks += data_.written();

@@ -27,9 +27,11 @@ public:
                            tx1 = tile_of(window.x + window.columns - 1, data_of(terrain_).tree.tiles_x),
                            ty0 = tile_of(window.y, data_of(terrain_).tree.tiles_y),
                            ty1 = tile_of(window.y + window.rows - 1, data_of(terrain_).tree.tiles_y);
+        if (data_of(terrain_).is_sparse()) std::fill_n(to, window.area(), std::numeric_limits<float>::quiet_NaN());
         for (std::int32_t ty = ty0; ty <= ty1; ++ty)
             for (std::int32_t tx = tx0; tx <= tx1; ++tx) {
-                const auto tile = static_cast<std::uint32_t>(ty * data_of(terrain_).tree.tiles_x + tx);
+                const std::uint32_t tile = terrain_.tile_at({tx, ty});
+                if (tile == no_tile) continue;
                 pages_.load(tile);
                 copy(tile, {tx * side, ty * side}, window, to);
             }

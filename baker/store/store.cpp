@@ -32,6 +32,18 @@ WorkFile::WorkFile(std::string path, std::uint64_t bytes) : path_(std::move(path
     if (bytes != grows && before != bytes) reserve(bytes);
 }
 
+WorkFile WorkFile::complete(const std::string& path, std::uint64_t bytes) {
+    WorkFile file;
+    file.path_ = path;
+    file.fd_ = io::open_regular_file(path);
+    file.sum_ = std::make_unique<Sum>();
+    if (const std::uint64_t there = file.size(); there != bytes)
+        throw Failure(1, fmt::format("{}: has {} bytes where {} were written; delete it and run the step that makes it "
+                                     "again",
+                                     path, there, bytes));
+    return file;
+}
+
 void WorkFile::reserve(std::uint64_t bytes) {
     // Taken at once where the file system can, so that a disk that is too small is known before the work.
     const bool taken =

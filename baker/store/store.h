@@ -2,12 +2,14 @@
 // windows.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <new>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,6 +46,8 @@ public:
     // Made, or found as an earlier run left it. bytes: its size, or `grows`.
     static constexpr std::uint64_t grows = ~std::uint64_t{0};
     WorkFile(std::string path, std::uint64_t bytes);
+    // One that is complete and only read. Throws Failure 1 where it is missing or of another size.
+    [[nodiscard]] static WorkFile complete(const std::string& path, std::uint64_t bytes);
     ~WorkFile();
     WorkFile(WorkFile&& other) noexcept { swap(other); }
     WorkFile& operator=(WorkFile&& other) noexcept {
@@ -82,48 +86,99 @@ private:
     Buffer<std::byte> memory_;
 };
 
-// columns x rows of T, row by row.
+// columns x rows of T, row by row; or a window of them, and a frame around it that others have made.
 template <typename T>
 class Store {
 public:
     Store() = default;
     Store(const std::string& path, std::int64_t columns, std::int64_t rows)
         : columns_(columns), rows_(rows), file_(path, static_cast<std::uint64_t>(columns * rows) * sizeof(T)) {}
-    [[nodiscard]] std::int64_t columns() const { return columns_; }
+    // Holds only a window; places are counted over the whole all the same.
+    Store(const std::string& path, std::int64_t columns, std::int64_t rows, const Window& held)
+        : columns_(columns), rows_(rows), held_(held), file_(path, held.area() * sizeof(T)) {}
+    // The same of a file that is complete (WorkFile::complete).
+    [[nodiscard]] static Store complete(const std::string& path, std::int64_t columns, std::int64_t rows,
+                                        const Window& held) {
+        Store store;
+        store.columns_ = columns, store.rows_ = rows, store.held_ = held;
+        store.file_ = WorkFile::complete(path, held.area() * sizeof(T));
+        return store;
+    }
+    [[nodiscard]] std::int64_t columns() const { return columns_; } // of the whole
     [[nodiscard]] std::int64_t rows() const { return rows_; }
+    [[nodiscard]] const Window& held() const { return held_; } // no area: the whole
     [[nodiscard]] bool exists() const { return columns_ != 0; }
+
+    // Values beside the window that is held, for reading. Windows do not overlap, nor the one that is held.
+    void add_frame(const Window& at, Buffer<T> values) { frame_.push_back({at, std::move(values)}); }
 
     // The window lies inside. stride: elements from row to row of `to` and `from`.
     void read(const Window& w, T* to, std::ptrdiff_t stride) const {
-        each_run(w, stride, [&](std::uint64_t at, std::ptrdiff_t offset, std::size_t count) {
-            file_.read(at, std::as_writable_bytes(std::span(to + offset, count)));
-        });
+        if (holds(w)) return read_held(w, to, stride);
+        std::size_t found = 0;
+        const auto part = [&](const Window& of, const auto& take) {
+            const Window shared = common(of, w);
+            if (shared.area() == 0) return;
+            found += shared.area();
+            take(shared, to + std::ptrdiff_t{shared.y - w.y} * stride + (shared.x - w.x));
+        };
+        part(held_, [&](const Window& shared, T* at) { read_held(shared, at, stride); });
+        for (const Frame& f : frame_)
+            part(f.at, [&](const Window& shared, T* at) {
+                const T* from =
+                    f.values.data() + std::ptrdiff_t{shared.y - f.at.y} * f.at.columns + (shared.x - f.at.x);
+                for (std::int32_t y = 0; y < shared.rows; ++y, at += stride, from += f.at.columns)
+                    std::copy_n(from, shared.columns, at);
+            });
+        if (found != w.area()) throw std::logic_error("a window reaches beyond what a store holds");
     }
     void write(const Window& w, const T* from, std::ptrdiff_t stride) {
+        if (!holds(w)) throw std::logic_error("a window is written that a store does not hold");
         each_run(w, stride, [&](std::uint64_t at, std::ptrdiff_t offset, std::size_t count) {
             file_.write(at, std::as_bytes(std::span(from + offset, count)));
         });
     }
     void remove() {
         file_.remove();
+        frame_.clear();
         columns_ = rows_ = 0;
     }
     void clear() { file_.clear(); }
-    // As of a WorkFile, of all of it.
+    // As of a WorkFile, of all that is held.
     [[nodiscard]] Digest written() const { return file_.written(); }
     [[nodiscard]] Digest digest() const {
-        return file_.digest(static_cast<std::uint64_t>(columns_ * rows_) * sizeof(T));
+        return file_.digest(static_cast<std::uint64_t>(held_columns() * (held_.area() ? held_.rows : rows_)) *
+                            sizeof(T));
     }
 
 private:
+    struct Frame {
+        Window at;
+        Buffer<T> values;
+    };
+    [[nodiscard]] bool holds(const Window& w) const {
+        return held_.area() == 0 || (w.x >= held_.x && w.y >= held_.y && w.x + w.columns <= held_.x + held_.columns &&
+                                     w.y + w.rows <= held_.y + held_.rows);
+    }
+    [[nodiscard]] std::int64_t held_columns() const { return held_.area() ? held_.columns : columns_; }
+    void read_held(const Window& w, T* to, std::ptrdiff_t stride) const {
+        each_run(w, stride, [&](std::uint64_t at, std::ptrdiff_t offset, std::size_t count) {
+            file_.read(at, std::as_writable_bytes(std::span(to + offset, count)));
+        });
+    }
     template <typename Run>
     void each_run(const Window& w, std::ptrdiff_t stride, const Run& run) const {
-        const auto place = [&](std::int32_t y) { return static_cast<std::uint64_t>(y * columns_ + w.x) * sizeof(T); };
-        if (w.columns == columns_ && stride == w.columns) return run(place(w.y), 0, w.area()); // rows follow each other
+        const std::int64_t columns = held_columns();
+        const auto place = [&](std::int32_t y) {
+            return static_cast<std::uint64_t>((y - held_.y) * columns + (w.x - held_.x)) * sizeof(T);
+        };
+        if (w.columns == columns && stride == w.columns) return run(place(w.y), 0, w.area()); // rows follow each other
         for (std::int32_t y = 0; y < w.rows; ++y) run(place(w.y + y), y * stride, static_cast<std::size_t>(w.columns));
     }
     std::int64_t columns_ = 0, rows_ = 0;
+    Window held_;
     WorkFile file_;
+    std::vector<Frame> frame_;
 };
 
 // The folder PACK.work. One process at a time. Unless it is kept, the destructor removes it with all that is in it.

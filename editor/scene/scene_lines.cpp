@@ -29,9 +29,8 @@ Vec3 corner(const Terrain& terrain, std::int32_t x, std::int32_t y) {
 }
 
 Coord tile_origin(const Terrain& terrain, std::uint32_t tile) {
-    const auto tiles_x = static_cast<std::int32_t>(terrain.header().tiles_x);
-    const auto t = static_cast<std::int32_t>(tile);
-    return {t % tiles_x * data_of(terrain).tree.side(), t / tiles_x * data_of(terrain).tree.side()};
+    const Coord place = terrain.tile_place(tile);
+    return {place.x * data_of(terrain).tree.side(), place.y * data_of(terrain).tree.side()};
 }
 
 gl::Rgba8 level_rgba(const Terrain& terrain, Coord v) {

@@ -52,12 +52,14 @@ void FileGround::fetch(Coord sample) {
     const PageLayout& pages = data_of(terrain_).pages;
     if (tree.is_corner(sample)) return;
     const std::int32_t side = tree.side();
-    const std::int32_t tx = std::min(sample.x / side, tree.tiles_x - 1),
-                       ty = std::min(sample.y / side, tree.tiles_y - 1);
-    const auto tile = static_cast<std::uint32_t>(ty * tree.tiles_x + tx);
-    const std::uint32_t page =
-        pages.place(static_cast<std::uint32_t>(sample.x - tx * side), static_cast<std::uint32_t>(sample.y - ty * side))
-            .page;
+    const Coord place = data_of(terrain_).tile_with(
+        sample, {std::min(sample.x / side, tree.tiles_x - 1), std::min(sample.y / side, tree.tiles_y - 1)});
+    const std::uint32_t tile = terrain_.tile_at(place);
+    if (tile == no_tile) return; // nothing is there to be read
+    const std::uint32_t page = pages
+                                   .place(static_cast<std::uint32_t>(sample.x - place.x * side),
+                                          static_cast<std::uint32_t>(sample.y - place.y * side))
+                                   .page;
     const int z = pages.page_step_log2(page);
     if (z == 0) { // its errors follow from the heights of all pages over it
         const Coord at = pages.page_position(page);

@@ -97,8 +97,7 @@ bool shall_stream(const FlightOptions& options, const PackHeader& h) {
     if (!options.replay.empty() || options.streaming == Streaming::off) return false;
     if (options.streaming == Streaming::on) return true;
     const PageLayout pages{static_cast<int>(h.tile_log2), h.order};
-    return h.order != Order::linear &&
-           std::uint64_t{h.tiles_x} * h.tiles_y * pages.pages_per_tile() > options.profile.page_slots;
+    return h.order != Order::linear && std::uint64_t{tiles_of(h)} * pages.pages_per_tile() > options.profile.page_slots;
 }
 
 // A terrain without pages, of slots for so many.
@@ -189,7 +188,7 @@ std::string fewer_tiles(const PackHeader& h, const Profile& profile) {
                                      least_segment * (x * y + base_segments) <= profile.cut_budget.triangles;
         if (holds && x * y <= profile.page_slots) // streamed or not
             return fmt::format(", or bake the terrain with --tile {}: {} tiles instead of {}", 1 << log2, x * y,
-                               std::uint64_t{h.tiles_x} * h.tiles_y);
+                               tiles_of(h));
     }
     return "";
 }

@@ -132,7 +132,8 @@ void Renderer::State::set_error(const View& view, const DrawOptions& now, FrameB
 
 TileBlock Renderer::State::make_tile(std::uint32_t tile, std::uint32_t index) const {
     TileBlock block{};
-    const std::uint32_t column = tile % header.tiles_x, row = tile / header.tiles_x;
+    const Coord place = terrain.tile_place(tile);
+    const auto column = static_cast<std::uint32_t>(place.x), row = static_cast<std::uint32_t>(place.y);
     block.column = static_cast<std::int32_t>(column << header.tile_log2);
     block.row = static_cast<std::int32_t>(row << header.tile_log2);
     block.index = static_cast<std::int32_t>(index);
@@ -146,7 +147,7 @@ TileBlock Renderer::State::make_tile(std::uint32_t tile, std::uint32_t index) co
         const TileMap& map = of.tiles[tile];
         *layers[kind] = static_cast<std::int32_t>(map.layer);
         if (map.side_log2 != 0) *arrays[kind] = of.array_of[map.side_log2];
-        (void)min_lod_grid(of.tiles, header.tiles_x, tile, block.mip[kind]);
+        (void)min_lod_grid(of.tiles, terrain, tile, block.mip[kind]);
     }
     const MapArrays& horizon = maps.kind[2];
     if (block.horizon_array >= 0)

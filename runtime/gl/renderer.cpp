@@ -161,7 +161,7 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
 }
 
 std::size_t Renderer::State::range_capacity() const {
-    return std::max<std::size_t>(std::size_t{header.tiles_x} * header.tiles_y, options.ranges);
+    return std::max<std::size_t>(tiles_of(header), options.ranges);
 }
 
 std::size_t Renderer::State::ring_bytes() const {
@@ -188,7 +188,7 @@ std::string Renderer::State::check(const MeshView& mesh_view, const View& view) 
         return "the mesh has " + std::to_string(mesh_view.indices.size()) + " indices: raise RendererOptions::indices";
     if (mesh_view.tiles.size() > range_capacity())
         return "the mesh has " + std::to_string(mesh_view.tiles.size()) + " ranges: raise RendererOptions::ranges";
-    const std::uint32_t tile_count = header.tiles_x * header.tiles_y;
+    const std::uint32_t tile_count = tiles_of(header);
     bool good = mesh_view.dirty_begin <= mesh_view.dirty_end && mesh_view.dirty_end <= mesh_view.vertices.size();
     for (const TileRange& range : mesh_view.tiles)
         good = good && range.tile < tile_count && range.first_index <= mesh_view.indices.size() &&

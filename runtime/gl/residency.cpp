@@ -56,9 +56,12 @@ std::string Residency::follow(const Terrain& terrain) {
         steps_.resize(std::size_t{wide} * high);
     }
     for (std::uint32_t y = 0; y < high; ++y)
-        for (std::uint32_t x = 0; x < wide; ++x)
+        for (std::uint32_t x = 0; x < wide; ++x) {
+            const std::uint32_t tile =
+                terrain.tile_at({static_cast<std::int32_t>(x / a_side), static_cast<std::int32_t>(y / a_side)});
             steps_[std::size_t{y} * wide + x] = static_cast<std::uint8_t>(
-                resident_step_log2(terrain, y / a_side * h.tiles_x + x / a_side, x % a_side, y % a_side));
+                tile == no_tile ? h.tile_log2 : resident_step_log2(terrain, tile, x % a_side, y % a_side));
+        }
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);

@@ -50,10 +50,12 @@ void set_texture_size(TileGeometry& geometry, std::uint32_t side, std::uint32_t 
         for (float& coordinate : v.uv) coordinate = static_cast<float>(first + step * static_cast<double>(coordinate));
 }
 
-Vec3 tile_corner_m(const PackHeader& header, std::uint32_t tile) {
+Vec3 tile_corner_m(const Pack& pack, std::uint32_t tile) {
+    const PackHeader& header = pack.header;
+    const std::uint32_t place = pack.tile_place(tile);
     const double side = 1u << header.tile_log2;
-    return {(tile % header.tiles_x) * static_cast<double>(static_cast<float>(side * header.spacing_m[0])), 0,
-            (tile / header.tiles_x) * static_cast<double>(static_cast<float>(side * header.spacing_m[1]))};
+    return {(place % header.tiles_x) * static_cast<double>(static_cast<float>(side * header.spacing_m[0])), 0,
+            (place / header.tiles_x) * static_cast<double>(static_cast<float>(side * header.spacing_m[1]))};
 }
 
 TileCollector::TileCollector(const Terrain& the_terrain)
@@ -61,10 +63,9 @@ TileCollector::TileCollector(const Terrain& the_terrain)
       slots(std::size_t{side + 1} * (side + 1), no_index) {}
 
 Coord TileCollector::in_tile_of(std::uint32_t tile, const MeshVertex& vertex) const {
-    const auto tx = static_cast<std::int32_t>(tile % terrain.header().tiles_x),
-               ty = static_cast<std::int32_t>(tile / terrain.header().tiles_x);
+    const Coord place = terrain.tile_place(tile);
     return Coord{vertex.column, vertex.row} -
-           Coord{tx * data_of(terrain).tree.side(), ty * data_of(terrain).tree.side()};
+           Coord{place.x * data_of(terrain).tree.side(), place.y * data_of(terrain).tree.side()};
 }
 
 bool TileCollector::in_tile(std::uint32_t tile, const MeshVertex& vertex) const {

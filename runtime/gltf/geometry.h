@@ -35,7 +35,7 @@ struct TileGeometry {
 void set_texture_size(TileGeometry& geometry, std::uint32_t side, std::uint32_t texture_px);
 
 // The corner of a tile in the scene: whole multiples of the tile's width as a float, see fjell/gltf/snapshot.h.
-[[nodiscard]] Vec3 tile_corner_m(const PackHeader& header, std::uint32_t tile);
+[[nodiscard]] Vec3 tile_corner_m(const Pack& pack, std::uint32_t tile);
 
 // Collects tiles one after the other; its table is one entry a sample of a tile.
 class TileCollector {

@@ -35,12 +35,13 @@ constexpr std::uint64_t container_bytes = 12 + 8 + 8; // header and the heads of
 
 // The pack that textures and the CRS come from, in memory or in its file.
 struct Chunks {
+    const Pack& pack;
     const PackHeader& header;
     std::function<void(ChunkId id, std::vector<std::byte>& raw)> read; // decompressed; throws Failure
 };
 
 Chunks chunks_of(const Pack& pack) {
-    return {pack.header, [&pack](ChunkId id, std::vector<std::byte>& raw) {
+    return {pack, pack.header, [&pack](ChunkId id, std::vector<std::byte>& raw) {
                 raw.resize(chunk_raw_bytes(pack.header, id));
                 if (const Status s = read_chunk(pack, id, raw); !s.ok())
                     throw io::Failure(1, fmt::format("the pack's {}: {}", io::chunk_name(id), message(s.code)));
@@ -48,7 +49,8 @@ Chunks chunks_of(const Pack& pack) {
 }
 
 Chunks chunks_of(const io::PackFile& file) {
-    return {file.pack().header, [&file](ChunkId id, std::vector<std::byte>& raw) { file.read_chunk(id, raw); }};
+    return {file.pack(), file.pack().header,
+            [&file](ChunkId id, std::vector<std::byte>& raw) { file.read_chunk(id, raw); }};
 }
 
 // The largest mip of a map that fits, and what it is worth: 0 texels when the pack has none.
@@ -142,10 +144,10 @@ void add_tiles(const Chunks& pack, const Snapshot::Content& content, const Snaps
             throw io::Failure(130, "stopped; nothing is written");
         TileGeometry geometry = taken;
         set_texture_size(geometry, 1u << pack.header.tile_log2, textures.side_px());
-        const std::string name =
-            fmt::format("tile {} {}", taken.tile % pack.header.tiles_x, taken.tile / pack.header.tiles_x);
+        const std::uint32_t place = pack.pack.tile_place(taken.tile);
+        const std::string name = fmt::format("tile {} {}", place % pack.header.tiles_x, place / pack.header.tiles_x);
         const int colour = textures.add_colour(taken.tile, name, scene);
-        scene.add_tile(name, geometry, tile_corner_m(pack.header, taken.tile),
+        scene.add_tile(name, geometry, tile_corner_m(pack.pack, taken.tile),
                        {colour, textures.add_normal(geometry, name, scene)});
         ++result.tiles;
         result.vertices += geometry.vertices.size();

@@ -63,12 +63,16 @@ public:
     // The samples that are this tile's: those on its south and east border are its neighbours', if it has any.
     void copy(std::uint32_t tile, FullHeights& grid) const {
         const std::int32_t a_side = data_of(terrain_).tree.side() >> grid.step_log2;
-        const auto tx = static_cast<std::int32_t>(tile % terrain_.header().tiles_x),
-                   ty = static_cast<std::int32_t>(tile / terrain_.header().tiles_x);
-        const std::int32_t end_x = tx + 1 == data_of(terrain_).tree.tiles_x ? grid.columns : (tx + 1) * a_side,
-                           end_y = ty + 1 == data_of(terrain_).tree.tiles_y ? grid.rows : (ty + 1) * a_side;
-        for (std::int32_t y = ty * a_side; y < end_y; ++y)
-            for (std::int32_t x = tx * a_side; x < end_x; ++x) {
+        const Coord at = terrain_.tile_place(tile);
+        const auto there = [&](std::int32_t dx, std::int32_t dy) {
+            return terrain_.tile_at({at.x + dx, at.y + dy}) != no_tile;
+        };
+        const auto end = [&](std::int32_t place, bool next, std::int32_t all) {
+            return std::min((place + 1) * a_side + (next ? 0 : 1), all);
+        };
+        const std::int32_t end_x = end(at.x, there(1, 0), grid.columns), end_y = end(at.y, there(0, 1), grid.rows);
+        for (std::int32_t y = at.y * a_side; y < end_y; ++y)
+            for (std::int32_t x = at.x * a_side; x < end_x; ++x) {
                 const TerrainData::Vertex v = data_of(terrain_).vertex({x << grid.step_log2, y << grid.step_log2});
                 grid.heights_m[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.columns) +
                                static_cast<std::size_t>(x)] =

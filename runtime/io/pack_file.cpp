@@ -10,6 +10,8 @@
 
 #include "fjell/io/failure.h"
 #include "io/file.h"
+#include "io/set_file.h"
+#include "io/set_parts.h"
 
 namespace fjell::io {
 
@@ -32,6 +34,10 @@ std::string chunk_name(ChunkId id) {
 }
 
 PackFile::PackFile(const std::string& path) : path_(path) {
+    if (const std::string set = set_file_of(path); !set.empty()) {
+        open_set_file(set);
+        return;
+    }
     fd_ = open_regular_file(path);
     try {
         open_pack_file();
@@ -42,7 +48,20 @@ PackFile::PackFile(const std::string& path) : path_(path) {
 }
 
 PackFile::~PackFile() {
-    close(fd_);
+    if (fd_ >= 0) close(fd_);
+}
+
+std::size_t PackFile::packs() const {
+    return set_ ? set_->packs() : 1;
+}
+
+void PackFile::open_set_file(const std::string& set_file) {
+    set_ = std::make_unique<SetParts>(set_file);
+    const SetIndex& index = set_->index();
+    file_bytes_ = index.file_bytes;
+    require(open_index(index.header, index.directory, file_bytes_, pack_), path_);
+    corners_.assign(index.corners.begin(), index.corners.end());
+    read_crs();
 }
 
 void PackFile::open_pack_file() {
@@ -54,10 +73,16 @@ void PackFile::open_pack_file() {
     if (const int error = read(0, header); error != 0) fail(error);
     PackHeader h;
     require(read_header(header, file_bytes_, h), path_);
-    directory_.resize(h.directory_count * sizeof(ChunkEntry)); // no more than the file has: read_header has seen to it
+    if (h.tiles_held != 0) require({Code::wrong_version, "version"}, path_); // of sets in memory
+    directory_.resize(directory_bytes(h)); // no more than the file has: read_header has seen to it
     if (const int error = read(h.directory_offset, directory_); error != 0) fail(error);
     require(open_index(header, directory_, file_bytes_, pack_), path_);
     corners_ = stored({ChunkKind::corners, 0, 0});
+    read_crs();
+}
+
+void PackFile::read_crs() {
+    const PackHeader& h = pack_.header;
     crs_.resize(h.crs_bytes);
     if (crs_.empty()) return;
     const ChunkId crs{ChunkKind::crs, 0, 0};
@@ -82,6 +107,7 @@ void PackFile::read_chunk(ChunkId id, std::vector<std::byte>& raw) const {
 }
 
 bool PackFile::changed() const noexcept {
+    if (set_) return !set_->changed().empty();
     const PackHeader& opened = pack_.header;
     struct stat info {};
     if (fstat(fd_, &info) != 0) return false; // then the disk is at fault
@@ -92,12 +118,14 @@ bool PackFile::changed() const noexcept {
 }
 
 void PackFile::fail(int error) const {
-    if (changed()) throw Failure(1, path_ + ": was changed after it was opened; open it again");
+    const std::string at_fault = set_ ? set_->changed() : changed() ? path_ : "";
+    if (!at_fault.empty()) throw Failure(1, at_fault + ": was changed after it was opened; open it again");
     errno = error;
     disk_failure(path_, "read");
 }
 
 int PackFile::read(std::uint64_t offset, std::span<std::byte> to) const noexcept {
+    if (set_) return set_->read(offset, to);
     while (!to.empty()) {
         const ssize_t n = pread(fd_, to.data(), to.size(), static_cast<off_t>(offset));
         if (n < 0 && errno == EINTR) continue;
@@ -110,6 +138,7 @@ int PackFile::read(std::uint64_t offset, std::span<std::byte> to) const noexcept
 }
 
 void PackFile::drop_cache() const noexcept {
+    if (set_) return set_->drop_cache();
     (void)posix_fadvise(fd_, 0, 0, POSIX_FADV_DONTNEED);
 }
 

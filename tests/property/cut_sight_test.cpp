@@ -138,3 +138,38 @@ TEST_CASE("pages are looked at again only when a view has left what they were lo
     CHECK(looks >= 10);
     CHECK(looks <= 13); // after more than 4 cells each
 }
+
+TEST_CASE("where time ends a frame before all pages are looked at, what is claimed holds for what is shown") {
+    Random random(164);
+    int lagging = 0, bounded = 0, beyond = 0;
+    for (int round = 0; round < rounds(8, 60); ++round) {
+        const auto pack = rich_terrain(random, 257, 6);
+        const Terrain& terrain = pack.terrain;
+        Cut cut(terrain, ample_cut(terrain));
+        CutSettings settings{.error_px = uniform(random, 0.5, 3), .offscreen_factor = uniform(random, 3, 30)};
+        View view = random_view(random, terrain);
+        REQUIRE(settle(cut, {&view, 1}, settings).converged);
+        for (int frame = 0; frame < 30; ++frame) {
+            // Turned so far that all pages would have to be looked at, with time for some of them: in place of a clock.
+            settings.visits = static_cast<std::uint32_t>(pick(random, 1, 12));
+            if (pick(random, 0, 1) == 0) view = turned(random, view, 2);
+            if (pick(random, 0, 29) == 0) view = random_view(random, terrain);
+            const CutReport report = cut.update({&view, 1}, settings);
+            CAPTURE(round, frame, settings.error_px, settings.offscreen_factor, report.waiting);
+            REQUIRE(report.visits <= settings.visits);
+            lagging += !report.converged;
+            if (report.error_px_effective >= unbounded_px) continue;
+            ++bounded;
+            const Frustum frustum = make_frustum(view);
+            const double shown_px = measure_error(terrain, cut.mesh(), view, &frustum).max_px;
+            REQUIRE(shown_px <= report.error_px_effective * (1 + 1e-6));
+            beyond += shown_px > settings.error_px * (1 + 1e-6);
+        }
+        settings.visits = unlimited_items;
+        REQUIRE(settle(cut, {&view, 1}, settings).converged);
+        const VertexSet fine = target_set(terrain, terrain, {&view, 1}, settings.error_px);
+        REQUIRE(contains(active_set(cut), seen_of(terrain, fine, {&view, 1})));
+    }
+    CAPTURE(lagging, bounded, beyond);
+    CHECK(beyond >= 5);
+}

@@ -101,7 +101,7 @@ std::string check_surface(Cut& cut, const Terrain& full) {
             if (!holes(t)) return "a triangle without a corner in a hole is hidden";
             const std::int32_t side = 3 * data_of(full).tree.side();
             const std::int32_t x = (t[0].x + t[1].x + t[2].x) / side, y = (t[0].y + t[1].y + t[2].y) / side;
-            ranges.push_back({static_cast<std::uint32_t>(y * data_of(full).tree.tiles_x + x), first, 3, 1});
+            ranges.push_back({full.tile_at({x, y}), first, 3, 1});
         }
         count = 1u << s.segment_log2;
     }
@@ -115,6 +115,18 @@ namespace {
 std::size_t place(const Terrain& t, Coord c) {
     return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(data_of(t).tree.grid_columns()) +
            static_cast<std::size_t>(c.x);
+}
+// In a tile of the terrain, or on its border; a sparse one lacks some.
+bool is_there(const Terrain& t, Coord c) {
+    if (!data_of(t).tree.contains(c)) return false;
+    const std::int32_t side = data_of(t).tree.side();
+    for (const Coord by : {Coord{0, 0}, {-1, 0}, {0, -1}, {-1, -1}}) {
+        const Coord inside{c.x + by.x, c.y + by.y}; // where a tile that has c on its border begins
+        const bool holds = (by.x == 0 || c.x % side == 0) && (by.y == 0 || c.y % side == 0);
+        if (holds && inside.x >= 0 && inside.y >= 0 && t.tile_at({inside.x / side, inside.y / side}) != no_tile)
+            return true;
+    }
+    return false;
 }
 VertexSet only_corners(const Terrain& t, bool others) {
     VertexSet set(place(t, {0, data_of(t).tree.grid_rows()}), others);
@@ -146,8 +158,8 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
     for (std::uint32_t tile = 0; tile < paged.tile_count(); ++tile)
         for (std::uint32_t page = 0; page < paged.pages_per_tile(); ++page) {
             if (data_of(paged).page_table[tile * paged.pages_per_tile() + page].slot != no_index) continue;
-            const Coord corner{static_cast<std::int32_t>(tile % full.header().tiles_x) * data_of(full).tree.side(),
-                               static_cast<std::int32_t>(tile / full.header().tiles_x) * data_of(full).tree.side()};
+            const Coord corner{full.tile_place(tile).x * data_of(full).tree.side(),
+                               full.tile_place(tile).y * data_of(full).tree.side()};
             for (std::uint32_t i = 0; i < data_of(full).pages.page_vertices(page); ++i) {
                 const Coord c = corner + data_of(full).pages.coord({page, i});
                 if (!data_of(full).tree.is_corner(c)) set[place(full, c)] = false;
@@ -168,9 +180,13 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
                  x += 2 * step) {
                 const Coord c{x, y};
                 if (!set[place(full, c)]) continue;
+                if (!is_there(full, c)) {
+                    set[place(full, c)] = false;
+                    continue;
+                }
                 bool parents = true, in = false;
                 for (const Coord parent : diamond(data_of(full).tree, c).apexes)
-                    parents = parents && (!data_of(full).tree.contains(parent) || set[place(full, parent)]);
+                    parents = parents && (!is_there(full, parent) || set[place(full, parent)]);
                 if (parents) {
                     const TerrainData::Vertex v = data_of(full).vertex(c);
                     const Coord at = data_of(full).tree.sample(c);

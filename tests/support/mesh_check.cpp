@@ -22,8 +22,8 @@ Triangle rotated(Triangle t) {
 }
 
 Coord tile_corner(const Terrain& terrain, std::uint32_t tile) {
-    return {static_cast<std::int32_t>(tile % terrain.header().tiles_x) * data_of(terrain).tree.side(),
-            static_cast<std::int32_t>(tile / terrain.header().tiles_x) * data_of(terrain).tree.side()};
+    const Coord place = terrain.tile_place(tile);
+    return {place.x * data_of(terrain).tree.side(), place.y * data_of(terrain).tree.side()};
 }
 
 // Calls visit(triangle) for every triangle of a range; strips flip every other one, as OpenGL does.
@@ -61,8 +61,8 @@ bool may_be_open(const Terrain& terrain, const std::vector<bool>& drawn, Coord a
     if (a.x == b.x && (a.x == 0 || a.x == data_of(terrain).tree.columns() - 1)) return true;
     if (a.y == b.y && (a.y == 0 || a.y == data_of(terrain).tree.rows() - 1)) return true;
     const auto is_drawn = [&](std::int32_t tx, std::int32_t ty) {
-        return tx >= 0 && ty >= 0 && tx < data_of(terrain).tree.tiles_x && ty < data_of(terrain).tree.tiles_y &&
-               drawn[static_cast<std::size_t>(ty * data_of(terrain).tree.tiles_x + tx)];
+        const std::uint32_t tile = terrain.tile_at({tx, ty});
+        return tile != no_tile && drawn[tile];
     };
     if (a.x == b.x && a.x % side == 0) {
         const std::int32_t ty = std::min(a.y, b.y) / side;

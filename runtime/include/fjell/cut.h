@@ -81,7 +81,8 @@ struct CutSettings {
     double hysteresis = 0;                  // a vertex is deactivated only below error_px / (1 + hysteresis); 0 to 10
     bool corner_safe = false;               // bound pixels in the image's corners too
     std::uint32_t items = unlimited_items;  // work that this frame may do
-    std::uint32_t visits = unlimited_items; // groups and units of building: replays a frame that budget_us ended
+    // Groups, units of building and looks at pages: replays a frame that budget_us ended.
+    std::uint32_t visits = unlimited_items;
     double budget_us = 0;                   // time that it may take; 0: no limit
     Morph morph = Morph::none;
     double morph_s = 0.25; // time that a vertex activated late takes to reach its height; 0.01 to 10
@@ -89,8 +90,9 @@ struct CutSettings {
     // backwards, the cut's clock stands.
     double now_s = 0;
     // What no view sees, nor soon will, is refined to error_px times this. 1: as finely as what is seen, so that
-    // turning costs nothing; more: a fraction of the vertices and of the work, and turning takes some; now and then
-    // frames look at the pages that have a state, which no budget counts. 1 to 100.
+    // turning costs nothing; more: a fraction of the vertices and of the work, and turning takes some. Now and then
+    // frames look at the pages that have a state, as long as there is time; until all have been looked at that a view
+    // may see, the error claimed is this factor times the threshold at least. 1 to 100.
     double offscreen_factor = 1;
     JobSystem jobs = {}; // the host's, used within the call only; CutBudget::workers of it side by side
 };

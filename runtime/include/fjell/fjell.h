@@ -14,6 +14,7 @@
 #include "fjell/measure.h"
 #include "fjell/mesh.h"
 #include "fjell/pack.h"
+#include "fjell/pack_set.h"
 #include "fjell/query.h"
 #include "fjell/recursive.h"
 #include "fjell/status.h"

@@ -51,6 +51,17 @@ FjellStatus fjell_read_chunk(const FjellPack* pack, FjellChunkId id, void* out, 
 FjellStatus fjell_decode_chunk(const FjellChunkEntry* entry, const void* stored, size_t stored_bytes, void* out,
                                size_t out_bytes);
 
+uint32_t fjell_tiles_of(const FjellPackHeader* header);
+uint64_t fjell_directory_bytes(const FjellPackHeader* header);
+uint32_t fjell_pack_tile_place(const FjellPack* pack, uint32_t tile); // Pack::tile_place()
+
+// --- fjell/pack_set.h ---
+
+size_t fjell_set_index_bytes(FjellSetShape shape, const FjellSetPart* parts, size_t part_count);
+FjellStatus fjell_make_set_index(FjellSetShape shape, const FjellSetPart* parts, size_t part_count, void* memory,
+                                 size_t memory_bytes, FjellSetIndex* index, uint32_t* at_fault);
+uint32_t fjell_set_part_at(const FjellSetPart* parts, size_t part_count, uint64_t offset, uint64_t* in_part);
+
 // --- fjell/texture.h ---
 
 FjellStatus fjell_decode_colour(const void* blocks, size_t block_bytes, uint32_t side, uint8_t* rgb, size_t rgb_bytes);
@@ -84,6 +95,8 @@ float fjell_terrain_extent_x_m(FjellTerrain terrain);
 float fjell_terrain_extent_z_m(FjellTerrain terrain);
 bool fjell_terrain_has_voids(FjellTerrain terrain);
 uint32_t fjell_terrain_tile_count(FjellTerrain terrain);
+uint32_t fjell_terrain_tile_at(FjellTerrain terrain, FjellCoord place);
+FjellCoord fjell_terrain_tile_place(FjellTerrain terrain, uint32_t tile);
 uint32_t fjell_terrain_pages_per_tile(FjellTerrain terrain);
 uint32_t fjell_terrain_page_count(FjellTerrain terrain);
 uint32_t fjell_terrain_page_slots(FjellTerrain terrain);
@@ -186,6 +199,9 @@ const FjellTileMap* fjell_stream_tile_maps(FjellStream stream, uint8_t kind, siz
 FjellMapLayers fjell_stream_map_layers(FjellStream stream, uint8_t kind);
 FjellStatus fjell_min_lod_grid(const FjellTileMap* maps, size_t map_count, uint32_t tiles_x, uint32_t tile,
                                float out[9]);
+// The other min_lod_grid(): where tiles may be missing.
+FjellStatus fjell_min_lod_grid_of(const FjellTileMap* maps, size_t map_count, FjellTerrain terrain, uint32_t tile,
+                                  float out[9]);
 bool fjell_stream_next_request(FjellStream stream, FjellStreamRequest* request);
 bool fjell_stream_still_wanted(FjellStream stream, uint32_t ticket);
 FjellStatus fjell_stream_provide(FjellStream stream, uint32_t ticket, const void* stored, size_t stored_bytes);

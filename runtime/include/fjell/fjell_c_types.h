@@ -68,6 +68,7 @@ typedef struct FjellCoord {
 #define FJELL_MAX_TILE_LOG2 12
 #define FJELL_MAX_TEXTURE_LOG2 12
 #define FJELL_NO_CHUNK UINT64_MAX
+#define FJELL_NO_TILE UINT32_MAX
 
 enum { FJELL_ORDER_PLANAR, FJELL_ORDER_HIERARCHICAL_Z, FJELL_ORDER_LINEAR }; // Order
 enum { FJELL_ESTIMATE_MAX, FJELL_ESTIMATE_MIDPOINT };                        // Estimate
@@ -113,7 +114,7 @@ typedef struct FjellPackHeader {
     uint64_t notes_offset, notes_hash;
     uint64_t notes_bytes;
     uint32_t horizon_log2;
-    uint32_t reserved_word;
+    uint32_t tiles_held;
     uint64_t reserved[23];
     uint64_t header_hash;
 } FjellPackHeader;
@@ -144,6 +145,32 @@ typedef struct FjellPack {
     size_t byte_count;
     const void* directory;
 } FjellPack;
+
+// --- fjell/pack_set.h ---
+
+typedef struct FjellSetPart {
+    const FjellPack* pack;
+    const void* corners; // their chunk, as stored
+    size_t corner_bytes;
+    uint32_t tile_x, tile_y;
+} FjellSetPart;
+
+typedef struct FjellSetShape {
+    uint32_t columns, rows;
+} FjellSetShape;
+
+typedef struct FjellSetIndex {
+    const void* header;
+    size_t header_bytes;
+    const void* tail;
+    size_t tail_bytes;
+    const void* corners;
+    size_t corner_bytes;
+    const void* directory;
+    size_t directory_bytes;
+    uint64_t tail_offset;
+    uint64_t file_bytes;
+} FjellSetIndex;
 
 // --- fjell/texture.h ---
 

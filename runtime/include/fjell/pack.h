@@ -21,6 +21,8 @@ inline constexpr char pack_magic[8] = {'F', 'J', 'E', 'L', 'L', 'P', 'K', '\n'};
 inline constexpr std::uint32_t pack_version = 4;
 // Of a pack with horizon maps, which is otherwise the same; readers that know none of them refuse it by its version.
 inline constexpr std::uint32_t pack_version_with_horizons = 5;
+// Of a pack set that does not cover its terrain (fjell/pack_set.h): tiles are missing. In memory only, never in a file.
+inline constexpr std::uint32_t pack_version_sparse = 6;
 // Changes with every stored layout; also detects a byte-swapped file.
 inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0004'0004'1020ull;
 inline constexpr int min_tile_log2 = 1;
@@ -28,6 +30,7 @@ inline constexpr int max_tile_log2 = 12; // tile-local coordinates must fit 16 b
 inline constexpr std::uint32_t max_texture_log2 = 12;
 inline constexpr std::uint32_t max_columns = 1u << 20;
 inline constexpr double min_spacing_m = 1e-3, max_spacing_m = 1e6;
+inline constexpr std::uint64_t max_sparse_tiles = 1u << 26; // places for tiles of a sparse terrain, 8 bytes each
 inline constexpr double max_extent_m = 1e8; // squares of distances must stay far from float's largest value
 
 // How vertices lie in pages: by levels, in planes or along a Z-curve, or row by row.
@@ -78,12 +81,20 @@ struct PackHeader {
     std::uint64_t notes_offset, notes_hash;  // of how it was baked (JSON, for tools): where, and its XXH3
     std::uint64_t notes_bytes;               // 0: none
     std::uint32_t horizon_log2;              // texels a side of mip 0; 0: no horizon map
-    std::uint32_t reserved_word;             // zero
+    std::uint32_t tiles_held;                // of a sparse terrain: tiles that are there; 0: all of them
     std::uint64_t reserved[23];              // zero
     std::uint64_t header_hash;               // XXH3 of all bytes before this one
 };
 static_assert(sizeof(PackHeader) == 512 && offsetof(PackHeader, header_hash) == 504,
               "PackHeader is stored: change pack_version and pack_layout_hash with it");
+
+// Tiles that there are: what tile numbers count. Row by row; of a sparse terrain without those that are missing.
+[[nodiscard]] inline std::uint32_t tiles_of(const PackHeader& h) {
+    return h.tiles_held != 0 ? h.tiles_held : h.tiles_x * h.tiles_y;
+}
+// What follows a pack's chunks in its file, from directory_offset on: the directory, and of a sparse terrain its tiles'
+// places (tile_y * tiles_x + tile_x), ascending, 4 bytes each.
+[[nodiscard]] inline std::uint64_t directory_bytes(const PackHeader& h);
 
 // What can be said of a page's vertices, its borders included, without reading it: how far away one of them may be
 // wanted. Streaming decides by it which pages to read. Rounded outwards. Other chunks: zero.
@@ -103,6 +114,9 @@ struct ChunkEntry {
 };
 static_assert(sizeof(ChunkEntry) == 32 && offsetof(ChunkEntry, bound) == 24,
               "ChunkEntry is stored: change pack_version and pack_layout_hash with it");
+inline std::uint64_t directory_bytes(const PackHeader& h) {
+    return h.directory_count * sizeof(ChunkEntry) + std::uint64_t{h.tiles_held} * sizeof(std::uint32_t);
+}
 // HeightScale steps that one step of PageBound's heights covers, as a shift.
 [[nodiscard]] inline std::uint32_t bound_shift(const PackHeader& h) {
     const auto bits = static_cast<std::uint32_t>(std::bit_width(h.height_steps));
@@ -144,9 +158,11 @@ inline constexpr std::uint32_t corner_void_bit = 0x80000000;
 struct Pack {
     PackHeader header{};
     std::span<const std::byte> bytes;     // the whole file; empty for a pack that is streamed (open_index)
-    const std::byte* directory = nullptr; // directory_count entries, unaligned
+    const std::byte* directory = nullptr; // directory_bytes() of it, unaligned
 
-    [[nodiscard]] std::uint32_t tile_count() const { return header.tiles_x * header.tiles_y; }
+    [[nodiscard]] std::uint32_t tile_count() const { return tiles_of(header); }
+    // Where a tile lies: tile_y * tiles_x + tile_x. Of an empty pack, and beyond the last tile: 0xffffffff.
+    [[nodiscard]] std::uint32_t tile_place(std::uint32_t tile) const;
     // Zeroes for a chunk that is not there, and of an empty pack.
     [[nodiscard]] ChunkEntry entry(std::uint64_t chunk) const;
 };
@@ -154,8 +170,8 @@ struct Pack {
 // Checks magic, version, layout, hashes, ranges and the whole directory. O(directory). Allocates nothing.
 Status open_pack(std::span<const std::byte> file, Pack& pack);
 
-// The same from a file's first 512 bytes and its directory (PackHeader::directory_offset, _count), for a host that
-// reads chunks when they are wanted. file_bytes: how long the file is.
+// The same from a file's first 512 bytes and what follows its chunks (directory_bytes() of it), for a host that reads
+// chunks when they are wanted. file_bytes: how long the file is.
 Status open_index(std::span<const std::byte> header, std::span<const std::byte> directory, std::uint64_t file_bytes,
                   Pack& pack);
 // Reads and checks the header alone: it says where the directory lies and how large it is.
@@ -167,7 +183,7 @@ Status check_ranges(const PackHeader& header);
 // What a chunk of the directory is. item: a page of geometry, a mip of a map, 0 otherwise.
 struct ChunkId {
     ChunkKind kind = ChunkKind::corners;
-    std::uint32_t tile = 0, item = 0; // tiles row by row; 0 for chunks of the whole terrain
+    std::uint32_t tile = 0, item = 0; // tiles by number (tiles_of()); 0 for chunks of the whole terrain
 };
 inline constexpr std::uint64_t no_chunk = 0xffff'ffff'ffff'ffffull;
 // Its place in the directory, a fixed order: corners; geometry, colour and normal, each tile by tile; CRS; horizon,

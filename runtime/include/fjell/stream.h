@@ -187,6 +187,8 @@ struct TileMap {
 // of all tiles that share the place. Interpolated bilinearly it is continuous over the whole terrain.
 // Fails with out_of_range for a tile beyond maps, or maps that are not whole rows of tiles_x.
 Status min_lod_grid(std::span<const TileMap> maps, std::uint32_t tiles_x, std::uint32_t tile, float (&out)[9]);
+// The same where tiles may be missing: maps: one for each of the terrain's.
+Status min_lod_grid(std::span<const TileMap> maps, const Terrain& terrain, std::uint32_t tile, float (&out)[9]);
 
 // --- the client ---
 

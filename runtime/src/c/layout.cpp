@@ -62,7 +62,7 @@ FJELL_FIELD(FjellPackHeader, notes_offset);
 FJELL_FIELD(FjellPackHeader, notes_hash);
 FJELL_FIELD(FjellPackHeader, notes_bytes);
 FJELL_FIELD(FjellPackHeader, horizon_log2);
-FJELL_FIELD(FjellPackHeader, reserved_word);
+FJELL_FIELD(FjellPackHeader, tiles_held);
 FJELL_FIELD(FjellPackHeader, reserved);
 FJELL_FIELD(FjellPackHeader, header_hash);
 
@@ -88,6 +88,19 @@ FJELL_FIELD(FjellChunkId, item);
 FJELL_SIZE(FjellPack);
 FJELL_FIELD(FjellPack, header);
 FJELL_FIELD(FjellPack, directory);
+
+FJELL_SIZE(FjellSetPart);
+FJELL_FIELD(FjellSetPart, pack);
+FJELL_FIELD(FjellSetPart, tile_x);
+FJELL_FIELD(FjellSetPart, tile_y);
+
+FJELL_SIZE(FjellSetShape);
+FJELL_FIELD(FjellSetShape, columns);
+FJELL_FIELD(FjellSetShape, rows);
+
+FJELL_SIZE(FjellSetIndex);
+FJELL_FIELD(FjellSetIndex, tail_offset);
+FJELL_FIELD(FjellSetIndex, file_bytes);
 
 FJELL_SIZE(FjellTerrainBudget);
 FJELL_FIELD(FjellTerrainBudget, page_slots);
@@ -346,6 +359,13 @@ FJELL_FIELD(FjellStreamRequest, bytes);
 static_assert(sizeof(std::span<const std::byte>) == 2 * sizeof(void*));
 static_assert(offsetof(Pack, bytes) == offsetof(FjellPack, bytes) &&
               offsetof(FjellPack, byte_count) == offsetof(FjellPack, bytes) + sizeof(void*));
+static_assert(offsetof(SetPart, corners) == offsetof(FjellSetPart, corners) &&
+              offsetof(FjellSetPart, corner_bytes) == offsetof(FjellSetPart, corners) + sizeof(void*));
+static_assert(offsetof(SetIndex, header) == offsetof(FjellSetIndex, header) &&
+              offsetof(SetIndex, tail) == offsetof(FjellSetIndex, tail) &&
+              offsetof(SetIndex, corners) == offsetof(FjellSetIndex, corners) &&
+              offsetof(SetIndex, directory) == offsetof(FjellSetIndex, directory) &&
+              offsetof(FjellSetIndex, directory_bytes) == offsetof(FjellSetIndex, directory) + sizeof(void*));
 static_assert(offsetof(MapCommand, blocks) == offsetof(FjellMapCommand, blocks) &&
               offsetof(FjellMapCommand, block_bytes) == offsetof(FjellMapCommand, blocks) + sizeof(void*));
 

@@ -59,6 +59,38 @@ FjellStatus fjell_decode_chunk(const FjellChunkEntry* entry, const void* stored,
     return to_c(decode_chunk(at(entry), span_of(stored, stored_bytes), span_of(out, out_bytes)));
 }
 
+uint32_t fjell_tiles_of(const FjellPackHeader* header) {
+    return tiles_of(at(header));
+}
+uint64_t fjell_directory_bytes(const FjellPackHeader* header) {
+    return directory_bytes(at(header));
+}
+uint32_t fjell_pack_tile_place(const FjellPack* pack, uint32_t tile) {
+    return at(pack).tile_place(tile);
+}
+
+// --- fjell/pack_set.h ---
+
+size_t fjell_set_index_bytes(FjellSetShape shape, const FjellSetPart* parts, size_t part_count) {
+    return set_index_bytes(to_cpp(shape), span_of(reinterpret_cast<const SetPart*>(parts), part_count));
+}
+FjellStatus fjell_make_set_index(FjellSetShape shape, const FjellSetPart* parts, size_t part_count, void* memory,
+                                 size_t memory_bytes, FjellSetIndex* index, uint32_t* at_fault) {
+    if (index == nullptr) return refused("index");
+    SetIndex made;
+    std::uint32_t part = 0;
+    const Status status = make_set_index(to_cpp(shape), span_of(reinterpret_cast<const SetPart*>(parts), part_count),
+                                         span_of(memory, memory_bytes), made, part);
+    if (at_fault != nullptr) *at_fault = part;
+    return give(status, made, index);
+}
+uint32_t fjell_set_part_at(const FjellSetPart* parts, size_t part_count, uint64_t offset, uint64_t* in_part) {
+    std::uint64_t there = 0;
+    const std::uint32_t part = set_part_at(span_of(reinterpret_cast<const SetPart*>(parts), part_count), offset, there);
+    if (in_part != nullptr) *in_part = there;
+    return part;
+}
+
 // --- fjell/texture.h ---
 
 FjellStatus fjell_decode_colour(const void* blocks, size_t block_bytes, uint32_t side, uint8_t* rgb, size_t rgb_bytes) {
@@ -146,6 +178,12 @@ bool fjell_terrain_has_voids(FjellTerrain terrain) {
 }
 uint32_t fjell_terrain_tile_count(FjellTerrain terrain) {
     return to_cpp(terrain).tile_count();
+}
+uint32_t fjell_terrain_tile_at(FjellTerrain terrain, FjellCoord place) {
+    return to_cpp(terrain).tile_at(to_cpp(place));
+}
+FjellCoord fjell_terrain_tile_place(FjellTerrain terrain, uint32_t tile) {
+    return to_c(to_cpp(terrain).tile_place(tile));
 }
 uint32_t fjell_terrain_pages_per_tile(FjellTerrain terrain) {
     return to_cpp(terrain).pages_per_tile();

@@ -74,6 +74,12 @@ FjellStatus fjell_min_lod_grid(const FjellTileMap* maps, size_t map_count, uint3
     return to_c(min_lod_grid(span_of(reinterpret_cast<const TileMap*>(maps), map_count), tiles_x, tile,
                              *reinterpret_cast<float(*)[9]>(out)));
 }
+FjellStatus fjell_min_lod_grid_of(const FjellTileMap* maps, size_t map_count, FjellTerrain terrain, uint32_t tile,
+                                  float out[9]) {
+    if (out == nullptr) return refused("out");
+    return to_c(min_lod_grid(span_of(reinterpret_cast<const TileMap*>(maps), map_count), to_cpp(terrain), tile,
+                             *reinterpret_cast<float(*)[9]>(out)));
+}
 
 bool fjell_stream_next_request(FjellStream stream, FjellStreamRequest* request) {
     StreamRequest next;

@@ -22,6 +22,7 @@ BulkPage& visit(CutState& s, std::uint32_t slot) {
     std::fill_n(page.active, bulk_rows, 0);
     std::fill_n(page.ticks, page_ticks, unscheduled);
     s.bulk.visited[s.bulk.visited_count++] = slot;
+    if (s.bulk.beside) watch_visited_page(s, slot);
     return page;
 }
 
@@ -46,8 +47,8 @@ bool next_squares(const CutState& s, BulkSquares& squares) {
     const BulkPass& b = s.bulk;
     if (b.z + 1 == s.terrain->tree.tile_log2) {
         if (b.at == s.terrain->tile_count()) return false;
-        const auto tile = static_cast<std::int32_t>(b.at);
-        squares = squares_at(s, b.z, tile % s.tiles_x, tile / s.tiles_x);
+        const Coord tile = s.terrain->tile_xy(b.at);
+        squares = squares_at(s, b.z, tile.x, tile.y);
         return true;
     }
     const std::uint32_t quarters = s.steps[b.z].log2 > page_squares_log2 ? 4 : 1; // a tile has one page otherwise
@@ -75,8 +76,8 @@ void visit_neighbours(CutState& s, const BulkSquares& at) {
     const std::uint32_t* const centres = s.bulk.pages[at.slot].active + at.row(VertexKind::centre, 0);
     std::uint32_t east = 0;
     for (std::int32_t j = 0; j < at.n; ++j) east |= centres[j] >> (at.n - 1) & 1;
-    if (centres[at.n - 1] != 0 && at.j0 + at.n != s.tiles_y << at.step->log2) visit_at(s, at.z, at.i0, at.j0 + at.n);
-    if (east != 0 && at.i0 + at.n != s.tiles_x << at.step->log2) visit_at(s, at.z, at.i0 + at.n, at.j0);
+    if (centres[at.n - 1] != 0 && !ends_south(s, at)) visit_at(s, at.z, at.i0, at.j0 + at.n);
+    if (east != 0 && !ends_east(s, at)) visit_at(s, at.z, at.i0 + at.n, at.j0);
 }
 
 // Where time counts, a full page is done in parts, so that a unit of work stays small.
@@ -159,10 +160,14 @@ void merge(CutState& s, const BulkUnit& unit) {
     if (unit.slot == no_index) return;
     BulkPage& page = b.pages[unit.slot];
     if (b.phase == BulkPhase::vertices) {
-        const std::uint32_t tile = s.page_state[unit.slot].tile, tiles_x = static_cast<std::uint32_t>(s.tiles_x);
-        b.tiles[tile].planned += unit.own;
-        if (tile % tiles_x != 0) b.tiles[tile - 1].planned += unit.west;
-        if (tile >= tiles_x) b.tiles[tile - tiles_x].planned += unit.north;
+        const PageState& info = s.page_state[unit.slot];
+        b.tiles[info.tile].planned += unit.own;
+        const auto add = [&](std::int32_t x, std::int32_t y, std::uint32_t more) {
+            if (x < 0 || y < 0 || more == 0) return;
+            if (const std::uint32_t tile = s.terrain->tile_at(x, y); tile != no_index) b.tiles[tile].planned += more;
+        };
+        add(info.tile_x - 1, info.tile_y, unit.west);
+        add(info.tile_x, info.tile_y - 1, unit.north);
         if (!b.beside) return; // all slots are written
         const BulkSlots slots(s);
         const std::uint32_t first = page.number + page.first[unit.rows.first];
@@ -195,14 +200,14 @@ bool centre_parents(const CutState& s, const BulkSquares& at, std::uint32_t (&pa
     for (std::int32_t j = 0; j <= half; ++j) {
         const BulkPage* of = page;
         std::int32_t row = j0 + j;
-        if (row == up.n && up.j0 + up.n != s.tiles_y << up.step->log2) { // the next page's
+        if (row == up.n && !ends_south(s, up)) { // the next page's
             of = found_at(s, up.z, up.i0, up.j0 + up.n);
             row = 0;
         }
         x[j] = row_bits(of, up.row(VertexKind::side_x, row)) >> i & lanes;
         any |= x[j];
     }
-    const bool last = i + half == up.n, rim = up.i0 + up.n == s.tiles_x << up.step->log2;
+    const bool last = i + half == up.n, rim = last && ends_east(s, up);
     const BulkPage* const east = last && !rim ? found_at(s, up.z, up.i0 + up.n, up.j0) : nullptr;
     std::uint32_t y_last[page_squares / 2];
     for (std::int32_t j = 0; j < half; ++j) {

@@ -69,10 +69,11 @@ struct BulkSquares {
     [[nodiscard]] std::uint32_t all() const { return n == 32 ? ~0u : (1u << n) - 1; }
 };
 
-// Those that a square lies in. Its slot is no_index when its page has no state. The square must exist.
+// Those that a square lies in. Its slot is no_index when its page has no state, or there is no such tile.
 [[nodiscard]] inline BulkSquares squares_at(const CutState& s, int z, std::int32_t i, std::int32_t j) {
     const StepGroups& step = s.steps[z];
-    const std::uint32_t vertex = find_vertex(s, {z, VertexKind::centre, i, j});
+    const bool there = !s.terrain->is_sparse() || has_square(s, z, i, j);
+    const std::uint32_t vertex = there ? find_vertex(s, {z, VertexKind::centre, i, j}) : no_index;
     const std::int32_t n = 1 << step.page_log2;
     return {&step, vertex == no_index ? no_index : vertex / group_lanes / max_page_groups, z, i & -n, j & -n, n};
 }
@@ -87,6 +88,20 @@ struct BulkSquares {
             (page.tile_x << step.log2) + page.i0,
             (page.tile_y << step.log2) + page.j0,
             1 << step.page_log2};
+}
+
+// Whether the terrain ends there: a page owns the sides of a rim, as no neighbour does.
+[[nodiscard]] inline bool ends_north(const CutState& s, const BulkSquares& at) {
+    return !has_square(s, at.z, at.i0, at.j0 - 1);
+}
+[[nodiscard]] inline bool ends_west(const CutState& s, const BulkSquares& at) {
+    return !has_square(s, at.z, at.i0 - 1, at.j0);
+}
+[[nodiscard]] inline bool ends_south(const CutState& s, const BulkSquares& at) {
+    return !has_square(s, at.z, at.i0, at.j0 + at.n);
+}
+[[nodiscard]] inline bool ends_east(const CutState& s, const BulkSquares& at) {
+    return !has_square(s, at.z, at.i0 + at.n, at.j0);
 }
 
 // What the pass has found in a page; nullptr: nothing.

@@ -165,19 +165,19 @@ void decide_sides(const CutState& s, const BulkSquares& at, const BulkRows& part
     const std::uint32_t* const centres = s.bulk.pages[at.slot].active + at.row(VertexKind::centre, 0);
     const BulkPage* const north = found_at(s, at.z, at.i0, at.j0 - 1);
     const BulkPage* const west = found_at(s, at.z, at.i0 - 1, at.j0);
+    const bool north_ends = ends_north(s, at), west_ends = ends_west(s, at);
     const auto above = [&](std::int32_t j) {
         if (j != 0) return centres[j - 1];
-        return at.j0 == 0 ? at.all() : row_bits(north, at.row(VertexKind::centre, at.n - 1));
+        return north_ends ? at.all() : row_bits(north, at.row(VertexKind::centre, at.n - 1));
     };
     for (std::int32_t j = part.first; j < part.end; ++j) page.add(at.row(VertexKind::side_x, j), centres[j] & above(j));
     // The terrain's south and east rim: sides with one parent.
-    if (part.end == at.n && at.j0 + at.n == s.tiles_y << at.step->log2)
-        page.add(at.row(VertexKind::side_x, at.n), centres[at.n - 1]);
+    if (part.end == at.n && ends_south(s, at)) page.add(at.row(VertexKind::side_x, at.n), centres[at.n - 1]);
     for (std::int32_t j = part.first; j < part.end; ++j) {
-        const std::uint32_t left = at.i0 == 0 ? 1 : row_bits(west, at.row(VertexKind::centre, j)) >> (at.n - 1) & 1;
+        const std::uint32_t left = west_ends ? 1 : row_bits(west, at.row(VertexKind::centre, j)) >> (at.n - 1) & 1;
         page.add(at.row(VertexKind::side_y, j), centres[j] & (centres[j] << 1 | left));
     }
-    if (part.end == at.n && at.i0 + at.n == s.tiles_x << at.step->log2) {
+    if (part.end == at.n && ends_east(s, at)) {
         std::uint32_t east = 0;
         for (std::int32_t j = 0; j < at.n; ++j) east |= (centres[j] >> (at.n - 1) & 1) << j;
         page.add(at.column(), east);

@@ -27,8 +27,8 @@ struct BulkMasks {
         own = found_in(s, at.slot);
         north = found_at(s, at.z, at.i0, at.j0 - 1);
         west = found_at(s, at.z, at.i0 - 1, at.j0);
-        owns_south = at.j0 + at.n == s.tiles_y << at.step->log2;
-        owns_east = at.i0 + at.n == s.tiles_x << at.step->log2;
+        owns_south = ends_south(s, at);
+        owns_east = ends_east(s, at);
         south = owns_south ? nullptr : found_at(s, at.z, at.i0, at.j0 + at.n);
         east = owns_east ? nullptr : found_at(s, at.z, at.i0 + at.n, at.j0);
         const auto row = [&](const BulkPage* page, VertexKind kind, std::int32_t j) -> std::uint32_t {

@@ -135,15 +135,15 @@ private:
     }
 
     bool begin_tile() {
-        const auto tile = static_cast<std::int32_t>(down_.tile), tx = tile % s.tiles_x, ty = tile / s.tiles_x;
+        const Coord tile = s.terrain->tile_xy(down_.tile);
         const int z = s.terrain->tree.tile_log2 - 1;
         SlotGrid& grid = down_.grids[z];
         const auto corner = [&](std::int32_t x, std::int32_t y) {
-            return static_cast<std::uint32_t>((ty + y) * (s.tiles_x + 1) + tx + x);
+            return s.terrain->corner_at(tile.x + x, tile.y + y);
         };
         for (std::int32_t y = 0; y < 2; ++y)
             for (std::int32_t x = 0; x < 2; ++x) grid.corner[y][x] = corner(x, y);
-        const BulkSquares root = squares_at(s, z, tx, ty);
+        const BulkSquares root = squares_at(s, z, tile.x, tile.y);
         const BulkPage* const found = found_in(s, root.slot);
         std::uint32_t(&base)[2] = b.bases[down_.tile];
         base[0] = base[1] = no_index;
@@ -436,7 +436,7 @@ private:
 
     [[nodiscard]] std::uint32_t tile_of(const Site& centre) const {
         const std::int32_t log2 = s.steps[centre.z].log2;
-        return static_cast<std::uint32_t>((centre.j >> log2) * s.tiles_x + (centre.i >> log2));
+        return s.terrain->tile_at(centre.i >> log2, centre.j >> log2);
     }
 
     void flatten(std::uint32_t v, VertexKind kind, std::int32_t i, std::int32_t j, std::uint32_t a, std::uint32_t c) {
@@ -472,10 +472,9 @@ namespace {
 // May some of its triangles be hidden? Those are not counted before.
 bool may_hide(const CutState& s, std::uint32_t tile) {
     const TerrainData& t = *s.terrain;
-    const std::uint32_t tiles_x = static_cast<std::uint32_t>(s.tiles_x),
-                        tiles_y = static_cast<std::uint32_t>(s.tiles_y);
-    return t.has_voids() || (t.tree.cut_x != 0 && tile % tiles_x + 1 == tiles_x) ||
-           (t.tree.cut_y != 0 && tile / tiles_x + 1 == tiles_y);
+    const Coord place = t.tile_xy(tile);
+    return t.has_voids() || (t.tree.cut_x != 0 && place.x + 1 == s.tiles_x) ||
+           (t.tree.cut_y != 0 && place.y + 1 == s.tiles_y);
 }
 
 } // namespace

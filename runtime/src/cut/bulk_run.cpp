@@ -58,7 +58,7 @@ bool run_bulk(CutState& s) {
             b.again = false;
             sync_pages(s); // a slot may hold another page by now
             if (may_build_beside(s)) {
-                watch_pages(s);
+                watch_visited_pages(s);
                 begin_bulk(s, true);
             } else if (r.visits != 0) {
                 ++r.visits; // or a replay that ends after the one before would still mean to begin

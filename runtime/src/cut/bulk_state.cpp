@@ -142,10 +142,9 @@ void release(CutState& s, std::uint32_t slot) {
 
 // The two triangles that a tile's root splits, or that it is.
 void name_bases(CutState& s, std::uint32_t tile) {
-    const auto tiles_x = static_cast<std::uint32_t>(s.tiles_x), nx = tiles_x + 1,
-               nw = tile / tiles_x * nx + tile % tiles_x;
-    s.triangle_of[(nw + 1) * 4 + 2] = s.bulk.bases[tile][0];
-    s.triangle_of[(nw + nx) * 4 + 1] = s.bulk.bases[tile][1];
+    const Coord place = s.terrain->tile_xy(tile);
+    s.triangle_of[s.terrain->corner_at(place.x + 1, place.y) * 4 + 2] = s.bulk.bases[tile][0];
+    s.triangle_of[s.terrain->corner_at(place.x, place.y + 1) * 4 + 1] = s.bulk.bases[tile][1];
 }
 
 } // namespace

@@ -76,7 +76,7 @@ int splits_of(const CutState& s, const Site& site, std::uint32_t vertex, Split (
         if (root) {
             // A tile's root splits its two base triangles, whose right angles are its north-east and south-west corner.
             const Bearing bearing = n == 0 ? Bearing::north_east : Bearing::south_west;
-            const auto corner = static_cast<std::uint32_t>((site.j + n) * (s.tiles_x + 1) + site.i + 1 - n);
+            const std::uint32_t corner = s.terrain->corner_at(site.i + 1 - n, site.j + n);
             split = {no_index, corner * 4 + static_cast<std::uint32_t>(child_number(bearing)), 0, halves(bearing)};
         } else {
             const Site parent = parent_site(site, n);
@@ -244,8 +244,7 @@ namespace {
 
 std::uint32_t slot_at(const CutState& s, Coord c) {
     if (!s.terrain->tree.is_corner(c)) return s.vertex_slot[find_vertex(s, site_at(c))];
-    return static_cast<std::uint32_t>((c.y >> s.terrain->tree.tile_log2) * (s.tiles_x + 1) +
-                                      (c.x >> s.terrain->tree.tile_log2));
+    return s.terrain->corner_at(c.x >> s.terrain->tree.tile_log2, c.y >> s.terrain->tree.tile_log2);
 }
 
 } // namespace

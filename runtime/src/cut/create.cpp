@@ -17,7 +17,7 @@ namespace fjell {
 namespace {
 
 std::uint32_t corner_count(const TerrainData& t) {
-    return (t.header.tiles_x + 1) * (t.header.tiles_y + 1);
+    return t.corner_count;
 }
 std::uint32_t segments_of(const CutBudget& b) {
     return b.triangles / b.segment_triangles;
@@ -143,18 +143,21 @@ void make_hz_places(CutState& s) {
 
 void make_corners(CutState& s) {
     const TerrainData& t = *s.terrain;
-    const auto nx = static_cast<std::uint32_t>(s.tiles_x) + 1;
-    for (std::uint32_t slot = 0; slot < corner_count(t); ++slot) {
-        const std::int32_t side = t.tree.side();
-        const Coord at =
-            t.tree.sample({static_cast<std::int32_t>(slot % nx) * side, static_cast<std::int32_t>(slot / nx) * side});
+    const auto make = [&](std::int32_t x, std::int32_t y) {
+        const std::uint32_t slot = t.corner_at(x, y);
+        const Coord at = t.tree.sample({x * t.tree.side(), y * t.tree.side()});
         const std::uint32_t stored = t.corners[slot];
         const float height_m = t.height_scale.height_m(static_cast<std::int32_t>(stored & ~corner_void_bit));
         s.vertices[slot] = {at.x, at.y, height_m};
         s.morph[slot] = {height_m, 0, 0, long_active_s};
         s.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
         s.dirty_vertices.mark(slot);
-    }
+    };
+    // Of a sparse terrain some more than once: places without a tile have none.
+    for (std::uint32_t tile = 0; t.is_sparse() && tile < t.tile_count(); ++tile)
+        for (std::int32_t k = 0; k < 4; ++k) make(t.tile_xy(tile).x + k % 2, t.tile_xy(tile).y + k / 2);
+    for (std::int32_t y = 0; !t.is_sparse() && y <= s.tiles_y; ++y)
+        for (std::int32_t x = 0; x <= s.tiles_x; ++x) make(x, y);
 }
 
 } // namespace
@@ -183,9 +186,10 @@ void reset(CutState& s) {
 }
 
 void begin_at_roots(CutState& s) {
-    const auto tiles_x = static_cast<std::uint32_t>(s.tiles_x), nx = tiles_x + 1;
     for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
-        const std::uint32_t nw = tile / tiles_x * nx + tile % tiles_x, ne = nw + 1, sw = nw + nx, se = sw + 1;
+        const Coord at = s.terrain->tile_xy(tile);
+        const auto slot = [&](std::int32_t x, std::int32_t y) { return s.terrain->corner_at(at.x + x, at.y + y); };
+        const std::uint32_t nw = slot(0, 0), ne = slot(1, 0), sw = slot(0, 1), se = slot(1, 1);
         for (const MeshTriangle& base : {MeshTriangle{ne, nw, se}, MeshTriangle{sw, se, nw}}) {
             const Bearing corner = base.right == ne ? Bearing::north_east : Bearing::south_west;
             append_triangle(s, list_for(s, tile, base), base,

@@ -7,11 +7,22 @@
 
 namespace fjell {
 
+// Does the terrain have a square of the step there? Not beyond its rim, nor where a tile is missing: that is a rim too.
+[[nodiscard]] inline bool has_square(const CutState& s, int z, std::int32_t i, std::int32_t j) {
+    const std::int32_t log2 = s.steps[z].log2;
+    if (i < 0 || j < 0 || i >= s.tiles_x << log2 || j >= s.tiles_y << log2) return false;
+    return s.terrain->has_tile(i >> log2, j >> log2);
+}
+
 // Does the tree have a vertex there?
 [[nodiscard]] inline bool exists(const CutState& s, const Site& v) {
     if (v.z < 0 || v.i < 0 || v.j < 0) return false;
     const std::int32_t nx = s.tiles_x << s.steps[v.z].log2, ny = s.tiles_y << s.steps[v.z].log2;
-    return v.i < nx + (v.kind == VertexKind::side_y) && v.j < ny + (v.kind == VertexKind::side_x);
+    if (v.i >= nx + (v.kind == VertexKind::side_y) || v.j >= ny + (v.kind == VertexKind::side_x)) return false;
+    if (!s.terrain->is_sparse()) return true;
+    const bool other = (v.kind == VertexKind::side_x && has_square(s, v.z, v.i, v.j - 1)) ||
+                       (v.kind == VertexKind::side_y && has_square(s, v.z, v.i - 1, v.j));
+    return other || has_square(s, v.z, v.i, v.j);
 }
 
 // Where a site of the tree lies: its page, and its vertex in that.
@@ -25,9 +36,13 @@ struct Place {
     std::int32_t tile_x = v.i >> step.log2, tile_y = v.j >> step.log2;
     tile_x -= tile_x == s.tiles_x;
     tile_y -= tile_y == s.tiles_y;
+    if (s.terrain->is_sparse() && !s.terrain->has_tile(tile_x, tile_y)) { // so does the rim of a missing tile
+        tile_x -= v.kind == VertexKind::side_y;
+        tile_y -= v.kind == VertexKind::side_x;
+    }
     auto i = static_cast<std::uint32_t>(v.i - (tile_x << step.log2)),
          j = static_cast<std::uint32_t>(v.j - (tile_y << step.log2));
-    std::uint32_t page = static_cast<std::uint32_t>(tile_y * s.tiles_x + tile_x) * s.pages_per_tile;
+    std::uint32_t page = s.terrain->tile_at(tile_x, tile_y) * s.pages_per_tile;
     if (step.log2 >= page_squares_log2) {
         const std::uint32_t last = (1u << (step.log2 - page_squares_log2)) - 1;
         const std::uint32_t px = std::min(i >> page_squares_log2, last), py = std::min(j >> page_squares_log2, last);

@@ -211,12 +211,12 @@ void forget_late_page(CutState& s, std::uint32_t slot) {
     (void)std::remove(s.late_pages, end, slot);
 }
 
-double lag_px(CutState& s) {
+double lag_px(CutState& s, bool offscreen_too) {
     if (s.jumped) return unbounded_px; // nothing that was known holds: it is for the next frames to find out
     Worst worst;
     std::uint32_t renewals = 256; // a frame: after a jump of the camera the claim takes some frames to tell anything
     const auto add = [&](std::uint32_t slot) {
-        if (s.page_state[slot].offscreen == all_parts) return;
+        if (!offscreen_too && s.page_state[slot].offscreen == all_parts) return;
         const HiddenBound& bound = s.schedule.bounds[slot];
         double px = bound_px(s, bound);
         const double way_m = s.schedule.odometer_m[0] - bound.from_m;
@@ -232,7 +232,7 @@ double lag_px(CutState& s) {
     for (std::uint32_t i = 0; i < s.schedule.awake_count; ++i) {
         const AwakePage& page = s.schedule.awake[i];
         if (!page.due && page.queued == 0) continue;
-        if (s.sights.count != 0 && s.page_state[page.slot].offscreen == all_parts)
+        if (!offscreen_too && s.page_state[page.slot].offscreen == all_parts)
             continue; // whatever it hides, nobody sees it
         const double px = bound_px(s, s.schedule.bounds[page.slot]);
         if (px <= little_px)

@@ -27,7 +27,7 @@ void forget_late_pages(CutState& s, bool all);
 void forget_late_page(CutState& s, std::uint32_t slot); // it loses its state
 
 // No less than the largest error on screen of what waits or morphs by time, as if it were error_px_effective;
-// unbounded_px at most. 0: nothing does. O(awake pages).
-[[nodiscard]] double lag_px(CutState& s);
+// unbounded_px at most. 0: nothing does. offscreen_too: also of pages that are called off-screen. O(awake pages).
+[[nodiscard]] double lag_px(CutState& s, bool offscreen_too);
 
 } // namespace fjell

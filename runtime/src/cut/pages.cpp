@@ -55,11 +55,11 @@ void empty_state(PageState& info) {
 // Of a page whose groups are all zero.
 void mark_absent_parents(CutState& s, std::uint32_t slot) {
     const PageState& info = s.page_state[slot];
-    const std::int32_t n = info.shape == 0 ? 1 << s.terrain->tree.tile_log2 : page_squares;
-    const std::int32_t columns = s.tiles_x << s.steps[info.z].log2, rows = s.tiles_y << s.steps[info.z].log2;
+    const std::int32_t n = info.shape == 0 ? 1 << s.steps[info.z].log2 : page_squares;
     const std::int32_t i0 = (info.tile_x << s.steps[info.z].log2) + info.i0,
                        j0 = (info.tile_y << s.steps[info.z].log2) + info.j0;
-    const bool rim = i0 == 0 || j0 == 0 || i0 + n >= columns || j0 + n >= rows;
+    const bool rim = !has_square(s, info.z, i0 - 1, j0) || !has_square(s, info.z, i0, j0 - 1) ||
+                     !has_square(s, info.z, i0 + n, j0) || !has_square(s, info.z, i0, j0 + n);
     for (std::uint32_t k = 0; (rim || info.shape == 0) && k < s.shapes[info.shape].count; ++k) {
         const std::uint32_t number = slot * max_page_groups + k;
         GroupState& b = s.groups[number];
@@ -95,8 +95,9 @@ std::uint32_t attach(CutState& s, std::uint32_t terrain_slot) {
     info.page = loaded.page;
     info.terrain_slot = terrain_slot;
     info.tile = info.page / s.pages_per_tile;
-    info.tile_x = static_cast<std::int32_t>(info.tile) % s.tiles_x;
-    info.tile_y = static_cast<std::int32_t>(info.tile) / s.tiles_x;
+    const Coord tile = t.tile_xy(info.tile);
+    info.tile_x = tile.x;
+    info.tile_y = tile.y;
     info.base = t.page_table[info.page].base;
     info.status = loaded.evicting ? PageStatus::evicting : PageStatus::live;
     if (loaded.evicting) s.evicting[s.evicting_count++] = slot;
@@ -207,19 +208,18 @@ std::uint32_t first_active(const CutState& s, std::uint32_t slot) {
 
 ParentMasks absent_parents(const CutState& s, const Site& first, const GroupShape& shape) {
     const auto lanes = static_cast<std::uint16_t>((1u << shape.lanes) - 1);
-    const std::int32_t rows = s.tiles_y << s.steps[first.z].log2;
     ParentMasks absent{};
     switch (shape.kind) {
     case VertexKind::centre:
         if (first.z == s.terrain->tree.tile_log2 - 1) absent = {{1, 1}};
         break;
     case VertexKind::side_x:
-        if (first.j == 0) absent.parent[0] = lanes;
-        if (first.j == rows) absent.parent[1] = lanes;
+        if (!has_square(s, first.z, first.i, first.j - 1)) absent.parent[0] = lanes;
+        if (!has_square(s, first.z, first.i, first.j)) absent.parent[1] = lanes;
         break;
     case VertexKind::side_y:
-        if (first.i == 0) absent.parent[0] = 1;
-        if (shape.along_y) absent.parent[1] = lanes; // only the terrain's rim owns such a group
+        if (!has_square(s, first.z, first.i - 1, first.j)) absent.parent[0] = 1;
+        if (shape.along_y) absent.parent[1] = lanes; // only a rim owns such a group
         break;
     }
     return absent;

@@ -237,13 +237,11 @@ bool out_of_time(CutState& s, bool done_something) {
     return true;
 }
 
-namespace {
-
-// A step of the bulk pass counts too. Were one more group evaluated after the last step that time allowed, a replay
-// would spend that visit on the next step.
 bool has_done_something(const CutState& s) {
     return s.report.items != 0 || s.report.visits != 0;
 }
+
+namespace {
 
 void prefetch_changes(const CutState& s, std::span<const std::uint32_t> groups) {
     constexpr std::uint32_t most = 6 * batch_groups; // of changes; more would push each other out of the cache

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "cut/groups.h"
+#include "cut/refine.h"
 
 namespace fjell {
 
@@ -162,7 +163,12 @@ double offscreen_factor(const CutState& s, const View& view, double threshold_px
 
 namespace {
 
+bool is_looking(const CutState& s) {
+    return s.next_look < s.fresh_page;
+}
+
 void begin_look(CutState& s) {
+    s.sights_mixed = s.sights.count != 0 && is_looking(s);
     s.sights_before = s.sights;
     s.sights.count = s.view_count;
     for (std::uint32_t i = 0; i < s.view_count; ++i) {
@@ -194,15 +200,22 @@ void look_at(CutState& s, std::uint32_t slot) {
     set_offscreen(s, slot, parts_not_met(s, page, met));
 }
 
-// More of the pages: all of them before a view can see what the others were not looked at for. all: at once.
+constexpr std::uint32_t pages_a_visit = 16;
+
+// More of the pages: all of them before a view can see what the others were not looked at for, or as many as there is
+// time for. all: at once.
 void go_on_looking(CutState& s, bool all) {
     const Sights& before = s.sights_before;
     std::uint32_t end = s.fresh_page;
-    if (!all && before.count != 0 && all_within(s, before, &Sight::most, most_share)) {
+    if (!all && !s.sights_mixed && before.count != 0 && all_within(s, before, &Sight::most, most_share)) {
         const auto gone_to = static_cast<std::uint32_t>(gone(s, before) * static_cast<double>(s.fresh_page));
         end = std::min(end, std::max(s.next_look + s.fresh_page / look_frames + 1, gone_to));
     }
-    while (s.next_look < end) look_at(s, s.next_look++);
+    while (s.next_look < end && !out_of_time(s, has_done_something(s))) {
+        const std::uint32_t visit_end = std::min(s.next_look + pages_a_visit, end);
+        while (s.next_look < visit_end) look_at(s, s.next_look++);
+        ++s.report.visits;
+    }
 }
 
 } // namespace
@@ -212,17 +225,34 @@ void watch_pages(CutState& s) {
     if (s.settings.offscreen_factor <= 1) {
         if (s.sights.count == 0) return;
         s.sights.count = 0;
+        s.next_look = no_index;
         for (std::uint32_t slot = 0; slot < s.fresh_page; ++slot)
             if (s.page_state[slot].page != no_index) set_offscreen(s, slot, 0);
         return;
     }
-    if (s.sights.count != 0 && s.next_look < s.fresh_page) {
+    if (s.sights.count != 0 && is_looking(s)) {
         go_on_looking(s, rests(s));
-        if (s.next_look < s.fresh_page) return;
+        if (is_looking(s)) return;
     }
     if (s.sights.count != 0 && all_within(s, s.sights, &Sight::half, half_share)) return;
     begin_look(s);
     go_on_looking(s, false);
+}
+
+void watch_visited_pages(CutState& s) {
+    if (s.settings.offscreen_factor <= 1) return watch_pages(s);
+    begin_look(s);
+    s.sights_mixed = true; // of the pages that the pass has not visited nobody keeps a list
+}
+
+void watch_visited_page(CutState& s, std::uint32_t slot) {
+    if (s.sights.count != 0) look_at(s, slot);
+}
+
+bool is_overlooking(const CutState& s) {
+    if (s.sights.count == 0 || !is_looking(s)) return false;
+    return s.sights_mixed || (s.sights_before.count != 0 && !all_within(s, s.sights_before, &Sight::most, most_share)) ||
+           !all_within(s, s.sights, &Sight::outer, 1);
 }
 
 void watch_page(CutState& s, std::uint32_t slot) {

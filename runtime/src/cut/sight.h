@@ -15,9 +15,14 @@ namespace fjell {
 [[nodiscard]] double offscreen_factor(const CutState& s, const View& view, double threshold_px);
 
 // Begins to look at all pages if a view has left the middle of what they were looked at with, and goes on with some of
-// them in each frame, or with all when views are fast. Groups that come into sight, or leave it, are due. Not while the
-// bulk pass is under way.
+// them in each frame, or with as many as its time allows when views are fast. Groups that come into sight, or leave it,
+// are due. Not while the bulk pass is under way.
 void watch_pages(CutState& s);
+// Before a bulk pass beside what is drawn: that looks at the pages that it visits, and the next frames at the others.
+void watch_visited_pages(CutState& s);
+void watch_visited_page(CutState& s, std::uint32_t slot);
+// May a view see what nobody has looked at for it yet? It is refined to the factor, then.
+[[nodiscard]] bool is_overlooking(const CutState& s);
 // A page that has just got its state.
 void watch_page(CutState& s, std::uint32_t slot);
 

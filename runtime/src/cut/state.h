@@ -236,6 +236,7 @@ struct CutState {
     Frustum frustums[max_cut_views];
     Sights sights, sights_before; // of the look that pages are given, and of the one that the others had
     std::uint32_t next_look;      // state of a page that comes next; from fresh_page on all have had it
+    bool sights_mixed;            // the others had several: looks that did not come to their end
     std::uint32_t view_count;     // 0: no update yet
     double largest_unit_px;       // screen_unit_px() (lag.h)
     double largest_ratio;         // of a view's threshold to that of the settings
@@ -292,7 +293,7 @@ inline void count_parents(CutState& s, std::uint32_t slot, std::uint32_t more) {
 }
 // The corners of all tiles have the first vertex slots.
 [[nodiscard]] inline std::uint32_t corner_slots(const CutState& s) {
-    return static_cast<std::uint32_t>((s.tiles_x + 1) * (s.tiles_y + 1));
+    return s.terrain->corner_count;
 }
 [[nodiscard]] inline std::uint32_t take_vertex(CutState& s) {
     FJELL_ASSERT(free_vertices(s) != 0);

@@ -222,13 +222,15 @@ double govern(Governor& g, double requested_px, double most_px, double use, bool
 }
 
 // What the mesh lacks of its threshold; 0: nothing.
-double waiting_px(CutState& s) {
+double waiting_px(CutState& s, bool overlooking) {
     const CutReport& r = s.report;
     forget_late_pages(s, r.morphing == 0);
     if (r.waiting == 0 && r.morphing == 0) return 0;
     // Nobody has looked at what is drawn, or at what pages hide that have no state.
     if (s.bulk.phase != BulkPhase::idle || s.pages_wait) return unbounded_px;
-    const double lag = lag_px(s);
+    // What is called off-screen, and may be seen, is refined to the factor at least, but for what waits there.
+    const double coarsest_px = overlooking ? r.threshold_px * s.settings.offscreen_factor : 0;
+    const double lag = std::max(lag_px(s, overlooking), coarsest_px);
     if (r.morphing == 0 && s.morph_now.morph == Morph::none) return lag;
     // Of vertices that stand between two heights what moves them comes on top of what the mesh around them hides; it
     // is less than the threshold where they should not be active any more.
@@ -253,7 +255,8 @@ void finish(CutState& s) {
     r.morphing = s.late_count + s.morphing_out_count;
     r.waiting = waiting_groups(s);
     const bool building = s.bulk.phase != BulkPhase::idle;
-    r.waiting += building + s.pages_wait;
+    const bool overlooking = !building && is_overlooking(s);
+    r.waiting += building + s.pages_wait + overlooking;
     if (s.bulk.phase >= BulkPhase::releasing) r.vertices = corner_slots(s) + s.bulk.taken;
     for (std::uint32_t i = 0; i < s.evicting_count; ++i) r.waiting += s.page_state[s.evicting[i]].active != 0;
     r.vertices_changed = s.dirty_vertices.slots;
@@ -267,7 +270,7 @@ void finish(CutState& s) {
     (void)govern(s.governor, r.error_px_requested, governor_most_px(s), use, s.full_capacities != 0, !s.lagging,
                  s.still);
     // What waits, and what pages hide that are wanted and not there, bounds the screen as a threshold would.
-    r.error_px_effective = std::max({r.threshold_px, waiting_px(s), s.terrain->missing_px});
+    r.error_px_effective = std::max({r.threshold_px, waiting_px(s, overlooking), s.terrain->missing_px});
     r.converged = r.converged && s.terrain->missing_px <= r.error_px_requested;
 }
 

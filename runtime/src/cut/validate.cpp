@@ -11,6 +11,7 @@
 #include "cut/morph.h"
 #include "cut/pages.h"
 #include "cut/refine.h"
+#include "cut/sight.h"
 #include "cut/validate_parts.h"
 
 namespace fjell {
@@ -99,12 +100,13 @@ Violation check_decision(const CutState& s, std::uint32_t vertex, bool on, doubl
         const double reach = static_cast<double>(v.radius_m) + static_cast<double>(v.error_m) * r.q;
         margin = std::max(margin, reach * static_cast<double>(reach_grow) + static_cast<double>(r.pad) - length(way));
     }
-    // Without its sphere, for which seen() may err. Pages are not looked at while the bulk pass is under way.
+    // Without its sphere, for which seen() may err. Not all pages are looked at while the bulk pass is under way, or time
+    // is short.
     Evaluation place{};
     place.x = x;
     place.y = v.height_m;
     place.z = z;
-    if (s.bulk.phase == BulkPhase::idle && is_offscreen(s, vertex / group_lanes) && seen(s, place))
+    if (s.bulk.phase == BulkPhase::idle && !is_overlooking(s) && is_offscreen(s, vertex / group_lanes) && seen(s, place))
         return at("a vertex is called off-screen, and a view sees it:", s, vertex);
     if (in != on) return at("a vertex disagrees with the decision, and nobody knows:", s, vertex);
     if (left_m > std::abs(margin) * (1 + 1e-4) + s.schedule.tick_m * 0.01)

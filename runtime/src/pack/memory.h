@@ -17,6 +17,9 @@ struct TerrainMemory {
     std::uint32_t* slot_page;
     std::uint32_t* slot_loads;
     std::uint32_t* corners;
+    std::uint32_t* tile_numbers; // of a sparse terrain, and the next two
+    std::uint32_t* corner_numbers;
+    std::uint32_t* tile_places;
     std::uint32_t* free_slots; // a stack
     std::uint32_t free_count;
     ZSTD_DCtx_s* zstd;

@@ -90,6 +90,8 @@ Status check_ranges(const PackHeader& h) {
     if (h.colour_log2 == 1 || h.colour_log2 > max_texture_log2) return bad("colour_log2");
     if (h.normal_log2 == 1 || h.normal_log2 > max_texture_log2) return bad("normal_log2");
     if (h.horizon_log2 == 1 || h.horizon_log2 > max_texture_log2) return bad("horizon_log2");
+    if (h.tiles_held != 0 && std::uint64_t{h.tiles_x} * h.tiles_y > max_sparse_tiles) return bad("tile_log2");
+    if (h.tiles_held > std::uint64_t{h.tiles_x} * h.tiles_y) return bad("tiles_held");
     if (h.crs_bytes > (1u << 20)) return bad("crs_bytes");
     if (h.notes_bytes > (1u << 20)) return bad("notes_bytes");
     return check_scales(h);
@@ -102,7 +104,21 @@ ChunkEntry Pack::entry(std::uint64_t chunk) const {
     return e;
 }
 
+std::uint32_t Pack::tile_place(std::uint32_t tile) const {
+    if (directory == nullptr || tile >= tile_count()) return no_index;
+    if (header.tiles_held == 0) return tile;
+    std::uint32_t place = 0;
+    std::memcpy(&place, directory + header.directory_count * sizeof(ChunkEntry) + std::size_t{tile} * sizeof place,
+                sizeof place);
+    return place;
+}
+
 namespace {
+
+// In 64 bits: what is not checked yet may have more than there are numbers for.
+std::uint64_t tile_total(const PackHeader& h) {
+    return h.tiles_held != 0 ? h.tiles_held : std::uint64_t{h.tiles_x} * h.tiles_y;
+}
 
 // Chunks before each kind, and how many of it a tile has.
 struct DirectoryPlan {
@@ -110,7 +126,7 @@ struct DirectoryPlan {
 };
 
 DirectoryPlan plan_directory(const PackHeader& h) {
-    const std::uint64_t tiles = std::uint64_t{h.tiles_x} * h.tiles_y;
+    const std::uint64_t tiles = tile_total(h);
     const std::uint64_t pages = PageLayout{static_cast<int>(h.tile_log2), h.order}.pages_per_tile();
     const std::uint64_t colours = mip_count(h.colour_log2), normals = mip_count(h.normal_log2);
     const std::uint64_t after_pages = 1 + tiles * pages, after_colours = after_pages + tiles * colours;
@@ -128,7 +144,7 @@ bool has_layout(const PackHeader& h) {
 
 bool has_chunk(const PackHeader& h, ChunkId id) {
     if (!has_layout(h)) return false;
-    const bool in_tile = id.tile < std::uint64_t{h.tiles_x} * h.tiles_y;
+    const bool in_tile = id.tile < tile_total(h);
     switch (id.kind) {
     case ChunkKind::corners: return id.tile == 0 && id.item == 0;
     case ChunkKind::geometry: return in_tile && id.item < pages_of(h).pages_per_tile();
@@ -163,7 +179,7 @@ ChunkId chunk_id(const PackHeader& h, std::uint64_t chunk) {
 
 std::uint64_t chunk_count(const PackHeader& h) {
     if (!has_layout(h)) return 0;
-    const std::uint64_t tiles = std::uint64_t{h.tiles_x} * h.tiles_y;
+    const std::uint64_t tiles = tile_total(h);
     return plan_directory(h).first[static_cast<std::size_t>(ChunkKind::horizon)] + tiles * mip_count(h.horizon_log2);
 }
 
@@ -172,7 +188,8 @@ std::size_t chunk_raw_bytes(const PackHeader& h, ChunkId id) {
     const auto blocks = [&](std::uint32_t log2_side) { return blocks_of(1u << (log2_side - id.item)); };
     switch (id.kind) {
     case ChunkKind::corners: {
-        const std::uint64_t bytes = (std::uint64_t{h.tiles_x} + 1) * (std::uint64_t{h.tiles_y} + 1) * 4;
+        const std::uint64_t all = (std::uint64_t{h.tiles_x} + 1) * (std::uint64_t{h.tiles_y} + 1),
+                            bytes = 4 * (h.tiles_held != 0 ? std::uint64_t{h.tiles_held} * 4 : all);
         return static_cast<std::size_t>(std::min<std::uint64_t>(bytes, std::numeric_limits<std::size_t>::max()));
     }
     case ChunkKind::geometry:
@@ -191,7 +208,7 @@ Status read_header(std::span<const std::byte> header, std::uint64_t file_bytes, 
     if (header.size() < sizeof(PackHeader)) return failed(Code::truncated, "header");
     PackHeader h;
     std::memcpy(&h, header.data(), sizeof h);
-    if (h.version != pack_version && h.version != pack_version_with_horizons)
+    if (h.version != pack_version && h.version != pack_version_with_horizons && h.version != pack_version_sparse)
         return failed(Code::wrong_version, "version");
     if (h.layout_hash != pack_layout_hash || h.header_bytes != sizeof(PackHeader))
         return failed(Code::wrong_layout, "layout_hash");
@@ -200,12 +217,13 @@ Status read_header(std::span<const std::byte> header, std::uint64_t file_bytes, 
     if (file_bytes < h.file_bytes) return failed(Code::truncated, "file_bytes");
     if (file_bytes > h.file_bytes) return failed(Code::corrupt, "file_bytes");
     if (Status s = check_ranges(h); !s.ok()) return s;
-    if ((h.horizon_log2 != 0) != (h.version == pack_version_with_horizons))
+    if ((h.tiles_held != 0) != (h.version == pack_version_sparse)) return failed(Code::corrupt, "tiles_held");
+    if (h.tiles_held == 0 && (h.horizon_log2 != 0) != (h.version == pack_version_with_horizons))
         return failed(Code::corrupt, "horizon_log2");
     if (h.directory_offset < h.header_bytes || h.directory_offset > h.file_bytes ||
         h.directory_count != chunk_count(h) ||
-        h.directory_count != (h.file_bytes - h.directory_offset) / sizeof(ChunkEntry) ||
-        (h.file_bytes - h.directory_offset) % sizeof(ChunkEntry) != 0)
+        h.directory_count > (h.file_bytes - h.directory_offset) / sizeof(ChunkEntry) ||
+        directory_bytes(h) != h.file_bytes - h.directory_offset)
         return failed(Code::corrupt, "directory");
     if (h.notes_bytes != 0 && (h.notes_offset < h.header_bytes || h.notes_offset > h.directory_offset ||
                                h.notes_bytes > h.directory_offset - h.notes_offset))
@@ -219,12 +237,17 @@ Status open_index(std::span<const std::byte> header, std::span<const std::byte> 
     Pack opened;
     if (Status s = read_header(header, file_bytes, opened.header); !s.ok()) return s;
     const PackHeader& h = opened.header;
-    const std::uint64_t bytes = h.directory_count * sizeof(ChunkEntry);
+    const std::uint64_t bytes = directory_bytes(h);
     if (directory.size() < bytes) return failed(Code::truncated, "directory");
     opened.directory = directory.data();
     if (h.directory_hash != XXH3_64bits(opened.directory, static_cast<std::size_t>(bytes)))
         return failed(Code::corrupt, "directory");
     if (Status s = check_directory(opened); !s.ok()) return s;
+    for (std::uint64_t tile = 0, least = 0; tile < h.tiles_held; ++tile) {
+        const std::uint32_t place = opened.tile_place(static_cast<std::uint32_t>(tile));
+        if (place < least || place >= std::uint64_t{h.tiles_x} * h.tiles_y) return failed(Code::corrupt, "tiles");
+        least = std::uint64_t{place} + 1;
+    }
     pack = opened;
     return {};
 }

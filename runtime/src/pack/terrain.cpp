@@ -22,18 +22,22 @@ namespace fjell {
 namespace {
 
 std::uint32_t slots_of(const PackHeader& h, const TerrainBudget& budget, const PageLayout& pages) {
-    const std::uint32_t all = h.tiles_x * h.tiles_y * pages.pages_per_tile();
+    const std::uint32_t all = tiles_of(h) * pages.pages_per_tile();
     return budget.page_slots == 0 ? all : std::min(budget.page_slots, all);
 }
 
 // One function for the size and for the placement, so they cannot disagree.
 struct Layout {
-    std::size_t memory, page_table, records, slot_page, slot_loads, free_slots, corners, zstd, raw, end;
+    std::size_t memory, page_table, records, slot_page, slot_loads, free_slots, corners, tile_numbers, corner_numbers,
+        tile_places, tile_corners, zstd, raw, end;
 };
 
 Layout layout_of(const PackHeader& h, const TerrainBudget& budget) {
     const PageLayout pages = pages_of(h);
-    const std::uint64_t tiles = std::uint64_t{h.tiles_x} * h.tiles_y, slots = slots_of(h, budget, pages);
+    const std::uint64_t places = std::uint64_t{h.tiles_x} * h.tiles_y,
+                        corner_places = (std::uint64_t{h.tiles_x} + 1) * (std::uint64_t{h.tiles_y} + 1);
+    const std::uint64_t tiles = h.tiles_held != 0 ? h.tiles_held : places, slots = slots_of(h, budget, pages);
+    const bool sparse = h.tiles_held != 0;
     Layout l{};
     BlockLayout block(sizeof(TerrainData));
     const auto place = [&](std::uint64_t count, std::size_t bytes) { return block.place(count, bytes); };
@@ -44,6 +48,10 @@ Layout layout_of(const PackHeader& h, const TerrainBudget& budget) {
     l.slot_loads = place(slots, sizeof(std::uint32_t));
     l.free_slots = place(slots, sizeof(std::uint32_t));
     l.corners = place(chunk_raw_bytes(h, {ChunkKind::corners, 0, 0}), 1);
+    l.tile_numbers = place(sparse ? places : 0, sizeof(std::uint32_t));
+    l.corner_numbers = place(sparse ? corner_places : 0, sizeof(std::uint32_t));
+    l.tile_places = place(sparse ? tiles : 0, sizeof(std::uint32_t));
+    l.tile_corners = place(sparse ? 4 * tiles : 0, sizeof(std::uint32_t));
     l.zstd = place(1, ZSTD_estimateDCtxSize());
     l.raw = place(1, max_page_raw_bytes(pages.page_capacity()));
     l.end = block.end();
@@ -172,6 +180,56 @@ Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std:
     return {};
 }
 
+// Which place has which tile and which corner; corners: room for four a tile. Corners that several tiles have must be
+// equal, or packs of different ground lie side by side.
+Status number_tiles(const Pack& pack, TerrainData& t, TerrainMemory& m, const std::uint32_t* tile_corners) {
+    const std::size_t places = std::size_t{t.header.tiles_x} * t.header.tiles_y,
+                      wide = t.header.tiles_x + std::size_t{1};
+    const std::size_t corner_places = wide * (t.header.tiles_y + std::size_t{1});
+    std::fill_n(m.tile_numbers, places, no_index);
+    std::fill_n(m.corner_numbers, corner_places, no_index);
+    const auto corner_place = [&](std::uint32_t tile, std::uint32_t k) {
+        const std::size_t place = m.tile_places[tile];
+        return (place / t.header.tiles_x + k / 2) * wide + place % t.header.tiles_x + k % 2;
+    };
+    for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile) {
+        m.tile_places[tile] = pack.tile_place(tile);
+        m.tile_numbers[m.tile_places[tile]] = tile;
+        for (std::uint32_t k = 0; k < 4; ++k) m.corner_numbers[corner_place(tile, k)] = 0;
+    }
+    t.corner_count = 0;
+    for (std::size_t place = 0; place < corner_places; ++place)
+        if (m.corner_numbers[place] != no_index) m.corner_numbers[place] = t.corner_count++;
+    std::fill_n(m.corners, t.corner_count, no_index);
+    for (std::uint32_t i = 0; i < 4 * t.tile_count(); ++i) {
+        std::uint32_t& corner = m.corners[m.corner_numbers[corner_place(i / 4, i % 4)]];
+        if (corner != no_index && corner != tile_corners[i])
+            return {Code::corrupt, "corners (tiles that meet there differ)"};
+        corner = tile_corners[i];
+    }
+    t.tile_numbers = m.tile_numbers;
+    t.corner_numbers = m.corner_numbers;
+    t.tile_places = m.tile_places;
+    return {};
+}
+
+// Decodes the corners, and finds room for each tile.
+Status read_corners(const Pack& pack, std::span<const std::byte> stored, std::byte* tile_corners, TerrainData& t,
+                    TerrainMemory& m) {
+    const PackHeader& h = pack.header;
+    const ChunkId id{ChunkKind::corners, 0, 0};
+    const std::size_t bytes = chunk_raw_bytes(h, id);
+    std::byte* const to = h.tiles_held != 0 ? tile_corners : reinterpret_cast<std::byte*>(m.corners);
+    if (Status s = decode_chunk(pack.entry(chunk_index(h, id)), stored, {to, bytes}); !s.ok())
+        return {s.code, "corners"};
+    const auto* const corners = reinterpret_cast<const std::uint32_t*>(to);
+    for (std::size_t i = 0; i < bytes / sizeof(std::uint32_t); ++i)
+        if ((corners[i] & ~corner_void_bit) > h.height_steps) return {Code::corrupt, "corners"};
+    if (h.tiles_held != 0) return number_tiles(pack, t, m, corners);
+    t.corner_count = static_cast<std::uint32_t>(bytes / sizeof(std::uint32_t));
+    return {};
+}
+
 } // namespace
 
 std::size_t terrain_bytes(const PackHeader& header, const TerrainBudget& budget) {
@@ -219,6 +277,9 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     m.slot_loads = reinterpret_cast<std::uint32_t*>(at + l.slot_loads);
     m.free_slots = reinterpret_cast<std::uint32_t*>(at + l.free_slots);
     m.corners = reinterpret_cast<std::uint32_t*>(at + l.corners);
+    m.tile_numbers = reinterpret_cast<std::uint32_t*>(at + l.tile_numbers);
+    m.corner_numbers = reinterpret_cast<std::uint32_t*>(at + l.corner_numbers);
+    m.tile_places = reinterpret_cast<std::uint32_t*>(at + l.tile_places);
     m.zstd = ZSTD_initStaticDCtx(at + l.zstd, ZSTD_estimateDCtxSize());
     if (!m.zstd) return {Code::memory_too_small, "memory"};
     m.raw = at + l.raw;
@@ -237,14 +298,7 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     m.free_count = t.slot_count;
     // Every page of memory is touched now, so that no frame faults; records are written before they are read.
     for (std::size_t i = l.records; i < l.page_table; i += 4096) at[i] = std::byte{0};
-    const ChunkId id{ChunkKind::corners, 0, 0};
-    const std::size_t bytes = chunk_raw_bytes(h, id);
-    if (Status s =
-            decode_chunk(pack.entry(chunk_index(h, id)), corners, {reinterpret_cast<std::byte*>(m.corners), bytes});
-        !s.ok())
-        return {s.code, "corners"};
-    for (std::size_t i = 0; i < bytes / sizeof(std::uint32_t); ++i)
-        if ((m.corners[i] & ~corner_void_bit) > h.height_steps) return {Code::corrupt, "corners"};
+    if (Status s = read_corners(pack, corners, at + l.tile_corners, t, m); !s.ok()) return s;
     t.page_table = m.page_table;
     t.records = m.records;
     t.slot_page = m.slot_page;
@@ -313,19 +367,26 @@ TerrainData::Vertex TerrainData::vertex(Coord v) const {
     const std::int32_t side = tree.side();
     Vertex out;
     if (tree.is_corner(v)) {
-        const std::uint32_t stored = corners[(v.y / side) * (tree.tiles_x + 1) + v.x / side];
+        const std::uint32_t corner = corner_at(v.x / side, v.y / side);
         out.loaded = true;
+        out.hole = corner == no_index; // there is no tile
+        if (out.hole) return out;
+        const std::uint32_t stored = corners[corner];
         out.hole = (stored & corner_void_bit) != 0;
         out.steps = static_cast<std::int32_t>(stored & ~corner_void_bit);
         out.height_m = height_scale.height_m(out.steps);
         return out;
     }
     const std::int32_t tx = std::min(v.x / side, tree.tiles_x - 1), ty = std::min(v.y / side, tree.tiles_y - 1);
-    const std::size_t tile =
-        static_cast<std::uint32_t>(ty) * std::size_t{header.tiles_x} + static_cast<std::uint32_t>(tx);
+    const Coord owner = tile_with(v, {tx, ty});
+    const std::uint32_t tile = tile_at(owner.x, owner.y);
+    out.hole = tile == no_index;
+    out.loaded = out.hole;
+    if (out.hole) return out;
     const PagePlace at =
-        pages.place(static_cast<std::uint32_t>(v.x - tx * side), static_cast<std::uint32_t>(v.y - ty * side));
-    const PageEntry entry = page_table[tile * pages_per_tile + at.page];
+        pages.place(static_cast<std::uint32_t>(v.x - owner.x * side), static_cast<std::uint32_t>(v.y - owner.y * side));
+    const PageEntry entry = page_table[std::size_t{tile} * pages_per_tile + at.page];
+    out.loaded = entry.slot != no_index;
     if (entry.slot == no_index) return out;
     const VertexRecord record = records[std::size_t{entry.slot} * page_capacity + at.index];
     out.loaded = true;

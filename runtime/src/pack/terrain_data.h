@@ -40,16 +40,52 @@ struct TerrainData {
     const VertexRecord* records = nullptr;     // slot_count * page_capacity
     const std::uint32_t* slot_page = nullptr;  // what each slot holds (tile * pages_per_tile + page), or no_index
     const std::uint32_t* slot_loads = nullptr; // how often a page was loaded into each slot
-    const std::uint32_t* corners = nullptr;    // (tiles_x + 1) * (tiles_y + 1), as stored (corner_void_bit)
+    const std::uint32_t* corners = nullptr;    // corner_count of them, as stored (corner_void_bit)
+    std::uint32_t corner_count = 0;            // of the tiles that there are
+    // Of a sparse terrain, otherwise null: numbers of tiles and of corners by their places, row by row (no_index: there
+    // is none), and places by tile numbers.
+    const std::uint32_t* tile_numbers = nullptr;
+    const std::uint32_t* corner_numbers = nullptr;
+    const std::uint32_t* tile_places = nullptr;
     std::uint32_t pages_missing = 0;
     std::uint64_t changes = 0; // pages loaded or unloaded so far; the n-th one in slot changed_slots[n % change_log]
     const std::uint32_t* changed_slots = nullptr;
     double missing_px = 0; // Terrain::missing_px()
     TerrainMemory* memory = nullptr;
 
-    [[nodiscard]] std::uint32_t tile_count() const { return header.tiles_x * header.tiles_y; }
+    [[nodiscard]] std::uint32_t tile_count() const { return tiles_of(header); }
+    [[nodiscard]] bool is_sparse() const { return tile_numbers != nullptr; }
+    // The number of the tile at a place in the grid; no_index: there is none, so that nothing is there.
+    [[nodiscard]] std::uint32_t tile_at(std::int32_t x, std::int32_t y) const {
+        const std::size_t place = static_cast<std::size_t>(y) * header.tiles_x + static_cast<std::size_t>(x);
+        return tile_numbers != nullptr ? tile_numbers[place] : static_cast<std::uint32_t>(place);
+    }
+    [[nodiscard]] bool has_tile(std::int32_t x, std::int32_t y) const {
+        return tile_numbers == nullptr || tile_at(x, y) != no_index;
+    }
+    [[nodiscard]] Coord tile_xy(std::uint32_t tile) const {
+        const std::uint32_t place = tile_places != nullptr ? tile_places[tile] : tile;
+        return {static_cast<std::int32_t>(place % header.tiles_x), static_cast<std::int32_t>(place / header.tiles_x)};
+    }
+    // The tile that a sample is read from: the one that begins there, at tile_; on the border of one that is not there
+    // the neighbour to the west, the north or both that has it too.
+    [[nodiscard]] Coord tile_with(Coord v, Coord tile_) const {
+        if (has_tile(tile_.x, tile_.y)) return tile_;
+        const std::int32_t west = tile_.x != 0 && v.x == tile_.x * tree.side() ? 1 : 0,
+                           north = tile_.y != 0 && v.y == tile_.y * tree.side() ? 1 : 0;
+        if (west != 0 && has_tile(tile_.x - 1, tile_.y)) return {tile_.x - 1, tile_.y};
+        if (north != 0 && has_tile(tile_.x, tile_.y - 1)) return {tile_.x, tile_.y - 1};
+        if (west != 0 && north != 0 && has_tile(tile_.x - 1, tile_.y - 1)) return {tile_.x - 1, tile_.y - 1};
+        return tile_;
+    }
+    // The same of corners of tiles: one of a tile that there is.
+    [[nodiscard]] std::uint32_t corner_at(std::int32_t x, std::int32_t y) const {
+        const std::size_t place =
+            static_cast<std::size_t>(y) * (header.tiles_x + std::size_t{1}) + static_cast<std::size_t>(x);
+        return corner_numbers != nullptr ? corner_numbers[place] : static_cast<std::uint32_t>(place);
+    }
     [[nodiscard]] std::uint32_t page_count() const { return tile_count() * pages_per_tile; }
-    [[nodiscard]] bool has_voids() const { return header.voids != 0; }
+    [[nodiscard]] bool has_voids() const { return header.voids != 0; } // in the tiles that there are
 
     // Position of a sample, one fixed float expression: the baker measures radii with the very same one.
     [[nodiscard]] float x_m(std::int32_t column) const { return static_cast<float>(column) * spacing_x_m; }
@@ -67,7 +103,7 @@ struct TerrainData {
     [[nodiscard]] Vertex vertex(Coord v) const;
     [[nodiscard]] float height_m(Coord sample) const { return vertex(sample).height_m; }
     // A sample without a height. Its vertex stands on a smooth continuation of the ground around the hole.
-    [[nodiscard]] bool is_hole(Coord sample) const { return has_voids() && vertex(sample).hole; }
+    [[nodiscard]] bool is_hole(Coord sample) const { return (has_voids() || is_sparse()) && vertex(sample).hole; }
     // Bilinear height of the full-resolution grid; positions outside are clamped to the rim, NaN to its beginning.
     // Needs their pages.
     [[nodiscard]] double ground_m(double x, double z) const;

@@ -51,10 +51,20 @@ float Terrain::extent_z_m() const {
     return t.header.rows == 0 ? 0 : t.z_m(static_cast<std::int32_t>(t.header.rows) - 1);
 }
 bool Terrain::has_voids() const {
-    return shown(*this).has_voids();
+    return shown(*this).has_voids() || shown(*this).is_sparse();
 }
 std::uint32_t Terrain::tile_count() const {
     return shown(*this).tile_count();
+}
+std::uint32_t Terrain::tile_at(Coord place) const {
+    const TerrainData& t = shown(*this);
+    if (place.x < 0 || place.y < 0 || place.x >= t.tree.tiles_x || place.y >= t.tree.tiles_y) return no_tile;
+    static_assert(no_tile == no_index);
+    return t.tile_at(place.x, place.y);
+}
+Coord Terrain::tile_place(std::uint32_t tile) const {
+    const TerrainData& t = shown(*this);
+    return tile < t.tile_count() ? t.tile_xy(tile) : Coord{-1, -1};
 }
 std::uint32_t Terrain::pages_per_tile() const {
     return shown(*this).pages_per_tile;

@@ -48,7 +48,7 @@ struct RecursiveVertices {
         const std::int32_t side = t.tree.side();
         const PagePlace place = t.pages.place(static_cast<std::uint32_t>(at.x - tile.x * side),
                                               static_cast<std::uint32_t>(at.y - tile.y * side));
-        const auto number = static_cast<std::uint32_t>(tile.y * t.tree.tiles_x + tile.x);
+        const std::uint32_t number = t.tile_at(tile.x, tile.y);
         const std::uint32_t page = t.page_table[std::size_t{number} * t.pages_per_tile + place.page].slot;
         return page != no_index && is_selected(s, page * t.page_capacity + place.index);
     }
@@ -76,8 +76,7 @@ public:
     }
 
     void tile(std::uint32_t number) {
-        tile_ = {static_cast<std::int32_t>(number) % t_.tree.tiles_x,
-                 static_cast<std::int32_t>(number) / t_.tree.tiles_x};
+        tile_ = t_.tile_xy(number);
         const std::int32_t n = t_.tree.side(), x = tile_.x * n, y = tile_.y * n;
         const Corner nw = tile_corner({x, y}), ne = tile_corner({x + n, y}), sw = tile_corner({x, y + n}),
                      se = tile_corner({x + n, y + n});

@@ -352,8 +352,12 @@ struct Found {
 // The tile over a point of the terrain.
 [[nodiscard]] inline Coord tile_of(const TerrainData& t, Point p) {
     const std::int32_t side = t.tree.side();
-    return {std::min(static_cast<std::int32_t>(p.x) / side, t.tree.tiles_x - 1),
-            std::min(static_cast<std::int32_t>(p.y) / side, t.tree.tiles_y - 1)};
+    const Coord tile{std::min(static_cast<std::int32_t>(p.x) / side, t.tree.tiles_x - 1),
+                     std::min(static_cast<std::int32_t>(p.y) / side, t.tree.tiles_y - 1)};
+    if (!t.is_sparse()) return tile;
+    // Between samples no other tile has it: one that is beside a border's line is not on it.
+    const auto on_sample = [](double at) { return std::floor(at) < at ? -1 : static_cast<std::int32_t>(at); };
+    return t.tile_with({on_sample(p.x), on_sample(p.y)}, tile);
 }
 
 [[nodiscard]] inline double height_m(const TerrainData& t, double steps) {

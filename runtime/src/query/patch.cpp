@@ -87,10 +87,9 @@ private:
     bool read_run(Coord tile, PagePlace at, std::uint32_t count, std::uint32_t place, std::uint32_t stride,
                   const Row& to) const {
         VertexRecord records[page_squares + 1];
-        const std::size_t page =
-            (static_cast<std::size_t>(tile.y) * t_.header.tiles_x + static_cast<std::size_t>(tile.x)) *
-                t_.pages_per_tile +
-            at.page;
+        const std::uint32_t number = t_.tile_at(tile.x, tile.y);
+        if (number == no_index) return false;
+        const std::size_t page = std::size_t{number} * t_.pages_per_tile + at.page;
         PublishedPage found;
         if (!find_page(t_, page, found) || !read_records(t_, found, at.index, {records, count})) return false;
         for (std::uint32_t n = 0; n < count; ++n, place += stride) {
@@ -163,7 +162,9 @@ GroundPatch ground_patch(const Terrain& handle, Coord first, int step_log2, std:
                 continue;
             }
             // As far as the tile goes.
-            const std::int32_t end = tile.x == tree.tiles_x - 1 ? last_x : (tile.x + 1) * tree.side() - 1;
+            // It does not go beyond v where it is the neighbour of one that is not there.
+            const std::int32_t end =
+                tile.x == tree.tiles_x - 1 ? last_x : std::max((tile.x + 1) * tree.side() - 1, v.x);
             const std::uint32_t in_tile = (static_cast<std::uint32_t>(end - v.x) >> step_log2) + 1;
             const Span span{tile, v, std::min(in_tile, side - i), step_log2};
             reader.read(span, {row.heights_m + i, row.holes != nullptr ? row.holes + i : nullptr});

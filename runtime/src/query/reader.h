@@ -45,8 +45,7 @@ class Reader {
 public:
     Reader(const TerrainData& terrain, std::int32_t tile_x, std::int32_t tile_y)
         : t_(terrain), origin_{tile_x * terrain.tree.side(), tile_y * terrain.tree.side()},
-          first_page_((static_cast<std::size_t>(tile_y) * terrain.header.tiles_x + static_cast<std::size_t>(tile_x)) *
-                      terrain.pages_per_tile) {}
+          first_page_(first_page(terrain, terrain.tile_at(tile_x, tile_y))) {}
 
     [[nodiscard]] Coord origin() const { return origin_; }
     // v: a vertex of the tile, of the grid.
@@ -54,8 +53,11 @@ public:
         Sample sample;
         if (t_.tree.is_corner(v)) {
             const std::int32_t l = t_.tree.tile_log2;
-            const std::uint32_t stored = t_.corners[(v.y >> l) * (t_.tree.tiles_x + 1) + (v.x >> l)];
+            const std::uint32_t corner = t_.corner_at(v.x >> l, v.y >> l);
             sample.loaded = true;
+            sample.hole = first_page_ == no_pages; // without a tile there is no ground, whatever its neighbours have
+            if (sample.hole) return sample;
+            const std::uint32_t stored = t_.corners[corner];
             sample.hole = (stored & corner_void_bit) != 0;
             sample.steps = static_cast<std::int32_t>(stored & ~corner_void_bit);
             return sample;
@@ -77,6 +79,7 @@ public:
     [[nodiscard]] std::int32_t base() const { return found_.base; }
     // It will be read soon.
     void prefetch(PagePlace at) const {
+        if (first_page_ == no_pages) return;
         if (const VertexRecord* const place = find_place(t_, first_page_ + at.page, at.index)) FJELL_PREFETCH(place);
     }
 
@@ -84,12 +87,19 @@ private:
     // A page that went while it was read may be back at once; one that keeps coming and going counts as missing.
     FJELL_NOINLINE bool find(PagePlace at, VertexRecord& record) {
         constexpr int attempts = 3;
+        if (first_page_ == no_pages) return false;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             page_ = at.page;
             if (find_page(t_, first_page_ + at.page, found_) && read_record(t_, found_, at.index, record)) return true;
         }
         page_ = no_index;
         return false;
+    }
+
+    // Of a tile that a sparse terrain does not have: no page of it is ever loaded.
+    static constexpr std::size_t no_pages = static_cast<std::size_t>(-1);
+    [[nodiscard]] static std::size_t first_page(const TerrainData& t, std::uint32_t tile) {
+        return tile == no_index ? no_pages : std::size_t{tile} * t.pages_per_tile;
     }
 
     const TerrainData& t_;

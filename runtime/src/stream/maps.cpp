@@ -45,12 +45,12 @@ std::uint32_t tail_of(const PackHeader& h, const StreamBudget& budget, MapKind k
 }
 std::uint64_t tails_bytes(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
     if (top_log2(h, budget, kind) == 0) return 0;
-    return std::uint64_t{h.tiles_x} * h.tiles_y * layer_bytes(tail_of(h, budget, kind), kind);
+    return std::uint64_t{tiles_of(h)} * layer_bytes(tail_of(h, budget, kind), kind);
 }
 // All that a kind could use beside its tails.
 std::uint64_t all_bytes(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
     std::uint64_t bytes = 0;
-    const std::uint64_t layers = std::min(std::uint64_t{h.tiles_x} * h.tiles_y, most_layers);
+    const std::uint64_t layers = std::min<std::uint64_t>(tiles_of(h), most_layers);
     for (std::uint32_t log2 = tail_of(h, budget, kind) + 1; log2 <= top_log2(h, budget, kind); ++log2)
         bytes += layers * layer_bytes(log2, kind);
     return bytes;
@@ -88,7 +88,7 @@ MapLayers map_layers(const PackHeader& h, const StreamBudget& budget, MapKind ki
     sizes.top_log2 = top_log2(h, budget, kind);
     if (sizes.top_log2 == 0) return sizes;
     sizes.tail_log2 = tail_of(h, budget, kind);
-    const std::uint64_t tiles = std::uint64_t{h.tiles_x} * h.tiles_y;
+    const std::uint64_t tiles = tiles_of(h);
     sizes.layers[sizes.tail_log2] = static_cast<std::uint32_t>(tiles);
     std::uint64_t left = share_of(h, budget, kind);
     for (std::uint32_t log2 = sizes.tail_log2 + 1; log2 <= sizes.top_log2; ++log2) {

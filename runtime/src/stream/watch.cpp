@@ -24,9 +24,8 @@ constexpr double sooner = 0.95;      // share of the threshold at which a page w
 Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
     const TerrainData& t = *s.terrain;
     const PageBound bound = s.pack->entry(chunk_index(t.header, {ChunkKind::geometry, tile, page})).bound;
-    const auto tile_x = static_cast<std::int32_t>(tile % t.header.tiles_x),
-               tile_y = static_cast<std::int32_t>(tile / t.header.tiles_x);
-    Coord first{tile_x * t.tree.side(), tile_y * t.tree.side()};
+    const Coord place = t.tile_xy(tile);
+    Coord first{place.x * t.tree.side(), place.y * t.tree.side()};
     std::int32_t cells = t.tree.side();
     if (const int z = t.pages.page_step_log2(page); z >= 0) {
         const Coord position = t.pages.page_position(page);

@@ -1,0 +1,171 @@
+#include "baker/cli/shards.h"
+
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "baker/cli/progress.h"
+#include "baker/cli/summary.h"
+#include "baker/place/open_source.h"
+#include "baker/shard/launch.h"
+#include "baker/shard/merge.h"
+#include "baker/shard/plan_folder.h"
+#include "baker/shard/shard_step.h"
+#include "io/file.h"
+
+namespace fjell::baker {
+
+namespace {
+
+// "3/16" of a plan with 16.
+int shard_number(const std::string& text, const ShardPlan& plan) {
+    int k = 0, n = 0;
+    const char* const end = text.data() + text.size();
+    const auto [slash, error] = std::from_chars(text.data(), end, k);
+    const bool first = error == std::errc() && slash != end && *slash == '/';
+    const bool both = first && std::from_chars(slash + 1, end, n).ptr == end;
+    if (!both || n != plan.shards || k < 1 || k > n)
+        throw Failure(2, fmt::format("shard {}: {} has {} shards; give one from 1/{} to {}/{}", text, plan.folder,
+                                     plan.shards, plan.shards, plan.shards, plan.shards));
+    return k;
+}
+
+ShardStep step_named(const std::string& name, const ShardPlan& plan) {
+    std::string names;
+    for (const ShardStep& step : shard_steps(plan.rounds)) {
+        if (step.name() == name) return step;
+        names += (names.empty() ? "" : ", ") + step.name();
+    }
+    throw Failure(2, fmt::format("--step {}: this plan has {}", name, names));
+}
+
+int print_status(const ShardPlan& plan) {
+    const auto steps = shard_steps(plan.rounds);
+    bool all = true;
+    for (const ShardStep& step : steps) {
+        int complete = 0, first_missing = 0;
+        double cpu = 0, longest = 0;
+        for (int shard = 1; shard <= plan.shards; ++shard) {
+            const auto record = find_record(plan, step, shard);
+            if (record) ++complete, cpu += record->cpu_seconds, longest = std::max(longest, record->seconds);
+            if (!record && first_missing == 0) first_missing = shard;
+        }
+        fmt::print("{:<8} {} of {} shards", step.name(), complete, plan.shards);
+        if (complete) fmt::print(", {:.1f} CPU seconds, the longest took {:.1f} s", cpu, longest);
+        if (first_missing && all) fmt::print("; next: {}", plan.command(step, first_missing));
+        fmt::print("\n");
+        all = all && first_missing == 0;
+    }
+    if (all) fmt::print("all steps are complete; next: fjell-bake merge {} -o OUT.fjell\n", plan.folder);
+    return 0;
+}
+
+BakeOptions options_of(const Arguments& a, const Recipe& recipe, ProgressBar& bar) {
+    BakeOptions options = bake_options(recipe);
+    options.threads = a.threads;
+    options.memory_bytes = std::uint64_t{a.memory_mb} << 20;
+    options.progress = std::ref(bar);
+    limit_gdal_cache(options.memory_bytes / 16);
+    return options;
+}
+
+} // namespace
+
+int run_plan(const Arguments& a) {
+    if (a.status) {
+        if (a.given.inputs.size() != 1) throw Failure(2, "--status: name the plan's folder, and nothing else");
+        return print_status(load_plan(a.given.inputs.front()));
+    }
+    Recipe recipe = complete(a.given, a.recipe_path);
+    recipe.output.reset();
+    if (recipe.inputs.empty()) throw Failure(2, "no height field given; see fjell-bake plan --help");
+    if (a.plan_folder.empty()) throw Failure(2, "no folder for the plan given; add -o DIR");
+    if (a.shards == 0) throw Failure(2, "give the number of shards with --shards N");
+    ShardPlan plan = make_shard_plan(*open_inputs(recipe), bake_options(recipe), a.shards);
+    plan.inputs = inputs_of(recipe);
+    write_plan(plan, recipe, a.plan_folder);
+    std::string steps;
+    for (const ShardStep& step : shard_steps(plan.rounds)) steps += " " + step.name();
+    fmt::print("{}: {} shards of {} x {} samples in tiles of {} cells\n", a.plan_folder, plan.shards, plan.columns,
+               plan.rows, 1 << plan.tile_log2);
+    fmt::print("for each step of{}: all shards from fjell-bake shard {} 1/{} --step STEP on, in any order; then "
+               "fjell-bake merge {} -o OUT.fjell\n",
+               steps, a.plan_folder, plan.shards, a.plan_folder);
+    return 0;
+}
+
+int run_shard(const Arguments& a) {
+    const ShardPlan plan = load_plan(a.plan_folder);
+    const int shard = shard_number(a.shard, plan);
+    check_program(plan);
+    std::vector<ShardStep> steps = shard_steps(plan.rounds);
+    if (!a.shard_step.empty()) {
+        steps = {step_named(a.shard_step, plan)};
+    } else if (!a.again) {
+        std::erase_if(steps, [&](const ShardStep& step) { return find_record(plan, step, shard).has_value(); });
+    }
+    if (steps.empty()) {
+        if (!a.quiet) fmt::print("shard {}: all steps are complete\n", a.shard);
+        return 0;
+    }
+    const ShardStep step = steps.front();
+    const Recipe recipe = plan_recipe(plan.folder);
+    check_inputs(plan, recipe);
+    ProgressBar bar(a.quiet);
+    const BakeOptions options = options_of(a, recipe, bar);
+    const StepDone done = run_shard_step(plan, *open_inputs(recipe), options, shard, step, a.again);
+    if (!a.quiet)
+        fmt::print("shard {}: {} {}\n", a.shard, step.name(),
+                   done == StepDone::before ? "was complete; nothing to do" : "is complete");
+    return 0;
+}
+
+int run_launch(const Arguments& a) {
+    const ShardPlan plan = load_plan(a.plan_folder);
+    check_program(plan);
+    const Recipe recipe = plan_recipe(plan.folder);
+    const LaunchOptions options{a.launcher == "slurm" ? Launcher::slurm
+                                : a.launcher == "mpi" ? Launcher::mpi
+                                                      : Launcher::local,
+                                a.at_once,
+                                a.threads,
+                                static_cast<int>(a.memory_mb),
+                                std::filesystem::read_symlink("/proc/self/exe").string(),
+                                *a.given.output};
+    if (a.dry_run) {
+        const ShardCost cost = cost_of(plan, recipe);
+        for (const std::string& command : launch_commands(plan, options)) fmt::print("{}\n", command);
+        fmt::print("# the largest shard: about {:.0f} CPU seconds, {:.0f} MB of the shared folder at most, {} MB of "
+                   "memory, {:.2g} MB for its neighbours; the merge: about {:.0f} s; the folder: {:.0f} MB at most\n",
+                   cost.seconds, cost.largest_shard_bytes / 1e6, a.memory_mb, cost.frame_bytes / 1e6,
+                   cost.merge_seconds, cost.disk_bytes / 1e6);
+        return 0;
+    }
+    refuse_overwriting(places_written(options.out_path), files_read(recipe));
+    launch(plan, options);
+    return 0;
+}
+
+int run_merge(const Arguments& a) {
+    const ShardPlan plan = load_plan(a.plan_folder);
+    check_program(plan);
+    const std::string& output = *a.given.output;
+    const Recipe recipe = plan_recipe(plan.folder);
+    check_inputs(plan, recipe);
+    std::vector<std::string> outputs = places_written(output);
+    outputs.push_back(a.json_path);
+    refuse_overwriting(outputs, files_read(recipe));
+    JsonOutput summary(a.json_path);
+    ProgressBar bar(a.quiet);
+    const BakeOptions options = options_of(a, recipe, bar);
+    const BakeSummary s = merge_shards(plan, *open_inputs(recipe), options, output);
+    summary.write(summary_json(s));
+    if (!a.quiet && a.json_path != "-") print_summary(s, output);
+    return 0;
+}
+
+} // namespace fjell::baker

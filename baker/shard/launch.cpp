@@ -1,0 +1,148 @@
+#include "baker/shard/launch.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <thread>
+
+#include <sys/wait.h>
+
+#include "baker/bake/work_bytes.h"
+#include "baker/store/parallel.h"
+
+namespace fjell::baker {
+
+namespace {
+
+std::string quoted(const std::string& word) {
+    std::string text = "'";
+    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return text + "'";
+}
+
+std::string how(const LaunchOptions& o) {
+    return fmt::format(" --quiet --threads {} --memory {}", o.threads, o.memory_mb);
+}
+
+// shard: a number, or what a shell makes one of.
+std::string shard_command(const ShardPlan& plan, const LaunchOptions& o, const ShardStep& step,
+                          const std::string& shard) {
+    return fmt::format("{} shard {} {}/{} --step {}{}", quoted(o.program), quoted(plan.folder), shard, plan.shards,
+                       step.name(), how(o));
+}
+
+std::string merge_command(const ShardPlan& plan, const LaunchOptions& o) {
+    return fmt::format("{} merge {} -o {}{}", quoted(o.program), quoted(plan.folder), quoted(o.out_path), how(o));
+}
+
+// JOB is the shell's name for the job before.
+std::string sbatch(const LaunchOptions& o, const std::string& name, const std::string& more,
+                   const std::string& command) {
+    const std::string cores = o.threads > 0 ? fmt::format(" --cpus-per-task={}", o.threads) : "";
+    return fmt::format("JOB=$(sbatch --parsable --job-name=fjell-{}{} ${{JOB:+--dependency=afterok:$JOB}} "
+                       "--kill-on-invalid-dep=yes{} --wrap={})",
+                       name, cores, more, quoted(command));
+}
+
+std::vector<std::string> of_slurm(const ShardPlan& plan, const LaunchOptions& o) {
+    std::vector<std::string> commands{"set -e"};
+    const std::string log = quoted(plan.folder + "/log");
+    commands.push_back("mkdir -p " + log);
+    for (const ShardStep& step : shard_steps(plan.rounds))
+        commands.push_back(sbatch(
+            o, step.name(), fmt::format(" --requeue --array=1-{} --output={}/{}-%a.txt", plan.shards, log, step.name()),
+            shard_command(plan, o, step, "$SLURM_ARRAY_TASK_ID")));
+    commands.push_back(
+        sbatch(o, "merge", fmt::format(" --requeue --output={}/merge.txt", log), merge_command(plan, o)));
+    commands.push_back("echo \"submitted; the merge is job $JOB\"");
+    return commands;
+}
+
+// A process takes every P-th shard, so that there may be fewer processes than shards.
+std::vector<std::string> of_mpi(const ShardPlan& plan, const LaunchOptions& o) {
+    std::vector<std::string> commands{"set -e"};
+    const int processes = std::min(o.at_once, plan.shards);
+    for (const ShardStep& step : shard_steps(plan.rounds)) {
+        const std::string loop =
+            fmt::format("for k in $(seq $((OMPI_COMM_WORLD_RANK + 1)) {} {}); do {} || exit 1; done", processes,
+                        plan.shards, shard_command(plan, o, step, "$k"));
+        commands.push_back(fmt::format("mpirun $FJELL_MPI_OPTIONS -n {} sh -c {}", processes, quoted(loop)));
+    }
+    commands.push_back(merge_command(plan, o));
+    return commands;
+}
+
+int run_shell(const std::string& script) {
+    const int status = std::system(script.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 130;
+}
+
+void launch_local(const ShardPlan& plan, const LaunchOptions& o) {
+    for (const ShardStep& step : shard_steps(plan.rounds))
+        parallel_for(plan.shards, o.at_once, [&](std::int64_t i) {
+            const int shard = static_cast<int>(i) + 1;
+            if (find_record(plan, step, shard)) return;
+            if (run_shell(shard_command(plan, o, step, std::to_string(shard))) == 0) return;
+            throw Failure(1, fmt::format("{}: shard {}/{} failed in {}; what is complete stays, and the same command "
+                                         "goes on",
+                                         plan.folder, shard, plan.shards, step.name()));
+        });
+    if (const int code = run_shell(merge_command(plan, o)); code != 0)
+        throw Failure(code, fmt::format("{}: the merge failed; the same command goes on", plan.folder));
+}
+
+} // namespace
+
+ShardCost cost_of(const ShardPlan& plan, const Recipe& recipe) {
+    const BakeOptions options = bake_options(recipe);
+    const Tree tree = Tree::covering(plan.columns, plan.rows, plan.tile_log2);
+    const Regions regions(tree, BakeOptions{}.region_cells);
+    const double samples = static_cast<double>(plan.columns) * plan.rows;
+    double largest = 0, edge = 0;
+    for (const Window& part : plan.parts) {
+        if (part.area() == 0) continue;
+        const Window w = regions.samples_of(part);
+        largest = std::max(largest, static_cast<double>(w.area()));
+        edge = std::max(edge, 2.0 * (w.columns + w.rows));
+    }
+    // Bytes a sample: heights 4 (twice with voids), unsaturated errors 1/4, places and centres of all rounds
+    // 12/4 (1 + 1/4 + ...), texels of mips, and chunks, of which work_bytes knows the most.
+    constexpr double shard_rate = 11e6, merge_rate = 8e6; // samples a second and core; docs/notes/sharding.md
+    const auto normals =
+        static_cast<std::uint32_t>(std::min(plan.tile_log2, static_cast<int>(options.max_texture_log2)));
+    const auto all = static_cast<double>(work_bytes(tree, options.order, {normals - 1, normals, 0}));
+    ShardCost cost;
+    cost.seconds = largest / shard_rate;
+    cost.merge_seconds = samples / std::ldexp(1.0, 2 * plan.rounds) / merge_rate + samples * 1.5 / 400e6;
+    cost.disk_bytes = all + samples * 4;
+    cost.largest_shard_bytes = cost.disk_bytes * largest / samples;
+    cost.frame_bytes = edge * (4.0 * 46 + step_frame * 12);
+    return cost;
+}
+
+std::vector<std::string> launch_commands(const ShardPlan& plan, const LaunchOptions& o) {
+    if (o.with == Launcher::slurm) return of_slurm(plan, o);
+    if (o.with == Launcher::mpi) return of_mpi(plan, o);
+    std::vector<std::string> commands;
+    for (const ShardStep& step : shard_steps(plan.rounds))
+        for (int shard = 1; shard <= plan.shards; ++shard)
+            commands.push_back(shard_command(plan, o, step, std::to_string(shard)));
+    commands.push_back(merge_command(plan, o));
+    return commands;
+}
+
+void launch(const ShardPlan& plan, const LaunchOptions& o) {
+    const char* const needs = o.with == Launcher::slurm ? "sbatch" : o.with == Launcher::mpi ? "mpirun" : nullptr;
+    if (needs == nullptr) return launch_local(plan, o);
+    if (run_shell(fmt::format("command -v {} > /dev/null", needs)) != 0)
+        throw Failure(3, fmt::format("{} is not installed here; install it, or choose another --with", needs));
+    std::string script;
+    for (const std::string& command : launch_commands(plan, o)) script += command + "\n";
+    if (run_shell(script) != 0)
+        throw Failure(
+            1, fmt::format("{}: {} failed; what is complete stays, and the same command goes on", plan.folder, needs));
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,97 @@
+// What neighbouring shards show each other: frames of a store, `width` wide, along the inside of what each one holds.
+// A shard lays its neighbours' frames around its own store, and from then on reads as if it held them.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "baker/shard/plan_folder.h"
+#include "baker/store/store.h"
+
+namespace fjell::baker {
+
+// Four windows that cover `outer` less `inner`, which lies inside; some may be without area.
+[[nodiscard]] inline std::vector<Window> ring(const Window& outer, const Window& inner) {
+    const std::int32_t below = inner.y + inner.rows, right = inner.x + inner.columns;
+    return {{outer.x, outer.y, outer.columns, inner.y - outer.y},
+            {outer.x, below, outer.columns, outer.y + outer.rows - below},
+            {outer.x, inner.y, inner.x - outer.x, inner.rows},
+            {right, inner.y, outer.x + outer.columns - right, inner.rows}};
+}
+
+// The frame inside what a store holds, as a parcel. width_x may differ from width_y: channels of texels lie along x.
+template <typename T>
+[[nodiscard]] std::vector<std::byte> frame_of_store(const Store<T>& store, std::int32_t width_x, std::int32_t width_y) {
+    const Window& all = store.held();
+    const std::int32_t wx = std::min(width_x, (all.columns + 1) / 2), wy = std::min(width_y, (all.rows + 1) / 2);
+    std::vector<Window> strips =
+        ring(all, {all.x + wx, all.y + wy, std::max(all.columns - 2 * wx, 0), std::max(all.rows - 2 * wy, 0)});
+    // Of an odd middle that is no more than one column or row wide the last strip begins where the first one ends.
+    ParcelWriter to;
+    for (Window w : strips) {
+        w = common(w, all);
+        to.put(w);
+        std::vector<T> values(w.area());
+        if (w.area() != 0) store.read(w, values.data(), w.columns);
+        to.put_all(std::span<const T>(values));
+    }
+    return std::move(to.bytes);
+}
+
+// Lays around `store` what the neighbours' frames of the same name hold, as far as the whole reaches. window_of(shard):
+// what that shard holds of this store. Returns the bytes that were read.
+template <typename T>
+std::uint64_t add_frames(const ShardPlan& plan, const ShardStep& step, const std::string& name, int shard,
+                         std::int32_t width_x, std::int32_t width_y, const std::function<Window(int)>& window_of,
+                         Store<T>& store) {
+    const Window& own = store.held();
+    const Window whole{0, 0, static_cast<std::int32_t>(store.columns()), static_cast<std::int32_t>(store.rows())};
+    const Window outer =
+        common({own.x - width_x, own.y - width_y, own.columns + 2 * width_x, own.rows + 2 * width_y}, whole);
+    struct Strip {
+        Window at;
+        Buffer<T> values;
+        std::vector<bool> known;
+    };
+    std::vector<Strip> strips;
+    for (const Window& w : ring(outer, own))
+        if (w.area() != 0) strips.push_back({w, Buffer<T>(w.area()), std::vector<bool>(w.area())});
+    std::uint64_t bytes_read = 0;
+    for (int other = 1; other <= plan.shards; ++other) {
+        if (other == shard || plan.empty(other) || common(window_of(other), outer).area() == 0) continue;
+        const std::vector<std::byte> bytes = read_parcel(plan, step, other, name);
+        bytes_read += bytes.size();
+        for (ParcelReader from(bytes); !from.ended();) {
+            const Window at = from.get<Window>();
+            std::vector<T> values(at.area());
+            from.get_all(std::span<T>(values));
+            for (Strip& strip : strips) {
+                const Window shared = common(at, strip.at);
+                for (std::int32_t y = shared.y; y < shared.y + shared.rows; ++y)
+                    for (std::int32_t x = shared.x; x < shared.x + shared.columns; ++x) {
+                        const auto to =
+                            static_cast<std::size_t>(y - strip.at.y) * static_cast<std::size_t>(strip.at.columns) +
+                            static_cast<std::size_t>(x - strip.at.x);
+                        strip.values[to] =
+                            values[static_cast<std::size_t>(y - at.y) * static_cast<std::size_t>(at.columns) +
+                                   static_cast<std::size_t>(x - at.x)];
+                        strip.known[to] = true;
+                    }
+            }
+        }
+    }
+    for (Strip& strip : strips) {
+        if (std::find(strip.known.begin(), strip.known.end(), false) != strip.known.end())
+            throw std::logic_error("frames of shards do not cover what lies between them");
+        store.add_frame(strip.at, std::move(strip.values));
+    }
+    return bytes_read;
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,231 @@
+// The files of a pack set: what is missing, mixed, damaged or replaced is refused in one line that says which, and few
+// are open at a time.
+#include <catch2/catch.hpp>
+
+#include <cerrno>
+#include <filesystem>
+
+#include "fjell/io/failure.h"
+#include "fjell/pack_set.h"
+#include "io/set_parts.h"
+#include "support/rounds.h"
+#include "support/set_scene.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+baker::Dem field(double step_m = 1) {
+    Random random(7);
+    baker::Dem dem = random_dem(random, 4 * 64 + 1, 2 * 64 + 20, Shape::fractal);
+    for (float& height : dem.heights_m) height *= static_cast<float>(step_m);
+    return dem;
+}
+
+// Empty when it opens.
+std::string refusal(const std::string& path) {
+    try {
+        const io::PackFile file(path);
+    } catch (const io::Failure& f) {
+        CHECK(f.exit_code == 1);
+        CHECK(std::string(f.what()).find('\n') == std::string::npos);
+        return f.what();
+    }
+    return {};
+}
+bool says(const std::string& said, const std::string& what) {
+    CAPTURE(said, what);
+    return said.find(what) != std::string::npos;
+}
+
+std::size_t open_files() {
+    std::size_t count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) count += entry.exists();
+    return count;
+}
+
+struct Place {
+    Place() {
+        (void)baker::bake(field(), small_bake(6), pack);
+        (void)baker::split_pack(pack, set, {2, 2});
+    }
+    // set.json with one thing replaced by another.
+    std::string with(const std::string& what, const std::string& by) const {
+        std::string text = slurp(index);
+        const std::size_t at = text.find(what);
+        REQUIRE(at != std::string::npos);
+        spit(index, text.replace(at, what.size(), by));
+        const std::string said = refusal(set);
+        spit(index, text.replace(at, by.size(), what));
+        return said;
+    }
+    TemporaryFolder folder;
+    const std::string pack = folder / "pack.fjell", set = folder / "set", index = set + "/set.json";
+};
+
+} // namespace
+
+TEST_CASE("a set is opened by its folder or its set.json, and is one pack to whoever opens it") {
+    const Place place;
+    const io::PackFile whole(place.pack), by_folder(place.set), by_file(place.index);
+    CHECK(by_folder.packs() == 4);
+    CHECK(by_file.pack().header.directory_hash == by_folder.pack().header.directory_hash);
+    std::vector<std::byte> a, b;
+    for (std::uint64_t chunk = 0; chunk < whole.pack().header.directory_count; ++chunk) {
+        whole.read_chunk(chunk_id(whole.pack().header, chunk), a);
+        by_folder.read_chunk(chunk_id(whole.pack().header, chunk), b);
+        REQUIRE(a == b);
+    }
+    // One read may go over several files, from the header to the end of what is no file.
+    std::vector<std::byte> all(by_folder.pack().header.file_bytes);
+    REQUIRE(by_folder.read(0, all) == 0);
+    Pack pack;
+    CHECK(open_pack(all, pack).ok());
+    CHECK(by_folder.read(1, all) == EIO);
+    CHECK(!by_folder.changed());
+    // As a file it is no pack that anyone else opens: only a set in memory may lack tiles.
+    std::filesystem::remove(place.set + "/0-0.fjell");
+    CHECK(says(refusal(place.set), "0-0.fjell: a pack of"));
+}
+
+TEST_CASE("a sparse terrain in a file is refused: it is a set's") {
+    const Place place;
+    std::string text = slurp(place.index);
+    const std::size_t first = text.find("    {\"file\""), second = text.find("    {\"file\"", first + 1);
+    spit(place.index, text.erase(first, second - first));
+    const io::PackFile sparse(place.set);
+    REQUIRE(sparse.pack().header.tiles_held != 0);
+    std::vector<std::byte> all(sparse.pack().header.file_bytes);
+    REQUIRE(sparse.read(0, all) == 0);
+    spit(place.folder / "sparse.fjell", {reinterpret_cast<const char*>(all.data()), all.size()});
+    CHECK(says(refusal(place.folder / "sparse.fjell"), "version"));
+}
+
+TEST_CASE("what is wrong with a set is said in one line that names the file") {
+    const Place place;
+    REQUIRE(refusal(place.set).empty());
+    CHECK(says(place.with("\"fjell_set\": 1", "\"fjell_set\": 2"), "set.json:2: a pack set of version 2"));
+    CHECK(says(place.with("\"fjell_set\": 1,", ""), "\"fjell_set\" is missing"));
+    CHECK(says(place.with("\"columns\": 257", "\"columns\": 256"), "does not fit"));
+    CHECK(says(place.with("\"columns\": 257", "\"columns\": 1e30"), "whole number"));
+    CHECK(says(place.with("\"tile_cells\": 64", "\"tile_cells\": 32"), "another tile size"));
+    CHECK(says(place.with("1-0.fjell", "0-0.fjell"), "0-0.fjell"));
+    CHECK(says(place.with("1-0.fjell", "../pack.fjell"), "in the folder of the set"));
+    CHECK(says(place.with("1-0.fjell", "set.json"), "a set in the set"));
+    CHECK(says(place.with("1-0.fjell", "nothing.fjell"), "nothing.fjell: a pack of"));
+    CHECK(says(place.with("\"tile_x\": 2", "\"tile_x\": 0"), "place"));
+    CHECK(says(place.with("\"tiles_x\": 2", "\"tiles_x\": 3"), "other numbers of tiles"));
+    CHECK(says(place.with("\"pack_hash\": \"", "\"pack_hash\": \"f"), "hexadecimal"));
+    const std::string hash = slurp(place.index).substr(slurp(place.index).find("\"pack_hash\": \"") + 14, 16);
+    CHECK(says(place.with(hash, "0123456789abcdef"), "another pack (pack_hash)"));
+    const std::string text = slurp(place.index);
+    for (auto size = std::size_t{0}; size + 2 < text.size(); size += rounds<std::size_t>(9, 1)) { // the last bracket and its newline
+        spit(place.index, text.substr(0, size));
+        CAPTURE(size);
+        REQUIRE(says(refusal(place.set), "set.json:"));
+    }
+}
+
+TEST_CASE("packs of two bakes are not mixed, nor damaged ones taken") {
+    const Place place;
+    const std::string part = place.set + "/1-0.fjell", good = slurp(part), other = place.folder / "other";
+    const auto with_other = [&](double step_m, baker::BakeOptions options) {
+        (void)baker::bake(field(step_m), options, place.folder / "other.fjell");
+        (void)baker::split_pack(place.folder / "other.fjell", other, {2, 2});
+        spit(part, slurp(other + "/1-0.fjell"));
+        std::string text = slurp(place.index); // as if it had been written for it
+        std::string index = text;
+        for (std::size_t at = 0; (at = index.find("\"pack_hash\": \"", at)) != std::string::npos; at += 14)
+            index.erase(at + 14, 16);
+        spit(place.index, index);
+        const std::string said = refusal(place.set);
+        spit(place.index, text);
+        spit(part, good);
+        return said;
+    };
+    CHECK(says(with_other(3, small_bake(6)), "1-0.fjell: height scale: not that of"));
+    CHECK(says(with_other(1, small_bake(6, 0.1)), "1-0.fjell: nesting: not that of"));
+    baker::BakeOptions ordered = small_bake(6);
+    ordered.order = Order::hierarchical_z;
+    CHECK(says(with_other(1, ordered), "1-0.fjell: order: not that of"));
+    for (const std::size_t size : {std::size_t{0}, std::size_t{100}, good.size() - 1}) {
+        spit(part, good.substr(0, size));
+        CHECK(says(refusal(place.set), "1-0.fjell: "));
+    }
+    spit(part, good);
+    CHECK(refusal(place.set).empty());
+}
+
+TEST_CASE("a pack that is replaced while its set is open is noticed when it is read") {
+    const Place place;
+    const io::PackFile file(place.set);
+    std::vector<std::byte> raw;
+    const ChunkId page{ChunkKind::geometry, 0, 0};
+    const std::string part = place.set + "/0-0.fjell";
+    std::string bytes = slurp(part);
+    std::filesystem::remove(part);
+    spit(part, bytes.substr(0, bytes.size() - 8));
+    const ChunkEntry entry = file.pack().entry(chunk_index(file.pack().header, page));
+    raw.resize(entry.stored_bytes);
+    CHECK(file.read(entry.offset, raw) == ESTALE);
+    CHECK(file.changed());
+    try {
+        file.read_chunk(page, raw);
+        FAIL("it was read");
+    } catch (const io::Failure& f) {
+        CHECK(says(f.what(), "0-0.fjell: was changed after it was opened"));
+    }
+}
+
+TEST_CASE("however many packs a set has, few of their files are open at a time") {
+    Random random(11);
+    const TemporaryFolder folder;
+    (void)baker::bake(random_dem(random, 8 * 16 + 1, 8 * 16 + 1, Shape::fractal), small_bake(4), folder / "pack.fjell");
+    (void)baker::split_pack(folder / "pack.fjell", folder / "set", {8, 8});
+    const std::size_t before = open_files();
+    const io::PackFile file(folder / "set");
+    CHECK(file.packs() == 64);
+    std::vector<std::byte> raw;
+    std::size_t most = 0;
+    for (int times = 0; times < 2; ++times)
+        for (std::uint64_t chunk = 0; chunk < file.pack().header.directory_count; ++chunk) {
+            file.read_chunk(chunk_id(file.pack().header, chunk), raw);
+            most = std::max(most, open_files());
+        }
+    CHECK(most <= before + io::most_set_descriptors);
+    CHECK(most > before + 8);
+}
+
+TEST_CASE("parts that lie over each other or outside the set are refused, and which one is said") {
+    const Place place;
+    const io::PackFile a(place.set + "/0-0.fjell"), b(place.set + "/1-0.fjell");
+    const SetShape shape{257, 148};
+    std::uint32_t at_fault = 0;
+    SetIndex index;
+    const auto made = [&](const std::vector<SetPart>& parts) {
+        std::vector<std::byte> room(set_index_bytes(shape, parts) + 64);
+        const auto from = reinterpret_cast<std::uintptr_t>(room.data());
+        const std::size_t skip = (64 - from % 64) % 64;
+        return make_set_index(shape, parts, std::span(room).subspan(skip), index, at_fault);
+    };
+    const SetPart first{&a.pack(), a.corners(), 0, 0}, second{&b.pack(), b.corners(), 2, 0};
+    CHECK(made({first, second}).ok());
+    CHECK(made({second, first}).ok());
+    const Status twice = made({first, second, second});
+    CHECK(twice.code == Code::out_of_range);
+    CHECK(at_fault == 2);
+    CHECK(made({}).code == Code::out_of_range);
+    CHECK(made({first, {nullptr, {}, 0, 0}}).code == Code::not_a_pack);
+    CHECK(made({first, {&b.pack(), {}, 2, 0}}).code == Code::corrupt);
+    CHECK(at_fault == 1);
+    CHECK(make_set_index(shape, std::vector<SetPart>{first}, {}, index, at_fault).code == Code::memory_too_small);
+    std::uint64_t in_part = 7;
+    const std::vector<SetPart> parts{first, second};
+    CHECK(set_part_at(parts, 511, in_part) == 2);
+    CHECK(set_part_at(parts, 512, in_part) == 0);
+    CHECK(in_part == 0);
+    CHECK(set_part_at(parts, 512 + a.pack().header.file_bytes, in_part) == 1);
+    CHECK(in_part == 0);
+    CHECK(set_part_at(parts, 512 + a.pack().header.file_bytes + b.pack().header.file_bytes, in_part) == 2);
+}

@@ -1,0 +1,189 @@
+// Shards against one bake: the same bytes, whatever their number and order, and whoever dies.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <vector>
+
+#include "baker/shard/merge.h"
+#include "baker/shard/seam.h"
+#include "baker/shard/shard_chunks.h"
+#include "baker/shard/shard_fill.h"
+#include "baker/shard/shard_step.h"
+#include "io/file.h"
+#include "support/dem.h"
+#include "support/rounds.h"
+#include "support/terrain_fixture.h"
+
+using namespace fjell;
+using namespace fjell::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Job {
+    baker::DemSource source;
+    baker::BakeOptions options;
+    TemporaryFolder folder;
+    std::vector<std::byte> whole; // what one bake makes
+
+    Job(baker::Dem dem, const baker::BakeOptions& bake_options) : source(std::move(dem)), options(bake_options) {
+        options.threads = 1;
+        baker::bake(source, options, folder / "whole.fjell");
+        whole = io::read_file(folder / "whole.fjell");
+    }
+    [[nodiscard]] baker::ShardPlan plan(int shards, const std::string& name) const {
+        baker::ShardPlan made = baker::make_shard_plan(source, options, shards);
+        baker::write_plan(made, {}, folder / name);
+        return made;
+    }
+    [[nodiscard]] std::vector<std::byte> merged(const baker::ShardPlan& made) const {
+        baker::merge_shards(made, source, options, folder / "merged.fjell");
+        return io::read_file(folder / "merged.fjell");
+    }
+};
+
+// Interrupts a step once, some calls of its progress from now.
+struct Killer {
+    int calls = 0;
+    void arm(baker::BakeOptions& options, Random& random) {
+        calls = pick(random, 1, 3);
+        options.progress = [this](const char*, std::uint64_t, std::uint64_t) {
+            if (--calls == 0) throw io::Failure(130, "interrupted");
+        };
+    }
+};
+
+// All steps, shards in any order; some are interrupted and run again, some run twice.
+void run_all(const Job& job, const baker::ShardPlan& plan, Random& random, bool kill) {
+    std::vector<int> order;
+    for (int shard = 1; shard <= plan.shards; ++shard) order.push_back(shard);
+    for (const baker::ShardStep& step : baker::shard_steps(plan.rounds)) {
+        std::shuffle(order.begin(), order.end(), random);
+        for (const int shard : order) {
+            baker::BakeOptions options = job.options;
+            if (kill && pick(random, 0, 2) == 0) {
+                Killer killer;
+                killer.arm(options, random);
+                try {
+                    baker::run_shard_step(plan, job.source, options, shard, step);
+                } catch (const io::Failure&) {
+                    CHECK_FALSE(baker::find_record(plan, step, shard).has_value());
+                }
+                options.progress = {};
+            }
+            baker::run_shard_step(plan, job.source, options, shard, step);
+            if (kill && pick(random, 0, 9) == 0) baker::run_shard_step(plan, job.source, options, shard, step, true);
+        }
+    }
+}
+
+std::string failure_of(const std::function<void()>& call) {
+    try {
+        call();
+    } catch (const io::Failure& failure) {
+        return failure.what();
+    }
+    return "";
+}
+
+baker::Dem terrain(Random& random, std::int32_t columns, std::int32_t rows, bool holes) {
+    baker::Dem dem = random_dem(random, columns, rows, Shape::fractal);
+    if (holes) add_random_holes(random, dem, 6);
+    return dem;
+}
+
+} // namespace
+
+TEST_CASE("every cut covers each region once, and its largest shard is hardly larger than it must be") {
+    Random random(3);
+    for (int round = 0; round < 300; ++round) {
+        const std::int32_t across = pick(random, 1, 60), down = pick(random, 1, 60);
+        const int shards = pick(random, 1, 120);
+        const auto parts = baker::cut_into_shards(across, down, shards);
+        REQUIRE(parts.size() == static_cast<std::size_t>(shards));
+        std::vector<int> covered(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
+        std::size_t largest = 0;
+        for (const baker::Window& p : parts) {
+            largest = std::max(largest, p.area());
+            for (std::int32_t y = p.y; y < p.y + p.rows; ++y)
+                for (std::int32_t x = p.x; x < p.x + p.columns; ++x)
+                    ++covered.at(static_cast<std::size_t>(y * across + x));
+        }
+        REQUIRE(std::all_of(covered.begin(), covered.end(), [](int n) { return n == 1; }));
+        const double share = static_cast<double>(covered.size()) / shards;
+        if (share >= 30) CHECK(static_cast<double>(largest) <= 1.35 * share);
+    }
+}
+
+TEST_CASE("shards make the pack of one bake, byte for byte, however many they are, in any order, killed and repeated") {
+    Random random(21);
+    baker::BakeOptions options;
+    options.tile_log2 = 6;
+    options.order = Order::hierarchical_z;
+    const Job job(terrain(random, 900, 620, false), options);
+    for (const int shards : {1, 2, 3, 7, 16}) {
+        INFO(shards << " shards");
+        const baker::ShardPlan plan = job.plan(shards, "plan" + std::to_string(shards));
+        run_all(job, plan, random, shards == 3);
+        CHECK((job.merged(plan) == job.whole));
+        CHECK(fs::is_empty(plan.folder + "/scratch"));
+    }
+}
+
+TEST_CASE("holes and filled voids, several rounds of steps and mips, are the same in shards") {
+    Random random(22);
+    for (int round = 0; round < rounds(1, 12); ++round) {
+        baker::BakeOptions options;
+        options.tile_log2 = round == 0 ? 7 : pick(random, 6, 9);
+        options.estimate = round % 2 ? Estimate::midpoint : Estimate::max;
+        options.max_texture_log2 = static_cast<std::uint32_t>(pick(random, 4, 10));
+        const Job job(terrain(random, pick(random, 520, 800), pick(random, 300, 700), round % 4 != 3), options);
+        const baker::ShardPlan plan = job.plan(pick(random, 2, 9), "plan");
+        run_all(job, plan, random, true);
+        CHECK((job.merged(plan) == job.whole));
+    }
+}
+
+TEST_CASE(
+    "what is missing, cut off, damaged or of another plan is said with the command to run, and is all that runs") {
+    Random random(23);
+    baker::BakeOptions options;
+    options.tile_log2 = 6;
+    const Job job(terrain(random, 520, 300, false), options);
+    const baker::ShardPlan plan = job.plan(4, "plan"), other = job.plan(3, "other");
+    const auto merge = [&] { (void)job.merged(plan); };
+    CHECK_THAT(failure_of(merge), Catch::Contains("run fjell-bake shard " + plan.folder + " 1/4 --step read"));
+    run_all(job, plan, random, false);
+    const baker::ShardStep step{baker::ShardStep::Kind::errors, 0};
+
+    const std::string chunks = plan.file(step, 2, "chunks");
+    fs::resize_file(chunks, fs::file_size(chunks) - 1);
+    CHECK_THAT(failure_of(merge), Catch::Contains("run fjell-bake shard " + plan.folder + " 2/4 --step step1"));
+    baker::run_shard_step(plan, job.source, job.options, 2, step);
+    for (const char* name : {"chunks", "index", "places", "facts", "south"}) {
+        INFO(name);
+        const std::string path = plan.file(step, 3, name);
+        {
+            std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+            file.seekg(static_cast<std::streamoff>(fs::file_size(path) / 2));
+            const int byte = file.peek();
+            file.seekp(static_cast<std::streamoff>(fs::file_size(path) / 2));
+            file.put(static_cast<char>(byte ^ 0x40));
+        }
+        CHECK_THAT(failure_of(merge), Catch::Contains(path + ": is damaged; run fjell-bake shard") &&
+                                          Catch::Contains("3/4 --step step1 --again"));
+        baker::run_shard_step(plan, job.source, job.options, 3, step, true);
+    }
+    CHECK((job.merged(plan) == job.whole));
+
+    const baker::ShardStep read{baker::ShardStep::Kind::read};
+    baker::run_shard_step(other, job.source, job.options, 1, read);
+    fs::copy_file(other.file(read, 1, "json"), plan.file(read, 1, "json"), fs::copy_options::overwrite_existing);
+    CHECK_THAT(failure_of(merge), Catch::Contains("is of another plan"));
+    CHECK_THAT(failure_of([&] { (void)job.plan(5, "plan"); }), Catch::Contains("holds another plan"));
+    CHECK_THAT(failure_of([&] { (void)baker::load_plan(job.folder / "gone"); }),
+               Catch::Contains("is not mounted here"));
+}

@@ -1,0 +1,97 @@
+// Shards by the program, and by the engines that start it. Slurm and OpenMPI run in full rounds only.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include "bake_cli.h"
+#include "support/program.h"
+#include "support/rounds.h"
+
+using namespace fjell::test;
+
+namespace {
+
+// A recipe of mountains, its pack, and a plan of it.
+void prepare(const TemporaryFolder& folder, int shards) {
+    spit(folder / "land.json", R"({"columns": 600, "rows": 420})");
+    REQUIRE(run_in(folder.path, bake + "land.json -o whole.fjell --tile 64 --threads 1").code == 0);
+    REQUIRE(run_in(folder.path,
+                   bake + "plan land.json -o plan --tile 64 --shards " + std::to_string(shards) + " && mkdir far")
+                .code == 0);
+}
+
+[[nodiscard]] bool same(const TemporaryFolder& folder, const std::string& pack) {
+    return slurp(folder / pack) == slurp(folder / "whole.fjell");
+}
+
+// A shard that fails leaves one line and the plan's folder as it was, but for scratch.
+void fails(const TemporaryFolder& folder, const std::string& command, int code, const std::string& says) {
+    const Run r = run_in(folder.path, command);
+    CAPTURE(command, r.err);
+    CHECK(r.code == code);
+    CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+    CHECK(r.err.find(says) != std::string::npos);
+}
+
+} // namespace
+
+TEST_CASE("a plan launched on this machine makes the pack of one bake, and a shard that fails is run again alone") {
+    const TemporaryFolder folder;
+    prepare(folder, 2);
+    fails(folder, bake + "merge plan -o out.fjell", 1, "run fjell-bake shard plan 1/2 --step read");
+    fails(folder, bake + "shard plan 1/2 --step step1", 1, "run fjell-bake shard plan 1/2 --step read");
+    fails(folder, bake + "shard plan 3/2", 2, "give one from 1/2 to 2/2");
+    fails(folder, bake + "shard plan 1/2 --step errors", 2, "this plan has read, means, measure, step1");
+    fails(folder, bake + "shard gone 1/2", 1, "is not mounted here");
+    fails(folder, "ulimit -f 100; " + bake + "shard plan 1/2 --threads 1", 3, "plan/scratch");
+    CHECK(run_in(folder.path, bake + "plan plan --status").out.find("next: fjell-bake shard plan 1/2 --step read") !=
+          std::string::npos);
+    REQUIRE(run_in(folder.path, bake + "launch plan -o out.fjell --threads 1").code == 0);
+    CHECK(same(folder, "out.fjell"));
+    CHECK(run_in(folder.path, bake + "plan plan --status").out.find("all steps are complete") != std::string::npos);
+    spit(folder / "land.json", R"({"columns": 600, "rows": 421})");
+    fails(folder, bake + "merge plan -o out.fjell", 1, "the terrain has 600 x 421 samples, and 600 x 420 were planned");
+    spit(folder / "land.json", R"({"columns": 600, "rows": 4200})");
+    fails(folder, bake + "merge plan -o out.fjell", 1, "land.json is not what was planned");
+}
+
+TEST_CASE("a plan on the job arrays of a real Slurm of two nodes, one shard killed, makes the pack of one bake") {
+    if (!full_rounds()) return;
+    const TemporaryFolder folder;
+    prepare(folder, 7);
+    // The kill: of whatever shard runs first. Slurm lets what depends on it go, and the same launch goes on.
+    spit(folder / "job.sh", "launch() { " + bake +
+                                "launch plan -o out.fjell --with slurm --threads 1 > /dev/null || exit 1\n"
+                                "while [ -n \"$(squeue -h)\" ]; do sleep 0.2; done; }\n"
+                                "(until scancel --signal=KILL --name=fjell-step1 2> /dev/null && "
+                                "[ -n \"$(squeue -h -n fjell-step1 -t R)\" ]; do sleep 0.05; done) & killer=$!\n"
+                                "launch; kill $killer 2> /dev/null; launch; [ -s out.fjell ]\n");
+    const Run r = run_in(folder.path, "bash " FJELL_SOURCE_DIR "/tests/system/cluster.sh far bash job.sh");
+    if (r.code == 77) {
+        WARN("no Slurm of our own here: " << r.err);
+        return;
+    }
+    CAPTURE(r.out, r.err);
+    REQUIRE(r.code == 0);
+    CHECK(same(folder, "out.fjell"));
+}
+
+TEST_CASE("a plan under mpirun, a step's files lost in between, makes the pack of one bake") {
+    if (!full_rounds()) return;
+    const TemporaryFolder folder;
+    prepare(folder, 5);
+    if (run_in(folder.path, "command -v mpirun").code != 0) {
+        WARN("no mpirun here");
+        return;
+    }
+    const std::string launch = "FJELL_MPI_OPTIONS='--allow-run-as-root --oversubscribe' " + bake +
+                               "launch plan -o out.fjell --with mpi --at-once 3 --threads 1";
+    REQUIRE(run_in(folder.path, launch).code == 0);
+    CHECK(same(folder, "out.fjell"));
+    std::filesystem::remove(folder / "out.fjell");
+    std::filesystem::remove(folder / "plan/step1/4.places");
+    REQUIRE(run_in(folder.path, launch).code == 0);
+    CHECK(same(folder, "out.fjell"));
+}
