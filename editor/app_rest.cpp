@@ -29,8 +29,8 @@ bool only_panels(const Command& command) {
            std::holds_alternative<ZoomGraphs>(command) || std::holds_alternative<DismissMessage>(command) ||
            std::holds_alternative<BrowseFolder>(command) || std::holds_alternative<BrowseFor>(command) ||
            std::holds_alternative<DraftBake>(command) || std::holds_alternative<GiveBakeFile>(command) ||
-           std::holds_alternative<BrowseAllKinds>(command) ||
-           std::holds_alternative<SetHeat>(command) || std::holds_alternative<ForgetRun>(command);
+           std::holds_alternative<BrowseAllKinds>(command) || std::holds_alternative<SetHeat>(command) ||
+           std::holds_alternative<ForgetRun>(command);
 }
 
 } // namespace

@@ -25,8 +25,8 @@ using io::Failure;
 namespace fs = std::filesystem;
 
 constexpr std::uint32_t picture_columns = 240, picture_rows = 150;
-constexpr double most_read = 6e6;         // samples, all of which are read
-constexpr double mean_slope = 0.18;       // of mountains, between samples: what an unknown spacing is proposed by
+constexpr double most_read = 6e6;   // samples, all of which are read
+constexpr double mean_slope = 0.18; // of mountains, between samples: what an unknown spacing is proposed by
 constexpr std::size_t read_at_once = 1u << 20;
 
 // Messages of the baker name options of fjell-bake; the dialog has fields. The option that is named first is the one
@@ -110,8 +110,8 @@ struct SmallField {
 
 SmallField small_field_of(const baker::HeightSource& s) {
     SmallField f;
-    const double scale = std::min({1.0, picture_columns / static_cast<double>(s.columns),
-                                   picture_rows / static_cast<double>(s.rows)});
+    const double scale =
+        std::min({1.0, picture_columns / static_cast<double>(s.columns), picture_rows / static_cast<double>(s.rows)});
     f.columns = std::max(static_cast<std::uint32_t>(std::lround(s.columns * scale)), 1u);
     f.rows = std::max(static_cast<std::uint32_t>(std::lround(s.rows * scale)), 1u);
     f.heights_m.assign(std::size_t{f.columns} * f.rows, std::numeric_limits<float>::quiet_NaN());
@@ -134,8 +134,7 @@ void add_rows(SmallField& f, std::uint32_t row, std::span<const float> heights, 
             }
         }
     for (std::size_t c = 0; c < f.columns; ++c)
-        if (counts[c] != 0)
-            f.heights_m[std::size_t{row} * f.columns + c] = static_cast<float>(sums[c] / counts[c]);
+        if (counts[c] != 0) f.heights_m[std::size_t{row} * f.columns + c] = static_cast<float>(sums[c] / counts[c]);
 }
 
 // False: it was told to stop.
@@ -148,9 +147,7 @@ bool read_small(const baker::HeightSource& s, SmallField& f, baker::ReadStatisti
     std::vector<double> sums(f.columns);
     std::vector<std::uint32_t> counts(f.columns);
     for (std::uint32_t row = 0; row < f.rows; ++row) {
-        const auto at = [&](std::uint32_t r) {
-            return static_cast<std::int32_t>(std::int64_t{r} * s.rows / f.rows);
-        };
+        const auto at = [&](std::uint32_t r) { return static_cast<std::int32_t>(std::int64_t{r} * s.rows / f.rows); };
         std::int32_t begin = at(row), end = at(row + 1);
         if (!all) {
             begin = (begin + end) / 2;

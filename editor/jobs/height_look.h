@@ -25,16 +25,16 @@ struct HeightFacts {
     std::uint32_t columns = 0, rows = 0;
     std::uint64_t file_bytes = 0;
     double spacing_m[2] = {0, 0};
-    bool has_spacing = false; // of its own, or given; otherwise the one above is not known
+    bool has_spacing = false;          // of its own, or given; otherwise the one above is not known
     std::string crs, reprojected_from; // empty: none
     bool unit_named = false;           // of the heights, by the file
     bool all_read = false;             // otherwise some rows, and what follows is about
     double least_m = 0, most_m = 0, void_share = 0;
     std::string image; // what the texture is, for people; empty: there is none
 
-    std::string problem;             // why this cannot be baked; empty: it can
-    BakeField at = BakeField::none;  // that would mend it
-    std::string proposed, because;   // a value of that field, and why that one; empty: none is known
+    std::string problem;            // why this cannot be baked; empty: it can
+    BakeField at = BakeField::none; // that would mend it
+    std::string proposed, because;  // a value of that field, and why that one; empty: none is known
 
     // RGBA bytes, sRGB: the heights, and to their right the texture.
     std::uint32_t width_px = 0, height_px = 0, image_px = 0;
@@ -52,10 +52,10 @@ struct BakeDraft {
     std::string output_problem; // why the pack cannot be written there
     bool looking = false;       // the facts are those of an earlier draft
     HeightFacts facts;
-    std::uint64_t looks = 0;     // that ended
-    unsigned texture = 0;        // GL name of the picture; 0: there is none
-    bool asks = false;           // BakePack::asks of the bake that runs
-    std::string ready;           // a pack that was baked while another terrain was flown: the user decides
+    std::uint64_t looks = 0; // that ended
+    unsigned texture = 0;    // GL name of the picture; 0: there is none
+    bool asks = false;       // BakePack::asks of the bake that runs
+    std::string ready;       // a pack that was baked while another terrain was flown: the user decides
 };
 
 // The facts of one draft; stop is looked at between rows.

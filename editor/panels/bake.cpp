@@ -1,5 +1,6 @@
 // The dialog that bakes: what is read and written on its left, what was found in the files on its right, and below
-// what will happen. What is typed lives here, and goes to the state as a draft, which is looked at (jobs/height_look.h).
+// what will happen. What is typed lives here, and goes to the state as a draft, which is looked at
+// (jobs/height_look.h).
 #include <algorithm>
 #include <cmath>
 #include <cstdarg>
@@ -85,7 +86,8 @@ BakePack bake_of(const BakeForm& form) {
 // A field that is missing or wrong is amber, until it is seen to be right.
 class Marked {
 public:
-    Marked(const BakeDraft& draft, BakeField field) : on_(field != BakeField::none && !draft.looking && draft.facts.at == field) {
+    Marked(const BakeDraft& draft, BakeField field)
+        : on_(field != BakeField::none && !draft.looking && draft.facts.at == field) {
         if (field == BakeField::output) on_ = !draft.output_problem.empty();
         if (on_) ImGui::PushStyleColor(ImGuiCol_FrameBg, marked);
     }
@@ -164,8 +166,7 @@ bool path_field(const char* label, BakeForm& form, BakeField field, fields::Path
     ui::mark("bake", name);
     ui::tip(about);
     const char* const beside = text[0] != '\0' ? text : form.input;
-    if (side_button("Browse", "browse", field, nullptr))
-        browse(form, field, false, beside, commands);
+    if (side_button("Browse", "browse", field, nullptr)) browse(form, field, false, beside, commands);
     if (heights && side_button("Add", "add", field, "One more file beside it: several make a mosaic."))
         browse(form, field, text[0] != '\0', beside, commands);
     return edited;
@@ -246,7 +247,8 @@ void draw_options(BakeForm& form, const State& state) {
 void draw_form(BakeForm& form, const State& state, Commands& commands) {
     ui::focus_first();
     (void)path_field("Heights", form, BakeField::heights, form.input, "a file, or drop one here",
-                     "GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT; or a recipe (.json).", state, commands);
+                     "GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT; or a recipe (.json).", state,
+                     commands);
     draw_more_heights(form);
     if (path_field("Pack", form, BakeField::output, form.output, "beside the heights, with .fjell",
                    "Where the pack is written. An existing one is replaced once you have agreed and the bake is "
@@ -331,13 +333,14 @@ void draw_facts(const BakeDraft& draft) {
         else
             fact("Spacing", "%.4g x %.4g m", f.spacing_m[0], f.spacing_m[1]);
         fact("Extents", "%s x %s m", metre_text((f.columns - 1) * f.spacing_m[0]).text,
-                metre_text((f.rows - 1) * f.spacing_m[1]).text);
+             metre_text((f.rows - 1) * f.spacing_m[1]).text);
     }
     fact("No data", "%s%.3g%%", about, 100 * f.void_share);
     if (!f.image.empty()) fact("Texture", "%s", f.image.c_str());
     ImGui::PushTextWrapPos(0);
     if (!f.unit_named) ImGui::TextColored(ImColor(ui::quiet).Value, "No unit is named: 1 counts as a metre");
-    ImGui::TextColored(ImColor(ui::quiet).Value, "%s%s%s", f.crs.empty() ? "No coordinate reference system" : f.crs.c_str(),
+    ImGui::TextColored(ImColor(ui::quiet).Value, "%s%s%s",
+                       f.crs.empty() ? "No coordinate reference system" : f.crs.c_str(),
                        f.reprojected_from.empty() ? "" : ", reprojected from ", f.reprojected_from.c_str());
     ImGui::PopTextWrapPos();
 }
@@ -369,8 +372,9 @@ void draw_plan(const State& state) {
         const double samples = static_cast<double>(f.columns) * f.rows;
         const double seconds = samples / (f.reprojected_from.empty() ? samples_a_second : warped_a_second);
         char time[48] = "some seconds";
-        if (seconds > 8) (void)std::snprintf(time, sizeof time, "about %.0f %s", seconds < 90 ? seconds : seconds / 60,
-                                             seconds < 90 ? "seconds" : "minutes");
+        if (seconds > 8)
+            (void)std::snprintf(time, sizeof time, "about %.0f %s", seconds < 90 ? seconds : seconds / 60,
+                                seconds < 90 ? "seconds" : "minutes");
         ImGui::Text("Writes %s: %s to %s, in %s, while you fly on.%s %s%s%s", name_in(d.pack.output),
                     byte_text(samples * bytes_a_sample[0]).text, byte_text(samples * bytes_a_sample[1]).text, time,
                     d.output_exists ? " A pack of that name is there; you are asked before it is replaced." : "",
@@ -395,8 +399,8 @@ void draw_browser(BakeForm& form, const State& state, Commands& commands) {
     const bool output = form.browsing == BakeField::output;
     begin_file_browser(form.browser, state, output ? name_in(state.bake.pack.output) : "");
     if (draw_file_browser(state, commands, form.browser, "Choose")) {
-        commands.push(GiveBakeFile{state.files.browser.path_of(form.browser.name), form.browsing,
-                                   form.browsing_another});
+        commands.push(
+            GiveBakeFile{state.files.browser.path_of(form.browser.name), form.browsing, form.browsing_another});
         open = false;
     }
     if (!open || form.browser.cancelled || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false)) {
@@ -443,8 +447,7 @@ void draw_bake(const State& state, Commands& commands) {
     ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), top + 3.4F * ImGui::GetTextLineHeightWithSpacing()));
     const bool can = !state.job.running && form.input[0] != '\0' && draft.output_problem.empty() &&
                      (draft.looking || draft.facts.problem.empty());
-    if (fields::button("Bake", "bake", "start", can,
-                       "Bakes in the background with 512 MB of memory (Enter).", true)) {
+    if (fields::button("Bake", "bake", "start", can, "Bakes in the background with 512 MB of memory (Enter).", true)) {
         if (draft.output_exists) {
             (void)std::snprintf(form.overwrite.name, sizeof form.overwrite.name, "%.500s", name_in(form.output));
             form.overwrite.asks = true;

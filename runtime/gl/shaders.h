@@ -51,7 +51,7 @@ struct FrameBlock {
     float shadow_plane[4];         // column and row of the horizon map's planes on both sides of the sun's azimuth
     float control[4]; // texels a side of mip 0; mips; shares of a tile that noise displaces a place by, east and south
     float shadow[4];  // share of the second; sine of half the penumbra; texels a side of mip 0; mips
-    float relief[4];               // contours a metre, 0: none; 1: slopes; 1: hatching of broken bounds
+    float relief[4];  // contours a metre, 0: none; 1: slopes; 1: hatching of broken bounds
 };
 static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6 + 29) * 16 &&
                   offsetof(FrameBlock, tile) == 208,

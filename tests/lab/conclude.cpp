@@ -100,7 +100,7 @@ std::string listed(const std::vector<Range>& ranges) {
 }
 
 std::string on_orders(const Results& results) {
-    std::vector<Range> times[2], memory[2], pages[2]; // hierarchical Z, linear; for each size of tile
+    std::vector<Range> times[2], memory[2], pages[2], misses[2]; // hierarchical Z, linear; for each size of tile
     for (const int tile : results.recipe.tile_cells)
         for (const int i : {0, 1}) {
             const auto of = [&](const Case& c) { return c.tile_cells == tile && c.order == Order::planar; };
@@ -108,14 +108,18 @@ std::string on_orders(const Results& results) {
             times[i].push_back(ratios(results, "median_us", of, to));
             memory[i].push_back(ratios(results, "memory_pages", of, to));
             pages[i].push_back(ratios(results, "pages_read", of, to));
+            misses[i].push_back(ratios(results, "memory_misses", of, to));
         }
     if (!std::any_of(times[0].begin(), times[0].end(), [](const Range& r) { return r.count > 0; })) return {};
     return fmt::format(
         "With tiles of {} cells the median update takes {} times planar order's in hierarchical Z-order, "
         "and {} times in linear order. A frame's vertices lie in {} and {} times as many 4 KB of an "
-        "array over a whole tile. Of our pages the flight reads {} and {} times as many. ",
+        "array over a whole tile. Of our pages the flight reads {} and {} times as many. With a cache of {:g} MB a "
+        "frame "
+        "misses {} and {} times as many of the 4 KB. ",
         fmt::join(results.recipe.tile_cells, " / "), listed(times[0]), listed(times[1]), listed(memory[0]),
-        listed(memory[1]), listed(pages[0]), listed(pages[1]));
+        listed(memory[1]), listed(pages[0]), listed(pages[1]), results.recipe.cache_mb, listed(misses[0]),
+        listed(misses[1]));
 }
 
 std::string on_estimates(const Results& results) {
@@ -126,6 +130,9 @@ std::string on_estimates(const Results& results) {
     std::string text = fmt::format("Estimate 2 (mid-point errors) selects {} times the vertices of estimate 1 (true "
                                    "errors), and baking its errors, radii and pages takes {} times as long. ",
                                    v.text(), ratios(results, "bake_s", of, other).text());
+    if (const Range popping = ratios(results, "popping_px", of, other); popping.count)
+        text += fmt::format("The largest change on screen from one frame to the next is {} times as large. ",
+                            popping.text());
     for (const Estimate e : {Estimate::max, Estimate::midpoint}) {
         Range error;
         std::size_t beyond = 0;

@@ -13,6 +13,8 @@
 #include "lab/clock.h"
 #include "lab/pages.h"
 #include "lab/rivals.h"
+#include "rivals/look.h"
+#include "rivals/ours.h"
 
 namespace fjell::lab {
 
@@ -24,8 +26,8 @@ struct Flight {
     std::vector<double> us;
     double vertices = 0, triangles = 0; // sums
     std::size_t converged = 0;          // frames that kept to the threshold asked for
-    double true_error_px = -1;
-    PageCount pages;
+    double true_error_px = -1, popping_px = -1;
+    PageCount pages{8};
 };
 
 double rank(std::vector<double> v, double share) {
@@ -54,14 +56,19 @@ double timed_us(const Update& update) {
 class Observer {
 public:
     Observer(const Recipe& recipe, const Case& c, const Terrain& terrain, std::size_t frames)
-        : terrain_(terrain), case_(c), pages_(recipe.measures_any({"pages_in_use", "pages_read", "memory_pages"})) {
-        if (!recipe.measures_any({"true_error_px"})) return;
+        : terrain_(terrain), case_(c), pages_(recipe.measures_any({"pages_in_use", "pages_read", "memory_pages",
+                                                                   "memory_read", "memory_misses", "page_misses"})),
+          popping_(recipe.measures_any({"popping_px"})) {
+        if (!recipe.measures_any({"true_error_px", "popping_px"})) return;
         const auto count = static_cast<std::size_t>(recipe.verify_frames);
         for (std::size_t i = 0; i < count; ++i) verified_.insert((2 * i + 1) * frames / (2 * count));
     }
     [[nodiscard]] bool idle() const { return !pages_ && verified_.empty(); }
-    [[nodiscard]] bool looks_at(std::size_t frame) const { return pages_ || verified_.contains(frame); }
-    void look(std::size_t frame, const View& view, const MeshView& mesh, Flight& flight) const {
+    [[nodiscard]] bool looks_at(std::size_t frame) const {
+        return pages_ || verified_.contains(frame) || (popping_ && verified_.contains(frame + 1));
+    }
+    void look(std::size_t frame, const View& view, const MeshView& mesh, Flight& flight) {
+        if (popping_) look_for_popping(frame, view, mesh, flight);
         if (verified_.contains(frame)) {
             const Frustum frustum = make_frustum(view);
             flight.true_error_px = std::max(flight.true_error_px, measure_error(terrain_, mesh, view, &frustum).max_px);
@@ -70,9 +77,27 @@ public:
     }
 
 private:
+    // From the frame before each that is verified, to that.
+    void look_for_popping(std::size_t frame, const View& view, const MeshView& mesh, Flight& flight) {
+        if (!verified_.contains(frame) && !verified_.contains(frame + 1)) return;
+        if (ground_.height_m.empty()) ground_ = rivals::square_around(terrain_);
+        rivals::faces_of(mesh, faces_);
+        before_.swap(now_);
+        now_ = rivals::surface_of(ground_, faces_);
+        if (verified_.contains(frame) && before_frame_ + 1 == frame)
+            flight.popping_px =
+                std::max(flight.popping_px, rivals::popping_px(ground_, before_, before_view_, now_, view));
+        before_frame_ = frame;
+        before_view_ = view;
+    }
     const Terrain& terrain_;
     const Case& case_;
-    bool pages_;
+    bool pages_, popping_;
+    rivals::Ground ground_;
+    std::vector<rivals::Face> faces_;
+    std::vector<float> now_, before_;
+    std::size_t before_frame_ = 0;
+    View before_view_;
     std::set<std::size_t> verified_;
 };
 
@@ -101,7 +126,8 @@ Flight fly_recursive(const Recipe& recipe, const Case& c, World& world, const st
         f.triangles += report.triangles;
         f.converged += report.converged;
     }
-    const Observer observer(recipe, c, terrain, views.size());
+    Observer observer(recipe, c, terrain, views.size());
+    f.pages = PageCount(recipe.cache_mb);
     for (std::size_t frame = 0; frame < views.size(); ++frame) {
         if (!observer.looks_at(frame)) continue; // a mesh owes nothing to the one before
         io::check_interrupt();
@@ -136,8 +162,9 @@ Flight fly_incremental(const Recipe& recipe, const Case& c, World& world, const 
         f.converged += report.converged;
         (void)cut_take_changes(cut); // as a renderer does
     }
-    const Observer observer(recipe, c, terrain, views.size());
+    Observer observer(recipe, c, terrain, views.size());
     if (observer.idle()) return f;
+    f.pages = PageCount(recipe.cache_mb);
     begin();
     for (std::size_t frame = 0; frame < views.size(); ++frame) {
         io::check_interrupt();
@@ -205,10 +232,15 @@ nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world, c
                        {"p99_us", rank(f.us, 0.99)},
                        {"worst_us", rank(f.us, 1)}};
     if (f.true_error_px >= 0) all["true_error_px"] = f.true_error_px;
+    if (f.popping_px >= 0) all["popping_px"] = f.popping_px;
     if (f.pages.frames > 0) {
-        all["pages_in_use"] = f.pages.pages / static_cast<double>(f.pages.frames);
+        const auto count = static_cast<double>(f.pages.frames);
+        all["memory_read"] = f.pages.memory_read.size();
+        all["memory_misses"] = static_cast<double>(f.pages.memory_misses) / count;
+        all["page_misses"] = static_cast<double>(f.pages.misses) / count;
+        all["pages_in_use"] = f.pages.pages / count;
         all["pages_read"] = f.pages.read.size();
-        all["memory_pages"] = f.pages.memory_pages / static_cast<double>(f.pages.frames);
+        all["memory_pages"] = f.pages.memory_pages / count;
     }
     if (c.way != Way::lean && recipe.measures_any({"bake_s"})) all["bake_s"] = world.bake_s(c);
     nlohmann::json measured{{"frames", views.size()},

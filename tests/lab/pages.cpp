@@ -48,6 +48,25 @@ std::uint64_t place_in_tile(Order order, std::uint32_t side, std::uint32_t x, st
     return before + plane * n * n + (j / 2) * n + i / 2;
 }
 
+bool PageCache::misses(std::uint64_t page) {
+    const auto at = held_.find(page);
+    if (at != held_.end()) {
+        used_.splice(used_.begin(), used_, at->second);
+        return false;
+    }
+    if (held_.size() >= slots_) {
+        held_.erase(used_.back());
+        used_.pop_back();
+    }
+    used_.push_front(page);
+    held_[page] = used_.begin();
+    return true;
+}
+
+PageCount::PageCount(double cache_mb)
+    : cache(std::max<std::size_t>(1, static_cast<std::size_t>(cache_mb * 1e6 / (16 * page_samples)))),
+      memory_cache(std::max<std::size_t>(1, static_cast<std::size_t>(cache_mb * 1e6 / 4096))) {}
+
 void PageCount::add(const MeshView& mesh, std::int32_t columns, const Case& c) {
     const auto side = static_cast<std::uint32_t>(c.tile_cells);
     const std::uint32_t tiles_x = (static_cast<std::uint32_t>(columns) + side - 2) / side;
@@ -61,13 +80,18 @@ void PageCount::add(const MeshView& mesh, std::int32_t columns, const Case& c) {
                        row = static_cast<std::uint32_t>(mesh.vertices[index].row);
             const std::uint64_t tile = std::uint64_t{row / side} * (tiles_x + 1) + column / side;
             const std::uint32_t x = column % side, y = row % side;
-            pages_now.insert(tile << 44 | page_in_tile(c.order, side, x, y));
-            memory_now.insert(tile << 44 | place_in_tile(c.order, side, x, y) / samples_in_4_kb);
+            const std::uint64_t page = tile << 44 | page_in_tile(c.order, side, x, y),
+                                memory = tile << 44 | place_in_tile(c.order, side, x, y) / samples_in_4_kb;
+            misses += cache.misses(page);
+            memory_misses += memory_cache.misses(memory);
+            pages_now.insert(page);
+            memory_now.insert(memory);
         }
     ++frames;
     pages += static_cast<double>(pages_now.size());
     memory_pages += static_cast<double>(memory_now.size());
     read.merge(pages_now);
+    memory_read.merge(memory_now);
 }
 
 } // namespace fjell::lab

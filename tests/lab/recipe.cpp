@@ -89,9 +89,20 @@ private:
 };
 
 const std::vector<std::string> order_words{"planar", "hz", "linear"}, estimate_words{"true", "midpoint"},
-    way_words{
-        "recursive",      "incremental", "lean",    "incremental-morph", "roam",          "roam-wedgies",       "cdlod",
-        "cdlod-doubling", "blocks",      "spheres", "binary-tree",       "skirted-tiles", "multi-triangulation"},
+    way_words{"recursive",
+              "incremental",
+              "lean",
+              "incremental-morph",
+              "roam",
+              "roam-wedgies",
+              "cdlod",
+              "cdlod-doubling",
+              "blocks",
+              "spheres",
+              "binary-tree",
+              "skirted-tiles",
+              "multi-triangulation",
+              "progressive-mesh"},
     conclusion_words{"tilings", "orders", "estimates", "methods", "rivals"};
 
 Site site_of(const json& terrain, const std::string& file, const std::string& real_folder) {
@@ -159,6 +170,7 @@ void read_lists(Keys& keys, Recipe& r) {
     const bool linear = std::find(r.orders.begin(), r.orders.end(), Order::linear) != r.orders.end();
     if (linear && std::find(r.ways.begin(), r.ways.end(), Way::incremental) != r.ways.end())
         keys.bad("orders", "the incremental method does not take linear; leave one of them out");
+    r.cache_mb = keys.number("cache_mb", r.cache_mb, 0.1, 1e6);
     r.offscreen_factors = keys.numbers("offscreen_factors", {1}, 1, 100);
     r.cells_a_frame = keys.numbers("cells_a_frame", {0}, 0, 1000);
     r.thresholds_px = keys.numbers("thresholds_px", {}, 0.01, 1000);
@@ -214,6 +226,9 @@ const std::vector<Measure>& all_measures() {
                                           {"pages_in_use", "pages in use, mean"},
                                           {"pages_read", "pages read in the flight"},
                                           {"memory_pages", "memory pages (4 KB) in use, mean"},
+                                          {"memory_read", "memory pages read in the flight"},
+                                          {"memory_misses", "memory pages that miss the cache, mean"},
+                                          {"page_misses", "pages that miss the cache, mean"},
                                           {"bake_s", "baking errors, radii, pages [s]"},
                                           {"low_us", "lowest median [us]"},
                                           {"high_us", "highest median [us]"},
@@ -224,6 +239,7 @@ const std::vector<Measure>& all_measures() {
                                           {"memory_mb", "memory [MB]"},
                                           {"interruptible", "interruptible (1: yes)"},
                                           {"open_edges", "open edges in view, mean"},
+                                          {"folds", "triangles that face down, mean"},
                                           {"gap_px", "largest gap [px]"},
                                           {"popping_px", "popping, largest [px]"}};
     return all;
@@ -235,6 +251,7 @@ const char* heading_of(const std::string& key) {
                                              {"estimate", "estimate"},
                                              {"method", "method"},
                                              {"offscreen_factor", "offscreen factor"},
+
                                              {"cells_a_frame", "cells a frame"},
                                              {"error_px", "threshold [px]"}};
     for (const auto* list : {&all_measures(), &fields})
@@ -300,15 +317,14 @@ std::vector<Case> cases_of(const Recipe& r) {
                         for (const double offscreen : r.offscreen_factors)
                             for (const double error_px : r.thresholds_px)
                                 add({tile, order, estimate, way, offscreen, cells, error_px});
+    if (r.conclusion == "rivals") // a method after the other: each is built once
+        std::stable_sort(cases.begin(), cases.end(), [](const Case& a, const Case& b) { return a.way < b.way; });
     return cases;
 }
 
 std::string key_of(const Recipe& r, const Case& c) {
-    json key{{"site", r.site.identity()},
-             {"case", c.json()},
-             {"frames", r.frames},
-             {"verify_frames", r.verify_frames},
-             {"measures", r.measures}};
+    json key{{"site", r.site.identity()},        {"case", c.json()},       {"frames", r.frames},
+             {"verify_frames", r.verify_frames}, {"measures", r.measures}, {"cache_mb", r.cache_mb}};
     if (r.conclusion == "rivals") key["repetitions"] = r.repetitions;
     return key.dump();
 }

@@ -29,7 +29,8 @@ enum class Way : std::uint8_t {
     spheres,
     binary_tree,
     skirted_tiles,
-    multi_triangulation
+    multi_triangulation,
+    progressive_mesh
 };
 
 // Heights and a camera path over them. One of the two: a landscape for the baker's synthesis, or a file.
@@ -70,6 +71,7 @@ struct Recipe {
     std::vector<Way> ways;
     std::vector<double> offscreen_factors, cells_a_frame, thresholds_px;
     int frames = 840, verify_frames = 0;
+    double cache_mb = 8; // that page and memory misses are counted with
     // Of rivals: flights in turns with the leanest recursion, and a picture of each mesh, how fine and how large.
     int repetitions = 1, picture_cells = 128;
     double picture_px = 8;

@@ -115,7 +115,7 @@ struct Pages {
 
 // A row a method, and pictures of their meshes.
 void add_rivals(Pages& pages, const Results& results, const std::string& folder) {
-    pages.heading(3, "The rivals in one table");
+    pages.heading(3, "The rivals in one table: " + results.recipe.title);
     const auto rows = rivals_table(results);
     pages.html += "<table>\n";
     for (std::size_t i = 0; i < rows.size(); ++i) {

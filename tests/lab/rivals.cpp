@@ -22,11 +22,13 @@ using rivals::Rival;
 using rivals::unlimited_operations;
 
 // Methods that follow their view by a level a frame need as many as there are levels.
-constexpr int settling_frames = 64;
+constexpr int settling_frames = 128, resting_frames = 40; // a morph goes on for some when nothing else changes
+constexpr std::size_t few_cameras = 8;
 
 void settle(Rival& rival, const View& view, double error_px) {
     std::uint32_t before = 0;
-    for (int i = 0, same = 0; i < settling_frames && same < 2; ++i) {
+    const int rest = rival.traits().coherent ? resting_frames : 2;
+    for (int i = 0, same = 0; i < settling_frames && same < rest; ++i) {
         io::check_interrupt();
         const rivals::Refined now = rival.refine(view, error_px, unlimited_operations);
         same = now.triangles == before && !now.interrupted ? same + 1 : 0;
@@ -55,7 +57,7 @@ Times fly(Rival& rival, const std::vector<View>& views, double error_px) {
 // What many cameras see at rest.
 struct Quality {
     double error_px = 0, in_view = 0, gap_px = 0; // in_view: mean
-    std::size_t open_edges = 0, uncovered = 0;
+    std::size_t open_edges = 0, uncovered = 0, folds = 0;
 };
 Quality quality_at(Rival& rival, const Ground& ground, const std::vector<View>& views, double error_px, bool seams) {
     Quality q;
@@ -67,6 +69,7 @@ Quality quality_at(Rival& rival, const Ground& ground, const std::vector<View>& 
         q.error_px = std::max(q.error_px, look.error_px);
         q.in_view += static_cast<double>(look.in_view) / static_cast<double>(views.size());
         q.uncovered += look.uncovered;
+        q.folds += look.facing_down;
         if (!seams) continue;
         const rivals::Seams s = rivals::seams_of(ground, faces, view);
         q.open_edges += s.open_edges;
@@ -98,13 +101,13 @@ double popping_px(Rival& rival, const Ground& ground, const std::vector<View>& v
     std::vector<Face> faces;
     std::vector<float> now, before;
     settle(rival, views[0], error_px);
-    for (const View& view : views) {
+    for (std::size_t i = 0; i < views.size(); ++i) {
         io::check_interrupt();
-        (void)rival.refine(view, error_px, unlimited_operations);
+        (void)rival.refine(views[i], error_px, unlimited_operations);
         rival.faces(faces);
         before.swap(now);
         now = rivals::surface_of(ground, faces);
-        if (!before.empty()) most = std::max(most, rivals::popping_px(ground, before, now, view));
+        if (i > 0) most = std::max(most, rivals::popping_px(ground, before, views[i - 1], now, views[i]));
     }
     return most;
 }
@@ -134,17 +137,20 @@ nlohmann::json times_of(const Recipe& recipe, const Case& c, Rival& rival, Rival
             {"worst_us", *std::min_element(worst.begin(), worst.end())}};
 }
 
-void add_quality(const Recipe& recipe, const Case& c, const Ground& ground, Rival& rival,
-                 const std::vector<View>& views, nlohmann::json& all) {
+// cameras: along the site's path. Seams and equal errors are looked for from a few of them: they take longer.
+void add_quality(const Case& c, const Ground& ground, Rival& rival, const std::vector<View>& views,
+                 const std::vector<View>& cameras, nlohmann::json& all) {
     std::vector<View> some;
-    const auto count = static_cast<std::size_t>(recipe.verify_frames);
-    for (std::size_t i = 0; i < count; ++i) some.push_back(views[(2 * i + 1) * views.size() / (2 * count)]);
-    const Quality q = quality_at(rival, ground, some, c.error_px, true);
-    if (q.uncovered > 0) throw io::Failure(1, "a rival leaves ground uncovered: its mesh is not one");
-    all["triangles_in_view"] = q.in_view;
-    all["true_error_px"] = q.error_px;
-    all["open_edges"] = static_cast<double>(q.open_edges) / static_cast<double>(count);
-    all["gap_px"] = q.gap_px;
+    const std::size_t count = std::min(cameras.size(), few_cameras);
+    for (std::size_t i = 0; i < count; ++i) some.push_back(cameras[(2 * i + 1) * cameras.size() / (2 * count)]);
+    const Quality seen = quality_at(rival, ground, cameras, c.error_px, false),
+                  seams = quality_at(rival, ground, some, c.error_px, true);
+    if (seen.uncovered > 0) throw io::Failure(1, "a rival leaves ground uncovered: its mesh is not one");
+    all["triangles_in_view"] = seen.in_view;
+    all["true_error_px"] = seen.error_px;
+    all["folds"] = static_cast<double>(seen.folds) / static_cast<double>(cameras.size());
+    all["open_edges"] = static_cast<double>(seams.open_edges) / static_cast<double>(count);
+    all["gap_px"] = seams.gap_px;
     all["popping_px"] = popping_px(rival, ground, views, c.error_px);
     all["interruptible"] = rival.traits().interruptible ? 1 : 0;
     all["memory_mb"] = static_cast<double>(rival.bytes()) * 1e-6; // at this threshold
@@ -157,17 +163,18 @@ void add_quality(const Recipe& recipe, const Case& c, const Ground& ground, Riva
 } // namespace
 
 nlohmann::json measure_rival(const Recipe& recipe, const Case& c, World& world, const std::string& picture) {
-    Case one_tile = c;
-    one_tile.tile_cells = recipe.tile_cells[0]; // the lean recursion's case has none
     const std::string name = c.json().at("method");
     try {
-        const Terrain& terrain = world.terrain(one_tile);
-        const Ground ground = rivals::ground_of(terrain);
+        const Bout& bout = world.bout(c, recipe.tile_cells[0]);
+        const Ground& ground = bout.ground;
+        Rival* const rival = bout.rival.get();
         const std::vector<View> views = world.views(c, recipe.frames);
-        const auto lean = rivals::make_rival("lean", ground, terrain),
-                   rival = rivals::make_rival(name, ground, terrain);
-        nlohmann::json all = times_of(recipe, c, *rival, *lean, views);
-        if (c.cells_a_frame == recipe.cells_a_frame[0]) add_quality(recipe, c, ground, *rival, views, all);
+        nlohmann::json all = times_of(recipe, c, *rival, *bout.lean, views);
+        if (c.cells_a_frame == recipe.cells_a_frame[0]) {
+            Case on_path = c;
+            on_path.cells_a_frame = 0;
+            add_quality(c, ground, *rival, views, world.views(on_path, recipe.verify_frames), all);
+        }
         if (c.cells_a_frame == recipe.cells_a_frame[0] && !picture.empty()) {
             std::vector<Face> faces;
             const View& view = views[views.size() / 2];
@@ -190,8 +197,8 @@ nlohmann::json measure_rival(const Recipe& recipe, const Case& c, World& world, 
 }
 
 std::vector<std::vector<std::string>> rivals_table(const Results& results) {
-    const std::vector<std::string> quality{"true_error_px", "equal_triangles", "memory_mb", "interruptible",
-                                           "open_edges",    "popping_px",      "worst_us"};
+    const std::vector<std::string> quality{"true_error_px", "equal_triangles", "memory_mb",  "interruptible",
+                                           "open_edges",    "folds",           "popping_px", "worst_us"};
     std::vector<std::vector<std::string>> rows(1);
     rows[0] = {heading_of("method")};
     for (const std::string& key : quality) rows[0].emplace_back(heading_of(key));

@@ -167,6 +167,21 @@ const std::vector<LeanSquare>& World::lean(const Case& c) {
     return lean_;
 }
 
+Bout& World::bout(const Case& c, int tile_cells) {
+    Case one_tile = c; // the lean recursion's case has none
+    one_tile.tile_cells = tile_cells;
+    const Terrain& own = terrain(one_tile);
+    const std::string method = c.json().at("method"), name = loaded_name_ + " " + method;
+    if (name == bout_name_) return *bout_;
+    bout_name_.clear();
+    bout_.reset();
+    bout_ = std::make_unique<Bout>(Bout{rivals::ground_of(own), nullptr, nullptr});
+    bout_->lean = rivals::make_rival("lean", bout_->ground, own);
+    bout_->rival = rivals::make_rival(method, bout_->ground, own);
+    bout_name_ = name;
+    return *bout_;
+}
+
 std::vector<View> World::views(const Case& c, int frames) {
     const flight::Ground ground = ground_of(dem());
     if (c.cells_a_frame > 0) return straight(ground, c.cells_a_frame, frames);

@@ -14,6 +14,7 @@
 #include "fjell/view.h"
 #include "lab/recipe.h"
 #include "rivals/lean_recursion.h"
+#include "rivals/rival.h"
 #include "support/dem.h"
 
 namespace fjell::lab {
@@ -25,6 +26,12 @@ struct LeanSquare {
     double x_m = 0, z_m = 0; // of its first sample
 };
 
+// A rival over a pack of one tile, and what it is flown in turns with.
+struct Bout {
+    rivals::Ground ground;
+    std::unique_ptr<rivals::Rival> lean, rival;
+};
+
 class World {
 public:
     // source_root: where recipes' paths start. packs: a folder.
@@ -33,6 +40,8 @@ public:
     [[nodiscard]] const Terrain& terrain(const Case& c);
     [[nodiscard]] double bake_s(const Case& c); // of its pack: errors, radii, encoded pages; one thread
     [[nodiscard]] const std::vector<LeanSquare>& lean(const Case& c);
+    // The last one stays: some take a minute to build, and fly several speeds.
+    [[nodiscard]] Bout& bout(const Case& c, int tile_cells);
     [[nodiscard]] std::vector<View> views(const Case& c, int frames);
     [[nodiscard]] std::size_t samples();
     [[nodiscard]] double cell_m() { return std::min(dem().spacing_m[0], dem().spacing_m[1]); }
@@ -44,9 +53,10 @@ private:
     Site site_;
     std::string source_root_, real_folder_, packs_;
     std::optional<baker::Dem> dem_;
-    std::string loaded_name_, lean_name_;
+    std::string loaded_name_, lean_name_, bout_name_;
     io::LoadedPack loaded_;
     std::vector<LeanSquare> lean_;
+    std::unique_ptr<Bout> bout_; // rivals refer to its ground
 };
 
 } // namespace fjell::lab

@@ -14,6 +14,7 @@
 #include "rivals/error_spheres.h"
 #include "rivals/look.h"
 #include "rivals/multi_triangulation.h"
+#include "rivals/progressive_mesh.h"
 #include "rivals/roam.h"
 #include "rivals/skirted_tiles.h"
 #include "support/cut_scene.h"
@@ -116,12 +117,13 @@ TEST_CASE("ROAM, error spheres, a binary tree and a multi-triangulation come to 
     CHECK(moved_views >= 36);
 }
 
-TEST_CASE("interrupted after any operation, ROAM, error spheres and our own cut leave a whole mesh") {
+TEST_CASE(
+    "interrupted after any operation, ROAM, error spheres, a progressive mesh and our own cut leave a whole mesh") {
     Random random(602);
     int interrupted = 0;
     for (int round = 0; round < rounds(4, 40); ++round) {
         const Square square = random_square(random, 4, 6);
-        for (const char* name : {"roam", "roam-wedgies", "spheres", "incremental"}) {
+        for (const std::string name : {"roam", "roam-wedgies", "spheres", "incremental", "progressive-mesh"}) {
             const auto rival = rivals::make_rival(name, square.ground, square.terrain());
             View view = random_view(random, square.terrain());
             const double error_px = random_threshold(random);
@@ -130,8 +132,8 @@ TEST_CASE("interrupted after any operation, ROAM, error spheres and our own cut 
                     rival->refine(view, error_px, static_cast<std::uint32_t>(pick(random, 0, 40))).interrupted;
                 const Looked l = look(square, *rival, view);
                 CAPTURE(name, round, frame);
-                REQUIRE((l.seams.open_edges == 0 && l.look.facing_down == 0));
-                REQUIRE((l.look.uncovered == 0));
+                REQUIRE((l.seams.open_edges == 0 && l.look.uncovered == 0));
+                if (name != "progressive-mesh") REQUIRE((l.look.facing_down == 0));
                 view = moved(random, view, random_step_m(random, square.terrain()));
             }
         }
@@ -143,7 +145,7 @@ TEST_CASE("every rival's mesh is whole, and its true error is what the method cl
     Random random(603);
     std::map<std::string, double> worst; // true error over threshold
     // They do not bound what the paper has them bound, ask for no error, and bound twice as much: below.
-    const std::set<std::string> unbounded{"blocks", "cdlod-doubling", "skirted-tiles"};
+    const std::set<std::string> unbounded{"blocks", "cdlod-doubling", "progressive-mesh", "skirted-tiles"};
     int cameras = 0;
     for (int round = 0; round < rounds(5, 60); ++round) {
         const Square square = random_square(random, 5, 7);
@@ -158,8 +160,8 @@ TEST_CASE("every rival's mesh is whole, and its true error is what the method cl
                     (void)rival->refine(view, error_px, rivals::unlimited_operations);
                 const Looked l = look(square, *rival, view);
                 CAPTURE(name, round, i, error_px, l.look.error_px, l.seams.open_edges);
-                REQUIRE((l.seams.open_edges == 0 && l.look.facing_down == 0));
-                REQUIRE((l.look.uncovered == 0));
+                REQUIRE((l.seams.open_edges == 0 && l.look.uncovered == 0));
+                if (name != "progressive-mesh") REQUIRE((l.look.facing_down == 0)); // it folds: below
                 worst[name] = std::max(worst[name], l.look.error_px / error_px);
                 if (!unbounded.contains(name) && name != "cdlod") REQUIRE((l.look.error_px <= error_px * (1 + 1e-6)));
             }
@@ -248,6 +250,92 @@ TEST_CASE("the explicit multi-triangulation of bisections is the vertex tree: it
             REQUIRE(sorted(needed_by) == sorted(child));
         }
     }
+}
+
+TEST_CASE("a simplification never folds, and no sample is farther from it than its collapses say") {
+    Random random(611);
+    for (int round = 0; round < rounds(3, 20); ++round) {
+        const Square square = random_square(random, 3, rounds(5, 7));
+        const rivals::Ground& ground = square.ground;
+        const rivals::Simplified all = rivals::simplify(ground, 8, 20);
+        const auto samples = ground.height_m.size();
+        CHECK(samples - all.collapses.size() < 40); // but for some that no collapse takes without a fold
+        // Done over again by name alone, from the finest.
+        std::vector<std::uint32_t> name(samples);
+        for (std::uint32_t i = 0; i < samples; ++i) name[i] = i;
+        std::vector<std::array<std::uint32_t, 3>> faces;
+        for (std::int32_t y = 0; y < ground.side; ++y)
+            for (std::int32_t x = 0; x < ground.side; ++x) {
+                const std::uint32_t a = ground.index({x, y}), d = ground.index({x + 1, y + 1});
+                faces.push_back({a, ground.index({x, y + 1}), d});
+                faces.push_back({a, d, ground.index({x + 1, y})});
+            }
+        double worst_m = 0;
+        std::size_t at = 0;
+        const auto stride = static_cast<std::uint32_t>(ground.side + 1);
+        const auto corner = [&](std::uint32_t i) {
+            return rivals::Corner{static_cast<float>(i % stride), static_cast<float>(i / stride), ground.height_m[i]};
+        };
+        for (std::size_t step = 0; step <= 8; ++step) {
+            for (; at < all.collapses.size() * step / 8; ++at) {
+                name[all.collapses[at].from] = all.collapses[at].to;
+                worst_m = std::max(worst_m, static_cast<double>(all.collapses[at].error_m));
+            }
+            std::vector<rivals::Face> mesh;
+            double cells = 0;
+            for (auto& f : faces) {
+                for (std::uint32_t& i : f)
+                    while (name[i] != i) i = name[i];
+                if (f[0] == f[1] || f[1] == f[2] || f[2] == f[0]) continue;
+                const rivals::Face face{corner(f[0]), corner(f[1]), corner(f[2])};
+                const double area =
+                    static_cast<double>((face[1].row - face[0].row) * (face[2].column - face[0].column) -
+                                        (face[1].column - face[0].column) * (face[2].row - face[0].row)) /
+                    2;
+                REQUIRE(area > 0);
+                cells += area;
+                mesh.push_back(face);
+            }
+            CHECK(cells == static_cast<double>(ground.side) * ground.side); // none folds: so none overlaps
+            double most_m = 0;
+            const std::vector<float> surface = rivals::surface_of(ground, mesh);
+            for (std::size_t i = 0; i < samples; ++i)
+                most_m = std::max(most_m,
+                                  std::abs(static_cast<double>(surface[i]) - static_cast<double>(ground.height_m[i])));
+            CHECK(most_m <= worst_m + 0x1p-20 * static_cast<double>(ground.max_m - ground.min_m) +
+                                0x1p-20 * std::abs(static_cast<double>(ground.max_m)));
+            if (step == 8) CHECK(mesh.size() < 100);
+        }
+    }
+}
+
+TEST_CASE("a progressive mesh at rest is the same whatever came before, folds, and goes beyond its threshold") {
+    Random random(612);
+    int beyond = 0, cameras = 0;
+    std::size_t folds = 0, triangles = 0;
+    for (int round = 0; round < rounds(3, 25); ++round) {
+        const Square square(random, 6, Shape::fractal);
+        rivals::ProgressiveMesh flown(square.ground);
+        for (int i = 0; i < 4; ++i, ++cameras) {
+            const View view = random_view(random, square.terrain());
+            const double error_px = random_threshold(random);
+            settle(flown, view, error_px, pick(random, 0, 1) == 0 ? 60 : rivals::unlimited_operations);
+            const Looked l = look(square, flown, view);
+            CAPTURE(round, i, error_px);
+            REQUIRE((l.seams.open_edges == 0 && l.look.uncovered == 0));
+            beyond += l.look.error_px > error_px * (1 + 1e-6);
+            folds += l.look.facing_down;
+            triangles += l.faces.size();
+            if (i != 2) continue;
+            rivals::ProgressiveMesh fresh(square.ground);
+            settle(fresh, view, error_px, rivals::unlimited_operations);
+            REQUIRE((triangles_of(fresh) == triangles_of(flown)));
+        }
+    }
+    CAPTURE(cameras, beyond, folds, triangles);
+    CHECK(beyond > 0);
+    CHECK(folds > 0);
+    CHECK(folds < triangles / 50);
 }
 
 TEST_CASE("tiles with transition skirts are whole whatever their levels, and keep to twice the threshold") {

@@ -187,8 +187,9 @@ Seams seams_of(const Ground& g, std::span<const Face> faces, const View& view) {
     return seams;
 }
 
-double popping_px(const Ground& g, std::span<const float> before, std::span<const float> after, const View& view) {
-    const Eye eye(g, view);
+double popping_px(const Ground& g, std::span<const float> before, const View& view_before, std::span<const float> after,
+                  const View& view_after) {
+    const Eye eye(g, view_after), former(g, view_before);
     double most = 0;
     for (std::int32_t row = 0; row <= g.side; ++row)
         for (std::int32_t column = 0; column <= g.side; ++column) {
@@ -197,7 +198,7 @@ double popping_px(const Ground& g, std::span<const float> before, std::span<cons
             if (!(moved_m > 0)) continue;
             const Vec3 place = place_of(g, column, row, static_cast<double>(g.height_m[i]));
             const double px = eye.pixels(place, moved_m);
-            if (px > most && eye.sees(place)) most = px;
+            if (px > most && eye.sees(place) && former.sees(place)) most = px;
         }
     return most;
 }

@@ -33,8 +33,9 @@ struct Seams {
 };
 [[nodiscard]] Seams seams_of(const Ground& ground, std::span<const Face> faces, const View& view);
 
-// How far the surface moves on screen between two frames, at the sample in view where it moves most.
-[[nodiscard]] double popping_px(const Ground& ground, std::span<const float> before, std::span<const float> after,
-                                const View& view);
+// How far the surface moves on screen from one frame to the next, at the sample where it moves most of those that both
+// show; NaN: there is no surface.
+[[nodiscard]] double popping_px(const Ground& ground, std::span<const float> before, const View& view_before,
+                                std::span<const float> after, const View& view_after);
 
 } // namespace fjell::rivals

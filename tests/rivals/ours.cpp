@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "pack/terrain_data.h"
+
 namespace fjell::rivals {
 
 namespace {
@@ -43,6 +45,26 @@ void faces_of_mesh(const MeshView& mesh, const Height& height_m, std::vector<Fac
 }
 
 } // namespace
+
+void faces_of(const MeshView& mesh, std::vector<Face>& out) {
+    faces_of_mesh(
+        mesh, [&](std::uint32_t i) { return mesh.vertices[i].height_m; }, out);
+}
+
+Ground square_around(const Terrain& terrain) {
+    const TerrainData& data = data_of(terrain);
+    const auto columns = static_cast<std::int32_t>(terrain.columns()), rows = static_cast<std::int32_t>(terrain.rows());
+    Ground g;
+    g.side = std::max(columns, rows) - 1;
+    g.spacing_x_m = terrain.spacing_x_m();
+    g.spacing_z_m = terrain.spacing_z_m();
+    g.min_m = terrain.header().min_m;
+    g.max_m = terrain.header().max_m;
+    g.height_m.resize(static_cast<std::size_t>(g.side + 1) * static_cast<std::size_t>(g.side + 1));
+    for (std::int32_t y = 0; y < rows; ++y)
+        for (std::int32_t x = 0; x < columns; ++x) g.height_m[g.index({x, y})] = data.vertex({x, y}).height_m;
+    return g;
+}
 
 std::span<std::byte> Memory::span() {
     void* start = raw_.data();

@@ -11,6 +11,11 @@
 
 namespace fjell::rivals {
 
+// A mesh's triangles, as the vertices stand; and the heights of any terrain in the north-west corner of the smallest
+// square of whole cells around it: for look.h, which takes squares. Beyond the terrain it is level, where no mesh is.
+void faces_of(const MeshView& mesh, std::vector<Face>& out);
+[[nodiscard]] Ground square_around(const Terrain& terrain);
+
 // What the library's objects lie in: aligned to 64.
 class Memory {
 public:

@@ -6,6 +6,7 @@
 #include "rivals/error_spheres.h"
 #include "rivals/multi_triangulation.h"
 #include "rivals/ours.h"
+#include "rivals/progressive_mesh.h"
 #include "rivals/roam.h"
 #include "rivals/skirted_tiles.h"
 
@@ -42,7 +43,8 @@ constexpr Entry entries[] = {{"incremental", from_terrain<Incremental, false>},
                              {"spheres", from_ground<ErrorSpheres>},
                              {"binary-tree", from_ground<BinaryTree, true>},
                              {"skirted-tiles", from_ground<SkirtedTiles>},
-                             {"multi-triangulation", from_ground<MultiTriangulation, true>}};
+                             {"multi-triangulation", from_ground<MultiTriangulation, true>},
+                             {"progressive-mesh", from_ground<ProgressiveMesh>}};
 
 } // namespace
 

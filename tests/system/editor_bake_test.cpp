@@ -51,8 +51,7 @@ TEST_CASE("heights are baked by browsing: what is missing is marked and proposed
         return baking(s)["spacing_m"] == 30 && baking(s)["looking"] == false && baking(s)["problem"] == "";
     });
     editor.click("bake.start");
-    const json ready =
-        editor.until("the question", [](const json& s) { return s["interface"]["dialog"] == "baked"; });
+    const json ready = editor.until("the question", [](const json& s) { return s["interface"]["dialog"] == "baked"; });
     CHECK(ready["scene"]["path"] == small_pack());
     editor.click("baked.open");
     editor.until("the new terrain", [&](const json& s) {
