@@ -41,9 +41,9 @@ bool parse_options(int argc, char** argv, Options& options) {
     app.add_option("--path", options.path, "a camera path (content/paths/*.json)");
     auto* const materials = app.add_option("--materials", options.materials,
                                            "what near ground is drawn with: a file of fjell-bake materials");
-    auto* const layers = app.add_option("--layers", options.layers, "and where: rules (content/materials/rules/*.json)")
-                             ->needs(materials);
-    materials->needs(layers);
+    app.add_option("--layers", options.layers,
+                   "and where, unless the pack's control maps say: rules (content/materials/rules/*.json)")
+        ->needs(materials);
     app.add_option("--screenshot", options.screenshot, "writes the window as PNG after --frames, and quits");
     app.add_option("--frames", options.frames, "quits after so many frames")->check(io::whole_within(1, 1'000'000'000));
     app.add_option("--do", options.commands, "a command; may be given again (see --help-commands)")

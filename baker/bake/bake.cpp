@@ -55,6 +55,7 @@ private:
     void run_stages();
     void make_maps(const BakePlan& plan, const HeightStores& heights);
     void make_horizons(const BakePlan& plan, const HeightStores& heights, TexelStore& texels);
+    void make_control(const BakePlan& plan, const HeightStores& heights, TexelStore& texels);
     void make_far_mips(const BakePlan& plan, MapKind kind, TexelStore finer);
     void make_coarser_steps(const BakePlan& plan, const UnsaturatedStores& unsaturated, StepStores finer,
                             MixedStores& mixed);
@@ -140,7 +141,7 @@ void Bake::run_stages() {
 
     const Clock::time_point maps_start = Clock::now();
     make_maps(plan, heights);
-    summary_.seconds_textures = seconds_since(maps_start) - summary_.seconds_horizons;
+    summary_.seconds_textures = seconds_since(maps_start) - summary_.seconds_horizons - summary_.seconds_control;
 
     // ---- vertices: the finest step from the heights, each further one from what the step before has left
     const Clock::time_point errors_start = Clock::now();
@@ -175,6 +176,7 @@ void Bake::run_stages() {
     summary_.seconds_read = times.seconds_read;
     summary_.seconds_textures = times.seconds_textures;
     summary_.seconds_horizons = times.seconds_horizons;
+    summary_.seconds_control = times.seconds_control;
     summary_.seconds_errors = times.seconds_errors;
     write_pack(context_, plan.header, *spool_, summary_);
     summary_.seconds_write = seconds_since(write_start);
@@ -247,19 +249,20 @@ void Bake::make_coarser_steps(const BakePlan& plan, const UnsaturatedStores& uns
 }
 
 constexpr StageId far_mip_stage(MapKind kind, std::uint32_t mip) {
-    return {Stage::far_mips, static_cast<int>(kind) * 32 + static_cast<int>(mip)};
+    return {Stage::far_mips, static_cast<int>(kind) * 16 + static_cast<int>(mip)};
 }
 
 void Bake::make_maps(const BakePlan& plan, const HeightStores& heights) {
-    constexpr MapKind kinds[map_kind_count] = {MapKind::colour, MapKind::normal, MapKind::horizon};
+    constexpr MapKind kinds[map_kind_count] = {MapKind::colour, MapKind::normal, MapKind::horizon, MapKind::control};
+    constexpr Stage near_stages[map_kind_count] = {Stage::near_maps, Stage::near_maps, Stage::near_horizons,
+                                                   Stage::near_control};
     TexelStore texels[map_kind_count];
     Digest* const left = checkpoint_.state.stores.texels;
     for (const MapKind kind : kinds)
         if (mip_count(plan.maps.log2_side(kind)) > near_mips && !complete(far_mip_stage(kind, near_mips))) {
             TexelStore& last = texels[static_cast<int>(kind)];
             last = open_texels(context_, plan.maps, kind, near_mips - 1);
-            check(last, complete({kind == MapKind::horizon ? Stage::near_horizons : Stage::near_maps}),
-                  left[static_cast<int>(kind)]);
+            check(last, complete({near_stages[static_cast<int>(kind)]}), left[static_cast<int>(kind)]);
         }
     stage({Stage::near_maps}, [&] {
         reads_input_ = true; // images
@@ -268,6 +271,7 @@ void Bake::make_maps(const BakePlan& plan, const HeightStores& heights) {
         for (const int kind : {0, 1}) left[kind] = texels[kind].digest(); // neighbours both write what they share
     });
     if (plan.maps.horizon_log2 != 0) make_horizons(plan, heights, texels[static_cast<int>(MapKind::horizon)]);
+    if (plan.maps.control_log2 != 0) make_control(plan, heights, texels[static_cast<int>(MapKind::control)]);
     for (const MapKind kind : kinds) make_far_mips(plan, kind, std::move(texels[static_cast<int>(kind)]));
 }
 
@@ -289,6 +293,17 @@ void Bake::make_horizons(const BakePlan& plan, const HeightStores& heights, Texe
     });
     levels.remove();
     summary_.seconds_horizons = seconds_since(start);
+}
+
+void Bake::make_control(const BakePlan& plan, const HeightStores& heights, TexelStore& texels) {
+    const Clock::time_point start = Clock::now();
+    stage({Stage::near_control}, [&] {
+        reads_input_ = true; // rasters
+        make_near_control(context_, plan, heights, {texels, *spool_});
+        reads_input_ = false;
+        checkpoint_.state.stores.texels[static_cast<int>(MapKind::control)] = texels.digest();
+    });
+    summary_.seconds_control = seconds_since(start);
 }
 
 // finer: texels of the last near mip.

@@ -32,6 +32,10 @@ std::unique_ptr<ImageSource> images_of(const HeightSource& source, const BakeOpt
     return open_images(options.texture_paths, frame_of(source));
 }
 
+ControlPlan control_of(const BakeOptions& options) {
+    return options.layers_path.empty() ? ControlPlan{} : read_control(options.layers_path);
+}
+
 std::uint32_t map_log2(double texels_a_side, const BakeOptions& options) {
     return fitting_log2(texels_a_side, std::min(options.max_texture_log2, max_texture_log2));
 }
@@ -44,16 +48,20 @@ BakeContext::BakeContext(const HeightSource& the_source, const BakeOptions& the_
       regions(tree, options.region_cells), part(the_part), pages{tree.tile_log2, options.order},
       threads(resolve_threads(options.threads)),
       mixed_log2(options.order == Order::linear ? 0 : std::max(tree.tile_log2 - page_squares_log2, 0)),
-      folder(out_path), image(images_of(source, options)),
+      folder(out_path), image(images_of(source, options)), control(control_of(options)),
+      control_images(open_control_images(control, frame_of(source))),
       // Colours of a ramp change slowly, and normals carry the detail: half the samples' density.
       colour_log2(map_log2(image ? tree.side() * image->pixels_per_sample() : tree.side() / 2.0, options)),
       normal_log2(map_log2(tree.side(), options)),
       horizon_log2(
           options.horizon_spacing ? map_log2(tree.side() / static_cast<double>(options.horizon_spacing), options) : 0),
+      control_log2(
+          control.rules.empty() ? 0 : map_log2(tree.side() / static_cast<double>(options.control_spacing), options)),
       // Work files that an earlier run has left are gone on with.
-      in_memory(part.area() == 0 && !options.checkpoint_s && !std::filesystem::exists(folder.file("checkpoint")) &&
-                static_cast<double>(work_bytes(tree, options.order, {colour_log2, normal_log2, horizon_log2}) +
-                                    base_bytes) <= 0.75 * static_cast<double>(options.memory_bytes)) {}
+      in_memory(
+          part.area() == 0 && !options.checkpoint_s && !std::filesystem::exists(folder.file("checkpoint")) &&
+          static_cast<double>(work_bytes(tree, options.order, {colour_log2, normal_log2, horizon_log2, control_log2}) +
+                              base_bytes) <= 0.75 * static_cast<double>(options.memory_bytes)) {}
 
 Window BakeContext::region_window() const {
     return part.area() ? part : Window{0, 0, regions.across(), regions.down()};
@@ -87,7 +95,15 @@ std::string BakeContext::identity() const {
                        static_cast<int>(o.order), o.quantum_m, o.ramp_path.empty() ? "" : io::read_text(o.ramp_path),
                        o.max_texture_log2, o.compression, source.spacing_m[0], source.spacing_m[1], source.origin_m[0],
                        source.origin_m[1], source.crs_step[0], source.crs_step[1], source.crs_wkt, o.horizon_spacing,
-                       image ? image->identity() : "");
+                       image ? image->identity() : "") +
+           control_identity();
+}
+
+std::string BakeContext::control_identity() const {
+    if (control.rules.empty()) return {};
+    std::string text = fmt::format("layers {} {}\n", options.control_spacing, control.text);
+    for (const auto& raster : control_images) text += raster->identity();
+    return text;
 }
 
 int BakeContext::workers_for(std::uint64_t unit_bytes) const {

@@ -8,6 +8,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/heights/region.h"
+#include "baker/maps/control.h"
 #include "baker/maps/image.h"
 #include "baker/store/store.h"
 #include "tree/order.h"
@@ -55,6 +56,10 @@ public:
     [[nodiscard]] std::int64_t region_at(std::uint64_t u) const;
     [[nodiscard]] std::uint32_t tile_at(std::uint64_t u) const;
 
+private:
+    [[nodiscard]] std::string control_identity() const;
+
+public:
     const HeightSource& source;
     const BakeOptions& options;
     const std::string out_path;
@@ -67,8 +72,10 @@ public:
     const int mixed_log2;
 
     WorkFolder folder;
-    const std::unique_ptr<ImageSource> image;                   // or none
-    const std::uint32_t colour_log2, normal_log2, horizon_log2; // texels a side of a tile's mip 0; 0: no such map
+    const std::unique_ptr<ImageSource> image; // or none
+    const ControlPlan control;                // without rules: none
+    const ControlImages control_images;
+    const std::uint32_t colour_log2, normal_log2, horizon_log2, control_log2; // texels a side of mip 0; 0: no such map
     const bool in_memory; // all stores: only the pack itself goes to the folder, and nothing can be resumed
 };
 

@@ -68,7 +68,7 @@ void make_levels(const BakeContext& context, const HeightStores& heights, Store<
 void make_near_horizons(const BakeContext& context, const BakePlan& plan, const HorizonInput& in,
                         const HorizonOutput& out) {
     const HorizonLevels levels = levels_of(context);
-    const int stride_log2 = plan.maps.horizon_stride_log2();
+    const int stride_log2 = plan.maps.stride_log2(MapKind::horizon);
     // Planes of points, of texels and of their mips; windows of levels.
     const double points = std::ldexp(context.tree.side(), -stride_log2) + 40, samples = context.tree.side() + 120.0;
     const auto tile_bytes = static_cast<std::uint64_t>(points * points * horizon_planes * 10 + samples * samples * 6) +
@@ -77,13 +77,13 @@ void make_near_horizons(const BakeContext& context, const BakePlan& plan, const 
                        context.samples() / static_cast<double>(context.tile_count())},
                       [&](std::uint64_t u) {
                           const std::uint32_t tile = context.tile_at(u);
-                          const Window at = points_for_horizons(plan.maps, tile);
+                          const Window at = points_for_map(plan.maps, MapKind::horizon, tile);
                           std::vector<LevelWindow> seen;
                           for (int level = 0; level < levels.count(); ++level)
                               seen.push_back(window_of(in, levels, level, seen_of_level(level, stride_log2, at)));
                           const TexelPlanes made = horizons(levels, stride_log2, at, seen);
                           seen = {};
-                          const std::vector<MipTexels> mips = near_horizons(plan.maps, tile, made);
+                          const std::vector<MipTexels> mips = near_mips_from(plan.maps, MapKind::horizon, tile, made);
                           ChunkBatch batch;
                           for (std::uint32_t mip = 0; mip < mips.size(); ++mip)
                               batch.add({ChunkKind::horizon, tile, mip}, mips[mip].blocks, context.options.compression);

@@ -13,9 +13,9 @@ namespace fjell::baker {
 namespace {
 
 ChunkKind chunk_of(MapKind kind) {
-    return kind == MapKind::colour   ? ChunkKind::colour
-           : kind == MapKind::normal ? ChunkKind::normal
-                                     : ChunkKind::horizon;
+    constexpr ChunkKind chunks[map_kind_count] = {ChunkKind::colour, ChunkKind::normal, ChunkKind::horizon,
+                                                  ChunkKind::control};
+    return chunks[static_cast<std::size_t>(kind)];
 }
 
 // The window of a store whose elements are channels of texels.
@@ -33,7 +33,7 @@ void store_texels(TexelStore& store, const Window& at, MapKind kind, const Texel
 
 TexelStore open_texels(const BakeContext& context, const MapPlan& maps, MapKind kind, std::uint32_t mip) {
     const Window grid = maps.grid(kind, mip);
-    constexpr const char* names[map_kind_count] = {"colour", "normal", "horizon"};
+    constexpr const char* names[map_kind_count] = {"colour", "normal", "horizon", "control"};
     return context.open<std::uint16_t>(names[static_cast<std::size_t>(kind)] + std::to_string(mip),
                                        std::int64_t{grid.columns} * static_cast<std::int64_t>(channels(kind)),
                                        grid.rows);

@@ -197,6 +197,9 @@ void append_corners(const BakeContext& context, const BakePlan& plan, const Mixe
     }
     ChunkBatch batch;
     batch.add({ChunkKind::corners, 0, 0}, std::as_bytes(std::span(corners)), context.options.compression);
+    const std::string layers = context.control.stored_names();
+    if (!layers.empty())
+        batch.add({ChunkKind::layers, 0, 0}, std::as_bytes(std::span(layers)), context.options.compression);
     if (plan.header.crs_bytes)
         batch.add({ChunkKind::crs, 0, 0}, std::as_bytes(std::span(context.source.crs_wkt)),
                   context.options.compression);

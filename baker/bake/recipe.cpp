@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "baker/maps/control.h"
 #include "baker/read/gdal_file.h"
 #include "baker/read/raster_files.h"
 #include "io/file.h"
@@ -45,7 +46,9 @@ const std::vector<TextField>& text_fields() {
          {"auto", "2", "4", "8", "16", "32", "64", "128", "256", "512", "1024", "2048", "4096"}},
         {"estimate", &Recipe::estimate, false, {"max", "midpoint"}},
         {"order", &Recipe::order, false, {"planar", "hz", "linear"}},
-        {"horizons", &Recipe::horizons, false, {"none", "half", "quarter"}}};
+        {"horizons", &Recipe::horizons, false, {"none", "half", "quarter"}},
+        {"layers", &Recipe::layers, true, {}},
+        {"control", &Recipe::control, false, {"full", "half", "quarter"}}};
     return fields;
 }
 const std::vector<NumberField>& number_fields() {
@@ -213,8 +216,8 @@ Recipe merged(Recipe given, const Recipe& below) {
 Recipe reading_part(Recipe recipe) {
     recipe.inputs.clear();
     recipe.texture.clear();
-    for (auto* const text :
-         {&recipe.output, &recipe.ramp, &recipe.tile, &recipe.estimate, &recipe.order, &recipe.horizons})
+    for (auto* const text : {&recipe.output, &recipe.ramp, &recipe.tile, &recipe.estimate, &recipe.order,
+                             &recipe.horizons, &recipe.layers, &recipe.control})
         text->reset();
     recipe.nesting.reset();
     recipe.quantum.reset();
@@ -261,6 +264,11 @@ BakeOptions bake_options(const Recipe& recipe) {
     o.order = order_named(recipe.order.value_or("planar"));
     const std::string horizons = recipe.horizons.value_or("none");
     o.horizon_spacing = horizons == "half" ? 2 : horizons == "quarter" ? 4 : 0;
+    o.layers_path = recipe.layers.value_or("");
+    if (recipe.control && o.layers_path.empty())
+        throw Failure(2, "--control says how fine control maps are; give their rules with --layers");
+    const std::string control = recipe.control.value_or("half");
+    o.control_spacing = control == "full" ? 1 : control == "half" ? 2 : 4;
     o.nesting = recipe.nesting.value_or(o.nesting);
     o.quantum_m = recipe.quantum.value_or(0);
     if (recipe.quantum && !(o.quantum_m > 0 && std::isfinite(o.quantum_m)))
@@ -277,6 +285,11 @@ std::vector<std::string> files_read(const Recipe& recipe) {
     for (const std::string& input : recipe.inputs)
         add(input.ends_with(".json") ? std::vector{input} : raster_files(input, "a height field"));
     for (const std::string& image : recipe.texture) add(raster_files(image, "an image"));
+    if (recipe.layers) {
+        all.push_back(*recipe.layers);
+        for (const ControlRaster& raster : read_control(*recipe.layers).rasters)
+            add(raster_files(raster.path, "a raster"));
+    }
     return all;
 }
 

@@ -79,6 +79,15 @@ struct HorizonOutput {
 void make_near_horizons(const BakeContext& context, const BakePlan& plan, const HorizonInput& in,
                         const HorizonOutput& out);
 
+// ---- control maps: near mips, from the heights, rasters and a coarse grid of all of them
+
+struct ControlOutput {
+    TexelStore& texels; // as of HorizonOutput
+    ChunkSpool& spool;
+};
+void make_near_control(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
+                       const ControlOutput& out);
+
 void make_far_mip(const BakeContext& context, const BakePlan& plan, const FarMipInput& in, const FarMipOutput& out);
 
 // ---- vertices: errors, radii and pages, step by step from the finest one

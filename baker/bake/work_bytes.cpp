@@ -27,7 +27,7 @@ std::uint64_t work_bytes(const Tree& tree, Order order, const MapSizes& maps) {
     const double tiles = static_cast<double>(tree.tiles_x) * tree.tiles_y;
     const double heights = samples * (sizeof(float) + sizeof(std::uint8_t)); // with holes marked
     const double colour = texels_of(tree, maps.colour_log2), normal = texels_of(tree, maps.normal_log2),
-                 horizon = texels_of(tree, maps.horizon_log2);
+                 horizon = texels_of(tree, maps.horizon_log2), control = texels_of(tree, maps.control_log2);
 
     // Filling voids: heights as they were read, filled ones, and the pyramid of means.
     const double filling = heights + samples * sizeof(float) * sum_of_mips;
@@ -41,6 +41,11 @@ std::uint64_t work_bytes(const Tree& tree, Order order, const MapSizes& maps) {
     const double horizon_texels =
         horizon * sizeof(std::uint16_t) * horizon_planes / std::pow(4.0, near_mips - 1) * 1.25;
     const double horizon_chunks = 0.5 * horizon_planes * horizon * sum_of_mips * not_compressed;
+    // Control maps: the same 16 channels on the way, 8 bytes a texel. They come last.
+    const double control_texels = control * sizeof(std::uint16_t) * static_cast<double>(channels(MapKind::control)) /
+                                  std::pow(4.0, near_mips - 1) * 1.25;
+    const double control_chunks = control_texel_bytes * control * sum_of_mips * not_compressed;
+    const double all_chunks = map_chunks + horizon_chunks + control_chunks;
     // Vertices: places and centres of the step above the finest one, its unsaturated errors, records of mixed pages.
     const bool linear = order == Order::linear;
     const int mixed_log2 = linear ? 0 : std::max(tree.tile_log2 - page_squares_log2, 0);
@@ -51,12 +56,12 @@ std::uint64_t work_bytes(const Tree& tree, Order order, const MapSizes& maps) {
     const PageLayout pages{tree.tile_log2, order};
     const double entries = tiles *
                            (pages.pages_per_tile() + mip_count(maps.colour_log2) + mip_count(maps.normal_log2) +
-                            mip_count(maps.horizon_log2)) *
+                            mip_count(maps.horizon_log2) + mip_count(maps.control_log2)) *
                            sizeof(ChunkEntry);
     return static_cast<std::uint64_t>(
         std::max({filling, heights + texels + map_chunks + entries,
-                  heights + texels + levels + horizon_texels + map_chunks + horizon_chunks + entries,
-                  heights + steps + mixed + map_chunks + horizon_chunks + page_chunks + entries}));
+                  heights + texels + levels + horizon_texels + control_texels + all_chunks + entries,
+                  heights + steps + mixed + all_chunks + page_chunks + entries}));
 }
 
 } // namespace fjell::baker

@@ -10,7 +10,7 @@ namespace fjell::baker {
 
 // log2 of texels a side of a tile's maps; 0: none.
 struct MapSizes {
-    std::uint32_t colour_log2 = 0, normal_log2 = 0, horizon_log2 = 0;
+    std::uint32_t colour_log2 = 0, normal_log2 = 0, horizon_log2 = 0, control_log2 = 0;
 };
 
 // The most bytes that all stores of a bake and the pack's compressed chunks take at once, whatever the heights are:

@@ -38,7 +38,9 @@ std::vector<ChunkId> chunk_sequence(const PackHeader& header, const PageLayout& 
     add_maps(ChunkKind::colour, header.colour_log2);
     add_maps(ChunkKind::normal, header.normal_log2);
     add_maps(ChunkKind::horizon, header.horizon_log2);
+    add_maps(ChunkKind::control, header.control_log2);
     if (header.crs_bytes) sequence.push_back({ChunkKind::crs, 0, 0});
+    if (header.layer_bytes) sequence.push_back({ChunkKind::layers, 0, 0});
     return sequence;
 }
 
@@ -57,9 +59,10 @@ void write_pack(const BakeContext& context, const PackHeader& header, const Chun
     const std::uint64_t maps = 1 + tiles * context.pages.pages_per_tile(); // the corners before them
     for (std::uint64_t i = 0; i < entries.size(); ++i) {
         const ChunkKind kind = chunk_id(header, i).kind;
-        if (kind == ChunkKind::crs) continue;
+        if (kind == ChunkKind::crs || kind == ChunkKind::layers) continue;
         (i < maps ? summary.geometry_bytes : summary.texture_bytes) += entries[i].stored_bytes;
         if (kind == ChunkKind::horizon) summary.horizon_bytes += entries[i].stored_bytes;
+        if (kind == ChunkKind::control) summary.control_bytes += entries[i].stored_bytes;
     }
     summary.directory_bytes = maps * sizeof(ChunkEntry) + sizeof(PackHeader);
     out.commit();

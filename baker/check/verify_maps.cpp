@@ -24,6 +24,7 @@ struct Mip {
     std::uint32_t side = 0, channels = 0;
     std::vector<std::uint8_t> codes;     // interleaved
     std::vector<std::uint8_t> tolerance; // a texel
+    std::vector<std::byte> stored;       // of a control map: its texels
 
     [[nodiscard]] std::size_t at(std::uint32_t x, std::uint32_t y) const { return std::size_t{y} * side + x; }
     [[nodiscard]] int code(std::size_t texel, std::uint32_t c) const { return codes[texel * channels + c]; }
@@ -33,21 +34,60 @@ struct Mip {
 using ReadChunk = std::function<void(ChunkId id, std::vector<std::byte>& raw)>;
 
 std::uint32_t log2_of(const PackHeader& h, ChunkKind kind) {
-    return kind == ChunkKind::colour ? h.colour_log2 : kind == ChunkKind::normal ? h.normal_log2 : h.horizon_log2;
+    switch (kind) {
+    case ChunkKind::colour: return h.colour_log2;
+    case ChunkKind::normal: return h.normal_log2;
+    case ChunkKind::horizon: return h.horizon_log2;
+    default: return h.control_log2;
+    }
 }
 
-Mip decode(const PackHeader& header, const ReadChunk& read, ChunkId id) {
+const char* name_of(ChunkKind kind) {
+    switch (kind) {
+    case ChunkKind::colour: return "colour";
+    case ChunkKind::normal: return "normal";
+    case ChunkKind::horizon: return "horizon";
+    default: return "control";
+    }
+}
+
+// Of control texels: a channel a material. Weights are rounded, and what a fifth material had went to the other four,
+// none of which had less: where the fourth has nothing, nothing was left out.
+void decode_control(const std::vector<std::byte>& texels, std::size_t names, Mip& mip) {
+    for (std::size_t i = 0; i < mip.tolerance.size(); ++i) {
+        const std::byte* const from = texels.data() + i * control_texel_bytes;
+        std::uint8_t* const to = mip.codes.data() + i * mip.channels;
+        int last = 0;
+        for (std::size_t k = 0; k < control_layers; ++k) {
+            last = std::to_integer<int>(from[2 * k]);
+            const std::size_t layer = std::to_integer<std::size_t>(from[2 * k + 1]) % max_control_names;
+            to[layer] = static_cast<std::uint8_t>(to[layer] + last);
+        }
+        const int hidden =
+            last > 0 && names > control_layers ? static_cast<int>(names - control_layers) * (last + 1) : 0;
+        mip.tolerance[i] = static_cast<std::uint8_t>(std::min(3 + hidden, 255));
+    }
+}
+
+// names: of materials.
+Mip decode(const PackHeader& header, const ReadChunk& read, ChunkId id, std::size_t names) {
     const bool colour = id.kind == ChunkKind::colour;
     Mip mip{(1u << log2_of(header, id.kind)) >> id.item,
             colour                         ? 3u
             : id.kind == ChunkKind::normal ? 2u
-                                           : horizon_planes,
+                                           : 16u,
+            {},
             {},
             {}};
     std::vector<std::byte> blocks;
     read(id, blocks);
     mip.codes.resize(std::size_t{mip.side} * mip.side * mip.channels);
     mip.tolerance.resize(std::size_t{mip.side} * mip.side);
+    if (id.kind == ChunkKind::control) {
+        decode_control(blocks, names, mip);
+        mip.stored = std::move(blocks);
+        return mip;
+    }
     (void)(colour                         ? decode_colour(blocks, mip.side, mip.codes)
            : id.kind == ChunkKind::normal ? decode_normal(blocks, mip.side, mip.codes)
                                           : decode_horizon(blocks, mip.side, mip.codes));
@@ -75,17 +115,24 @@ public:
     Checker(const Pack& the_pack, ReadChunk the_read) : pack(the_pack), read(std::move(the_read)) {}
 
     MapsReport run() {
-        for (const ChunkKind kind : {ChunkKind::colour, ChunkKind::normal, ChunkKind::horizon}) check_kind(kind);
+        if (pack.header.layer_bytes != 0) {
+            std::vector<std::byte> text;
+            read({ChunkKind::layers, 0, 0}, text);
+            names = io::layer_names({reinterpret_cast<const char*>(text.data()), text.size()}).size();
+        }
+        for (const ChunkKind kind : {ChunkKind::colour, ChunkKind::normal, ChunkKind::horizon, ChunkKind::control})
+            check_kind(kind);
         if (colour_borders) report.colour_border_mean = colour_sum / static_cast<double>(colour_borders);
         if (normal_borders) report.normal_border_mean = normal_sum / static_cast<double>(normal_borders);
         if (horizon_borders) report.horizon_border_mean = horizon_sum / static_cast<double>(horizon_borders);
-        report.border_texels = colour_borders + normal_borders + horizon_borders;
+        report.border_texels = colour_borders + normal_borders + horizon_borders + control_borders;
         return report;
     }
 
 private:
     struct Border {
         std::vector<std::uint8_t> codes, tolerance;
+        std::vector<std::byte> stored;
     };
 
     void check_kind(ChunkKind kind) {
@@ -103,9 +150,10 @@ private:
             below[column] = at + tiles_x + 1;
             for (std::uint32_t level = 0; level < mips; ++level) {
                 place = {kind, tile, level};
-                Mip mip = decode(pack.header, read, place);
+                Mip mip = decode(pack.header, read, place, names);
                 report.texels += mip.tolerance.size();
                 if (kind == ChunkKind::normal) check_lengths(mip);
+                if (kind == ChunkKind::control) check_texels(mip);
                 if (level > 0) check_tent(finer, mip);
                 if (has_west) compare(east[level], border(mip, 0, 0, 0, 1), "west");
                 Border& above = south[std::size_t{level} * tiles_x + column];
@@ -123,11 +171,26 @@ private:
             for (std::uint32_t c = 0; c < mip.channels; ++c)
                 b.codes.push_back(mip.codes[mip.at(x, y) * mip.channels + c]);
             b.tolerance.push_back(mip.tolerance[mip.at(x, y)]);
+            if (mip.stored.empty()) continue;
+            const auto texel = mip.stored.begin() + static_cast<std::ptrdiff_t>(mip.at(x, y) * control_texel_bytes);
+            b.stored.insert(b.stored.end(), texel, texel + control_texel_bytes);
         }
         return b;
     }
 
+    // Nothing was compressed: equal bit for bit.
+    void compare_stored(const Border& theirs, const Border& ours, const char* side) {
+        control_borders += ours.tolerance.size();
+        for (std::size_t i = 0; i < ours.tolerance.size(); ++i)
+            if (!std::equal(&ours.stored[i * control_texel_bytes],
+                            &ours.stored[i * control_texel_bytes] + control_texel_bytes,
+                            &theirs.stored[i * control_texel_bytes]))
+                note(report.border_violations,
+                     fmt::format("texel {} of the {} border is not the neighbour's", i, side));
+    }
+
     void compare(const Border& theirs, const Border& ours, const char* side) {
+        if (place.kind == ChunkKind::control) return compare_stored(theirs, ours, side);
         const bool colour = place.kind == ChunkKind::colour, horizon = place.kind == ChunkKind::horizon;
         const std::size_t channels = ours.codes.size() / ours.tolerance.size();
         double& sum = colour ? colour_sum : horizon ? horizon_sum : normal_sum;
@@ -146,6 +209,24 @@ private:
                                  i / channels, side, off, allowed));
         }
         (colour ? colour_borders : horizon ? horizon_borders : normal_borders) += ours.codes.size();
+    }
+
+    // The largest weight first, no more than all of the ground, and materials that there are.
+    void check_texels(const Mip& mip) {
+        for (std::size_t i = 0; i < mip.tolerance.size(); ++i) {
+            int sum = 0, before = 255;
+            bool good = true;
+            for (std::size_t k = 0; k < control_layers; ++k) {
+                const int weight = std::to_integer<int>(mip.stored[i * control_texel_bytes + 2 * k]);
+                const auto layer = std::to_integer<std::size_t>(mip.stored[i * control_texel_bytes + 2 * k + 1]);
+                good &= weight <= before && (weight == 0 ? layer == 0 : layer < names);
+                sum += before = weight;
+            }
+            if (!good || sum > 255)
+                note(report.weight_violations,
+                     fmt::format("the texel at ({}, {}) has weights or materials that cannot be", i % mip.side,
+                                 i / mip.side));
+        }
     }
 
     void check_lengths(const Mip& mip) {
@@ -190,10 +271,7 @@ private:
     void note(std::uint64_t& counter, const std::string& what) {
         ++counter;
         if (!report.first.empty()) return;
-        const char* const kind = place.kind == ChunkKind::colour   ? "colour"
-                                 : place.kind == ChunkKind::normal ? "normal"
-                                                                   : "horizon";
-        report.first = fmt::format("{} map of tile {}, mip {}: {}", kind, place.tile, place.item, what);
+        report.first = fmt::format("{} map of tile {}, mip {}: {}", name_of(place.kind), place.tile, place.item, what);
     }
 
     const Pack& pack;
@@ -201,7 +279,8 @@ private:
     MapsReport report;
     ChunkId place;
     double colour_sum = 0, normal_sum = 0, horizon_sum = 0;
-    std::uint64_t colour_borders = 0, normal_borders = 0, horizon_borders = 0;
+    std::uint64_t colour_borders = 0, normal_borders = 0, horizon_borders = 0, control_borders = 0;
+    std::size_t names = 0; // of materials
 };
 
 } // namespace

@@ -13,13 +13,16 @@ struct MapsReport {
     std::uint64_t texels = 0, border_texels = 0;
     std::uint64_t border_violations = 0; // neighbours' decoded border texels differ by more than their blocks may
     std::uint64_t mip_violations = 0;    // a texel is no tent over the finer mip, whatever compression did to either
+    std::uint64_t weight_violations = 0; // a control texel whose weights or materials cannot be
     std::uint64_t length_violations = 0; // a normal longer than 1, compression allowed for
     // Of the differences at borders, in codes.
     double colour_border_mean = 0, normal_border_mean = 0, horizon_border_mean = 0;
     std::uint32_t colour_border_most = 0, normal_border_most = 0, horizon_border_most = 0;
     std::string first; // the first violation, in words
 
-    [[nodiscard]] bool ok() const { return border_violations + mip_violations + length_violations == 0; }
+    [[nodiscard]] bool ok() const {
+        return border_violations + mip_violations + length_violations + weight_violations == 0;
+    }
 };
 
 // How far from what was compressed a channel's texel may be, in codes, in a block that decodes to a range that wide.

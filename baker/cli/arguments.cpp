@@ -67,6 +67,12 @@ void add_recipe_options(CLI::App& app, Recipe& r) {
     add_words(app, "horizons", r.horizons,
               "horizon maps, for shadows at any time of day and for the share of the sky that ground sees: none "
               "(default), half or quarter of the samples' density");
+    app.add_option("--layers", r.layers,
+                   "control maps: which materials lie where, by rules over the ground, rasters of classes and painted "
+                   "images (JSON, content/materials/control)");
+    add_words(app, "control", r.control,
+              "texels of control maps: full, half (default) or quarter of the samples' "
+              "density");
     add_read_options(app, r);
 }
 

@@ -87,6 +87,13 @@ int run_bake(const Arguments& a) {
     return 0;
 }
 
+std::vector<std::string> layer_names(const PackFile& file) {
+    if (file.pack().header.layer_bytes == 0) return {};
+    std::vector<std::byte> text;
+    file.read_chunk({ChunkKind::layers, 0, 0}, text);
+    return io::layer_names({reinterpret_cast<const char*>(text.data()), text.size()});
+}
+
 json info_json(const PackFile& file) {
     const PackHeader& h = file.pack().header;
     const CrsLabel crs = crs_label(file.crs());
@@ -111,6 +118,8 @@ json info_json(const PackFile& file) {
            {"colour_texels", h.colour_log2 ? 1u << h.colour_log2 : 0},
            {"normal_texels", h.normal_log2 ? 1u << h.normal_log2 : 0},
            {"horizon_texels", h.horizon_log2 ? 1u << h.horizon_log2 : 0},
+           {"control_texels", h.control_log2 ? 1u << h.control_log2 : 0},
+           {"layers", layer_names(file)},
            {"packs", file.packs()},
            {"tiles_held", tiles_of(h)},
            {"chunks", h.directory_count},
@@ -186,7 +195,8 @@ json verify_json(const VerifyReport& r, const MapsReport& maps) {
            {"texels", maps.texels},
            {"mip_violations", maps.mip_violations},
            {"map_border_violations", maps.border_violations},
-           {"length_violations", maps.length_violations}};
+           {"length_violations", maps.length_violations},
+           {"weight_violations", maps.weight_violations}};
     const std::string& first = r.ok() ? maps.first : r.first;
     j["first"] = first.empty() ? json() : json(first);
     return j;
@@ -196,8 +206,9 @@ void print_verify(const VerifyReport& r, const MapsReport& maps, const std::vect
     fmt::print("{} vertices: {} nesting, {} sphere, {} border, {} rim, {} page bound violations\n", r.vertices,
                r.nesting_violations, r.sphere_violations, r.border_mismatches, r.rim_violations, r.bound_violations);
     fmt::print("{} chunks: checksums hold\n", r.chunks);
-    fmt::print("{} texels, {} on borders of tiles: {} mip, {} border, {} length violations\n", maps.texels,
-               maps.border_texels, maps.mip_violations, maps.border_violations, maps.length_violations);
+    fmt::print("{} texels, {} on borders of tiles: {} mip, {} border, {} length, {} weight violations\n", maps.texels,
+               maps.border_texels, maps.mip_violations, maps.border_violations, maps.length_violations,
+               maps.weight_violations);
     if (!against.empty())
         fmt::print("heights against {}: {} off by more than half a quantum\n", fmt::join(against, " "),
                    r.height_mismatches);

@@ -56,11 +56,13 @@ json summary_json(const BakeSummary& s) {
            {"repeated_highest", repeated_json(s.highest)},
            {"texture_bytes", s.texture_bytes},
            {"horizon_bytes", s.horizon_bytes},
+           {"control_bytes", s.control_bytes},
            {"resumed", s.resumed},
            {"resident_mb_max", most_resident_mb()},
            {"seconds_read", s.seconds_read},
            {"seconds_textures", s.seconds_textures},
            {"seconds_horizons", s.seconds_horizons},
+           {"seconds_control", s.seconds_control},
            {"seconds_errors", s.seconds_errors},
            {"seconds_write", s.seconds_write},
            {"seconds_total", s.seconds_total}};

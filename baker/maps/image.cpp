@@ -37,11 +37,19 @@ struct Opened {
 struct Recipe {
     std::string path;
     std::string warp_to; // WKT; empty: as it is
+    RasterUse use = RasterUse::picture;
 };
 
-void check_kind(GDALDataset& file, const std::string& path) {
+void check_kind(GDALDataset& file, const Recipe& recipe) {
     GDALRasterBand* const first = file.GetRasterBand(1);
     const GDALDataType type = first->GetRasterDataType();
+    const std::string& path = recipe.path;
+    if (recipe.use == RasterUse::classes) {
+        if (type == GDT_Byte || type == GDT_UInt16 || type == GDT_Int16) return;
+        throw Failure(1, fmt::format("{}: is no raster of classes of 8 or 16 bits ({}); convert it with "
+                                     "gdal_translate -ot UInt16",
+                                     path, GDALGetDataTypeName(type)));
+    }
     const int count = file.GetRasterCount();
     if ((type != GDT_Byte && type != GDT_UInt16) || count > 4 || first->GetColorInterpretation() == GCI_CyanBand)
         throw Failure(1,
@@ -67,8 +75,9 @@ GdalFile expand_palette(GDALDataset& file, const Recipe& recipe, const GdalMessa
 // Everything that GDAL would choose by itself is fixed: memory for chunks, threads, the error of approximated
 // coordinates, overviews.
 GdalFile warp(GDALDataset& file, const Recipe& recipe, const GdalMessages& messages) {
+    const char* const how = recipe.use == RasterUse::picture ? "bilinear" : "near";
     const char* const words[] = {
-        "-of",  "VRT",  "-t_srs", recipe.warp_to.c_str(), "-r",   "bilinear", "-dstalpha", "-et", "0.125", "-wm", "64",
+        "-of",  "VRT",  "-t_srs", recipe.warp_to.c_str(), "-r",   how, "-dstalpha", "-et", "0.125", "-wm", "64",
         "-ovr", "NONE", "-wo",    "NUM_THREADS=1",        nullptr};
     GDALWarpAppOptions* const options = GDALWarpAppOptionsNew(const_cast<char**>(words), nullptr);
     GDALDatasetH from = GDALDataset::ToHandle(&file);
@@ -80,8 +89,9 @@ GdalFile warp(GDALDataset& file, const Recipe& recipe, const GdalMessages& messa
 Opened open_image(const Recipe& recipe, GdalMessages& messages) {
     Opened opened;
     opened.chain.push_back(open_raster(recipe.path, "an image", messages));
-    check_kind(opened.top(), recipe.path);
-    if (opened.top().GetRasterBand(1)->GetColorTable() && opened.top().GetRasterCount() < 3)
+    check_kind(opened.top(), recipe);
+    if (recipe.use != RasterUse::classes && opened.top().GetRasterBand(1)->GetColorTable() &&
+        opened.top().GetRasterCount() < 3)
         opened.chain.push_back(expand_palette(opened.top(), recipe, messages));
     if (!recipe.warp_to.empty()) {
         opened.chain.push_back(warp(opened.top(), recipe, messages));
@@ -102,6 +112,7 @@ public:
         if (!open_[layer]) open_[layer] = std::make_unique<Opened>(open_image(recipes_[layer], messages));
         const Opened& file = *open_[layer];
         const std::string& path = recipes_[layer].path;
+        classes_ = recipes_[layer].use == RasterUse::classes;
         if (!file.warped) return read_window(file.top(), pixels, pixels, rgba, path, messages);
         // Whole blocks, so that what is warped at once is always the same.
         int across = 0, down = 0;
@@ -122,7 +133,8 @@ private:
         GDALRasterBand* const first = file.GetRasterBand(1);
         const bool grey = file.GetRasterCount() < 3, wide = first->GetRasterDataType() == GDT_UInt16;
         CPLErr result = CE_None;
-        for (int c = 0; c < 3 && result == CE_None; ++c) {
+        if (classes_) result = read_classes(*first, w, rgba);
+        for (int c = 0; c < 3 && result == CE_None && !classes_; ++c) {
             GDALRasterBand* const band = grey ? first : file.GetRasterBand(c + 1);
             result = wide ? read_wide(*band, w, rgba + c)
                           : band->RasterIO(GF_Read, w.x, w.y, w.columns, w.rows, rgba + c, w.columns, w.rows, GDT_Byte,
@@ -145,6 +157,19 @@ private:
         return result;
     }
 
+    // Numbers below 0 count as 0.
+    CPLErr read_classes(GDALRasterBand& band, const Window& w, std::uint8_t* to) {
+        wide_.resize(w.area());
+        const CPLErr result = band.RasterIO(GF_Read, w.x, w.y, w.columns, w.rows, wide_.data(), w.columns, w.rows,
+                                            GDT_UInt16, 0, 0, nullptr);
+        for (std::size_t i = 0; i < wide_.size(); ++i) {
+            to[4 * i] = static_cast<std::uint8_t>(wide_[i] & 255u);
+            to[4 * i + 1] = static_cast<std::uint8_t>(wide_[i] >> 8);
+            to[4 * i + 2] = 0;
+        }
+        return result;
+    }
+
     void copy_common(const Window& from, const Window& to, std::uint8_t* rgba) const {
         const std::int32_t x0 = std::max(from.x, to.x), x1 = std::min(from.x + from.columns, to.x + to.columns);
         const std::int32_t y0 = std::max(from.y, to.y), y1 = std::min(from.y + from.rows, to.y + to.rows);
@@ -159,6 +184,7 @@ private:
     std::vector<std::unique_ptr<Opened>> open_;
     std::vector<std::uint8_t> block_;
     std::vector<std::uint16_t> wide_;
+    bool classes_ = false;
 };
 
 // ---- where an image lies
@@ -200,6 +226,18 @@ ImageLayer stretched(GDALDataset& file, const Frame& ground) {
     return layer;
 }
 
+// What is stretched must be of the whole terrain, or classes would lie anywhere.
+void check_proportions(GDALDataset& file, const Frame& ground, const std::string& path) {
+    const double columns = file.GetRasterXSize(), rows = file.GetRasterYSize();
+    const double off = columns / rows * (ground.rows / static_cast<double>(ground.columns));
+    if (std::abs(off - 1) <= 1.5 / std::min(columns, rows) + 1.5 / std::min(ground.columns, ground.rows)) return;
+    throw Failure(1,
+                  fmt::format("{}: has {} x {} pixels and no georeference in a CRS that the terrain shares, whose {} "
+                              "x {} samples have other proportions; cut it to the terrain, or place it with "
+                              "gdal_translate -a_srs -a_ullr",
+                              path, columns, rows, ground.columns, ground.rows));
+}
+
 ImageLayer placed(GDALDataset& file, const Frame& ground, const std::string& path) {
     const Georeference g = georeference(file);
     ImageLayer layer{file.GetRasterXSize(), file.GetRasterYSize(), {0, 0}, {1, 1}};
@@ -234,8 +272,8 @@ std::string file_identity(const std::string& path) {
 
 class Images final : public ImageSource {
 public:
-    Images(const std::vector<std::string>& paths, const Frame& ground) {
-        for (const std::string& path : paths) add(path, ground, paths.size());
+    Images(const std::vector<std::string>& paths, const Frame& ground, RasterUse use) {
+        for (const std::string& path : paths) add({path, {}, use}, ground, paths.size());
     }
     [[nodiscard]] std::unique_ptr<ImageReader> reader() const override { return std::make_unique<Reader>(recipes_); }
     [[nodiscard]] std::string identity() const override {
@@ -250,9 +288,9 @@ public:
     }
 
 private:
-    void add(const std::string& path, const Frame& ground, std::size_t count) {
+    void add(Recipe recipe, const Frame& ground, std::size_t count) {
         GdalMessages messages;
-        Recipe recipe{path, {}};
+        const std::string path = recipe.path;
         std::unique_ptr<Opened> opened = std::make_unique<Opened>(open_image(recipe, messages));
         const Georeference g = georeference(opened->top());
         if (!g.there || ground.crs_wkt.empty() || ground.step[0] <= 0) {
@@ -260,6 +298,7 @@ private:
                 throw Failure(1, fmt::format("{}: several images need georeferences, and a terrain with a CRS; give "
                                              "one image, or place all with gdalwarp",
                                              path));
+            if (recipe.use != RasterUse::picture) check_proportions(opened->top(), ground, path);
             layers.push_back(stretched(opened->top(), ground));
         } else {
             if (needs_warp(opened->top(), g, ground)) {
@@ -286,7 +325,11 @@ Frame frame_of(const HeightSource& ground) {
 }
 
 std::unique_ptr<ImageSource> open_images(const std::vector<std::string>& paths, const Frame& ground) {
-    return std::make_unique<Images>(paths, ground);
+    return std::make_unique<Images>(paths, ground, RasterUse::picture);
+}
+
+std::unique_ptr<ImageSource> open_raster_map(const std::string& path, const Frame& ground, RasterUse use) {
+    return std::make_unique<Images>(std::vector<std::string>{path}, ground, use);
 }
 
 } // namespace fjell::baker

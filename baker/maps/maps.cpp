@@ -11,6 +11,7 @@
 
 #include "baker/maps/base_mip.h"
 #include "baker/maps/blocks.h"
+#include "baker/maps/control.h"
 #include "compiler.h"
 #include "fjell/pack.h"
 #include "fjell/texture.h"
@@ -137,9 +138,23 @@ std::vector<std::byte> compress_horizons(const TexelPlanes& planes, const Window
     return blocks;
 }
 
+std::vector<std::byte> control_texels(const TexelPlanes& planes, const Window& tile) {
+    std::vector<std::byte> texels(tile.area() * control_texel_bytes);
+    std::byte* to = texels.data();
+    float shares[max_control_names];
+    for (std::int32_t y = tile.y; y < tile.y + tile.rows; ++y)
+        for (std::int32_t x = tile.x; x < tile.x + tile.columns; ++x, to += control_texel_bytes) {
+            for (std::size_t c = 0; c < max_control_names; ++c)
+                shares[c] = planes.row(static_cast<int>(c), y)[x - planes.at.x];
+            store_control_texel(shares, to);
+        }
+    return texels;
+}
+
 // Blocks of the tile's own texels; planes may hold more around them.
 std::vector<std::byte> compress(MapKind kind, const TexelPlanes& planes, const Window& tile) {
     if (kind == MapKind::horizon) return compress_horizons(planes, tile);
+    if (kind == MapKind::control) return control_texels(planes, tile);
     const bool colour = kind == MapKind::colour;
     const auto side = static_cast<std::size_t>(tile.columns), across = side / 4;
     const std::size_t row_bytes = across * (colour ? colour_block_bytes : normal_block_bytes);
@@ -205,11 +220,12 @@ std::vector<MipTexels> near_mips_of(const MapPlan& plan, MapKind kind, std::uint
 } // namespace
 
 std::uint32_t MapPlan::log2_side(MapKind kind) const {
-    return kind == MapKind::colour ? colour_log2 : kind == MapKind::normal ? normal_log2 : horizon_log2;
+    const std::uint32_t log2[map_kind_count] = {colour_log2, normal_log2, horizon_log2, control_log2};
+    return log2[static_cast<std::size_t>(kind)];
 }
 
-int MapPlan::horizon_stride_log2() const {
-    return std::max(tree.tile_log2 - static_cast<int>(horizon_log2), 0);
+int MapPlan::stride_log2(MapKind kind) const {
+    return std::max(tree.tile_log2 - static_cast<int>(log2_side(kind)), 0);
 }
 
 Window MapPlan::grid(MapKind kind, std::uint32_t mip) const {
@@ -263,9 +279,9 @@ NearMaps near_maps(const MapPlan& plan, std::uint32_t tile, const float* heights
 namespace {
 
 // From points to the texels of mip 0. Texels on the rim stand where the last point would, were it not beyond it.
-SampleAxes point_axes(const MapPlan& plan) {
-    SampleAxes axes = sample_axes(plan, MapKind::horizon);
-    const int stride_log2 = plan.horizon_stride_log2();
+SampleAxes point_axes(const MapPlan& plan, MapKind kind) {
+    SampleAxes axes = sample_axes(plan, kind);
+    const int stride_log2 = plan.stride_log2(kind);
     for (TentAxis& axis : axes.axes) {
         axis.scale = std::ldexp(1.0, -stride_log2);
         axis.size = ((axis.size - 2) >> stride_log2) + 2; // the last one on the rim or beyond it
@@ -275,15 +291,15 @@ SampleAxes point_axes(const MapPlan& plan) {
 
 } // namespace
 
-Window points_for_horizons(const MapPlan& plan, std::uint32_t tile) {
-    return seen(point_axes(plan).axes, near_windows(plan, MapKind::horizon, tile).front());
+Window points_for_map(const MapPlan& plan, MapKind kind, std::uint32_t tile) {
+    return seen(point_axes(plan, kind).axes, near_windows(plan, kind, tile).front());
 }
 
-std::vector<MipTexels> near_horizons(const MapPlan& plan, std::uint32_t tile, const TexelPlanes& points) {
-    const auto windows = near_windows(plan, MapKind::horizon, tile);
-    const SampleAxes from = point_axes(plan);
-    return near_mips_of(plan, MapKind::horizon, tile, windows,
-                        coarser({{from.axes[0], from.axes[1]}}, points, windows.front()));
+std::vector<MipTexels> near_mips_from(const MapPlan& plan, MapKind kind, std::uint32_t tile,
+                                      const TexelPlanes& points) {
+    const auto windows = near_windows(plan, kind, tile);
+    const SampleAxes from = point_axes(plan, kind);
+    return near_mips_of(plan, kind, tile, windows, coarser({{from.axes[0], from.axes[1]}}, points, windows.front()));
 }
 
 Window finer_texels(const MapPlan& plan, MapKind kind, std::uint32_t mip, std::uint32_t tile) {

@@ -1,5 +1,5 @@
-// Materials: colour, normal and horizon maps of tiles, with mips, block-compressed (thesis 6.1: an image, or a ramp
-// over height).
+// Materials: colour, normal, horizon and control maps of tiles, with mips, block-compressed (thesis 6.1: an image, or a
+// ramp over height).
 //
 // Mip m of a map with N = 2^log2 texels a side has n = N >> m; the smallest has 4. Texel centres of the first and last
 // column and row of *every* mip lie on the tile's border. So mip m of all tiles together is one grid of
@@ -24,8 +24,8 @@ namespace fjell::baker {
 
 inline constexpr std::uint32_t near_mips = 3;
 
-enum class MapKind : std::uint8_t { colour, normal, horizon };
-inline constexpr std::size_t map_kind_count = 3;
+enum class MapKind : std::uint8_t { colour, normal, horizon, control };
+inline constexpr std::size_t map_kind_count = 4;
 
 class ImageSource; // colour_files / image.h: an ortho-image of any size and CRS, read by windows
 class ImageReader; // one a thread
@@ -34,13 +34,15 @@ class ImageReader; // one a thread
 struct MapPlan {
     Tree tree;
     double spacing_m[2] = {1, 1};
-    std::uint32_t colour_log2 = 0, normal_log2 = 0, horizon_log2 = 0; // texels a side of mip 0, at least 2; 0: none
-    std::optional<Ramp> ramp;                                         // in metres; also where the image has no pixels
-    const ImageSource* image = nullptr;                               // or none
+    // Texels a side of mip 0, at least 2; 0: none.
+    std::uint32_t colour_log2 = 0, normal_log2 = 0, horizon_log2 = 0, control_log2 = 0;
+    std::optional<Ramp> ramp;           // in metres; also where the image has no pixels
+    const ImageSource* image = nullptr; // or none
 
     [[nodiscard]] std::uint32_t log2_side(MapKind kind) const;
-    // Horizons are computed at every (1 << this)-th sample: as far apart as texels of mip 0, or nearer.
-    [[nodiscard]] int horizon_stride_log2() const;
+    // Horizons and shares of materials are computed at every (1 << this)-th sample: as far apart as texels of mip 0, or
+    // nearer.
+    [[nodiscard]] int stride_log2(MapKind kind) const;
     // Columns and rows of the grid of a mip of all tiles.
     [[nodiscard]] Window grid(MapKind kind, std::uint32_t mip) const;
     // The texels of the grid that are a tile's.
@@ -50,14 +52,17 @@ struct MapPlan {
 // The samples that near_maps reads for a tile: its own and some around it, within the terrain.
 [[nodiscard]] Window heights_for_maps(const MapPlan& plan, std::uint32_t tile);
 
-// Texels between two mips: 16 bits a channel, row by row; colour 3 channels (linear light), normal 2, horizon 16.
+// Texels between two mips: 16 bits a channel, row by row; colour 3 channels (linear light), normal 2, horizon and
+// control 16.
 using Texels = std::vector<std::uint16_t>;
 [[nodiscard]] constexpr std::size_t channels(MapKind kind) {
-    return kind == MapKind::colour ? 3 : kind == MapKind::normal ? 2 : horizon_planes;
+    return kind == MapKind::colour ? 3 : kind == MapKind::normal ? 2 : 16;
 }
 
+static_assert(horizon_planes == 16 && max_control_names == 16);
+
 struct MipTexels {
-    std::vector<std::byte> blocks; // BC1, BC5 or BC4, as the pack stores it before zstd
+    std::vector<std::byte> blocks; // BC1, BC5, BC4 or control texels, as the pack stores it before zstd
     Texels texels;                 // plan.texels(kind, mip, tile).area() * channels(kind)
 };
 
@@ -68,10 +73,11 @@ struct NearMaps {
 };
 [[nodiscard]] NearMaps near_maps(const MapPlan& plan, std::uint32_t tile, const float* heights_m, ImageReader* reader);
 
-// The same mips of a horizon map: first which points they are made from (horizon.h), in a grid of every (1 <<
-// horizon_stride_log2())-th sample, then the work.
-[[nodiscard]] Window points_for_horizons(const MapPlan& plan, std::uint32_t tile);
-[[nodiscard]] std::vector<MipTexels> near_horizons(const MapPlan& plan, std::uint32_t tile, const TexelPlanes& points);
+// The same mips of a horizon or control map: first which points they are made from (horizon.h, control.h), in a grid of
+// every (1 << stride_log2())-th sample, then the work.
+[[nodiscard]] Window points_for_map(const MapPlan& plan, MapKind kind, std::uint32_t tile);
+[[nodiscard]] std::vector<MipTexels> near_mips_from(const MapPlan& plan, MapKind kind, std::uint32_t tile,
+                                                    const TexelPlanes& points);
 
 // Mip m >= near_mips of a tile, from the grid of mip m - 1: first which texels of that, then the work.
 [[nodiscard]] Window finer_texels(const MapPlan& plan, MapKind kind, std::uint32_t mip, std::uint32_t tile);

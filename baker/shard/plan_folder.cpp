@@ -90,6 +90,10 @@ std::string recipe_path(const std::string& folder) {
 ShardPlan make_shard_plan(const HeightSource& source, const BakeOptions& options, int shards) {
     if (shards < 1 || shards > max_shards)
         throw Failure(2, fmt::format("--shards {}: must be from 1 to {}", shards, max_shards));
+    if (!options.layers_path.empty())
+        throw Failure(
+            2, "--layers looks at wetness over the whole terrain and cannot be cut into shards; leave it out, or bake "
+               "the terrain in one run");
     if (options.horizon_spacing != 0)
         throw Failure(2, "--horizons looks over the whole terrain and cannot be cut into shards; leave it out, or bake "
                          "on one machine");

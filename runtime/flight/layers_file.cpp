@@ -122,7 +122,7 @@ GroundLayers read_ground_layers(const std::string& materials, const std::string&
     GroundLayers layers;
     layers.file = io::read_file(materials);
     layers.materials = io::open_materials(layers.file, materials);
-    layers.rules = parse_layer_rules(io::read_text(rules), rules, layers.materials);
+    if (!rules.empty()) layers.rules = parse_layer_rules(io::read_text(rules), rules, layers.materials);
     return layers;
 }
 

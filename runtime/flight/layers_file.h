@@ -19,9 +19,8 @@ struct GroundLayers {
     std::vector<std::byte> file; // that the materials point into
     io::Materials materials;
     std::vector<gl::LayerRule> rules;
-
-    [[nodiscard]] bool present() const { return !rules.empty(); }
 };
+// rules: empty: none; then only packs with control maps have layers.
 [[nodiscard]] GroundLayers read_ground_layers(const std::string& materials, const std::string& rules);
 
 } // namespace fjell::flight

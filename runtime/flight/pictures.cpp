@@ -54,6 +54,32 @@ std::unique_ptr<gl::Target> make_target(std::uint32_t width, std::uint32_t heigh
     return gl::Target::create({width, height, std::min(profile.samples, gl::max_target_samples())}, error);
 }
 
+namespace {
+
+// Of the pack's control maps.
+std::vector<std::string> names_of_layers(const Session& session) {
+    const Pack& pack = session.loaded.pack;
+    std::vector<std::byte> text(pack.header.layer_bytes);
+    if (text.empty()) return {};
+    if (pack.bytes.empty())
+        session.file->read_chunk({ChunkKind::layers, 0, 0}, text);
+    else if (const Status s = read_chunk(pack, {ChunkKind::layers, 0, 0}, text); !s.ok())
+        throw Failure(1, session.loaded.path + ": names of layers: " + message(s.code));
+    return io::layer_names({reinterpret_cast<const char*>(text.data()), text.size()});
+}
+
+void set_layers(gl::Renderer& renderer, const GroundLayers& layers, const Session& session) {
+    const std::vector<std::string> names = names_of_layers(session);
+    if (names.empty() && layers.rules.empty())
+        throw Failure(1, session.loaded.path +
+                             ": has no control map that says where materials lie; give rules too, "
+                             "--layers content/materials/rules/alpine.json, or bake it with --layers");
+    if (const std::string error = renderer.set_layers(layers.materials, layers.rules, names); !error.empty())
+        throw Failure(1, error);
+}
+
+} // namespace
+
 std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const Session& session, std::string& error) {
     gl::RendererOptions slots;
     if (session.incremental()) {
@@ -73,12 +99,14 @@ std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const 
         slots.colour = stream_map_layers(session.streamed->stream(), MapKind::colour);
         slots.normal = stream_map_layers(session.streamed->stream(), MapKind::normal);
         slots.horizon = stream_map_layers(session.streamed->stream(), MapKind::horizon);
+        slots.control = stream_map_layers(session.streamed->stream(), MapKind::control);
     }
     slots.horizons = options.profile.light.shadows;
+    slots.control_maps = options.layers && options.profile.layers.control;
     slots.light = options.profile.light;
     slots.material_bytes = options.profile.material_bytes;
     auto renderer = gl::Renderer::create(session.terrain(), session.loaded.pack, slots, error);
-    if (renderer && options.layers) error = renderer->set_layers(options.layers->materials, options.layers->rules);
+    if (renderer && options.layers) set_layers(*renderer, *options.layers, session);
     return error.empty() ? std::move(renderer) : nullptr;
 }
 
@@ -88,9 +116,9 @@ std::string upload_mesh(gl::Renderer& renderer, const Session& session, const Fr
         const Stream stream = session.streamed->stream();
         std::string error = renderer.upload(stream_map_commands(stream));
         if (error.empty())
-            error =
-                renderer.show_maps(stream_tile_maps(stream, MapKind::colour), stream_tile_maps(stream, MapKind::normal),
-                                   stream_tile_maps(stream, MapKind::horizon));
+            error = renderer.show_maps(
+                stream_tile_maps(stream, MapKind::colour), stream_tile_maps(stream, MapKind::normal),
+                stream_tile_maps(stream, MapKind::horizon), stream_tile_maps(stream, MapKind::control));
         if (!error.empty()) return error;
     }
     return session.incremental() ? renderer.upload(cut_mesh(session.cut), cut_take_changes(session.cut))

@@ -65,9 +65,9 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
 void declare_light(CLI::App& app, FlightOptions& o, Flags& f) {
     auto* const materials = app.add_option("--materials", o.materials_path,
                                            "what near ground is drawn with: a file of fjell-bake materials");
-    auto* const rules =
-        app.add_option("--layers", o.rules_path, "and where: rules (content/materials/rules/*.json)")->needs(materials);
-    materials->needs(rules);
+    app.add_option("--layers", o.rules_path,
+                   "and where, unless the pack's control maps say: rules (content/materials/rules/*.json)")
+        ->needs(materials);
     app.add_option("--light", f.light,
                    "KEY=VALUE[,KEY=VALUE]: sun, air, exposure, water: any key of [light] of a profile, as in "
                    "elevation_deg=5,water=true; may be repeated")

@@ -138,8 +138,10 @@ TileBlock Renderer::State::make_tile(std::uint32_t tile, std::uint32_t index) co
     block.row = static_cast<std::int32_t>(row << header.tile_log2);
     block.index = static_cast<std::int32_t>(index);
     block.tile = static_cast<std::int32_t>(tile);
-    std::int32_t* const layers[map_kinds] = {&block.colour_layer, &block.normal_layer, &block.horizon_layer};
-    std::int32_t* const arrays[map_kinds] = {&block.colour_array, &block.normal_array, &block.horizon_array};
+    std::int32_t* const layers[map_kinds] = {&block.colour_layer, &block.normal_layer, &block.horizon_layer,
+                                             &block.control_layer};
+    std::int32_t* const arrays[map_kinds] = {&block.colour_array, &block.normal_array, &block.horizon_array,
+                                             &block.control_array};
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         const MapArrays& of = maps.kind[kind];
         *arrays[kind] = -1;
@@ -149,9 +151,12 @@ TileBlock Renderer::State::make_tile(std::uint32_t tile, std::uint32_t index) co
         if (map.side_log2 != 0) *arrays[kind] = of.array_of[map.side_log2];
         (void)min_lod_grid(of.tiles, terrain, tile, block.mip[kind]);
     }
-    const MapArrays& horizon = maps.kind[2];
-    if (block.horizon_array >= 0)
-        block.horizon_mip = static_cast<std::int32_t>(horizon.slots.top_log2 - horizon.tiles[tile].side_log2);
+    // Whose mips shaders count themselves.
+    const auto first_mip = [&](const MapArrays& of) {
+        return static_cast<std::int32_t>(of.slots.top_log2 - of.tiles[tile].side_log2);
+    };
+    if (block.horizon_array >= 0) block.horizon_mip = first_mip(maps.kind[2]);
+    if (block.control_array >= 0) block.control_mip = first_mip(maps.kind[3]);
     block.tint = packed_tint(column, row);
     return block;
 }

@@ -67,6 +67,11 @@ void Renderer::State::set_layers(const View& view, const DrawOptions& now, Frame
     // A texel of a few millimetres is finer than a pixel from there on.
     const double fine_m = std::min(160.0, 0.5 * now.layers.distance_m);
     put(block.layers, now.layers.distance_m, now.layers.tint, now.layers.relief, fine_m);
+    // Noise moves places by half a texel, but no further than its own patches are wide.
+    const double cells = std::ldexp(1.0, static_cast<int>(header.tile_log2)),
+                 texels = std::ldexp(1.0, static_cast<int>(header.control_log2)), half = 0.5 / texels, most_m = 30;
+    put(block.control, texels, mip_count(header.control_log2), std::min(half, most_m / (cells * spacing_x_m)),
+        std::min(half, most_m / (cells * spacing_z_m)));
 }
 
 void Renderer::State::set_light(const View& view, const DrawOptions& now, FrameBlock& block) const {

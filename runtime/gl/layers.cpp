@@ -207,11 +207,33 @@ void layer_shares(std::span<const LayerRule> rules, double height_m, double slop
     for (double& share : shares) share = all > 0 ? share / all : 0;
 }
 
-std::string Layers::set(const io::Materials& materials, std::span<const LayerRule> rules, std::uint64_t most_bytes,
-                        float anisotropy, bool software) {
+namespace {
+
+// Every name must be a material, or some ground would show another one.
+std::string match_names(const LayersInput& in, std::int32_t (&of_name)[io::max_materials]) {
+    if (in.names.size() > io::max_materials) return "the pack's control maps speak of more than 16 materials";
+    std::string known;
+    for (const io::MaterialRecord& r : in.materials.records) known += (known.empty() ? "" : ", ") + std::string(r.name);
+    for (std::size_t i = 0; i < in.names.size(); ++i) {
+        of_name[i] = in.materials.find(in.names[i]);
+        if (of_name[i] < 0)
+            return "the pack's control maps speak of \"" + in.names[i] + "\", and the materials are " + known +
+                   ": give materials with it, or bake the pack with other --layers";
+    }
+    return {};
+}
+
+} // namespace
+
+std::string Layers::set(const LayersInput& in, std::uint64_t most_bytes, float anisotropy, bool software) {
     *this = {};
-    if (materials.records.empty() && rules.empty()) return {};
-    if (std::string error = validate(rules, materials.records.size()); !error.empty()) return "set_layers(): " + error;
+    const io::Materials& materials = in.materials;
+    if (materials.records.empty() && in.rules.empty()) return {};
+    if (in.names.empty() || !in.rules.empty())
+        if (std::string error = validate(in.rules, materials.records.size()); !error.empty())
+            return "set_layers(): " + error;
+    LayersBlock block = block_of(materials, in.rules);
+    if (std::string error = match_names(in, block.of_name); !error.empty()) return error;
     const bool blocks = !software && epoxy_has_gl_extension("GL_EXT_texture_compression_s3tc");
     const ArrayFormat formats[] = {{true, blocks, software}, {false, blocks, software}};
     std::uint32_t first_mip = 0;
@@ -227,11 +249,12 @@ std::string Layers::set(const io::Materials& materials, std::span<const LayerRul
     normal = Texture(make_array(formats[1], materials, first_mip, anisotropy));
     unsigned name = 0;
     glCreateBuffers(1, &name);
-    const LayersBlock block = block_of(materials, rules);
     glNamedBufferStorage(name, sizeof block, &block, 0);
     table = Buffer(name);
     bytes = bytes_from(first_mip);
     one_mip = software;
+    rules = in.rules.size();
+    names = in.names.size();
     if (glGetError() == GL_NO_ERROR) return {};
     *this = {};
     return "the GPU has no room for the materials: lower RendererOptions::material_bytes";

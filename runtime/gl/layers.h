@@ -31,21 +31,28 @@ struct LayersBlock {
     float turn[io::max_materials][4]; // a fine and a coarse texture's periods, east and south
     float mean[io::max_materials][4]; // linear rgb; share of the coarse texture
     RuleBlock rule[max_layer_rules];
-    std::int32_t count[4];
+    std::int32_t count[4];                   // of rules
+    std::int32_t of_name[io::max_materials]; // the material of each of the control maps' names
 };
-static_assert(sizeof(LayersBlock) == (2 * io::max_materials + 5 * max_layer_rules + 1) * 16,
+static_assert(sizeof(LayersBlock) == (2 * io::max_materials + 5 * max_layer_rules + 1) * 16 + 4 * io::max_materials,
               "LayersBlock is uploaded: change the block `Layers` in shaders_layers.cpp with it");
+
+struct LayersInput {
+    const io::Materials& materials;
+    std::span<const LayerRule> rules;
+    std::span<const std::string> names; // of control maps
+};
 
 struct Layers {
     Texture colour, normal;
     Buffer table;
     std::uint64_t bytes = 0; // of the textures
-    bool one_mip = false;    // is read at a time, which shaders make up for
+    std::size_t rules = 0, names = 0;
+    bool one_mip = false; // is read at a time, which shaders make up for
 
     [[nodiscard]] bool present() const { return table.get() != 0; }
     // most_bytes: finest mips are left out until the textures fit.
-    [[nodiscard]] std::string set(const io::Materials& materials, std::span<const LayerRule> rules,
-                                  std::uint64_t most_bytes, float anisotropy, bool software);
+    [[nodiscard]] std::string set(const LayersInput& in, std::uint64_t most_bytes, float anisotropy, bool software);
     void bind() const;
 };
 

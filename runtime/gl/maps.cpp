@@ -20,6 +20,7 @@ struct Format {
     std::size_t block_bytes; // of 4 x 4 texels, all planes
     const char* extension;   // that has the format; none: the core
     std::uint32_t across;    // planes of a picture, each way
+    bool numbers = false;    // texels as they are, of whole numbers: never filtered
 };
 constexpr Format formats[map_kinds] = {{ChunkKind::colour, "colour map", "RendererOptions::colour",
                                         GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, colour_block_bytes,
@@ -27,7 +28,9 @@ constexpr Format formats[map_kinds] = {{ChunkKind::colour, "colour map", "Render
                                        {ChunkKind::normal, "normal map", "RendererOptions::normal",
                                         GL_COMPRESSED_RG_RGTC2, normal_block_bytes, nullptr, 1},
                                        {ChunkKind::horizon, "horizon map", "RendererOptions::horizon",
-                                        GL_COMPRESSED_RED_RGTC1, horizon_block_bytes, nullptr, horizon_planes_across}};
+                                        GL_COMPRESSED_RED_RGTC1, horizon_block_bytes, nullptr, horizon_planes_across},
+                                       {ChunkKind::control, "control map", "RendererOptions::control", GL_RGBA16UI,
+                                        control_block_bytes, nullptr, 1, true}};
 
 std::size_t mip_bytes(const Format& format, std::uint32_t side) {
     return blocks_of(side) * format.block_bytes;
@@ -66,12 +69,15 @@ std::string check_slots(const Format& format, const MapLayers& slots, std::uint3
 // Of planes side by side the shader reads whole mips: a filter between two would reach over a plane's border.
 void set_sampling(unsigned name, const Format& format, std::uint32_t mips, float anisotropy) {
     const bool planes = format.across > 1;
-    glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, planes ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_LINEAR);
-    glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTextureParameteri(name, GL_TEXTURE_MIN_FILTER,
+                        format.numbers ? GL_NEAREST_MIPMAP_NEAREST
+                        : planes       ? GL_LINEAR_MIPMAP_NEAREST
+                                       : GL_LINEAR_MIPMAP_LINEAR);
+    glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, format.numbers ? GL_NEAREST : GL_LINEAR);
     glTextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTextureParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     glTextureParameteri(name, GL_TEXTURE_MAX_LEVEL, static_cast<GLint>(mips) - 1);
-    if (anisotropy > 1 && !planes) glTextureParameterf(name, GL_TEXTURE_MAX_ANISOTROPY, anisotropy);
+    if (anisotropy > 1 && !planes && !format.numbers) glTextureParameterf(name, GL_TEXTURE_MAX_ANISOTROPY, anisotropy);
 }
 
 float granted_anisotropy(float wish) {
@@ -108,6 +114,12 @@ std::string make_arrays(const Format& format, const MapLayers& slots, std::uint3
 
 void store_mip(const Format& format, unsigned texture, std::uint32_t mip, std::uint32_t layer, std::uint32_t first_row,
                std::uint32_t rows, std::uint32_t side, std::size_t bytes, const void* blocks) {
+    if (format.numbers) {
+        glTextureSubImage3D(texture, static_cast<GLint>(mip), 0, static_cast<GLint>(first_row),
+                            static_cast<GLint>(layer), static_cast<GLsizei>(side), static_cast<GLsizei>(rows), 1,
+                            GL_RGBA_INTEGER, GL_UNSIGNED_SHORT, blocks);
+        return;
+    }
     glCompressedTextureSubImage3D(texture, static_cast<GLint>(mip), 0, static_cast<GLint>(first_row),
                                   static_cast<GLint>(layer), static_cast<GLsizei>(side), static_cast<GLsizei>(rows), 1,
                                   format.format, static_cast<GLsizei>(bytes), blocks);
@@ -192,10 +204,12 @@ void store_blocks(const MapCommand& command, const Format& format, const MapArra
 std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], const MapOptions& options, Maps& maps) {
     maps.anisotropy = granted_anisotropy(options.anisotropy);
     const PackHeader& h = pack.header;
-    // Whose other maps are streamed has no bytes to load horizons from.
-    const bool horizons =
-        slots[2].top_log2 != 0 || (options.horizons && slots[0].top_log2 == 0 && slots[1].top_log2 == 0);
-    const std::uint32_t pack_log2[map_kinds] = {h.colour_log2, h.normal_log2, horizons ? h.horizon_log2 : 0};
+    // Whose other maps are streamed has no bytes to load these from.
+    const bool whole = slots[0].top_log2 == 0 && slots[1].top_log2 == 0 && !pack.bytes.empty();
+    const auto wanted = [&](std::uint32_t kind, bool wish) { return slots[kind].top_log2 != 0 || (wish && whole); };
+    const std::uint32_t pack_log2[map_kinds] = {h.colour_log2, h.normal_log2,
+                                                wanted(2, options.horizons) ? h.horizon_log2 : 0,
+                                                wanted(3, options.control) ? h.control_log2 : 0};
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         MapArrays& arrays = maps.kind[kind];
         std::fill(std::begin(arrays.array_of), std::end(arrays.array_of), -1);
@@ -221,8 +235,7 @@ std::string run_commands(std::span<const MapCommand> commands, Maps& maps, Ring&
     for (const MapCommand& command : commands)
         if (!is_good(command, maps))
             return "a map command for tile " + std::to_string(command.tile) +
-                   " names a size, a layer or blocks that RendererOptions::colour, ::normal and ::horizon have no room "
-                   "for";
+                   " names a size, a layer or blocks that RendererOptions has no room for";
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, ring.buffer());
     for (const MapCommand& command : commands) {
         const auto kind = static_cast<std::uint32_t>(command.map);
@@ -240,9 +253,7 @@ std::string show_maps(std::span<const TileMap> from, MapKind kind, Maps& maps) {
     if (from.size() != arrays.tiles.size()) return "show_maps() needs one TileMap a tile";
     for (const TileMap& map : from)
         if ((map.side_log2 != 0 && !has_layer(arrays, map.side_log2, map.layer)) || !std::isfinite(map.min_lod))
-            return "a TileMap names a size or a layer that RendererOptions::colour, ::normal and ::horizon have no "
-                   "room "
-                   "for";
+            return "a TileMap names a size or a layer that RendererOptions has no room for";
     std::copy(from.begin(), from.end(), arrays.tiles.begin());
     maps.all_there = false;
     return {};

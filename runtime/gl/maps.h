@@ -1,4 +1,5 @@
-// The terrain's colour, normal and horizon maps on the GPU: an array texture for each size that tiles may have.
+// The terrain's colour, normal, horizon and control maps on the GPU: an array texture for each size that tiles may
+// have.
 //
 // A tile has one layer of one of them, with all mips down to 4 x 4. Of a whole pack there is one size and a layer a
 // tile, loaded at creation; of a streamed one there are the sizes and layers of MapLayers, empty at first, and
@@ -45,7 +46,7 @@ struct Maps {
 
 struct MapOptions {
     float anisotropy = 1;
-    bool horizons = true; // load a whole pack's
+    bool horizons = true, control = true; // load a whole pack's
 };
 // slots: of each kind; with top_log2 != 0 it is streamed, otherwise all that the pack has of it is loaded.
 [[nodiscard]] std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], const MapOptions& options,

@@ -41,6 +41,7 @@ std::string light_defines(unsigned bits) {
     if ((bits & light_water) != 0) defines += "#define WATER\n";
     if ((bits & light_layers) != 0) defines += "#define LAYERS\n";
     if ((bits & light_shadows) != 0) defines += "#define SHADOWS\n";
+    if ((bits & light_control) != 0) defines += "#define CONTROL\n";
     return defines;
 }
 
@@ -67,7 +68,8 @@ std::string Renderer::State::make_program_of(const DrawOptions& now) {
                                            "#define TILES\n",  "#define MIPS\n",   "#define RESIDENCY\n",
                                            "#define ERROR\n"};
     std::string before = arrays_define("COLOUR_MAPS", maps.kind[0]) + arrays_define("NORMAL_MAPS", maps.kind[1]) +
-                         arrays_define("HORIZON_MAPS", maps.kind[2]);
+                         arrays_define("HORIZON_MAPS", maps.kind[2]) + arrays_define("CONTROL_MAPS", maps.kind[3]) +
+                         "#define CONTROL_UNIT " + std::to_string(control_unit()) + "\n";
     before += modes[static_cast<int>(mode)];
     if (all_there(mode)) before += "#define ALL_THERE\n";
     if (now.wireframe) before += "#define WIREFRAME\n";
@@ -144,8 +146,8 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
     // multisampled triangles: frames of half a minute were seen.
     const float anisotropy = is_software() ? 1.0f : options.anisotropy > 0 ? options.anisotropy : 8.0f;
     if (error.empty())
-        error =
-            make_maps(pack, {options.colour, options.normal, options.horizon}, {anisotropy, options.horizons}, s.maps);
+        error = make_maps(pack, {options.colour, options.normal, options.horizon, options.control},
+                          {anisotropy, options.horizons, options.control_maps}, s.maps);
     if (error.empty()) error = s.prepare({.light = options.light});
     if (error.empty() && options.morph) error = s.scatter.create();
     if (!error.empty()) return nullptr;
@@ -205,8 +207,11 @@ std::string Renderer::State::prepare(const DrawOptions& now) {
     if (std::string error = validate(now.layers); !error.empty()) return error;
     light_bits = lighting.variant(now.light);
     if (now.layers.on && ground_layers.present() && now.mode == Mode::shaded && now.lit &&
-        lighting.units > static_cast<int>(material_normal_unit))
-        light_bits |= light_layers;
+        lighting.units > static_cast<int>(material_normal_unit)) {
+        const bool mapped = now.layers.control && ground_layers.names != 0 && maps.kind[3].sizes != 0 &&
+                            lighting.units >= static_cast<int>(control_unit() + maps.kind[3].sizes);
+        if (mapped || ground_layers.rules != 0) light_bits |= light_layers | (mapped ? light_control : 0);
+    }
     const auto horizons = static_cast<int>(maps.kind[2].sizes);
     if (now.light.shadows && horizons != 0 && lighting.units >= static_cast<int>(horizon_unit) + horizons)
         light_bits |= light_shadows;
@@ -220,10 +225,11 @@ std::string Renderer::set_heights(const HeightGrid& grid) {
     return state_->heights.set(grid, state_->terrain, state_->options.texture_side);
 }
 
-std::string Renderer::set_layers(const io::Materials& materials, std::span<const LayerRule> rules) {
+std::string Renderer::set_layers(const io::Materials& materials, std::span<const LayerRule> rules,
+                                 std::span<const std::string> names) {
     State& s = *state_;
     std::string error =
-        s.ground_layers.set(materials, rules, s.options.material_bytes, s.maps.anisotropy, is_software());
+        s.ground_layers.set({materials, rules, names}, s.options.material_bytes, s.maps.anisotropy, is_software());
     s.stats.texture_bytes = s.maps.bytes + s.ground_layers.bytes;
     return error;
 }
@@ -247,9 +253,11 @@ void Renderer::State::set_up(const Target& target) const {
 }
 
 void Renderer::State::bind_maps(Mode mode) const {
-    const unsigned first_unit[map_kinds] = {colour_unit, normal_unit, horizon_unit};
+    const unsigned first_unit[map_kinds] = {colour_unit, normal_unit, horizon_unit, control_unit()};
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
-        if (kind == 2 && (light_bits & light_shadows) == 0) break; // the GPU may not have such units
+        // The GPU may not have such units.
+        if ((kind == 2 && (light_bits & light_shadows) == 0) || (kind == 3 && (light_bits & light_control) == 0))
+            continue;
         for (std::uint32_t i = 0; i < maps.kind[kind].sizes; ++i) {
             glBindTextureUnit(first_unit[kind] + i, maps.kind[kind].array[i].get());
             glBindSampler(first_unit[kind] + i, 0);

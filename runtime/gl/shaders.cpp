@@ -38,7 +38,7 @@ layout(std140, binding = 0) uniform Frame {
     vec4 noise_scale, noise_at;
     vec4 to_rim;
     vec4 layers_at, layers;
-    vec4 shadow_plane, shadow;
+    vec4 shadow_plane, control, shadow;
 };
 
 // What stages hand on: metres from the eye; samples from the tile's first; the tile's block; what modes need.
@@ -186,10 +186,11 @@ layout(location = 0) out vec4 out_colour;
 struct TileBlock {
     ivec4 at;
     ivec4 map; // colour: layer, array; normal: the same
-    float mip[27];
+    float mip[36];
     uint tint;
-    ivec2 horizon; // layer, array
     int horizon_mip; // the pack's mip that is the array's first
+    ivec2 horizon, control; // layer, array
+    int control_mip;
 };
 layout(std430, binding = 0) readonly buffer Tiles { TileBlock tile_block[]; };
 #ifdef ERROR

@@ -49,9 +49,10 @@ struct FrameBlock {
     float layers_at[4];            // of the eye, from where materials repeat [m]; 1: one mip a read
     float layers[4];               // LayerSettings: distance [m], tint, relief; where the fine textures end [m]
     float shadow_plane[4];         // column and row of the horizon map's planes on both sides of the sun's azimuth
-    float shadow[4];               // share of the second; sine of half the penumbra; texels a side of mip 0; mips
+    float control[4]; // texels a side of mip 0; mips; shares of a tile that noise displaces a place by, east and south
+    float shadow[4];  // share of the second; sine of half the penumbra; texels a side of mip 0; mips
 };
-static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6 + 27) * 16 &&
+static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6 + 28) * 16 &&
                   offsetof(FrameBlock, tile) == 208,
               "FrameBlock is uploaded: change the block `Frame` in shaders.cpp with it");
 
@@ -62,10 +63,12 @@ struct TileBlock {
     std::int32_t colour_layer, colour_array, normal_layer, normal_array; // array -1: nothing is there yet
     float mip[map_kinds][9];                                             // min_lod_grid()
     std::uint32_t tint;                                                  // of Mode::tiles: linear rgb, 10 bits each
-    std::int32_t horizon_layer, horizon_array, horizon_mip;              // the pack's mip that is the array's first
-    std::uint32_t reserved;                                              // an array's elements begin at multiples of 16
+    std::int32_t horizon_mip;                                            // the pack's mip that is the array's first
+    std::int32_t horizon_layer, horizon_array, control_layer, control_array;
+    std::int32_t control_mip; // as of horizons
+    std::uint32_t reserved;   // an array's elements begin at multiples of 16
 };
-static_assert(sizeof(TileBlock) == 160 && offsetof(TileBlock, mip) == 32 && offsetof(TileBlock, horizon_layer) == 144,
+static_assert(sizeof(TileBlock) == 208 && offsetof(TileBlock, mip) == 32 && offsetof(TileBlock, horizon_layer) == 184,
               "TileBlock is uploaded: change attribute 2 of the renderer and TileBlock in shaders.cpp with it");
 
 // The block `Frame`: goes in front of every shader below.
@@ -77,7 +80,7 @@ static_assert(sizeof(TileBlock) == 160 && offsetof(TileBlock, mip) == 32 && offs
 // terrain_main_shader(). Defines: COLOUR_MAPS and NORMAL_MAPS, how many array textures there are of each, when there
 // are any; SHADED, LEVELS, DISTANCE, TILES, MIPS, RESIDENCY or ERROR for the mode; WIREFRAME; BORDERS; ALL_THERE: one
 // array of each, layer = tile; with SHADED also LIT, and with that AIR: physical, DETAIL, WATER, LAYERS, SHADOWS
-// (with HORIZON_MAPS).
+// (with HORIZON_MAPS), CONTROL (with LAYERS, CONTROL_MAPS, and CONTROL_UNIT: the first of their texture units).
 [[nodiscard]] const char* terrain_fragment_shader();
 [[nodiscard]] const char* light_shader();
 [[nodiscard]] const char* layers_shader(); // between the two

@@ -20,6 +20,7 @@ layout(std140, binding = 1) uniform Layers {
     vec4 material_mean[16]; // linear rgb; share of the coarse texture
     Rule rule[16];
     ivec4 rules;
+    ivec4 of_name[4]; // the material of each of the control map's names
 };
 const float layer_period = 1.0 / 1024.0;
 // Of a place: even what is highest in it would lie below the others.
@@ -61,6 +62,91 @@ void strongest_rules(float height, float slope, vec2 noises, out ivec3 material,
     float all = share.x + share.y + share.z;
     share = all > 0.0 ? share / all : vec3(1.0, 0.0, 0.0);
 }
+
+#ifdef CONTROL
+layout(binding = CONTROL_UNIT) uniform usampler2DArray control_map[CONTROL_MAPS];
+
+// Adds what four texels of one mip say around a place: weights of names, four names a vector. Numbers cannot be
+// filtered, so weights are, by hand. The outermost texel centres lie on the border.
+void add_texels(vec2 at, ivec2 map, int mip, int lod, float share, inout vec4 names[4]) {
+    int last = int(control.x) >> mip;
+    vec2 place = clamp(at, 0.0, 1.0) * float(last - 1);
+    ivec2 first = clamp(ivec2(place), ivec2(0), ivec2(last - 2));
+    vec2 along = place - vec2(first);
+    int tap = 0;
+    do {
+        ivec2 beside = ivec2(tap & 1, tap >> 1);
+        uvec4 texel = texelFetch(control_map[map.y], ivec3(first + beside, map.x), lod);
+        vec2 nearness = mix(1.0 - along, along, vec2(beside));
+        vec4 weight = vec4(texel & 255u) * (share * nearness.x * nearness.y / 255.0);
+        uvec4 name = texel >> 8u;
+        int i = 0;
+        do {
+            uvec4 numbers = uvec4(0, 1, 2, 3) + uint(4 * i);
+            names[i] += weight.x * vec4(equal(name.xxxx, numbers)) + weight.y * vec4(equal(name.yyyy, numbers)) +
+                        weight.z * vec4(equal(name.zzzz, numbers)) + weight.w * vec4(equal(name.wwww, numbers));
+        } while (++i < 4);
+    } while (++tap < 4);
+}
+
+// The three materials that the map has most of here, and how much of the ground materials cover. dx, dy: of a texel of
+// mip 0. Of a tile whose map has not come: nothing covers it.
+float strongest_of_map(vec2 at, vec2 dx, vec2 dy, vec2 noises, out ivec3 material, out vec3 share) {
+    share = vec3(1.0, 0.0, 0.0);
+    material = ivec3(0);
+#ifdef ALL_THERE
+    ivec2 map = ivec2(surface.block, 0);
+    float least = 0.0;
+    int first_mip = 0;
+#else
+    ivec2 map = tile_block[surface.block].control;
+    if (map.y < 0) return 0.0;
+    float least = finest_mip(3);
+    int first_mip = tile_block[surface.block].control_mip;
+#endif
+    float mip = clamp(0.5 * log2(max(max(dot(dx, dx), dot(dy, dy)), 1e-9)), least, control.y - 1.0);
+    int finer = int(mip);
+    float second = mip - float(finer);
+    vec4 names[4] = vec4[4](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+    add_texels(at, map, finer, max(finer - first_mip, 0), 1.0 - second, names);
+    if (second > 0.0) {
+        int coarser = min(finer + 1, int(control.y) - 1);
+        add_texels(at, map, coarser, max(coarser - first_mip, 0), second, names);
+    }
+    float covered = 0.0;
+    vec3 most = vec3(0.0);
+    int i = 0;
+    do {
+        float here = names[i >> 2][i & 3];
+        covered += here;
+        if (here > most.x) {
+            most = vec3(here, most.xy);
+            material = ivec3(i, material.xy);
+        } else if (here > most.y) {
+            most.yz = vec2(here, most.y);
+            material.yz = ivec2(i, material.y);
+        } else if (here > most.z) {
+            most.z = here;
+            material.z = i;
+        }
+    } while (++i < 16);
+    float all = most.x + most.y + most.z;
+    share = all > 0.0 ? most / all : share;
+    // A map's texels are tens of metres: noise makes patches of what they say of two materials. Its sign follows from
+    // the two, not from which is more, or a line would show where they are equal.
+    float sway = (0.75 * noises.x + 0.25 * noises.y - 0.5) * 1.4 * min(4.0 * share.x * share.y, 1.0);
+    sway = material.x < material.y ? sway : -sway;
+    share.xy = max(share.xy + vec2(sway, -sway), 0.0);
+    share /= share.x + share.y + share.z;
+    if (share.y > share.x) {
+        share.xy = share.yx;
+        material.xy = material.yx;
+    }
+    material = ivec3(of_name[material.x >> 2][material.x & 3], of_name[material.y >> 2][material.y & 3],
+                     of_name[material.z >> 2][material.z & 3]);
+    return min(covered, 1.0);
+}
+#endif
 
 vec2 place_of_patch(float number) { return fract(number * vec2(0.7548777, 0.5698403)); }
 
@@ -145,6 +231,9 @@ Shaped shaped_material(int material, vec3 at, vec3 dx, vec3 dy, vec3 side, float
 // Replaces colour and normal near the eye. base, normal: with noise; map, map_normal: as the maps have them.
 void add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, float metres) {
     vec3 dx = dFdx(surface.position), dy = dFdy(surface.position);
+#ifdef CONTROL
+    vec2 in_tile = surface.sample_at / float(1 << tile.x), texel_x = dFdx(in_tile) * control.x, texel_y = dFdy(in_tile) * control.x;
+#endif
     if (metres >= layers.x) return;
     float fade = 1.0 - smoothstep(0.4 * layers.x, layers.x, metres);
     float near = 1.0 - smoothstep(0.3 * layers.w, layers.w, metres);
@@ -168,8 +257,14 @@ void add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, f
     vec2 noises = clamp(vec2(patches.x, spots) * 2.4 - 0.7, 0.0, 1.0);
     ivec3 material;
     vec3 share;
+#ifdef CONTROL
+    in_tile += (clamp(patches * 2.4 - 0.7, 0.0, 1.0) - 0.5) * control.zw;
+    fade *= strongest_of_map(in_tile, texel_x, texel_y, noises, material, share);
+    if (fade <= 0.0) return;
+#else
     strongest_rules(surface.position.y + eye.z + eye.w, degrees(acos(clamp(map_normal.y, 0.0, 1.0))), noises, material,
                     share);
+#endif
     // Sides count from 35 degrees on.
     vec3 side = normal * normal;
     side *= side;

@@ -63,6 +63,8 @@ struct Renderer::State {
     bool drawn = false;                          // since the last upload
     DrawStats stats;
 
+    // The first texture unit of control maps: behind those of horizons.
+    [[nodiscard]] unsigned control_unit() const { return horizon_unit + maps.kind[2].sizes; }
     // renderer.cpp
     [[nodiscard]] bool all_there(Mode mode) const { return maps.all_there && mode <= Mode::distance; }
     [[nodiscard]] Program& program_of(const DrawOptions& now) {

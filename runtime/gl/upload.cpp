@@ -96,10 +96,10 @@ std::string Renderer::upload(std::span<const MapCommand> commands) {
 }
 
 std::string Renderer::show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal,
-                                std::span<const TileMap> horizon) {
+                                std::span<const TileMap> horizon, std::span<const TileMap> control) {
     Maps& maps = state_->maps;
-    for (const auto& [tiles, kind] :
-         {std::pair(colour, MapKind::colour), std::pair(normal, MapKind::normal), std::pair(horizon, MapKind::horizon)})
+    for (const auto& [tiles, kind] : {std::pair(colour, MapKind::colour), std::pair(normal, MapKind::normal),
+                                      std::pair(horizon, MapKind::horizon), std::pair(control, MapKind::control)})
         if (std::string error = gl::show_maps(tiles, kind, maps); !error.empty()) return error;
     return {};
 }

@@ -1,5 +1,6 @@
 #include "io/json.h"
 
+#include <algorithm>
 #include <iterator>
 #include <unordered_set>
 #include <vector>
@@ -83,6 +84,61 @@ nlohmann::json parse_json(std::string_view text, const std::string& name, JsonCo
         throw Failure(1, name + ":" + std::to_string(line) + ": " + check.problem);
     }
     return nlohmann::json::parse(text, nullptr, true, allowed);
+}
+
+namespace {
+
+// Steps over one character, one string or one comment of JSON.
+struct JsonWalk {
+    std::string_view text;
+    std::size_t at = 0, line = 1;
+
+    // What stands here; 0 at the end. Strings as '"', blanks and comments as ' '.
+    char step(std::string_view& string) {
+        if (at >= text.size()) return 0;
+        const char c = text[at];
+        const std::size_t begin = at;
+        std::size_t end = at + 1;
+        if (c == '"') {
+            while (end < text.size() && text[end] != '"') end += text[end] == '\\' ? 2 : 1;
+            string = text.substr(begin + 1, std::min(end, text.size()) - begin - 1);
+            ++end;
+        } else if (text.substr(at, 2) == "//") {
+            end = text.find('\n', at);
+        } else if (text.substr(at, 2) == "/*") {
+            end = text.find("*/", at + 2);
+            if (end != std::string_view::npos) end += 2;
+        }
+        at = std::min(end, text.size());
+        line += static_cast<std::size_t>(std::count(text.begin() + static_cast<std::ptrdiff_t>(begin),
+                                                    text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+        return c == '/' || c == '\n' || c == '\t' || c == '\r' ? ' ' : c;
+    }
+};
+
+} // namespace
+
+std::size_t line_of_item(std::string_view text, std::string_view list, std::size_t item) {
+    JsonWalk walk{text};
+    std::string_view string, key;
+    int depth = 0;
+    std::size_t number = 0;
+    bool inside = false, fresh = false; // in the list; at an item's beginning
+    for (;;) {
+        const std::size_t line = walk.line;
+        const char c = walk.step(string);
+        if (c == 0) return 1;
+        if (c == ' ') continue;
+        if (inside && fresh && c != ']') {
+            if (number == item) return line;
+            fresh = false;
+        }
+        if (c == '"' && depth == 1 && !inside) key = string;
+        if (c == '[' && depth == 1 && key == list) inside = fresh = true;
+        depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
+        if (inside && depth == 1) inside = false;
+        if (inside && depth == 2 && c == ',') fresh = true, ++number;
+    }
 }
 
 } // namespace fjell::io

@@ -17,4 +17,8 @@ enum class JsonComments : bool { no, yes };
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, const std::string& name,
                                         JsonComments comments = JsonComments::no, std::size_t line = 1);
 
+// The line on which an item of a list begins that stands in the outermost object, of a text that parse_json() takes;
+// 1 when there is none. For what is wrong with an item. O(text).
+[[nodiscard]] std::size_t line_of_item(std::string_view text, std::string_view list, std::size_t item);
+
 } // namespace fjell::io

@@ -28,9 +28,21 @@ std::string chunk_name(ChunkId id) {
     case ChunkKind::colour: return of_tile("colour mip");
     case ChunkKind::normal: return of_tile("normal mip");
     case ChunkKind::horizon: return of_tile("horizon mip");
+    case ChunkKind::layers: return "names of layers";
+    case ChunkKind::control: return of_tile("control mip");
     case ChunkKind::crs: break;
     }
     return "CRS";
+}
+
+std::vector<std::string> layer_names(std::string_view text) {
+    std::vector<std::string> names;
+    while (!text.empty()) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        names.emplace_back(text.substr(0, end));
+        text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    return names;
 }
 
 PackFile::PackFile(const std::string& path) : path_(path) {

@@ -45,7 +45,7 @@ void repair(std::vector<std::byte>& bytes, bool directory_too) {
     PackHeader h;
     std::memcpy(&h, bytes.data(), sizeof h);
     std::memcpy(h.magic, pack_magic, sizeof pack_magic);
-    h.version = h.horizon_log2 ? pack_version_with_horizons : pack_version;
+    h.version = version_of(h);
     h.header_bytes = sizeof h;
     h.layout_hash = pack_layout_hash;
     h.file_bytes = size;

@@ -7,6 +7,7 @@
 #include "baker/bake/work_bytes.h"
 #include "baker/check/verify.h"
 #include "pack/terrain_data.h"
+#include "support/control_rules.h"
 #include "support/dem.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
@@ -80,6 +81,9 @@ TEST_CASE("a pack does not depend on threads, memory or how the work is cut") {
         if (round % 2) add_random_holes(random, dem, log2);
         baker::BakeOptions options = small_bake(log2);
         if (log2 >= 5) options.horizon_spacing = 4; // small tiles look far around themselves
+        const RulesFile rules;
+        if (round % 3 != 0) options.layers_path = rules.path();
+        if (round % 3 == 1) options.max_texture_log2 = 6;
         options.order = static_cast<Order>(pick(random, 0, 2));
         options.estimate = pick(random, 0, 3) ? Estimate::max : Estimate::midpoint;
         options.region_cells = 512; // all at once
@@ -108,6 +112,8 @@ TEST_CASE("a bake has at most as much on the disk as work_bytes says, and its do
             options.tile_log2 = 7;
             options.order = order;
             options.horizon_spacing = horizons ? 2 : 0;
+            const RulesFile rules;
+            if (horizons) options.layers_path = rules.path();
             options.checkpoint_s = 0; // in files
             std::uint64_t most = 0;
             options.progress = [&](const char* stage, std::uint64_t, std::uint64_t) {
@@ -119,7 +125,8 @@ TEST_CASE("a bake has at most as much on the disk as work_bytes says, and its do
             };
             const baker::BakeSummary summary = baker::bake(dem, options, folder / "pack.fjell");
             // Colours have half the samples' density, normals all of it.
-            const std::uint64_t bytes = baker::work_bytes(summary.tree, order, {6, 7, horizons ? 6u : 0u});
+            const std::uint64_t bytes =
+                baker::work_bytes(summary.tree, order, {6, 7, horizons ? 6u : 0u, horizons ? 6u : 0u});
             CAPTURE(static_cast<int>(order), holes, most, bytes);
             CHECK(most <= bytes);
             CHECK(most > bytes * 7 / 10);

@@ -69,8 +69,9 @@ inline std::vector<std::vector<baker::MipTexels>> all_horizons(const baker::MapP
     const auto tiles = static_cast<std::uint32_t>(plan.tree.tiles_x * plan.tree.tiles_y);
     std::vector<std::vector<baker::MipTexels>> mips(mip_count(plan.horizon_log2));
     for (std::uint32_t tile = 0; tile < tiles; ++tile) {
-        auto near = baker::near_horizons(plan, tile,
-                                         scene.of(plan.horizon_stride_log2(), baker::points_for_horizons(plan, tile)));
+        auto near = baker::near_mips_from(plan, baker::MapKind::horizon, tile,
+                                          scene.of(plan.stride_log2(baker::MapKind::horizon),
+                                                   baker::points_for_map(plan, baker::MapKind::horizon, tile)));
         for (std::size_t m = 0; m < near.size(); ++m) mips[m].push_back(std::move(near[m]));
     }
     constexpr auto kind = baker::MapKind::horizon;

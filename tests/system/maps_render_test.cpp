@@ -6,6 +6,7 @@
 #include "gl/residency.h"
 #include "pack/terrain_data.h"
 #include "picture_scene.h"
+#include "support/control_rules.h"
 #include "support/dem.h"
 #include "support/terrain_fixture.h"
 
@@ -30,14 +31,15 @@ struct Streamed {
     std::vector<TileMap> shown[map_kinds];
 
     Streamed(baker::Dem dem, int tile_log2, std::uint32_t ring_bytes = 0)
-        : scene(std::move(dem), tile_log2, Order::planar, 2) {
+        : scene(std::move(dem), tile_log2, Order::planar, 2, fjell::test::RulesFile().path()) {
         const PackHeader& header = scene.loaded.pack.header;
         const std::uint32_t tiles = scene.loaded.pack.tile_count();
         for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
             slots[kind].tail_log2 = tail_log2;
             slots[kind].top_log2 = kind == 0   ? header.colour_log2
                                    : kind == 1 ? header.normal_log2
-                                               : header.horizon_log2;
+                                   : kind == 2 ? header.horizon_log2
+                                               : header.control_log2;
             REQUIRE(slots[kind].top_log2 > tail_log2);
             for (std::uint32_t log2 = tail_log2; log2 <= slots[kind].top_log2; ++log2) slots[kind].layers[log2] = tiles;
             shown[kind].resize(tiles);
@@ -46,6 +48,7 @@ struct Streamed {
         options.colour = slots[0];
         options.normal = slots[1];
         options.horizon = slots[2];
+        options.control = slots[3];
         std::string error;
         whole = std::exchange(scene.renderer,
                               gl::Renderer::create(scene.loaded.terrain, scene.loaded.pack, options, error));
@@ -55,7 +58,8 @@ struct Streamed {
     [[nodiscard]] std::uint32_t top(std::uint32_t kind) const { return slots[kind].top_log2; }
 
     [[nodiscard]] std::vector<std::byte> mip(std::uint32_t kind, std::uint32_t tile, std::uint32_t log2) const {
-        constexpr ChunkKind chunks[map_kinds] = {ChunkKind::colour, ChunkKind::normal, ChunkKind::horizon};
+        constexpr ChunkKind chunks[map_kinds] = {ChunkKind::colour, ChunkKind::normal, ChunkKind::horizon,
+                                                 ChunkKind::control};
         const ChunkId id{chunks[kind], tile, top(kind) - log2};
         std::vector<std::byte> blocks(chunk_raw_bytes(scene.loaded.pack.header, id));
         REQUIRE(read_chunk(scene.loaded.pack, id, blocks).ok());
@@ -97,14 +101,14 @@ struct Streamed {
                 refine(kind, tile, top(kind));
             }
     }
-    void show() { REQUIRE(scene.renderer->show_maps(shown[0], shown[1], shown[2]).empty()); }
+    void show() { REQUIRE(scene.renderer->show_maps(shown[0], shown[1], shown[2], shown[3]).empty()); }
     // The whole pack drawn with the same least mips.
     Picture reference(const OwnMesh& mesh, const View& view, const gl::DrawOptions& options = {}) {
         std::vector<TileMap> same[map_kinds];
         for (std::uint32_t kind = 0; kind < map_kinds; ++kind)
             for (std::uint32_t tile = 0; tile < shown[kind].size(); ++tile)
                 same[kind].push_back({tile, static_cast<std::uint8_t>(top(kind)), shown[kind][tile].min_lod});
-        REQUIRE(whole->show_maps(same[0], same[1], same[2]).empty());
+        REQUIRE(whole->show_maps(same[0], same[1], same[2], same[3]).empty());
         std::swap(whole, scene.renderer);
         Picture picture = scene.draw(mesh.view(), view, options);
         std::swap(whole, scene.renderer);

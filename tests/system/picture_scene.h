@@ -118,7 +118,8 @@ struct Scene {
     // The cheapest: most pictures are about geometry and maps. Tests of light set it.
     gl::LightSettings light{.air = gl::Air::simple, .dither = false, .detail = false};
 
-    Scene(baker::Dem dem, int tile_log2, Order order = Order::planar, int horizon_spacing = 0) {
+    Scene(baker::Dem dem, int tile_log2, Order order = Order::planar, int horizon_spacing = 0,
+          const std::string& layers = {}) {
         context();
         char path[] = "/tmp/fjell-picture-XXXXXX";
         const int fd = mkstemp(path);
@@ -129,6 +130,7 @@ struct Scene {
         options.compression = 1;
         options.order = order;
         options.horizon_spacing = horizon_spacing;
+        options.layers_path = layers;
         baker::bake(std::move(dem), options, path);
         loaded = io::load_pack(path, io::LoadTerrain::yes);
         unlink(path);

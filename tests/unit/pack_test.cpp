@@ -207,6 +207,10 @@ TEST_CASE("a header whose hash is right is still not believed") {
     CHECK(code([](PackHeader& h) { h.horizon_log2 = 1; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.horizon_log2 = 3; }) == Code::corrupt);
     CHECK(code([](PackHeader& h) { h.version = pack_version_with_horizons; }) == Code::corrupt);
+    CHECK(code([](PackHeader& h) { h.control_log2 = 3; }) == Code::out_of_range); // without names
+    CHECK(code([](PackHeader& h) { h.layer_bytes = 5; }) == Code::out_of_range);
+    CHECK(code([](PackHeader& h) { h.control_log2 = 3, h.layer_bytes = 5; }) == Code::corrupt);
+    CHECK(code([](PackHeader& h) { h.version = pack_version_with_control + 1; }) == Code::wrong_version);
     CHECK(code([](PackHeader& h) { h.directory_offset = ~0ull; }) == Code::corrupt);
     CHECK(code([](PackHeader& h) { h.directory_count = 1ull << 61; }) == Code::corrupt);
     CHECK(code([](PackHeader& h) { h.file_bytes = ~0ull; }) == Code::truncated);

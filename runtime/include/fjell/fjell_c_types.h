@@ -78,7 +78,9 @@ enum {                                                                       // 
     FJELL_CHUNK_COLOUR,
     FJELL_CHUNK_NORMAL,
     FJELL_CHUNK_CRS,
-    FJELL_CHUNK_HORIZON
+    FJELL_CHUNK_HORIZON,
+    FJELL_CHUNK_LAYERS,
+    FJELL_CHUNK_CONTROL
 };
 
 typedef struct FjellPackHeader {
@@ -115,7 +117,9 @@ typedef struct FjellPackHeader {
     uint64_t notes_bytes;
     uint32_t horizon_log2;
     uint32_t tiles_held;
-    uint64_t reserved[23];
+    uint32_t control_log2;
+    uint32_t layer_bytes;
+    uint64_t reserved[22];
     uint64_t header_hash;
 } FjellPackHeader;
 
@@ -177,6 +181,7 @@ typedef struct FjellSetIndex {
 #define FJELL_COLOUR_BLOCK_BYTES 8
 #define FJELL_NORMAL_BLOCK_BYTES 16
 #define FJELL_HORIZON_BLOCK_BYTES 128 // 4 x 4 planes
+#define FJELL_CONTROL_BLOCK_BYTES 128 // 16 texels
 
 // --- fjell/terrain.h ---
 
@@ -433,9 +438,9 @@ typedef struct FjellGroundPatch {
 
 // --- fjell/stream.h ---
 
-#define FJELL_MAP_KINDS 3
+#define FJELL_MAP_KINDS 4
 
-enum { FJELL_MAP_COLOUR, FJELL_MAP_NORMAL, FJELL_MAP_HORIZON };                         // MapKind
+enum { FJELL_MAP_COLOUR, FJELL_MAP_NORMAL, FJELL_MAP_HORIZON, FJELL_MAP_CONTROL };      // MapKind
 enum { FJELL_PAGE_INSERTED, FJELL_PAGE_RELEASED, FJELL_PAGE_KEPT, FJELL_PAGE_REMOVED }; // PageEvent
 enum {                                                                                  // StreamBudgetBit
     FJELL_STREAM_PAGE_SLOTS = 1,
@@ -460,6 +465,7 @@ typedef struct FjellStreamBudget {
     uint32_t tail_log2;
     uint32_t decoders;
     bool horizons;
+    bool control;
 } FjellStreamBudget;
 
 typedef struct FjellStreamSettings {

@@ -23,6 +23,9 @@ inline constexpr std::uint32_t pack_version = 4;
 inline constexpr std::uint32_t pack_version_with_horizons = 5;
 // Of a pack set that does not cover its terrain (fjell/pack_set.h): tiles are missing. In memory only, never in a file.
 inline constexpr std::uint32_t pack_version_sparse = 6;
+// Of one with control maps, with or without horizons.
+inline constexpr std::uint32_t pack_version_with_control = 7;
+inline constexpr std::uint32_t max_layer_bytes = 512; // 16 names of 31 characters and their newlines
 // Changes with every stored layout; also detects a byte-swapped file.
 inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0004'0004'1020ull;
 inline constexpr int min_tile_log2 = 1;
@@ -44,7 +47,9 @@ enum class ChunkKind : std::uint32_t {
     colour = 2,   // mips, tile by tile
     normal = 3,   // the same
     crs = 4,      // well-known text
-    horizon = 5   // mips, tile by tile
+    horizon = 5,  // mips, tile by tile
+    layers = 6,   // names of the materials that control maps speak of: text, each ends with a newline
+    control = 7   // mips, tile by tile
 };
 
 // The pack's first 512 bytes.
@@ -82,7 +87,9 @@ struct PackHeader {
     std::uint64_t notes_bytes;               // 0: none
     std::uint32_t horizon_log2;              // texels a side of mip 0; 0: no horizon map
     std::uint32_t tiles_held;                // of a sparse terrain: tiles that are there; 0: all of them
-    std::uint64_t reserved[23];              // zero
+    std::uint32_t control_log2;              // texels a side of mip 0; 0: no control map
+    std::uint32_t layer_bytes;               // of the materials' names; 0: no control map
+    std::uint64_t reserved[22];              // zero
     std::uint64_t header_hash;               // XXH3 of all bytes before this one
 };
 static_assert(sizeof(PackHeader) == 512 && offsetof(PackHeader, header_hash) == 504,
@@ -149,7 +156,7 @@ inline constexpr std::uint32_t corner_void_bit = 0x80000000;
 // Textures. Mip m of a map with 2^k texels a side has 2^(k-m); the smallest has 4. The first and last texel centre of
 // *every* mip lie on the tile's border, and both neighbours compress the same values there: no seam under
 // clamp-to-edge. Colour is BC1 of sRGB, normal BC5 of the east and south components of the unit normal (up follows),
-// horizon 16 planes of BC4 side by side: fjell/texture.h.
+// horizon 16 planes of BC4 side by side, control four weights and materials a texel, not compressed: fjell/texture.h.
 [[nodiscard]] constexpr std::uint32_t mip_count(std::uint32_t log2_side) {
     return log2_side < 2 ? 0 : log2_side - 1;
 }
@@ -187,11 +194,18 @@ struct ChunkId {
 };
 inline constexpr std::uint64_t no_chunk = 0xffff'ffff'ffff'ffffull;
 // Its place in the directory, a fixed order: corners; geometry, colour and normal, each tile by tile; CRS; horizon,
-// tile by tile. no_chunk when the pack has no such chunk: tile < tile_count(), item below pages_per_tile() or
-// mip_count(). O(1).
+// tile by tile; names of layers; control, tile by tile. no_chunk when the pack has no such chunk: tile < tile_count(),
+// item below pages_per_tile() or mip_count(). O(1).
 [[nodiscard]] std::uint64_t chunk_index(const PackHeader& header, ChunkId id);
 // The way back. For a chunk that is not there an id that names none: tile and item are 0xffffffff.
 [[nodiscard]] ChunkId chunk_id(const PackHeader& header, std::uint64_t chunk);
+// The version that a pack with these maps has.
+[[nodiscard]] constexpr std::uint32_t version_of(const PackHeader& header) {
+    if (header.tiles_held != 0) return pack_version_sparse;
+    return header.control_log2 != 0   ? pack_version_with_control
+           : header.horizon_log2 != 0 ? pack_version_with_horizons
+                                      : pack_version;
+}
 // How many chunks such a pack has.
 [[nodiscard]] std::uint64_t chunk_count(const PackHeader& header);
 // The size of a decoded chunk; for geometry the largest that its page can have. 0 when there is no such

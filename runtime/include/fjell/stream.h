@@ -31,8 +31,8 @@ FJELL_API_BEGIN
 namespace fjell {
 
 // Which map of a tile.
-enum class MapKind : std::uint8_t { colour = 0, normal = 1, horizon = 2 };
-inline constexpr std::uint32_t map_kinds = 3;
+enum class MapKind : std::uint8_t { colour = 0, normal = 1, horizon = 2, control = 3 };
+inline constexpr std::uint32_t map_kinds = 4;
 
 // How many layers there are for each size of a map, by log2 of its texels a side; 0: that size is not used. A renderer
 // creates one array texture a size, with that many layers and all mips down to 4 x 4. Of the smallest size, tail_log2,
@@ -52,9 +52,10 @@ struct StreamBudget {
     std::uint32_t tail_log2 = 6;                        // of the size that every tile always has, 2 to 12
     std::uint32_t decoders = 1; // client threads at a time, 1 to 16; 160 KB each. More would wait in stream_provide()
     bool horizons = false;      // horizon maps too, of a pack that has them: for renderers that draw shadows
+    bool control = false;       // control maps too: for renderers that draw materials
 };
 // The layers that fit map_bytes: an equal share for each size, but no more than one layer a tile; what remains goes to
-// the finest. O(1). Zeroes for a map that the pack does not have, and for horizons that the budget does not want.
+// the finest. O(1). Zeroes for a map that the pack does not have, and for one that the budget does not want.
 [[nodiscard]] MapLayers map_layers(const PackHeader& header, const StreamBudget& budget, MapKind kind);
 // What they take on a GPU.
 [[nodiscard]] std::uint64_t map_layer_bytes(const MapLayers& sizes, MapKind kind);

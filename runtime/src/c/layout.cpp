@@ -63,6 +63,8 @@ FJELL_FIELD(FjellPackHeader, notes_hash);
 FJELL_FIELD(FjellPackHeader, notes_bytes);
 FJELL_FIELD(FjellPackHeader, horizon_log2);
 FJELL_FIELD(FjellPackHeader, tiles_held);
+FJELL_FIELD(FjellPackHeader, control_log2);
+FJELL_FIELD(FjellPackHeader, layer_bytes);
 FJELL_FIELD(FjellPackHeader, reserved);
 FJELL_FIELD(FjellPackHeader, header_hash);
 
@@ -288,6 +290,7 @@ FJELL_FIELD(FjellStreamBudget, map_bytes);
 FJELL_FIELD(FjellStreamBudget, tail_log2);
 FJELL_FIELD(FjellStreamBudget, decoders);
 FJELL_FIELD(FjellStreamBudget, horizons);
+FJELL_FIELD(FjellStreamBudget, control);
 
 FJELL_SIZE(FjellStreamSettings);
 FJELL_FIELD(FjellStreamSettings, texel_px);
@@ -402,6 +405,8 @@ static_assert(FJELL_CHUNK_COLOUR == static_cast<int>(ChunkKind::colour));
 static_assert(FJELL_CHUNK_NORMAL == static_cast<int>(ChunkKind::normal));
 static_assert(FJELL_CHUNK_CRS == static_cast<int>(ChunkKind::crs));
 static_assert(FJELL_CHUNK_HORIZON == static_cast<int>(ChunkKind::horizon));
+static_assert(FJELL_CHUNK_LAYERS == static_cast<int>(ChunkKind::layers));
+static_assert(FJELL_CHUNK_CONTROL == static_cast<int>(ChunkKind::control));
 static_assert(FJELL_TOPOLOGY_TRIANGLES == static_cast<int>(Topology::triangles));
 static_assert(FJELL_TOPOLOGY_STRIP == static_cast<int>(Topology::strip));
 static_assert(FJELL_MORPH_NONE == static_cast<int>(Morph::none));
@@ -412,6 +417,7 @@ static_assert(FJELL_METRIC_DEPTH == static_cast<int>(Metric::depth));
 static_assert(FJELL_MAP_COLOUR == static_cast<int>(MapKind::colour));
 static_assert(FJELL_MAP_NORMAL == static_cast<int>(MapKind::normal));
 static_assert(FJELL_MAP_HORIZON == static_cast<int>(MapKind::horizon));
+static_assert(FJELL_MAP_CONTROL == static_cast<int>(MapKind::control));
 static_assert(FJELL_PAGE_INSERTED == static_cast<int>(PageEvent::inserted));
 static_assert(FJELL_PAGE_RELEASED == static_cast<int>(PageEvent::released));
 static_assert(FJELL_PAGE_KEPT == static_cast<int>(PageEvent::kept));
@@ -443,5 +449,6 @@ static_assert(FJELL_MAP_KINDS == map_kinds);
 static_assert(FJELL_COLOUR_BLOCK_BYTES == colour_block_bytes);
 static_assert(FJELL_NORMAL_BLOCK_BYTES == normal_block_bytes);
 static_assert(FJELL_HORIZON_BLOCK_BYTES == horizon_block_bytes);
+static_assert(FJELL_CONTROL_BLOCK_BYTES == control_block_bytes);
 
 } // namespace fjell::c_api

@@ -90,6 +90,8 @@ Status check_ranges(const PackHeader& h) {
     if (h.colour_log2 == 1 || h.colour_log2 > max_texture_log2) return bad("colour_log2");
     if (h.normal_log2 == 1 || h.normal_log2 > max_texture_log2) return bad("normal_log2");
     if (h.horizon_log2 == 1 || h.horizon_log2 > max_texture_log2) return bad("horizon_log2");
+    if (h.control_log2 == 1 || h.control_log2 > max_texture_log2) return bad("control_log2");
+    if (h.layer_bytes > max_layer_bytes || (h.layer_bytes != 0) != (h.control_log2 != 0)) return bad("layer_bytes");
     if (h.tiles_held != 0 && std::uint64_t{h.tiles_x} * h.tiles_y > max_sparse_tiles) return bad("tile_log2");
     if (h.tiles_held > std::uint64_t{h.tiles_x} * h.tiles_y) return bad("tiles_held");
     if (h.crs_bytes > (1u << 20)) return bad("crs_bytes");
@@ -122,7 +124,7 @@ std::uint64_t tile_total(const PackHeader& h) {
 
 // Chunks before each kind, and how many of it a tile has.
 struct DirectoryPlan {
-    std::uint64_t first[6], per_tile[6];
+    std::uint64_t first[8], per_tile[8];
 };
 
 DirectoryPlan plan_directory(const PackHeader& h) {
@@ -131,15 +133,18 @@ DirectoryPlan plan_directory(const PackHeader& h) {
     const std::uint64_t colours = mip_count(h.colour_log2), normals = mip_count(h.normal_log2);
     const std::uint64_t after_pages = 1 + tiles * pages, after_colours = after_pages + tiles * colours;
     const std::uint64_t after_normals = after_colours + tiles * normals, crs = h.crs_bytes ? 1 : 0;
-    return {{0, 1, after_pages, after_colours, after_normals, after_normals + crs},
-            {1, pages, colours, normals, crs, mip_count(h.horizon_log2)}};
+    const std::uint64_t horizons = mip_count(h.horizon_log2), names = h.layer_bytes ? 1 : 0;
+    const std::uint64_t after_crs = after_normals + crs, after_horizons = after_crs + tiles * horizons;
+    return {{0, 1, after_pages, after_colours, after_normals, after_crs, after_horizons, after_horizons + names},
+            {1, pages, colours, normals, crs, horizons, names, mip_count(h.control_log2)}};
 }
 
 // What the directory's plan follows from can be that of a pack. check_ranges() looks at the rest too, and takes longer.
 bool has_layout(const PackHeader& h) {
     return h.tile_log2 >= min_tile_log2 && h.tile_log2 <= max_tile_log2 && h.tiles_x != 0 && h.tiles_y != 0 &&
            h.tiles_x <= max_columns && h.tiles_y <= max_columns && h.order <= Order::linear &&
-           h.colour_log2 <= max_texture_log2 && h.normal_log2 <= max_texture_log2 && h.horizon_log2 <= max_texture_log2;
+           h.colour_log2 <= max_texture_log2 && h.normal_log2 <= max_texture_log2 &&
+           h.horizon_log2 <= max_texture_log2 && h.control_log2 <= max_texture_log2;
 }
 
 bool has_chunk(const PackHeader& h, ChunkId id) {
@@ -152,6 +157,8 @@ bool has_chunk(const PackHeader& h, ChunkId id) {
     case ChunkKind::normal: return in_tile && id.item < mip_count(h.normal_log2);
     case ChunkKind::crs: return id.tile == 0 && id.item == 0 && h.crs_bytes != 0;
     case ChunkKind::horizon: return in_tile && id.item < mip_count(h.horizon_log2);
+    case ChunkKind::layers: return id.tile == 0 && id.item == 0 && h.layer_bytes != 0;
+    case ChunkKind::control: return in_tile && id.item < mip_count(h.control_log2);
     }
     return false;
 }
@@ -168,10 +175,10 @@ std::uint64_t chunk_index(const PackHeader& h, ChunkId id) {
 ChunkId chunk_id(const PackHeader& h, std::uint64_t chunk) {
     if (!has_layout(h) || chunk >= chunk_count(h)) return {ChunkKind::corners, no_index, no_index};
     const DirectoryPlan plan = plan_directory(h);
-    std::size_t kind = 5;
+    std::size_t kind = 7;
     while (kind > 0 && chunk < plan.first[kind]) --kind;
     // A kind that has no chunks begins where the next one does.
-    while (kind < 5 && plan.per_tile[kind] == 0) ++kind;
+    while (kind < 7 && plan.per_tile[kind] == 0) ++kind;
     const std::uint64_t local = chunk - plan.first[kind];
     return {static_cast<ChunkKind>(kind), static_cast<std::uint32_t>(local / plan.per_tile[kind]),
             static_cast<std::uint32_t>(local % plan.per_tile[kind])};
@@ -180,7 +187,7 @@ ChunkId chunk_id(const PackHeader& h, std::uint64_t chunk) {
 std::uint64_t chunk_count(const PackHeader& h) {
     if (!has_layout(h)) return 0;
     const std::uint64_t tiles = tile_total(h);
-    return plan_directory(h).first[static_cast<std::size_t>(ChunkKind::horizon)] + tiles * mip_count(h.horizon_log2);
+    return plan_directory(h).first[static_cast<std::size_t>(ChunkKind::control)] + tiles * mip_count(h.control_log2);
 }
 
 std::size_t chunk_raw_bytes(const PackHeader& h, ChunkId id) {
@@ -197,6 +204,8 @@ std::size_t chunk_raw_bytes(const PackHeader& h, ChunkId id) {
     case ChunkKind::colour: return blocks(h.colour_log2) * colour_block_bytes;
     case ChunkKind::normal: return blocks(h.normal_log2) * normal_block_bytes;
     case ChunkKind::horizon: return blocks(h.horizon_log2) * horizon_block_bytes;
+    case ChunkKind::layers: return h.layer_bytes;
+    case ChunkKind::control: return blocks(h.control_log2) * control_block_bytes;
     case ChunkKind::crs: break;
     }
     return h.crs_bytes;
@@ -208,7 +217,7 @@ Status read_header(std::span<const std::byte> header, std::uint64_t file_bytes, 
     if (header.size() < sizeof(PackHeader)) return failed(Code::truncated, "header");
     PackHeader h;
     std::memcpy(&h, header.data(), sizeof h);
-    if (h.version != pack_version && h.version != pack_version_with_horizons && h.version != pack_version_sparse)
+    if (h.version < pack_version || h.version > pack_version_with_control)
         return failed(Code::wrong_version, "version");
     if (h.layout_hash != pack_layout_hash || h.header_bytes != sizeof(PackHeader))
         return failed(Code::wrong_layout, "layout_hash");
@@ -217,9 +226,8 @@ Status read_header(std::span<const std::byte> header, std::uint64_t file_bytes, 
     if (file_bytes < h.file_bytes) return failed(Code::truncated, "file_bytes");
     if (file_bytes > h.file_bytes) return failed(Code::corrupt, "file_bytes");
     if (Status s = check_ranges(h); !s.ok()) return s;
-    if ((h.tiles_held != 0) != (h.version == pack_version_sparse)) return failed(Code::corrupt, "tiles_held");
-    if (h.tiles_held == 0 && (h.horizon_log2 != 0) != (h.version == pack_version_with_horizons))
-        return failed(Code::corrupt, "horizon_log2");
+    if (h.version != version_of(h))
+        return failed(Code::corrupt, h.tiles_held ? "tiles_held" : h.control_log2 ? "control_log2" : "horizon_log2");
     if (h.directory_offset < h.header_bytes || h.directory_offset > h.file_bytes ||
         h.directory_count != chunk_count(h) ||
         h.directory_count > (h.file_bytes - h.directory_offset) / sizeof(ChunkEntry) ||

@@ -32,6 +32,7 @@ const char* difference(const PackHeader& a, const PackHeader& b) {
     if (a.colour_log2 != b.colour_log2) return "size of colour maps";
     if (a.normal_log2 != b.normal_log2) return "size of normal maps";
     if (a.horizon_log2 != b.horizon_log2) return "size of horizon maps";
+    if (a.control_log2 != b.control_log2 || a.layer_bytes != b.layer_bytes) return "size of control maps";
     if (a.crs_bytes != b.crs_bytes || !std::equal(a.crs_step, a.crs_step + 2, b.crs_step)) return "CRS";
     return nullptr;
 }
@@ -60,6 +61,11 @@ Status check_part(const SetShape& shape, const SetPart& first, const SetPart& pa
         if (part.pack->entry(chunk_index(h, crs)).hash != first.pack->entry(chunk_index(a, crs)).hash)
             return {Code::wrong_pack, "CRS"};
     }
+    // What control maps mean by a number.
+    if (const ChunkId names{ChunkKind::layers, 0, 0};
+        h.layer_bytes != 0 &&
+        part.pack->entry(chunk_index(h, names)).hash != first.pack->entry(chunk_index(a, names)).hash)
+        return {Code::wrong_pack, "names of layers"};
     for (const int axis : {0, 1})
         if (!(std::abs(origin_of(part, axis) - origin_of(first, axis)) < most_apart * step_of(h, axis)))
             return {Code::wrong_pack, "place (origin and tile_x, tile_y)"};
@@ -210,7 +216,7 @@ void enter_chunks(const SetPart& part, std::uint64_t begins, const PackHeader& h
     for (std::uint64_t chunk = 0; chunk < p.directory_count; ++chunk) {
         ChunkId id = chunk_id(p, chunk);
         if (id.kind == ChunkKind::corners) continue;
-        if (id.kind != ChunkKind::crs)
+        if (id.kind != ChunkKind::crs && id.kind != ChunkKind::layers)
             id.tile =
                 numbers[std::size_t{part.tile_y + id.tile / p.tiles_x} * h.tiles_x + part.tile_x + id.tile % p.tiles_x];
         ChunkEntry entry = part.pack->entry(chunk);

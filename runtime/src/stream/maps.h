@@ -7,10 +7,13 @@ namespace fjell {
 
 // Chunks of a kind of map, by its number; and the way back.
 [[nodiscard]] constexpr ChunkKind chunks_of_map(std::uint32_t kind) {
-    return kind == 0 ? ChunkKind::colour : kind == 1 ? ChunkKind::normal : ChunkKind::horizon;
+    return kind == 0   ? ChunkKind::colour
+           : kind == 1 ? ChunkKind::normal
+           : kind == 2 ? ChunkKind::horizon
+                       : ChunkKind::control;
 }
 [[nodiscard]] constexpr std::uint32_t map_of_chunks(ChunkKind kind) {
-    return kind == ChunkKind::colour ? 0 : kind == ChunkKind::normal ? 1 : 2;
+    return kind == ChunkKind::colour ? 0 : kind == ChunkKind::normal ? 1 : kind == ChunkKind::horizon ? 2 : 3;
 }
 
 void begin_maps(StreamState& s);

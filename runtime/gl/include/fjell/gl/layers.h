@@ -1,5 +1,6 @@
-// Detail layers: what near ground is made of. Materials (fjell/io/materials.h) that rules lay over each other, by
-// height, steepness and noise, evaluated in every pixel from what the shader has; nothing of it is baked into a pack.
+// Detail layers: what near ground is made of. Materials (fjell/io/materials.h), where the pack's control maps say
+// (fjell/texture.h); for a pack without them, where rules lay them over each other, by height, steepness and noise,
+// evaluated in every pixel from what the shader has.
 //
 // Rules are laid in order, the last one uppermost, as a painter does: each covers its opacity of what lies below it
 // wherever the place is within its ranges. The first one is the ground under all of them, wherever it is asked for.
@@ -25,6 +26,7 @@ struct LayerSettings {
     bool on = false;          // no more than Renderer::set_layers() has been given
     double distance_m = 4000; // from so far on the ground is as it was baked; from 0.4 of it on it fades. 1 to 100,000
     double tint = 0.4;        // how far a material takes on its map's colour; 0: its own, 1: the map's. 0 to 1
+    bool control = true;      // from control maps, of a pack that has them; false: from rules all the same
     double relief = 1;        // how strongly its bumps catch the light, 0 to 4
 };
 

@@ -13,6 +13,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fjell/export.h"
@@ -23,6 +24,9 @@ namespace fjell::io {
 
 // What people call a chunk: "page 3 of tile 1", "colour mip 0 of tile 2", "CRS".
 [[nodiscard]] std::string chunk_name(ChunkId id);
+
+// The materials that a pack's control maps speak of, from the chunk `layers`: one name each.
+[[nodiscard]] std::vector<std::string> layer_names(std::string_view text);
 
 class SetParts; // the files of a set
 

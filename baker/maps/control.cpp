@@ -1,0 +1,410 @@
+#include "baker/maps/control.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "fjell/io/failure.h"
+
+namespace fjell::baker {
+
+namespace {
+
+using Layers = std::array<float, max_control_names>;
+
+// ---- noise ---------------------------------------------------------------------------------------------------------
+
+float of_place(std::int64_t x, std::int64_t y) {
+    std::uint64_t h =
+        static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15ull ^ static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4full;
+    h ^= h >> 29;
+    h *= 0xbf58476d1ce4e5b9ull;
+    h ^= h >> 32;
+    return static_cast<float>(h >> 40) * 0x1p-24f;
+}
+
+float value_noise(double x, double y) {
+    const double fx = std::floor(x), fy = std::floor(y);
+    const auto ix = static_cast<std::int64_t>(fx), iy = static_cast<std::int64_t>(fy);
+    const auto soft = [](double t) { return static_cast<float>(t * t * (3 - 2 * t)); };
+    const float u = soft(x - fx), v = soft(y - fy);
+    const float nw = of_place(ix, iy), ne = of_place(ix + 1, iy), sw = of_place(ix, iy + 1),
+                se = of_place(ix + 1, iy + 1);
+    const float north = nw + (ne - nw) * u, south = sw + (se - sw) * u;
+    return north + (south - north) * v;
+}
+
+// ---- ranges --------------------------------------------------------------------------------------------------------
+
+// A trapezoid: where a value comes and where it goes, 1 between.
+struct Edges {
+    float begin = -1e9f, rise = 1, end = 1e9f, fall = 1;
+
+    [[nodiscard]] float share(float value) const {
+        const float up = (value - begin) * rise, down = (end - value) * fall;
+        return std::clamp(up, 0.0f, 1.0f) * std::clamp(down, 0.0f, 1.0f);
+    }
+};
+Edges edges_of(const ControlRange& range) {
+    Edges edges;
+    if (!range.given) return edges;
+    const double half = 0.5 * std::max(range.soft, 1e-3);
+    edges.rise = edges.fall = static_cast<float>(0.5 / half);
+    if (!range.open_low) edges.begin = static_cast<float>(range.low - half);
+    if (!range.open_high) edges.end = static_cast<float>(range.high + half);
+    return edges;
+}
+
+// Of azimuths: how far from the middle, which way round ever.
+struct Turn {
+    float middle = 0, half = 0, per = 0;
+
+    [[nodiscard]] float share(float azimuth) const {
+        float off = std::abs(azimuth - middle);
+        off = off > 180 ? 360 - off : off;
+        return std::clamp((half - off) * per, 0.0f, 1.0f);
+    }
+};
+Turn turn_of(const ControlRange& range) {
+    if (!range.given) return {};
+    const double wide = range.high >= range.low ? range.high - range.low : range.high - range.low + 360;
+    const double soft = std::max(range.soft, 1e-3);
+    return {static_cast<float>(std::fmod(range.low + 0.5 * wide, 360.0)),
+            static_cast<float>(wide >= 360 ? 1e9 : 0.5 * wide + 0.5 * soft), static_cast<float>(1 / soft)};
+}
+
+struct Prepared {
+    const ControlRule* rule;
+    Edges height, slope, curvature, wetness, noise;
+    Turn aspect;
+    float opacity, ragged_m, ragged_deg;
+    bool noisy;
+};
+std::vector<Prepared> prepared(const ControlPlan& plan) {
+    std::vector<Prepared> all;
+    for (const ControlRule& r : plan.rules) {
+        Prepared p{&r,
+                   edges_of(r.height_m),
+                   edges_of(r.slope_deg),
+                   edges_of(r.curvature),
+                   edges_of(r.wetness),
+                   edges_of(r.noise),
+                   turn_of(r.aspect_deg),
+                   static_cast<float>(r.opacity),
+                   0,
+                   0,
+                   r.noise.given};
+        if (r.height_m.given) p.ragged_m = static_cast<float>(r.ragged * r.height_m.soft);
+        if (r.slope_deg.given) p.ragged_deg = static_cast<float>(r.ragged * r.slope_deg.soft);
+        p.noisy |= p.ragged_m > 0 || p.ragged_deg > 0;
+        all.push_back(p);
+    }
+    return all;
+}
+
+// ---- a point -------------------------------------------------------------------------------------------------------
+
+struct Shape {
+    float height_m, slope_deg, aspect_deg, curvature;
+};
+
+// Slopes from the samples beside, as normal maps have them, one-sided on the rim; curvature over twice as far, which
+// the noise of heights shows less in.
+class Shapes {
+public:
+    Shapes(const ControlGround& ground, const Window& at, const float* heights_m)
+        : ground_(ground), at_(at), heights_(heights_m) {}
+
+    [[nodiscard]] Shape of(std::int32_t x, std::int32_t y) const {
+        const auto degrees = static_cast<float>(180 / std::numbers::pi);
+        const std::int32_t west = std::max(x - 1, 0), east = std::min(x + 1, ground_.columns - 1);
+        const std::int32_t north = std::max(y - 1, 0), south = std::min(y + 1, ground_.rows - 1);
+        const float rise_east =
+            (height(east, y) - height(west, y)) * static_cast<float>(1 / ((east - west) * ground_.spacing_m[0]));
+        const float rise_south =
+            (height(x, south) - height(x, north)) * static_cast<float>(1 / ((south - north) * ground_.spacing_m[1]));
+        const float azimuth = std::atan2(-rise_east, rise_south) * degrees; // downwards, clockwise from north
+        return {height(x, y), std::atan(std::sqrt(rise_east * rise_east + rise_south * rise_south)) * degrees,
+                azimuth < 0 ? azimuth + 360 : azimuth, 0};
+    }
+    [[nodiscard]] float curvature(std::int32_t x, std::int32_t y) const {
+        const std::int32_t west = std::max(x - 2, 0), east = std::min(x + 2, ground_.columns - 1);
+        const std::int32_t north = std::max(y - 2, 0), south = std::min(y + 2, ground_.rows - 1);
+        const float here = height(x, y);
+        const auto per = [](double spacing_m) { return static_cast<float>(1 / (4 * spacing_m * spacing_m)); };
+        const float across = (here - height(west, y) + (here - height(east, y))) * per(ground_.spacing_m[0]);
+        const float down = (here - height(x, north) + (here - height(x, south))) * per(ground_.spacing_m[1]);
+        return 500 * (across + down);
+    }
+
+private:
+    [[nodiscard]] float height(std::int32_t x, std::int32_t y) const {
+        return heights_[static_cast<std::size_t>(y - at_.y) * static_cast<std::size_t>(at_.columns) +
+                        static_cast<std::size_t>(x - at_.x)];
+    }
+    const ControlGround& ground_;
+    Window at_;
+    const float* heights_;
+};
+
+// ---- rasters -------------------------------------------------------------------------------------------------------
+
+// What each pixel shows of each of a raster's layers, added to a texel-wide row with the weights of a tent.
+class Palette {
+public:
+    explicit Palette(const ControlRaster& raster) : raster_(raster) {}
+
+    void add(const std::uint8_t* pixel, float weight, float* shares) const {
+        if (raster_.kind == ControlRaster::Kind::weights) return add_weights(pixel, weight, shares);
+        if (pixel[3] < 128) return;
+        const std::uint8_t layer = raster_.kind == ControlRaster::Kind::classes
+                                       ? raster_.of_class[static_cast<std::size_t>(pixel[0] | pixel[1] << 8)]
+                                       : painted(pixel);
+        if (layer != no_layer) shares[layer] += weight;
+    }
+
+private:
+    // The nearest colour, if it is near: pictures are saved with losses.
+    [[nodiscard]] std::uint8_t painted(const std::uint8_t* rgb) const {
+        constexpr int near = 48;
+        int least = near;
+        std::uint8_t layer = no_layer;
+        for (const ControlRaster::Painted& known : raster_.colours) {
+            int off = 0;
+            for (int c = 0; c < 3; ++c) off = std::max(off, std::abs(rgb[c] - known.rgb[c]));
+            if (off < least) least = off, layer = known.layer;
+        }
+        return layer;
+    }
+    void add_weights(const std::uint8_t* pixel, float weight, float* shares) const {
+        float all = 0;
+        for (int c = 0; c < 4; ++c)
+            if (raster_.of_channel[c] != no_layer) all += pixel[c];
+        if (all <= 0) return;
+        weight /= std::max(all, 255.0f);
+        if (raster_.of_channel[3] == no_layer) weight *= static_cast<float>(pixel[3]) * (1.0f / 255);
+        for (int c = 0; c < 4; ++c)
+            if (raster_.of_channel[c] != no_layer) shares[raster_.of_channel[c]] += weight * pixel[c];
+    }
+    const ControlRaster& raster_;
+};
+
+TentAxis raster_axis(const ControlGround& ground, const ImageLayer& image, int axis) {
+    TentAxis a;
+    a.num = std::int64_t{1} << ground.stride_log2;
+    a.last = (axis == 0 ? ground.columns : ground.rows) - 1.0;
+    a.scale = image.per_sample[axis];
+    a.shift = image.first_px[axis] - 0.5;
+    a.size = axis == 0 ? image.columns : image.rows;
+    return a;
+}
+
+// The points of a window that the raster covers, along one axis: one run.
+Window covered(const TentAxis (&axes)[2], const Window& points) {
+    Window run{points.x, points.y, 0, 0};
+    const auto inside = [](const TentAxis& axis, std::int32_t g) {
+        const double centre = axis.centre(g);
+        return centre >= -0.5 && centre <= axis.size - 0.5;
+    };
+    for (std::int32_t x = points.x; x < points.x + points.columns; ++x)
+        if (inside(axes[0], x) && run.columns++ == 0) run.x = x;
+    for (std::int32_t y = points.y; y < points.y + points.rows; ++y)
+        if (inside(axes[1], y) && run.rows++ == 0) run.y = y;
+    return run;
+}
+
+// Shares of a raster's layers over a window of points, max_control_names each. Pixels stream through row by row.
+std::vector<float> raster_shares(const ControlRaster& raster, const ImageLayer& image, const ControlGround& ground,
+                                 const Window& points, ImageReader& reader) {
+    constexpr std::size_t n = max_control_names;
+    std::vector<float> shares(points.area() * n);
+    const TentAxis axes[2] = {raster_axis(ground, image, 0), raster_axis(ground, image, 1)};
+    const Window run = covered(axes, points);
+    if (run.columns == 0 || run.rows == 0) return shares;
+    const Taps x = make_taps(axes[0], run.x, run.columns), y = make_taps(axes[1], run.y, run.rows);
+    const Palette palette(raster);
+    const auto wide = static_cast<std::size_t>(x.source_end - x.source_first);
+    const std::int32_t strip =
+        std::clamp((1 << 19) / (x.source_end - x.source_first), 1, y.source_end - y.source_first);
+    std::vector<std::uint8_t> rgba(static_cast<std::size_t>(strip) * wide * 4);
+    std::vector<float> line(static_cast<std::size_t>(x.count) * n);
+    for (std::int32_t row = y.source_first; row < y.source_end; ++row) {
+        const std::int32_t k = row - y.source_first, in_strip = k % strip;
+        if (in_strip == 0)
+            reader.read(0, {x.source_first, row, static_cast<std::int32_t>(wide), std::min(strip, y.source_end - row)},
+                        rgba.data());
+        std::fill(line.begin(), line.end(), 0.0f);
+        for (std::size_t i = 0; i < static_cast<std::size_t>(x.count); ++i)
+            for (std::int32_t tap = 0; tap < x.taps; ++tap)
+                if (const float w = x.weights[i * static_cast<std::size_t>(x.taps) + static_cast<std::size_t>(tap)];
+                    w != 0)
+                    palette.add(rgba.data() + 4 * (static_cast<std::size_t>(in_strip) * wide +
+                                                   static_cast<std::size_t>(x.first[i] + tap)),
+                                w, line.data() + i * n);
+        for (std::size_t j = 0; j < static_cast<std::size_t>(y.count); ++j) {
+            if (y.first[j] > k || y.first[j] + y.taps <= k) continue;
+            const float w = y.weights[j * static_cast<std::size_t>(y.taps) + static_cast<std::size_t>(k - y.first[j])];
+            float* const to = shares.data() + n * ((static_cast<std::size_t>(run.y - points.y) + j) *
+                                                       static_cast<std::size_t>(points.columns) +
+                                                   static_cast<std::size_t>(run.x - points.x));
+            for (std::size_t i = 0; i < line.size(); ++i) to[i] += w * line[i];
+        }
+    }
+    return shares;
+}
+
+// ---- all of a point ------------------------------------------------------------------------------------------------
+
+class Evaluation {
+public:
+    Evaluation(const ControlPlan& plan, const ControlGround& ground, const Window& points, const ControlInput& in)
+        : plan_(plan), ground_(ground), points_(points), rules_(prepared(plan)),
+          shapes_(ground, heights_for_control(ground, points), in.heights_m) {
+        for (const Prepared& p : rules_) curved_ |= p.rule->curvature.given, wet_ |= p.rule->wetness.given;
+        for (std::size_t i = 0; i < plan.rasters.size(); ++i)
+            rasters_.push_back(raster_shares(plan.rasters[i], in.images[i]->layers[0], ground, points, *in.readers[i]));
+    }
+
+    // i: of the point in the window.
+    [[nodiscard]] Layers at(std::int32_t px, std::int32_t py, std::size_t i) const {
+        const std::int32_t x = std::min(px << ground_.stride_log2, ground_.columns - 1),
+                           y = std::min(py << ground_.stride_log2, ground_.rows - 1);
+        Shape shape = shapes_.of(x, y);
+        if (curved_) shape.curvature = shapes_.curvature(x, y);
+        const float wetness = wet_ ? ground_.wetness->at(x, y) : 0;
+        Layers shares{};
+        float left = 1;
+        for (std::size_t r = rules_.size(); r-- > 0 && left > 0;) {
+            const Prepared& p = rules_[r];
+            float here = left * p.opacity * p.curvature.share(shape.curvature) * p.wetness.share(wetness);
+            if (here > 0 && p.rule->aspect_deg.given) // level ground faces nowhere
+                here *= p.aspect.share(shape.aspect_deg) * std::min(shape.slope_deg * 0.5f, 1.0f);
+            if (here <= 0) continue;
+            const float noise = p.noisy ? noise_of(*p.rule, x, y) : 0.5f;
+            here *= p.height.share(shape.height_m + (noise - 0.5f) * p.ragged_m) *
+                    p.slope.share(shape.slope_deg + (noise - 0.5f) * p.ragged_deg) * p.noise.share(noise);
+            lay(p, here, i, shares, left);
+        }
+        return shares;
+    }
+
+private:
+    [[nodiscard]] float noise_of(const ControlRule& rule, std::int32_t x, std::int32_t y) const {
+        const double east = x * ground_.spacing_m[0], south = y * ground_.spacing_m[1];
+        const auto fine = static_cast<float>(rule.fine);
+        float noise = 0;
+        if (fine < 1) noise += (1 - fine) * control_noise(east, south, rule.noise_m);
+        if (fine > 0) noise += fine * control_noise(east + 7777, south + 3333, rule.noise_m / 8);
+        return noise;
+    }
+    void lay(const Prepared& p, float here, std::size_t i, Layers& shares, float& left) const {
+        if (p.rule->raster < 0) {
+            shares[p.rule->layer] += here;
+            left -= here;
+            return;
+        }
+        const auto raster = static_cast<std::size_t>(p.rule->raster);
+        const float* const of = rasters_[raster].data() + i * max_control_names;
+        for (const std::uint8_t layer : plan_.rasters[raster].layers) {
+            shares[layer] += here * of[layer];
+            left -= here * of[layer];
+        }
+    }
+
+    const ControlPlan& plan_;
+    const ControlGround& ground_;
+    Window points_;
+    std::vector<Prepared> rules_;
+    Shapes shapes_;
+    std::vector<std::vector<float>> rasters_;
+    bool curved_ = false, wet_ = false;
+};
+
+} // namespace
+
+float control_noise(double east_m, double south_m, double wavelength_m) {
+    float sum = 0, weight = 1, all = 0;
+    double x = east_m / wavelength_m, y = south_m / wavelength_m;
+    for (int octave = 0; octave < 3; ++octave) {
+        sum += weight * value_noise(x, y);
+        all += weight;
+        weight *= 0.5f;
+        const double turned = 1.6 * x - 1.2 * y; // by 37 degrees and twice as fine
+        y = 1.2 * x + 1.6 * y;
+        x = turned;
+    }
+    return std::clamp((sum / all - 0.5f) * 1.8f + 0.5f, 0.0f, 1.0f);
+}
+
+Window heights_for_control(const ControlGround& ground, const Window& points) {
+    constexpr std::int32_t beside = 2; // of curvature
+    const std::int32_t last_x = ground.columns - 1, last_y = ground.rows - 1;
+    const std::int32_t x0 = std::clamp((points.x << ground.stride_log2) - beside, 0, last_x),
+                       y0 = std::clamp((points.y << ground.stride_log2) - beside, 0, last_y);
+    const std::int32_t x1 =
+        std::min((std::min((points.x + points.columns - 1) << ground.stride_log2, last_x)) + beside, last_x);
+    const std::int32_t y1 =
+        std::min((std::min((points.y + points.rows - 1) << ground.stride_log2, last_y)) + beside, last_y);
+    const std::int32_t x = std::min(x0, std::max(last_x - beside, 0)), y = std::min(y0, std::max(last_y - beside, 0));
+    return {x, y, x1 - x + 1, y1 - y + 1};
+}
+
+TexelPlanes control_shares(const ControlPlan& plan, const ControlGround& ground, const Window& points,
+                           const ControlInput& in) {
+    TexelPlanes planes(points, static_cast<int>(max_control_names));
+    const Evaluation evaluation(plan, ground, points, in);
+    std::size_t i = 0;
+    for (std::int32_t y = points.y; y < points.y + points.rows; ++y)
+        for (std::int32_t x = points.x; x < points.x + points.columns; ++x, ++i) {
+            const Layers shares = evaluation.at(x, y, i);
+            for (std::size_t layer = 0; layer < plan.names.size(); ++layer) planes.channel[layer][i] = shares[layer];
+        }
+    return planes;
+}
+
+ControlImages open_control_images(const ControlPlan& plan, const Frame& ground) {
+    ControlImages images;
+    for (const ControlRaster& raster : plan.rasters)
+        images.push_back(open_raster_map(
+            raster.path, ground, raster.kind == ControlRaster::Kind::classes ? RasterUse::classes : RasterUse::paint));
+    return images;
+}
+
+void store_control_texel(const float (&shares)[max_control_names], std::byte* to) {
+    std::size_t best[control_layers];
+    float all = 0, kept = 0;
+    for (const float share : shares) all += std::max(share, 0.0f);
+    bool taken[max_control_names] = {};
+    for (std::size_t k = 0; k < control_layers; ++k) {
+        std::size_t most = 0;
+        while (taken[most]) ++most;
+        for (std::size_t i = most + 1; i < max_control_names; ++i)
+            if (!taken[i] && shares[i] > shares[most]) most = i;
+        taken[most] = true;
+        best[k] = most;
+        kept += std::max(shares[most], 0.0f);
+    }
+    // Rounded so that the sum is what it should be, and the order stays: what is missing goes to the largest, what is
+    // too much is the smallest's.
+    const float scale = kept > 0 ? 255 * std::min(all, 1.0f) / kept : 0;
+    int weight[control_layers], sum = 0;
+    for (std::size_t k = 0; k < control_layers; ++k) {
+        weight[k] = static_cast<int>(std::max(shares[best[k]], 0.0f) * scale + 0.5f);
+        sum += weight[k];
+    }
+    const int wanted = static_cast<int>(std::min(all, 1.0f) * 255 + 0.5f);
+    weight[0] += std::max(wanted - sum, 0);
+    for (std::size_t k = control_layers; sum > wanted; --sum) {
+        while (weight[k - 1] == 0) --k;
+        --weight[k - 1];
+    }
+    for (std::size_t k = 0; k < control_layers; ++k) {
+        to[2 * k] = static_cast<std::byte>(weight[k]);
+        to[2 * k + 1] = static_cast<std::byte>(weight[k] == 0 ? 0 : best[k]);
+    }
+}
+
+} // namespace fjell::baker
