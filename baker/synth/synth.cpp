@@ -286,8 +286,8 @@ struct Entry {
     double value;
 };
 
-LandRecipe parse_land(const nlohmann::json& json) {
-    if (!json.is_object()) refuse("not a JSON object; see content/terrain/mountains.json for one that is");
+LandRecipe parse_land(const nlohmann::json& recipe) {
+    if (!recipe.is_object()) refuse("not a JSON object; see content/terrain/mountains.json for one that is");
     LandRecipe r;
     std::array<Entry, 12> entries{{{"columns", 2, 65537, true, static_cast<double>(r.columns)},
                                    {"rows", 2, 65537, true, static_cast<double>(r.rows)},
@@ -301,7 +301,7 @@ LandRecipe parse_land(const nlohmann::json& json) {
                                    {"warp", 0, 1, false, r.warp},
                                    {"gullies", 0, 1, false, r.gullies},
                                    {"lowland", 0, 1, false, r.lowland}}};
-    for (const auto& item : json.items()) {
+    for (const auto& item : recipe.items()) {
         const std::string& key = item.key();
         const auto& value = item.value();
         if (key == "comment") continue;
@@ -398,9 +398,9 @@ std::unique_ptr<HeightSource> synth_source(const std::string& recipe_json) {
 }
 
 std::unique_ptr<HeightSource> open_synth(const std::string& recipe_path) {
-    const auto json = io::parse_json(io::read_text(recipe_path), recipe_path, io::JsonComments::yes);
+    const auto recipe = io::parse_json(io::read_text(recipe_path), recipe_path, io::JsonComments::yes);
     try {
-        return std::make_unique<LandSource>(parse_land(json));
+        return std::make_unique<LandSource>(parse_land(recipe));
     } catch (const Failure& failure) {
         throw Failure(failure.exit_code, fmt::format("{}: {}", recipe_path, failure.what()));
     }

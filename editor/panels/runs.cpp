@@ -207,11 +207,11 @@ void draw_flown_place(const FlownPlace& place, const FlownRun& run, std::size_t 
 void draw_worst(const State& state, Commands& commands) {
     const std::size_t index = state.runs.chosen ? state.runs.chosen->run : 0;
     const FlownRun& run = *state.runs.all[index];
-    constexpr const char* titles[] = {"Dearest places", "Places beyond the threshold"};
+    constexpr const char* kinds[] = {"Dearest places", "Places beyond the threshold"};
     for (std::size_t by = 0; by < 2; ++by) {
-        ui::heading(titles[by]);
+        ui::heading(kinds[by]);
         if (run.worst[by].empty()) ImGui::TextColored(ImColor(ui::good).Value, "none");
-        ImGui::PushID(titles[by]);
+        ImGui::PushID(kinds[by]);
         for (std::size_t i = 0; i < run.worst[by].size(); ++i) {
             const std::size_t at = run.worst[by][i];
             draw_flown_place(run.places[at], run, index, at, state, commands);
