@@ -81,7 +81,7 @@ void draw_bookmarks(const State& state, Commands& commands) {
 }
 
 struct RenderForm {
-    std::string made_for = fields::nothing_yet;
+    std::string file_made_for = fields::nothing_yet, folder_made_for = fields::nothing_yet;
     fields::PathText file = "", folder = "";
     int way = 0, width = 3840, height = 2160;
     double fps = 30;
@@ -91,9 +91,8 @@ void draw_render(const State& state, Commands& commands) {
     static RenderForm form;
     constexpr const char* ways[] = {"this view", "the path, frame by frame"};
     ui::heading("Render");
-    std::string made_for = form.made_for;
-    fields::suggest(form.file, form.made_for, state, ".png");
-    fields::suggest(form.folder, made_for, state, "-frames");
+    fields::suggest(form.file, form.file_made_for, state, ".png");
+    fields::suggest(form.folder, form.folder_made_for, state, "-frames");
     fields::choice("What", "render", "what", form.way, ways, 2,
                    "A picture of what the camera sees, of any size; or one for each frame of the camera path.");
     const bool path = form.way == 1;

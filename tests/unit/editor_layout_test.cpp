@@ -153,7 +153,7 @@ TEST_CASE("panels float and come back, and columns give the room of those that f
         run((std::string("float ") + panel_names[static_cast<std::size_t>(panel)] + " on").c_str());
     CHECK_FALSE(at(1920, 1080).column[1].there);
     CHECK(at(1920, 1080).column[0].there);
-    for (const Panel panel : {Panel::tune, Panel::camera, Panel::show})
+    for (const Panel panel : {Panel::tune, Panel::camera, Panel::show, Panel::pictures})
         run((std::string("float ") + panel_names[static_cast<std::size_t>(panel)] + " on").c_str());
     CHECK(at(1280, 720).view.width == 1280);
     CHECK_THROWS(parse_command("place-panel time 1 1 2 2"));
