@@ -190,7 +190,7 @@ private:
         else
             read_channels(json["channels"], raster);
         std::ranges::sort(raster.layers);
-        raster.layers.erase(std::ranges::unique(raster.layers).begin(), raster.layers.end());
+        raster.layers.erase(std::unique(raster.layers.begin(), raster.layers.end()), raster.layers.end());
         plan_.rasters.push_back(std::move(raster));
     }
 

@@ -92,8 +92,9 @@ void read_arrangement(KeyReader& keys, Arrangement& a) {
         for (auto panel = turned_to.rbegin(); panel != turned_to.rend(); ++panel) a.turn_to(*panel);
     });
     keys.key("floating", [&](const json& all) {
-        for (const auto& [name, place] : all.items()) {
-            FloatingPanel& f = a.floating[index_of(json(name), panel_names)];
+        for (const auto& item : all.items()) {
+            FloatingPanel& f = a.floating[index_of(json(item.key()), panel_names)];
+            const json& place = item.value();
             const auto px = [&](const char* key, float least) {
                 const auto value = place.at(key).get<float>();
                 if (!(value >= least && value <= most_floating_px)) throw Failure(1, "out of range");

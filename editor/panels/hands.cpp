@@ -89,7 +89,7 @@ bool draw_hands(const State& state, const ui::Rect& view, Commands& commands) {
     const ImGuiIO& io = ImGui::GetIO();
     if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
         taken = {};
-        if (io.KeysDown['L'] && !io.WantTextInput)
+        if (io.KeysDown[static_cast<int>('L')] && !io.WantTextInput)
             taken.sun = true;
         else if (!state.probe.on)
             taken.point = point_under(state, view);
