@@ -271,6 +271,7 @@ Refined ProgressiveMesh::refine(const View& view, double error_px, std::uint32_t
             break;
         }
         left -= unsplit_from(eye, s, left);
+        behind = behind || !stack_.empty(); // what waits there may lie among those that were passed
     }
     return {static_cast<std::uint32_t>(drawn_.size() - free_.size()), behind};
 }
