@@ -92,7 +92,6 @@ FJELL_FIELD(FjellPack, header);
 FJELL_FIELD(FjellPack, directory);
 
 FJELL_SIZE(FjellSetPart);
-FJELL_FIELD(FjellSetPart, pack);
 FJELL_FIELD(FjellSetPart, tile_x);
 FJELL_FIELD(FjellSetPart, tile_y);
 
@@ -362,7 +361,8 @@ FJELL_FIELD(FjellStreamRequest, bytes);
 static_assert(sizeof(std::span<const std::byte>) == 2 * sizeof(void*));
 static_assert(offsetof(Pack, bytes) == offsetof(FjellPack, bytes) &&
               offsetof(FjellPack, byte_count) == offsetof(FjellPack, bytes) + sizeof(void*));
-static_assert(offsetof(SetPart, corners) == offsetof(FjellSetPart, corners) &&
+static_assert(offsetof(SetPart, pack) == offsetof(FjellSetPart, pack) &&
+              offsetof(SetPart, corners) == offsetof(FjellSetPart, corners) &&
               offsetof(FjellSetPart, corner_bytes) == offsetof(FjellSetPart, corners) + sizeof(void*));
 static_assert(offsetof(SetIndex, header) == offsetof(FjellSetIndex, header) &&
               offsetof(SetIndex, tail) == offsetof(FjellSetIndex, tail) &&

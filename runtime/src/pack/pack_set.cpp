@@ -22,13 +22,15 @@ const char* difference(const PackHeader& a, const PackHeader& b) {
     if (a.tile_log2 != b.tile_log2) return "tile size";
     if (a.order != b.order) return "order";
     if (a.estimate != b.estimate) return "estimate";
-    if (std::memcmp(&a.nesting, &b.nesting, sizeof a.nesting) != 0 || a.error_nesting_steps != b.error_nesting_steps)
+    if (!std::equal(&a.nesting, &a.nesting + 1, &b.nesting) || a.error_nesting_steps != b.error_nesting_steps)
         return "nesting";
     if (!std::equal(a.spacing_m, a.spacing_m + 2, b.spacing_m)) return "spacing";
     if (a.base_m < b.base_m || a.base_m > b.base_m || a.quantum_m < b.quantum_m || a.quantum_m > b.quantum_m)
         return "height scale";
-    if (std::memcmp(&a.error_floor_m, &b.error_floor_m, 2 * sizeof(float)) != 0) return "error scale";
-    if (std::memcmp(a.level_radius_m, b.level_radius_m, sizeof a.level_radius_m) != 0) return "radius scale";
+    if (!std::equal(&a.error_floor_m, &a.error_floor_m + 1, &b.error_floor_m) ||
+        !std::equal(&a.error_ratio, &a.error_ratio + 1, &b.error_ratio))
+        return "error scale";
+    if (!std::equal(std::begin(a.level_radius_m), std::end(a.level_radius_m), b.level_radius_m)) return "radius scale";
     if (a.colour_log2 != b.colour_log2) return "size of colour maps";
     if (a.normal_log2 != b.normal_log2) return "size of normal maps";
     if (a.horizon_log2 != b.horizon_log2) return "size of horizon maps";
@@ -36,7 +38,6 @@ const char* difference(const PackHeader& a, const PackHeader& b) {
     if (a.crs_bytes != b.crs_bytes || !std::equal(a.crs_step, a.crs_step + 2, b.crs_step)) return "CRS";
     return nullptr;
 }
-static_assert(offsetof(PackHeader, error_ratio) == offsetof(PackHeader, error_floor_m) + sizeof(float));
 
 // A CRS unit a sample; metres where the pack does not say.
 double step_of(const PackHeader& h, int axis) {
