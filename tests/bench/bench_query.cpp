@@ -7,7 +7,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <numeric>
 #include <random>
@@ -20,10 +19,12 @@
 #include "fjell/query.h"
 #include "pack/terrain_data.h"
 #include "support/dem.h"
+#include "support/times.h"
 
 namespace {
 
 using namespace fjell;
+using test::worked_us;
 
 const std::string recipe = FJELL_SOURCE_DIR "/content/terrain/mountains.json";
 
@@ -85,11 +86,6 @@ void plain_height(benchmark::State& state, bool coherent) {
     }
 }
 
-[[nodiscard]] double cpu_s() { // of the thread
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 // As many threads as a server has, while another one takes pages of step 1 out and in again, some thousand a second. A
 // thread's rate is by its own CPU time: machines have fewer cores.
 void heights_while_streaming(benchmark::State& state, bool coherent) {
@@ -105,12 +101,12 @@ void heights_while_streaming(benchmark::State& state, bool coherent) {
         std::vector<std::thread> all;
         for (int thread = 0; thread < threads; ++thread)
             all.emplace_back([&, thread] {
-                const double start = cpu_s();
+                const double start_us = worked_us();
                 std::size_t count = 0, i = at.size() / threads * static_cast<std::size_t>(thread);
                 while (!stop.load(std::memory_order_relaxed))
                     for (int some = 0; some < 256; ++some, ++count, i = (i + 1) % at.size())
                         benchmark::DoNotOptimize(ground_height(t, at[i].x, at[i].z).height_m);
-                rates[static_cast<std::size_t>(thread)] = static_cast<double>(count) / (cpu_s() - start);
+                rates[static_cast<std::size_t>(thread)] = static_cast<double>(count) * 1e6 / (worked_us() - start_us);
             });
         std::mt19937 random(4);
         std::uniform_int_distribution<std::uint32_t> tile(0, data_of(t).tile_count() - 1), page(1, finest);

@@ -2,10 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -25,25 +23,15 @@
 #include "fjell/recursive.h"
 #include "fjell/stream.h"
 #include "pack/terrain_data.h"
+#include "support/times.h"
 
 namespace fjell::bench {
 
-using Clock = std::chrono::steady_clock;
+using test::Clock;
+using test::rank;
+using test::us_since;
+using test::worked_us;
 
-inline double us_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
-// What this thread has worked: less what a machine with other guests takes away.
-inline double worked_us() {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) * 1e6 + static_cast<double>(t.tv_nsec) * 1e-3;
-}
-inline double rank(std::vector<double> v, double share) {
-    std::sort(v.begin(), v.end());
-    const auto n = static_cast<std::size_t>(std::ceil(share * static_cast<double>(v.size())));
-    return v[std::clamp<std::size_t>(n, 1, v.size()) - 1];
-}
 inline void require(const Status& status) {
     if (status.ok()) return;
     std::fprintf(stderr, "%s: %s\n", status.field, message(status.code));

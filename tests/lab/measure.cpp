@@ -10,15 +10,18 @@
 #include "fjell/io/failure.h"
 #include "fjell/measure.h"
 #include "fjell/recursive.h"
-#include "lab/clock.h"
 #include "lab/pages.h"
 #include "lab/rivals.h"
 #include "rivals/look.h"
 #include "rivals/ours.h"
+#include "support/times.h"
 
 namespace fjell::lab {
 
 namespace {
+
+using test::rank;
+using test::worked_us;
 
 constexpr int settling_updates = 8;
 
@@ -29,12 +32,6 @@ struct Flight {
     double true_error_px = -1, popping_px = -1;
     PageCount pages{8};
 };
-
-double rank(std::vector<double> v, double share) {
-    std::sort(v.begin(), v.end());
-    const auto n = static_cast<std::size_t>(std::ceil(share * static_cast<double>(v.size())));
-    return v[std::clamp<std::size_t>(n, 1, v.size()) - 1];
-}
 
 double five_digits(double value) {
     return value == 0 ? 0 : std::stod(fmt::format("{:.5g}", value));

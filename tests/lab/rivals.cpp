@@ -8,9 +8,9 @@
 
 #include "fjell/io/failure.h"
 #include "io/file.h"
-#include "lab/clock.h"
 #include "lab/mesh_picture.h"
 #include "rivals/look.h"
+#include "support/times.h"
 
 namespace fjell::lab {
 
@@ -20,6 +20,7 @@ using rivals::Face;
 using rivals::Ground;
 using rivals::Rival;
 using rivals::unlimited_operations;
+using test::worked_us;
 
 // Methods that follow their view by a level a frame need as many as there are levels.
 constexpr int settling_frames = 128, resting_frames = 40; // a morph goes on for some when nothing else changes

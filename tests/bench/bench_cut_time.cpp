@@ -1,0 +1,191 @@
+// bench_cut's frames that their time ends: does it hold, what is claimed meanwhile, and how soon does the mesh stand?
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/cut_scenes.h"
+#include "fjell/measure.h"
+
+namespace fjell::bench {
+
+using test::worked_us;
+
+namespace {
+
+void report_ranks(benchmark::State& state, const std::vector<double>& us, const std::string& of) {
+    state.counters[of + "p50_us"] = rank(us, 0.5);
+    state.counters[of + "p99_us"] = rank(us, 0.99);
+    state.counters[of + "p9999_us"] = rank(us, 0.9999);
+    state.counters[of + "max_us"] = rank(us, 1);
+}
+
+// A random place every 500 frames, turning, 300 us a frame: does a frame ever take longer than a loop that does nothing
+// for as long? By the thread's own time, in turns.
+void teleport_budget(benchmark::State& state, double offscreen_factor) {
+    const Terrain& t = mountains().pack.terrain;
+    const std::size_t bytes = cut_bytes(t, cut_budget);
+    const io::AlignedMemory memory = io::allocate(bytes);
+    LiveCut cut;
+    if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+    CutSettings settings;
+    settings.error_px = 2;
+    settings.budget_us = 300;
+    settings.offscreen_factor = offscreen_factor;
+    std::vector<double> us, spin_us;
+    double converged = 0;
+    std::uint32_t seed = 1;
+    const auto random = [&] { return (seed = seed * 1664525 + 1013904223) / 4294967296.0; };
+    std::vector<View> views = flight_views(t, 0.25, 1);
+    for (auto _ : state)
+        for (int frame = 0; frame < 100'000; ++frame) {
+            View& view = views[0];
+            if (frame % 500 == 0) {
+                view.eye_m = {random() * t.x_m(4096), 0, random() * t.z_m(4096)};
+                view.eye_m.y = data_of(t).ground_m(view.eye_m.x, view.eye_m.z) + 400;
+            }
+            view.eye_m = view.eye_m + Vec3{12, 0, -9};
+            const double angle = frame * 0.005;
+            view.forward = {std::sin(angle), 0, std::cos(angle)}, view.up = {0, 1, 0};
+            CutReport report;
+            double start = worked_us();
+            if (!update_cut(cut, views, settings, report).ok()) std::abort();
+            us.push_back(worked_us() - start);
+            converged += report.converged;
+            start = worked_us();
+            for (const Clock::time_point begin = Clock::now(); us_since(begin) < settings.budget_us;) {
+            }
+            spin_us.push_back(worked_us() - start);
+        }
+    report_ranks(state, us, "");
+    report_ranks(state, spin_us, "spin_");
+    state.counters["p9999_over_spin"] = rank(us, 0.9999) / rank(spin_us, 0.9999);
+    state.counters["converged"] = converged / 100'000;
+}
+
+// A cell a frame in less time than that takes: what does the mesh claim to keep, and what does it cost to say so?
+void lag(benchmark::State& state, double budget_us) {
+    const Scene& scene = mountains();
+    const Terrain& t = scene.pack.terrain;
+    const std::size_t bytes = cut_bytes(t, cut_budget);
+    const io::AlignedMemory memory = io::allocate(bytes);
+    LiveCut cut;
+    if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+    CutSettings settings;
+    settings.error_px = scene.error_px;
+    std::vector<double> claimed_px, output_us;
+    double unbounded = 0;
+    for (auto _ : state) {
+        const std::vector<View> views = flight_views(t, 1, 600);
+        CutReport report;
+        (void)rebuild_cut(cut, {&views[0], 1}, settings, report);
+        settings.budget_us = budget_us;
+        for (const View& view : views) {
+            (void)update_cut(cut, {&view, 1}, settings, report);
+            claimed_px.push_back(report.error_px_effective);
+            output_us.push_back(report.output_us);
+            unbounded += report.error_px_effective >= unbounded_px;
+        }
+    }
+    state.counters["claimed_p50_px"] = rank(claimed_px, 0.5);
+    state.counters["claimed_p90_px"] = rank(claimed_px, 0.9);
+    state.counters["unbounded_share"] = unbounded / static_cast<double>(claimed_px.size());
+    state.counters["output_p50_us"] = rank(output_us, 0.5);
+}
+
+// Of the vertices that a view will show in the end, the share that a mesh has.
+class Visible {
+public:
+    Visible(const Terrain& terrain, const View& view, double error_px)
+        : columns_(static_cast<std::size_t>(data_of(terrain).tree.columns())),
+          flags_(columns_ * static_cast<std::size_t>(data_of(terrain).tree.rows())) {
+        const std::size_t bytes = cut_bytes(terrain, cut_budget);
+        const io::AlignedMemory memory = io::allocate(bytes);
+        LiveCut cut;
+        if (!create_cut(terrain, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+        CutSettings settings;
+        settings.error_px = error_px;
+        CutReport report;
+        (void)rebuild_cut(cut, {&view, 1}, settings, report);
+        const Frustum frustum = make_frustum(view);
+        for_each_vertex(cut_mesh(cut).mesh, [&](const MeshVertex& v) {
+            const Vec3 p = Vec3{terrain.x_m(v.column), v.height_m, terrain.z_m(v.row)} - view.eye_m;
+            bool inside = true;
+            for (int i = 0; i < 6; ++i) inside = inside && dot(frustum.normal[i], p) >= frustum.offset[i];
+            std::uint8_t& flag = flags_[at(v)];
+            count_ += inside && flag == 0;
+            flag = inside;
+        });
+    }
+    [[nodiscard]] double share(const MeshView& mesh) const {
+        std::vector<std::uint8_t> left = flags_;
+        std::size_t found = 0;
+        for_each_vertex(mesh, [&](const MeshVertex& v) { found += std::exchange(left[at(v)], std::uint8_t{0}); });
+        return static_cast<double>(found) / static_cast<double>(count_);
+    }
+    [[nodiscard]] std::size_t count() const { return count_; }
+
+private:
+    template <typename Visit>
+    static void for_each_vertex(const MeshView& mesh, const Visit& visit) {
+        for (const TileRange& range : mesh.tiles)
+            for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; ++i)
+                visit(mesh.vertices[mesh.indices[i]]);
+    }
+    [[nodiscard]] std::size_t at(const MeshVertex& v) const {
+        return static_cast<std::size_t>(v.row) * columns_ + static_cast<std::size_t>(v.column);
+    }
+    std::size_t columns_, count_ = 0;
+    std::vector<std::uint8_t> flags_;
+};
+
+// Teleports in succession with 2 ms a frame, each from the mesh that the last one left: how much of what the view will
+// show stands after five frames, and after how many does 99% of it?
+void teleport_recovery(benchmark::State& state) {
+    const Scene& scene = mountains();
+    const Terrain& t = scene.pack.terrain;
+    const std::size_t bytes = cut_bytes(t, cut_budget);
+    const io::AlignedMemory memory = io::allocate(bytes);
+    LiveCut cut;
+    if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+    CutSettings settings;
+    settings.error_px = scene.error_px;
+    std::vector<double> frames_to_99;
+    double after_five = 0;
+    constexpr int teleports = 8;
+    for (auto _ : state)
+        for (int n = 0; n < teleports; ++n) {
+            View view = flight_views(t, 0.25, 1)[0];
+            view.eye_m.x = t.x_m(1024 + 2048 * (n % 2)), view.eye_m.z = t.z_m(700 + 380 * n);
+            view.eye_m.y = data_of(t).ground_m(view.eye_m.x, view.eye_m.z) + 400;
+            const Visible whole(t, view, settings.error_px);
+            state.counters["visible_vertices"] = static_cast<double>(whole.count());
+            settings.budget_us = 2000;
+            CutReport report;
+            int frame = 1;
+            for (; frame <= 200; ++frame) {
+                (void)update_cut(cut, {&view, 1}, settings, report);
+                const double share = whole.share(cut_mesh(cut).mesh);
+                if (frame == 5) after_five += share / teleports;
+                if (share >= 0.99) break;
+            }
+            frames_to_99.push_back(frame);
+            if (frame < 5) after_five += 1.0 / teleports;
+        }
+    state.counters["frames_to_99"] = rank(frames_to_99, 0.5);
+    state.counters["share_after_5"] = after_five;
+    state.counters["frames_to_99_worst"] = rank(frames_to_99, 1);
+}
+
+} // namespace
+
+void declare_frames_that_time_ends() {
+    declare("lag-1500us", [](benchmark::State& s) { lag(s, 1500); });
+    declare("lag-500us", [](benchmark::State& s) { lag(s, 500); });
+    declare("teleport-300us/all-around", [](benchmark::State& s) { teleport_budget(s, 1); });
+    declare("teleport-300us/offscreen-8", [](benchmark::State& s) { teleport_budget(s, 8); });
+    declare("teleport-2ms", teleport_recovery);
+}
+
+} // namespace fjell::bench
