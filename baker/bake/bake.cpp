@@ -109,12 +109,7 @@ void Bake::run_stages() {
         reads_input_ = true;
         const ReadResult read = read_result(context_, read_windows(context_, raw));
         reads_input_ = false;
-        found.has_voids = read.has_voids;
-        found.holes = read.has_voids && read.properties.holes;
-        found.native_quantum_m = read.properties.native_quantum_m;
-        found.anchor_m = read.properties.anchor_m;
-        found.lowest = read.properties.lowest;
-        found.highest = read.properties.highest;
+        found.note_source(read.properties, read.has_voids);
         found.stores.heights = raw.written();
     });
     if (found.has_voids && !complete({Stage::finest_step})) {

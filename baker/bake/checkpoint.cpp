@@ -45,6 +45,15 @@ std::string start_of_machine() {
 
 } // namespace
 
+void CheckpointState::note_source(const SourceProperties& source, bool voids) {
+    has_voids = voids;
+    holes = voids && source.holes;
+    native_quantum_m = source.native_quantum_m;
+    anchor_m = source.anchor_m;
+    lowest = source.lowest;
+    highest = source.highest;
+}
+
 Checkpoint::Checkpoint(std::string path, const std::string& identity) : path_(std::move(path)) {
     static_assert(std::is_trivially_copyable_v<CheckpointState>, "CheckpointState is stored as it is");
     const std::string all = identity + '\n' + start_of_machine() + '\n' + program() + '\n' +

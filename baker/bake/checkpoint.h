@@ -50,6 +50,9 @@ struct StoreDigests {
 
 // All of it is stored. What is measured by a stage holds once that one is complete.
 struct CheckpointState {
+    // What a source that has been read is like; voids: it has samples without height.
+    void note_source(const SourceProperties& source, bool voids);
+
     std::uint32_t complete = 0;                // all stages of a smaller number are
     std::uint32_t has_voids = 0;               // read: 1: the source has samples without height
     std::uint32_t holes = 0;                   // read: 1: those stay holes

@@ -319,12 +319,7 @@ CheckpointState found_by_shards(const ShardPlan& plan, const BakeContext& contex
         found.heights.add(ParcelReader(measures).get<HeightStatistics>());
     }
     const ReadResult result = read_result(context, read);
-    found.has_voids = result.has_voids;
-    found.holes = result.has_voids && result.properties.holes;
-    found.native_quantum_m = result.properties.native_quantum_m;
-    found.anchor_m = result.properties.anchor_m;
-    found.lowest = result.properties.lowest;
-    found.highest = result.properties.highest;
+    found.note_source(result.properties, result.has_voids);
     return found;
 }
 

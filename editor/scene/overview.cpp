@@ -7,9 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include <epoxy/gl.h>
-
 #include "editor/clock.h"
+#include "editor/scene/panel_texture.h"
 #include "fjell/query.h"
 
 namespace fjell::editor {
@@ -151,23 +150,15 @@ void Overview::upload(OverviewImage& image) {
         image.texture = 0;
         return;
     }
-    const auto w = static_cast<GLsizei>(columns_), h = static_cast<GLsizei>(rows_);
     if (texture_.get() == 0) {
-        unsigned name = 0;
-        glCreateTextures(GL_TEXTURE_2D, 1, &name);
-        texture_ = gl::Texture(name);
-        glTextureStorage2D(name, 1, GL_RGBA8, w, h); // sRGB bytes as they are: so the interface is drawn
-        glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-        glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-        glTextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-        glTextureParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+        texture_ = make_panel_texture(GL_RGBA8, columns_, rows_);
         dirty_begin_ = 0;
         dirty_end_ = rows_;
     }
     image.texture = texture_.get();
     if (dirty_begin_ == dirty_end_) return;
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    glTextureSubImage2D(texture_.get(), 0, 0, static_cast<GLint>(dirty_begin_), w,
+    glTextureSubImage2D(texture_.get(), 0, 0, static_cast<GLint>(dirty_begin_), static_cast<GLsizei>(columns_),
                         static_cast<GLsizei>(dirty_end_ - dirty_begin_), GL_RGBA, GL_UNSIGNED_BYTE,
                         texels_.data() + std::size_t{dirty_begin_} * columns_);
     dirty_begin_ = dirty_end_ = 0;

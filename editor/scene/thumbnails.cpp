@@ -1,6 +1,6 @@
 #include "editor/scene/thumbnails.h"
 
-#include <epoxy/gl.h>
+#include "editor/scene/panel_texture.h"
 
 namespace fjell::editor {
 
@@ -12,13 +12,10 @@ void Thumbnails::upload(Bookmarks& bookmarks) {
     for (Bookmark& b : bookmarks.all) {
         b.texture = 0;
         if (b.thumbnail.width == 0) continue;
-        glCreateTextures(GL_TEXTURE_2D, 1, &b.texture);
-        textures_.emplace_back(b.texture);
-        const auto w = static_cast<GLsizei>(b.thumbnail.width), h = static_cast<GLsizei>(b.thumbnail.height);
-        glTextureStorage2D(b.texture, 1, GL_RGB8, w, h); // sRGB bytes as they are: so the interface is drawn
-        glTextureSubImage2D(b.texture, 0, 0, 0, w, h, GL_RGB, GL_UNSIGNED_BYTE, b.thumbnail.rgb.data());
-        glTextureParameteri(b.texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-        glTextureParameteri(b.texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+        textures_.push_back(make_panel_texture(GL_RGB8, b.thumbnail.width, b.thumbnail.height));
+        b.texture = textures_.back().get();
+        glTextureSubImage2D(b.texture, 0, 0, 0, static_cast<GLsizei>(b.thumbnail.width),
+                            static_cast<GLsizei>(b.thumbnail.height), GL_RGB, GL_UNSIGNED_BYTE, b.thumbnail.rgb.data());
     }
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
 }
