@@ -79,7 +79,7 @@ std::string Renderer::State::make_program_of(const DrawOptions& now) {
     before += common_shader();
     std::string fragment = terrain_fragment_shader();
     if (shaded && now.lit) fragment += std::string(light_shader()) + layers_shader() + ground_light_shader();
-    fragment += terrain_main_shader();
+    fragment += std::string(overlay_shader()) + terrain_main_shader();
     const bool per_triangle = now.wireframe || mode == Mode::levels || mode == Mode::error;
     std::string error;
     program = make_program({"terrain", std::move(before), terrain_vertex_shader(),

@@ -78,14 +78,16 @@ static_assert(sizeof(TileBlock) == 208 && offsetof(TileBlock, mip) == 32 && offs
 // Names each triangle's level and corners for the fragment shader; needed by LEVELS, ERROR and WIREFRAME only.
 [[nodiscard]] const char* terrain_geometry_shader();
 // The ground's fragment shader: terrain_fragment_shader(), for LIT light_shader() and ground_light_shader(), then
-// terrain_main_shader(). Defines: COLOUR_MAPS and NORMAL_MAPS, how many array textures there are of each, when there
-// are any; SHADED, LEVELS, DISTANCE, TILES, MIPS, RESIDENCY or ERROR for the mode; WIREFRAME; BORDERS; ALL_THERE: one
-// array of each, layer = tile; with SHADED also LIT, and with that AIR: physical, DETAIL, WATER, LAYERS, SHADOWS
-// (with HORIZON_MAPS), CONTROL (with LAYERS, CONTROL_MAPS, and CONTROL_UNIT: the first of their texture units).
+// overlay_shader() and terrain_main_shader(). Defines: COLOUR_MAPS and NORMAL_MAPS, how many array textures there are
+// of each, when there are any; SHADED, LEVELS, DISTANCE, TILES, MIPS, RESIDENCY or ERROR for the mode; WIREFRAME;
+// BORDERS; ALL_THERE: one array of each, layer = tile; with SHADED also LIT, and with that AIR: physical, DETAIL,
+// WATER, LAYERS, SHADOWS (with HORIZON_MAPS), CONTROL (with LAYERS, CONTROL_MAPS, and CONTROL_UNIT: the first of their
+// texture units).
 [[nodiscard]] const char* terrain_fragment_shader();
 [[nodiscard]] const char* light_shader();
 [[nodiscard]] const char* layers_shader(); // between the two
 [[nodiscard]] const char* ground_light_shader();
+[[nodiscard]] const char* overlay_shader(); // for WIREFRAME and BORDERS
 [[nodiscard]] const char* terrain_main_shader();
 [[nodiscard]] const char* sky_vertex_shader();
 [[nodiscard]] const char* sky_fragment_shader(); // after light_shader()

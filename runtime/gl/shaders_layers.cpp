@@ -37,6 +37,20 @@ float band(vec4 edges, float value) {
     return clamp((value - edges.x) * edges.y, 0.0, 1.0) * clamp((edges.z - value) * edges.w, 0.0, 1.0);
 }
 
+// Keeps the three that are most, of those that come one after the other.
+void keep_most(int of, float here, inout ivec3 material, inout vec3 most) {
+    if (here > most.x) {
+        most = vec3(here, most.xy);
+        material = ivec3(of, material.xy);
+    } else if (here > most.y) {
+        most.yz = vec2(here, most.y);
+        material.yz = ivec2(of, material.y);
+    } else if (here > most.z) {
+        most.z = here;
+        material.z = of;
+    }
+}
+
 // The three rules that show most: layer_shares() of fjell/gl/layers.h.
 void strongest_rules(float height, float slope, vec2 noises, out ivec3 material, out vec3 share) {
     share = vec3(0.0);
@@ -47,17 +61,7 @@ void strongest_rules(float height, float slope, vec2 noises, out ivec3 material,
         float here = left * rule[i].how.y * band(rule[i].height, height + off * rule[i].how.z) *
                      band(rule[i].slope, slope + off * rule[i].how.w) * band(rule[i].noise, noise);
         left -= here;
-        int of = int(rule[i].how.x);
-        if (here > share.x) {
-            share = vec3(here, share.xy);
-            material = ivec3(of, material.xy);
-        } else if (here > share.y) {
-            share.yz = vec2(here, share.y);
-            material.yz = ivec2(of, material.y);
-        } else if (here > share.z) {
-            share.z = here;
-            material.z = of;
-        }
+        keep_most(int(rule[i].how.x), here, material, share);
     }
     float all = share.x + share.y + share.z;
     share = all > 0.0 ? share / all : vec3(1.0, 0.0, 0.0);
@@ -119,16 +123,7 @@ float strongest_of_map(vec2 at, vec2 dx, vec2 dy, vec2 noises, out ivec3 materia
     do {
         float here = names[i >> 2][i & 3];
         covered += here;
-        if (here > most.x) {
-            most = vec3(here, most.xy);
-            material = ivec3(i, material.xy);
-        } else if (here > most.y) {
-            most.yz = vec2(here, most.y);
-            material.yz = ivec2(i, material.y);
-        } else if (here > most.z) {
-            most.z = here;
-            material.z = i;
-        }
+        keep_most(i, here, material, most);
     } while (++i < 16);
     float all = most.x + most.y + most.z;
     share = all > 0.0 ? most / all : share;
