@@ -135,7 +135,8 @@ int run_launch(const Arguments& a) {
                                 a.threads,
                                 static_cast<int>(a.memory_mb),
                                 std::filesystem::read_symlink("/proc/self/exe").string(),
-                                *a.given.output};
+                                *a.given.output,
+                                a.quiet};
     if (a.dry_run) {
         const ShardCost cost = cost_of(plan, recipe);
         for (const std::string& command : launch_commands(plan, options)) fmt::print("{}\n", command);

@@ -23,18 +23,19 @@ std::string quoted(const std::string& word) {
 }
 
 std::string how(const LaunchOptions& o) {
-    return fmt::format(" --quiet --threads {} --memory {}", o.threads, o.memory_mb);
+    return fmt::format(" --threads {} --memory {}", o.threads, o.memory_mb);
 }
 
 // shard: a number, or what a shell makes one of.
 std::string shard_command(const ShardPlan& plan, const LaunchOptions& o, const ShardStep& step,
                           const std::string& shard) {
-    return fmt::format("{} shard {} {}/{} --step {}{}", quoted(o.program), quoted(plan.folder), shard, plan.shards,
-                       step.name(), how(o));
+    return fmt::format("{} shard {} {}/{} --step {} --quiet{}", quoted(o.program), quoted(plan.folder), shard,
+                       plan.shards, step.name(), how(o));
 }
 
 std::string merge_command(const ShardPlan& plan, const LaunchOptions& o) {
-    return fmt::format("{} merge {} -o {}{}", quoted(o.program), quoted(plan.folder), quoted(o.out_path), how(o));
+    return fmt::format("{} merge {} -o {}{}{}", quoted(o.program), quoted(plan.folder), quoted(o.out_path),
+                       o.quiet ? " --quiet" : "", how(o));
 }
 
 // JOB is the shell's name for the job before.

@@ -18,6 +18,7 @@ struct LaunchOptions {
     int memory_mb = 512; // of each shard
     std::string program; // of the machines; how they find fjell-bake
     std::string out_path;
+    bool quiet = false; // otherwise the merge tells of the pack, as a bake does
 };
 
 // What a plan costs, from the sizes of its stores and the rates of docs/notes/sharding.md, which are those of one core.

@@ -48,7 +48,9 @@ TEST_CASE("a plan launched on this machine makes the pack of one bake, and a sha
     fails(folder, "ulimit -f 100; " + bake + "shard plan 1/2 --threads 1", 3, "plan/scratch");
     CHECK(run_in(folder.path, bake + "plan plan --status").out.find("next: fjell-bake shard plan 1/2 --step read") !=
           std::string::npos);
-    REQUIRE(run_in(folder.path, bake + "launch plan -o out.fjell --threads 1").code == 0);
+    const Run launched = run_in(folder.path, bake + "launch plan -o out.fjell --threads 1");
+    REQUIRE(launched.code == 0);
+    CHECK(launched.out.starts_with("out.fjell: 600 x 420 samples")); // as a bake tells of its pack
     CHECK(same(folder, "out.fjell"));
     CHECK(run_in(folder.path, bake + "plan plan --status").out.find("all steps are complete") != std::string::npos);
     spit(folder / "land.json", R"({"columns": 600, "rows": 421})");
