@@ -48,7 +48,7 @@ struct SetIndex {
 
 // 0 for parts that make_set_index() refuses before it reads their corners.
 [[nodiscard]] std::size_t set_index_bytes(const SetShape& shape, std::span<const SetPart> parts);
-// Fails with wrong_pack for a part of another version or recipe than the first (field: what differs), with out_of_range
+// Fails with wrong_pack for a part of another recipe than the first (field: what differs), with out_of_range
 // for one that does not lie in the set's tiles or lies over another one, with corrupt for its corners, with
 // memory_too_small.
 Status make_set_index(const SetShape& shape, std::span<const SetPart> parts, std::span<std::byte> memory,

@@ -18,7 +18,6 @@ namespace {
 
 // Whether parts may stand in one terrain: nullptr, or what differs.
 const char* difference(const PackHeader& a, const PackHeader& b) {
-    if (a.version != b.version) return "version";
     if (a.tile_log2 != b.tile_log2) return "tile size";
     if (a.order != b.order) return "order";
     if (a.estimate != b.estimate) return "estimate";

@@ -369,8 +369,10 @@ TerrainData::Vertex TerrainData::vertex(Coord v) const {
     if (tree.is_corner(v)) {
         const std::uint32_t corner = corner_at(v.x / side, v.y / side);
         out.loaded = true;
-        out.hole = corner == no_index; // there is no tile
-        if (out.hole) return out;
+        if (corner == no_index) { // there is no tile
+            out.hole = true;
+            return out;
+        }
         const std::uint32_t stored = corners[corner];
         out.hole = (stored & corner_void_bit) != 0;
         out.steps = static_cast<std::int32_t>(stored & ~corner_void_bit);
@@ -380,13 +382,13 @@ TerrainData::Vertex TerrainData::vertex(Coord v) const {
     const std::int32_t tx = std::min(v.x / side, tree.tiles_x - 1), ty = std::min(v.y / side, tree.tiles_y - 1);
     const Coord owner = tile_with(v, {tx, ty});
     const std::uint32_t tile = tile_at(owner.x, owner.y);
-    out.hole = tile == no_index;
-    out.loaded = out.hole;
-    if (out.hole) return out;
+    if (tile == no_index) {
+        out.loaded = out.hole = true;
+        return out;
+    }
     const PagePlace at =
         pages.place(static_cast<std::uint32_t>(v.x - owner.x * side), static_cast<std::uint32_t>(v.y - owner.y * side));
     const PageEntry entry = page_table[std::size_t{tile} * pages_per_tile + at.page];
-    out.loaded = entry.slot != no_index;
     if (entry.slot == no_index) return out;
     const VertexRecord record = records[std::size_t{entry.slot} * page_capacity + at.index];
     out.loaded = true;
