@@ -32,7 +32,9 @@ ExportPlan export_plan(HandlerContext context, const std::string& path, bool con
     const flight::LastUpdate& last = session.last;
     if (last.cut_report.frame + last.frame_report.frame == 0)
         throw io::Failure(2, "no frame has been drawn yet; try again");
-    ExportPlan plan{session.file, path, {}, state.scene.streamed, state.document.profile(), last.view, error_px};
+    ExportPlan plan{
+        session.file,           path, {}, state.scene.streamed, state.document.profile(), last.view, error_px,
+        context.engine.layers()};
     if (!converged && error_px == 0) plan.frame = flight::take_frame(session);
     return plan;
 }

@@ -27,8 +27,13 @@ gltf::SnapshotOptions options_of(const ExportPlan& plan, JobControl& control) {
     return options;
 }
 
+gltf::SnapshotResult write(const ExportPlan& plan, const gltf::Snapshot& snapshot, JobControl& control) {
+    return flight::write_snapshot(*plan.pack, snapshot, plan.path, options_of(plan, control),
+                                  {plan.layers, plan.profile.layers});
+}
+
 gltf::SnapshotResult write_frame(const ExportPlan& plan, JobControl& control) {
-    return gltf::write_snapshot(*plan.pack, plan.frame, plan.path, options_of(plan, control));
+    return write(plan, plan.frame, control);
 }
 
 // A session that is as the frame's; of a streamed one with as much as the view wants and the page slots hold.
@@ -59,7 +64,7 @@ gltf::SnapshotResult write_refined(const ExportPlan& plan, JobControl& control) 
     else if (gltf::SnapshotResult taken = gltf::take_refined(session.terrain(), plan.view, plan.error_px, snapshot);
              !taken.ok())
         return taken;
-    return flight::write_snapshot(session, snapshot, plan.path, options_of(plan, control));
+    return write(plan, snapshot, control);
 }
 
 void run(const ExportPlan& plan, JobControl& control) {

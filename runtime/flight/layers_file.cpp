@@ -114,7 +114,10 @@ std::vector<gl::LayerRule> parse_layer_rules(const std::string& text, const std:
         json["rules"].size() > gl::max_layer_rules)
         refuse(file, fmt::format("\"rules\" must be a list of 1 to {} rules", gl::max_layer_rules));
     std::vector<gl::LayerRule> rules;
-    for (const Json& rule : json["rules"]) rules.push_back(parse_rule(file, rule, rules.size(), materials));
+    for (const Json& rule : json["rules"]) {
+        const std::string at = fmt::format("{}:{}", file, io::line_of_item(text, "rules", rules.size()));
+        rules.push_back(parse_rule(at, rule, rules.size(), materials));
+    }
     return rules;
 }
 

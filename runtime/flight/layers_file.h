@@ -1,6 +1,6 @@
 // What near ground is drawn with, from files: a file of materials, and rules as JSON (content/README.md).
 //
-// Failure: io::Failure with exit code 1 that names the file, and of rules the rule, its layer and the key.
+// Failure: io::Failure with exit code 1 that names the file, and of rules the line, the rule, its layer and the key.
 #pragma once
 
 #include <string>

@@ -7,6 +7,7 @@
 #include "fjell/gl/context.h"
 #include "fjell/gl/image.h"
 #include "fjell/io/failure.h"
+#include "flight/snapshots.h"
 
 namespace fjell::flight {
 
@@ -56,20 +57,8 @@ std::unique_ptr<gl::Target> make_target(std::uint32_t width, std::uint32_t heigh
 
 namespace {
 
-// Of the pack's control maps.
-std::vector<std::string> names_of_layers(const Session& session) {
-    const Pack& pack = session.loaded.pack;
-    std::vector<std::byte> text(pack.header.layer_bytes);
-    if (text.empty()) return {};
-    if (pack.bytes.empty())
-        session.file->read_chunk({ChunkKind::layers, 0, 0}, text);
-    else if (const Status s = read_chunk(pack, {ChunkKind::layers, 0, 0}, text); !s.ok())
-        throw Failure(1, session.loaded.path + ": names of layers: " + message(s.code));
-    return io::layer_names({reinterpret_cast<const char*>(text.data()), text.size()});
-}
-
 void set_layers(gl::Renderer& renderer, const GroundLayers& layers, const Session& session) {
-    const std::vector<std::string> names = names_of_layers(session);
+    const std::vector<std::string> names = names_of_layers(*session.file);
     if (names.empty() && layers.rules.empty())
         throw Failure(1, session.loaded.path +
                              ": has no control map that says where materials lie; give rules too, "

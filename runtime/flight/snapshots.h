@@ -1,10 +1,16 @@
 // Snapshots of a session's frames.
 //
-// Thread: the session's. Failure: io::Failure, 1 for a pack that cannot be read or a camera that sees nothing, 3 when
-// memory is short.
+// Thread: the session's; write_snapshot on any. Failure: io::Failure, 1 for a pack that cannot be read or a camera that
+// sees nothing, 3 when memory is short.
 #pragma once
 
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fjell/gl/layers.h"
 #include "fjell/gltf/snapshot.h"
+#include "flight/layers_file.h"
 #include "flight/session.h"
 
 namespace fjell::flight {
@@ -16,8 +22,17 @@ namespace fjell::flight {
 // method a cut of its own, built from scratch; a frame of the recursive method has settled.
 [[nodiscard]] gltf::Snapshot take_converged(const Session& session);
 
-// gltf::write_snapshot() with the session's pack: from memory when it was loaded whole, else from its file.
-gltf::SnapshotResult write_snapshot(const Session& session, const gltf::Snapshot& snapshot, const std::string& path,
-                                    const gltf::SnapshotOptions& options = {});
+// What the pack's control maps call their materials; empty: it has none. Failure (1).
+[[nodiscard]] std::vector<std::string> names_of_layers(const io::PackFile& file);
+
+// What lies over the ground's colours where it is drawn; layers null, or not on: nothing.
+struct GroundPaint {
+    std::shared_ptr<const GroundLayers> layers;
+    gl::LayerSettings settings;
+};
+
+// gltf::write_snapshot() with the ground's colours as it is drawn near the eye. file: the snapshot's pack.
+gltf::SnapshotResult write_snapshot(const io::PackFile& file, const gltf::Snapshot& snapshot, const std::string& path,
+                                    gltf::SnapshotOptions options, const GroundPaint& paint);
 
 } // namespace fjell::flight

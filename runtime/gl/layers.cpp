@@ -44,9 +44,12 @@ void put_row(float (&to)[4], const Band& band) {
     put_row(to, band.begin, band.rise, band.end, band.fall);
 }
 
+} // namespace
+
 // Whole numbers of periods, or the texture would not be back at its beginning; each material is turned its own way.
-void put_turn(float (&to)[4], const io::MaterialRecord& record, std::size_t i) {
-    const double angle = 0.35 + 2.4 * static_cast<double>(i);
+std::array<float, 4> turns_of(const io::MaterialRecord& record, std::size_t number) {
+    const double angle = 0.35 + 2.4 * static_cast<double>(number);
+    std::array<float, 4> turns;
     const auto periods = [](double size_m, double turn, float& east, float& south) {
         const double n = std::max(layer_period_m / size_m, 1.0);
         east = static_cast<float>(std::round(n * std::cos(turn)));
@@ -54,15 +57,39 @@ void put_turn(float (&to)[4], const io::MaterialRecord& record, std::size_t i) {
         if (east == 0 && south == 0) east = 1;
     };
     const double size_m = static_cast<double>(record.size_m);
-    periods(size_m, angle, to[0], to[1]);
-    periods(size_m * static_cast<double>(record.coarse), angle + 0.65, to[2], to[3]);
+    periods(size_m, angle, turns[0], turns[1]);
+    periods(size_m * static_cast<double>(record.coarse), angle + 0.65, turns[2], turns[3]);
+    return turns;
 }
+
+std::vector<std::uint8_t> decode_material(bool colour, const std::byte* blocks, std::uint32_t side) {
+    const std::size_t count = blocks_of(side), all = std::size_t{side} * side;
+    std::vector<std::byte> first(count * 8), second(count * 16);
+    std::vector<std::uint8_t> rgb(3 * all), pair(2 * all);
+    for (std::size_t b = 0; b < count; ++b) {
+        const std::byte* const block = blocks + 16 * b;
+        std::copy_n(block, 8, &second[16 * b]);
+        std::copy_n(colour ? block : block + 8, 8, &second[16 * b + 8]);
+        std::copy_n(block + 8, 8, &first[8 * b]);
+    }
+    (void)decode_normal(second, side, pair); // both halves of BC5 are what alpha of BC3 is
+    if (!colour) return pair;
+    (void)decode_colour(first, side, rgb);
+    std::vector<std::uint8_t> texels(4 * all);
+    for (std::size_t i = 0; i < all; ++i) {
+        std::copy_n(&rgb[3 * i], 3, &texels[4 * i]);
+        texels[4 * i + 3] = pair[2 * i];
+    }
+    return texels;
+}
+
+namespace {
 
 LayersBlock block_of(const io::Materials& materials, std::span<const LayerRule> rules) {
     LayersBlock block{};
     for (std::size_t i = 0; i < materials.records.size(); ++i) {
         const io::MaterialRecord& r = materials.records[i];
-        put_turn(block.turn[i], r, i);
+        std::ranges::copy(turns_of(r, i), block.turn[i]);
         for (std::size_t c = 0; c < 3; ++c) block.mean[i][c] = std::max(r.mean[c], 0.004f);
         block.mean[i][3] = r.coarse_share;
     }
@@ -79,30 +106,6 @@ LayersBlock block_of(const io::Materials& materials, std::span<const LayerRule> 
     }
     block.count[0] = static_cast<std::int32_t>(rules.size());
     return block;
-}
-
-// A mip of one material as texels: drivers without a GPU take ten times as long for blocks.
-void decode(bool colour, const std::byte* blocks, std::uint32_t side, std::vector<std::uint8_t>& texels) {
-    const std::size_t count = blocks_of(side), all = std::size_t{side} * side;
-    std::vector<std::byte> first(count * 8), second(count * 16);
-    std::vector<std::uint8_t> rgb(3 * all), pair(2 * all);
-    for (std::size_t b = 0; b < count; ++b) {
-        const std::byte* const block = blocks + 16 * b;
-        std::copy_n(block, 8, &second[16 * b]);
-        std::copy_n(colour ? block : block + 8, 8, &second[16 * b + 8]);
-        std::copy_n(block + 8, 8, &first[8 * b]);
-    }
-    (void)decode_normal(second, side, pair); // both halves of BC5 are what alpha of BC3 is
-    if (!colour) {
-        texels = std::move(pair);
-        return;
-    }
-    (void)decode_colour(first, side, rgb);
-    texels.resize(4 * all);
-    for (std::size_t i = 0; i < all; ++i) {
-        std::copy_n(&rgb[3 * i], 3, &texels[4 * i]);
-        texels[4 * i + 3] = pair[2 * i];
-    }
 }
 
 struct ArrayFormat {
@@ -128,9 +131,10 @@ void store_mip(unsigned name, const ArrayFormat& format, const io::Materials& ma
                                       static_cast<GLsizei>(bytes * materials.records.size()), blocks);
         return;
     }
-    std::vector<std::uint8_t> texels;
+    // As texels: drivers without a GPU take ten times as long for blocks.
     for (GLsizei layer = 0; layer < count; ++layer) {
-        decode(format.colour, blocks + static_cast<std::size_t>(layer) * bytes, side, texels);
+        const std::vector<std::uint8_t> texels =
+            decode_material(format.colour, blocks + static_cast<std::size_t>(layer) * bytes, side);
         glTextureSubImage3D(name, to, 0, 0, layer, n, n, 1, format.colour ? GL_RGBA : GL_RG, GL_UNSIGNED_BYTE,
                             texels.data());
     }
@@ -225,15 +229,21 @@ std::string match_names(const LayersInput& in, std::int32_t (&of_name)[io::max_m
 
 } // namespace
 
+std::string check_layers(const LayersInput& in, std::int32_t (&of_name)[io::max_materials]) {
+    if (in.names.empty() || !in.rules.empty())
+        if (std::string error = validate(in.rules, in.materials.records.size()); !error.empty())
+            return "set_layers(): " + error;
+    return match_names(in, of_name);
+}
+
 std::string Layers::set(const LayersInput& in, std::uint64_t most_bytes, float anisotropy, bool software) {
     *this = {};
     const io::Materials& materials = in.materials;
     if (materials.records.empty() && in.rules.empty()) return {};
-    if (in.names.empty() || !in.rules.empty())
-        if (std::string error = validate(in.rules, materials.records.size()); !error.empty())
-            return "set_layers(): " + error;
+    std::int32_t of_name[io::max_materials] = {};
+    if (std::string error = check_layers(in, of_name); !error.empty()) return error;
     LayersBlock block = block_of(materials, in.rules);
-    if (std::string error = match_names(in, block.of_name); !error.empty()) return error;
+    std::ranges::copy(of_name, block.of_name);
     const bool blocks = !software && epoxy_has_gl_extension("GL_EXT_texture_compression_s3tc");
     const ArrayFormat formats[] = {{true, blocks, software}, {false, blocks, software}};
     std::uint32_t first_mip = 0;

@@ -4,9 +4,12 @@
 // the driver has no GPU or no S3TC, as blocks are dear to decode there.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "fjell/gl/layers.h"
 #include "fjell/io/materials.h"
@@ -37,11 +40,20 @@ struct LayersBlock {
 static_assert(sizeof(LayersBlock) == (2 * io::max_materials + 5 * max_layer_rules + 1) * 16 + 4 * io::max_materials,
               "LayersBlock is uploaded: change the block `Layers` in shaders_layers.cpp with it");
 
+// Periods in layer_period_m of a material's fine and coarse texture, east and south. number: of the material.
+[[nodiscard]] std::array<float, 4> turns_of(const io::MaterialRecord& record, std::size_t number);
+
+// A mip of one material as texels: RGBA, sRGB and the height; or two components of the normal.
+[[nodiscard]] std::vector<std::uint8_t> decode_material(bool colour, const std::byte* blocks, std::uint32_t side);
+
 struct LayersInput {
     const io::Materials& materials;
     std::span<const LayerRule> rules;
     std::span<const std::string> names; // of control maps
 };
+
+// Empty, or why these cannot be drawn: of_name[i] is the material of names[i].
+[[nodiscard]] std::string check_layers(const LayersInput& in, std::int32_t (&of_name)[io::max_materials]);
 
 struct Layers {
     Texture colour, normal;

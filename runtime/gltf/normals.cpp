@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "fjell/texture.h"
 
@@ -9,16 +10,56 @@ namespace fjell::gltf {
 
 namespace {
 
-// Corners of a triangle in texels, counted from texel centres, and their frames.
+// The frame of a triangle's corner.
 struct Corner {
-    double x, y;
     Vec3 normal, tangent, bitangent;
 };
 
-Corner corner_of(const SnapshotVertex& v, std::uint32_t texture_px) {
+Corner corner_of(const SnapshotVertex& v) {
     const Vec3 normal{v.normal[0], v.normal[1], v.normal[2]}, tangent{v.tangent[0], v.tangent[1], v.tangent[2]};
-    return {static_cast<double>(v.uv[0]) * texture_px - 0.5, static_cast<double>(v.uv[1]) * texture_px - 0.5, normal,
-            tangent, cross(normal, tangent) * static_cast<double>(v.tangent[3])};
+    return {normal, tangent, cross(normal, tangent) * static_cast<double>(v.tangent[3])};
+}
+
+// A place in a triangle: how much of each corner.
+struct Weights {
+    double a, b, c;
+};
+
+// Every texel whose centre lies in a triangle, or no further beyond its edges than rounding might be, so that none is
+// left out between two. begin(corners, area in texels): of a triangle, whether it is wanted. put(corners, weights, x,
+// y).
+template <typename Begin, typename Put>
+void for_texels(const TileGeometry& geometry, std::uint32_t texture_px, const Begin& begin, const Put& put) {
+    struct Place {
+        double x, y; // in texels, counted from texel centres
+    };
+    const auto last = static_cast<std::int64_t>(texture_px) - 1;
+    const auto first_of = [&](double p) {
+        return std::clamp<std::int64_t>(std::llround(std::ceil(p - 0.01)), 0, last);
+    };
+    const auto last_of = [&](double p) {
+        return std::clamp<std::int64_t>(std::llround(std::floor(p + 0.01)), 0, last);
+    };
+    for (std::size_t i = 0; i < geometry.indices.size(); i += 3) {
+        const SnapshotVertex* v[3];
+        Place at[3];
+        for (std::size_t k = 0; k < 3; ++k) {
+            v[k] = &geometry.vertices[geometry.indices[i + k]];
+            at[k] = {static_cast<double>(v[k]->uv[0]) * texture_px - 0.5,
+                     static_cast<double>(v[k]->uv[1]) * texture_px - 0.5};
+        }
+        const auto& [a, b, c] = at;
+        const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+        if (!begin(v, std::abs(area) / 2)) continue;
+        for (std::int64_t y = first_of(std::min({a.y, b.y, c.y})); y <= last_of(std::max({a.y, b.y, c.y})); ++y)
+            for (std::int64_t x = first_of(std::min({a.x, b.x, c.x})); x <= last_of(std::max({a.x, b.x, c.x})); ++x) {
+                const auto px = static_cast<double>(x), py = static_cast<double>(y);
+                const double wb = ((px - a.x) * (c.y - a.y) - (py - a.y) * (c.x - a.x)) / area,
+                             wc = ((b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x)) / area, wa = 1 - wb - wc;
+                if (std::min({wa, wb, wc}) >= -0.01)
+                    put(v, Weights{wa, wb, wc}, static_cast<std::size_t>(x), static_cast<std::size_t>(y));
+            }
+    }
 }
 
 // The map between its texels. x, y: 0 to baked_px - 1.
@@ -62,36 +103,49 @@ std::vector<std::uint8_t> normal_texture(const TileGeometry& geometry, std::uint
     std::vector<std::uint8_t> rgb(std::size_t{texture_px} * texture_px * 3, 128);
     for (std::size_t i = 2; i < rgb.size(); i += 3) rgb[i] = 255;
     const double step = texture_px > 1 ? static_cast<double>(baked_px - 1) / (texture_px - 1) : 0;
-    const auto last = static_cast<std::int64_t>(texture_px) - 1;
-    for (std::size_t i = 0; i < geometry.indices.size(); i += 3) {
-        const Corner a = corner_of(geometry.vertices[geometry.indices[i]], texture_px),
-                     b = corner_of(geometry.vertices[geometry.indices[i + 1]], texture_px),
-                     c = corner_of(geometry.vertices[geometry.indices[i + 2]], texture_px);
-        const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-        // Where texels are coarser than triangles the vertices' own normals say more.
-        if (std::abs(area) / 2 < 1) continue;
-        // A little beyond its edges, so that rounding leaves no texel between two triangles.
-        const auto first_of = [&](double p) {
-            return std::clamp<std::int64_t>(std::llround(std::ceil(p - 0.01)), 0, last);
-        };
-        const auto last_of = [&](double p) {
-            return std::clamp<std::int64_t>(std::llround(std::floor(p + 0.01)), 0, last);
-        };
-        for (std::int64_t y = first_of(std::min({a.y, b.y, c.y})); y <= last_of(std::max({a.y, b.y, c.y})); ++y)
-            for (std::int64_t x = first_of(std::min({a.x, b.x, c.x})); x <= last_of(std::max({a.x, b.x, c.x})); ++x) {
-                const auto px = static_cast<double>(x), py = static_cast<double>(y);
-                const double wb = ((px - a.x) * (c.y - a.y) - (py - a.y) * (c.x - a.x)) / area,
-                             wc = ((b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x)) / area, wa = 1 - wb - wc;
-                if (!(std::min({wa, wb, wc}) >= -0.01)) continue;
-                const auto between = [&](Vec3 Corner::*axis) {
-                    return normalised(a.*axis * wa + b.*axis * wb + c.*axis * wc);
-                };
-                put(baked_normal(baked, baked_px, px * step, py * step), between(&Corner::tangent),
-                    between(&Corner::bitangent), between(&Corner::normal),
-                    &rgb[3 * (static_cast<std::size_t>(y) * texture_px + static_cast<std::size_t>(x))]);
-            }
-    }
+    Corner a, b, c;
+    const auto begin = [&](const SnapshotVertex* const(&v)[3], double area) {
+        if (area < 1) return false; // where texels are coarser than triangles the vertices' own normals say more
+        a = corner_of(*v[0]);
+        b = corner_of(*v[1]);
+        c = corner_of(*v[2]);
+        return true;
+    };
+    for_texels(geometry, texture_px, begin,
+               [&](const SnapshotVertex* const(&)[3], const Weights& w, std::size_t x, std::size_t y) {
+                   const auto between = [&](Vec3 Corner::*axis) {
+                       return normalised(a.*axis * w.a + b.*axis * w.b + c.*axis * w.c);
+                   };
+                   const Vec3 normal =
+                       baked_normal(baked, baked_px, static_cast<double>(x) * step, static_cast<double>(y) * step);
+                   put(normal, between(&Corner::tangent), between(&Corner::bitangent), between(&Corner::normal),
+                       &rgb[3 * (y * texture_px + x)]);
+               });
     return rgb;
+}
+
+TexelGround ground_of_texels(const TileGeometry& geometry, std::uint32_t texture_px,
+                             std::span<const std::uint8_t> baked, std::uint32_t baked_px) {
+    const std::size_t all = std::size_t{texture_px} * texture_px;
+    TexelGround ground{std::vector<float>(all), std::vector<float>(all)};
+    const double step = baked_px > 1 ? static_cast<double>(baked_px - 1) / (texture_px - 1) : 0;
+    const auto begin = [](const SnapshotVertex* const(&)[3], double area) { return area > 0; };
+    for_texels(
+        geometry, texture_px, begin,
+        [&](const SnapshotVertex* const(&v)[3], const Weights& w, std::size_t x, std::size_t y) {
+            const auto between = [&](float p, float q, float r) {
+                return static_cast<double>(p) * w.a + static_cast<double>(q) * w.b + static_cast<double>(r) * w.c;
+            };
+            const double up =
+                baked_px > 1
+                    ? baked_normal(baked, baked_px, static_cast<double>(x) * step, static_cast<double>(y) * step).y
+                    : between(v[0]->normal[1], v[1]->normal[1], v[2]->normal[1]);
+            const std::size_t at = y * texture_px + x;
+            ground.height_m[at] =
+                static_cast<float>(between(v[0]->position_m[1], v[1]->position_m[1], v[2]->position_m[1]));
+            ground.slope_deg[at] = static_cast<float>(std::acos(std::clamp(up, 0.0, 1.0)) * 180 / std::numbers::pi);
+        });
+    return ground;
 }
 
 } // namespace fjell::gltf

@@ -70,13 +70,10 @@ MapMip choose_mip(std::uint32_t map_log2, const SnapshotOptions& options, double
     return {level, side(level)};
 }
 
-// The sky's share of a horizon map, resampled bilinearly so that texel centres of both sizes begin and end on the
-// border.
-std::vector<std::uint8_t> sky_texture(std::span<const std::uint8_t> planes, std::uint32_t side,
-                                      std::uint32_t texture_px) {
-    const auto share = [&](std::uint32_t x, std::uint32_t y) {
-        return static_cast<double>(planes[(std::size_t{y} * side + x) * horizon_planes + horizon_directions]);
-    };
+// A map as a texture of another size, resampled bilinearly so that texel centres of both sizes begin and end on the
+// border. code(c, x, y): what the map has for the texture's component c.
+template <typename Code>
+[[nodiscard]] std::vector<std::uint8_t> resampled(std::uint32_t side, std::uint32_t texture_px, const Code& code) {
     std::vector<std::uint8_t> rgb;
     rgb.reserve(std::size_t{texture_px} * texture_px * 3);
     const double step = static_cast<double>(side - 1) / (texture_px - 1);
@@ -86,9 +83,10 @@ std::vector<std::uint8_t> sky_texture(std::span<const std::uint8_t> planes, std:
             const auto x0 = std::min(static_cast<std::uint32_t>(x), side - 2);
             const auto y0 = std::min(static_cast<std::uint32_t>(y), side - 2);
             const double u = x - x0, v = y - y0;
-            const double value = (share(x0, y0) * (1 - u) + share(x0 + 1, y0) * u) * (1 - v) +
-                                 (share(x0, y0 + 1) * (1 - u) + share(x0 + 1, y0 + 1) * u) * v;
-            rgb.insert(rgb.end(), 3, static_cast<std::uint8_t>(std::lround(value)));
+            for (std::uint32_t c = 0; c < 3; ++c)
+                rgb.push_back(static_cast<std::uint8_t>(
+                    std::lround((code(c, x0, y0) * (1 - u) + code(c, x0 + 1, y0) * u) * (1 - v) +
+                                (code(c, x0, y0 + 1) * (1 - u) + code(c, x0 + 1, y0 + 1) * u) * v)));
         }
     return rgb;
 }
@@ -128,61 +126,97 @@ Json extras(const Chunks& pack, const SnapshotInfo& info, const SnapshotResult& 
 class Textures {
 public:
     Textures(const Chunks& pack, const SnapshotOptions& options)
-        : pack_(pack), colour_(mip_of(pack, pack.header.colour_log2, options)),
-          normal_(mip_of(pack, pack.header.normal_log2, options)),
-          horizon_(mip_of(pack, pack.header.horizon_log2, options)) {}
+        : pack_(pack), paint_(options.paint), colour_(mip_of(pack.header.colour_log2, options)),
+          normal_(mip_of(pack.header.normal_log2, options)), horizon_(mip_of(pack.header.horizon_log2, options)) {
+        // The texture coordinates are one set, so the textures are of one size.
+        side_px_ = colour_.side_px ? colour_.side_px : normal_.side_px ? normal_.side_px : horizon_.side_px;
+        if (!paint_) return;
+        side_px_ = std::max(side_px_, 4u);
+        while (options.texel_m > 0 && tile_m() / (side_px_ - 1) > options.texel_m &&
+               2 * side_px_ <= options.max_texture_px)
+            side_px_ *= 2;
+    }
 
-    [[nodiscard]] std::uint32_t colour_px() const { return colour_.side_px; }
-    [[nodiscard]] std::uint32_t normal_px() const { return normal_.side_px; }
-    // The texture coordinates are one set, so the textures are of one size.
-    [[nodiscard]] std::uint32_t side_px() const {
-        return colour_.side_px ? colour_.side_px : normal_.side_px ? normal_.side_px : horizon_.side_px;
-    }
-    [[nodiscard]] std::uint32_t occlusion_px() const { return horizon_.side_px ? side_px() : 0; }
+    [[nodiscard]] std::uint32_t side_px() const { return side_px_; }
+    [[nodiscard]] std::uint32_t colour_px() const { return colour_.side_px || paint_ ? side_px_ : 0; }
+    [[nodiscard]] std::uint32_t normal_px() const { return normal_.side_px ? side_px_ : 0; }
+    [[nodiscard]] std::uint32_t occlusion_px() const { return horizon_.side_px ? side_px_ : 0; }
 
-    // -1: there is none.
-    int add_colour(std::uint32_t tile, const std::string& name, SceneBuilder& scene) {
-        if (!colour_.side_px) return -1;
-        pack_.read({ChunkKind::colour, tile, colour_.level}, blocks_);
-        texels_.resize(std::size_t{colour_.side_px} * colour_.side_px * 3);
-        (void)decode_colour(blocks_, colour_.side_px, texels_);
-        return scene.add_texture(name + " colour", colour_.side_px, std::as_bytes(std::span(texels_)));
-    }
-    int add_normal(const TileGeometry& geometry, const std::string& name, SceneBuilder& scene) {
-        if (!normal_.side_px) return -1;
-        pack_.read({ChunkKind::normal, geometry.tile, normal_.level}, blocks_);
-        texels_.resize(std::size_t{normal_.side_px} * normal_.side_px * 2);
-        (void)decode_normal(blocks_, normal_.side_px, texels_);
-        const std::vector<std::uint8_t> rgb = normal_texture(geometry, side_px(), texels_, normal_.side_px);
-        return scene.add_texture(name + " normal", side_px(), std::as_bytes(std::span(rgb)));
-    }
-    int add_occlusion(std::uint32_t tile, const std::string& name, SceneBuilder& scene) {
-        if (!horizon_.side_px) return -1;
-        pack_.read({ChunkKind::horizon, tile, horizon_.level}, blocks_);
-        texels_.resize(std::size_t{horizon_.side_px} * horizon_.side_px * horizon_planes);
-        (void)decode_horizon(blocks_, horizon_.side_px, texels_);
-        const std::vector<std::uint8_t> rgb = sky_texture(texels_, horizon_.side_px, side_px());
-        return scene.add_texture(name + " occlusion", side_px(), std::as_bytes(std::span(rgb)));
+    // Indices of textures; -1: there is none.
+    [[nodiscard]] TileTextures add(const TileGeometry& geometry, const std::string& name, SceneBuilder& scene) {
+        TileTextures added;
+        const auto add_texture = [&](const char* kind, const std::vector<std::uint8_t>& rgb) {
+            return scene.add_texture(name + kind, side_px_, std::as_bytes(std::span(rgb)));
+        };
+        std::vector<std::uint8_t> normals;
+        if (normal_.side_px) normals = read<2>(ChunkKind::normal, normal_, geometry.tile, decode_normal);
+        if (colour_px()) added.colour = add_texture(" colour", colours(geometry, normals));
+        if (normal_px())
+            added.normal = add_texture(" normal", normal_texture(geometry, side_px_, normals, normal_.side_px));
+        if (occlusion_px()) {
+            const std::vector<std::uint8_t> planes =
+                read<horizon_planes>(ChunkKind::horizon, horizon_, geometry.tile, decode_horizon);
+            const auto sky = [&](std::uint32_t, std::uint32_t x, std::uint32_t y) {
+                return static_cast<double>(
+                    planes[(std::size_t{y} * horizon_.side_px + x) * horizon_planes + horizon_directions]);
+            };
+            added.occlusion = add_texture(" occlusion", resampled(horizon_.side_px, side_px_, sky));
+        }
+        return added;
     }
 
 private:
-    static MapMip mip_of(const Chunks& pack, std::uint32_t map_log2, const SnapshotOptions& options) {
-        const PackHeader& h = pack.header;
-        return choose_mip(map_log2, options,
-                          std::ldexp(std::max(h.spacing_m[0], h.spacing_m[1]), static_cast<int>(h.tile_log2)));
+    [[nodiscard]] MapMip mip_of(std::uint32_t map_log2, const SnapshotOptions& options) const {
+        return choose_mip(map_log2, options, tile_m());
+    }
+    [[nodiscard]] double tile_m() const { // the longer side
+        const PackHeader& h = pack_.header;
+        return std::ldexp(std::max(h.spacing_m[0], h.spacing_m[1]), static_cast<int>(h.tile_log2));
+    }
+
+    template <std::size_t Channels, typename Decode>
+    [[nodiscard]] std::vector<std::uint8_t> read(ChunkKind kind, const MapMip& mip, std::uint32_t tile,
+                                                 const Decode& decode) {
+        pack_.read({kind, tile, mip.level}, blocks_);
+        std::vector<std::uint8_t> texels(std::size_t{mip.side_px} * mip.side_px * Channels);
+        (void)decode(blocks_, mip.side_px, texels);
+        return texels;
+    }
+
+    [[nodiscard]] std::vector<std::uint8_t> colours(const TileGeometry& geometry,
+                                                    std::span<const std::uint8_t> normals) {
+        std::vector<std::uint8_t> rgb;
+        if (colour_.side_px) rgb = read<3>(ChunkKind::colour, colour_, geometry.tile, decode_colour);
+        if (colour_.side_px && colour_.side_px != side_px_) {
+            const auto code = [&](std::uint32_t c, std::uint32_t x, std::uint32_t y) {
+                return static_cast<double>(rgb[(std::size_t{y} * colour_.side_px + x) * 3 + c]);
+            };
+            rgb = resampled(colour_.side_px, side_px_, code);
+        }
+        if (!paint_) return rgb;
+        rgb.resize(std::size_t{side_px_} * side_px_ * 3, 128);
+        const PackHeader& h = pack_.header;
+        const std::uint32_t place = pack_.pack.tile_place(geometry.tile);
+        const double cells = std::ldexp(1.0, static_cast<int>(h.tile_log2));
+        const TexelGround ground = ground_of_texels(geometry, side_px_, normals, normal_.side_px);
+        paint_({geometry.tile, side_px_, place % h.tiles_x * cells * h.spacing_m[0],
+                place / h.tiles_x * cells * h.spacing_m[1], cells * h.spacing_m[0] / (side_px_ - 1),
+                cells * h.spacing_m[1] / (side_px_ - 1), ground.height_m, ground.slope_deg, rgb});
+        return rgb;
     }
 
     const Chunks& pack_;
+    const std::function<void(const TileTexels&)>& paint_;
     MapMip colour_, normal_, horizon_;
+    std::uint32_t side_px_ = 0;
     std::vector<std::byte> blocks_;
-    std::vector<std::uint8_t> texels_;
 };
 
 void add_tiles(const Chunks& pack, const Snapshot::Content& content, const SnapshotOptions& options,
                SceneBuilder& scene, SnapshotResult& result) {
     Textures textures(pack, options);
     result.texture_px = textures.colour_px();
-    result.normal_px = textures.normal_px() ? textures.side_px() : 0;
+    result.normal_px = textures.normal_px();
     result.occlusion_px = textures.occlusion_px();
     std::uint64_t done = 0;
     for (const TileGeometry& taken : content.tiles) {
@@ -192,10 +226,7 @@ void add_tiles(const Chunks& pack, const Snapshot::Content& content, const Snaps
         set_texture_size(geometry, 1u << pack.header.tile_log2, textures.side_px());
         const std::uint32_t place = pack.pack.tile_place(taken.tile);
         const std::string name = fmt::format("tile {} {}", place % pack.header.tiles_x, place / pack.header.tiles_x);
-        TileTextures added;
-        added.colour = textures.add_colour(taken.tile, name, scene);
-        added.normal = textures.add_normal(geometry, name, scene);
-        added.occlusion = textures.add_occlusion(taken.tile, name, scene);
+        const TileTextures added = textures.add(geometry, name, scene);
         scene.add_tile(name, geometry, tile_corner_m(pack.pack, taken.tile), added);
         ++result.tiles;
         result.vertices += geometry.vertices.size();

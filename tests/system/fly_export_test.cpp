@@ -11,6 +11,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "fjell/gl/image.h"
 #include "support/program.h"
 #include "support/temporary_folder.h"
 
@@ -234,4 +235,73 @@ TEST_CASE("a pack of more tiles than a profile holds is refused with the tile si
     }
     REQUIRE(bake("8") == 0);
     for (const char* how : {"--stream off", "--stream on", "--method recursive"}) CHECK(fly(how).code == 0);
+}
+
+namespace {
+
+// A file's first texture whose name ends so; empty: there is none.
+gl::Image texture_of(const std::string& name, const std::string& end) {
+    const fs::path& folder = export_place().folder.path;
+    const std::string glb = slurp(folder / name);
+    std::uint32_t length = 0;
+    std::memcpy(&length, glb.data() + 12, sizeof length);
+    const json document = json::parse(glb.substr(20, length));
+    gl::Image image;
+    for (const json& texture : document.value("images", json::array())) {
+        if (!texture["name"].get<std::string>().ends_with(end)) continue;
+        const json& view = document["bufferViews"][texture["bufferView"].get<std::size_t>()];
+        spit(folder / "texture.png",
+             glb.substr(28 + length + view.value("byteOffset", std::size_t{0}), view["byteLength"].get<std::size_t>()));
+        REQUIRE(gl::read_png((folder / "texture.png").string(), image).empty());
+        break;
+    }
+    return image;
+}
+
+} // namespace
+
+TEST_CASE("an export has the colours of layers, at the texel size that is asked for") {
+    const fs::path& folder = export_place().folder.path;
+    fs::create_directory(folder / "stuff");
+    spit(
+        folder / "stuff/red.json",
+        R"({"size_m": 4, "base": [188, 90, 90], "steps": [{"draw": "noise", "cells": 4, "octaves": 1, "height_m": 0.01}]})");
+    spit(
+        folder / "stuff/blue.json",
+        R"({"size_m": 4, "base": [90, 90, 188], "steps": [{"draw": "noise", "cells": 4, "octaves": 1, "height_m": 0.01}]})");
+    REQUIRE(run_in(folder, FJELL_BIN_DIR "/fjell-bake materials stuff --size 16 -o two.fjell-materials").code == 0);
+    spit(folder / "rules.json", R"({"rules": [{"layer": "red"}, {"layer": "blue", "height_m": [350, null]}]})");
+    REQUIRE(run_in(folder, FJELL_BIN_DIR "/fjell-bake dem.tif -o named.fjell --tile 64 --layers rules.json "
+                                         "--control full --quiet")
+                .code == 0);
+    spit(folder / "tint.toml", "[layers]\ntint = 0\n");
+    const std::string flight = " --headless --frames 2 --eye 7000,9000,7000 --look 7100,0,7100 --export 1:l.glb "
+                               "--export-texel 31 --profile tint.toml --materials two.fjell-materials";
+    for (const std::string pack :
+         {"named.fjell --stream off", "named.fjell --stream on", "small.fjell --layers rules.json"}) {
+        const Run r = export_place().fly(pack + flight);
+        INFO(pack << "\n" << r.err);
+        REQUIRE(r.code == 0);
+        const gl::Image texture = texture_of("l.glb", " colour");
+        CHECK(texture.width == 128); // of 64 cells of 60 m: 30.2 m
+        std::size_t red = 0, blue = 0;
+        for (std::size_t i = 0; i < texture.rgb.size(); i += 3) {
+            red += texture.rgb[i] > 150 && texture.rgb[i + 2] < 110;
+            blue += texture.rgb[i] < 110 && texture.rgb[i + 2] > 150;
+        }
+        CHECK(red + blue > texture.rgb.size() / 3 * 8 / 10);
+        CHECK(red > texture.rgb.size() / 30);
+        CHECK(blue > texture.rgb.size() / 30);
+    }
+    // Without layers the colours are the map's, and no texel is finer than it has.
+    spit(folder / "off.toml", "[layers]\non = false\n");
+    REQUIRE(export_place()
+                .fly("small.fjell --headless --frames 2 --export 1:l.glb --export-texel 31 --profile off.toml "
+                     "--materials two.fjell-materials --layers rules.json")
+                .code == 0);
+    CHECK(texture_of("l.glb", " colour").width == 32); // as the map is
+    spit(folder / "rules_off.toml", "[layers]\ncontrol = false\n");
+    refuses_export("named.fjell --headless --frames 2 --export 1:l.glb --profile rules_off.toml "
+                   "--materials two.fjell-materials",
+                   2, "give rules too");
 }

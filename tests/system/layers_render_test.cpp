@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "baker/materials/encode.h"
+#include "fjell/gl/ground_colour.h"
 #include "picture_scene.h"
 
 using namespace pictures;
@@ -176,6 +177,52 @@ TEST_CASE("shaders lay rules as layer_shares() does", "[picture]") {
     // A share is off by 0.03: the normal map's codes are 1/127 apart, 0.25 degrees of the 9. Over the 0.15 in which one
     // goes over into the other that is a fifth of the way between two colours 0.4 apart; BC1 and 8 bits add 0.02.
     CHECK(worst < 0.1);
+}
+
+TEST_CASE("ground is painted for exports as shaders draw it", "[picture]") {
+    Layered l(slope(65, 16, 0));
+    const MaterialFile file({plain("white", 0.5f, 0.5f, 0.5f), pebbles(), plain("red", 0.5f, 0.1f, 0.1f)}, 64);
+    // Pebbles, with red over half of them: where noise says, in patches and spots.
+    const std::array rules{gl::LayerRule{.material = 1},
+                           gl::LayerRule{.material = 2, .noise = {0.5, 1}, .noise_soft = 0.3, .fine = 0.5}};
+    const View view = l.camera(0.4, 0.6, 60, 30, -80);
+    const gl::LayerSettings settings{.on = true, .distance_m = 100'000, .tint = 0, .relief = 0};
+    const std::array white{gl::LayerRule{}};
+    l.set(file, white);
+    const Picture reference = l.draw(view, settings);
+    l.set(file, rules);
+    const Picture picture = l.draw(view, settings);
+    const double pixel_m = 60 * (view.top - view.bottom) / layered_high;
+    gl::GroundColour painter;
+    REQUIRE(painter.set(file.materials, rules, {}, settings, pixel_m).empty());
+
+    // Mips are chosen a little differently, so squares of pixels are compared.
+    constexpr std::uint32_t square = 8;
+    double apart = 0, spread = 0;
+    int squares = 0;
+    for (std::uint32_t top = 0; top < layered_high; top += square)
+        for (std::uint32_t left = 0; left < layered_wide; left += square) {
+            double drawn[3] = {}, painted[3] = {};
+            for (std::uint32_t y = top; y < top + square; ++y)
+                for (std::uint32_t x = left; x < left + square; ++x) {
+                    Vec3 to;
+                    (void)metres_to(picture, view, x, y, to);
+                    std::array<std::uint8_t, 12> rgb{};
+                    const std::array<float, 4> level{};
+                    REQUIRE(painter.paint(
+                        {2, view.eye_m.x + to.x, view.eye_m.z + to.z, pixel_m, pixel_m, {}, 0, level, level, rgb}));
+                    for (std::size_t c = 0; c < 3; ++c) {
+                        drawn[c] += 0.5 * linear(picture.colour.pixel(x, y)[c]) /
+                                    linear(reference.colour.pixel(x, y)[c]) / (square * square);
+                        painted[c] += linear(rgb[c]) / (square * square);
+                    }
+                }
+            for (std::size_t c = 0; c < 3; ++c) apart += std::abs(drawn[c] - painted[c]) / 3;
+            spread += std::abs(drawn[0] - 0.35); // between pebbles and red
+            ++squares;
+        }
+    CHECK(apart / squares < 0.008);
+    CHECK(spread / squares > 0.06); // there was something to get wrong
 }
 
 TEST_CASE("materials lie as still 30 km from the origin as beside it", "[picture]") {

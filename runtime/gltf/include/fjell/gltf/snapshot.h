@@ -6,7 +6,8 @@
 //
 // One node, mesh and material a tile, named "tile COLUMN ROW"; positions are metres relative to the tile's corner, the
 // node's translation (doubles in JSON) puts it in place. Axes as everywhere: x east, y up, z south. Normals come from
-// the full-resolution heights as far as they are loaded. The colour map is embedded as PNG; so is a normal texture that
+// the full-resolution heights as far as they are loaded. The colour map is embedded as PNG, with whatever the caller
+// paints over it (SnapshotOptions::paint); so is a normal texture that
 // turns the interpolated normals into the baked ones, so shading does not change with the level of detail. Of a pack
 // with horizon maps the share of the sky that each place sees is the material's occlusion texture. All textures of a
 // file are of one size. The camera is a glTF camera.
@@ -34,6 +35,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "fjell/cut.h"
@@ -62,13 +64,27 @@ struct SnapshotInfo {
     bool culled = false;    // refined for what the camera sees only
 };
 
+// A tile's colours before they are written, row by row from its north-west; outermost texel centres lie on its border.
+struct TileTexels {
+    std::uint32_t tile = 0;
+    std::uint32_t side = 0;                     // texels a side
+    double x_m = 0, z_m = 0;                    // where the first one's centre lies, from sample (0, 0)
+    double step_x_m = 1, step_z_m = 1;          // from centre to centre
+    std::span<const float> height_m, slope_deg; // of the file's mesh, and the baked normal's where there is one
+    std::span<std::uint8_t> rgb;                // sRGB, 3 bytes each; of a pack without colours middle grey
+};
+
 // What to write, and how large it may get.
 struct SnapshotOptions {
     std::uint32_t max_texture_px = 1024; // texels a side of an embedded texture; costs up to 3 bytes each
-    double texel_m = 0; // 0: as fine as the maps are; else the coarsest mip whose texels are no wider, in metres
+    // 0: as fine as the maps are; else the coarsest mip whose texels are no wider, in metres. Of what `paint` paints,
+    // which has no finest mip: texels are no wider, as far as max_texture_px goes.
+    double texel_m = 0;
     std::uint64_t max_file_bytes = 0xffff'ffff; // glTF counts a file's bytes in 32 bits; less is allowed, more is not
     bool write =
         true; // false: all but the file, which tells its counts and its size to the byte; the path may be empty
+    // Paints over the colours of each tile, such as fjell::gl::GroundColour with its layers. May throw.
+    std::function<void(const TileTexels& texels)> paint = {};
     // After every tile, on the caller's thread. False stops: exit code 130, and the path holds what it held before.
     std::function<bool(std::uint64_t done, std::uint64_t total)> progress = {};
 };
