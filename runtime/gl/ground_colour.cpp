@@ -48,7 +48,8 @@ struct Repeating {
         for (std::uint32_t tap = 0; tap < 4; ++tap) {
             const std::uint32_t i = (x0 + tap % 2) % side, j = (y0 + tap / 2) % side;
             const float near = (tap % 2 != 0 ? along : 1 - along) * (tap / 2 != 0 ? down : 1 - down);
-            for (std::size_t c = 0; c < Channels; ++c) sum[c] += near * texels[Channels * (std::size_t{j} * side + i) + c];
+            for (std::size_t c = 0; c < Channels; ++c)
+                sum[c] += near * texels[Channels * (std::size_t{j} * side + i) + c];
         }
         return sum;
     }
@@ -151,8 +152,7 @@ Strongest Painter::of_rules(double height_m, double slope_deg, const Noises& noi
 }
 
 // x, y: 0 to 1 in the square.
-Strongest Painter::of_map(const GroundTexels& texels, double x, double y, const Noises& noises,
-                                     float& covered) const {
+Strongest Painter::of_map(const GroundTexels& texels, double x, double y, const Noises& noises, float& covered) const {
     const std::uint32_t side = texels.control_side;
     const double px = std::clamp(x, 0.0, 1.0) * (side - 1), py = std::clamp(y, 0.0, 1.0) * (side - 1);
     const auto x0 = std::min(static_cast<std::uint32_t>(px), side - 2),
@@ -187,8 +187,7 @@ Strongest Painter::of_map(const GroundTexels& texels, double x, double y, const 
 }
 
 // Its colour over its mean, and its height.
-std::array<float, 4> Painter::material_at(const Material& m, double x_m, double z_m,
-                                                     const Noises& noises) const {
+std::array<float, 4> Painter::material_at(const Material& m, double x_m, double z_m, const Noises& noises) const {
     const auto read = [&](const Repeating& texture, std::size_t turn, double number) {
         const double east = static_cast<double>(m.turn[turn]) / layer_period_m,
                      south = static_cast<double>(m.turn[turn + 1]) / layer_period_m;
@@ -203,14 +202,13 @@ std::array<float, 4> Painter::material_at(const Material& m, double x_m, double 
     std::array<float, 4> ground;
     for (std::size_t c = 0; c < 4; ++c) {
         const float fine = first[c] + (second[c] - first[c]) * next;
-        ground[c] = c == 3 ? 0.35f * (0.5f + (coarse[c] - 0.5f) * share) + 0.65f * fine
-                           : (1 + (coarse[c] - 1) * share) * fine;
+        ground[c] =
+            c == 3 ? 0.35f * (0.5f + (coarse[c] - 0.5f) * share) + 0.65f * fine : (1 + (coarse[c] - 1) * share) * fine;
     }
     return ground;
 }
 
-Rgb Painter::blend(const Strongest& strongest, const Rgb& map, double x_m, double z_m,
-                              const Noises& noises) const {
+Rgb Painter::blend(const Strongest& strongest, const Rgb& map, double x_m, double z_m, const Noises& noises) const {
     // A strong colour of the map only leans on a material's own.
     const float grey = std::max(luminance_of(map), 1e-4f);
     Rgb leaning;
@@ -253,10 +251,12 @@ std::string GroundColour::set(const io::Materials& materials, std::span<const La
     for (std::uint32_t i = 0; i < materials.records.size(); ++i) {
         const io::MaterialRecord& r = materials.records[i];
         const auto size_m = static_cast<double>(r.size_m), coarse_m = size_m * static_cast<double>(r.coarse);
-        data->materials.push_back({ground::texture_of(materials, i, size_m, texel_m),
-                                   ground::texture_of(materials, i, coarse_m, texel_m), turns_of(r, i), r.coarse_share,
-                                   {std::max(r.mean[0], 0.004f), std::max(r.mean[1], 0.004f),
-                                    std::max(r.mean[2], 0.004f)}});
+        data->materials.push_back(
+            {ground::texture_of(materials, i, size_m, texel_m),
+             ground::texture_of(materials, i, coarse_m, texel_m),
+             turns_of(r, i),
+             r.coarse_share,
+             {std::max(r.mean[0], 0.004f), std::max(r.mean[1], 0.004f), std::max(r.mean[2], 0.004f)}});
     }
     data->rules.assign(rules.begin(), rules.end());
     data->of_name.assign(of_name, of_name + names.size());
@@ -272,8 +272,8 @@ bool GroundColour::paint(const GroundTexels& t) const {
     const std::size_t all = std::size_t{t.side} * t.side;
     const bool by_map = !t.control.empty();
     if (data_ == nullptr || t.side < 2 || t.rgb.size() != 3 * all) return false;
-    if (by_map && (t.control_side < 2 ||
-                   t.control.size() != std::size_t{t.control_side} * t.control_side * control_texel_bytes))
+    if (by_map &&
+        (t.control_side < 2 || t.control.size() != std::size_t{t.control_side} * t.control_side * control_texel_bytes))
         return false;
     if (!by_map && (data_->rules.empty() || t.height_m.size() != all || t.slope_deg.size() != all)) return false;
     // Noise moves places in a control map by half a texel, but no further than its own patches are wide.
@@ -290,9 +290,11 @@ bool GroundColour::paint(const GroundTexels& t) const {
                                    row / across + sway_y * static_cast<double>(noises.sway[1]), noises, covered)
                    : data_->of_rules(static_cast<double>(t.height_m[i]), static_cast<double>(t.slope_deg[i]), noises);
         if (!(covered > 0)) continue;
-        const ground::Rgb map{ground::linear_of(t.rgb[3 * i]), ground::linear_of(t.rgb[3 * i + 1]), ground::linear_of(t.rgb[3 * i + 2])};
+        const ground::Rgb map{ground::linear_of(t.rgb[3 * i]), ground::linear_of(t.rgb[3 * i + 1]),
+                              ground::linear_of(t.rgb[3 * i + 2])};
         const ground::Rgb painted = data_->blend(strongest, map, x_m, z_m, noises);
-        for (std::size_t c = 0; c < 3; ++c) t.rgb[3 * i + c] = ground::srgb_of(map[c] + (painted[c] - map[c]) * covered);
+        for (std::size_t c = 0; c < 3; ++c)
+            t.rgb[3 * i + c] = ground::srgb_of(map[c] + (painted[c] - map[c]) * covered);
     }
     return true;
 }

@@ -218,3 +218,54 @@ TEST_CASE("every light draws, its tables are made anew when the sun moves, and o
           "LightSettings::visibility_km must be a number from 1 to 280");
     CHECK(context().log().errors == 0);
 }
+
+TEST_CASE("a smooth slope has no creases where texels of its normals meet", "[picture]") {
+    // Waves in the east, 5 cells long, 64 cells of 16 m; lit along them.
+    constexpr int cells = 64;
+    constexpr double cell_m = 16, waves_m = 5 * cell_m, texels_across = 4;
+    constexpr std::uint32_t wide = 512, high = 64;
+    baker::Dem dem;
+    dem.columns = dem.rows = cells + 1;
+    dem.spacing_m[0] = dem.spacing_m[1] = cell_m;
+    for (int y = 0; y <= cells; ++y)
+        for (int x = 0; x <= cells; ++x)
+            dem.heights_m.push_back(static_cast<float>(8 * std::sin(2 * pi * x * cell_m / waves_m)));
+    Scene scene(std::move(dem), 6);
+    const OwnMesh mesh = full_resolution(scene.loaded.terrain);
+    std::string error;
+    scene.target = gl::Target::create({wide, high, 1}, error);
+    REQUIRE(scene.target);
+    scene.light.exposure = gl::Exposure::fixed;
+    scene.light.tone_curve = gl::ToneCurve::none;
+    scene.light.ev100 = 14;
+    scene.light.azimuth_deg = 90;
+    scene.light.elevation_deg = 60;
+    scene.light.detail = true;
+    // A few texels, from so high that lines of sight are as good as upright.
+    const double map_texels = std::ldexp(1.0, static_cast<int>(scene.loaded.pack.header.normal_log2)),
+                 texel_m = cells * cell_m / (map_texels - 1), eye_m = 20'000, wide_m = texels_across * texel_m,
+                 pixel_m = wide_m / wide;
+    const double x_m = 0.5 * cells * cell_m;
+    // What columns have in common: noise differs from row to row.
+    std::vector<double> light(wide);
+    constexpr int pictures_down = 48;
+    for (int i = 0; i < pictures_down; ++i) {
+        const Vec3 eye{x_m, eye_m, cells * cell_m * (0.1 + 0.8 * i / pictures_down)};
+        const View view =
+            make_view(eye, {0, -1, 0}, {0, 0, -1}, 2 * std::atan(0.5 * high * pixel_m / eye_m), wide, high, 5, 1e6);
+        const gl::Image image = scene.draw(mesh.view(), view, {.haze = false}).colour;
+        for (std::uint32_t y = 0; y < high; ++y)
+            for (std::uint32_t x = 0; x < wide; ++x) light[x] += linear(image.pixel(x, y)[1]) / (high * pictures_down);
+    }
+    // How much the light's slope changes around the lines where texels' centres lie, and half-way between them.
+    constexpr std::uint32_t step = 12;
+    double at_lines = 0, between = 0;
+    for (std::uint32_t x = step; x + step < wide; ++x) {
+        const double texel = (x_m + (x + 0.5 - wide / 2.0) * pixel_m) / texel_m, off = texel - std::floor(texel);
+        const double change = std::abs(light[x - step] - 2 * light[x] + light[x + step]);
+        if (off < 0.05 || off > 0.95) at_lines += change;
+        if (std::abs(off - 0.5) < 0.05) between += change;
+    }
+    // Straight from texel to texel it is 0.8.
+    CHECK(at_lines < 0.5 * between);
+}
