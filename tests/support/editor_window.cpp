@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <span>
@@ -108,6 +109,21 @@ gl::Image VirtualDisplay::picture() const {
                 image.rgb[3 * (y * width + x) + c] = static_cast<std::uint8_t>(
                     dump.at(header + 12 * colours + y * row + 4 * x + (little ? 2 - c : c + 1)));
     return image;
+}
+
+Place view_of(const nlohmann::json& state) {
+    const nlohmann::json& v = state["interface"]["view_px"];
+    return {v[0], v[1], v[2], v[3]};
+}
+
+double changed(const gl::Image& a, const gl::Image& b, const Place& p) {
+    std::size_t differ = 0, all = 0;
+    for (auto y = static_cast<std::uint32_t>(p.y); y < static_cast<std::uint32_t>(p.y + p.height); ++y)
+        for (auto x = static_cast<std::uint32_t>(p.x); x < static_cast<std::uint32_t>(p.x + p.width); ++x, ++all) {
+            const std::uint8_t *c = a.pixel(x, y), *d = b.pixel(x, y);
+            differ += std::abs(c[0] - d[0]) + std::abs(c[1] - d[1]) + std::abs(c[2] - d[2]) > 24;
+        }
+    return static_cast<double>(differ) / static_cast<double>(all);
 }
 
 EditorWindow::EditorWindow(const VirtualDisplay& display, const fs::path& home,

@@ -45,6 +45,11 @@ struct Place {
     double x = 0, y = 0, width = 0, height = 0;
 };
 
+// Where the terrain is drawn.
+[[nodiscard]] Place view_of(const nlohmann::json& state);
+// Share of the pixels of a place that differ by more than a little.
+[[nodiscard]] double changed(const gl::Image& a, const gl::Image& b, const Place& p);
+
 class EditorWindow {
 public:
     using Condition = std::function<bool(const nlohmann::json& state)>;

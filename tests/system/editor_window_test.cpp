@@ -1,7 +1,6 @@
 // The real window, driven as by hand. Every process has its own X server, so cases may run side by side.
 #include <catch2/catch.hpp>
 
-#include <cmath>
 #include <csignal>
 #include <set>
 
@@ -61,11 +60,6 @@ bool has_message(const json& s, const char* severity, const char* part) {
     return false;
 }
 
-Place view_of(const json& state) {
-    const json& v = state["interface"]["view_px"];
-    return {v[0], v[1], v[2], v[3]};
-}
-
 std::size_t colours_in(const gl::Image& image, const Place& p) {
     std::set<std::uint32_t> seen;
     for (auto y = static_cast<std::uint32_t>(p.y); y < static_cast<std::uint32_t>(p.y + p.height); y += 2)
@@ -74,17 +68,6 @@ std::size_t colours_in(const gl::Image& image, const Place& p) {
             seen.insert(c[0] | c[1] << 8 | c[2] << 16);
         }
     return seen.size();
-}
-
-// Share of the pixels of a place that differ by more than a little.
-double changed(const gl::Image& a, const gl::Image& b, const Place& p) {
-    std::size_t differ = 0, all = 0;
-    for (auto y = static_cast<std::uint32_t>(p.y); y < static_cast<std::uint32_t>(p.y + p.height); ++y)
-        for (auto x = static_cast<std::uint32_t>(p.x); x < static_cast<std::uint32_t>(p.x + p.width); ++x, ++all) {
-            const std::uint8_t *c = a.pixel(x, y), *d = b.pixel(x, y);
-            differ += std::abs(c[0] - d[0]) + std::abs(c[1] - d[1]) + std::abs(c[2] - d[2]) > 24;
-        }
-    return static_cast<double>(differ) / static_cast<double>(all);
 }
 
 } // namespace
