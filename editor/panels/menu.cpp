@@ -190,10 +190,12 @@ void draw_profile_name(const State& state, Commands& commands) {
     }
 }
 
-// A control that went away while it was held, with its panel, has been let go.
+// A control that went away while it was held, with its panel, has been let go. The sun is held in the picture, where no
+// control is active: until the button is up that drag goes on, and ends itself.
 void release_held(const State& state, Commands& commands) {
     const flight::ProfileKey* const held = state.document.held();
-    if (held != nullptr && !ImGui::IsAnyItemActive())
+    const bool by_mouse = ImGui::IsMouseDown(ImGuiMouseButton_Left) || ImGui::IsMouseReleased(ImGuiMouseButton_Left);
+    if (held != nullptr && !by_mouse && !ImGui::IsAnyItemActive())
         commands.push(SetKey{held, held->get(state.document.profile()), false});
 }
 

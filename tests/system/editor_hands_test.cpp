@@ -71,6 +71,29 @@ TEST_CASE("the divider follows the pointer, the camera stays, and each side show
     CHECK(after["document"]["undo"] == before["document"]["undo"]); // a way of looking, no setting
 }
 
+TEST_CASE("with L held a drag moves the sun and not the camera, and one undo takes it back") {
+    if (skipped()) return;
+    Hand hand;
+    EditorWindow& editor = hand.editor;
+    const json before = hand.settled();
+    const gl::Image lit = hand.display.picture();
+    const Place view = view_of(before);
+    const double x = view.x + 0.3 * view.width, y = view.y + 0.6 * view.height;
+    bool dragged = false;
+    editor.hold("l", "the sun elsewhere", [&](const json& s) {
+        if (!dragged) editor.drag_at(x, y, x + 0.5 * view.width, y);
+        dragged = true;
+        return s["profile"]["light.azimuth_deg"] != before["profile"]["light.azimuth_deg"];
+    });
+    const json after = hand.settled();
+    CHECK(after["profile"]["light.elevation_deg"] == before["profile"]["light.elevation_deg"]);
+    CHECK(after["document"]["undo"] == 1); // however many frames the drag took
+    CHECK(same_camera(after, before));
+    CHECK(changed(lit, hand.display.picture(), view) > 0.05);
+    editor.key("ctrl+z");
+    CHECK(editor.state()["profile"] == before["profile"]);
+}
+
 TEST_CASE("two clicks with the probe mark two places and the profile between them is drawn over the picture") {
     if (skipped()) return;
     Hand hand;
