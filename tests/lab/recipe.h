@@ -51,6 +51,7 @@ struct Case {
     double offscreen_factor = 1; // of the incremental method
     double cells_a_frame = 0;    // straight on; 0: along the site's path
     double error_px = 1;
+    int texture_cells = 0; // cells from texel to texel of the colour map; 0: the smallest map, for what is not drawn
     [[nodiscard]] nlohmann::json json() const;
 };
 
@@ -63,9 +64,9 @@ struct Recipe {
     std::string file, name; // name: the file's without its extension
     std::string title, question;
     std::string conclusion; // which template says what was found: "tilings", "orders", "estimates", "methods",
-                            // "rivals"
+                            // "rivals", "drawing"
     Site site;
-    std::vector<int> tile_cells;
+    std::vector<int> tile_cells, texture_cells;
     std::vector<Order> orders;
     std::vector<Estimate> estimates;
     std::vector<Way> ways;
@@ -79,6 +80,7 @@ struct Recipe {
     std::vector<std::string> published; // names of series (published.h) for its pictures
     std::vector<Plot> plots;
 
+    [[nodiscard]] bool draws() const { return conclusion == "drawing"; }
     [[nodiscard]] bool measures_any(std::initializer_list<const char*> names) const;
 };
 

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <sstream>
@@ -229,6 +230,45 @@ TEST_CASE("the conclusions of the experiments are those of their numbers") {
     CHECK(slurp(lab_run().out() / "experiments.md").find(text) != std::string::npos);
 }
 
+// A quick run knows two thresholds that any mesh is far from, and one at which it is the finest mesh.
+TEST_CASE("pictures come nearer to the finest mesh's as thresholds fall, and are equal where meshes are") {
+    const std::string name = GENERATE("8-drawing", "9-drawing-norway");
+    std::map<json, std::map<double, json>> drawn; // by everything but the threshold
+    std::map<json, std::set<json>> of_method;     // pictures' differences, by everything but the method
+    for (const json& line : stored(lab_run().out() / (name + ".jsonl"))) {
+        json c = line.at("case");
+        const double error_px = c.at("error_px");
+        const json& measured = line.at("measured");
+        if (!measured.contains("image_difference")) {
+            WARN("no OpenGL here: nothing was drawn");
+            return;
+        }
+        CHECK(measured.at("frame_ms").get<double>() > 0);
+        CHECK(std::abs(measured["frames_a_second"].get<double>() * measured["frame_ms"].get<double>() - 1000) < 0.1);
+        CHECK(measured.at("finest_px") == 0.01);
+        json same = c;
+        same.erase("method");
+        of_method[same].insert(measured["image_difference"]);
+        c.erase("error_px");
+        drawn[c][error_px] = measured;
+    }
+    CHECK(drawn.size() >= 1);
+    for (const auto& [c, by_threshold] : drawn) {
+        CAPTURE(c.dump());
+        CHECK(by_threshold.at(0.01).at("image_difference") == 0);
+        CHECK_FALSE(by_threshold.at(0.01).contains("psnr_db"));
+        double last = 0;
+        for (const auto& [error_px, measured] : by_threshold) {
+            if (error_px == 0.01) continue;
+            CHECK(measured.at("image_difference").get<double>() > last);
+            last = measured["image_difference"];
+            // The mean absolute difference is no larger than the root of the mean squared one.
+            if (by_threshold.size() > 1) CHECK(measured["psnr_db"].get<double>() <= 20 * std::log10(255 / last) + 0.01);
+        }
+    }
+    for (const auto& [c, differences] : of_method) CHECK(differences.size() == 1); // they show one mesh
+}
+
 TEST_CASE("the table of the rivals has a row for each, with the numbers of its cases") {
     const std::string name = GENERATE("5-rivals", "6-rivals-real");
     const json recipe = json::parse(slurp(recipes / (name + ".json")));
@@ -282,6 +322,9 @@ TEST_CASE("a recipe of an experiment that is none is refused in one line that na
     refused_recipe("/conclusion", "rivals", "tile_cells: rivals take one tile as large as the terrain");
     refused_recipe("/repetitions", 3, "repetitions: unknown key; remove it");
     refused_recipe("/quick", 1, "quick: is missing");
+    refused_recipe("/texture_cells", json::array({3}), "texture_cells: must be 0 or powers of two");
+    refused_recipe("/measures/2", "frame_ms", "measures: what is measured of pictures and the conclusion drawing");
+    refused_recipe("/conclusion", "drawing", "methods: lean has no mesh that is drawn");
     refused_recipe("/colour", 1, "colour: unknown key; remove it");
     refused_recipe("/quick/terrain", json::object(), "terrain.synthetic: is missing");
     refused_recipe("/quick/terrain/synthetic/landscape/colums", 9, "terrain.synthetic.landscape: ");
