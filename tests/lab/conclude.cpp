@@ -264,16 +264,33 @@ std::string on_drawing(const Results& results) {
     return text;
 }
 
+std::string on_instructions(const Results& results) {
+    std::string text;
+    for (const Way way : results.recipe.ways) {
+        const auto each = over(results, "instructions", Way::lean, way);
+        const bool any = std::any_of(each.begin(), each.end(), [](const Range& range) { return range.count > 0; });
+        if (way == Way::lean || !any) continue;
+        Case c;
+        c.way = way;
+        text +=
+            fmt::format("{} {} {}", text.empty() ? "" : ",", c.json().at("method").get<std::string>(), listed(each));
+    }
+    if (text.empty()) return {};
+    return fmt::format("At {} cells a frame an update takes, in instructions and times the leanest recursion's:{}. ",
+                       fmt::join(results.recipe.cells_a_frame, " / "), text);
+}
+
 } // namespace
 
 std::string conclusion_of(const Results& results) {
     const std::string& kind = results.recipe.conclusion;
-    std::string text = kind == "tilings"     ? on_tilings(results)
-                       : kind == "orders"    ? on_orders(results)
-                       : kind == "estimates" ? on_estimates(results)
-                       : kind == "rivals"    ? on_rivals(results)
-                       : kind == "drawing"   ? on_drawing(results)
-                                             : on_methods(results);
+    std::string text = kind == "tilings"        ? on_tilings(results)
+                       : kind == "orders"       ? on_orders(results)
+                       : kind == "estimates"    ? on_estimates(results)
+                       : kind == "rivals"       ? on_rivals(results)
+                       : kind == "drawing"      ? on_drawing(results)
+                       : kind == "instructions" ? on_instructions(results)
+                                                : on_methods(results);
     if (text.empty()) return "Too few cases are measured to say anything.";
     text.pop_back();
     return text;

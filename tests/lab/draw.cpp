@@ -58,7 +58,8 @@ struct Drawing::Method {
 namespace {
 
 // What both report alike.
-template <typename Method, typename Report> void note(Method& method, const Report& report) {
+template <typename Method, typename Report>
+void note(Method& method, const Report& report) {
     method.effective_px = report.error_px_effective;
     method.vertices = report.vertices;
     method.triangles = report.triangles;
@@ -155,8 +156,7 @@ const Drawing::Finest& Drawing::finest(std::size_t frame, const View& view) {
 
 nlohmann::json Drawing::fly(const Case& c, const std::vector<View>& views, const std::set<std::size_t>& compared) {
     if (!context_->make_current()) throw io::Failure(3, "the OpenGL context cannot be made current; run it again");
-    const auto method =
-        c.way == Way::recursive ? recursive(c.error_px) : incremental(c.error_px, c.offscreen_factor);
+    const auto method = c.way == Way::recursive ? recursive(c.error_px) : incremental(c.error_px, c.offscreen_factor);
     method->rest(views[0]);
     const gl::DrawOptions options = bare();
     for (int i = 0; i < 2; ++i) need_gl(method->draw(*renderer_, views[0], options, *target_)); // uploads all
@@ -210,8 +210,8 @@ Difference difference_of(const gl::Image& a, const gl::Image& b, const std::vect
         ++count;
     }
     if (count == 0) return {};
-    return {sum / count, squares > 0 ? 10 * std::log10(255.0 * 255.0 * count / squares)
-                                     : std::numeric_limits<double>::infinity()};
+    return {sum / count,
+            squares > 0 ? 10 * std::log10(255.0 * 255.0 * count / squares) : std::numeric_limits<double>::infinity()};
 }
 
 } // namespace fjell::lab

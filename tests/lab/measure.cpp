@@ -215,7 +215,8 @@ nlohmann::json asked_for(const Recipe& recipe, const nlohmann::json& all, nlohma
 
 } // namespace
 
-nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world, const std::string& out) {
+nlohmann::json measure_case(const Recipe& recipe, const Case& c, std::size_t number, World& world,
+                            const Counting& counting, const std::string& out) {
     if (recipe.conclusion == "rivals") {
         const nlohmann::json all = measure_rival(recipe, c, world, out + "/" + picture_name(recipe, c));
         return asked_for(recipe, all, {{"frames", all["frames"]}});
@@ -223,6 +224,17 @@ nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world, c
     const std::vector<View> views = world.views(c, recipe.frames);
     const nlohmann::json flown{{"frames", views.size()},
                                {"flown_cells_a_frame", five_digits(mean_cells_a_frame(views, world.cell_m()))}};
+    if (recipe.counts()) {
+        const rivals::Refined still = [&] { // here too: it bakes the pack, and says what is refused
+            rivals::Rival& rival = *world.bout(c, recipe.tile_cells[0]).rival;
+            settle(rival, views[0], c.error_px);
+            return rival.refine(views[0], c.error_px, rivals::unlimited_operations);
+        }();
+        nlohmann::json all{{"triangles", still.triangles}};
+        if (const auto count = instructions_a_frame(counting, recipe, number, views.size()))
+            all["instructions"] = *count;
+        return asked_for(recipe, all, flown);
+    }
     if (recipe.draws()) {
         Drawing* const drawing = world.drawing(c);
         return asked_for(

@@ -103,7 +103,7 @@ const std::vector<std::string> order_words{"planar", "hz", "linear"}, estimate_w
               "skirted-tiles",
               "multi-triangulation",
               "progressive-mesh"},
-    conclusion_words{"tilings", "orders", "estimates", "methods", "rivals", "drawing"};
+    conclusion_words{"tilings", "orders", "estimates", "methods", "rivals", "drawing", "instructions"};
 
 Site site_of(const json& terrain, const std::string& file, const std::string& real_folder) {
     Keys kinds(terrain, file, "terrain.");
@@ -185,15 +185,17 @@ void read_lists(Keys& keys, Recipe& r) {
 void read_rivals(Keys& keys, Recipe& r) {
     if (r.conclusion != "rivals") {
         for (const Way way : r.ways)
-            if (way > Way::lean)
-                keys.bad("methods", way_words[static_cast<std::size_t>(way)] + " is for the conclusion rivals alone");
-        return;
+            if (way > Way::lean && !r.counts())
+                keys.bad("methods", way_words[static_cast<std::size_t>(way)] +
+                                        " is for the conclusions rivals and instructions alone");
+        if (!r.counts()) return;
     }
+    if (r.tile_cells.size() != 1 || r.offscreen_factors != std::vector<double>{1})
+        keys.bad("tile_cells", "rivals take one tile as large as the terrain, and no offscreen_factors");
+    if (r.counts()) return;
     r.repetitions = static_cast<int>(keys.number("repetitions", r.repetitions, 1, 100));
     r.picture_px = keys.number("picture_px", r.picture_px, 0.01, 1000);
     r.picture_cells = static_cast<int>(keys.number("picture_cells", r.picture_cells, 8, 4096));
-    if (r.tile_cells.size() != 1 || r.offscreen_factors != std::vector<double>{1})
-        keys.bad("tile_cells", "rivals take one tile as large as the terrain, and no offscreen_factors");
     if (r.verify_frames == 0) keys.bad("verify_frames", "rivals are looked at; give at least 1");
 }
 
@@ -252,6 +254,7 @@ const std::vector<Measure>& all_measures() {
                                           {"frame_work_ms", "whole frame, work of all threads, median [ms]"},
                                           {"image_difference", "image difference, mean [levels of 255]"},
                                           {"psnr_db", "PSNR, lowest [dB]"},
+                                          {"instructions", "instructions a frame, mean"},
                                           {"finest_px", "threshold of the finest mesh [px]"}};
     return all;
 }
@@ -291,6 +294,8 @@ Recipe read_recipe(const std::string& file, const std::string& real_folder, bool
         keys.bad("conclusion", fmt::format("must be one of {}", fmt::join(conclusion_words, ", ")));
     r.site = site_of(keys.need("terrain"), file, quick ? std::string() : real_folder);
     read_lists(keys, r);
+    (void)keys.need("about_s");
+    r.about_s = keys.number("about_s", 1, 0, 1e6);
     r.frames = static_cast<int>(keys.number("frames", 840, 1, 100'000));
     r.verify_frames = static_cast<int>(keys.number("verify_frames", 0, 0, 1000));
     std::vector<std::string> known;
@@ -309,6 +314,8 @@ Recipe read_recipe(const std::string& file, const std::string& real_folder, bool
         keys.bad("methods", "lean has no mesh that is drawn; leave it out");
     const bool drawn =
         r.measures_any({"frames_a_second", "frame_ms", "frame_work_ms", "image_difference", "psnr_db", "finest_px"});
+    if (r.measures_any({"instructions"}) != r.counts())
+        keys.bad("measures", "instructions and the conclusion instructions belong together");
     if (drawn != r.draws())
         keys.bad("measures", "what is measured of pictures and the conclusion drawing belong together");
     keys.refuse_others();
@@ -335,7 +342,7 @@ std::vector<Case> cases_of(const Recipe& r) {
                             for (const int texture : r.texture_cells)
                                 for (const double error_px : r.thresholds_px)
                                     add({tile, order, estimate, way, offscreen, cells, error_px, texture});
-    if (r.conclusion == "rivals") // a method after the other: each is built once
+    if (r.conclusion == "rivals" || r.counts()) // a method after the other: each is built once
         std::stable_sort(cases.begin(), cases.end(), [](const Case& a, const Case& b) { return a.way < b.way; });
     return cases;
 }

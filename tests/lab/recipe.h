@@ -15,7 +15,7 @@
 namespace fjell::lab {
 
 // How the mesh is found: our two methods, or the leanest recursion (rivals/lean_recursion.h), which knows no tiles; and
-// for the conclusion "rivals" alone whatever else rivals/rival.h has.
+// for the conclusions "rivals" and "instructions" whatever else rivals/rival.h has.
 enum class Way : std::uint8_t {
     recursive,
     incremental,
@@ -64,7 +64,7 @@ struct Recipe {
     std::string file, name; // name: the file's without its extension
     std::string title, question;
     std::string conclusion; // which template says what was found: "tilings", "orders", "estimates", "methods",
-                            // "rivals", "drawing"
+                            // "rivals", "drawing", "instructions"
     Site site;
     std::vector<int> tile_cells, texture_cells;
     std::vector<Order> orders;
@@ -72,6 +72,7 @@ struct Recipe {
     std::vector<Way> ways;
     std::vector<double> offscreen_factors, cells_a_frame, thresholds_px;
     int frames = 840, verify_frames = 0;
+    double about_s = 1;  // what it takes in all, for the estimate before a first run
     double cache_mb = 8; // that page and memory misses are counted with
     // Of rivals: flights in turns with the leanest recursion, and a picture of each mesh, how fine and how large.
     int repetitions = 1, picture_cells = 128;
@@ -81,6 +82,7 @@ struct Recipe {
     std::vector<Plot> plots;
 
     [[nodiscard]] bool draws() const { return conclusion == "drawing"; }
+    [[nodiscard]] bool counts() const { return conclusion == "instructions"; }
     [[nodiscard]] bool measures_any(std::initializer_list<const char*> names) const;
 };
 
