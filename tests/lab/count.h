@@ -22,8 +22,8 @@ struct Counting {
 };
 
 // The mean of the flight's updates. None where valgrind is not installed: that is said once, on the error output.
-[[nodiscard]] std::optional<double> instructions_a_frame(const Counting& counting, const Recipe& recipe, std::size_t number,
-                                                         std::size_t frames);
+[[nodiscard]] std::optional<double> instructions_a_frame(const Counting& counting, const Recipe& recipe,
+                                                         std::size_t number, std::size_t frames);
 // What the child does.
 void fly_counted(const Recipe& recipe, const Case& c, World& world);
 

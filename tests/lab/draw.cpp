@@ -154,7 +154,8 @@ const Drawing::Finest& Drawing::finest(std::size_t frame, const View& view) {
     return finest_.emplace(frame, std::move(made)).first->second;
 }
 
-nlohmann::json Drawing::fly(const Case& c, const std::vector<View>& views, const std::set<std::size_t>& compared) {
+nlohmann::json Drawing::fly(const Case& c, const std::vector<View>& views, const std::set<std::size_t>& timed,
+                            const std::set<std::size_t>& compared) {
     if (!context_->make_current()) throw io::Failure(3, "the OpenGL context cannot be made current; run it again");
     const auto method = c.way == Way::recursive ? recursive(c.error_px) : incremental(c.error_px, c.offscreen_factor);
     method->rest(views[0]);
@@ -163,8 +164,12 @@ nlohmann::json Drawing::fly(const Case& c, const std::vector<View>& views, const
     glFinish();
     std::vector<double> ms, worked_ms;
     double vertices = 0, triangles = 0, worst_px = 0;
-    for (const View& view : views) {
+    for (const std::size_t frame : timed) {
         io::check_interrupt();
+        const View& view = views[frame];
+        method->rest(views[frame > 0 ? frame - 1 : 0]);
+        need_gl(method->draw(*renderer_, views[frame > 0 ? frame - 1 : 0], options, *target_));
+        glFinish();
         const auto start = test::Clock::now();
         const double worked = process_worked_ms();
         method->update(view);
@@ -172,8 +177,8 @@ nlohmann::json Drawing::fly(const Case& c, const std::vector<View>& views, const
         glFinish();
         worked_ms.push_back(process_worked_ms() - worked);
         ms.push_back(test::us_since(start) * 1e-3);
-        vertices += method->vertices / static_cast<double>(views.size());
-        triangles += method->triangles / static_cast<double>(views.size());
+        vertices += method->vertices / static_cast<double>(timed.size());
+        triangles += method->triangles / static_cast<double>(timed.size());
         worst_px = std::max(worst_px, method->effective_px);
     }
     if (worst_px > c.error_px)

@@ -30,8 +30,9 @@ public:
     // vertices: slots for the finest mesh.
     [[nodiscard]] static std::unique_ptr<Drawing> create(const io::LoadedPack& pack, std::uint32_t vertices,
                                                          std::string& reason);
-    // What is measured of a case, by key. compared: frames whose pictures are.
-    [[nodiscard]] nlohmann::json fly(const Case& c, const std::vector<View>& views,
+    // What is measured of a case, by key. timed: frames, each after the one before it, so that the mesh goes as far as
+    // the flight does; compared: frames whose pictures are.
+    [[nodiscard]] nlohmann::json fly(const Case& c, const std::vector<View>& views, const std::set<std::size_t>& timed,
                                      const std::set<std::size_t>& compared);
 
 private:

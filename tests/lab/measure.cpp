@@ -48,10 +48,10 @@ double timed_us(const Update& update) {
     return worked_us() - start;
 }
 
-// Those that are looked at more closely: spread evenly.
-std::set<std::size_t> verified_frames(const Recipe& recipe, std::size_t frames) {
+// So many of all frames, evenly.
+std::set<std::size_t> spread(int wanted, std::size_t frames) {
     std::set<std::size_t> found;
-    const auto count = static_cast<std::size_t>(recipe.verify_frames);
+    const auto count = static_cast<std::size_t>(wanted);
     for (std::size_t i = 0; i < count; ++i) found.insert((2 * i + 1) * frames / (2 * count));
     return found;
 }
@@ -64,7 +64,7 @@ public:
         : terrain_(terrain), case_(c), pages_(recipe.measures_any({"pages_in_use", "pages_read", "memory_pages",
                                                                    "memory_read", "memory_misses", "page_misses"})),
           popping_(recipe.measures_any({"popping_px"})) {
-        if (recipe.measures_any({"true_error_px", "popping_px"})) verified_ = verified_frames(recipe, frames);
+        if (recipe.measures_any({"true_error_px", "popping_px"})) verified_ = spread(recipe.verify_frames, frames);
     }
     [[nodiscard]] bool idle() const { return !pages_ && verified_.empty(); }
     [[nodiscard]] bool looks_at(std::size_t frame) const {
@@ -237,9 +237,11 @@ nlohmann::json measure_case(const Recipe& recipe, const Case& c, std::size_t num
     }
     if (recipe.draws()) {
         Drawing* const drawing = world.drawing(c);
-        return asked_for(
-            recipe, drawing ? drawing->fly(c, views, verified_frames(recipe, views.size())) : nlohmann::json::object(),
-            flown);
+        return asked_for(recipe,
+                         drawing ? drawing->fly(c, views, spread(recipe.drawn_frames, views.size()),
+                                                spread(recipe.verify_frames, views.size()))
+                                 : nlohmann::json::object(),
+                         flown);
     }
     const Flight f = c.way == Way::recursive     ? fly_recursive(recipe, c, world, views)
                      : c.way == Way::incremental ? fly_incremental(recipe, c, world, views)

@@ -312,6 +312,7 @@ Recipe read_recipe(const std::string& file, const std::string& real_folder, bool
     read_rivals(keys, r);
     if (r.draws() && std::find(r.ways.begin(), r.ways.end(), Way::lean) != r.ways.end())
         keys.bad("methods", "lean has no mesh that is drawn; leave it out");
+    if (r.draws()) r.drawn_frames = static_cast<int>(keys.number("drawn_frames", 12, 1, 10'000));
     const bool drawn =
         r.measures_any({"frames_a_second", "frame_ms", "frame_work_ms", "image_difference", "psnr_db", "finest_px"});
     if (r.measures_any({"instructions"}) != r.counts())
@@ -350,6 +351,7 @@ std::vector<Case> cases_of(const Recipe& r) {
 std::string key_of(const Recipe& r, const Case& c) {
     json key{{"site", r.site.identity()},        {"case", c.json()},       {"frames", r.frames},
              {"verify_frames", r.verify_frames}, {"measures", r.measures}, {"cache_mb", r.cache_mb}};
+    if (r.draws()) key["drawn_frames"] = r.drawn_frames;
     if (r.conclusion == "rivals") key["repetitions"] = r.repetitions;
     return key.dump();
 }

@@ -71,9 +71,9 @@ struct Recipe {
     std::vector<Estimate> estimates;
     std::vector<Way> ways;
     std::vector<double> offscreen_factors, cells_a_frame, thresholds_px;
-    int frames = 840, verify_frames = 0;
-    double about_s = 1;  // what it takes in all, for the estimate before a first run
-    double cache_mb = 8; // that page and memory misses are counted with
+    int frames = 840, verify_frames = 0, drawn_frames = 0; // drawn: of pictures, so many of the frames
+    double about_s = 1;                                    // what it takes in all, for the estimate before a first run
+    double cache_mb = 8;                                   // that page and memory misses are counted with
     // Of rivals: flights in turns with the leanest recursion, and a picture of each mesh, how fine and how large.
     int repetitions = 1, picture_cells = 128;
     double picture_px = 8;
