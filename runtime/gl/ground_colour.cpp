@@ -90,7 +90,7 @@ Repeating noise_of(const std::vector<std::uint8_t>& noise, double period_m, doub
         first += std::size_t{4} * (noise_side >> finer) * (noise_side >> finer);
     Repeating texture{static_cast<std::uint32_t>(noise_side) >> mip, {}};
     for (std::size_t i = 0; i < std::size_t{texture.side} * texture.side; ++i)
-        for (const std::size_t channel : {2, 3})
+        for (const std::size_t channel : {2u, 3u})
             texture.texels.push_back(static_cast<float>(noise[first + 4 * i + channel]) / 255);
     return texture;
 }
