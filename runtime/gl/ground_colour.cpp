@@ -90,7 +90,7 @@ Repeating noise_of(const std::vector<std::uint8_t>& noise, double period_m, doub
         first += std::size_t{4} * (noise_side >> finer) * (noise_side >> finer);
     Repeating texture{static_cast<std::uint32_t>(noise_side) >> mip, {}};
     for (std::size_t i = 0; i < std::size_t{texture.side} * texture.side; ++i)
-        for (const std::size_t channel : {2, 3})
+        for (const std::size_t channel : {2u, 3u})
             texture.texels.push_back(static_cast<float>(noise[first + 4 * i + channel]) / 255);
     return texture;
 }
@@ -121,7 +121,7 @@ void make_whole(Strongest& most) {
 struct Painter {
     std::vector<Material> materials;
     std::vector<LayerRule> rules;
-    std::vector<std::size_t> of_name; // the material of each of the control maps' names
+    std::vector<std::int32_t> of_name; // the material of each of the control maps' names; -1: water
     Repeating patches, spots;
     float tint = 0;
 
@@ -170,6 +170,7 @@ Strongest Painter::of_map(const GroundTexels& texels, double x, double y, const 
     covered = 0;
     Strongest most{};
     for (std::size_t name = 0; name < names.size(); ++name) {
+        if (name < of_name.size() && of_name[name] < 0) continue; // water has the map's colour
         covered += names[name];
         keep_most({name, names[name]}, most);
     }
@@ -181,7 +182,8 @@ Strongest Painter::of_map(const GroundTexels& texels, double x, double y, const 
     most[1].share = std::max(most[1].share - sway, 0.0f);
     make_whole(most);
     if (most[1].share > most[0].share) std::swap(most[0], most[1]);
-    for (Share& s : most) s.material = s.material < of_name.size() ? of_name[s.material] : 0;
+    for (Share& s : most)
+        s.material = s.material < of_name.size() ? static_cast<std::size_t>(std::max(of_name[s.material], 0)) : 0;
     covered = std::min(covered, 1.0f);
     return most;
 }

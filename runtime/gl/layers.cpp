@@ -213,14 +213,14 @@ void layer_shares(std::span<const LayerRule> rules, double height_m, double slop
 
 namespace {
 
-// Every name must be a material, or some ground would show another one.
+// Every name must be a material, or some ground would show another one. Water need not: it is drawn by the light.
 std::string match_names(const LayersInput& in, std::int32_t (&of_name)[io::max_materials]) {
     if (in.names.size() > io::max_materials) return "the pack's control maps speak of more than 16 materials";
     std::string known;
     for (const io::MaterialRecord& r : in.materials.records) known += (known.empty() ? "" : ", ") + std::string(r.name);
     for (std::size_t i = 0; i < in.names.size(); ++i) {
         of_name[i] = in.materials.find(in.names[i]);
-        if (of_name[i] < 0)
+        if (of_name[i] < 0 && in.names[i] != water_layer)
             return "the pack's control maps speak of \"" + in.names[i] + "\", and the materials are " + known +
                    ": give materials with it, or bake the pack with other --layers";
     }
@@ -244,6 +244,8 @@ std::string Layers::set(const LayersInput& in, std::uint64_t most_bytes, float a
     if (std::string error = check_layers(in, of_name); !error.empty()) return error;
     LayersBlock block = block_of(materials, in.rules);
     std::ranges::copy(of_name, block.of_name);
+    const auto* const water = std::ranges::find(of_name, -1);
+    block.count[1] = static_cast<std::int32_t>(water - of_name);
     const bool blocks = !software && epoxy_has_gl_extension("GL_EXT_texture_compression_s3tc");
     const ArrayFormat formats[] = {{true, blocks, software}, {false, blocks, software}};
     std::uint32_t first_mip = 0;
@@ -265,6 +267,7 @@ std::string Layers::set(const LayersInput& in, std::uint64_t most_bytes, float a
     one_mip = software;
     rules = in.rules.size();
     names = in.names.size();
+    lakes = water != std::end(of_name);
     if (glGetError() == GL_NO_ERROR) return {};
     *this = {};
     return "the GPU has no room for the materials: lower RendererOptions::material_bytes";

@@ -34,8 +34,8 @@ struct LayersBlock {
     float turn[io::max_materials][4]; // a fine and a coarse texture's periods, east and south
     float mean[io::max_materials][4]; // linear rgb; share of the coarse texture
     RuleBlock rule[max_layer_rules];
-    std::int32_t count[4];                   // of rules
-    std::int32_t of_name[io::max_materials]; // the material of each of the control maps' names
+    std::int32_t count[4];                   // of rules; the control maps' name that is water
+    std::int32_t of_name[io::max_materials]; // the material of each of the control maps' names; -1: water
 };
 static_assert(sizeof(LayersBlock) == (2 * io::max_materials + 5 * max_layer_rules + 1) * 16 + 4 * io::max_materials,
               "LayersBlock is uploaded: change the block `Layers` in shaders_layers.cpp with it");
@@ -52,7 +52,7 @@ struct LayersInput {
     std::span<const std::string> names; // of control maps
 };
 
-// Empty, or why these cannot be drawn: of_name[i] is the material of names[i].
+// Empty, or why these cannot be drawn: of_name[i] is the material of names[i], -1 for water.
 [[nodiscard]] std::string check_layers(const LayersInput& in, std::int32_t (&of_name)[io::max_materials]);
 
 struct Layers {
@@ -60,6 +60,7 @@ struct Layers {
     Buffer table;
     std::uint64_t bytes = 0; // of the textures
     std::size_t rules = 0, names = 0;
+    bool lakes = false;   // whether one of the names is water
     bool one_mip = false; // is read at a time, which shaders make up for
 
     [[nodiscard]] bool present() const { return table.get() != 0; }

@@ -42,6 +42,7 @@ std::string light_defines(unsigned bits) {
     if ((bits & light_layers) != 0) defines += "#define LAYERS\n";
     if ((bits & light_shadows) != 0) defines += "#define SHADOWS\n";
     if ((bits & light_control) != 0) defines += "#define CONTROL\n";
+    if ((bits & light_lakes) != 0) defines += "#define LAKES\n";
     return defines;
 }
 
@@ -211,6 +212,7 @@ std::string Renderer::State::prepare(const DrawOptions& now) {
         const bool mapped = now.layers.control && ground_layers.names != 0 && maps.kind[3].sizes != 0 &&
                             lighting.units >= static_cast<int>(control_unit() + maps.kind[3].sizes);
         if (mapped || ground_layers.rules != 0) light_bits |= light_layers | (mapped ? light_control : 0);
+        if (mapped && ground_layers.lakes) light_bits |= light_lakes | light_water;
     }
     const auto horizons = static_cast<int>(maps.kind[2].sizes);
     if (now.light.shadows && horizons != 0 && lighting.units >= static_cast<int>(horizon_unit) + horizons)

@@ -82,7 +82,7 @@ static_assert(sizeof(TileBlock) == 208 && offsetof(TileBlock, mip) == 32 && offs
 // of each, when there are any; SHADED, LEVELS, DISTANCE, TILES, MIPS, RESIDENCY or ERROR for the mode; WIREFRAME;
 // BORDERS; ALL_THERE: one array of each, layer = tile; with SHADED also LIT, and with that AIR: physical, DETAIL,
 // WATER, LAYERS, SHADOWS (with HORIZON_MAPS), CONTROL (with LAYERS, CONTROL_MAPS, and CONTROL_UNIT: the first of their
-// texture units).
+// texture units), LAKES (with CONTROL and WATER: control maps speak of water).
 [[nodiscard]] const char* terrain_fragment_shader();
 [[nodiscard]] const char* light_shader();
 [[nodiscard]] const char* layers_shader(); // between the two

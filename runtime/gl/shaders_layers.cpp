@@ -19,7 +19,7 @@ layout(std140, binding = 1) uniform Layers {
     vec4 material_turn[16]; // periods of the fine and the coarse texture, east and south
     vec4 material_mean[16]; // linear rgb; share of the coarse texture
     Rule rule[16];
-    ivec4 rules;
+    ivec4 rules; // their count; for LAKES the control map's name that is water
     ivec4 of_name[4]; // the material of each of the control map's names
 };
 const float layer_period = 1.0 / 1024.0;
@@ -93,40 +93,53 @@ void add_texels(vec2 at, ivec2 map, int mip, int lod, float share, inout vec4 na
     } while (++tap < 4);
 }
 
-// The three materials that the map has most of here, and how much of the ground materials cover. dx, dy: of a texel of
-// mip 0. Of a tile whose map has not come: nothing covers it.
-float strongest_of_map(vec2 at, vec2 dx, vec2 dy, vec2 noises, out ivec3 material, out vec3 share) {
-    share = vec3(1.0, 0.0, 0.0);
-    material = ivec3(0);
+// Weights of names, four a vector. dx, dy: of a texel of mip 0. Of a tile whose map has not come: none.
+void names_of_map(vec2 at, vec2 dx, vec2 dy, out vec4 names[4]) {
+    names = vec4[4](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
 #ifdef ALL_THERE
     ivec2 map = ivec2(surface.block, 0);
     float least = 0.0;
     int first_mip = 0;
 #else
     ivec2 map = tile_block[surface.block].control;
-    if (map.y < 0) return 0.0;
+    if (map.y < 0) return;
     float least = finest_mip(3);
     int first_mip = tile_block[surface.block].control_mip;
 #endif
     float mip = clamp(0.5 * log2(max(max(dot(dx, dx), dot(dy, dy)), 1e-9)), least, control.y - 1.0);
     int finer = int(mip);
     float second = mip - float(finer);
-    vec4 names[4] = vec4[4](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     add_texels(at, map, finer, max(finer - first_mip, 0), 1.0 - second, names);
     if (second > 0.0) {
         int coarser = min(finer + 1, int(control.y) - 1);
         add_texels(at, map, coarser, max(coarser - first_mip, 0), second, names);
     }
+}
+
+// Noise moves places in the map, so that its texels do not show.
+vec2 swayed(vec2 in_tile, vec2 patches) { return in_tile + (clamp(patches * 2.4 - 0.7, 0.0, 1.0) - 0.5) * control.zw; }
+
+// The three materials that the map has most of here, and how much of the ground materials cover. wet: the share of
+// water, which is none of them.
+float strongest_of_map(vec4 names[4], vec2 noises, out ivec3 material, out vec3 share, out float wet) {
     float covered = 0.0;
     vec3 most = vec3(0.0);
+    material = ivec3(0);
+    wet = 0.0;
     int i = 0;
     do {
         float here = names[i >> 2][i & 3];
+#ifdef LAKES
+        if (i == rules.y) {
+            wet = here;
+            here = 0.0;
+        }
+#endif
         covered += here;
         keep_most(i, here, material, most);
     } while (++i < 16);
     float all = most.x + most.y + most.z;
-    share = all > 0.0 ? most / all : share;
+    share = all > 0.0 ? most / all : vec3(1.0, 0.0, 0.0);
     // A map's texels are tens of metres: noise makes patches of what they say of two materials. Its sign follows from
     // the two, not from which is more, or a line would show where they are equal.
     float sway = (0.75 * noises.x + 0.25 * noises.y - 0.5) * 1.4 * min(4.0 * share.x * share.y, 1.0);
@@ -144,8 +157,6 @@ float strongest_of_map(vec2 at, vec2 dx, vec2 dy, vec2 noises, out ivec3 materia
 #endif
 
 vec2 place_of_patch(float number) { return fract(number * vec2(0.7548777, 0.5698403)); }
-
-mat2 periods_of(vec2 turn) { return mat2(turn.x, turn.y, -turn.y, turn.x) * layer_period; }
 
 // Near sRGB's curve, after filtering: drivers without a GPU would take it texel by texel.
 vec3 light_of(vec3 code) { return code * (code * (code * 0.305306 + 0.682171) + 0.012523); }
@@ -223,13 +234,24 @@ Shaped shaped_material(int material, vec3 at, vec3 dx, vec3 dy, vec3 side, float
     return shaped;
 }
 
-// Replaces colour and normal near the eye. base, normal: with noise; map, map_normal: as the maps have them.
-void add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, float metres) {
+// Replaces colour and normal near the eye. base, normal: with noise; map, map_normal: as the maps have them. Gives the
+// share of water, which far ground has too.
+float add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, float metres) {
     vec3 dx = dFdx(surface.position), dy = dFdy(surface.position);
 #ifdef CONTROL
     vec2 in_tile = surface.sample_at / float(1 << tile.x), texel_x = dFdx(in_tile) * control.x, texel_y = dFdy(in_tile) * control.x;
 #endif
-    if (metres >= layers.x) return;
+    vec3 at = surface.position + layers_at.xyz;
+    float wet = 0.0;
+    if (metres >= layers.x) {
+#ifdef LAKES
+        vec4 far_names[4];
+        in_tile = swayed(in_tile, textureGrad(noise_map, at.xz / 512.0, dx.xz / 512.0, dy.xz / 512.0).zw);
+        names_of_map(in_tile, texel_x, texel_y, far_names);
+        wet = far_names[rules.y >> 2][rules.y & 3];
+#endif
+        return wet;
+    }
     float fade = 1.0 - smoothstep(0.4 * layers.x, layers.x, metres);
     float near = 1.0 - smoothstep(0.3 * layers.w, layers.w, metres);
     // Where the driver does not filter anisotropically, level ground would be a blur from a few metres on: so the
@@ -246,16 +268,16 @@ void add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, f
         dx *= mip;
         dy *= mip;
     }
-    vec3 at = surface.position + layers_at.xyz;
     vec2 patches = textureGrad(noise_map, at.xz / 512.0, dx.xz / 512.0, dy.xz / 512.0).zw;
     float spots = textureGrad(noise_map, at.xz / 64.0, dx.xz / 64.0, dy.xz / 64.0).z;
     vec2 noises = clamp(vec2(patches.x, spots) * 2.4 - 0.7, 0.0, 1.0);
     ivec3 material;
     vec3 share;
 #ifdef CONTROL
-    in_tile += (clamp(patches * 2.4 - 0.7, 0.0, 1.0) - 0.5) * control.zw;
-    fade *= strongest_of_map(in_tile, texel_x, texel_y, noises, material, share);
-    if (fade <= 0.0) return;
+    vec4 names[4];
+    names_of_map(swayed(in_tile, patches), texel_x, texel_y, names);
+    fade *= strongest_of_map(names, noises, material, share, wet);
+    if (fade <= 0.0) return wet;
 #else
     strongest_rules(surface.position.y + eye.z + eye.w, degrees(acos(clamp(map_normal.y, 0.0, 1.0))), noises, material,
                     share);
@@ -292,6 +314,7 @@ void add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, f
     vec3 ground = normalize(mix(normal, map_normal, 0.5 * near));
     bump -= ground * dot(bump, ground);
     normal = normalize(mix(normal, ground - bump, fade));
+    return wet;
 }
 #endif
 )";

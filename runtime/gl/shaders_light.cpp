@@ -174,14 +174,24 @@ vec3 wave_normal(vec3 at, out float calm) {
     return normalize(vec3(-0.22 * slope.x, 1.0, -0.22 * slope.y));
 }
 
+// What comes up out of deep water.
+vec3 body_of_water(float rise) {
+    return vec3(0.012, 0.045, 0.06) * (sun_at(rise) * max(sun.y, 0.0) * 0.31831 + sky_light(vec3(0.0, 1.0, 0.0)));
+}
+
+// A lake that the control map knows: how deep it is nobody knows, so no ground shows through.
+vec3 on_lake(vec3 direction, float rise) {
+    float calm;
+    vec3 normal = wave_normal(surface.position, calm);
+    return on_water(body_of_water(rise), direction, normal, calm, rise);
+}
+
 // Light from the ground below, dimmed and tinted by its depth, and the sky and the sun on the surface.
 vec3 under_water(vec3 ground, vec3 direction, float way, float depth, float rise) {
     vec3 clear = exp(-(depth + 1.1 * way) * water_tint.rgb);
-    vec3 arriving = sun_at(rise) * max(sun.y, 0.0) * 0.31831 + sky_light(vec3(0.0, 1.0, 0.0));
-    vec3 body = vec3(0.012, 0.045, 0.06) * arriving;
     float calm;
     vec3 normal = wave_normal(direction * (water.x / direction.y), calm);
-    return on_water(mix(body, ground, clear), direction, normal, calm, rise);
+    return on_water(mix(body_of_water(rise), ground, clear), direction, normal, calm, rise);
 }
 #endif
 
@@ -236,7 +246,8 @@ vec3 shaded(vec3 base, vec3 normal) {
     float grey = max(luminance(map), 1e-4);
     vec3 leaning = sqrt(max(map, 0.0) / grey);
     leaning *= grey / max(luminance(leaning), 1e-4);
-    add_layers(base, normal, mix(leaning, map, smoothstep(0.05, 0.6, metres / layers.x)), map_normal, metres);
+    float lake = add_layers(base, normal, mix(leaning, map, smoothstep(0.05, 0.6, metres / layers.x)), map_normal,
+                            metres);
 #endif
     float rise = surface.position.y;
     float sunlit = 0.31831 * max(dot(normal, sun.xyz), 0.0), sky_seen = 1.0;
@@ -246,6 +257,10 @@ vec3 shaded(vec3 base, vec3 normal) {
     sky_seen = horizon.y;
 #endif
     vec3 colour = base * (sun_at(rise) * sunlit + sky_light(normal) * sky_seen);
+#ifdef LAKES
+    // A shore is sharper than the map's texels are.
+    colour = mix(colour, on_lake(direction, rise), smoothstep(0.4, 0.6, lake));
+#endif
 #ifdef WATER
     if (water.y > 0.0 && rise < water.x) {
         float to_surface = water.x / direction.y;

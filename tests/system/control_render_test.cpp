@@ -163,6 +163,39 @@ TEST_CASE("ground shows the materials that its control map says, and colours alo
     CHECK(mean_difference(plain.colour, some.colour) > 1);
 }
 
+TEST_CASE("water in a control map is a lake near and far, and needs no material", "[picture]") {
+    Controlled c(R"({"rules": [{"layer": "green"}, {"layer": "water", "height_m": [64, null]}]})");
+    const Picture without = c.draw({});
+    const std::vector<std::string> names{"green", "water"};
+    REQUIRE(c.scene.renderer->set_layers(c.file.materials, {}, names).empty());
+    const Picture near = c.draw(c.on);
+    gl::LayerSettings away = c.on;
+    away.distance_m = 1; // materials end there, and lakes do not
+    const Picture far = c.draw(away);
+    const View view = c.above();
+    std::size_t lake = 0, land = 0;
+    for (std::uint32_t y = control_high / 4; y < control_high * 3 / 4; ++y)
+        for (std::uint32_t x = 0; x < control_wide; ++x) {
+            const double along = near.distance_m[std::size_t{y} * control_wide + x];
+            const double east = (view.left + (view.right - view.left) * (x + 0.5) / control_wide) * along;
+            if (std::isinf(along) || std::abs(east) < 90) continue;
+            const auto *const rgb = near.colour.pixel(x, y), *const rgb_far = far.colour.pixel(x, y),
+                              *const bare = without.colour.pixel(x, y);
+            CAPTURE(x, y, east, int{rgb[0]}, int{rgb[1]}, int{rgb[2]}, int{rgb_far[0]}, int{bare[0]});
+            if (east > 0) {
+                REQUIRE(rgb[2] > rgb[0]); // of the sky, where ground is brown or green
+                REQUIRE(std::equal(rgb, rgb + 3, rgb_far, [](int a, int b) { return std::abs(a - b) <= 2; }));
+                ++lake;
+            } else {
+                REQUIRE(rgb[1] > rgb[2]);
+                REQUIRE(std::equal(bare, bare + 3, rgb_far));
+                ++land;
+            }
+        }
+    CHECK(lake > 500);
+    CHECK(land > 500);
+}
+
 TEST_CASE("a control map that streams in shows nothing before, changes nothing when a finer mip comes, and fades to it",
           "[picture]") {
     Controlled c(patches);

@@ -95,6 +95,15 @@ TEST_CASE("control maps say what ground is painted with, and what stays as its m
     CHECK(tinted[1] > tinted[2]);
 }
 
+TEST_CASE("water of a control map keeps its map's colour, whatever the materials are") {
+    const FlatMaterials flat;
+    const std::vector<std::string> names{"water", "red"};
+    gl::GroundColour ground;
+    REQUIRE(ground.set(flat.materials, {}, names, {.tint = 0}, 1).empty());
+    CHECK(paint(ground, {255, 0, 0, 0, 0, 0, 0, 0}).rgb == map_colours);
+    CHECK(near(paint(ground, {255, 1, 0, 0, 0, 0, 0, 0}).rgb, {189, 89, 90}));
+}
+
 TEST_CASE("rules say what ground is painted with by its height and slope") {
     const FlatMaterials flat;
     const std::array rules{gl::LayerRule{.material = 0},

@@ -19,6 +19,8 @@ FJELL_API_BEGIN
 namespace fjell::gl {
 
 inline constexpr std::uint32_t max_layer_rules = 16;
+// The name in a control map that is drawn as a lake, at any distance, unless a material is called so.
+inline constexpr const char* water_layer = "water";
 inline constexpr double min_layer_distance_m = 1, max_layer_distance_m = 100'000;
 inline constexpr double max_layer_relief = 4;
 

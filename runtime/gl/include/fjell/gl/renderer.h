@@ -140,7 +140,8 @@ public:
     [[nodiscard]] std::string set_heights(const HeightGrid& grid);
     // What DrawOptions::layers draws near ground with; the bytes that `materials` points into are read here and not
     // kept. Empty materials and rules free them. The next draw that has them on compiles its shader.
-    // names: of the pack's chunk `layers` (io::layer_names()), which its control maps speak of; all must be materials.
+    // names: of the pack's chunk `layers` (io::layer_names()), which its control maps speak of; all must be materials,
+    // but water_layer.
     [[nodiscard]] std::string set_layers(const io::Materials& materials, std::span<const LayerRule> rules,
                                          std::span<const std::string> names = {});
     // How tiles are drawn from now on: the stream's stream_tile_maps() of each kind, one a tile; empty leaves
