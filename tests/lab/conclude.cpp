@@ -231,15 +231,66 @@ std::string on_rivals(const Results& results) {
                        listed(over(results, "median_us", Way::incremental, Way::binary_tree)));
 }
 
+std::string on_drawing(const Results& results) {
+    const Recipe& r = results.recipe;
+    const int coarse = r.texture_cells.front(), fine = r.texture_cells.back();
+    const int first = r.tile_cells.front(), last = r.tile_cells.back();
+    const auto any = [](const Case&) { return true; };
+    std::string text;
+    if (const Range v = ratios(
+            results, "frame_work_ms", [&](const Case& c) { return c.texture_cells == coarse; },
+            [&](Case& c) { c.texture_cells = fine; });
+        v.count && coarse != fine)
+        text += fmt::format("A whole frame works {} times as long with {} cells a texel as with {}. ", v.text(), fine,
+                            coarse);
+    if (const Range v = ratios(
+            results, "frame_work_ms", [&](const Case& c) { return c.tile_cells == first; },
+            [&](Case& c) { c.tile_cells = last; });
+        v.count && first != last)
+        text += fmt::format("With tiles of {} cells it works {} times as long as with {}. ", last, v.text(), first);
+    const auto least = *std::min_element(r.thresholds_px.begin(), r.thresholds_px.end()),
+               most = *std::max_element(r.thresholds_px.begin(), r.thresholds_px.end());
+    if (const Range v = ratios(results, "frame_work_ms", any, [&](Case& c) { c.error_px = least; }); v.count)
+        text += fmt::format("From {} px to {} px its work grows at most {:.2f} times. ", most, least, v.high);
+    Range coarsest, finest;
+    for (const Result& each : results.all)
+        if (const auto d = each.value("image_difference")) {
+            if (each.c.error_px == most) coarsest.take(*d);
+            if (each.c.error_px == least) finest.take(*d);
+        }
+    if (coarsest.count && finest.count)
+        text += fmt::format("Pictures differ from the finest mesh's by {} levels of 255 at {} px, and by {} at {} px. ",
+                            coarsest.text(), most, finest.text(), least);
+    return text;
+}
+
+std::string on_instructions(const Results& results) {
+    std::string text;
+    for (const Way way : results.recipe.ways) {
+        const auto each = over(results, "instructions", Way::lean, way);
+        const bool any = std::any_of(each.begin(), each.end(), [](const Range& range) { return range.count > 0; });
+        if (way == Way::lean || !any) continue;
+        Case c;
+        c.way = way;
+        text +=
+            fmt::format("{} {} {}", text.empty() ? "" : ",", c.json().at("method").get<std::string>(), listed(each));
+    }
+    if (text.empty()) return {};
+    return fmt::format("At {} cells a frame an update takes, in instructions and times the leanest recursion's:{}. ",
+                       fmt::join(results.recipe.cells_a_frame, " / "), text);
+}
+
 } // namespace
 
 std::string conclusion_of(const Results& results) {
     const std::string& kind = results.recipe.conclusion;
-    std::string text = kind == "tilings"     ? on_tilings(results)
-                       : kind == "orders"    ? on_orders(results)
-                       : kind == "estimates" ? on_estimates(results)
-                       : kind == "rivals"    ? on_rivals(results)
-                                             : on_methods(results);
+    std::string text = kind == "tilings"        ? on_tilings(results)
+                       : kind == "orders"       ? on_orders(results)
+                       : kind == "estimates"    ? on_estimates(results)
+                       : kind == "rivals"       ? on_rivals(results)
+                       : kind == "drawing"      ? on_drawing(results)
+                       : kind == "instructions" ? on_instructions(results)
+                                                : on_methods(results);
     if (text.empty()) return "Too few cases are measured to say anything.";
     text.pop_back();
     return text;

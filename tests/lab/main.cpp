@@ -1,5 +1,6 @@
 // fjell-lab: runs the experiments of content/experiments and writes one report. ./dev experiments calls it.
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
@@ -14,6 +15,7 @@
 #include "flight/path.h"
 #include "lab/measure.h"
 #include "lab/report.h"
+#include "support/times.h"
 
 namespace {
 
@@ -21,6 +23,7 @@ using namespace fjell;
 
 struct Options {
     std::string recipes = FJELL_SOURCE_DIR "/content/experiments", out, machine;
+    std::string count; // RECIPE:NUMBER: only flies that case, for whoever counts its instructions
     bool quick = false, fresh = false;
     std::size_t cases = std::numeric_limits<std::size_t>::max();
 };
@@ -35,24 +38,60 @@ std::vector<std::string> recipe_files(const std::string& folder) {
     return files;
 }
 
+std::string duration_text(double seconds) {
+    return seconds < 90 ? fmt::format("{:.0f} s", std::ceil(seconds)) : fmt::format("{:.0f} minutes", seconds / 60);
+}
+
+// This program again, on the same experiments.
+lab::Counting counting_by(const Options& options) {
+    lab::Counting counting{
+        {std::filesystem::read_symlink("/proc/self/exe").string(), "--recipes", options.recipes, "--out", options.out},
+        options.out + "/counting.log"};
+    if (options.quick) counting.command.emplace_back("--quick");
+    return counting;
+}
+
+int fly_counted(const Options& options, const std::string& real_folder) {
+    const std::size_t colon = options.count.rfind(':');
+    const std::string file = options.recipes + "/" + options.count.substr(0, colon) + ".json";
+    const lab::Recipe recipe = lab::read_recipe(file, real_folder, options.quick);
+    const std::vector<lab::Case> cases = lab::cases_of(recipe);
+    const std::size_t number =
+        colon == std::string::npos ? 0 : std::strtoul(options.count.c_str() + colon + 1, nullptr, 10);
+    if (!recipe.counts() || number < 1 || number > cases.size())
+        throw io::Failure(2,
+                          "--count: there is no such case; give RECIPE:NUMBER of one whose instructions are counted");
+    lab::World world(recipe.site, FJELL_SOURCE_DIR, real_folder, options.out + "/packs");
+    lab::fly_counted(recipe, cases[number - 1], world);
+    return 0;
+}
+
 // Measures what is not measured yet, as far as `left` goes.
-lab::Results run_recipe(const lab::Recipe& recipe, const Options& options, const std::string& real_folder,
-                        std::size_t& left) {
-    lab::Store store(recipe, options.out, options.fresh);
+lab::Results run_recipe(const lab::Recipe& recipe, lab::Store& store, const Options& options,
+                        const std::string& real_folder, std::size_t& left) {
+    const double expected_s = store.expected_s();
     lab::World world(recipe.site, FJELL_SOURCE_DIR, real_folder, options.out + "/packs");
     const std::vector<lab::Case> cases = lab::cases_of(recipe);
     std::size_t number = 0, measured = 0;
+    double took_s = 0;
     for (const lab::Case& c : cases) {
         ++number;
         if (store.find(c) || left == 0) continue;
         fmt::print(stderr, "fjell-lab: {}: {} of {}\n", recipe.name, number, cases.size());
-        store.add(c, lab::measure_case(recipe, c, world, options.out));
+        const auto start = test::Clock::now();
+        const nlohmann::json of_case = lab::measure_case(recipe, c, number, world, counting_by(options), options.out);
+        const double seconds = test::us_since(start) * 1e-6;
+        store.add(c, of_case, seconds);
+        took_s += seconds;
         --left;
         ++measured;
     }
     const lab::Results results = lab::results_of(
         recipe, store, lab::read_published(options.recipes + "/published/thesis.json", recipe.published));
     fmt::print("{}: {} cases measured now, {} of {} in all\n", recipe.name, measured, results.done(), cases.size());
+    if (measured > 0)
+        fmt::print(stderr, "fjell-lab: {}: took {:.0f} s, expected {:.0f} s for all that was missing\n", recipe.name,
+                   took_s, expected_s);
     return results;
 }
 
@@ -60,6 +99,7 @@ int run(const Options& options) {
     io::catch_interrupts();
     const char* const data = std::getenv("FJELL_DATA");
     const std::string real_folder = data ? data : "";
+    if (!options.count.empty()) return fly_counted(options, real_folder);
     std::vector<lab::Recipe> recipes; // all of them are read before any is run
     for (const std::string& file : recipe_files(options.recipes)) {
         (void)lab::read_recipe(file, real_folder, !options.quick); // its other form
@@ -67,9 +107,16 @@ int run(const Options& options) {
         (void)flight::read_path(FJELL_SOURCE_DIR "/" + recipes.back().site.path);
         (void)lab::read_published(options.recipes + "/published/thesis.json", recipes.back().published);
     }
+    std::vector<lab::Store> stores;
+    double expected_s = 0;
+    for (const lab::Recipe& recipe : recipes)
+        expected_s += stores.emplace_back(recipe, options.out, options.fresh).expected_s();
+    // Packs that are not baked yet are in what a recipe says, and not in what a run took that found them.
+    if (expected_s > 0) fmt::print(stderr, "fjell-lab: this will take about {}\n", duration_text(expected_s));
     std::vector<lab::Results> results;
     std::size_t left = options.cases;
-    for (const lab::Recipe& recipe : recipes) results.push_back(run_recipe(recipe, options, real_folder, left));
+    for (std::size_t i = 0; i < recipes.size(); ++i)
+        results.push_back(run_recipe(recipes[i], stores[i], options, real_folder, left));
     const std::string machine =
         options.machine.empty() ? fmt::format("{} cores", std::thread::hardware_concurrency()) : options.machine;
     lab::write_report(results, machine, options.out);
@@ -90,6 +137,8 @@ int main(int argc, char** argv) {
     app.add_flag("--fresh", options.fresh, "Measure again what was measured before");
     app.add_option("--cases", options.cases, "Stop after so many cases, and report what there is");
     app.add_option("--machine", options.machine, "What the report says of the machine");
+    app.add_option("--count", options.count,
+                   "RECIPE:NUMBER: only fly this case, as is done under callgrind to count its instructions");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {

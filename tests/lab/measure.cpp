@@ -48,6 +48,14 @@ double timed_us(const Update& update) {
     return worked_us() - start;
 }
 
+// So many of all frames, evenly.
+std::set<std::size_t> spread(int wanted, std::size_t frames) {
+    std::set<std::size_t> found;
+    const auto count = static_cast<std::size_t>(wanted);
+    for (std::size_t i = 0; i < count; ++i) found.insert((2 * i + 1) * frames / (2 * count));
+    return found;
+}
+
 // Looks at the meshes of some frames or of all, when the flight's times have been taken: looking fills the caches with
 // other things.
 class Observer {
@@ -56,9 +64,7 @@ public:
         : terrain_(terrain), case_(c), pages_(recipe.measures_any({"pages_in_use", "pages_read", "memory_pages",
                                                                    "memory_read", "memory_misses", "page_misses"})),
           popping_(recipe.measures_any({"popping_px"})) {
-        if (!recipe.measures_any({"true_error_px", "popping_px"})) return;
-        const auto count = static_cast<std::size_t>(recipe.verify_frames);
-        for (std::size_t i = 0; i < count; ++i) verified_.insert((2 * i + 1) * frames / (2 * count));
+        if (recipe.measures_any({"true_error_px", "popping_px"})) verified_ = spread(recipe.verify_frames, frames);
     }
     [[nodiscard]] bool idle() const { return !pages_ && verified_.empty(); }
     [[nodiscard]] bool looks_at(std::size_t frame) const {
@@ -98,14 +104,9 @@ private:
     std::set<std::size_t> verified_;
 };
 
-// Both need a slot for each vertex of the finest mesh, or two million.
-std::uint32_t vertex_slots(World& world) {
-    return static_cast<std::uint32_t>(std::min(std::size_t{1} << 21, world.samples() + 4096));
-}
-
 Flight fly_recursive(const Recipe& recipe, const Case& c, World& world, const std::vector<View>& views) {
     const Terrain& terrain = world.terrain(c);
-    const RecursiveBudget budget{vertex_slots(world), 8 * vertex_slots(world)};
+    const RecursiveBudget budget{world.vertex_slots(), 8 * world.vertex_slots()};
     const std::size_t bytes = recursive_bytes(terrain, budget);
     const io::AlignedMemory memory = io::allocate(bytes);
     RecursiveMethod method;
@@ -136,7 +137,7 @@ Flight fly_recursive(const Recipe& recipe, const Case& c, World& world, const st
 
 Flight fly_incremental(const Recipe& recipe, const Case& c, World& world, const std::vector<View>& views) {
     const Terrain& terrain = world.terrain(c);
-    const CutBudget budget{vertex_slots(world), 2 * vertex_slots(world) + 1024 * terrain.tile_count(), 512, 1};
+    const CutBudget budget{world.vertex_slots(), 2 * world.vertex_slots() + 1024 * terrain.tile_count(), 512, 1};
     const std::size_t bytes = cut_bytes(terrain, budget);
     const io::AlignedMemory memory = io::allocate(bytes);
     LiveCut cut;
@@ -205,17 +206,43 @@ double mean_cells_a_frame(const std::vector<View>& views, double cell_m) {
     return flown_m / cell_m / static_cast<double>(std::max<std::size_t>(views.size() - 1, 1));
 }
 
+// Those of `all` that the recipe asks for.
+nlohmann::json asked_for(const Recipe& recipe, const nlohmann::json& all, nlohmann::json measured) {
+    for (const std::string& key : recipe.measures)
+        if (all.contains(key)) measured[key] = five_digits(all[key].get<double>());
+    return measured;
+}
+
 } // namespace
 
-nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world, const std::string& out) {
+nlohmann::json measure_case(const Recipe& recipe, const Case& c, std::size_t number, World& world,
+                            const Counting& counting, const std::string& out) {
     if (recipe.conclusion == "rivals") {
         const nlohmann::json all = measure_rival(recipe, c, world, out + "/" + picture_name(recipe, c));
-        nlohmann::json measured{{"frames", all["frames"]}};
-        for (const std::string& key : recipe.measures)
-            if (all.contains(key)) measured[key] = five_digits(all[key].get<double>());
-        return measured;
+        return asked_for(recipe, all, {{"frames", all["frames"]}});
     }
     const std::vector<View> views = world.views(c, recipe.frames);
+    const nlohmann::json flown{{"frames", views.size()},
+                               {"flown_cells_a_frame", five_digits(mean_cells_a_frame(views, world.cell_m()))}};
+    if (recipe.counts()) {
+        const rivals::Refined still = [&] { // here too: it bakes the pack, and says what is refused
+            rivals::Rival& rival = *world.bout(c, recipe.tile_cells[0]).rival;
+            settle(rival, views[0], c.error_px);
+            return rival.refine(views[0], c.error_px, rivals::unlimited_operations);
+        }();
+        nlohmann::json all{{"triangles", still.triangles}};
+        if (const auto count = instructions_a_frame(counting, recipe, number, views.size()))
+            all["instructions"] = *count;
+        return asked_for(recipe, all, flown);
+    }
+    if (recipe.draws()) {
+        Drawing* const drawing = world.drawing(c);
+        return asked_for(recipe,
+                         drawing ? drawing->fly(c, views, spread(recipe.drawn_frames, views.size()),
+                                                spread(recipe.verify_frames, views.size()))
+                                 : nlohmann::json::object(),
+                         flown);
+    }
     const Flight f = c.way == Way::recursive     ? fly_recursive(recipe, c, world, views)
                      : c.way == Way::incremental ? fly_incremental(recipe, c, world, views)
                                                  : fly_lean(c, world, views);
@@ -240,11 +267,7 @@ nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world, c
         all["memory_pages"] = f.pages.memory_pages / count;
     }
     if (c.way != Way::lean && recipe.measures_any({"bake_s"})) all["bake_s"] = world.bake_s(c);
-    nlohmann::json measured{{"frames", views.size()},
-                            {"flown_cells_a_frame", five_digits(mean_cells_a_frame(views, world.cell_m()))}};
-    for (const std::string& key : recipe.measures)
-        if (all.contains(key)) measured[key] = five_digits(all[key].get<double>());
-    return measured;
+    return asked_for(recipe, all, flown);
 }
 
 } // namespace fjell::lab

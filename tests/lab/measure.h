@@ -7,13 +7,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lab/count.h"
 #include "lab/world.h"
 
 namespace fjell::lab {
 
 // The recipe's measures by key; those that a method does not have are absent. And frames, how many were flown,
 // and flown_cells_a_frame.
-// out: a folder for pictures of rivals' meshes.
-[[nodiscard]] nlohmann::json measure_case(const Recipe& recipe, const Case& c, World& world, const std::string& out);
+// number: the case's place among the recipe's. out: a folder for pictures of rivals' meshes.
+[[nodiscard]] nlohmann::json measure_case(const Recipe& recipe, const Case& c, std::size_t number, World& world,
+                                          const Counting& counting, const std::string& out);
 
 } // namespace fjell::lab

@@ -103,7 +103,7 @@ const std::vector<std::string> order_words{"planar", "hz", "linear"}, estimate_w
               "skirted-tiles",
               "multi-triangulation",
               "progressive-mesh"},
-    conclusion_words{"tilings", "orders", "estimates", "methods", "rivals"};
+    conclusion_words{"tilings", "orders", "estimates", "methods", "rivals", "drawing", "instructions"};
 
 Site site_of(const json& terrain, const std::string& file, const std::string& real_folder) {
     Keys kinds(terrain, file, "terrain.");
@@ -135,9 +135,9 @@ Site site_of(const json& terrain, const std::string& file, const std::string& re
     return site;
 }
 
-std::vector<int> whole(Keys& keys, const char* key, double least, double most) {
+std::vector<int> whole(Keys& keys, const char* key, double least, double most, std::vector<double> otherwise = {}) {
     std::vector<int> found;
-    for (const double v : keys.numbers(key, {}, least, most)) {
+    for (const double v : keys.numbers(key, std::move(otherwise), least, most)) {
         if (v != static_cast<int>(v)) keys.bad(key, "must be whole numbers");
         found.push_back(static_cast<int>(v));
     }
@@ -163,6 +163,10 @@ void read_lists(Keys& keys, Recipe& r) {
     r.tile_cells = whole(keys, "tile_cells", 2, 4096);
     for (const int cells : r.tile_cells)
         if (!std::has_single_bit(static_cast<unsigned>(cells))) keys.bad("tile_cells", "must be powers of two");
+    r.texture_cells = whole(keys, "texture_cells", 0, 4096, {0});
+    for (const int cells : r.texture_cells)
+        if (cells != 0 && !std::has_single_bit(static_cast<unsigned>(cells)))
+            keys.bad("texture_cells", "must be 0 or powers of two");
     for (const std::size_t i : keys.words("orders", order_words, true)) r.orders.push_back(static_cast<Order>(i));
     for (const std::size_t i : keys.words("estimates", estimate_words, true))
         r.estimates.push_back(static_cast<Estimate>(i));
@@ -181,15 +185,17 @@ void read_lists(Keys& keys, Recipe& r) {
 void read_rivals(Keys& keys, Recipe& r) {
     if (r.conclusion != "rivals") {
         for (const Way way : r.ways)
-            if (way > Way::lean)
-                keys.bad("methods", way_words[static_cast<std::size_t>(way)] + " is for the conclusion rivals alone");
-        return;
+            if (way > Way::lean && !r.counts())
+                keys.bad("methods", way_words[static_cast<std::size_t>(way)] +
+                                        " is for the conclusions rivals and instructions alone");
+        if (!r.counts()) return;
     }
+    if (r.tile_cells.size() != 1 || r.offscreen_factors != std::vector<double>{1})
+        keys.bad("tile_cells", "rivals take one tile as large as the terrain, and no offscreen_factors");
+    if (r.counts()) return;
     r.repetitions = static_cast<int>(keys.number("repetitions", r.repetitions, 1, 100));
     r.picture_px = keys.number("picture_px", r.picture_px, 0.01, 1000);
     r.picture_cells = static_cast<int>(keys.number("picture_cells", r.picture_cells, 8, 4096));
-    if (r.tile_cells.size() != 1 || r.offscreen_factors != std::vector<double>{1})
-        keys.bad("tile_cells", "rivals take one tile as large as the terrain, and no offscreen_factors");
     if (r.verify_frames == 0) keys.bad("verify_frames", "rivals are looked at; give at least 1");
 }
 
@@ -207,7 +213,8 @@ nlohmann::json Case::json() const {
             {"method", way_words[static_cast<std::size_t>(way)]},
             {"offscreen_factor", offscreen_factor},
             {"cells_a_frame", cells_a_frame},
-            {"error_px", error_px}};
+            {"error_px", error_px},
+            {"texture_cells", texture_cells}};
 }
 
 bool Recipe::measures_any(std::initializer_list<const char*> names) const {
@@ -241,7 +248,14 @@ const std::vector<Measure>& all_measures() {
                                           {"open_edges", "open edges in view, mean"},
                                           {"folds", "triangles that face down, mean"},
                                           {"gap_px", "largest gap [px]"},
-                                          {"popping_px", "popping, largest [px]"}};
+                                          {"popping_px", "popping, largest [px]"},
+                                          {"frames_a_second", "frames a second, median"},
+                                          {"frame_ms", "whole frame, median [ms]"},
+                                          {"frame_work_ms", "whole frame, work of all threads, median [ms]"},
+                                          {"image_difference", "image difference, mean [levels of 255]"},
+                                          {"psnr_db", "PSNR, lowest [dB]"},
+                                          {"instructions", "instructions a frame, mean"},
+                                          {"finest_px", "threshold of the finest mesh [px]"}};
     return all;
 }
 
@@ -251,7 +265,7 @@ const char* heading_of(const std::string& key) {
                                              {"estimate", "estimate"},
                                              {"method", "method"},
                                              {"offscreen_factor", "offscreen factor"},
-
+                                             {"texture_cells", "cells a texel"},
                                              {"cells_a_frame", "cells a frame"},
                                              {"error_px", "threshold [px]"}};
     for (const auto* list : {&all_measures(), &fields})
@@ -280,6 +294,8 @@ Recipe read_recipe(const std::string& file, const std::string& real_folder, bool
         keys.bad("conclusion", fmt::format("must be one of {}", fmt::join(conclusion_words, ", ")));
     r.site = site_of(keys.need("terrain"), file, quick ? std::string() : real_folder);
     read_lists(keys, r);
+    (void)keys.need("about_s");
+    r.about_s = keys.number("about_s", 1, 0, 1e6);
     r.frames = static_cast<int>(keys.number("frames", 840, 1, 100'000));
     r.verify_frames = static_cast<int>(keys.number("verify_frames", 0, 0, 1000));
     std::vector<std::string> known;
@@ -294,6 +310,15 @@ Recipe read_recipe(const std::string& file, const std::string& real_folder, bool
         }
     r.plots = plots_of(keys, file, r.measures);
     read_rivals(keys, r);
+    if (r.draws() && std::find(r.ways.begin(), r.ways.end(), Way::lean) != r.ways.end())
+        keys.bad("methods", "lean has no mesh that is drawn; leave it out");
+    if (r.draws()) r.drawn_frames = static_cast<int>(keys.number("drawn_frames", 12, 1, 10'000));
+    const bool drawn =
+        r.measures_any({"frames_a_second", "frame_ms", "frame_work_ms", "image_difference", "psnr_db", "finest_px"});
+    if (r.measures_any({"instructions"}) != r.counts())
+        keys.bad("measures", "instructions and the conclusion instructions belong together");
+    if (drawn != r.draws())
+        keys.bad("measures", "what is measured of pictures and the conclusion drawing belong together");
     keys.refuse_others();
     return r;
 }
@@ -315,9 +340,10 @@ std::vector<Case> cases_of(const Recipe& r) {
                 for (const double cells : r.cells_a_frame)
                     for (const Way way : r.ways)
                         for (const double offscreen : r.offscreen_factors)
-                            for (const double error_px : r.thresholds_px)
-                                add({tile, order, estimate, way, offscreen, cells, error_px});
-    if (r.conclusion == "rivals") // a method after the other: each is built once
+                            for (const int texture : r.texture_cells)
+                                for (const double error_px : r.thresholds_px)
+                                    add({tile, order, estimate, way, offscreen, cells, error_px, texture});
+    if (r.conclusion == "rivals" || r.counts()) // a method after the other: each is built once
         std::stable_sort(cases.begin(), cases.end(), [](const Case& a, const Case& b) { return a.way < b.way; });
     return cases;
 }
@@ -325,6 +351,7 @@ std::vector<Case> cases_of(const Recipe& r) {
 std::string key_of(const Recipe& r, const Case& c) {
     json key{{"site", r.site.identity()},        {"case", c.json()},       {"frames", r.frames},
              {"verify_frames", r.verify_frames}, {"measures", r.measures}, {"cache_mb", r.cache_mb}};
+    if (r.draws()) key["drawn_frames"] = r.drawn_frames;
     if (r.conclusion == "rivals") key["repetitions"] = r.repetitions;
     return key.dump();
 }

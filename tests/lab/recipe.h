@@ -15,7 +15,7 @@
 namespace fjell::lab {
 
 // How the mesh is found: our two methods, or the leanest recursion (rivals/lean_recursion.h), which knows no tiles; and
-// for the conclusion "rivals" alone whatever else rivals/rival.h has.
+// for the conclusions "rivals" and "instructions" whatever else rivals/rival.h has.
 enum class Way : std::uint8_t {
     recursive,
     incremental,
@@ -51,6 +51,7 @@ struct Case {
     double offscreen_factor = 1; // of the incremental method
     double cells_a_frame = 0;    // straight on; 0: along the site's path
     double error_px = 1;
+    int texture_cells = 0; // cells from texel to texel of the colour map; 0: the smallest map, for what is not drawn
     [[nodiscard]] nlohmann::json json() const;
 };
 
@@ -63,15 +64,16 @@ struct Recipe {
     std::string file, name; // name: the file's without its extension
     std::string title, question;
     std::string conclusion; // which template says what was found: "tilings", "orders", "estimates", "methods",
-                            // "rivals"
+                            // "rivals", "drawing", "instructions"
     Site site;
-    std::vector<int> tile_cells;
+    std::vector<int> tile_cells, texture_cells;
     std::vector<Order> orders;
     std::vector<Estimate> estimates;
     std::vector<Way> ways;
     std::vector<double> offscreen_factors, cells_a_frame, thresholds_px;
-    int frames = 840, verify_frames = 0;
-    double cache_mb = 8; // that page and memory misses are counted with
+    int frames = 840, verify_frames = 0, drawn_frames = 0; // drawn: of pictures, so many of the frames
+    double about_s = 1;                                    // what it takes in all, for the estimate before a first run
+    double cache_mb = 8;                                   // that page and memory misses are counted with
     // Of rivals: flights in turns with the leanest recursion, and a picture of each mesh, how fine and how large.
     int repetitions = 1, picture_cells = 128;
     double picture_px = 8;
@@ -79,6 +81,8 @@ struct Recipe {
     std::vector<std::string> published; // names of series (published.h) for its pictures
     std::vector<Plot> plots;
 
+    [[nodiscard]] bool draws() const { return conclusion == "drawing"; }
+    [[nodiscard]] bool counts() const { return conclusion == "instructions"; }
     [[nodiscard]] bool measures_any(std::initializer_list<const char*> names) const;
 };
 

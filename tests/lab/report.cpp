@@ -70,18 +70,21 @@ std::vector<Line> lines_of(const Results& results, const Plot& plot) {
             label += key == "tile_cells"         ? fmt::format(", tiles of {}", value)
                      : key == "offscreen_factor" ? fmt::format(", offscreen factor {}", value)
                      : key == "error_px"         ? fmt::format(", {} px", value)
+                     : key == "texture_cells"    ? fmt::format(", {} cells a texel", value)
                                                  : ", " + value;
         }
         auto at = std::find_if(lines.begin(), lines.end(), [&](const Line& line) { return line.label == label; });
         if (at == lines.end()) at = lines.insert(lines.end(), Line{label, {}, false});
         at->points.emplace_back(fields_of.at(plot.x).get<double>(), *y);
     }
-    const bool time = plot.y == "median_us";
-    if (plot.x != "error_px" || (!time && plot.y != "vertices")) return lines;
+    const bool time = plot.y == "median_us", rate = plot.y == "frames_a_second";
+    if (plot.x != "error_px" || (!time && !rate && plot.y != "vertices")) return lines;
     for (const Published& p : results.published) {
         Line line{"thesis: " + p.name + (time ? ", whole frames" : ""), {}, true};
         for (std::size_t i = 0; i < p.thresholds_px.size(); ++i)
-            line.points.emplace_back(p.thresholds_px[i], time ? 1e6 / p.frames_a_second[i] : p.vertices[i]);
+            line.points.emplace_back(p.thresholds_px[i], time   ? 1e6 / p.frames_a_second[i]
+                                                         : rate ? p.frames_a_second[i]
+                                                                : p.vertices[i]);
         lines.push_back(line);
     }
     return lines;
@@ -91,8 +94,9 @@ std::string terrain_text(const Results& results) {
     const Recipe& r = results.recipe;
     const std::string over = r.site.file.empty() ? "a synthetic terrain" : "real heights, " + r.site.file;
     const bool straight = std::any_of(r.cells_a_frame.begin(), r.cells_a_frame.end(), [](double v) { return v > 0; });
-    return fmt::format("Over {}; {} frames at most of 1280 x 960 pixels, along {}; {} of {} cases measured.", over,
-                       r.frames, straight ? "a straight line" : r.site.path, results.done(), results.all.size());
+    return fmt::format("Over {}; {} frames at most of 1280 x 960 pixels{}, along {}; {} of {} cases measured.", over,
+                       r.frames, r.draws() ? ", drawn with half as many a side" : "",
+                       straight ? "a straight line" : r.site.path, results.done(), results.all.size());
 }
 
 void write_text(const std::string& path, const std::string& text) {
@@ -166,8 +170,8 @@ std::size_t Results::done() const {
 
 std::vector<std::string> Results::varying() const {
     std::vector<std::string> found;
-    for (const char* key :
-         {"method", "tile_cells", "order", "estimate", "cells_a_frame", "offscreen_factor", "error_px"}) {
+    for (const char* key : {"method", "tile_cells", "order", "estimate", "cells_a_frame", "offscreen_factor",
+                            "texture_cells", "error_px"}) {
         std::set<json> values;
         for (const Result& r : all)
             if (r.c.way != Way::lean || (std::string(key) != "tile_cells" && std::string(key) != "order"))
@@ -192,7 +196,8 @@ void write_report(const std::vector<Results>& experiments, const std::string& ma
     pages.heading(1, "Experiments");
     pages.paragraph(
         "Written by ./dev experiments. Machine: " + machine +
-        ". Times are what a thread works in an update, without drawing, each flight flown once. Neighbours that take "
+        ". Times are what a thread works in an update, without drawing unless they are said to be whole frames', each "
+        "flight flown once. Neighbours that take "
         "the core are not in them; what neighbours take of the caches is. Vertices, errors and pages are "
         "the same in every run.");
     for (const Results& each : experiments) add_experiment(pages, each, folder);

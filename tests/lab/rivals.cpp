@@ -26,6 +26,8 @@ using test::worked_us;
 constexpr int settling_frames = 128, resting_frames = 40; // a morph goes on for some when nothing else changes
 constexpr std::size_t few_cameras = 8;
 
+} // namespace
+
 void settle(Rival& rival, const View& view, double error_px) {
     std::uint32_t before = 0;
     const int rest = rival.traits().coherent ? resting_frames : 2;
@@ -36,6 +38,8 @@ void settle(Rival& rival, const View& view, double error_px) {
         before = now.triangles;
     }
 }
+
+namespace {
 
 struct Times {
     std::vector<double> us;

@@ -15,6 +15,8 @@
 
 namespace fjell::lab {
 
+// Until its mesh stands.
+void settle(rivals::Rival& rival, const View& view, double error_px);
 // picture: a file; empty: none wanted.
 [[nodiscard]] nlohmann::json measure_rival(const Recipe& recipe, const Case& c, World& world,
                                            const std::string& picture);

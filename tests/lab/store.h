@@ -16,15 +16,20 @@ namespace fjell::lab {
 
 class Store {
 public:
-    // fresh: forgets what is there.
+    // fresh: forgets what is there, but for how long it took.
     Store(const Recipe& recipe, const std::string& folder, bool fresh);
     [[nodiscard]] std::optional<nlohmann::json> find(const Case& c) const; // what was measured of it
-    void add(const Case& c, const nlohmann::json& measured);
+    // seconds: what measuring it took.
+    void add(const Case& c, const nlohmann::json& measured, double seconds);
+    // How long cases that are not measured yet will take: what each took the last time, and otherwise its share of what
+    // the recipe says.
+    [[nodiscard]] double expected_s() const;
 
 private:
     Recipe recipe_;
     std::string file_;
     std::map<std::string, nlohmann::json> measured_; // by key_of
+    std::map<std::string, double> seconds_;          // by the same
 };
 
 } // namespace fjell::lab

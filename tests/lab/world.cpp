@@ -104,8 +104,9 @@ std::size_t World::samples() {
 std::string World::pack(const baker::Dem& heights, int tile_log2, const Case& c, const std::string& part) {
     nlohmann::json identity = site_.identity();
     identity.erase("path"); // of the camera
-    const std::string what = fmt::format("{} {} {} {} {} {}", identity.dump(), tile_log2, static_cast<int>(c.order),
-                                         static_cast<int>(c.estimate), part, pack_layout_hash);
+    std::string what = fmt::format("{} {} {} {} {} {}", identity.dump(), tile_log2, static_cast<int>(c.order),
+                                   static_cast<int>(c.estimate), part, pack_layout_hash);
+    if (c.texture_cells > 0) what += fmt::format(" {}", c.texture_cells);
     const std::string path = fmt::format("{}/{:016x}.fjell", packs_, hash_of(what));
     if (std::filesystem::exists(path) && std::filesystem::exists(path + ".json")) return path;
     std::filesystem::create_directories(packs_);
@@ -113,7 +114,12 @@ std::string World::pack(const baker::Dem& heights, int tile_log2, const Case& c,
     options.tile_log2 = tile_log2;
     options.order = c.order;
     options.estimate = c.estimate;
-    options.max_texture_log2 = 4;
+    constexpr std::uint32_t least_log2 = 4;
+    options.max_texture_log2 =
+        c.texture_cells == 0
+            ? least_log2
+            : std::max(least_log2, static_cast<std::uint32_t>(std::max(
+                                       0, tile_log2 - std::countr_zero(static_cast<unsigned>(c.texture_cells)))));
     options.threads = 1;
     options.progress = [](const char*, std::uint64_t, std::uint64_t) { io::check_interrupt(); };
     const baker::BakeSummary summary = baker::bake(heights, options, path);
@@ -124,15 +130,35 @@ std::string World::pack(const baker::Dem& heights, int tile_log2, const Case& c,
     return path;
 }
 
-const Terrain& World::terrain(const Case& c) {
+const io::LoadedPack& World::loaded(const Case& c) {
     const std::string path = pack(dem(), std::countr_zero(static_cast<unsigned>(c.tile_cells)), c, "whole");
     if (path != loaded_name_) {
         loaded_name_.clear();
+        drawing_.reset();
         loaded_ = {};
         loaded_ = io::load_pack(path, io::LoadTerrain::yes);
         loaded_name_ = path;
     }
-    return loaded_.terrain;
+    return loaded_;
+}
+
+const Terrain& World::terrain(const Case& c) {
+    return loaded(c).terrain;
+}
+
+std::uint32_t World::vertex_slots() {
+    return static_cast<std::uint32_t>(std::min(std::size_t{1} << 21, samples() + 4096));
+}
+
+Drawing* World::drawing(const Case& c) {
+    const io::LoadedPack& pack = loaded(c);
+    std::string reason;
+    if (!drawing_ && !cannot_draw_) drawing_ = Drawing::create(pack, vertex_slots(), reason);
+    if (!reason.empty()) {
+        cannot_draw_ = true;
+        fmt::print(stderr, "fjell-lab: nothing is drawn: {}\n", reason);
+    }
+    return drawing_.get();
 }
 
 double World::bake_s(const Case& c) {

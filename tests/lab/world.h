@@ -12,6 +12,7 @@
 
 #include "fjell/io/load.h"
 #include "fjell/view.h"
+#include "lab/draw.h"
 #include "lab/recipe.h"
 #include "rivals/lean_recursion.h"
 #include "rivals/rival.h"
@@ -40,14 +41,19 @@ public:
     [[nodiscard]] const Terrain& terrain(const Case& c);
     [[nodiscard]] double bake_s(const Case& c); // of its pack: errors, radii, encoded pages; one thread
     [[nodiscard]] const std::vector<LeanSquare>& lean(const Case& c);
+    // Null where there is no OpenGL: that is said once, on the error output.
+    [[nodiscard]] Drawing* drawing(const Case& c);
     // The last one stays: some take a minute to build, and fly several speeds.
     [[nodiscard]] Bout& bout(const Case& c, int tile_cells);
     [[nodiscard]] std::vector<View> views(const Case& c, int frames);
     [[nodiscard]] std::size_t samples();
+    // For both methods: a slot for each vertex of the finest mesh, or two million.
+    [[nodiscard]] std::uint32_t vertex_slots();
     [[nodiscard]] double cell_m() { return std::min(dem().spacing_m[0], dem().spacing_m[1]); }
 
 private:
     const baker::Dem& dem();
+    const io::LoadedPack& loaded(const Case& c);
     std::string pack(const baker::Dem& heights, int tile_log2, const Case& c, const std::string& part);
 
     Site site_;
@@ -56,6 +62,8 @@ private:
     std::string loaded_name_, lean_name_, bout_name_;
     io::LoadedPack loaded_;
     std::vector<LeanSquare> lean_;
+    std::unique_ptr<Drawing> drawing_; // of loaded_
+    bool cannot_draw_ = false;
     std::unique_ptr<Bout> bout_; // rivals refer to its ground
 };
 

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <sstream>
@@ -59,7 +60,7 @@ std::vector<fs::path> recipe_files() {
 // One run for all cases: stopped after five, left with half a line as by a kill, and run again.
 struct LabRun {
     TemporaryFolder folder;
-    std::string before, after, first_out, second_out;
+    std::string before, after, first_out, second_out, second_err;
     LabRun() {
         const std::string command = lab_program + "--out out";
         const auto first = run_in(folder.path, command + " --cases 5");
@@ -73,6 +74,7 @@ struct LabRun {
         INFO(second.err);
         REQUIRE(second.code == 0);
         second_out = second.out;
+        second_err = second.err;
         after = slurp(file);
     }
     [[nodiscard]] fs::path out() const { return folder.path / "out"; }
@@ -120,6 +122,7 @@ TEST_CASE("an interrupted run of experiments goes on where it was, and a third m
     CHECK(stored(run.out() / "1-tilings.jsonl").size() == 21);
     const auto third = run_in(run.folder.path, lab_program + "--out out");
     CHECK(third.code == 0);
+    CHECK(third.err.empty()); // nothing is estimated, and nothing said to be under way
     for (const std::string& line : lines_of(third.out))
         if (line.find("cases measured") != std::string::npos)
             CHECK(line.find(": 0 cases measured now") != std::string::npos);
@@ -229,6 +232,104 @@ TEST_CASE("the conclusions of the experiments are those of their numbers") {
     CHECK(slurp(lab_run().out() / "experiments.md").find(text) != std::string::npos);
 }
 
+// A quick run knows two thresholds that any mesh is far from, and one at which it is the finest mesh.
+TEST_CASE("pictures come nearer to the finest mesh's as thresholds fall, and are equal where meshes are") {
+    const std::string name = GENERATE("8-drawing", "8-drawing-norway");
+    std::map<json, std::map<double, json>> drawn; // by everything but the threshold
+    std::map<json, std::set<json>> of_method;     // pictures' differences, by everything but the method
+    for (const json& line : stored(lab_run().out() / (name + ".jsonl"))) {
+        json c = line.at("case");
+        const double error_px = c.at("error_px");
+        const json& measured = line.at("measured");
+        if (!measured.contains("image_difference")) {
+            WARN("no OpenGL here: nothing was drawn");
+            return;
+        }
+        CHECK(measured.at("frame_ms").get<double>() > 0);
+        CHECK(std::abs(measured["frames_a_second"].get<double>() * measured["frame_ms"].get<double>() - 1000) < 0.1);
+        CHECK(measured.at("finest_px") == 0.01);
+        json same = c;
+        same.erase("method");
+        of_method[same].insert(measured["image_difference"]);
+        c.erase("error_px");
+        drawn[c][error_px] = measured;
+    }
+    CHECK(drawn.size() >= 1);
+    for (const auto& [c, by_threshold] : drawn) {
+        CAPTURE(c.dump());
+        CHECK(by_threshold.at(0.01).at("image_difference") == 0);
+        CHECK_FALSE(by_threshold.at(0.01).contains("psnr_db"));
+        double last = 0;
+        for (const auto& [error_px, measured] : by_threshold) {
+            if (error_px == 0.01) continue;
+            CHECK(measured.at("image_difference").get<double>() > last);
+            last = measured["image_difference"];
+            // The mean absolute difference is no larger than the root of the mean squared one.
+            if (by_threshold.size() > 1) CHECK(measured["psnr_db"].get<double>() <= 20 * std::log10(255 / last) + 0.01);
+        }
+    }
+    for (const auto& [c, differences] : of_method) CHECK(differences.size() == 1); // they show one mesh
+}
+
+// What a quick run is expected to take, in whole seconds, as it says first.
+double announced_s(const std::string& err) {
+    const std::string says = "fjell-lab: this will take about ";
+    CAPTURE(err);
+    REQUIRE(err.starts_with(says));
+    return std::stod(err.substr(says.size()));
+}
+
+TEST_CASE("a run of experiments says first what it will take: what it took, and of what is new what recipes say") {
+    // Five of the first recipe's cases are done; the rest of it and all others' are not.
+    double expected = 0;
+    for (const fs::path& file : recipe_files()) {
+        const double about_s = json::parse(slurp(file)).at("quick").at("about_s");
+        expected += file.stem() == "1-tilings" ? about_s * 16 / 21 : about_s;
+    }
+    CHECK(announced_s(lab_run().second_err) == std::ceil(expected));
+    // Measured anew: the seconds beside the cases, here made up.
+    const TemporaryFolder folder;
+    fs::create_directories(folder.path / "recipes");
+    fs::copy(recipes / "4-methods.json", folder.path / "recipes/methods.json");
+    fs::create_directories(folder.path / "recipes/published");
+    fs::copy(recipes / "published/thesis.json", folder.path / "recipes/published/thesis.json");
+    const std::string command = lab_program + "--recipes recipes --out out";
+    REQUIRE(run_in(folder.path, command).code == 0);
+    std::string longer;
+    double sum = 0;
+    for (json line : stored(folder.path / "out/methods.jsonl")) {
+        CHECK(line.at("seconds").get<double>() > 0);
+        line["seconds"] = 1 + sum;
+        sum += 1 + sum;
+        longer += line.dump() + "\n";
+        if (sum > 50) break;
+    }
+    const json recipe = json::parse(slurp(recipes / "4-methods.json"));
+    const auto cases = static_cast<double>(stored(folder.path / "out/methods.jsonl").size()),
+               known = static_cast<double>(lines_of(longer).size());
+    spit(folder.path / "out/methods.jsonl", longer);
+    const auto again = run_in(folder.path, command + " --fresh --cases 1");
+    REQUIRE(again.code == 0);
+    CHECK(announced_s(again.err) ==
+          std::ceil(sum + recipe.at("quick").at("about_s").get<double>() * (cases - known) / cases));
+}
+
+TEST_CASE("instructions a frame are some, and not more than a mesh built anew would take") {
+    for (const json& line : stored(lab_run().out() / "9-instructions.jsonl")) {
+        const json& measured = line.at("measured");
+        CHECK(measured.at("triangles").get<double>() > 100);
+        if (!measured.contains("instructions")) { // then it was said why
+            CHECK(lab_run().second_err.find("instructions are not counted: valgrind is not installed") !=
+                  std::string::npos);
+            WARN("no valgrind here: nothing was counted");
+            continue;
+        }
+        // A frame at rest does hardly anything, one that builds its mesh anew a thousand or two a triangle.
+        CHECK(measured["instructions"].get<double>() > 500);
+        CHECK(measured["instructions"].get<double>() < 2000 * measured["triangles"].get<double>());
+    }
+}
+
 TEST_CASE("the table of the rivals has a row for each, with the numbers of its cases") {
     const std::string name = GENERATE("5-rivals", "6-rivals-real");
     const json recipe = json::parse(slurp(recipes / (name + ".json")));
@@ -278,10 +379,15 @@ TEST_CASE("a recipe of an experiment that is none is refused in one line that na
     refused_recipe("/methods", json::array({"fastest"}),
                    "methods: \"fastest\" is none of recursive, incremental, lean");
     refused_recipe("/measures", json::array({"speed"}), "measures: \"speed\" is none of");
-    refused_recipe("/methods", json::array({"roam"}), "methods: roam is for the conclusion rivals alone");
+    refused_recipe("/methods", json::array({"roam"}), "methods: roam is for the conclusions rivals and instructions");
+    refused_recipe("/measures/2", "instructions", "measures: instructions and the conclusion instructions");
+    refused_recipe("/about_s", "long", "about_s: must be numbers from");
     refused_recipe("/conclusion", "rivals", "tile_cells: rivals take one tile as large as the terrain");
     refused_recipe("/repetitions", 3, "repetitions: unknown key; remove it");
     refused_recipe("/quick", 1, "quick: is missing");
+    refused_recipe("/texture_cells", json::array({3}), "texture_cells: must be 0 or powers of two");
+    refused_recipe("/measures/2", "frame_ms", "measures: what is measured of pictures and the conclusion drawing");
+    refused_recipe("/conclusion", "drawing", "methods: lean has no mesh that is drawn");
     refused_recipe("/colour", 1, "colour: unknown key; remove it");
     refused_recipe("/quick/terrain", json::object(), "terrain.synthetic: is missing");
     refused_recipe("/quick/terrain/synthetic/landscape/colums", 9, "terrain.synthetic.landscape: ");
