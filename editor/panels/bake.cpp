@@ -12,14 +12,15 @@
 #include "editor/panels/fields.h"
 #include "editor/panels/file_browser.h"
 #include "editor/panels/panels.h"
+#include "editor/strings.h"
 
 namespace fjell::editor {
 
 namespace {
 
-constexpr const char* tile_names[] = {"auto", "64", "128", "256", "512", "1024", "2048"};
+constexpr const char* tile_names[] = {strings::common::auto_, "64", "128", "256", "512", "1024", "2048"};
 constexpr const char* order_names[] = {"planar", "hz", "linear"};
-constexpr const char* nodata_names[] = {"auto: holes, suspicious values refused", "hole", "fill", "refuse"};
+constexpr const char* nodata_names[] = {strings::bake::auto_holes_suspicious_values_refused, "hole", "fill", "refuse"};
 
 constexpr double bytes_a_sample[] = {1.3, 3.0}; // of packs: smooth large fields, rough small ones; with maps
 constexpr double samples_a_second = 6e6, warped_a_second = 3e6; // on two cores; about
@@ -124,15 +125,16 @@ bool draw_proposal(const BakeDraft& draft, BakeField field) {
     const HeightFacts& f = draft.facts;
     if (draft.looking || f.at != field || f.proposed.empty()) return false;
     char text[48];
-    (void)std::snprintf(text, sizeof text, "Use %.32s", f.proposed.c_str());
-    return side_button(text, "propose", field, f.because.empty() ? "What the line below says." : f.because.c_str());
+    (void)std::snprintf(text, sizeof text, strings::bake::use, f.proposed.c_str());
+    return side_button(text, "propose", field,
+                       f.because.empty() ? strings::bake::what_the_line_below_says : f.because.c_str());
 }
 
 float proposal_room(const BakeDraft& draft, BakeField field) {
     const HeightFacts& f = draft.facts;
     if (draft.looking || f.at != field || f.proposed.empty()) return 0;
     char text[48];
-    (void)std::snprintf(text, sizeof text, "Use %.32s", f.proposed.c_str());
+    (void)std::snprintf(text, sizeof text, strings::bake::use, f.proposed.c_str());
     return width_of_button(text);
 }
 
@@ -153,7 +155,7 @@ void browse(BakeForm& form, BakeField field, bool another, const char* beside, C
 bool path_field(const char* label, BakeForm& form, BakeField field, fields::PathText& text, const char* hint,
                 const char* about, const State& state, Commands& commands) {
     const bool heights = field == BakeField::heights;
-    const float room = width_of_button("Browse") + (heights ? width_of_button("Add") : 0);
+    const float room = width_of_button(strings::bake::browse) + (heights ? width_of_button(strings::common::add) : 0);
     begin_row(label, room);
     const char* const name = heights ? "input" : bake_field_names[static_cast<int>(field)];
     bool edited = false;
@@ -166,8 +168,8 @@ bool path_field(const char* label, BakeForm& form, BakeField field, fields::Path
     ui::mark("bake", name);
     ui::tip(about);
     const char* const beside = text[0] != '\0' ? text : form.input;
-    if (side_button("Browse", "browse", field, nullptr)) browse(form, field, false, beside, commands);
-    if (heights && side_button("Add", "add", field, "One more file beside it: several make a mosaic."))
+    if (side_button(strings::bake::browse, "browse", field, nullptr)) browse(form, field, false, beside, commands);
+    if (heights && side_button(strings::common::add, "add", field, strings::bake::one_more_file_beside_it))
         browse(form, field, text[0] != '\0', beside, commands);
     return edited;
 }
@@ -189,13 +191,13 @@ void number_field(const char* label, BakeField field, const char* name, double& 
 void draw_more_heights(BakeForm& form) {
     for (std::size_t i = 0; i < form.more.size(); ++i) {
         ImGui::PushID(static_cast<int>(i));
-        begin_row("", width_of_button("Remove"));
+        begin_row("", width_of_button(strings::common::remove));
         const std::string& file = form.more[i];
         const std::size_t slash = file.rfind('/');
         ImGui::TextUnformatted(file.c_str() + (slash == std::string::npos ? 0 : slash + 1));
         ui::tip(file.c_str());
-        ImGui::SameLine(ImGui::GetContentRegionMax().x - width_of_button("Remove"));
-        const bool gone = ImGui::SmallButton("Remove");
+        ImGui::SameLine(ImGui::GetContentRegionMax().x - width_of_button(strings::common::remove));
+        const bool gone = ImGui::SmallButton(strings::common::remove);
         ImGui::PopID();
         if (gone) {
             form.more.erase(form.more.begin() + static_cast<std::ptrdiff_t>(i));
@@ -209,63 +211,57 @@ void draw_options(BakeForm& form, const State& state) {
     // What has to be decided is seen.
     if (at == BakeField::nodata || at == BakeField::voids || at == BakeField::crs)
         ImGui::SetNextItemOpen(true, ImGuiCond_Always);
-    const bool open = ImGui::TreeNodeEx("More options", ImGuiTreeNodeFlags_NoTreePushOnOpen);
+    const bool open = ImGui::TreeNodeEx(strings::bake::more_options, ImGuiTreeNodeFlags_NoTreePushOnOpen);
     ui::mark("bake", "more");
     if (!open) return;
-    begin_row("No data", proposal_room(state.bake, BakeField::nodata));
+    begin_row(strings::bake::no_data, proposal_room(state.bake, BakeField::nodata));
     {
         const Marked warn(state.bake, BakeField::nodata);
         ImGui::Combo("##nodata", &form.nodata, nodata_names, static_cast<int>(std::size(nodata_names)));
     }
     ui::mark("bake", "nodata");
-    ui::tip("Samples without a height: a hole, filled from their neighbours, or refused.");
+    ui::tip(strings::bake::samples_without_a_height_a);
     if (draw_proposal(state.bake, BakeField::nodata)) form.nodata = 1;
-    begin_row("Voids", proposal_room(state.bake, BakeField::voids));
+    begin_row(strings::bake::voids, proposal_room(state.bake, BakeField::voids));
     {
         const Marked warn(state.bake, BakeField::voids);
-        ImGui::InputTextWithHint("##voids", "what the file marks", form.voids, fields::path_bytes);
+        ImGui::InputTextWithHint("##voids", strings::bake::what_the_file_marks, form.voids, fields::path_bytes);
     }
     ui::mark("bake", "void");
-    ui::tip("Numbers that stand for no height without the file saying so, such as -9999; several with commas. none: "
-            "every other number is a height.");
+    ui::tip(strings::bake::numbers_that_stand_for_no);
     if (draw_proposal(state.bake, BakeField::voids)) fields::copy(form.voids, state.bake.facts.proposed);
-    begin_row("CRS", 0);
+    begin_row(strings::bake::crs, 0);
     {
         const Marked warn(state.bake, BakeField::crs);
-        ImGui::InputTextWithHint("##crs", "the file's own; degrees become UTM", form.crs, fields::path_bytes);
+        ImGui::InputTextWithHint("##crs", strings::bake::the_files_own_degrees_become, form.crs, fields::path_bytes);
     }
     ui::mark("bake", "crs");
-    ui::tip("Another coordinate reference system to reproject to, such as EPSG:25832; none: nothing is reprojected.");
-    fields::choice("Tile", "bake", "tile", form.tile, tile_names, static_cast<int>(std::size(tile_names)),
-                   "Cells along a side of a tile, the unit of drawing. Smaller tiles are culled more tightly and cost "
-                   "more draw calls; auto chooses 512, or what suits the extents.");
-    fields::choice("Order", "bake", "order", form.order, order_names, static_cast<int>(std::size(order_names)),
-                   "Order of vertices in a page: planar and hz (hierarchical Z) for both methods; linear, as in the "
-                   "thesis, for the recursive method.");
+    ui::tip(strings::bake::another_coordinate_reference_system_to);
+    fields::choice(strings::bake::tile, "bake", "tile", form.tile, tile_names, static_cast<int>(std::size(tile_names)),
+                   strings::bake::cells_along_a_side_of);
+    fields::choice(strings::bake::order, "bake", "order", form.order, order_names,
+                   static_cast<int>(std::size(order_names)), strings::bake::order_of_vertices_in_a);
 }
 
 void draw_form(BakeForm& form, const State& state, Commands& commands) {
     ui::focus_first();
-    (void)path_field("Heights", form, BakeField::heights, form.input, "a file, or drop one here",
-                     "GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT; or a recipe (.json).", state,
-                     commands);
+    (void)path_field(strings::common::heights, form, BakeField::heights, form.input, strings::bake::a_file_or_drop_one,
+                     strings::bake::geotiff_png_bmp_ascii_grid, state, commands);
     draw_more_heights(form);
-    if (path_field("Pack", form, BakeField::output, form.output, "beside the heights, with .fjell",
-                   "Where the pack is written. An existing one is replaced once you have agreed and the bake is "
-                   "complete.",
-                   state, commands))
+    if (path_field(strings::bake::pack, form, BakeField::output, form.output,
+                   strings::bake::beside_the_heights_with_fjell, strings::bake::where_the_pack_is_written, state,
+                   commands))
         form.output_is_chosen = form.output[0] != '\0';
-    number_field("Spacing, m", BakeField::spacing, "spacing", form.spacing_m,
-                 "Metres between samples; 0: the file's own. Needed where it has no coordinates.", state);
-    number_field("Height scale", BakeField::height_scale, "zscale", form.height_scale,
-                 "Multiplies heights: 0.3048 converts feet to metres. 1: as the file has them.", state);
-    number_field("Height offset, m", BakeField::none, "zoffset", form.height_offset_m,
-                 "Added to heights, after the scale.", state);
-    (void)path_field("Texture", form, BakeField::texture, form.texture, "none",
-                     "An ortho-image, placed by its coordinates or stretched over the terrain.", state, commands);
-    (void)path_field("Ramp", form, BakeField::ramp, form.ramp, "by height, from meadows to snow",
-                     "Colours by height and slope where there is no image (JSON, as in content/ramps).", state,
-                     commands);
+    number_field(strings::bake::spacing_m, BakeField::spacing, "spacing", form.spacing_m,
+                 strings::bake::metres_between_samples_0_the, state);
+    number_field(strings::bake::height_scale, BakeField::height_scale, "zscale", form.height_scale,
+                 strings::bake::multiplies_heights_0_3048_converts, state);
+    number_field(strings::bake::height_offset_m, BakeField::none, "zoffset", form.height_offset_m,
+                 strings::bake::added_to_heights_after_the, state);
+    (void)path_field(strings::bake::texture, form, BakeField::texture, form.texture, strings::common::none,
+                     strings::bake::an_ortho_image_placed_by, state, commands);
+    (void)path_field(strings::bake::ramp, form, BakeField::ramp, form.ramp, strings::bake::by_height_from_meadows_to,
+                     strings::bake::colours_by_height_and_slope, state, commands);
     draw_options(form, state);
 }
 
@@ -279,7 +275,7 @@ void draw_strip(const HeightFacts& f) {
         ImGui::GetWindowDrawList()->AddRectFilled({x0, from.y}, {x1, from.y + high}, ui::colour(f.strip[i]));
     }
     ImGui::Dummy({width, high});
-    ui::tip("The ramp's colours, from the lowest height to the highest.");
+    ui::tip(strings::bake::the_ramps_colours_from_the);
 }
 
 // As large as there is room for it; the room is there before it is.
@@ -292,8 +288,8 @@ void draw_pictures(const BakeDraft& draft) {
         const float scale = std::min(room / w, most / h);
         ImGui::Image(reinterpret_cast<ImTextureID>(std::uintptr_t{draft.texture}), {w * scale, h * scale});
         ui::mark("bake", "picture");
-        ui::tip(f.image_px != 0 ? "The heights in the colours of the ramp, and beside them the texture."
-                                : "The heights in the colours that the terrain will have.");
+        ui::tip(f.image_px != 0 ? strings::bake::the_heights_in_the_colours
+                                : strings::bake::the_heights_in_the_colours_that);
     }
     ImGui::SetCursorPosY(top + most + ImGui::GetStyle().ItemSpacing.y);
 }
@@ -318,30 +314,30 @@ void draw_facts(const BakeDraft& draft) {
     const HeightFacts& f = draft.facts;
     if (!f.known) {
         ImGui::PushTextWrapPos(0);
-        ImGui::TextDisabled("%s", draft.looking ? "Looking at the heights..."
-                                                : "Size, heights and coordinates of the file are shown here.");
+        ImGui::TextDisabled("%s", draft.looking ? strings::bake::looking_at_the_heights
+                                                : strings::bake::size_heights_and_coordinates_of);
         ImGui::PopTextWrapPos();
         return;
     }
     draw_strip(f);
-    const char* const about = f.all_read ? "" : "about ";
-    fact("Heights", "%s%s to %s m", about, metre_text(f.least_m).text, metre_text(f.most_m).text);
-    fact("Samples", "%s x %s", grouped(f.columns).c_str(), grouped(f.rows).c_str());
+    const char* const about = f.all_read ? "" : strings::bake::about;
+    fact(strings::common::heights, strings::bake::to_m, about, metre_text(f.least_m).text, metre_text(f.most_m).text);
+    fact(strings::bake::samples, "%s x %s", grouped(f.columns).c_str(), grouped(f.rows).c_str());
     if (f.has_spacing) {
         if (f.spacing_m[0] == f.spacing_m[1])
-            fact("Spacing", "%.4g m", f.spacing_m[0]);
+            fact(strings::bake::spacing, "%.4g m", f.spacing_m[0]);
         else
-            fact("Spacing", "%.4g x %.4g m", f.spacing_m[0], f.spacing_m[1]);
-        fact("Extents", "%s x %s m", metre_text((f.columns - 1) * f.spacing_m[0]).text,
+            fact(strings::bake::spacing, "%.4g x %.4g m", f.spacing_m[0], f.spacing_m[1]);
+        fact(strings::bake::extents, "%s x %s m", metre_text((f.columns - 1) * f.spacing_m[0]).text,
              metre_text((f.rows - 1) * f.spacing_m[1]).text);
     }
-    fact("No data", "%s%.3g%%", about, 100 * f.void_share);
-    if (!f.image.empty()) fact("Texture", "%s", f.image.c_str());
+    fact(strings::bake::no_data, "%s%.3g%%", about, 100 * f.void_share);
+    if (!f.image.empty()) fact(strings::bake::texture, "%s", f.image.c_str());
     ImGui::PushTextWrapPos(0);
-    if (!f.unit_named) ImGui::TextColored(ImColor(ui::quiet).Value, "No unit is named: 1 counts as a metre");
+    if (!f.unit_named) ImGui::TextColored(ImColor(ui::quiet).Value, strings::bake::no_unit_is_named_1);
     ImGui::TextColored(ImColor(ui::quiet).Value, "%s%s%s",
-                       f.crs.empty() ? "No coordinate reference system" : f.crs.c_str(),
-                       f.reprojected_from.empty() ? "" : ", reprojected from ", f.reprojected_from.c_str());
+                       f.crs.empty() ? strings::bake::no_coordinate_reference_system : f.crs.c_str(),
+                       f.reprojected_from.empty() ? "" : strings::bake::reprojected_from, f.reprojected_from.c_str());
     ImGui::PopTextWrapPos();
 }
 
@@ -356,9 +352,9 @@ void draw_plan(const State& state) {
     const HeightFacts& f = d.facts;
     ImGui::PushTextWrapPos(0);
     if (d.looking) {
-        ImGui::TextDisabled("Looking at the files...");
+        ImGui::TextDisabled(strings::bake::looking_at_the_files);
     } else if (d.pack.inputs.empty()) {
-        ImGui::TextDisabled("Choose a file of heights: browse, type, or drop it on the window.");
+        ImGui::TextDisabled(strings::bake::choose_a_file_of_heights);
     } else if (!f.problem.empty() || !d.output_problem.empty()) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::warning_colour);
         if (f.problem.empty())
@@ -366,19 +362,21 @@ void draw_plan(const State& state) {
         else if (f.proposed.empty() || f.because.empty())
             ImGui::TextUnformatted(f.problem.c_str());
         else
-            ImGui::Text("%s. Proposed: %s, %s.", f.problem.c_str(), f.proposed.c_str(), f.because.c_str());
+            ImGui::Text(strings::bake::proposed, f.problem.c_str(), f.proposed.c_str(), f.because.c_str());
         ImGui::PopStyleColor();
     } else {
         const double samples = static_cast<double>(f.columns) * f.rows;
         const double seconds = samples / (f.reprojected_from.empty() ? samples_a_second : warped_a_second);
-        char time[48] = "some seconds";
+        char time[48];
         if (seconds > 8)
-            (void)std::snprintf(time, sizeof time, "about %.0f %s", seconds < 90 ? seconds : seconds / 60,
-                                seconds < 90 ? "seconds" : "minutes");
-        ImGui::Text("Writes %s: %s to %s, in %s, while you fly on.%s %s%s%s", name_in(d.pack.output),
+            (void)std::snprintf(time, sizeof time, strings::bake::about_time, seconds < 90 ? seconds : seconds / 60,
+                                seconds < 90 ? strings::bake::seconds : strings::bake::minutes);
+        else
+            (void)std::snprintf(time, sizeof time, strings::bake::some_seconds);
+        ImGui::Text(strings::bake::writes_to_in_while_you, name_in(d.pack.output),
                     byte_text(samples * bytes_a_sample[0]).text, byte_text(samples * bytes_a_sample[1]).text, time,
-                    d.output_exists ? " A pack of that name is there; you are asked before it is replaced." : "",
-                    state.scene.open() ? "When it is done you are asked whether to leave " : "Then it is opened.",
+                    d.output_exists ? strings::bake::a_pack_of_that_name : "",
+                    state.scene.open() ? strings::bake::when_it_is_done_you : strings::bake::then_it_is_opened,
                     state.scene.open() ? name_in(state.scene.path) : "", state.scene.open() ? "." : "");
     }
     ImGui::PopTextWrapPos();
@@ -387,7 +385,7 @@ void draw_plan(const State& state) {
 
 void draw_browser(BakeForm& form, const State& state, Commands& commands) {
     if (form.browsing == BakeField::none) return;
-    constexpr const char* title = "Choose a file";
+    constexpr const char* title = strings::bake::choose_a_file;
     if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
     const float em = ImGui::GetFontSize();
     const ImVec2 display = ImGui::GetIO().DisplaySize, from = ImGui::GetWindowPos();
@@ -398,7 +396,7 @@ void draw_browser(BakeForm& form, const State& state, Commands& commands) {
     form.browser.nested = true;
     const bool output = form.browsing == BakeField::output;
     begin_file_browser(form.browser, state, output ? name_in(state.bake.pack.output) : "");
-    if (draw_file_browser(state, commands, form.browser, "Choose")) {
+    if (draw_file_browser(state, commands, form.browser, strings::bake::choose)) {
         commands.push(
             GiveBakeFile{state.files.browser.path_of(form.browser.name), form.browsing, form.browsing_another});
         open = false;
@@ -447,7 +445,8 @@ void draw_bake(const State& state, Commands& commands) {
     ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), top + 3.4F * ImGui::GetTextLineHeightWithSpacing()));
     const bool can = !state.job.running && form.input[0] != '\0' && draft.output_problem.empty() &&
                      (draft.looking || draft.facts.problem.empty());
-    if (fields::button("Bake", "bake", "start", can, "Bakes in the background with 512 MB of memory (Enter).", true)) {
+    if (fields::button(strings::common::bake, "bake", "start", can, strings::bake::bakes_in_the_background_with,
+                       true)) {
         if (draft.output_exists) {
             (void)std::snprintf(form.overwrite.name, sizeof form.overwrite.name, "%.500s", name_in(form.output));
             form.overwrite.asks = true;
@@ -463,14 +462,14 @@ void draw_bake(const State& state, Commands& commands) {
 }
 
 void draw_baked(const State& state, Commands& commands) {
-    ImGui::TextWrapped("%s is baked. Fly it, and leave %s?", name_in(state.bake.ready), name_in(state.scene.path));
+    ImGui::TextWrapped(strings::bake::is_baked_fly_it_and, name_in(state.bake.ready), name_in(state.scene.path));
     ImGui::Spacing();
-    if (ui::button("Fly it", true)) commands.push(OpenBaked{true});
+    if (ui::button(strings::bake::fly_it, true)) commands.push(OpenBaked{true});
     ui::mark("baked", "open");
     ImGui::SameLine();
-    if (ui::button("Not now")) commands.push(OpenBaked{false});
+    if (ui::button(strings::bake::not_now)) commands.push(OpenBaked{false});
     ui::mark("baked", "stay");
-    ui::tip("It stays on the disk: File > Open.");
+    ui::tip(strings::bake::it_stays_on_the_disk);
 }
 
 } // namespace fjell::editor

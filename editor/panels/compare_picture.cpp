@@ -4,6 +4,7 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/panels.h"
+#include "editor/strings.h"
 #include "flight/profile.h"
 
 namespace fjell::editor {
@@ -13,7 +14,8 @@ namespace {
 void draw_choice(const State& state, Commands& commands) {
     static double other_px = 4;
     const ComparedPicture& c = state.compared;
-    constexpr const char* labels[] = {"off", "threshold", "profile"};
+    constexpr const char* labels[] = {strings::common::off, strings::compare_picture::threshold,
+                                      strings::compare_picture::profile};
     for (int i = 0; i < 3; ++i) {
         const auto with = static_cast<CompareWith>(i);
         if (i > 0) ImGui::SameLine();
@@ -22,10 +24,10 @@ void draw_choice(const State& state, Commands& commands) {
         if (ImGui::RadioButton(labels[i], c.with == with)) commands.push(ComparePictures{with, other_px});
         ImGui::EndDisabled();
         ui::mark("compare-picture", compare_with_names[i]);
-        ui::tip(i == 0   ? "The profile alone."
-                : i == 1 ? "This profile at another threshold, in the same picture."
-                : can    ? "The profile chosen with Tools > Compare profiles, in the same picture."
-                         : "Choose a profile with Tools > Compare profiles first.");
+        ui::tip(i == 0   ? strings::compare_picture::the_profile_alone
+                : i == 1 ? strings::compare_picture::this_profile_at_another_threshold
+                : can    ? strings::compare_picture::the_profile_chosen_with_tools
+                         : strings::compare_picture::choose_a_profile_with_tools);
     }
     if (c.with != CompareWith::threshold) return;
     double px = c.error_px;
@@ -35,7 +37,7 @@ void draw_choice(const State& state, Commands& commands) {
         commands.push(ComparePictures{CompareWith::threshold, other_px});
     }
     ui::mark("compare-picture", "error_px");
-    ui::tip("The other threshold, in pixels. Enter applies it.");
+    ui::tip(strings::compare_picture::the_other_threshold_in_pixels);
 }
 
 void side_plate(ImDrawList& list, ImVec2 at, bool right_aligned, const char* text) {
@@ -52,12 +54,12 @@ void name_sides(const State& state, const ui::Rect& view, float x) {
     const flight::Profile* const other = state.document.compared();
     const double px = c.with == CompareWith::profile && other != nullptr ? other->refine.error_px : c.error_px;
     char mine[64], theirs[64];
-    std::snprintf(mine, sizeof mine, "%.3g px, %s triangles", state.document.profile().refine.error_px,
+    std::snprintf(mine, sizeof mine, strings::compare_picture::px_triangles, state.document.profile().refine.error_px,
                   count_text(state.measures.last().triangles_drawn).text);
     if (c.there)
-        std::snprintf(theirs, sizeof theirs, "%.3g px, %s triangles", px, count_text(c.triangles).text);
+        std::snprintf(theirs, sizeof theirs, strings::compare_picture::px_triangles, px, count_text(c.triangles).text);
     else
-        std::snprintf(theirs, sizeof theirs, "%.3g px: opening", px);
+        std::snprintf(theirs, sizeof theirs, strings::compare_picture::px_opening, px);
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const float em = ImGui::GetFontSize();
     list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
@@ -69,18 +71,17 @@ void name_sides(const State& state, const ui::Rect& view, float x) {
 } // namespace
 
 void draw_compare_picture(const State& state, Commands& commands) {
-    ui::heading("Compare in the picture");
+    ui::heading(strings::compare_picture::compare_in_the_picture);
     draw_choice(state, commands);
     if (state.compared.with == CompareWith::nothing) return;
-    constexpr const char* labels[] = {"side by side", "difference"};
+    constexpr const char* labels[] = {strings::compare_picture::side_by_side, strings::compare_picture::difference};
     for (int i = 0; i < 2; ++i) {
         if (i > 0) ImGui::SameLine();
         const auto view = static_cast<CompareView>(i);
         if (ImGui::RadioButton(labels[i], state.compared.view == view)) commands.push(SetCompareView{view});
         ui::mark("compare-picture", compare_view_names[i]);
-        ui::tip(i == 0 ? "On the left the profile, on the right the other one; drag the divider in the picture."
-                       : "Black where both pictures are alike; over blue and yellow to white, which is an eighth of "
-                         "full brightness apart, or more.");
+        ui::tip(i == 0 ? strings::compare_picture::on_the_left_the_profile
+                       : strings::compare_picture::black_where_both_pictures_are);
     }
 }
 
@@ -107,7 +108,7 @@ void draw_divider(const State& state, const ui::Rect& view, Commands& commands) 
     const ImGuiIO& io = ImGui::GetIO();
     if (ImGui::IsItemActive() && io.MouseDelta.x != 0)
         commands.push(SetDivider{static_cast<double>(std::clamp((io.MousePos.x - view.x) / view.width, 0.0F, 1.0F))});
-    ui::tip("Drag: the profile on the left, the one it is compared with on the right.");
+    ui::tip(strings::compare_picture::drag_the_profile_on_the);
     ImGui::End();
 }
 

@@ -1,4 +1,5 @@
 #include "editor/panels/fields.h"
+#include "editor/strings.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -74,12 +75,13 @@ bool runs(const State& state, JobKind kind) {
 
 void cancel(const char* group, Commands& commands) {
     ImGui::SameLine();
-    if (button("Cancel", group, "cancel", true, "Stops the job; no partial file remains.")) commands.push(CancelJob{});
+    if (button(strings::common::cancel, group, "cancel", true, strings::fields::stops_the_job_no_partial))
+        commands.push(CancelJob{});
 }
 
 void close(const char* group, Commands& commands) {
     ImGui::SameLine();
-    if (button("Close", group, "close", true, "Leaves this dialog (Esc); a job that runs goes on."))
+    if (button(strings::common::close, group, "close", true, strings::fields::leaves_this_dialog_esc_a))
         commands.push(ShowDialog{Dialog::none});
 }
 
@@ -88,9 +90,9 @@ static void draw_bar(const JobView& job, bool with_rate) {
     const int n = std::snprintf(text, sizeof text, "%s  %.0f%%", job.stage.c_str(), 100 * job.share);
     const auto used = static_cast<std::size_t>(std::clamp(n, 0, 95));
     if (job.left_s >= 0.5 && with_rate && job.rate >= 1e4)
-        std::snprintf(text + used, sizeof text - used, "  %.1f M/s  %.0f s left", job.rate * 1e-6, job.left_s);
+        std::snprintf(text + used, sizeof text - used, strings::fields::m_s_s_left, job.rate * 1e-6, job.left_s);
     else if (job.left_s >= 0.5)
-        std::snprintf(text + used, sizeof text - used, "  %.0f s left", job.left_s);
+        std::snprintf(text + used, sizeof text - used, strings::fields::s_left, job.left_s);
     ImGui::ProgressBar(static_cast<float>(job.share), {-1, 0}, text);
     ui::mark("job", "progress");
 }
@@ -99,7 +101,7 @@ static void draw_bar(const JobView& job, bool with_rate) {
 void outcome(const State& state, JobKind kind, bool with_rate) {
     const JobView& job = state.job;
     if (job.running && job.kind != kind) {
-        ImGui::TextColored(ImColor(ui::warning_colour).Value, "Another job is running; wait for it, or cancel it.");
+        ImGui::TextColored(ImColor(ui::warning_colour).Value, strings::fields::another_job_is_running_wait);
         return;
     }
     if (job.kind != kind) return;
@@ -109,7 +111,7 @@ void outcome(const State& state, JobKind kind, bool with_rate) {
     }
     ImGui::PushTextWrapPos(0);
     if (job.cancelled)
-        ImGui::Text("Cancelled%s%s", job.result.empty() ? "." : "; ", job.result.c_str());
+        ImGui::Text(strings::fields::cancelled, job.result.empty() ? "." : "; ", job.result.c_str());
     else if (!job.problem.empty())
         ImGui::TextColored(ImColor(ui::bad).Value, "%s", job.problem.c_str());
     else

@@ -5,6 +5,7 @@
 
 #include "editor/panels/file_browser.h"
 #include "editor/panels/panels.h"
+#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -41,7 +42,7 @@ void add_extension(const char* extension) {
 bool save_as(const State& state, Commands& commands, const std::string& own, const char* otherwise,
              const char* extension) {
     begin_file_browser(browser_form, state, own.empty() ? otherwise : last_part(own));
-    if (draw_file_browser(state, commands, browser_form, "Save")) {
+    if (draw_file_browser(state, commands, browser_form, strings::common::save)) {
         add_extension(extension);
         const std::string path = state.files.browser.path_of(browser_form.name);
         browser_form.asks = exists(path) && path != own;
@@ -55,13 +56,13 @@ void draw_sample_progress(const State& state, Commands& commands) {
     if (job.kind != JobKind::bake || !job.running) return;
     ImGui::Spacing();
     ImGui::ProgressBar(static_cast<float>(job.share), {-1, 0}, job.stage.c_str());
-    if (ImGui::Button("Cancel")) commands.push(CancelJob{});
+    if (ImGui::Button(strings::common::cancel)) commands.push(CancelJob{});
     ui::mark("start", "cancel");
 }
 
 void draw_recent_packs(const State& state, Commands& commands) {
-    ui::heading("Recent packs");
-    if (state.interface.recent.empty()) ImGui::TextDisabled("None yet.");
+    ui::heading(strings::file_dialogs::recent_packs);
+    if (state.interface.recent.empty()) ImGui::TextDisabled(strings::file_dialogs::none_yet);
     for (const std::string& pack : state.interface.recent) {
         ImGui::PushID(&pack);
         if (ImGui::Selectable(last_part(pack))) commands.push(OpenFile{pack});
@@ -72,8 +73,8 @@ void draw_recent_packs(const State& state, Commands& commands) {
 }
 
 void draw_differences(const State& state, Commands& commands) {
-    ImGui::TextWrapped("Compared with %s: %zu keys differ.",
-                       state.document.compared_path().empty() ? "the saved profile"
+    ImGui::TextWrapped(strings::file_dialogs::compared_with_keys_differ,
+                       state.document.compared_path().empty() ? strings::file_dialogs::the_saved_profile
                                                               : state.document.compared_path().c_str(),
                        state.files.differences.size());
     const float below = ImGui::GetFrameHeightWithSpacing();
@@ -81,10 +82,11 @@ void draw_differences(const State& state, Commands& commands) {
     constexpr ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersOuter | ImGuiTableFlags_RowBg;
     if (!ImGui::BeginTable("differences", 4, flags, {0, height})) return;
     ImGui::TableSetupScrollFreeze(0, 1);
-    ImGui::TableSetupColumn("Key", ImGuiTableColumnFlags_WidthStretch, 2);
-    ImGui::TableSetupColumn("Mine", ImGuiTableColumnFlags_WidthStretch, 1.2F);
-    ImGui::TableSetupColumn("Theirs", ImGuiTableColumnFlags_WidthStretch, 1.2F);
-    ImGui::TableSetupColumn("##take", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("Take theirs   ").x);
+    ImGui::TableSetupColumn(strings::file_dialogs::key, ImGuiTableColumnFlags_WidthStretch, 2);
+    ImGui::TableSetupColumn(strings::file_dialogs::mine, ImGuiTableColumnFlags_WidthStretch, 1.2F);
+    ImGui::TableSetupColumn(strings::file_dialogs::theirs, ImGuiTableColumnFlags_WidthStretch, 1.2F);
+    ImGui::TableSetupColumn("##take", ImGuiTableColumnFlags_WidthFixed,
+                            ImGui::CalcTextSize(strings::file_dialogs::take_theirs_room).x);
     ImGui::TableHeadersRow();
     for (const Difference& d : state.files.differences) {
         char name[64];
@@ -99,7 +101,8 @@ void draw_differences(const State& state, Commands& commands) {
         ImGui::TextUnformatted(d.theirs.c_str());
         ImGui::TableNextColumn();
         ImGui::PushID(d.key);
-        if (ImGui::SmallButton("Take theirs")) commands.push(SetKey{d.key, d.theirs_value, false});
+        if (ImGui::SmallButton(strings::file_dialogs::take_theirs_button))
+            commands.push(SetKey{d.key, d.theirs_value, false});
         ui::mark("take", name);
         ImGui::PopID();
     }
@@ -117,21 +120,20 @@ bool answer(const char* label, const char* name, bool first) {
 } // namespace
 
 void draw_start(const State& state, Commands& commands) {
-    ImGui::TextWrapped("Fjell draws large terrains with a bounded screen-space error. This editor tunes its thresholds "
-                       "and budgets, by eye and by number.");
+    ImGui::TextWrapped(strings::file_dialogs::fjell_draws_large_terrains_with);
     ImGui::Spacing();
-    if (wide_button("Open the sample", "sample")) commands.push(OpenSample{});
-    ui::tip("A small synthetic landscape. Baked at its first use, which takes some seconds.");
-    if (wide_button("Open a file...", "open")) commands.push(ShowDialog{Dialog::open_file});
-    ui::tip("A pack (.fjell), a profile, or heights that GDAL reads, to be baked.");
-    ImGui::TextDisabled("Or drop a file onto the window.");
+    if (wide_button(strings::common::open_the_sample, "sample")) commands.push(OpenSample{});
+    ui::tip(strings::file_dialogs::a_small_synthetic_landscape_baked);
+    if (wide_button(strings::file_dialogs::open_a_file, "open")) commands.push(ShowDialog{Dialog::open_file});
+    ui::tip(strings::file_dialogs::a_pack_fjell_a_profile);
+    ImGui::TextDisabled(strings::file_dialogs::or_drop_a_file_onto);
     draw_sample_progress(state, commands);
     draw_recent_packs(state, commands);
 }
 
 void draw_open_file(const State& state, Commands& commands) {
     begin_file_browser(browser_form, state, "");
-    if (draw_file_browser(state, commands, browser_form, "Open"))
+    if (draw_file_browser(state, commands, browser_form, strings::common::open))
         commands.push(OpenFile{state.files.browser.path_of(browser_form.name)});
 }
 
@@ -148,62 +150,65 @@ void draw_save_path(const State& state, Commands& commands) {
 void draw_compare(const State& state, Commands& commands) {
     if (state.document.compared() == nullptr) {
         begin_file_browser(browser_form, state, "");
-        if (ui::button("With the saved profile")) commands.push(CompareProfile{});
+        if (ui::button(strings::file_dialogs::with_the_saved_profile)) commands.push(CompareProfile{});
         ui::mark("compare", "saved");
         ImGui::SameLine();
-        ImGui::TextUnformatted("or with another profile:");
-        if (draw_file_browser(state, commands, browser_form, "Compare"))
+        ImGui::TextUnformatted(strings::file_dialogs::or_with_another_profile);
+        if (draw_file_browser(state, commands, browser_form, strings::file_dialogs::compare))
             commands.push(CompareProfile{state.files.browser.path_of(browser_form.name)});
         return;
     }
     draw_differences(state, commands);
-    if (ui::button("Compare another")) commands.push(StopComparing{});
+    if (ui::button(strings::file_dialogs::compare_another)) commands.push(StopComparing{});
     ui::mark("compare", "another");
-    ui::tip("Compares with another profile.");
+    ui::tip(strings::file_dialogs::compares_with_another_profile);
     ImGui::SameLine();
-    if (ui::button("Stop comparing")) {
+    if (ui::button(strings::file_dialogs::stop_comparing)) {
         commands.push(StopComparing{});
         commands.push(ShowDialog{Dialog::none});
     }
     ui::mark("compare", "off");
     ImGui::SameLine();
-    if (ui::button("Close", true)) commands.push(ShowDialog{Dialog::none});
+    if (ui::button(strings::common::close, true)) commands.push(ShowDialog{Dialog::none});
     ui::mark("compare", "close");
-    ui::tip("The other profile's values stay visible in the Tune panel.");
+    ui::tip(strings::file_dialogs::the_other_profiles_values_stay);
 }
 
 void draw_unsaved(const State& state, Commands& commands) {
     if (state.document.unsaved())
-        ImGui::TextWrapped("The profile has changes that are not saved: %s.",
-                           state.document.path().empty() ? "it has no file yet" : state.document.path().c_str());
+        ImGui::TextWrapped(strings::file_dialogs::the_profile_has_changes_that,
+                           state.document.path().empty() ? strings::file_dialogs::it_has_no_file_yet
+                                                         : state.document.path().c_str());
     if (state.route.unsaved())
-        ImGui::TextWrapped("The camera path has changes that are not saved: %s.",
-                           state.route.path().empty() ? "it has no file yet" : state.route.path().c_str());
+        ImGui::TextWrapped(strings::file_dialogs::the_camera_path_has_changes,
+                           state.route.path().empty() ? strings::file_dialogs::it_has_no_file_yet
+                                                      : state.route.path().c_str());
     ImGui::Spacing();
     ImGui::BeginDisabled(!state.files.waiting);
-    if (answer("Save", "save", true)) commands.push(AnswerUnsaved{Answer::save});
-    if (answer("Discard", "discard", false)) commands.push(AnswerUnsaved{Answer::discard});
+    if (answer(strings::common::save, "save", true)) commands.push(AnswerUnsaved{Answer::save});
+    if (answer(strings::file_dialogs::discard, "discard", false)) commands.push(AnswerUnsaved{Answer::discard});
     ImGui::EndDisabled();
-    if (answer("Cancel", "cancel", false)) commands.push(ShowDialog{Dialog::none});
+    if (answer(strings::common::cancel, "cancel", false)) commands.push(ShowDialog{Dialog::none});
 }
 
 void draw_recover(const State& state, Commands& commands) {
     const std::optional<Unsaved>& found = state.files.recovery.found();
     if (!found) {
-        ImGui::TextWrapped("There is nothing to recover.");
-        if (answer("Close", "close", true)) commands.push(ShowDialog{Dialog::none});
+        ImGui::TextWrapped(strings::file_dialogs::there_is_nothing_to_recover);
+        if (answer(strings::common::close, "close", true)) commands.push(ShowDialog{Dialog::none});
         return;
     }
-    ImGui::TextWrapped("An earlier run ended before its changes were saved.");
+    ImGui::TextWrapped(strings::file_dialogs::an_earlier_run_ended_before);
     if (found->profile_changed)
-        ImGui::BulletText("of the profile %s", found->path.empty() ? "that had no file yet" : last_part(found->path));
-    if (!found->points.empty()) ImGui::BulletText("a camera path of %zu points", found->points.size());
-    if (!found->pack.empty()) ImGui::BulletText("over %s", last_part(found->pack));
+        ImGui::BulletText(strings::file_dialogs::of_the_profile,
+                          found->path.empty() ? strings::file_dialogs::that_had_no_file_yet : last_part(found->path));
+    if (!found->points.empty()) ImGui::BulletText(strings::file_dialogs::a_camera_path_of_points, found->points.size());
+    if (!found->pack.empty()) ImGui::BulletText(strings::file_dialogs::over, last_part(found->pack));
     ImGui::Spacing();
-    if (answer("Restore", "restore", true)) commands.push(RecoverChanges{true});
-    if (answer("Discard", "discard", false)) commands.push(RecoverChanges{false});
+    if (answer(strings::common::restore, "restore", true)) commands.push(RecoverChanges{true});
+    if (answer(strings::file_dialogs::discard, "discard", false)) commands.push(RecoverChanges{false});
     ImGui::SameLine();
-    ImGui::TextDisabled("close this dialog to be asked again next time");
+    ImGui::TextDisabled(strings::file_dialogs::close_this_dialog_to_be);
 }
 
 } // namespace fjell::editor

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "editor/number_text.h"
+#include "editor/strings.h"
 
 namespace fjell::editor::ui {
 
@@ -151,7 +152,7 @@ void hover(ImDrawList& list, const Graph& graph, const Scale& s, std::initialize
     const std::size_t ago = s.ago(x);
     list.AddLine({x, s.low.y}, {x, s.high.y}, IM_COL32(255, 255, 255, 90));
     ImGui::BeginTooltip();
-    ImGui::Text("%zu frames ago", ago);
+    ImGui::Text(strings::graph::frames_ago, ago);
     for (const GraphLine& line : lines) {
         const std::size_t size = line.values->size();
         if (ago >= size) continue;
@@ -163,7 +164,7 @@ void hover(ImDrawList& list, const Graph& graph, const Scale& s, std::initialize
             ImGui::Text("%s %.3g %s", line.label, value, graph.unit);
         ImGui::PopStyleColor();
     }
-    ImGui::TextDisabled("click: its report; drag: zoom");
+    ImGui::TextDisabled(strings::graph::click_its_report_drag_zoom);
     ImGui::EndTooltip();
 }
 
@@ -257,7 +258,7 @@ double round_up(double value) {
 
 void short_number(char (&text)[16], double value) {
     if (value >= 1e9)
-        std::snprintf(text, sizeof text, "%.3g G", value / 1e9);
+        std::snprintf(text, sizeof text, strings::graph::g, value / 1e9);
     else if (value >= 1e6)
         std::snprintf(text, sizeof text, "%.3g M", value / 1e6);
     else if (value >= 1e4)

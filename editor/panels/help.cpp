@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "editor/panels/panels.h"
+#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -11,42 +12,42 @@ struct Key {
     const char *keys, *what; // what null: a heading
 };
 constexpr Key all_keys[] = {
-    {"Camera", nullptr},
-    {"W S, A D", "fly forwards and back, left and right; in orbit: pan"},
-    {"E Q", "up and down"},
-    {"Shift", "five times as fast"},
-    {"Arrows, left drag", "look around; in orbit: turn around the centre"},
-    {"Wheel", "speed; in orbit: zoom"},
-    {"Right drag, Shift drag", "in orbit: pan"},
-    {"1  2  3", "fly, orbit, follow the path"},
-    {"Home", "look at the whole terrain"},
-    {"Click on the overview", "fly there, at the same height above the ground"},
-    {"F", "freeze refinement, to look at the mesh from elsewhere"},
-    {"Camera path", nullptr},
-    {"R", "record the flight; again: stop"},
-    {"N", "add a point where the camera is"},
-    {"Left drag on a point", "move it, in the picture or on the overview; a click selects it"},
-    {"P", "play; again: pause"},
-    {"Picture", nullptr},
-    {"M, Shift M", "next and previous picture mode"},
-    {"G", "wireframe"},
-    {"L and left drag", "the sun: across its azimuth, up and down its elevation"},
-    {"I", "probe the ground under the pointer; a click marks a place, another one measures from there"},
-    {"T", "pause graphs and times; again: go on"},
-    {"Window", nullptr},
-    {"Tab", "hide the panels, or show them"},
-    {"F11", "the picture alone; again or Esc: all of it"},
-    {"F6", "keys move in the panels (arrows, Tab, Space); again or Esc: back"},
-    {"F10", "the menu, again: the next one (arrows, Space)"},
-    {"Enter, Esc", "in a dialog: its main button, or close it"},
-    {"Profile and program", nullptr},
-    {"[  ]", "a smaller, a larger threshold"},
-    {"Ctrl Z, Ctrl Shift Z", "undo, redo"},
-    {"Ctrl O", "open a pack, a DEM, a profile or a camera path"},
-    {"Ctrl S", "save the profile"},
-    {"Ctrl click on a slider", "type a value"},
-    {"F1", "this list of keys"},
-    {"Ctrl Q", "quit"},
+    {strings::common::camera, nullptr},
+    {strings::help::w_s_a_d, strings::help::fly_forwards_and_back_left},
+    {strings::help::e_q, strings::help::up_and_down},
+    {strings::help::shift, strings::help::five_times_as_fast},
+    {strings::help::arrows_left_drag, strings::help::look_around_in_orbit_turn},
+    {strings::help::wheel, strings::help::speed_in_orbit_zoom},
+    {strings::help::right_drag_shift_drag, strings::help::in_orbit_pan},
+    {"1  2  3", strings::help::fly_orbit_follow_the_path},
+    {strings::keys::home, strings::help::look_at_the_whole_terrain},
+    {strings::help::click_on_the_overview, strings::help::fly_there_at_the_same},
+    {strings::keys::f, strings::help::freeze_refinement_to_look_at},
+    {strings::common::camera_path, nullptr},
+    {strings::keys::r, strings::help::record_the_flight_again_stop},
+    {strings::keys::n, strings::help::add_a_point_where_the},
+    {strings::help::left_drag_on_a_point, strings::help::move_it_in_the_picture},
+    {strings::keys::p, strings::help::play_again_pause},
+    {strings::common::picture, nullptr},
+    {strings::help::m_shift_m, strings::help::next_and_previous_picture_mode},
+    {strings::keys::g, strings::help::wireframe},
+    {strings::help::l_and_left_drag, strings::help::the_sun_across_its_azimuth},
+    {strings::keys::i, strings::help::probe_the_ground_under_the},
+    {strings::keys::t, strings::help::pause_graphs_and_times_again},
+    {strings::help::window, nullptr},
+    {strings::keys::tab, strings::help::hide_the_panels_or_show},
+    {strings::keys::f11, strings::help::the_picture_alone_again_or},
+    {strings::keys::f6, strings::help::keys_move_in_the_panels},
+    {strings::keys::f10, strings::help::the_menu_again_the_next},
+    {strings::help::enter_esc, strings::help::in_a_dialog_its_main},
+    {strings::help::profile_and_program, nullptr},
+    {"[  ]", strings::help::a_smaller_a_larger_threshold},
+    {strings::help::ctrl_z_ctrl_shift_z, strings::help::undo_redo},
+    {strings::keys::ctrl_o, strings::help::open_a_pack_a_dem},
+    {strings::keys::ctrl_s, strings::help::save_the_profile},
+    {strings::help::ctrl_click_on_a_slider, strings::help::type_a_value},
+    {strings::keys::f1, strings::help::this_list_of_keys},
+    {strings::keys::ctrl_q, strings::help::quit},
 };
 
 } // namespace
@@ -55,7 +56,7 @@ void draw_keys(const State&, Commands& commands) {
     ImGui::BeginChild("list", {0, -ImGui::GetFrameHeightWithSpacing()});
     if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
         ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed,
-                                ImGui::CalcTextSize("Right drag, Shift drag").x + ImGui::GetFontSize());
+                                ImGui::CalcTextSize(strings::help::right_drag_shift_drag).x + ImGui::GetFontSize());
         ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
         for (const Key& key : all_keys) {
             ImGui::TableNextRow();
@@ -72,14 +73,14 @@ void draw_keys(const State&, Commands& commands) {
         ImGui::EndTable();
     }
     ImGui::EndChild();
-    if (ui::button("Close", true)) commands.push(ShowDialog{Dialog::none});
+    if (ui::button(strings::common::close, true)) commands.push(ShowDialog{Dialog::none});
     ui::mark("keys", "close");
 }
 
 void draw_messages(const State& state, Commands& commands) {
     const float button = ImGui::GetFrameHeightWithSpacing();
     ImGui::BeginChild("list", {0, -button});
-    if (state.messages.all.empty()) ImGui::TextUnformatted("No messages yet.");
+    if (state.messages.all.empty()) ImGui::TextUnformatted(strings::help::no_messages_yet);
     for (auto message = state.messages.all.rbegin(); message != state.messages.all.rend(); ++message) {
         const int seconds = static_cast<int>(message->at_s);
         char time[24];
@@ -89,12 +90,12 @@ void draw_messages(const State& state, Commands& commands) {
         ImGui::PushStyleColor(ImGuiCol_Text, ImGui::ColorConvertU32ToFloat4(ui::severity_colour(message->severity)));
         ImGui::PushTextWrapPos(0);
         ImGui::TextUnformatted(message->text.c_str());
-        if (message->times > 1) ImGui::Text("(%u times)", message->times);
+        if (message->times > 1) ImGui::Text(strings::help::times, message->times);
         ImGui::PopTextWrapPos();
         ImGui::PopStyleColor();
     }
     ImGui::EndChild();
-    if (ui::button("Close", true)) commands.push(ShowDialog{Dialog::none});
+    if (ui::button(strings::common::close, true)) commands.push(ShowDialog{Dialog::none});
     ui::mark("messages", "close");
 }
 

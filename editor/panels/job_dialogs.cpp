@@ -8,6 +8,7 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/fields.h"
+#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -32,45 +33,45 @@ struct ScreenshotForm {
 
 void draw_snapshot(const State& state, Commands& commands) {
     static ExportForm form;
-    constexpr const char* kinds[] = {"the frame's", "custom threshold"};
+    constexpr const char* kinds[] = {strings::job_dialogs::the_frames, strings::job_dialogs::custom_threshold};
     fields::suggest(form.path, form.made_for, state, ".glb");
     ui::focus_first();
-    fields::path("glTF", "export", "path", form.path, "a file that ends in .glb",
-                 "Mesh, colours and camera in one file, for any viewer or modelling program.");
-    fields::choice("Mesh", "export", "own", form.own, kinds, 2,
-                   "The frame's is written as it is drawn: what the camera sees of it, morphed, as far as its budgets "
-                   "went. With a custom threshold the whole terrain is refined for this view, whatever the budgets.");
-    fields::label("Converged");
+    fields::path(strings::job_dialogs::gltf, "export", "path", form.path, strings::job_dialogs::a_file_that_ends_in,
+                 strings::job_dialogs::mesh_colours_and_camera_in);
+    fields::choice(strings::common::mesh, "export", "own", form.own, kinds, 2,
+                   strings::job_dialogs::the_frames_is_written_as);
+    fields::label(strings::job_dialogs::converged);
     ImGui::BeginDisabled(form.own == 1);
     bool converged = form.converged || form.own == 1;
     if (ImGui::Checkbox("##converged", &converged) && form.own == 0) form.converged = converged;
     ImGui::EndDisabled();
     ui::mark("export", "converged");
-    ui::tip("Not the frame's mesh as it stands, but the one that its view settles on once it has had time and items.");
+    ui::tip(strings::job_dialogs::not_the_frames_mesh_as);
     ImGui::BeginDisabled(form.own == 0);
     double shown = form.own == 1 ? form.error_px : state.measures.last().error_px_effective;
-    fields::number("Pixels", "export", "error_px", shown, "%.4g",
-                   "0.01 to 1000 pixels: a smaller threshold makes a larger file.");
+    fields::number(strings::job_dialogs::pixels, "export", "error_px", shown, "%.4g",
+                   strings::job_dialogs::pixels_about);
     if (form.own == 1) form.error_px = shown;
     ImGui::EndDisabled();
     ImGui::Separator();
     const bool can = !state.job.running && state.scene.open();
     const double error_px = form.own == 1 ? form.error_px : 0;
-    if (fields::button("Preview", "export", "preview", can,
-                       "Counts and size of the file, to the byte; nothing is written."))
+    if (fields::button(strings::job_dialogs::preview, "export", "preview", can,
+                       strings::job_dialogs::counts_and_size_of_the))
         commands.push(PreviewExport{form.converged, error_px});
     ImGui::SameLine();
-    if (fields::button("Export", "export", "start", can && form.path[0] != '\0',
-                       "Writes the file; an existing one is replaced only when it is complete.", true))
+    if (fields::button(strings::job_dialogs::export_, "export", "start", can && form.path[0] != '\0',
+                       strings::job_dialogs::writes_the_file_an_existing, true))
         commands.push(ExportMesh{form.path, form.converged, error_px});
     fields::close("export", commands);
     if (fields::runs(state, JobKind::snapshot) || fields::runs(state, JobKind::preview))
         fields::cancel("export", commands);
     const ExportPreview& p = state.job.preview;
     if (p.bytes != 0) {
-        ui::row("Vertices", "%s", count_text(static_cast<double>(p.vertices)).text);
-        ui::row("Triangles", "%s", count_text(static_cast<double>(p.triangles)).text);
-        ui::row("File", "%s within %.3g px", byte_text(static_cast<double>(p.bytes)).text, p.error_px);
+        ui::row(strings::common::vertices, "%s", count_text(static_cast<double>(p.vertices)).text);
+        ui::row(strings::common::triangles, "%s", count_text(static_cast<double>(p.triangles)).text);
+        ui::row(strings::common::file, strings::job_dialogs::within_px, byte_text(static_cast<double>(p.bytes)).text,
+                p.error_px);
     }
     const bool counted = state.job.kind == JobKind::preview && !state.job.running && p.bytes != 0;
     if (!counted) fields::outcome(state, state.job.kind == JobKind::preview ? JobKind::preview : JobKind::snapshot);
@@ -78,13 +79,16 @@ void draw_snapshot(const State& state, Commands& commands) {
 
 void draw_screenshot(const State&, Commands& commands) {
     static ScreenshotForm form;
-    constexpr const char* kinds[] = {"the terrain", "the window, with its panels"};
+    constexpr const char* kinds[] = {strings::job_dialogs::the_terrain,
+                                     strings::job_dialogs::the_window_with_its_panels};
     ui::focus_first();
-    fields::path("Picture", "screenshot", "path", form.path, "a file that ends in .png", "Where the PNG goes.");
-    fields::choice("Contents", "screenshot", "what", form.what, kinds, 2, "At the current size of the window.");
+    fields::path(strings::common::picture, "screenshot", "path", form.path, strings::common::a_png_file,
+                 strings::common::where_the_png_goes);
+    fields::choice(strings::job_dialogs::contents, "screenshot", "what", form.what, kinds, 2,
+                   strings::job_dialogs::at_the_current_size_of);
     ImGui::Separator();
-    if (fields::button("Save", "screenshot", "start", form.path[0] != '\0',
-                       "Closes this dialog and saves the next frame.", true)) {
+    if (fields::button(strings::common::save, "screenshot", "start", form.path[0] != '\0',
+                       strings::job_dialogs::closes_this_dialog_and_saves, true)) {
         commands.push(ShowDialog{Dialog::none});
         commands.push(TakeScreenshot{form.path, form.what == 1});
     }
@@ -97,9 +101,9 @@ void draw_job_status(const State& state, Commands& commands) {
     ImGui::Text("%s: %s %.0f%%", job_names[static_cast<int>(job.kind)], job.stage.c_str(), 100 * job.share);
     ui::mark("status", "job");
     ImGui::SameLine();
-    if (ImGui::SmallButton("Cancel")) commands.push(CancelJob{});
+    if (ImGui::SmallButton(strings::common::cancel)) commands.push(CancelJob{});
     ui::mark("status", "cancel-job");
-    ui::tip("Stops the job; no partial file remains. A bake may keep a folder from which it can resume.");
+    ui::tip(strings::job_dialogs::stops_the_job_no_partial);
     ImGui::SameLine();
 }
 

@@ -7,6 +7,7 @@
 #include "editor/panels/panels.h"
 #include "editor/panels/runs.h"
 #include "editor/panels/tune_curve.h"
+#include "editor/strings.h"
 #include "flight/profile_keys.h"
 
 namespace fjell::editor {
@@ -20,42 +21,38 @@ struct TuneForm {
     int measure = 0, frames = 0;
 };
 
-constexpr const char* measures[] = {"update (CPU)", "whole frame"};
+constexpr const char* measures[] = {strings::job_panels::update_cpu, strings::job_panels::whole_frame};
 
 void draw_tune_form(TuneForm& form) {
-    fields::number("Budget, us", "auto-tune", "budget_us", form.budget_us, "%.6g",
-                   "Limit for the p99 time of a frame: 10 to 1,000,000 microseconds. A frame at 60 Hz has 16,667.");
-    fields::choice(
-        "Measure", "auto-tune", "measure", form.measure, measures, 2,
-        "Update: CPU time of refinement and streaming. Whole frame: with upload and drawing at the picture size of "
-        "the profile; slower, and dependent on the graphics driver.");
-    fields::whole(
-        "Frames, 0: auto", "auto-tune", "frames", form.frames,
-        "Frames per flight, 10 to 100,000; 0: as many as the path has at 60 Hz, or 840 for an orbit without a "
-        "path. Fewer frames fly the same path faster, so more changes per frame.");
-    fields::label("From, to, px");
+    fields::number(strings::job_panels::budget_us, "auto-tune", "budget_us", form.budget_us, "%.6g",
+                   strings::job_panels::limit_for_the_p99_time);
+    fields::choice(strings::job_panels::measure, "auto-tune", "measure", form.measure, measures, 2,
+                   strings::job_panels::update_cpu_time_of_refinement);
+    fields::whole(strings::job_panels::frames_0_auto, "auto-tune", "frames", form.frames,
+                  strings::job_panels::frames_per_flight_10_to);
+    fields::label(strings::job_panels::from_to_px);
     ImGui::PushID("range");
     float width = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
     ImGui::SetNextItemWidth(width);
     ImGui::InputDouble("##least", &form.least_px, 0, 0, "%.4g");
     ui::mark("auto-tune", "least_px");
-    ui::tip("The smallest threshold to try, in pixels.");
+    ui::tip(strings::job_panels::the_smallest_threshold_to_try);
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 0.3F);
     ImGui::InputDouble("##most", &form.most_px, 0, 0, "%.4g");
     ui::mark("auto-tune", "most_px");
-    ui::tip("The largest threshold, with which the search begins, in pixels.");
+    ui::tip(strings::job_panels::the_largest_threshold_with_which);
     ImGui::PopID();
 }
 
 void draw_tune_result(const State& state, const JobView& shown, Commands& commands) {
     if (shown.running || shown.best_px <= 0) return;
     char text[48];
-    std::snprintf(text, sizeof text, "Use %.3g px", shown.best_px);
+    std::snprintf(text, sizeof text, strings::job_panels::use_px, shown.best_px);
     const flight::ProfileKey* const key = flight::find_profile_key("refine.error_px");
     const bool used = key->get(state.document.profile()) == shown.best_px;
     ImGui::SameLine();
-    if (fields::button(text, "auto-tune", "use", !used, "Sets the threshold of the profile; one undo step."))
+    if (fields::button(text, "auto-tune", "use", !used, strings::job_panels::sets_the_threshold_of_the))
         commands.push(SetKey{key, shown.best_px, false});
 }
 
@@ -71,10 +68,8 @@ void draw_auto_tune(const State& state, Commands& commands) {
     static TuneForm form;
     draw_tune_form(form);
     const bool can = !state.job.running && state.scene.open();
-    if (fields::button(
-            "Start", "auto-tune", "start", can,
-            "Flies the path, or an orbit, over a terrain of its own until the smallest threshold is found whose p99 "
-            "keeps the budget. The view is as large as the profile says.")) {
+    if (fields::button(strings::job_panels::start, "auto-tune", "start", can,
+                       strings::job_panels::flies_the_path_or_an)) {
         TuneThreshold t;
         t.settings = {form.measure == 1 ? TuneMeasure::frame : TuneMeasure::update,
                       form.budget_us,
@@ -95,20 +90,19 @@ void draw_auto_tune(const State& state, Commands& commands) {
 void draw_benchmark(const State& state, Commands& commands) {
     static CsvForm form;
     fields::suggest(form.path, form.made_for, state, ".csv");
-    fields::path("CSV", "benchmark", "path", form.path, "a file",
-                 "One line per frame, with the columns of fjell-fly --csv.");
-    fields::whole("Frames, 0: auto", "benchmark", "frames", form.frames,
-                  "0: as many as the path has at 60 Hz, or 840 for an orbit without a path. Fewer frames fly the same "
-                  "path faster.");
+    fields::path(strings::job_panels::csv, "benchmark", "path", form.path, strings::job_panels::a_file,
+                 strings::job_panels::one_line_per_frame_with);
+    fields::whole(strings::job_panels::frames_0_auto, "benchmark", "frames", form.frames,
+                  strings::job_panels::frames_about);
     ImGui::PushTextWrapPos(0);
-    ImGui::TextColored(ImColor(ui::quiet).Value,
-                       "Flies %s as the profile says, over a terrain of its own, in a view of %u x %u.",
-                       state.route.empty() ? "an orbit" : "the path", state.document.profile().width_px,
-                       state.document.profile().height_px);
+    ImGui::TextColored(ImColor(ui::quiet).Value, strings::job_panels::flies_as_the_profile_says,
+                       state.route.empty() ? strings::job_panels::an_orbit : strings::job_panels::the_path,
+                       state.document.profile().width_px, state.document.profile().height_px);
     ImGui::PopTextWrapPos();
     ImGui::Separator();
     const bool can = !state.job.running && state.scene.open() && form.path[0] != '\0';
-    if (fields::button("Run", "benchmark", "start", can, "Starts at once and flies as fast as possible."))
+    if (fields::button(strings::job_panels::run, "benchmark", "start", can,
+                       strings::job_panels::starts_at_once_and_flies))
         commands.push(RunBenchmark{form.path, static_cast<std::size_t>(form.frames)});
     if (fields::runs(state, JobKind::benchmark)) fields::cancel("benchmark", commands);
     fields::outcome(state, JobKind::benchmark);

@@ -6,6 +6,7 @@
 
 #include "editor/panels/panels.h"
 #include "editor/panels/runs.h"
+#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -124,7 +125,7 @@ bool drag_point_on(const Frame& frame, const Route& route, Commands& commands) {
 
 void draw_overview(const State& state, Commands& commands) {
     const Scene& scene = state.scene;
-    ui::heading("Overview");
+    ui::heading(strings::overview::overview);
     Frame frame;
     frame.size = overview_size(scene);
     frame.from = ImGui::GetCursorScreenPos();
@@ -157,8 +158,7 @@ void draw_overview(const State& state, Commands& commands) {
         if (ImGui::IsItemActivated() || ImGui::GetIO().MouseDelta.x != 0 || ImGui::GetIO().MouseDelta.y != 0)
             commands.push(jump);
     } else {
-        ui::tip("Click, or drag, to fly there at the same height above the ground. Yellow: the camera; blue: the "
-                "frozen camera; pink: the path.");
+        ui::tip(strings::overview::click_or_drag_to_fly);
     }
 }
 

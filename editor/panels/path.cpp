@@ -5,6 +5,7 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/panels.h"
+#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -29,10 +30,11 @@ void beside(const char* label) {
 void draw_name(const Route& route) {
     const std::string& path = route.path();
     const std::size_t slash = path.find_last_of('/');
-    const char* name = path.empty() ? "not saved yet" : path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
+    const char* name =
+        path.empty() ? strings::path::not_saved_yet : path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
     if (route.points().empty() && route.empty()) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextWrapped("None. Record a flight, add points one by one, or open a file.");
+        ImGui::TextWrapped(strings::path::none_record_a_flight_add);
         ImGui::PopStyleColor();
         return;
     }
@@ -42,7 +44,7 @@ void draw_name(const Route& route) {
     if (!path.empty()) ui::tip(path.c_str());
     if (route.as_read()) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextUnformatted("as in the file; editing converts it to these points");
+        ImGui::TextUnformatted(strings::path::as_in_the_file_editing);
         ImGui::PopStyleColor();
     }
 }
@@ -50,16 +52,17 @@ void draw_name(const Route& route) {
 void draw_flight(const State& state, Commands& commands) {
     const Route& route = state.route;
     const bool there = !route.empty();
-    if (button(route.playing() ? "Pause" : "Play", "play", there, "Fly along the path, or pause (P)."))
+    if (button(route.playing() ? strings::common::pause : strings::path::play, "play", there,
+               strings::path::fly_along_the_path_or))
         commands.push(PlayPath{!route.playing()});
-    beside("Restart");
-    if (button("Restart", "again", there, "Play from the beginning.")) {
+    beside(strings::path::restart);
+    if (button(strings::path::restart, "again", there, strings::path::play_from_the_beginning)) {
         commands.push(SeekPath{0});
         commands.push(PlayPath{true});
     }
-    beside("Record");
-    if (button(route.recording() ? "Stop recording" : "Record", "record", true,
-               "Record the flight as points, which then become the path (R)."))
+    beside(strings::path::record);
+    if (button(route.recording() ? strings::common::stop_recording : strings::path::record, "record", true,
+               strings::path::record_the_flight_as_points))
         commands.push(RecordPath{!route.recording()});
     ImGui::BeginDisabled(!there);
     auto share = static_cast<float>(route.share());
@@ -70,21 +73,21 @@ void draw_flight(const State& state, Commands& commands) {
         commands.push(SeekPath{static_cast<double>(share)});
     ImGui::EndDisabled();
     ui::mark("path", "seek");
-    ui::tip("Position along the path; drag to seek.");
+    ui::tip(strings::path::position_along_the_path_drag);
     draw_timeline(state, commands);
     double seconds = route.requested_seconds();
     ImGui::SetNextItemWidth(6.5F * ImGui::GetFontSize());
-    if (ImGui::InputDouble("Duration", &seconds, 0, 0, seconds > 0 ? "%.1f s" : "auto",
+    if (ImGui::InputDouble(strings::path::duration, &seconds, 0, 0, seconds > 0 ? "%.1f s" : strings::common::auto_,
                            ImGuiInputTextFlags_EnterReturnsTrue) &&
         std::isfinite(seconds))
         commands.push(SetPathSeconds{seconds});
     ui::mark("path", "seconds");
-    ui::tip("Duration of the flight in seconds, 1 to 3600; 0: chosen from the terrain's size. Enter applies it.");
+    ui::tip(strings::path::duration_of_the_flight_in);
     ImGui::SameLine();
     bool loops = route.loops();
-    if (ImGui::Checkbox("Loop", &loops)) commands.push(LoopPath{loops});
+    if (ImGui::Checkbox(strings::path::loop, &loops)) commands.push(LoopPath{loops});
     ui::mark("path", "loop");
-    ui::tip("Starts again at the end.");
+    ui::tip(strings::path::starts_again_at_the_end);
 }
 
 void draw_point(const Route& route, std::size_t i, Commands& commands) {
@@ -94,9 +97,9 @@ void draw_point(const Route& route, std::size_t i, Commands& commands) {
     ImGui::PushID(static_cast<int>(i));
     if (ImGui::Selectable(text, route.selected() == i)) commands.push(SelectPoint{i});
     char name[24];
-    std::snprintf(name, sizeof name, "point.%zu", i);
+    std::snprintf(name, sizeof name, strings::path::point, i);
     ui::mark("path", name);
-    ui::tip("Select it, and look from there.");
+    ui::tip(strings::path::select_it_and_look_from);
     ImGui::PopID();
 }
 
@@ -118,45 +121,46 @@ void draw_editing(const State& state, Commands& commands) {
     const Route& route = state.route;
     const std::size_t at = route.selected().value_or(0), n = route.points().size();
     const bool selected = route.selected().has_value();
-    if (button("Add", "add", true, "A point where the camera is, after the selected one, or last (N)."))
-        commands.push(AddPoint{});
-    beside("Replace");
-    if (button("Replace", "replace", selected, "Puts the selected point where the camera is."))
+    if (button(strings::common::add, "add", true, strings::path::a_point_where_the_camera)) commands.push(AddPoint{});
+    beside(strings::path::replace);
+    if (button(strings::path::replace, "replace", selected, strings::path::puts_the_selected_point_where))
         commands.push(ReplacePoint{at});
-    beside("Remove");
-    if (button("Remove", "remove", selected, "Removes the selected point.")) commands.push(RemovePoint{at});
-    beside("Up");
-    if (button("Up", "up", selected && at > 0, "Swaps the selected point with the one before."))
+    beside(strings::common::remove);
+    if (button(strings::common::remove, "remove", selected, strings::path::removes_the_selected_point))
+        commands.push(RemovePoint{at});
+    beside(strings::common::up);
+    if (button(strings::common::up, "up", selected && at > 0, strings::path::swaps_the_selected_point_with))
         commands.push(MovePoint{at, at - 1});
-    beside("Down");
-    if (button("Down", "down", selected && at + 1 < n, "Swaps the selected point with the one after."))
+    beside(strings::path::down);
+    if (button(strings::path::down, "down", selected && at + 1 < n, strings::path::swaps_the_selected_point_with_the))
         commands.push(MovePoint{at, at + 1});
-    if (button("Turntable", "circle", state.scene.open(), "Another path: once around what the camera looks at."))
+    if (button(strings::path::turntable, "circle", state.scene.open(), strings::path::another_path_once_around_what))
         commands.push(CirclePath{});
-    beside("Look at centre");
-    if (button(
-            "Look at centre", "aim", n > 0 && state.scene.open(),
-            "All points look at the middle between the probe's marks, at its mark, or else at the terrain's middle.")) {
+    beside(strings::path::look_at_centre);
+    if (button(strings::path::look_at_centre, "aim", n > 0 && state.scene.open(),
+               strings::path::all_points_look_at_the)) {
         Vec3 centre{state.scene.width_m() / 2, 0, state.scene.depth_m() / 2};
         if (state.probe.marks > 0) centre = state.probe.mark_m[0];
         if (state.probe.marks > 1) centre = (state.probe.mark_m[0] + state.probe.mark_m[1]) * 0.5;
         commands.push(AimPath{centre.x, centre.z});
     }
-    if (button("Open...", "open", true, "A camera path from a file.")) commands.push(ShowDialog{Dialog::open_file});
-    beside("Save...");
-    if (button("Save...", "save", n >= 2, "The camera path to a file, as control points in metres."))
+    if (button(strings::common::open_more, "open", true, strings::path::a_camera_path_from_a))
+        commands.push(ShowDialog{Dialog::open_file});
+    beside(strings::path::save);
+    if (button(strings::path::save, "save", n >= 2, strings::path::the_camera_path_to_a))
         commands.push(ShowDialog{Dialog::save_path});
-    beside("Clear");
-    if (button("Clear", "clear", n > 0, "Removes the path; Restore brings it back.")) commands.push(ClearPath{});
-    beside("Restore");
-    if (button("Restore", "restore", route.can_restore(), "The path as it was before it was last changed."))
+    beside(strings::path::clear);
+    if (button(strings::path::clear, "clear", n > 0, strings::path::removes_the_path_restore_brings))
+        commands.push(ClearPath{});
+    beside(strings::common::restore);
+    if (button(strings::common::restore, "restore", route.can_restore(), strings::path::the_path_as_it_was))
         commands.push(RestorePath{});
 }
 
 } // namespace
 
 void draw_path(const State& state, Commands& commands) {
-    ui::heading("Camera path");
+    ui::heading(strings::common::camera_path);
     draw_name(state.route);
     draw_flight(state, commands);
     draw_points(state.route, commands);

@@ -5,6 +5,7 @@
 
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
+#include "editor/strings.h"
 #include "fjell/gl/palette.h"
 
 namespace fjell::editor {
@@ -15,26 +16,25 @@ struct Choice {
     const char *label, *about;
 };
 constexpr Choice modes[] = {
-    {"Shaded", "Colours and light, as in a game."},
-    {"Wire", "Shaded, with the edges of all triangles."},
-    {"Levels", "Every triangle in its level's colour: coarse ones violet and blue, fine ones orange and red."},
-    {"Tiles", "Every tile in a colour different from its neighbours."},
-    {"Mips", "By the mip that is drawn: the pack's finest red, the smallest violet. Black: not loaded yet."},
-    {"Residency", "By the finest geometry in memory, drawn or not."},
-    {"Distance", "White at the near plane, black beyond the terrain; logarithmic."},
+    {strings::picture::shaded, strings::picture::colours_and_light_as_in},
+    {strings::picture::wire, strings::picture::shaded_with_the_edges_of},
+    {strings::common::levels, strings::picture::every_triangle_in_its_levels},
+    {strings::picture::tiles, strings::picture::every_tile_in_a_colour},
+    {strings::picture::mips, strings::picture::by_the_mip_that_is},
+    {strings::picture::residency, strings::picture::by_the_finest_geometry_in},
+    {strings::common::distance, strings::picture::white_at_the_near_plane},
 };
 static_assert(std::size(modes) == flight::picture_modes, "a mode was added: say what it shows");
 constexpr Choice overlay_choices[] = {
-    {"Wireframe", "Edges of all triangles."},
-    {"Tile borders", "Borders of tiles, on the ground and in the overview."},
-    {"Page borders", "Borders of pages, which are loaded and evicted as a whole."},
-    {"Bounding spheres", "Around vertices, as refinement uses them."},
-    {"Culled", "With refinement frozen: culled tiles, and the frustum of the frozen camera."},
-    {"True error", "Distance of the mesh from the full-resolution terrain, in pixels; hatched where it breaks the "
-                   "bound. Replaces the picture; all heights are read first."},
-    {"Camera path", "The path, its points and the recording in progress; hidden during playback."},
-    {"Contours", "Lines of equal height, every fifth one wider."},
-    {"Slope", "Steep ground in bands, from 15, 25, 35 and 45 degrees on."},
+    {strings::picture::wireframe, strings::picture::edges_of_all_triangles},
+    {strings::picture::tile_borders, strings::picture::borders_of_tiles_on_the},
+    {strings::picture::page_borders, strings::picture::borders_of_pages_which_are},
+    {strings::picture::bounding_spheres, strings::picture::around_vertices_as_refinement_uses},
+    {strings::picture::culled, strings::picture::with_refinement_frozen_culled_tiles},
+    {strings::picture::true_error, strings::picture::distance_of_the_mesh_from},
+    {strings::common::camera_path, strings::picture::the_path_its_points_and},
+    {strings::picture::contours, strings::picture::lines_of_equal_height_every},
+    {strings::common::slope, strings::picture::steep_ground_in_bands_from},
 };
 static_assert(std::size(overlay_choices) == overlays, "an overlay was added: say what it shows");
 
@@ -80,7 +80,7 @@ void step_legend(const Scene& scene, int tile_log2, bool levels) {
 // 0 is the pack's finest.
 void mip_legend(int mips) {
     if (mips == 0) {
-        note("This pack has no maps.");
+        note(strings::picture::this_pack_has_no_maps);
         return;
     }
     Legend legend;
@@ -96,11 +96,11 @@ void error_legend(double promised_px) {
     Legend legend;
     char text[40];
     for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-        std::snprintf(text, sizeof text, share < 1 ? "%.3g" : "%.3g px: the bound", share * promised_px);
+        std::snprintf(text, sizeof text, share < 1 ? "%.3g" : strings::picture::px_the_bound, share * promised_px);
         legend.entry(ui::colour(gl::error_rgb(share)), text);
     }
-    legend.entry(ui::colour(gl::error_stops[4]), "hatched: above the bound");
-    legend.entry(ui::colour(gl::error_stops[5]), "no reference");
+    legend.entry(ui::colour(gl::error_stops[4]), strings::picture::hatched_above_the_bound);
+    legend.entry(ui::colour(gl::error_stops[5]), strings::picture::no_reference);
 }
 
 void draw_legend(const State& state) {
@@ -117,14 +117,15 @@ void explain_relief(const State& state) {
     char text[80];
     if (state.shows(Overlay::contours)) {
         const double every_m = contour_interval_m(state.scene);
-        std::snprintf(text, sizeof text, "Contours every %.4g m, wider every %.4g m.", every_m, 5 * every_m);
+        std::snprintf(text, sizeof text, strings::picture::contours_every_m_wider_every, every_m, 5 * every_m);
         note(text);
     }
     if (!state.shows(Overlay::slope)) return;
-    note("Slope, degrees:");
+    note(strings::picture::slope_degrees);
     Legend legend;
     for (std::size_t i = 0; i < std::size(gl::slope_rgb); ++i) {
-        std::snprintf(text, sizeof text, i + 1 < std::size(gl::slope_rgb) ? "from %d" : "%d and steeper",
+        std::snprintf(text, sizeof text,
+                      i + 1 < std::size(gl::slope_rgb) ? strings::picture::from : strings::picture::and_steeper,
                       gl::slope_bands_deg[i]);
         legend.entry(ui::colour(gl::slope_rgb[i]), text);
     }
@@ -132,16 +133,15 @@ void explain_relief(const State& state) {
 
 void explain_overlays(const State& state) {
     explain_relief(state);
-    if (state.shows(Overlay::culled) && !state.eye.frozen)
-        note("Culled tiles are out of view: freeze refinement (F), and look from elsewhere.");
+    if (state.shows(Overlay::culled) && !state.eye.frozen) note(strings::picture::culled_tiles_are_out_of);
     if (!state.shows(Overlay::error)) return;
-    if (state.heights_share < 0) return note("The reference heights could not be read; see Help > Messages.");
+    if (state.heights_share < 0) return note(strings::picture::the_reference_heights_could_not);
     if (state.heights_share < 1) {
         char text[48];
-        std::snprintf(text, sizeof text, "Reading heights: %.0f%%", 100 * state.heights_share);
+        std::snprintf(text, sizeof text, strings::picture::reading_heights, 100 * state.heights_share);
         return note(text);
     }
-    note("True error:");
+    note(strings::picture::true_error_key);
     error_legend(state.document.profile().refine.error_px);
 }
 
@@ -151,7 +151,7 @@ void second_column(int i) {
 }
 
 void draw_scale(const State& state, Commands& commands) {
-    ui::heading("Interface");
+    ui::heading(strings::picture::interface);
     constexpr double scales[] = {0.75, 1, 1.25, 1.5, 2, 2.5, 3};
     constexpr const char* names[] = {"75%", "100%", "125%", "150%", "200%", "250%", "300%"};
     for (std::size_t i = 0; i < std::size(scales); ++i) {
@@ -164,7 +164,7 @@ void draw_scale(const State& state, Commands& commands) {
         if (!on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
         if (ImGui::Button(names[i])) commands.push(SetScale{scales[i]});
         ui::mark("scale", names[i]);
-        ui::tip("Size of text and controls.");
+        ui::tip(strings::picture::size_of_text_and_controls);
         if (!on) ImGui::PopStyleColor();
     }
 }
@@ -180,7 +180,7 @@ const char* label_of(Overlay overlay) {
 }
 
 void draw_picture(const State& state, Commands& commands) {
-    ui::heading("Picture mode (M: next)");
+    ui::heading(strings::picture::picture_mode_m_next);
     for (int i = 0; i < flight::picture_modes; ++i) {
         const auto mode = static_cast<flight::PictureMode>(i);
         second_column(i);
@@ -191,7 +191,7 @@ void draw_picture(const State& state, Commands& commands) {
     note(modes[static_cast<int>(state.interface.mode)].about);
     const bool hidden = state.shows(Overlay::error) && state.heights_share >= 1;
     if (state.scene.open() && !hidden) draw_legend(state);
-    ui::heading("Overlays");
+    ui::heading(strings::picture::overlays);
     for (int i = 0; i < overlays; ++i) {
         bool on = state.interface.overlay[static_cast<std::size_t>(i)];
         second_column(i);

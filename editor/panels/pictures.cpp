@@ -7,6 +7,7 @@
 #include "editor/number_text.h"
 #include "editor/panels/fields.h"
 #include "editor/panels/panels.h"
+#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -20,10 +21,10 @@ void draw_bookmark(const Bookmark& b, std::size_t index, float width, Commands& 
     ImGui::BeginGroup();
     const ImVec2 at = ImGui::GetCursorScreenPos();
     if (ImGui::InvisibleButton("go", {width, height})) commands.push(GoToBookmark{index});
-    std::snprintf(name, sizeof name, "go.%zu", index);
+    std::snprintf(name, sizeof name, strings::pictures::go, index);
     ui::mark("bookmark", name);
     const bool hovered = ImGui::IsItemHovered();
-    ui::tip("Look from there.");
+    ui::tip(strings::pictures::look_from_there);
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const ImVec2 high{at.x + width, at.y + height};
     if (b.texture != 0) { // cut to the frame's shape, not stretched
@@ -37,9 +38,9 @@ void draw_bookmark(const Bookmark& b, std::size_t index, float width, Commands& 
     }
     if (hovered) list.AddRect(at, high, IM_COL32_WHITE);
     if (ImGui::SmallButton("x")) commands.push(RemoveBookmark{index});
-    std::snprintf(name, sizeof name, "remove.%zu", index);
+    std::snprintf(name, sizeof name, strings::pictures::remove, index);
     ui::mark("bookmark", name);
-    ui::tip("Removes this bookmark.");
+    ui::tip(strings::pictures::removes_this_bookmark);
     ImGui::SameLine();
     const ImVec2 text = ImGui::GetCursorScreenPos();
     ImGui::PushClipRect(text, {high.x, text.y + 2 * ImGui::GetFontSize()}, true);
@@ -51,20 +52,20 @@ void draw_bookmark(const Bookmark& b, std::size_t index, float width, Commands& 
 
 void draw_bookmarks(const State& state, Commands& commands) {
     static char name[61] = "";
-    ui::heading("Bookmarks");
-    const float add = ImGui::CalcTextSize("Add").x + 2 * ImGui::GetStyle().FramePadding.x;
+    ui::heading(strings::pictures::bookmarks);
+    const float add = ImGui::CalcTextSize(strings::common::add).x + 2 * ImGui::GetStyle().FramePadding.x;
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - add - ImGui::GetStyle().ItemSpacing.x);
-    const bool entered =
-        ImGui::InputTextWithHint("##name", "a name, or none", name, sizeof name, ImGuiInputTextFlags_EnterReturnsTrue);
+    const bool entered = ImGui::InputTextWithHint("##name", strings::pictures::a_name_or_none, name, sizeof name,
+                                                  ImGuiInputTextFlags_EnterReturnsTrue);
     ui::mark("bookmark", "name");
-    ui::tip("What the bookmark is called; without a name it is numbered.");
+    ui::tip(strings::pictures::what_the_bookmark_is_called);
     ImGui::SameLine();
-    if (ImGui::Button("Add") || entered) {
+    if (ImGui::Button(strings::common::add) || entered) {
         commands.push(AddBookmark{name});
         name[0] = '\0';
     }
     ui::mark("bookmark", "add");
-    ui::tip("Keeps where the camera is, with a thumbnail.");
+    ui::tip(strings::pictures::keeps_where_the_camera_is);
     const float gap = ImGui::GetStyle().ItemSpacing.x, room = ImGui::GetContentRegionAvail().x;
     const float width = std::max((room - gap) / 2 - 1, 4 * ImGui::GetFontSize());
     std::size_t index = 0;
@@ -75,7 +76,7 @@ void draw_bookmarks(const State& state, Commands& commands) {
     }
     if (index == 0) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextWrapped("None of this terrain yet.");
+        ImGui::TextWrapped(strings::pictures::none_of_this_terrain_yet);
         ImGui::PopStyleColor();
     }
 }
@@ -89,29 +90,32 @@ struct RenderForm {
 
 void draw_render(const State& state, Commands& commands) {
     static RenderForm form;
-    constexpr const char* ways[] = {"this view", "the path, frame by frame"};
-    ui::heading("Render");
+    constexpr const char* ways[] = {strings::pictures::this_view, strings::pictures::the_path_frame_by_frame};
+    ui::heading(strings::pictures::render);
     fields::suggest(form.file, form.file_made_for, state, ".png");
-    fields::suggest(form.folder, form.folder_made_for, state, "-frames");
-    fields::choice("What", "render", "what", form.way, ways, 2,
-                   "A picture of what the camera sees, of any size; or one for each frame of the camera path.");
+    fields::suggest(form.folder, form.folder_made_for, state, strings::pictures::frames);
+    fields::choice(strings::pictures::what, "render", "what", form.way, ways, 2,
+                   strings::pictures::a_picture_of_what_the);
     const bool path = form.way == 1;
-    fields::path(path ? "Folder" : "Picture", "render", "path", path ? form.folder : form.file,
-                 path ? "a folder" : "a file that ends in .png",
-                 path ? "The pictures go there: frame_00000.png and so on." : "Where the PNG goes.");
-    fields::whole("Width, px", "render", "width", form.width, "Of the picture, whatever the window has.");
-    fields::whole("Height, px", "render", "height", form.height, "Of the picture, whatever the window has.");
-    if (path) fields::number("Pictures a second", "render", "fps", form.fps, "%.4g", "Of the path's flight: 1 to 240.");
+    fields::path(path ? strings::pictures::folder : strings::common::picture, "render", "path",
+                 path ? form.folder : form.file, path ? strings::pictures::a_folder : strings::common::a_png_file,
+                 path ? strings::pictures::the_pictures_go_there_frame : strings::common::where_the_png_goes);
+    fields::whole(strings::pictures::width_px, "render", "width", form.width,
+                  strings::pictures::of_the_picture_whatever_the);
+    fields::whole(strings::pictures::height_px, "render", "height", form.height,
+                  strings::pictures::of_the_picture_whatever_the);
+    if (path)
+        fields::number(strings::pictures::pictures_a_second, "render", "fps", form.fps, "%.4g",
+                       strings::pictures::of_the_paths_flight_1);
     if (path && !state.route.empty()) {
         const double count = std::max(std::round(state.route.seconds() * form.fps), 2.0);
-        ImGui::TextColored(ImColor(ui::quiet).Value, "%s pictures of %.1f s", count_text(count).text,
+        ImGui::TextColored(ImColor(ui::quiet).Value, strings::pictures::pictures_of_s, count_text(count).text,
                            state.route.seconds());
     }
     const bool can = !state.job.running && state.scene.open() && (!path || !state.route.empty()) &&
                      (path ? form.folder : form.file)[0] != '\0' && form.width >= 16 && form.height >= 16;
-    if (fields::button("Render", "render", "start", can,
-                       "Draws beside the frame, with the threshold held in every picture whatever a frame's budgets "
-                       "are. Above the width of the profile's view more detail is refined, as for a larger screen.")) {
+    if (fields::button(strings::pictures::render, "render", "start", can,
+                       strings::pictures::draws_beside_the_frame_with)) {
         RenderPictures r;
         r.path = path ? form.folder : form.file;
         r.way = path ? PictureWay::path : PictureWay::still;
@@ -128,7 +132,7 @@ void draw_render(const State& state, Commands& commands) {
 
 void draw_pictures(const State& state, Commands& commands) {
     if (!state.scene.open()) {
-        ImGui::TextWrapped("No terrain is open.");
+        ImGui::TextWrapped(strings::common::no_terrain_is_open);
         return;
     }
     draw_bookmarks(state, commands);

@@ -8,6 +8,7 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/graph.h"
+#include "editor/strings.h"
 #include "flight/log.h"
 
 namespace fjell::editor {
@@ -84,18 +85,18 @@ void draw_exhausted(ImDrawList& list, const FlownRun& run, ImVec2 low, ImVec2 hi
 
 void tell_place(const State& state, double share, const Strip& strip) {
     ImGui::BeginTooltip();
-    ImGui::Text("%.0f%% of the path", 100 * share);
+    ImGui::Text(strings::runs::of_the_path, 100 * share);
     for (std::size_t r = 0; r < state.runs.all.size(); ++r) {
         const FlownRun& run = *state.runs.all[r];
         const float value = strip.value(run.places[run.place_at(share)]);
         ImGui::PushStyleColor(ImGuiCol_Text, run_colours[r]);
         if (value >= unbounded_px)
-            ImGui::Text("%.24s: unbounded", run.name.c_str());
+            ImGui::Text(strings::runs::unbounded, run.name.c_str());
         else
             ImGui::Text("%.24s: %.3g %s", run.name.c_str(), static_cast<double>(value), strip.unit);
         ImGui::PopStyleColor();
     }
-    ImGui::TextDisabled("click: look from there");
+    ImGui::TextDisabled(strings::runs::click_look_from_there);
     ImGui::EndTooltip();
 }
 
@@ -147,9 +148,9 @@ void run_column(const char* text, ImU32 colour) {
 
 void about_run(const FlownRun& run) {
     if (!ui::begin_tip()) return;
-    ImGui::Text("%s at %.3g px: %s frames, %s vertices, %.1f%% of them converged; p99 of the error %.3g px",
-                run.profile.c_str(), run.error_px, count_text(static_cast<double>(run.frames)).text,
-                count_text(run.vertices).text, 100 * run.converged, run.error_p99_px);
+    ImGui::Text(strings::runs::at_px_frames_vertices_of, run.profile.c_str(), run.error_px,
+                count_text(static_cast<double>(run.frames)).text, count_text(run.vertices).text, 100 * run.converged,
+                run.error_p99_px);
     ui::end_tip();
 }
 
@@ -157,12 +158,12 @@ void draw_run_table(const State& state, Commands& commands) {
     if (!ImGui::BeginTable("runs", 6, ImGuiTableFlags_SizingStretchProp)) return;
     const float em = ImGui::GetFontSize();
     ImGui::TableSetupColumn("run", 0, 2);
-    for (const char* name : {"px", "p50", "p99", "max"}) ImGui::TableSetupColumn(name, 0, 1);
+    for (const char* name : {"px", "p50", "p99", strings::common::max}) ImGui::TableSetupColumn(name, 0, 1);
     ImGui::TableSetupColumn("x", ImGuiTableColumnFlags_WidthFixed, 1.4F * em);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    ImGui::TextColored(ImColor(ui::quiet).Value, "update, ms");
-    for (const char* name : {"px", "p50", "p99", "max"}) run_column(name, ui::quiet);
+    ImGui::TextColored(ImColor(ui::quiet).Value, strings::runs::update_ms);
+    for (const char* name : {"px", "p50", "p99", strings::common::max}) run_column(name, ui::quiet);
     const ImU32 text_colour = ImGui::GetColorU32(ImGuiCol_Text);
     for (std::size_t r = 0; r < state.runs.all.size(); ++r) {
         const FlownRun& run = *state.runs.all[r];
@@ -179,9 +180,9 @@ void draw_run_table(const State& state, Commands& commands) {
         ImGui::TableNextColumn();
         if (ImGui::SmallButton("x")) commands.push(ForgetRun{r});
         char name[32];
-        std::snprintf(name, sizeof name, "forget.%zu", r);
+        std::snprintf(name, sizeof name, strings::runs::forget, r);
         ui::mark("run", name);
-        ui::tip("Drops this run from the panel; its CSV stays.");
+        ui::tip(strings::runs::drops_this_run_from_the);
         ImGui::PopID();
     }
     ImGui::EndTable();
@@ -191,26 +192,26 @@ void draw_flown_place(const FlownPlace& place, const FlownRun& run, std::size_t 
                       const State& state, Commands& commands) {
     char text[96], error[24];
     if (place.error_px >= unbounded_px)
-        std::snprintf(error, sizeof error, "unbounded");
+        std::snprintf(error, sizeof error, strings::common::unbounded);
     else
         std::snprintf(error, sizeof error, "%.3g px", static_cast<double>(place.error_px));
     std::snprintf(text, sizeof text, "%3.0f%%  %s ms  %s%s", 100 * run.share_of(at),
                   ms_text(static_cast<double>(place.update_us)).text, error,
-                  place.exhausted != 0 ? "  budget spent" : "");
+                  place.exhausted != 0 ? strings::runs::budget_spent : "");
     ImGui::PushID(static_cast<int>(at));
     const bool chosen = state.runs.chosen && state.runs.chosen->run == index && state.runs.chosen->place == at;
     if (ImGui::Selectable(text, chosen)) commands.push(ChoosePlace{index, run.share_of(at)});
-    ui::tip("Share of the path, the update's time, and the largest error there. Click: look from there.");
+    ui::tip(strings::runs::share_of_the_path_the);
     ImGui::PopID();
 }
 
 void draw_worst(const State& state, Commands& commands) {
     const std::size_t index = state.runs.chosen ? state.runs.chosen->run : 0;
     const FlownRun& run = *state.runs.all[index];
-    constexpr const char* kinds[] = {"Dearest places", "Places beyond the threshold"};
+    constexpr const char* kinds[] = {strings::runs::dearest_places, strings::runs::places_beyond_the_threshold};
     for (std::size_t by = 0; by < 2; ++by) {
         ui::heading(kinds[by]);
-        if (run.worst[by].empty()) ImGui::TextColored(ImColor(ui::good).Value, "none");
+        if (run.worst[by].empty()) ImGui::TextColored(ImColor(ui::good).Value, strings::common::none);
         ImGui::PushID(kinds[by]);
         for (std::size_t i = 0; i < run.worst[by].size(); ++i) {
             const std::size_t at = run.worst[by][i];
@@ -224,15 +225,14 @@ void draw_worst(const State& state, Commands& commands) {
 }
 
 void draw_heat_choice(const State& state, Commands& commands) {
-    constexpr const char* labels[] = {"nothing", "time", "error"};
-    ImGui::TextUnformatted("Path on the overview coloured by");
+    constexpr const char* labels[] = {strings::runs::nothing, strings::runs::time, strings::runs::error};
+    ImGui::TextUnformatted(strings::runs::path_on_the_overview_coloured);
     for (int i = 0; i < 3; ++i) {
         if (i > 0) ImGui::SameLine();
         if (ImGui::RadioButton(labels[i], static_cast<int>(state.runs.heat) == i))
             commands.push(SetHeat{static_cast<Heat>(i)});
         ui::mark("heat", heat_names[i]);
-        ui::tip("Colours the overview in the Camera panel along the latest run's path: blue is cheap or exact, red "
-                "the run's p99 time or its threshold, white beyond that.");
+        ui::tip(strings::runs::colours_the_overview_in_the);
     }
 }
 
@@ -240,12 +240,12 @@ void draw_heat_choice(const State& state, Commands& commands) {
 
 void draw_runs(const State& state, Commands& commands) {
     if (state.runs.all.empty()) return;
-    ui::heading("Runs");
+    ui::heading(strings::runs::runs);
     draw_run_table(state, commands);
     const FlownRun& latest = *state.runs.all[0];
     draw_strip({"update", "ms", ms_of, latest.budget_us / 1000, 6}, state, commands);
     draw_strip({"error", "px", px_of, latest.error_px, 6}, state, commands);
-    ImGui::TextColored(ImColor(ui::quiet).Value, "red below: a budget is spent");
+    ImGui::TextColored(ImColor(ui::quiet).Value, strings::runs::red_below_a_budget_is);
     draw_heat_choice(state, commands);
     draw_worst(state, commands);
 }

@@ -6,6 +6,7 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/panels.h"
+#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -76,7 +77,7 @@ void draw_timeline(const State& state, Commands& commands) {
                    foot - (most > 0 ? speeds[i] / most : 0) * (foot - head)};
     list.AddPolyline(line.data(), static_cast<int>(count), IM_COL32(125, 175, 235, 255), 0, std::max(1.0F, em / 10));
     char text[64];
-    std::snprintf(text, sizeof text, "speed, up to %s", speed_text(static_cast<double>(most)).text);
+    std::snprintf(text, sizeof text, strings::timeline::speed_up_to, speed_text(static_cast<double>(most)).text);
     list.AddText({low.x + 0.3F * em, low.y}, ui::quiet, text);
     draw_points_of(list, route, low, high);
     const float x = low.x + static_cast<float>(route.share()) * width;
@@ -90,7 +91,7 @@ void draw_timeline(const State& state, Commands& commands) {
         commands.push(SeekPath{share});
     if (!ui::begin_tip()) return;
     const std::size_t at = std::min(static_cast<std::size_t>(share * static_cast<double>(count)), count - 1);
-    ImGui::Text("%.1f s: %s. Click: go there; a point's mark: select it.", share * route.seconds(),
+    ImGui::Text(strings::timeline::s_click_go_there_a, share * route.seconds(),
                 speed_text(static_cast<double>(speeds[at])).text);
     ui::end_tip();
 }

@@ -6,6 +6,7 @@
 #include "editor/panels/panels.h"
 #include "editor/panels/slider.h"
 #include "editor/panels/tune_cost.h"
+#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -37,9 +38,9 @@ struct Row {
 
 const char* rebuilds(flight::Rebuild rebuild) {
     switch (rebuild) {
-    case flight::Rebuild::nothing: return "A change takes effect in the next frame.";
-    case flight::Rebuild::method: return "A change reallocates the method's memory.";
-    case flight::Rebuild::session: return "A change reopens the pack; the view stays.";
+    case flight::Rebuild::nothing: return strings::tune::a_change_takes_effect_in;
+    case flight::Rebuild::method: return strings::tune::a_change_reallocates_the_methods;
+    case flight::Rebuild::session: return strings::tune::a_change_reopens_the_pack;
     }
     return "";
 }
@@ -49,10 +50,10 @@ void tip(const Row& row) {
     const flight::ProfileKey& key = row.key;
     char text[1400], range[96] = "";
     if (key.kind == flight::KeyKind::number || key.kind == flight::KeyKind::whole)
-        (void)std::snprintf(range, sizeof range, "Range: %.10g to %.10g%s%s\n", key.least, key.most,
+        (void)std::snprintf(range, sizeof range, strings::tune::range_to, key.least, key.most,
                             *key.unit != '\0' ? " " : "", key.unit);
     (void)std::snprintf(text, sizeof text, "%s\n\n%s%s%s%s", key.about, range, rebuilds(key.rebuild),
-                        row.idle != nullptr ? "\n\nNot used now: " : "", row.idle != nullptr ? row.idle : "");
+                        row.idle != nullptr ? strings::tune::not_used_now : "", row.idle != nullptr ? row.idle : "");
     ImGui::TextUnformatted(text);
     ui::end_tip();
 }
@@ -74,15 +75,15 @@ void draw_label(const Row& row) {
     }
     if (!changed) return;
     const ImGuiStyle& style = ImGui::GetStyle();
-    const float width = ImGui::CalcTextSize("reset").x + 2 * style.FramePadding.x;
+    const float width = ImGui::CalcTextSize(strings::tune::reset).x + 2 * style.FramePadding.x;
     ImGui::SameLine(ImGui::GetContentRegionMax().x - width);
-    if (ImGui::Button("reset")) row.commands.push(SetKey{&row.key, saved, false});
+    if (ImGui::Button(strings::tune::reset)) row.commands.push(SetKey{&row.key, saved, false});
     ui::mark("reset", row.name);
     if (!ui::begin_tip()) return;
     char was[64], text[96];
     write_value(row.key, saved, was, sizeof was);
     const bool choice = row.key.kind == flight::KeyKind::choice;
-    (void)std::snprintf(text, sizeof text, "Reset to the saved value: %s",
+    (void)std::snprintf(text, sizeof text, strings::tune::reset_to_the_saved_value,
                         choice ? row.key.choices[static_cast<std::size_t>(saved)] : was);
     ImGui::TextUnformatted(text);
     ui::end_tip();
@@ -147,7 +148,8 @@ void draw_choices(const Row& row) {
 
 void draw_flag(const Row& row) {
     bool on = row.value != 0;
-    if (ImGui::Checkbox(on ? "on" : "off", &on)) row.commands.push(SetKey{&row.key, on ? 1.0 : 0.0, false});
+    if (ImGui::Checkbox(on ? strings::tune::on : strings::common::off, &on))
+        row.commands.push(SetKey{&row.key, on ? 1.0 : 0.0, false});
     ui::mark(row.key.table, row.key.name);
     tip(row);
 }
@@ -166,9 +168,9 @@ void draw_notes(const Row& row) {
         write_value(row.key, theirs, text, sizeof text);
         const bool choice = row.key.kind == flight::KeyKind::choice, flag = row.key.kind == flight::KeyKind::flag;
         ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.55F, 0.74F, 0.95F, 1));
-        ImGui::Text("compared: %s", choice ? row.key.choices[static_cast<std::size_t>(theirs)]
-                                    : flag ? (theirs != 0 ? "on" : "off")
-                                           : text);
+        ImGui::Text(strings::tune::compared, choice ? row.key.choices[static_cast<std::size_t>(theirs)]
+                                             : flag ? (theirs != 0 ? strings::tune::on : strings::common::off)
+                                                    : text);
         ImGui::PopStyleColor();
     }
     ImGui::PopTextWrapPos();
