@@ -48,7 +48,7 @@ std::string sbatch(const LaunchOptions& o, const std::string& name, const std::s
 }
 
 std::vector<std::string> of_slurm(const ShardPlan& plan, const LaunchOptions& o) {
-    std::vector<std::string> commands{"set -e"};
+    std::vector<std::string> commands{"set -e", "JOB="}; // one that the environment has is not ours to wait for
     const std::string log = quoted(plan.folder + "/log");
     commands.push_back("mkdir -p " + log);
     for (const ShardStep& step : shard_steps(plan.rounds))
@@ -110,7 +110,7 @@ ShardCost cost_of(const ShardPlan& plan, const Recipe& recipe) {
     }
     // Bytes a sample: heights 4 (twice with voids), unsaturated errors 1/4, places and centres of all rounds
     // 12/4 (1 + 1/4 + ...), texels of mips, and chunks, of which work_bytes knows the most.
-    constexpr double shard_rate = 11e6, merge_rate = 8e6; // samples a second and core; docs/notes/sharding.md
+    constexpr double shard_rate = 8e6, merge_rate = 8e6; // samples a second and core; docs/notes/sharding.md
     const auto normals =
         static_cast<std::uint32_t>(std::min(plan.tile_log2, static_cast<int>(options.max_texture_log2)));
     const auto all = static_cast<double>(work_bytes(tree, options.order, {normals - 1, normals, 0}));

@@ -147,6 +147,12 @@ public:
         get_all(std::span(&value, 1));
         return value;
     }
+    template <typename T>
+    void skip(std::size_t values) {
+        if (values > (bytes_.size() - at_) / sizeof(T))
+            throw std::logic_error("a parcel is shorter than what is skipped in it");
+        at_ += values * sizeof(T);
+    }
     [[nodiscard]] bool ended() const { return at_ == bytes_.size(); }
 
 private:

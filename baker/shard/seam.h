@@ -59,7 +59,21 @@ std::uint64_t add_frames(const ShardPlan& plan, const ShardStep& step, const std
         Buffer<T> values;
         std::vector<bool> known;
     };
+    // Row by row what both hold.
+    const auto lay = [](const Window& at, const std::vector<T>& values, Strip& strip) {
+        const auto place = [](const Window& w, std::int32_t x, std::int32_t y) {
+            return std::ptrdiff_t{y - w.y} * w.columns + (x - w.x);
+        };
+        const Window shared = common(at, strip.at);
+        if (shared.area() == 0) return;
+        for (std::int32_t y = shared.y; y < shared.y + shared.rows; ++y) {
+            const std::ptrdiff_t to = place(strip.at, shared.x, y);
+            std::copy_n(values.begin() + place(at, shared.x, y), shared.columns, strip.values.data() + to);
+            std::fill_n(strip.known.begin() + to, shared.columns, true);
+        }
+    };
     std::vector<Strip> strips;
+    std::vector<T> values;
     for (const Window& w : ring(outer, own))
         if (w.area() != 0) strips.push_back({w, Buffer<T>(w.area()), std::vector<bool>(w.area())});
     std::uint64_t bytes_read = 0;
@@ -69,21 +83,13 @@ std::uint64_t add_frames(const ShardPlan& plan, const ShardStep& step, const std
         bytes_read += bytes.size();
         for (ParcelReader from(bytes); !from.ended();) {
             const Window at = from.get<Window>();
-            std::vector<T> values(at.area());
-            from.get_all(std::span<T>(values));
-            for (Strip& strip : strips) {
-                const Window shared = common(at, strip.at);
-                for (std::int32_t y = shared.y; y < shared.y + shared.rows; ++y)
-                    for (std::int32_t x = shared.x; x < shared.x + shared.columns; ++x) {
-                        const auto to =
-                            static_cast<std::size_t>(y - strip.at.y) * static_cast<std::size_t>(strip.at.columns) +
-                            static_cast<std::size_t>(x - strip.at.x);
-                        strip.values[to] =
-                            values[static_cast<std::size_t>(y - at.y) * static_cast<std::size_t>(at.columns) +
-                                   static_cast<std::size_t>(x - at.x)];
-                        strip.known[to] = true;
-                    }
+            if (common(at, outer).area() == 0) { // of a neighbour's four sides at most three face this shard
+                from.skip<T>(at.area());
+                continue;
             }
+            values.resize(at.area());
+            from.get_all(std::span<T>(values));
+            for (Strip& strip : strips) lay(at, values, strip);
         }
     }
     for (Strip& strip : strips) {

@@ -139,6 +139,26 @@ TEST_CASE("pages are looked at again only when a view has left what they were lo
     CHECK(looks <= 13); // after more than 4 cells each
 }
 
+TEST_CASE("with time enough every frame of a flight keeps to its threshold, pages that are new to it too") {
+    Random random(167);
+    const auto pack = rich_terrain(random, 1025, 7);
+    const Terrain& terrain = pack.terrain;
+    const double cell_m = terrain.x_m(1), extent = terrain.x_m(1024);
+    for (int round = 0; round < rounds(3, 20); ++round) {
+        Cut cut(terrain, ample_cut(terrain));
+        const CutSettings settings{.error_px = 2, .offscreen_factor = 8};
+        const double heading = uniform(random, 0, 6.28), step_m = cell_m * std::pow(10.0, uniform(random, -1, 0.5));
+        const Vec3 forward{std::cos(heading), -0.15, std::sin(heading)};
+        Vec3 eye{extent / 2, terrain.header().max_m + 10 * cell_m, extent / 2};
+        for (int frame = 0; frame < 200; ++frame, eye = eye + Vec3{forward.x, 0, forward.z} * step_m) {
+            const View view = make_view(eye, forward, {0, 1, 0}, 0.8, 640, 480, 1, 1e6);
+            const CutReport report = frame == 0 ? cut.rebuild({&view, 1}, settings) : cut.update({&view, 1}, settings);
+            CAPTURE(round, frame, step_m / cell_m, report.waiting);
+            if (frame > 0) REQUIRE(report.error_px_effective == settings.error_px);
+        }
+    }
+}
+
 TEST_CASE("where time ends a frame before all pages are looked at, what is claimed holds for what is shown") {
     Random random(164);
     int lagging = 0, bounded = 0, beyond = 0;

@@ -112,10 +112,11 @@ void Drawer::set_morph(const fjell::MorphFrame& frame, const fjell::View& view) 
     glUniform3f(at("morph_time_s"), frame.now_s, frame.morph_s, fjell::morph_clock_s);
 }
 
-void Drawer::set_tile(const fjell::PackHeader& header, std::uint32_t tile, std::span<const fjell::TileMap> colour,
+void Drawer::set_tile(const fjell::Terrain& terrain, std::uint32_t tile, std::span<const fjell::TileMap> colour,
                       std::span<const fjell::TileMap> normal) const {
-    const float cells = float(1u << header.tile_log2);
-    glUniform2f(at("tile_first"), float(tile % header.tiles_x) * cells, float(tile / header.tiles_x) * cells);
+    const float cells = float(1u << terrain.header().tile_log2);
+    const fjell::Coord place = terrain.tile_place(tile); // where tiles are missing it does not follow from the number
+    glUniform2f(at("tile_first"), float(place.x) * cells, float(place.y) * cells);
     glUniform1f(at("tile_cells"), cells);
     const std::span<const fjell::TileMap> tiles[] = {colour, normal};
     GLint layer[2] = {-1, -1};
@@ -126,7 +127,7 @@ void Drawer::set_tile(const fjell::PackHeader& header, std::uint32_t tile, std::
         layer[kind] = GLint(map.layer);
         texels[kind] = float(1u << maps_[kind].top_log2());
         missing_mips[kind] = float(maps_[kind].top_log2() - map.side_log2);
-        (void)fjell::min_lod_grid(tiles[kind], header.tiles_x, tile, grid[kind]);
+        (void)fjell::min_lod_grid(tiles[kind], terrain, tile, grid[kind]);
         glBindTextureUnit(kind, maps_[kind].array(map.side_log2));
     }
     glUniform1iv(at("layer"), 2, layer);
@@ -147,7 +148,7 @@ void Drawer::draw(const fjell::Terrain& terrain, const fjell::CutMesh& cut, cons
     set_view(terrain, view);
     set_morph(cut.frame, view);
     for (const fjell::TileRange& range : cut.mesh.tiles) {
-        set_tile(terrain.header(), range.tile, colour, normal);
+        set_tile(terrain, range.tile, colour, normal);
         glDrawElements(GL_TRIANGLES, GLsizei(range.index_count), GL_UNSIGNED_INT,
                        reinterpret_cast<const void*>(std::size_t{range.first_index} * sizeof(std::uint32_t)));
     }

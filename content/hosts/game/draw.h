@@ -27,7 +27,7 @@ public:
 private:
     void set_view(const fjell::Terrain& terrain, const fjell::View& view) const;
     void set_morph(const fjell::MorphFrame& frame, const fjell::View& view) const;
-    void set_tile(const fjell::PackHeader& header, std::uint32_t tile, std::span<const fjell::TileMap> colour,
+    void set_tile(const fjell::Terrain& terrain, std::uint32_t tile, std::span<const fjell::TileMap> colour,
                   std::span<const fjell::TileMap> normal) const;
     [[nodiscard]] GLint at(const char* uniform) const { return glGetUniformLocation(program_, uniform); }
 

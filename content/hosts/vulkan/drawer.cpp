@@ -279,7 +279,12 @@ void Drawer::write_block(const fjell::CutMesh& cut, const fjell::View& view, con
     std::memcpy(frame().block.mapped, &block, sizeof block);
 }
 
-// A range of a tile is a draw, and firstInstance says which tile. Those that no view sees are not among them.
+std::uint32_t Drawer::place_of(std::uint32_t tile) const {
+    const fjell::Coord place = terrain_.tile_place(tile);
+    return std::uint32_t(place.y) * terrain_.header().tiles_x + std::uint32_t(place.x);
+}
+
+// A range of a tile is a draw, and firstInstance says where the tile lies. Those that no view sees are not among them.
 void Drawer::write_draws(const fjell::CutMesh& cut) {
     auto* const draws = reinterpret_cast<VkDrawIndexedIndirectCommand*>(frame().draws.mapped);
     draws_ = 0;
@@ -288,7 +293,7 @@ void Drawer::write_draws(const fjell::CutMesh& cut) {
                            .instanceCount = 1,
                            .firstIndex = range.first_index,
                            .vertexOffset = 0,
-                           .firstInstance = range.tile};
+                           .firstInstance = place_of(range.tile)};
 }
 
 void Drawer::copy_changes() const {

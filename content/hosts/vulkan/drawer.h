@@ -35,7 +35,6 @@ static_assert(offsetof(FrameBlock, morph_eye_m) == 112 && sizeof(FrameBlock) == 
 
 // to.size() slots of the cut as they are on the device.
 void compact(const fjell::CutMesh& cut, std::uint32_t first, std::span<fjell::CompactVertex> to);
-
 class Drawer {
 public:
     Drawer(Gpu& gpu, const fjell::Terrain& terrain, const fjell::CutBudget& budget, VkExtent2D size);
@@ -50,6 +49,8 @@ public:
     void submit();
     void finish() const; // until the device is done with all
 
+    // What shaders know a tile by: its place, row by row. Where tiles are missing, numbers leave those out.
+    [[nodiscard]] std::uint32_t place_of(std::uint32_t tile) const;
     // Of the frame that is recorded: when it is drawn, both images are in TRANSFER_SRC_OPTIMAL.
     [[nodiscard]] const Image& colour() const { return frame().colour; }
     [[nodiscard]] const Image& depth() const { return frame().depth; }

@@ -5,7 +5,7 @@
 
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 1, std430) readonly buffer Vertices { uvec4 vertices[]; };
-layout(set = 0, binding = 2, std430) readonly buffer Asked { uint asked_count, unused; uvec2 asked[]; }; // slot, tile
+layout(set = 0, binding = 2, std430) readonly buffer Asked { uint asked_count, unused; uvec2 asked[]; }; // slot, place of a tile
 layout(set = 0, binding = 3, std430) writeonly buffer Answers { vec4 answers[]; };
 
 void main() {

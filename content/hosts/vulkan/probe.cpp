@@ -86,21 +86,23 @@ void Probe::point_at(const Drawer& drawer) const {
     }
 }
 
-void Probe::collect(const fjell::CutMesh& cut) {
+void Probe::collect(const Drawer& drawer, const fjell::CutMesh& cut) {
     const std::span<Asked> asked = as<Asked>(asked_);
     std::fill(seen_.begin(), seen_.end(), std::uint8_t{0});
     count_ = 0;
-    for (const fjell::TileRange& range : cut.mesh.tiles)
+    for (const fjell::TileRange& range : cut.mesh.tiles) {
+        const std::uint32_t place = drawer.place_of(range.tile);
         for (const std::uint32_t slot : cut.mesh.indices.subspan(range.first_index, range.index_count))
             if (seen_[slot] == 0) {
                 seen_[slot] = 1;
-                asked[1 + count_++] = {slot, range.tile};
+                asked[1 + count_++] = {slot, place};
             }
+    }
     asked[0] = {count_, 0};
 }
 
 void Probe::record(VkCommandBuffer commands, const Drawer& drawer, const fjell::CutMesh& cut) {
-    collect(cut);
+    collect(drawer, cut);
     point_at(drawer);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_, 0, 1, &set_, 0, nullptr);

@@ -21,9 +21,9 @@ public:
     Probe(const Probe&) = delete;
     Probe& operator=(const Probe&) = delete;
 
-    // A vertex slot, and a tile of the triangles that use it.
+    // A vertex slot, and the place of a tile of the triangles that use it.
     struct Asked {
-        std::uint32_t slot, tile;
+        std::uint32_t slot, place;
     };
     struct Answer { // where it is drawn: host's axes, counted from the origin
         float x_m, y_m, z_m, one;
@@ -46,7 +46,7 @@ private:
         return {reinterpret_cast<T*>(buffer.mapped), buffer.bytes / sizeof(T)};
     }
     void make_pipeline(const Drawer& drawer);
-    void collect(const fjell::CutMesh& cut);
+    void collect(const Drawer& drawer, const fjell::CutMesh& cut);
     void point_at(const Drawer& drawer) const;
 
     Gpu& gpu_;

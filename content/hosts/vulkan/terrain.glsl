@@ -16,9 +16,9 @@ layout(set = 0, binding = 0, std140) uniform Frame { // Frame of drawer.h
 const float morph_clock_s = 1024.0; // fjell::morph_clock_s
 const float late_s = 1.0 / 32.0;    // fjell::compact_late_s
 
-// The column and the row whose low 16 bits these are, out of those that the tile can have.
-ivec2 sample_of(uint low_bits, int tile) {
-    ivec2 first = ivec2(tile % frame.tiles_x, tile / frame.tiles_x) << frame.tile_log2;
+// The column and the row whose low 16 bits these are, out of those that the tile at a place can have.
+ivec2 sample_of(uint low_bits, int place) {
+    ivec2 first = ivec2(place % frame.tiles_x, place / frame.tiles_x) << frame.tile_log2;
     ivec2 low = ivec2(low_bits & 0xffffu, low_bits >> 16);
     return first + ((low - first) & 0xffff);
 }
@@ -43,8 +43,8 @@ float morphed(vec3 full, float error_m, float radius_m, uint activated) {
 }
 
 // vertex: CompactVertex of fjell/compact.h.
-vec3 world_position(uvec4 vertex, int tile) {
-    vec2 cells = vec2(sample_of(vertex.x, tile) - frame.origin_sample); // whole numbers: exact
+vec3 world_position(uvec4 vertex, int place) {
+    vec2 cells = vec2(sample_of(vertex.x, place) - frame.origin_sample); // whole numbers: exact
     precise vec3 p = vec3(cells.x * frame.spacing_m.x, -cells.y * frame.spacing_m.y,
                           uintBitsToFloat(vertex.y) - frame.origin_height_m);
     float rise_m = unpackHalf2x16(vertex.z).x; // to the flat height

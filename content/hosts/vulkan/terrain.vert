@@ -7,6 +7,6 @@ layout(location = 0) out vec3 world_m;
 invariant gl_Position;
 
 void main() {
-    world_m = world_position(vertex, gl_InstanceIndex); // firstInstance of a draw is its tile
+    world_m = world_position(vertex, gl_InstanceIndex); // firstInstance of a draw is the place of its tile
     gl_Position = frame.clip_from_world * vec4(world_m, 1.0);
 }

@@ -259,6 +259,7 @@ bool is_overlooking(const CutState& s) {
 void watch_page(CutState& s, std::uint32_t slot) {
     PageState& page = s.page_state[slot];
     if (s.sights.count == 0) return;
+    if (s.next_look == slot) ++s.next_look; // the last one of a look that was over, and is
     const double margin_m = cells_m(s, margin_cells);
     page.offscreen = parts_not_met(s, page, [&](const Box& box, std::uint32_t) {
         Met meeting = Met::nothing;
