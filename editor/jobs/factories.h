@@ -38,7 +38,7 @@ struct ExportPlan {
     flight::Profile profile;
     View view;
     double error_px = 0; // the whole terrain at this threshold, whatever the budgets; 0: as the profile settles on
-    std::shared_ptr<const flight::GroundLayers> layers; // drawn over its colours, as the profile says
+    std::shared_ptr<const flight::GroundLayers> layers = {}; // drawn over its colours, as the profile says
 };
 [[nodiscard]] Jobs::Body export_job(ExportPlan plan);
 

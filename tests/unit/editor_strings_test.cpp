@@ -15,7 +15,7 @@ using fjell::test::slurp;
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path panels = fs::path(FJELL_SOURCE_DIR) / "editor/panels";
+const fs::path panel_folder = fs::path(FJELL_SOURCE_DIR) / "editor/panels";
 
 std::string spaces_for(const std::string& text, const char* pattern) {
     return std::regex_replace(text, std::regex(pattern), " ");
@@ -64,7 +64,7 @@ bool is_id(const std::string& text) {
 
 TEST_CASE("what a user reads in the panels stands in the table of strings, and nowhere else") {
     std::size_t files = 0;
-    for (const auto& entry : fs::directory_iterator(panels)) {
+    for (const auto& entry : fs::directory_iterator(panel_folder)) {
         ++files;
         for (const Literal& literal : literals_of(slurp(entry.path()))) {
             INFO(entry.path().filename().string()
@@ -78,7 +78,7 @@ TEST_CASE("what a user reads in the panels stands in the table of strings, and n
 TEST_CASE("each string of the table is shown by a panel, and stands there once") {
     const std::string table = slurp(fs::path(FJELL_SOURCE_DIR) / "editor/strings.h");
     std::string sources;
-    for (const auto& entry : fs::directory_iterator(panels)) sources += slurp(entry.path());
+    for (const auto& entry : fs::directory_iterator(panel_folder)) sources += slurp(entry.path());
     static const std::regex entry_of(
         R"re(namespace ([a-z_]+) \{|char ([a-z0-9_]+)\[\]\s*=\s*((?:"(?:\\.|[^"\\])*"\s*)+);)re");
     static const std::regex break_of(R"("\s+")");
