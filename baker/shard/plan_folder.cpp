@@ -1,6 +1,7 @@
 #include "baker/shard/plan_folder.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <filesystem>
 #include <set>
@@ -35,8 +36,14 @@ std::string hex(std::uint64_t value) {
     return fmt::format("{:016x}", value);
 }
 
+struct Damaged {};
+
 std::uint64_t from_hex(const json& value) {
-    return std::stoull(value.get<std::string>(), nullptr, 16);
+    const std::string text = value.get<std::string>();
+    std::uint64_t number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, 16);
+    if (error != std::errc() || end != text.data() + text.size()) throw Damaged();
+    return number;
 }
 
 // By its content: times and names differ from machine to machine.
@@ -205,7 +212,7 @@ void check_source(const ShardPlan& plan, const HeightSource& source) {
 std::optional<ShardRecord> find_record(const ShardPlan& plan, const ShardStep& step, int shard) {
     const std::string path = plan.file(step, shard, "json");
     if (!fs::exists(path)) return {};
-    const json j = io::parse_json(io::read_text(path), path);
+    const json j = json::parse(io::read_text(path), nullptr, false); // of what is no JSON nothing is found
     ShardRecord record;
     try {
         if (from_hex(j.at("plan")) != plan.id)
@@ -219,6 +226,8 @@ std::optional<ShardRecord> find_record(const ShardPlan& plan, const ShardStep& s
         record.resident_mb = j.at("resident_mb");
         record.seam_bytes_read = j.at("seam_bytes_read");
     } catch (const json::exception&) {
+        return {};
+    } catch (const Damaged&) {
         return {};
     }
     for (const auto& [name, file] : record.files) {

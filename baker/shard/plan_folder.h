@@ -80,7 +80,7 @@ struct ShardRecord {
     double seconds = 0, cpu_seconds = 0, resident_mb = 0;
     std::uint64_t seam_bytes_read = 0; // of other shards' files
 };
-// Nothing where the step is not complete: no record, or files that are missing or of another size.
+// Nothing where the step is not complete: no record or a damaged one, or files that are missing or of another size.
 [[nodiscard]] std::optional<ShardRecord> find_record(const ShardPlan& plan, const ShardStep& step, int shard);
 // The same, but throws Failure 1 with the command to run.
 [[nodiscard]] ShardRecord require_record(const ShardPlan& plan, const ShardStep& step, int shard);

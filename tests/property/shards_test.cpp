@@ -14,6 +14,7 @@
 #include "baker/shard/shard_step.h"
 #include "io/file.h"
 #include "support/dem.h"
+#include "support/program.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
 
@@ -176,6 +177,16 @@ TEST_CASE(
         CHECK_THAT(failure_of(merge), Catch::Contains(path + ": is damaged; run fjell-bake shard") &&
                                           Catch::Contains("3/4 --step step1 --again"));
         baker::run_shard_step(plan, job.source, job.options, 3, step, true);
+    }
+    // A record that cannot be read is none.
+    const std::string record = plan.file(step, 4, "json"), text = slurp(record);
+    const std::size_t digest = text.find("digest") + 20;
+    for (const std::string& damaged :
+         {std::string("no JSON"), std::string("[]"), text.substr(0, digest) + "x" + text.substr(digest + 1)}) {
+        INFO(damaged);
+        spit(record, damaged);
+        CHECK_THAT(failure_of(merge), Catch::Contains("run fjell-bake shard " + plan.folder + " 4/4 --step step1"));
+        baker::run_shard_step(plan, job.source, job.options, 4, step);
     }
     CHECK((job.merged(plan) == job.whole));
 
