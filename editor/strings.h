@@ -1,7 +1,7 @@
 // What a user reads in the panels, dialogs and menus of the editor: all of it, and nothing else.
 //
 // Each panel has a namespace, called as its source; `common` is what several say, `keys` what keys are called. Formats
-// are arrays, so that compilers compare them with their arguments. Tests: strings_test.
+// are arrays, so that compilers compare them with their arguments. Test: unit_editor, editor_strings_test.
 // Elsewhere, beside what they describe: names of commands and modes (names.h), of profile keys
 // (flight/profile_keys.cpp). Thread: any. Memory: none. Failure: none.
 #pragma once

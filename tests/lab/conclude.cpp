@@ -197,7 +197,10 @@ std::vector<Range> over(const Results& results, const char* measure, Way of, Way
     for (const double cells : results.recipe.cells_a_frame)
         all.push_back(ratios(
             results, measure, [&](const Case& c) { return c.way == of && c.cells_a_frame == cells; },
-            [to](Case& c) { c.way = to; }));
+            [&](Case& c) {
+                c.way = to;
+                c.tile_cells = results.recipe.tile_cells[0]; // the leanest recursion has none
+            }));
     return all;
 }
 

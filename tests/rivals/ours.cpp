@@ -82,6 +82,7 @@ Refined Incremental::refine(const View& view, double error_px, std::uint32_t ope
     settings.error_px = error_px;
     settings.items = operations;
     settings.morph = morphing_ ? Morph::error : Morph::none;
+    settings.now_s = now_s_ += 1.0 / 60; // or what comes late would never arrive
     CutReport report;
     ensure(update_cut(cut_, {&view, 1}, settings, report));
     if (report.exhausted & (cut_budget_vertices | cut_budget_triangles))

@@ -41,6 +41,7 @@ private:
     Memory memory_;
     LiveCut cut_;
     bool morphing_;
+    double now_s_ = 0; // 60 frames a second
 };
 
 class Recursive final : public Rival {

@@ -176,6 +176,7 @@ TEST_CASE("the report of the experiments has every number of its files, and no o
     }
     for (std::size_t at = 0; (at = html.find("<svg", at)) != std::string::npos; ++at) --pictures;
     CHECK(pictures == 0);
+    CHECK(markdown.find("Too few cases") == std::string::npos);
     CHECK(html.find("src=") == std::string::npos); // it needs nothing else
     CHECK(html.find("href=") == std::string::npos);
 }
