@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <string>
@@ -236,6 +237,20 @@ TEST_CASE("wetness grows along a valley, is least on its ridges, and a pit does 
         CHECK(large.columns << large.factor_log2 >= samples);
         CHECK(large.spacing_m[1] == 20 * (1 << large.factor_log2));
     }
+}
+
+TEST_CASE("rules of content for control maps are taken, and name materials of content, or water") {
+    const std::filesystem::path content = FJELL_SOURCE_DIR "/content/materials";
+    int files = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(content / "control")) {
+        CAPTURE(entry.path().string());
+        ++files;
+        for (const std::string& name : read_control(entry.path().string()).names) {
+            CAPTURE(name);
+            CHECK((name == "water" || std::filesystem::exists(content / (name + ".json"))));
+        }
+    }
+    CHECK(files >= 2);
 }
 
 TEST_CASE("classes and paint lie where their rasters lie, warped or stretched, and nothing is mixed of two classes") {
