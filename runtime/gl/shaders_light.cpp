@@ -274,7 +274,10 @@ vec3 shaded(vec3 base, vec3 normal) {
         // The terrain's rim fades into what lies behind it, over a twelfth of its distance.
         vec2 inside = min(to_rim.xz + surface.position.xz, to_rim.yw - surface.position.xz);
         float rim = min(inside.x, inside.y) * 12.0;
-        if (rim < metres && direction.y < 0.0) colour = mix(backdrop(direction), colour, smoothstep(0.0, 1.0, rim * inverse));
+        if (rim < metres) {
+            vec3 behind = direction.y < 0.0 ? backdrop(direction) : sky_radiance(direction); // as the sky is drawn
+            colour = mix(behind, colour, smoothstep(0.0, 1.0, rim * inverse));
+        }
     }
     return picture(colour);
 }

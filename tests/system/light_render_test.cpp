@@ -80,25 +80,52 @@ TEST_CASE("from above a clear day does not wash the terrain out, and a hazy one 
     }
 }
 
+namespace {
+
+// The step from the last pixel of what lies behind to the first of the ground, down each column.
+double edge_of(Scene& scene, const OwnMesh& mesh, const View& view, bool haze) {
+    scene.light = plain_light;
+    const Picture picture = scene.draw(mesh.view(), view, {.haze = haze});
+    int sum = 0;
+    for (std::uint32_t x = 0; x < lit_wide; ++x)
+        for (std::uint32_t y = 0; y + 1 < lit_high; ++y) {
+            if (picture.depth[y * lit_wide + x] != 0 || picture.depth[(y + 1) * lit_wide + x] == 0) continue;
+            sum += std::abs(picture.colour.pixel(x, y)[1] - picture.colour.pixel(x, y + 1)[1]);
+            break;
+        }
+    return static_cast<double>(sum) / lit_wide;
+}
+
+} // namespace
+
 TEST_CASE("the terrain's rim fades into what lies behind it", "[picture]") {
     Lit& lit = shared();
-    const View view = lit.camera(0.5, 0.5, 1500, 20, -30);
-    // The step from the last pixel of what lies behind to the first of the ground, down each column.
-    const auto edge = [&](bool haze) {
-        lit.scene.light = plain_light;
-        const Picture picture = lit.scene.draw(lit.mesh.view(), view, {.haze = haze});
-        int sum = 0;
-        for (std::uint32_t x = 0; x < lit_wide; ++x)
-            for (std::uint32_t y = 0; y + 1 < lit_high; ++y) {
-                if (picture.depth[y * lit_wide + x] != 0 || picture.depth[(y + 1) * lit_wide + x] == 0) continue;
-                sum += std::abs(picture.colour.pixel(x, y)[1] - picture.colour.pixel(x, y + 1)[1]);
-                break;
-            }
-        return static_cast<double>(sum) / lit_wide;
-    };
-    const double with = edge(true), without = edge(false);
+    const View above = lit.camera(0.5, 0.5, 1500, 20, -30);
+    const double with = edge_of(lit.scene, lit.mesh, above, true), without = edge_of(lit.scene, lit.mesh, above, false);
     CAPTURE(with, without);
     CHECK(without > 6); // without air there is no fade: the measure sees the rim
+    CHECK(with < without / 3);
+}
+
+TEST_CASE("the terrain's rim fades into the sky where it rises over the horizon, or summits would float there",
+          "[picture]") {
+    // Ground that rises to the east, up to the rim.
+    baker::Dem dem;
+    dem.columns = dem.rows = 65;
+    dem.spacing_m[0] = dem.spacing_m[1] = 30;
+    for (int y = 0; y < 65; ++y)
+        for (int x = 0; x < 65; ++x) dem.heights_m.push_back(static_cast<float>(24 * x));
+    Scene scene(std::move(dem), 6);
+    const OwnMesh mesh = full_resolution(scene.loaded.terrain);
+    std::string error;
+    scene.target = gl::Target::create({lit_wide, lit_high, 1}, error);
+    REQUIRE(scene.target);
+    View view = scene.camera(0.1, 0.5, 600, 90, 20);
+    view.width_px = lit_wide;
+    view.height_px = lit_high;
+    const double with = edge_of(scene, mesh, view, true), without = edge_of(scene, mesh, view, false);
+    CAPTURE(with, without);
+    CHECK(without > 6);
     CHECK(with < without / 3);
 }
 
