@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
+#include "flight/path_timing.h"
 #include "pack/terrain_data.h"
 
 namespace fjell::flight {
@@ -103,17 +104,40 @@ bool is_still(const SplinePath& path) {
     return knots.size() == 2 && path.spline.at(knots[0]) == path.spline.at(knots[1]);
 }
 
+// Metres of one unit of a position.
+Vec3 unit_m(Units units, const Ground& ground) {
+    switch (units) {
+    case Units::metres: break;
+    case Units::recorded: return Vec3{1, 1, 1} * ground.extent_x_m;
+    case Units::terrain: return {ground.extent_x_m, ground.longer_m(), ground.extent_z_m};
+    }
+    return {1, 1, 1};
+}
+
+// Places on the spline at those shares of the flight.
+std::vector<double> knots_at(const CameraPath& path, const SplinePath& kind, const Ground& ground,
+                             std::span<const double> share) {
+    const std::vector<double>& knots = kind.spline.knots();
+    std::vector<double> at(share.size());
+    if (kind.times_s.empty() || is_still(kind)) {
+        // A still camera stays at its point, without the rounding of what lies between two of them.
+        const double first = knots.front(), last = is_still(kind) ? first : knots.back();
+        for (std::size_t i = 0; i < at.size(); ++i) at[i] = first + (last - first) * share[i];
+        return at;
+    }
+    const PathTiming timing(kind.spline, kind.times_s, unit_m(path.units, ground));
+    for (std::size_t i = 0; i < at.size(); ++i) at[i] = timing.knot_at(share[i] * kind.times_s.back());
+    return at;
+}
+
 std::vector<Pose> resample_spline(const CameraPath& path, const SplinePath& kind, const Ground& ground,
                                   std::span<const double> share) {
     const NaturalSpline<9>& spline = kind.spline;
-    const double first = spline.knots().front();
-    // A still camera stays at its point, without the rounding of what lies between two of them.
-    const double last = is_still(kind) ? first : spline.knots().back();
+    const std::vector<double> knots = knots_at(path, kind, ground, share);
     std::vector<Pose> poses;
     poses.reserve(share.size());
     const auto add = [&](const auto& place) {
-        for (const double s : share) {
-            const double t = first + (last - first) * s;
+        for (const double t : knots) {
             const ControlPoint p = spline.at(t);
             poses.push_back(make_pose(place(position_of(p), t), direction_of(p), up_of(p), path, poses.size()));
         }
@@ -264,6 +288,14 @@ CameraPath random_path(std::uint64_t seed) {
     std::vector<double> knots = chord_knots(points, path.name);
     path.kind = SplinePath{NaturalSpline<9>(std::move(knots), std::move(points))};
     return path;
+}
+
+std::vector<double> shares(const SplinePath& path) {
+    const std::vector<double>& from = path.times_s.empty() ? path.spline.knots() : path.times_s;
+    std::vector<double> shares;
+    shares.reserve(from.size());
+    for (const double at : from) shares.push_back((at - from.front()) / (from.back() - from.front()));
+    return shares;
 }
 
 std::vector<Pose> resample(const CameraPath& path, const Ground& ground, std::size_t frames) {

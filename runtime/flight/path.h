@@ -2,11 +2,12 @@
 //
 // A path is one of
 //   points    a spline over control points of position, direction and up: nine dimensions, C2; one point, or two equal
-//             ones, are a still camera;
+//             ones, are a still camera; points may have times, at which the camera passes them (path_timing.h);
 //   orbit     a circle around a point, looking at it;
 //   straight  a line, at a given speed in cells a frame or from end to end;
 //   recorded  frames that another program wrote down (lines `F level 3x4-matrix zoom`).
-// It is resampled regularly to as many frames as asked for; direction and up are made orthonormal.
+// It is resampled regularly to as many frames as asked for, in time if its points have times; direction and up are made
+// orthonormal.
 //
 // Axes as everywhere: x east, y up, z south, metres, from sample (0, 0). Units of a file: "metres" takes them as they
 // are. "terrain" makes a path that flies over any pack: x and z are shares 0..1 of the terrain's extents, lengths and
@@ -62,6 +63,7 @@ using ControlPoint = std::array<double, 9>;
 
 struct SplinePath {
     NaturalSpline<9> spline;
+    std::vector<double> times_s = {}; // of the points: from 0 on, increasing; empty: none, and the speed is even
 };
 struct Orbit {
     double centre_x = 0.5, centre_z = 0.5;
@@ -79,7 +81,7 @@ struct CameraPath {
     std::string name; // for messages
     Units units = Units::metres;
     std::variant<SplinePath, Orbit, Straight> kind;
-    double seconds = 0; // that its flight should take, up to max_path_seconds; 0: not said
+    double seconds = 0; // that its flight should take, up to max_path_seconds; 0: not said; with times: the last one
 };
 
 // The format is told from the content.
@@ -98,6 +100,9 @@ struct CameraPath {
 // Knots of the control points: nine parts of ten by distance, one by turning, so that the speed is even and a camera
 // that only turns moves on too. Throws Failure when two neighbours are equal, but for two points alone.
 [[nodiscard]] std::vector<double> chord_knots(std::span<const ControlPoint> points, const std::string& name);
+
+// Where the camera passes the points, 0..1 of its flight.
+[[nodiscard]] std::vector<double> shares(const SplinePath& path);
 
 // frames >= 1. Throws Failure where direction and up cannot be made orthonormal, and when a position leaves 1e8 m.
 [[nodiscard]] std::vector<Pose> resample(const CameraPath& path, const Ground& ground,

@@ -2,6 +2,7 @@
 // `F level  view(3)  left(3)  up(3)  position(3)  zoom` each.
 #include <cmath>
 #include <initializer_list>
+#include <optional>
 #include <set>
 #include <span>
 #include <sstream>
@@ -11,6 +12,7 @@
 
 #include "fjell/io/failure.h"
 #include "flight/path.h"
+#include "flight/path_timing.h"
 #include "io/file.h"
 #include "io/json.h"
 
@@ -83,10 +85,16 @@ private:
     std::set<std::string> known_;
 };
 
-ControlPoint control_point(const json& value, const std::string& name, std::size_t index) {
-    Fields fields(value, name, fmt::format("points[{}]", index));
+std::string place_of(std::size_t point) {
+    return fmt::format("points[{}]", point);
+}
+
+ControlPoint control_point(const json& value, const std::string& name, std::size_t index,
+                           std::optional<double>& time_s) {
+    Fields fields(value, name, place_of(index));
     const Vec3 position = fields.vector("position"), direction = fields.vector("direction");
     const Vec3 up = fields.find("up") ? fields.vector("up") : Vec3{0, 1, 0};
+    if (fields.find("time_s")) time_s = fields.number("time_s", 0, 0, max_path_seconds);
     fields.refuse_others();
     if (!(length(direction) > 1e-9)) fields.bad("direction", "is zero; give the way the camera looks");
     if (!(length(up) > 1e-9)) fields.bad("up", "is zero; give the camera's upward axis, e.g. [0, 1, 0]");
@@ -97,16 +105,35 @@ ControlPoint control_point(const json& value, const std::string& name, std::size
     return p;
 }
 
+// All points have one or none has.
+std::vector<double> times_of(const std::vector<std::optional<double>>& given, const std::string& name) {
+    const auto bad = [&](std::size_t point, const std::string& what) { fail(name, place_of(point) + ".time_s", what); };
+    std::vector<double> times_s;
+    for (const std::optional<double>& time_s : given)
+        if (time_s) times_s.push_back(*time_s);
+    if (times_s.empty()) return times_s;
+    for (std::size_t i = 0; i < given.size(); ++i)
+        if (!given[i]) bad(i, "is missing; give it to all points or to none");
+    if (const auto at = first_bad_time(times_s)) {
+        if (*at == 0) bad(0, "must be 0; times count from the first point");
+        bad(*at, fmt::format("must be at least {} s after the point before it, which is at {} s", least_between_times_s,
+                             times_s[*at - 1]));
+    }
+    if (times_s.size() == 1) bad(0, "a single point has no time; remove it, or add a point");
+    return times_s;
+}
+
 SplinePath spline_path(const json& value, const std::string& name) {
     if (!value.is_array()) fail(name, "points", "must be an array of control points");
     if (value.empty()) fail(name, "points", "a path needs a control point; add some");
     if (value.size() > most_points) fail(name, "points", "more than 1,000,000 control points; thin them out");
     std::vector<ControlPoint> points;
     points.reserve(value.size());
-    for (const json& point : value) points.push_back(control_point(point, name, points.size()));
+    std::vector<std::optional<double>> times_s(value.size());
+    for (const json& point : value) points.push_back(control_point(point, name, points.size(), times_s[points.size()]));
     if (points.size() == 1) points.push_back(points[0]);
     std::vector<double> knots = chord_knots(points, name);
-    return {NaturalSpline<9>(std::move(knots), std::move(points))};
+    return {NaturalSpline<9>(std::move(knots), std::move(points)), times_of(times_s, name)};
 }
 
 Orbit orbit(const json& value, const std::string& name, Units units) {
@@ -158,9 +185,16 @@ CameraPath parse_json(std::string_view text, const std::string& name) {
     if ((points != nullptr) + (around != nullptr) + (line != nullptr) != 1)
         fields.bad("a path has exactly one of points, orbit and straight");
     fields.refuse_others();
-    if (points)
-        path.kind = spline_path(*points, name);
-    else if (around)
+    if (points) {
+        SplinePath spline = spline_path(*points, name);
+        if (!spline.times_s.empty()) {
+            const double last_s = spline.times_s.back();
+            if (path.seconds != 0 && path.seconds != last_s)
+                fields.bad("seconds", fmt::format("must be the last point's time_s, {}; or remove it", last_s));
+            path.seconds = last_s;
+        }
+        path.kind = std::move(spline);
+    } else if (around)
         path.kind = orbit(*around, name, path.units);
     else
         path.kind = straight(*line, name);
@@ -179,14 +213,14 @@ std::string vector_text(const Vec3& v) {
 
 std::string points_text(const SplinePath& path) {
     std::string text = "\"points\": [";
-    const char* before = "";
-    for (const double knot : path.spline.knots()) { // where the spline is exactly the point
-        const ControlPoint p = unit_point(path.spline.at(knot));
+    const std::vector<double>& knots = path.spline.knots();
+    for (std::size_t i = 0; i < knots.size(); ++i) { // where the spline is exactly the point
+        const ControlPoint p = unit_point(path.spline.at(knots[i]));
         const std::span<const double> all(p);
-        text += fmt::format("{}\n    {{\"position\": {}, \"direction\": {}, \"up\": {}}}", before,
+        const std::string time = path.times_s.empty() ? "" : fmt::format("\"time_s\": {}, ", path.times_s[i]);
+        text += fmt::format("{}\n    {{{}\"position\": {}, \"direction\": {}, \"up\": {}}}", i == 0 ? "" : ",", time,
                             numbers_text(all.subspan(0, 3)), numbers_text(all.subspan(3, 3)),
                             numbers_text(all.subspan(6, 3)));
-        before = ",";
     }
     return text + "\n  ]";
 }
@@ -243,8 +277,10 @@ std::string path_text(const CameraPath& path) {
     if (path.units == Units::recorded)
         fail(path.name, "", "recorded frames are not written; make control points of them first");
     std::string text = fmt::format("{{\n  \"units\": \"{}\",\n", path.units == Units::metres ? "metres" : "terrain");
-    if (path.seconds > 0) text += fmt::format("  \"seconds\": {},\n", path.seconds);
-    if (const auto* spline = std::get_if<SplinePath>(&path.kind)) {
+    const auto* spline = std::get_if<SplinePath>(&path.kind);
+    const bool timed = spline != nullptr && !spline->times_s.empty(); // which say how long it takes
+    if (path.seconds > 0 && !timed) text += fmt::format("  \"seconds\": {},\n", path.seconds);
+    if (spline != nullptr) {
         text += "  " + points_text(*spline);
     } else if (const auto* o = std::get_if<Orbit>(&path.kind)) {
         text += fmt::format("  \"orbit\": {{\"centre\": {}, \"radius\": {}, \"height\": {}, \"turns\": {}}}",
