@@ -195,7 +195,9 @@ std::vector<Verb> camera_verbs() {
          }},
         {"clear-path", "", "removes the path", plain<ClearPath>()},
         {"restore-path", "", "restores the path before it was last edited, cleared or replaced", plain<RestorePath>()},
-        {"path-seconds", "N", "duration of the flight; 0: chosen from the terrain's size",
+        {"path-seconds", "N",
+         "duration of the flight, to which times of points are stretched; 0: without times, chosen from the terrain's "
+         "size",
          [](Words& w) { return SetPathSeconds{w.number("seconds")}; }},
         {"loop-path", "on|off", "starts again at its end", with_switch<LoopPath>()},
     };

@@ -97,6 +97,7 @@ json route_json(const Route& r) {
     return {{"path", r.path()},
             {"unsaved", r.unsaved()},
             {"points", r.points().size()},
+            {"times_s", r.times_s()},
             {"poses", r.poses().size()},
             {"share", r.share()},
             {"playing", r.playing()},

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
+#include "flight/path_timing.h"
 #include "io/file.h"
 
 namespace fjell::editor {
@@ -41,13 +42,27 @@ bool same_place(const ControlPoint& a, const ControlPoint& b) {
     return moved < least_m && turned < least_turn;
 }
 
-CameraPath spline_through(std::vector<ControlPoint> points, double seconds) {
+CameraPath spline_through(std::vector<ControlPoint> points, std::vector<double> times_s, double seconds) {
     CameraPath path;
     path.name = "camera path";
     path.seconds = seconds;
     std::vector<double> knots = flight::chord_knots(points, path.name);
-    path.kind = flight::SplinePath{flight::NaturalSpline<9>(std::move(knots), std::move(points))};
+    path.kind = flight::SplinePath{flight::NaturalSpline<9>(std::move(knots), std::move(points)), std::move(times_s)};
     return path;
+}
+
+std::vector<double>* times_in(CameraPath& path) {
+    auto* spline = std::get_if<flight::SplinePath>(&path.kind);
+    return spline != nullptr && !spline->times_s.empty() ? &spline->times_s : nullptr;
+}
+
+// None for 0.
+void stretch(std::vector<double>& times_s, double seconds) {
+    if (times_s.empty()) return;
+    const double by = seconds / times_s.back();
+    for (double& time_s : times_s) time_s *= by;
+    times_s.back() = seconds;
+    if (seconds == 0) times_s.clear();
 }
 
 double length_m(std::span<const ControlPoint> points) {
@@ -58,37 +73,47 @@ double length_m(std::span<const ControlPoint> points) {
     return sum;
 }
 
+void require_apart(std::span<const double> times_s) {
+    if (flight::first_bad_time(times_s))
+        throw Failure(2, fmt::format("two points would be less than {} s apart; make the path longer, or remove one",
+                                     flight::least_between_times_s));
+    if (!times_s.empty() && times_s.back() > flight::max_path_seconds)
+        throw Failure(2, fmt::format("the path would be longer than {} seconds; make it shorter first",
+                                     flight::max_path_seconds));
+}
+
 std::size_t frames_for(double seconds) {
     return std::max<std::size_t>(static_cast<std::size_t>(std::lround(seconds * poses_a_second)), 2);
 }
 
-// The spline's own where it is in metres; otherwise some of its flight.
-std::vector<ControlPoint> points_of(const CameraPath& path, std::span<const Pose> poses) {
+struct Keys {
     std::vector<ControlPoint> points;
+    std::vector<double> times_s, shares; // shares: of the flight's time
+};
+
+// The spline's own where it is in metres; otherwise some of its flight.
+Keys keys_of(const CameraPath& path, std::span<const Pose> poses) {
+    Keys keys;
     const auto* spline = std::get_if<flight::SplinePath>(&path.kind);
     if (spline != nullptr && path.units == flight::Units::metres && spline->spline.knots().size() <= most_points) {
-        for (const double knot : spline->spline.knots()) points.push_back(flight::unit_point(spline->spline.at(knot)));
-        return points;
+        for (const double knot : spline->spline.knots())
+            keys.points.push_back(flight::unit_point(spline->spline.at(knot)));
+        keys.times_s = spline->times_s;
+        keys.shares = flight::shares(*spline);
+        return keys;
     }
-    const std::size_t count = std::min(points_of_flight, poses.size());
+    const bool timed = spline != nullptr && !spline->times_s.empty();
+    const std::size_t count = std::min(points_of_flight, poses.size()), last = poses.size() - 1;
     for (std::size_t i = 0; i < count; ++i) {
-        const ControlPoint p = point_of(poses[i * (poses.size() - 1) / std::max<std::size_t>(count - 1, 1)]);
-        if (points.empty() || p != points.back()) points.push_back(p);
+        const std::size_t at = i * last / std::max<std::size_t>(count - 1, 1);
+        const ControlPoint p = point_of(poses[at]);
+        if (!keys.points.empty() && p == keys.points.back()) continue;
+        keys.points.push_back(p);
+        keys.shares.push_back(static_cast<double>(at) / static_cast<double>(std::max<std::size_t>(last, 1)));
+        if (timed) keys.times_s.push_back(keys.shares.back() * path.seconds);
     }
-    return points;
-}
-
-// Of the points that points_of() gives, or an edit has, in the flight's time.
-std::vector<double> shares_of(const CameraPath* path, std::span<const ControlPoint> points) {
-    std::vector<double> shares(points.size());
-    for (std::size_t i = 0; i < shares.size(); ++i)
-        shares[i] = static_cast<double>(i) / static_cast<double>(std::max<std::size_t>(shares.size() - 1, 1));
-    const auto* spline = path != nullptr ? std::get_if<flight::SplinePath>(&path->kind) : nullptr;
-    if (spline == nullptr || spline->spline.knots().size() != points.size()) return shares;
-    const auto& knots = spline->spline.knots();
-    const double span = knots.back() - knots.front();
-    for (std::size_t i = 0; i < shares.size() && span > 0; ++i) shares[i] = (knots[i] - knots.front()) / span;
-    return shares;
+    if (keys.points.size() < 2) keys.times_s.clear();
+    return keys;
 }
 
 } // namespace
@@ -98,8 +123,10 @@ void Route::open(const std::string& path, const flight::Ground& ground) {
     CameraPath read = flight::read_path(path);
     next.seconds = read.seconds > 0 ? read.seconds : static_cast<double>(flight::default_frames) / poses_a_second;
     next.poses = flight::resample(read, ground, frames_for(next.seconds));
-    next.points = points_of(read, next.poses);
-    next.shares = shares_of(&read, next.points);
+    Keys keys = keys_of(read, next.poses);
+    next.points = std::move(keys.points);
+    next.times_s = std::move(keys.times_s);
+    next.shares = std::move(keys.shares);
     next.path = path;
     next.as_read = std::move(read);
     take_over(std::move(next));
@@ -115,7 +142,7 @@ void Route::save(const std::string& path) {
     if (now_.as_read && now_.as_read->units != flight::Units::recorded)
         written = *now_.as_read;
     else
-        written = spline_through(now_.points, now_.seconds);
+        written = spline_through(now_.points, now_.times_s, now_.seconds);
     written.seconds = now_.seconds;
     const std::string text = flight::path_text(written);
     io::AtomicFile file(to);
@@ -155,9 +182,20 @@ void Route::set_seconds(double seconds, const flight::Ground& ground) {
                                      flight::max_path_seconds));
     Content next = now_;
     next.seconds = seconds;
+    stretch(next.times_s, seconds);
     if (next.as_read) { // the same flight, only slower or faster
+        std::vector<double>* times_s = times_in(*next.as_read);
+        if (times_s != nullptr) stretch(*times_s, seconds);
+        next.as_read->seconds = seconds;
+        require_apart(next.times_s);
         next.poses =
             flight::resample(*next.as_read, ground, seconds > 0 ? frames_for(seconds) : flight::default_frames);
+        if (times_s != nullptr && seconds == 0) { // another flight after all
+            Keys keys = keys_of(*next.as_read, next.poses);
+            next.points = std::move(keys.points);
+            next.shares = std::move(keys.shares);
+            next.selected.reset();
+        }
         next.unsaved = true;
         take_over(std::move(next));
         return;
@@ -229,6 +267,8 @@ bool Route::follow(const Pose& pose, double seconds) {
 void Route::edit(Content next, const flight::Ground& ground) {
     if (std::ranges::adjacent_find(next.points, same_place) != next.points.end())
         throw Failure(2, "an adjacent point has the same pose already; move the camera first");
+    require_apart(next.times_s);
+    if (!next.times_s.empty()) next.seconds = next.times_s.back();
     next.poses.clear();
     next.shares.clear();
     next.as_read.reset();
@@ -238,9 +278,9 @@ void Route::edit(Content next, const flight::Ground& ground) {
         const double seconds = next.seconds > 0
                                    ? next.seconds
                                    : std::clamp(length_m(next.points) / cruising_m_s, 2.0, flight::max_path_seconds);
-        const CameraPath path = spline_through(next.points, seconds);
+        const CameraPath path = spline_through(next.points, next.times_s, seconds);
         next.poses = flight::resample(path, ground, frames_for(seconds));
-        next.shares = shares_of(&path, next.points);
+        next.shares = flight::shares(std::get<flight::SplinePath>(path.kind));
     }
     take_over(std::move(next));
     if (empty()) playing_ = false;
@@ -265,6 +305,9 @@ void Route::add(const Pose& pose, const flight::Ground& ground) {
     Content next = now_;
     const std::size_t at = next.selected ? *next.selected + 1 : next.points.size();
     next.points.insert(next.points.begin() + static_cast<std::ptrdiff_t>(at), point_of(pose));
+    if (std::vector<double>& t = next.times_s; !t.empty())
+        t.insert(t.begin() + static_cast<std::ptrdiff_t>(at),
+                 at < t.size() ? (t[at - 1] + t[at]) / 2 : 2 * t[at - 1] - t[at - 2]);
     next.selected = at;
     edit(std::move(next), ground);
 }
@@ -281,6 +324,12 @@ void Route::remove(std::size_t point, const flight::Ground& ground) {
     require(point);
     Content next = now_;
     next.points.erase(next.points.begin() + static_cast<std::ptrdiff_t>(point));
+    if (std::vector<double>& t = next.times_s; !t.empty()) {
+        t.erase(t.begin() + static_cast<std::ptrdiff_t>(point));
+        const double first_s = t.front(); // when there were two at least
+        for (double& time_s : t) time_s -= first_s;
+        if (t.size() < 2) t.clear();
+    }
     next.selected.reset();
     if (!next.points.empty()) next.selected = std::min(point, next.points.size() - 1);
     edit(std::move(next), ground);

@@ -2,8 +2,10 @@
 //
 // Points are metres (ControlPoint: position, direction, up). A path of another kind - orbit, straight, shares of the
 // terrain, recorded frames - is played and saved as it is, beside points taken from its flight, and becomes those when
-// it is first edited. What an edit, a recording or another file replaces is kept once: restore() swaps the two.
-// Thread: the frame's. Memory: a pose is 72 bytes, 60 a second; advance(), follow() and pose() allocate nothing.
+// it is first edited. Points that have times keep them through edits: a new one lies between its neighbours' or as much
+// after the last as that is after the one before it, one that goes takes its own along, and one that changes its place
+// in the order gets that place's. What an edit, a recording or another file replaces is kept once: restore() swaps the
+// two. Thread: the frame's. Memory: a pose is 72 bytes, 60 a second; advance(), follow() and pose() allocate nothing.
 // Failure: reading, writing and resampling throw io::Failure and leave the route as it was.
 #pragma once
 
@@ -25,6 +27,7 @@ public:
     [[nodiscard]] const std::string& path() const { return now_.path; } // of the file; empty: never saved
     [[nodiscard]] bool unsaved() const { return now_.unsaved || recorded_points_.size() > 1; }
     [[nodiscard]] const std::vector<flight::ControlPoint>& points() const { return now_.points; }
+    [[nodiscard]] const std::vector<double>& times_s() const { return now_.times_s; } // of the points; empty: none
     [[nodiscard]] std::optional<std::size_t> selected() const { return now_.selected; }
     [[nodiscard]] const std::vector<flight::Pose>& poses() const { return now_.poses; } // resampled, 60 a second
     [[nodiscard]] double share() const { return share_; }                               // where it is being played
@@ -52,7 +55,7 @@ public:
     void play(bool on);
     void seek(double share);
     void loop(bool on) { loops_ = on; }
-    // 0 or 1 to flight::max_path_seconds.
+    // 0 or 1 to flight::max_path_seconds. Times of points are stretched; 0 drops them.
     void set_seconds(double seconds, const flight::Ground& ground);
     // Moves on and says where the camera is; none: not playing. At the end it stops, or begins again.
     std::optional<flight::Pose> advance(double seconds);
@@ -85,7 +88,7 @@ private:
     struct Content {
         std::string path;
         std::vector<flight::ControlPoint> points;
-        std::vector<double> shares; // of the points
+        std::vector<double> times_s, shares; // of the points
         std::vector<flight::Pose> poses;
         std::optional<flight::CameraPath> as_read;
         std::optional<std::size_t> selected;

@@ -547,8 +547,9 @@ inline constexpr char record[] = "Record";
 inline constexpr char record_the_flight_as_points[] = "Record the flight as points, which then become the path (R).";
 inline constexpr char position_along_the_path_drag[] = "Position along the path; drag to seek.";
 inline constexpr char duration[] = "Duration";
-inline constexpr char duration_of_the_flight_in[] =
-    "Duration of the flight in seconds, 1 to 3600; 0: chosen from the terrain's size. Enter applies it.";
+inline constexpr char duration_of_the_flight_in[] = "Duration of the flight in seconds, 1 to 3600; times of points are "
+                                                    "stretched to it. 0: no times, and a duration chosen "
+                                                    "from the terrain's size. Enter applies it.";
 inline constexpr char loop[] = "Loop";
 inline constexpr char starts_again_at_the_end[] = "Starts again at the end.";
 inline constexpr char point[] = "point.%zu";

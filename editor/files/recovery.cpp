@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fjell/io/failure.h"
+#include "flight/path_timing.h"
 #include "io/file.h"
 #include "io/json.h"
 
@@ -55,6 +56,7 @@ std::uint64_t hash_of(const Route& route) {
     };
     for (const flight::ControlPoint& point : route.points())
         for (const double value : point) add(value);
+    for (const double time_s : route.times_s()) add(time_s);
     add(route.requested_seconds());
     return hash;
 }
@@ -67,6 +69,9 @@ Unsaved parse(const std::string& text) {
     u.profile_changed = j.at("profile_changed").get<bool>();
     u.profile = flight::parse_profile(j.at("profile").get<std::string>(), "the profile");
     for (const json& point : j.at("points")) u.points.push_back(point.get<flight::ControlPoint>());
+    u.times_s = j.value("times_s", u.times_s);
+    if (!u.times_s.empty() && (u.times_s.size() != u.points.size() || flight::first_bad_time(u.times_s)))
+        throw io::Failure(1, "times do not suit the points");
     u.path_seconds = std::clamp(j.value("path_seconds", 0.0), 0.0, flight::max_path_seconds);
     return u;
 }
@@ -188,6 +193,7 @@ void Recovery::write(const Document& document, const Route& route, const std::st
                   {"points", json::array()}};
         if (route.unsaved()) {
             j["points"] = route.points();
+            if (!route.times_s().empty()) j["times_s"] = route.times_s();
             j["path_seconds"] = route.requested_seconds();
         }
         write_quickly(file_, j.dump(1, ' ', false, json::error_handler_t::replace) + "\n");

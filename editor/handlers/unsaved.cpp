@@ -48,8 +48,9 @@ std::string written_path(const Unsaved& unsaved, const std::string& folder) {
     for (const flight::ControlPoint& p : unsaved.points)
         points.push_back(
             {{"position", {p[0], p[1], p[2]}}, {"direction", {p[3], p[4], p[5]}}, {"up", {p[6], p[7], p[8]}}});
-    const nlohmann::json path = {
-        {"comment", "Recovered."}, {"units", "metres"}, {"seconds", unsaved.path_seconds}, {"points", points}};
+    for (std::size_t i = 0; i < unsaved.times_s.size(); ++i) points[i]["time_s"] = unsaved.times_s[i];
+    nlohmann::json path = {{"comment", "Recovered."}, {"units", "metres"}, {"points", points}};
+    if (unsaved.times_s.empty()) path["seconds"] = unsaved.path_seconds;
     const std::string text = path.dump(1) + "\n";
     std::string name = folder + "/recovered-path.json";
     std::error_code ignored;

@@ -23,8 +23,10 @@ Rates rates_at(const NaturalSpline<9>& spline, double t, const Vec3& unit_m) {
 } // namespace
 
 std::optional<std::size_t> first_bad_time(std::span<const double> times_s) {
+    constexpr double least_s =
+        least_between_times_s - 1e-9; // times of decimals are rounded, and so is their difference
     for (std::size_t i = 0; i < times_s.size(); ++i)
-        if (!(i == 0 ? times_s[0] == 0 : times_s[i] - times_s[i - 1] >= least_between_times_s)) return i;
+        if (!(i == 0 ? times_s[0] == 0 : times_s[i] - times_s[i - 1] >= least_s)) return i;
     return {};
 }
 
@@ -93,7 +95,8 @@ double PathTiming::knot_at(double time_s) const {
     const std::size_t first = piece * steps_;
     const double seconds = times_s_[piece + 1] - times_s_[piece], f = (time_s - times_s_[piece]) / seconds;
     const double all = way_[first + steps_] - way_[first];
-    const double s = all * f * f * (3 - 2 * f) + seconds * f * (1 - f) * (speed_[piece] * (1 - f) - speed_[piece + 1] * f);
+    const double s =
+        all * f * f * (3 - 2 * f) + seconds * f * (1 - f) * (speed_[piece] * (1 - f) - speed_[piece + 1] * f);
     const double way = way_[first] + std::clamp(s, 0.0, all);
 
     const auto begin = way_.begin() + static_cast<std::ptrdiff_t>(first);

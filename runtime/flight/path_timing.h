@@ -40,8 +40,8 @@ private:
     void choose_speeds();
 
     std::vector<double> knots_, times_s_;
-    std::vector<double> speed_;     // of the way, at the knots, a second
-    std::size_t steps_ = 4;         // stations a piece
+    std::vector<double> speed_;      // of the way, at the knots, a second
+    std::size_t steps_ = 4;          // stations a piece
     std::vector<double> rate_, way_; // at stations: of the way along the spline, and the way up to there
 };
 

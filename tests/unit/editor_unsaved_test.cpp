@@ -133,6 +133,42 @@ TEST_CASE("a path that was not saved is found with the time that it takes, also 
     CHECK(next.found()->path_seconds == 9.5);
 }
 
+TEST_CASE("the times of an unsaved path's points survive a crash, also when they alone have changed") {
+    const Home home;
+    const std::string file = home.folder / "timed.json";
+    std::vector<double> times_s;
+    {
+        Editor editor;
+        start_persistence(editor.state, true);
+        flight::Ground ground;
+        ground.extent_x_m = ground.extent_z_m = 9000;
+        ground.cell_m = 30;
+        Route& route = editor.state.route;
+        for (const char* middle : {"3", "4.25"}) {
+            spit(file, std::string(R"({"points": [{"time_s": 0, "position": [0, 500, 0], "direction": [1, 0, 0]},
+                {"time_s": )") +
+                           middle + R"(, "position": [900, 500, 0], "direction": [1, 0, 0]},
+                {"time_s": 8, "position": [1800, 500, 0], "direction": [1, 0, 0]}]})");
+            route.open(file, ground);
+            route.replace(1, {{900, 501, 0}, {1, 0, 0}, {0, 1, 0}}, ground); // which makes it unsaved
+            const double now_s = middle[0] == '3' ? 10 : 20;
+            editor.state.files.recovery.keep(editor.state.document, route, "", now_s);
+        }
+        times_s = route.times_s();
+        REQUIRE(times_s.at(1) == 4.25);
+    } // it crashed
+    Editor next;
+    start_persistence(next.state, true);
+    REQUIRE(next.state.files.recovery.found());
+    CHECK(next.state.files.recovery.found()->times_s == times_s);
+    next.run("recover restore");
+    const std::string written = home.folder / "state/fjell/recovered-path.json";
+    const flight::CameraPath path = flight::read_path(written);
+    CHECK(std::get<flight::SplinePath>(path.kind).times_s == times_s);
+    CHECK(path.seconds == 8);
+    finish_persistence(next.state, true);
+}
+
 TEST_CASE("changes that are saved or undone are kept no longer") {
     const TemporaryFolder folder;
     Document document;

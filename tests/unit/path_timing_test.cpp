@@ -42,8 +42,8 @@ CameraPath random_timed(Random& random, Units units, bool turns = true) {
     for (int i = pick(random, 2, 9); i > 0; --i) {
         const double heading = uniform(random, -0.7, 0.7), looks = turns ? heading : 0, unit = metres ? 1 : 1e-5;
         const double y = uniform(random, 100, 900), down = uniform(random, -0.4, 0.1);
-        points.push_back(unit_point(
-            {x * unit, y * unit, z * unit, std::cos(looks), turns ? down : 0, std::sin(looks), 0, 1, 0}));
+        points.push_back(
+            unit_point({x * unit, y * unit, z * unit, std::cos(looks), turns ? down : 0, std::sin(looks), 0, 1, 0}));
         times_s.push_back(static_cast<double>(frame) / frames_a_second);
         const double leg = std::exp(uniform(random, std::log(30.0), std::log(9000.0)));
         x += leg * std::cos(heading);
@@ -239,6 +239,7 @@ TEST_CASE("times that cannot be flown are refused in a line that names the point
     };
     refuses({"0", "1", "2"}, "accepted");
     refuses({"0", "0.001", "3600"}, "accepted");
+    refuses({"0", "1", "1.001"}, "accepted"); // whose difference is less in binary
     refuses({"0", "1", "2"}, "accepted", R"("seconds": 2, )");
     refuses({"0", "1", "2"}, "p.json: seconds: must be the last point's time_s, 2; or remove it", R"("seconds": 3, )");
     refuses({"", "1", "2"}, "p.json: points[0].time_s: is missing; give it to all points or to none");
