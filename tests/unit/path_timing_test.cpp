@@ -17,6 +17,7 @@ using namespace fjell;
 using namespace fjell::flight;
 using fjell::test::pick;
 using fjell::test::Random;
+using fjell::test::rounds;
 using fjell::test::uniform;
 
 namespace {
