@@ -104,9 +104,10 @@ void declare_shards(CLI::App& app, Arguments& a, Commands& c) {
     c.plan->add_option("--shards", a.shards, "how many")->check(io::whole_within(1, max_shards));
     c.plan->add_option("--recipe", a.recipe_path, "take from this file what is not given here");
     c.plan->add_flag("--status", a.status, "of the plan in the folder IN: which shards have completed which step");
-    c.shard = app.add_subcommand("shard", "run a step of one shard of a plan, the next one that it has not completed");
+    c.shard = app.add_subcommand("shard",
+                                 "run a step of a shard of a plan, or of several: the next that it has not completed");
     c.shard->add_option("DIR", a.plan_folder, "the plan's folder")->required();
-    c.shard->add_option("K/N", a.shard, "the shard, from 1/N to N/N")->required();
+    c.shard->add_option("K/N", a.shard, "the shard, from 1/N to N/N, or several: K-L/N")->required();
     c.shard->add_option("--step", a.shard_step, "this step: read, measure, step1, step2, ...");
     c.shard->add_flag("--again", a.again, "also if it is complete");
     add_how_options(*c.shard, a);

@@ -1,5 +1,6 @@
 #include "baker/cli/shards.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
@@ -22,16 +23,29 @@ namespace fjell::baker {
 namespace {
 
 // "3/16" of a plan with 16.
-int shard_number(const std::string& text, const ShardPlan& plan) {
-    int k = 0, n = 0;
-    const char* const end = text.data() + text.size();
-    const auto [slash, error] = std::from_chars(text.data(), end, k);
-    const bool first = error == std::errc() && slash != end && *slash == '/';
-    const bool both = first && std::from_chars(slash + 1, end, n).ptr == end;
-    if (!both || n != plan.shards || k < 1 || k > n)
-        throw Failure(2, fmt::format("shard {}: {} has {} shards; give one from 1/{} to {}/{}", text, plan.folder,
-                                     plan.shards, plan.shards, plan.shards, plan.shards));
-    return k;
+struct ShardRange {
+    int first, last;
+};
+
+// From K/N, or from K-L/N.
+ShardRange shard_range(const std::string& text, const ShardPlan& plan) {
+    const auto number = [](std::string_view digits) {
+        int value = 0;
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        return error == std::errc{} && end == digits.data() + digits.size() ? value : 0;
+    };
+    const std::string_view all = text;
+    const std::size_t slash = std::min(all.find('/'), all.size());
+    const std::string_view shards = all.substr(0, slash);
+    const std::size_t dash = std::min(shards.find('-'), shards.size());
+    const int n = slash < all.size() ? number(all.substr(slash + 1)) : 0;
+    const ShardRange range{number(shards.substr(0, dash)),
+                           number(dash < shards.size() ? shards.substr(dash + 1) : shards)};
+    if (n != plan.shards || range.first < 1 || range.last < range.first || range.last > n)
+        throw Failure(2, fmt::format("shard {}: {} has {} shards; give one from 1/{} to {}/{}, or several like 1-{}/{}",
+                                     text, plan.folder, plan.shards, plan.shards, plan.shards, plan.shards, plan.shards,
+                                     plan.shards));
+    return range;
 }
 
 ShardStep step_named(const std::string& name, const ShardPlan& plan) {
@@ -100,27 +114,33 @@ int run_plan(const Arguments& a) {
 
 int run_shard(const Arguments& a) {
     const ShardPlan plan = load_plan(a.plan_folder);
-    const int shard = shard_number(a.shard, plan);
+    const ShardRange range = shard_range(a.shard, plan);
     check_program(plan);
-    std::vector<ShardStep> steps = shard_steps(plan.rounds);
-    if (!a.shard_step.empty()) {
-        steps = {step_named(a.shard_step, plan)};
-    } else if (!a.again) {
-        std::erase_if(steps, [&](const ShardStep& step) { return find_record(plan, step, shard).has_value(); });
+    std::vector<std::pair<int, ShardStep>> work;
+    for (int shard = range.first; shard <= range.last; ++shard) {
+        std::vector<ShardStep> steps = shard_steps(plan.rounds);
+        if (!a.shard_step.empty()) {
+            steps = {step_named(a.shard_step, plan)};
+        } else if (!a.again) {
+            std::erase_if(steps, [&](const ShardStep& step) { return find_record(plan, step, shard).has_value(); });
+        }
+        if (!steps.empty())
+            work.emplace_back(shard, steps.front());
+        else if (!a.quiet)
+            fmt::print("shard {}/{}: all steps are complete\n", shard, plan.shards);
     }
-    if (steps.empty()) {
-        if (!a.quiet) fmt::print("shard {}: all steps are complete\n", a.shard);
-        return 0;
-    }
-    const ShardStep step = steps.front();
+    if (work.empty()) return 0;
     const Recipe recipe = plan_recipe(plan.folder);
     check_inputs(plan, recipe);
-    ProgressBar bar(a.quiet);
-    const BakeOptions options = options_of(a, recipe, bar);
-    const StepDone done = run_shard_step(plan, *open_inputs(recipe), options, shard, step, a.again);
-    if (!a.quiet)
-        fmt::print("shard {}: {} {}\n", a.shard, step.name(),
-                   done == StepDone::before ? "was complete; nothing to do" : "is complete");
+    const auto source = open_inputs(recipe);
+    for (const auto& [shard, step] : work) {
+        ProgressBar bar(a.quiet);
+        const BakeOptions options = options_of(a, recipe, bar);
+        const StepDone done = run_shard_step(plan, *source, options, shard, step, a.again);
+        if (!a.quiet)
+            fmt::print("shard {}/{}: {} {}\n", shard, plan.shards, step.name(),
+                       done == StepDone::before ? "was complete; nothing to do" : "is complete");
+    }
     return 0;
 }
 

@@ -26,10 +26,10 @@ std::string how(const LaunchOptions& o) {
     return fmt::format(" --threads {} --memory {}", o.threads, o.memory_mb);
 }
 
-// shard: a number, or what a shell makes one of.
+// shards: a number, two with a dash between, or what a shell makes either of.
 std::string shard_command(const ShardPlan& plan, const LaunchOptions& o, const ShardStep& step,
-                          const std::string& shard) {
-    return fmt::format("{} shard {} {}/{} --step {} --quiet{}", quoted(o.program), quoted(plan.folder), shard,
+                          const std::string& shards) {
+    return fmt::format("{} shard {} {}/{} --step {} --quiet{}", quoted(o.program), quoted(plan.folder), shards,
                        plan.shards, step.name(), how(o));
 }
 
@@ -61,16 +61,17 @@ std::vector<std::string> of_slurm(const ShardPlan& plan, const LaunchOptions& o)
     return commands;
 }
 
-// A process takes every P-th shard, so that there may be fewer processes than shards.
+// A process takes its share of the shards one after another: each start of the program costs as much as a shard's share
+// of a small terrain.
 std::vector<std::string> of_mpi(const ShardPlan& plan, const LaunchOptions& o) {
     std::vector<std::string> commands{"set -e"};
     const int processes = std::min(o.at_once, plan.shards);
-    for (const ShardStep& step : shard_steps(plan.rounds)) {
-        const std::string loop =
-            fmt::format("for k in $(seq $((OMPI_COMM_WORLD_RANK + 1)) {} {}); do {} || exit 1; done", processes,
-                        plan.shards, shard_command(plan, o, step, "$k"));
-        commands.push_back(fmt::format("mpirun $FJELL_MPI_OPTIONS -n {} sh -c {}", processes, quoted(loop)));
-    }
+    const std::string share =
+        fmt::format("$((OMPI_COMM_WORLD_RANK * {0} / {1} + 1))-$(((OMPI_COMM_WORLD_RANK + 1) * {0} / {1}))",
+                    plan.shards, processes);
+    for (const ShardStep& step : shard_steps(plan.rounds))
+        commands.push_back(fmt::format("mpirun $FJELL_MPI_OPTIONS -n {} sh -c {}", processes,
+                                       quoted("exec " + shard_command(plan, o, step, share))));
     commands.push_back(merge_command(plan, o));
     return commands;
 }
@@ -80,15 +81,35 @@ int run_shell(const std::string& script) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : 130;
 }
 
+struct Share {
+    int first, last;
+};
+
+// Of `processes`, the one with this number takes these shards.
+Share share_of(const ShardPlan& plan, int processes, std::int64_t number) {
+    const auto until = [&](std::int64_t i) { return static_cast<int>(i * plan.shards / processes); };
+    return {until(number) + 1, until(number + 1)};
+}
+
+std::string named(const Share& share) {
+    return share.first == share.last ? std::to_string(share.first) : fmt::format("{}-{}", share.first, share.last);
+}
+
 void launch_local(const ShardPlan& plan, const LaunchOptions& o) {
+    const int processes = std::min(o.at_once, plan.shards);
     for (const ShardStep& step : shard_steps(plan.rounds))
-        parallel_for(plan.shards, o.at_once, [&](std::int64_t i) {
-            const int shard = static_cast<int>(i) + 1;
-            if (find_record(plan, step, shard)) return;
-            if (run_shell(shard_command(plan, o, step, std::to_string(shard))) == 0) return;
+        parallel_for(processes, processes, [&](std::int64_t i) {
+            const Share share = share_of(plan, processes, i);
+            const auto missing = [&] {
+                int shard = share.first;
+                while (shard <= share.last && find_record(plan, step, shard)) ++shard;
+                return shard;
+            };
+            if (missing() > share.last) return;
+            if (run_shell(shard_command(plan, o, step, named(share))) == 0) return;
             throw Failure(1, fmt::format("{}: shard {}/{} failed in {}; what is complete stays, and the same command "
                                          "goes on",
-                                         plan.folder, shard, plan.shards, step.name()));
+                                         plan.folder, std::min(missing(), share.last), plan.shards, step.name()));
         });
     if (const int code = run_shell(merge_command(plan, o)); code != 0)
         throw Failure(code, fmt::format("{}: the merge failed; the same command goes on", plan.folder));
@@ -127,9 +148,10 @@ std::vector<std::string> launch_commands(const ShardPlan& plan, const LaunchOpti
     if (o.with == Launcher::slurm) return of_slurm(plan, o);
     if (o.with == Launcher::mpi) return of_mpi(plan, o);
     std::vector<std::string> commands;
+    const int processes = std::min(o.at_once, plan.shards);
     for (const ShardStep& step : shard_steps(plan.rounds))
-        for (int shard = 1; shard <= plan.shards; ++shard)
-            commands.push_back(shard_command(plan, o, step, std::to_string(shard)));
+        for (int i = 0; i < processes; ++i)
+            commands.push_back(shard_command(plan, o, step, named(share_of(plan, processes, i))));
     commands.push_back(merge_command(plan, o));
     return commands;
 }

@@ -48,6 +48,14 @@ TEST_CASE("a plan launched on this machine makes the pack of one bake, and a sha
     fails(folder, "ulimit -f 100; " + bake + "shard plan 1/2 --threads 1", 3, "plan/scratch");
     CHECK(run_in(folder.path, bake + "plan plan --status").out.find("next: fjell-bake shard plan 1/2 --step read") !=
           std::string::npos);
+    fails(folder, bake + "shard plan 2-1/2", 2, "several like 1-2/2");
+    fails(folder, bake + "shard plan 1-3/2", 2, "several like 1-2/2");
+    const Run several = run_in(folder.path, bake + "shard plan 1-2/2 --step read --threads 1");
+    CHECK(several.code == 0);
+    CHECK(several.out == "shard 1/2: read is complete\nshard 2/2: read is complete\n");
+    CHECK(
+        run_in(folder.path, bake + "launch plan -o out.fjell --dry-run --at-once 1").out.find(" 1-2/2 --step step1") !=
+        std::string::npos);
     const Run launched = run_in(folder.path, bake + "launch plan -o out.fjell --threads 1");
     REQUIRE(launched.code == 0);
     CHECK(launched.out.starts_with("out.fjell: 600 x 420 samples")); // as a bake tells of its pack
