@@ -21,6 +21,7 @@
 #include "fjell/gl/image.h"
 #include "fjell/io/failure.h"
 #include "flight/session.h"
+#include "gl/objects.h"
 #include "io/file.h"
 
 namespace fjell::editor {
@@ -122,6 +123,7 @@ void App::make_surface_and_graphics() {
     surface_ = make_surface({options_.headless, options_.width, options_.height, options_.vsync}, error);
     shown_title_.clear();
     if (!surface_) throw Failure(3, error);
+    engine_.set_second_context(surface_->second_context());
     state_.graphics = surface_->description();
     for (const char* name : {"llvmpipe", "softpipe", "SwiftShader"})
         software_ = software_ || state_.graphics.find(name) != std::string::npos;
@@ -233,6 +235,8 @@ void App::frame() {
     times_.present_us += microseconds(end - present);
     times_.frame_us = microseconds(end - start);
     const OwnCode own(watch_);
+    state_.programs = gl::programs_made();
+    state_.longest_frame_us = std::max(std::exchange(dumped_, false) ? 0 : state_.longest_frame_us, times_.frame_us);
     state_.measures.record(times_, state_.eye.pose(), drawn);
 }
 
@@ -275,7 +279,7 @@ double App::handle_commands() {
     }
     if (jobs_.poll(state_.job)) {
         handle_job_result(context);
-        picture_old_ = true;
+        if (state_.job.kind != JobKind::bake) picture_old_ = true; // whose terrain is not shown yet
         stir();
     }
     own.reset();
@@ -384,9 +388,9 @@ void App::attempt(const std::function<void()>& what) {
 
 void App::draw_terrain() {
     const auto start = Clock::now();
-    // Who asks for a picture gets it whole.
-    const bool half =
-        moving_ && state_.interface.half_resolution && software_ && after_frame_.empty() && !state_.bookmarks.wanted;
+    // Who asks for a picture gets it whole. A mesh from nothing costs its frame enough.
+    const bool half = (moving_ || entry_.rebuilt) && state_.interface.half_resolution && software_ &&
+                      after_frame_.empty() && !state_.bookmarks.wanted;
     const gl::Target& target = fit_target(half);
     shown_ = nullptr;
     engine_.draw(state_, target);
@@ -394,6 +398,7 @@ void App::draw_terrain() {
     comparison_.draw(state_, target);
     shown_ = &target;
     drawn_view_ = state_.eye.view;
+    drawn_terrain_ = engine_.terrains();
     picture_old_ = half; // until it is drawn whole
     ++state_.terrain_draws;
     if (half) ++state_.half_draws;
@@ -442,6 +447,7 @@ void App::finish_requests() {
     if (dumping_ && dump_file() != nullptr) {
         dump_requested = 0;
         attempt([&] { write_text(dump_file(), dump(state_)); });
+        dumped_ = true;
     }
     for (const Command& command : std::exchange(after_frame_, {})) {
         attempt([&] {
@@ -457,6 +463,7 @@ void App::finish_requests() {
             } else if (const auto* file = std::get_if<DumpState>(&command)) {
                 refuse_overwriting_open_files(state_, file->path);
                 write_text(file->path, dump(state_));
+                dumped_ = true;
             }
         });
     }

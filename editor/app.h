@@ -91,6 +91,7 @@ private:
     double baking_shown_s_ = 0;
     std::string shown_title_;
     bool dumping_ = false;     // at the end of this frame
+    bool dumped_ = false;      // in this frame
     bool ended_ = false;       // as it should: not by a signal or a failure
     double styled_ = 0;        // the scale that fonts were made for
     flight::FrameEntry entry_; // of this frame
@@ -115,6 +116,7 @@ private:
     bool compared_changed_ = false;                    // the other profile's mesh, in this frame
     bool moving_ = false;                              // the camera, since the last picture
     View drawn_view_;                                  // of the last picture
+    std::uint64_t drawn_terrain_ = 0;                  // the same, by Engine::terrains()
     double frame_s_ = 0;                               // the clock of the last frame
     double stirred_s_ = 0;                             // when, by State::now_s
     std::uint64_t stirred_frame_ = 0;

@@ -27,10 +27,10 @@ bool only_panels(const Command& command) {
            std::holds_alternative<ClearMarks>(command) || std::holds_alternative<SetSwitch>(command) ||
            std::holds_alternative<ChooseFrame>(command) || std::holds_alternative<HoldMeasures>(command) ||
            std::holds_alternative<ZoomGraphs>(command) || std::holds_alternative<DismissMessage>(command) ||
-           std::holds_alternative<BrowseFolder>(command) || std::holds_alternative<BrowseFor>(command) ||
-           std::holds_alternative<DraftBake>(command) || std::holds_alternative<GiveBakeFile>(command) ||
-           std::holds_alternative<BrowseAllKinds>(command) || std::holds_alternative<SetHeat>(command) ||
-           std::holds_alternative<ForgetRun>(command);
+           std::holds_alternative<BakePack>(command) || std::holds_alternative<BrowseFolder>(command) ||
+           std::holds_alternative<BrowseFor>(command) || std::holds_alternative<DraftBake>(command) ||
+           std::holds_alternative<GiveBakeFile>(command) || std::holds_alternative<BrowseAllKinds>(command) ||
+           std::holds_alternative<SetHeat>(command) || std::holds_alternative<ForgetRun>(command);
 }
 
 } // namespace
@@ -43,7 +43,9 @@ void App::stir() {
 void App::note(const Command& command) {
     if (std::holds_alternative<MoveCamera>(command)) return; // of every frame; the view tells whether it moved
     stir();
-    if (!only_panels(command)) picture_old_ = true;
+    const auto* const file = std::get_if<OpenFile>(&command);
+    const bool read_by_thread = file != nullptr && engine_.opening() && file->path == state_.opening;
+    if (!read_by_thread && !only_panels(command)) picture_old_ = true;
 }
 
 void App::judge_picture() {
@@ -58,7 +60,7 @@ void App::judge_picture() {
                        (target_->width() != i.view_width_px || target_->height() != i.view_height_px);
     if (moving_ || mesh || reading || sized || shown_ == nullptr || state_.route.recording()) picture_old_ = true;
     if (!after_frame_.empty() && shown_ != target_.get()) picture_old_ = true;
-    if (compared_changed_ || state_.bookmarks.wanted) picture_old_ = true;
+    if (compared_changed_ || state_.bookmarks.wanted || drawn_terrain_ != engine_.terrains()) picture_old_ = true;
     if (picture_old_ && engine_.is_open()) stir();
 }
 

@@ -333,6 +333,8 @@ std::string dump(const State& state) {
     const Scene& s = state.scene;
     const json all = {{"frame", state.frame},
                       {"terrain_draws", state.terrain_draws},
+                      {"longest_frame_us", state.longest_frame_us},
+                      {"programs", state.programs},
                       {"half_draws", state.half_draws},
                       {"drawn_px", {state.drawn_px[0], state.drawn_px[1]}},
                       {"rested_s", state.rested_s},

@@ -9,6 +9,7 @@
 #include "editor/clock.h"
 #include "fjell/io/failure.h"
 #include "flight/pictures.h"
+#include "gl/window.h"
 #include "pack/terrain_data.h"
 
 namespace fjell::editor {
@@ -47,6 +48,29 @@ std::unique_ptr<gl::Renderer> renderer_for(const flight::FlightOptions& options,
     return renderer;
 }
 
+// All but Mode::error, which has to wait for its heights.
+gl::DrawOptions picture_options(const State& state) {
+    gl::DrawOptions options = flight::draw_options(state.interface.mode, state.document.profile(), 0);
+    options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
+    options.tile_borders = state.shows(Overlay::tile_borders);
+    options.page_borders = state.shows(Overlay::page_borders);
+    options.contour_m = state.shows(Overlay::contours) ? contour_interval_m(state.scene) : 0;
+    options.slope = state.shows(Overlay::slope);
+    options.hatch = true;
+    return options;
+}
+
+class ContextInUse {
+public:
+    explicit ContextInUse(gl::SecondContext& context) : context_(context) {}
+    ~ContextInUse() { context_.release(); }
+    ContextInUse(const ContextInUse&) = delete;
+    ContextInUse& operator=(const ContextInUse&) = delete;
+
+private:
+    gl::SecondContext& context_;
+};
+
 } // namespace
 
 Engine::Engine() = default;
@@ -63,22 +87,32 @@ flight::FlightOptions Engine::options(const flight::Profile& profile) const {
 void Engine::open(const std::string& pack, const flight::Profile& profile) {
     flight::FlightOptions o = options(profile);
     o.pack = pack;
-    auto session = std::make_unique<flight::Session>();
-    flight::open_session(o, *session);
-    adopt(std::move(session), pack, profile);
+    adopt(prepare(o, {}, nullptr), pack, profile);
 }
 
-void Engine::begin_opening(const std::string& pack, const flight::Profile& profile) {
+void Engine::begin_opening(const std::string& pack, const State& state) {
     if (opening()) throw io::Failure(2, opening_pack_ + ": is still being opened; wait for it");
-    flight::FlightOptions o = options(profile);
-    o.pack = pack;
+    opening_profile_ = state.document.profile();
     opening_pack_ = pack;
-    opening_profile_ = profile;
-    opening_ = std::async(std::launch::async, [o = std::move(o)] {
-        auto session = std::make_unique<flight::Session>();
-        flight::open_session(o, *session);
-        return session;
-    });
+    flight::FlightOptions o = options(opening_profile_);
+    o.pack = pack;
+    opening_ = std::async(std::launch::async, [o = std::move(o), shown = picture_options(state),
+                                               context = second_context_] { return prepare(o, shown, context); });
+}
+
+Engine::Opened Engine::prepare(const flight::FlightOptions& options, const gl::DrawOptions& shown,
+                               gl::SecondContext* context) {
+    Opened opened;
+    opened.session = std::make_unique<flight::Session>();
+    flight::open_session(options, *opened.session);
+    if (context == nullptr || !context->make_current()) return opened;
+    const ContextInUse until_done(*context);
+    auto renderer = renderer_for(options, *opened.session);
+    std::string error; // of a rehearsal: the first picture will say it
+    if (const auto target = gl::Target::create({16, 16, 1}, error)) error = renderer->rehearse(shown, *target);
+    renderer->leave_context();
+    opened.renderer = std::move(renderer);
+    return opened;
 }
 
 bool Engine::opening_done() const {
@@ -90,13 +124,14 @@ std::string Engine::finish_opening() {
     return opening_pack_;
 }
 
-void Engine::adopt(std::unique_ptr<flight::Session> session, const std::string& pack, const flight::Profile& profile) {
+void Engine::adopt(Opened opened, const std::string& pack, const flight::Profile& profile) {
+    auto& [session, renderer] = opened;
     flight::FlightOptions o = options(profile);
     o.pack = pack;
     unread_told_ = 0;
     if (session->streamed)
         session->streamed->on_failure([this](const std::string& line) { messages_.push_back(line); });
-    auto renderer = renderer_for(o, *session);
+    if (!renderer) renderer = renderer_for(o, *session);
     set_renderer(std::move(renderer)); // which points into the terrain: the old one goes before the old session
     session_ = std::move(session);
     pack_ = pack;
@@ -192,13 +227,7 @@ void Engine::set_error_options(const State& state, gl::DrawOptions& options) {
 }
 
 void Engine::draw(const State& state, const gl::Target& target) {
-    gl::DrawOptions options = flight::draw_options(state.interface.mode, state.document.profile(), 0);
-    options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
-    options.tile_borders = state.shows(Overlay::tile_borders);
-    options.page_borders = state.shows(Overlay::page_borders);
-    options.contour_m = state.shows(Overlay::contours) ? contour_interval_m(state.scene) : 0;
-    options.slope = state.shows(Overlay::slope);
-    options.hatch = true;
+    gl::DrawOptions options = picture_options(state);
     set_error_options(state, options);
     std::string error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, target);
     scene_lines_.build(state, *session_);
@@ -216,6 +245,22 @@ std::vector<std::string> Engine::take_messages() {
 void Engine::drop_graphics() {
     lines_.reset();
     set_renderer(nullptr);
+    drop_opened_graphics();
+    second_context_ = nullptr;
+}
+
+// What a thread has read stays, to be shown in another context.
+void Engine::drop_opened_graphics() {
+    if (!opening()) return;
+    std::promise<Opened> again;
+    try {
+        Opened opened = opening_.get();
+        opened.renderer.reset();
+        again.set_value(std::move(opened));
+    } catch (...) {
+        again.set_exception(std::current_exception());
+    }
+    opening_ = again.get_future();
 }
 
 void Engine::make_graphics() {

@@ -18,6 +18,10 @@
 #include "fjell/gl/target.h"
 #include "flight/session.h"
 
+namespace fjell::gl {
+class SecondContext; // gl/window.h
+}
+
 namespace fjell::editor {
 
 class Engine {
@@ -31,9 +35,12 @@ public:
     void set_layers(std::shared_ptr<const flight::GroundLayers> layers) { layers_ = std::move(layers); }
     [[nodiscard]] const std::shared_ptr<const flight::GroundLayers>& layers() const { return layers_; }
     void open(const std::string& pack, const flight::Profile& profile);
-    // The same, read by a thread: what is shown goes on until finish_opening() replaces it. Failure: io::Failure 2
-    // while another one is read.
-    void begin_opening(const std::string& pack, const flight::Profile& profile);
+    // The same with the state's profile, by a thread that reads it and, where there is a second context, uploads its
+    // maps and has the driver compile what the picture's mode takes: what is shown goes on until finish_opening()
+    // replaces it. Failure: io::Failure 2 while another one is read.
+    void begin_opening(const std::string& pack, const State& state);
+    // Shares the objects of the frame's; null: there is none. Used until drop_graphics().
+    void set_second_context(gl::SecondContext* context) { second_context_ = context; }
     [[nodiscard]] bool opening() const { return opening_.valid(); }
     [[nodiscard]] bool opening_done() const; // finish_opening() will not wait
     // The pack that was opened.
@@ -63,10 +70,18 @@ public:
     void make_graphics();
 
 private:
+    // What a thread has made of a pack. The renderer points into the session; null: the frame's thread makes it.
+    struct Opened {
+        std::unique_ptr<flight::Session> session;
+        std::unique_ptr<gl::Renderer> renderer;
+    };
+    static Opened prepare(const flight::FlightOptions& options, const gl::DrawOptions& shown,
+                          gl::SecondContext* context);
+    void drop_opened_graphics();
     [[nodiscard]] flight::FlightOptions options(const flight::Profile& profile) const;
     void set_error_options(const State& state, gl::DrawOptions& options);
     // Shows it; the pack and the profile that it was opened with.
-    void adopt(std::unique_ptr<flight::Session> session, const std::string& pack, const flight::Profile& profile);
+    void adopt(Opened opened, const std::string& pack, const flight::Profile& profile);
     void set_renderer(std::unique_ptr<gl::Renderer> renderer);
     void tell_unread();
     void remake(const flight::Profile& profile); // the method's memory, and a renderer for it
@@ -84,7 +99,8 @@ private:
     std::unique_ptr<gl::Lines> lines_; // made when there are some
     std::string opening_pack_;
     flight::Profile opening_profile_;
-    std::future<std::unique_ptr<flight::Session>> opening_;
+    std::future<Opened> opening_;
+    gl::SecondContext* second_context_ = nullptr;
 };
 
 } // namespace fjell::editor

@@ -179,6 +179,8 @@ struct State {
     double rested_s = 0; // in all: nothing changed, and nothing was drawn
     std::uint64_t frame = 0;
     std::uint64_t terrain_draws = 0; // frames whose terrain was drawn anew
+    double longest_frame_us = 0;     // since the frame of the last dump, that one counted
+    std::uint64_t programs = 0;      // shaders that the frame's thread has had compiled and linked
     std::uint64_t half_draws = 0;    // of those, at half resolution
     std::uint32_t drawn_px[2] = {};  // of the last of these
     bool quit = false;

@@ -70,6 +70,7 @@ public:
     void size(std::uint32_t& width, std::uint32_t& height) const override { window_->framebuffer_size(width, height); }
     unsigned framebuffer() const override { return 0; }
     void present() override { window_->swap(); }
+    gl::SecondContext* second_context() override { return window_->second(); }
     bool should_close() const override { return window_->should_close(); }
     void stay_open() override { glfwSetWindowShouldClose(window_->handle(), GLFW_FALSE); }
     void set_title(const char* title) override { glfwSetWindowTitle(window_->handle(), title); }
@@ -167,8 +168,8 @@ void Surface::read(gl::Image& image) const {
 
 std::unique_ptr<Surface> make_surface(const SurfaceOptions& options, std::string& error) {
     if (!options.headless) {
-        auto window =
-            gl::Window::create({options.width, options.height, "Fjell editor", false, options.vsync, true}, error);
+        auto window = gl::Window::create(
+            {options.width, options.height, "Fjell editor", false, options.vsync, true, true}, error);
         return window ? std::make_unique<WindowSurface>(std::move(window)) : nullptr;
     }
     auto context = gl::Headless::create({}, error);

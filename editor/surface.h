@@ -14,6 +14,10 @@
 #include "fjell/gl/image.h"
 #include "fjell/gl/target.h"
 
+namespace fjell::gl {
+class SecondContext; // gl/window.h
+}
+
 namespace fjell::editor {
 
 class Surface {
@@ -32,6 +36,8 @@ public:
     void draw_interface(); // ImGui's draw data, into the bound framebuffer
     void fonts_changed();  // the atlas was recreated
     virtual void present() = 0;
+    // For a thread that prepares what frames will draw; null: there is none, and frames prepare it.
+    [[nodiscard]] virtual gl::SecondContext* second_context() { return nullptr; }
     [[nodiscard]] virtual bool should_close() const = 0;
     virtual void stay_open() = 0; // after should_close(): the user is asked first
     virtual void set_title(const char* title) = 0;

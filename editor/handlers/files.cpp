@@ -46,7 +46,7 @@ void handle(const OpenFile& c, HandlerContext context) {
     case FileKind::pack:
         // A frame that waits is seen in a window that shows something already.
         if (!state.headless && state.frame != 0) {
-            context.engine.begin_opening(c.path, state.document.profile());
+            context.engine.begin_opening(c.path, state);
             state.opening = c.path;
             return;
         }

@@ -27,6 +27,8 @@ void delete_program(unsigned name) {
 
 namespace {
 
+thread_local std::uint64_t made = 0;
+
 // Attaches one compiled stage; false with the log on failure.
 bool attach(unsigned program, GLenum stage, const std::string& defines, const std::string& text, std::string& log) {
     const std::string whole = "#version 450 core\n" + defines + text;
@@ -52,6 +54,7 @@ bool attach(unsigned program, GLenum stage, const std::string& defines, const st
 Program link(Program program, bool good, const char* name, std::string log, std::string& error) {
     if (good) {
         int linked = 0, length = 0;
+        ++made;
         glLinkProgram(program.get());
         glGetProgramiv(program.get(), GL_LINK_STATUS, &linked);
         if (linked) return program;
@@ -65,6 +68,10 @@ Program link(Program program, bool good, const char* name, std::string log, std:
 }
 
 } // namespace
+
+std::uint64_t programs_made() {
+    return made;
+}
 
 Program make_program(const ProgramSource& source, std::string& error) {
     Program program(glCreateProgram());

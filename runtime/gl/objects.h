@@ -3,6 +3,7 @@
 // Internal to runtime/gl. Thread and lifetime: the context that made an object must be current when it is destroyed.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -49,6 +50,8 @@ struct ProgramSource {
 };
 // Empty error on success; otherwise the compiler's or linker's log in one string.
 [[nodiscard]] Program make_program(const ProgramSource& source, std::string& error);
+// How many this thread has made so far.
+[[nodiscard]] std::uint64_t programs_made();
 [[nodiscard]] Program make_compute_program(const char* name, const std::string& source, std::string& error);
 
 } // namespace fjell::gl

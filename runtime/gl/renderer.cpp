@@ -102,6 +102,12 @@ std::string Renderer::State::make_sky_program() {
 void Renderer::State::make_buffers() {
     mesh.vertices = make_buffer(std::size_t{options.vertices} * sizeof(MeshVertex));
     mesh.indices = make_buffer(std::size_t{options.indices} * sizeof(std::uint32_t));
+    if (options.morph) mesh.morph = make_buffer(std::size_t{options.vertices} * sizeof(MorphVertex));
+}
+
+// Contexts do not share these: made by the first draw in each.
+void Renderer::State::make_arrays() {
+    if (terrain_array.get() != 0) return;
     unsigned name = 0;
     glCreateVertexArrays(1, &name);
     empty_array = VertexArray(name);
@@ -118,7 +124,6 @@ void Renderer::State::make_buffers() {
         glVertexArrayAttribBinding(name, attribute, attribute == 2 ? tile_slot : vertex_slot);
     }
     if (!options.morph) return;
-    mesh.morph = make_buffer(std::size_t{options.vertices} * sizeof(MorphVertex));
     glVertexArrayVertexBuffer(name, morph_slot, mesh.morph.get(), 0, sizeof(MorphVertex));
     glVertexArrayAttribFormat(name, 3, 4, GL_FLOAT, GL_FALSE, 0);
     glEnableVertexArrayAttrib(name, 3);
@@ -312,6 +317,7 @@ std::string Renderer::draw_uploaded(const MeshView& mesh, const View& view, cons
     if (std::string error = s.check(mesh, view); !error.empty()) return error;
     if (s.uploaded != mesh.vertices.data()) return "the mesh was not uploaded: call upload() after the update";
     if (std::string error = s.prepare(options); !error.empty()) return error;
+    s.make_arrays();
     s.upload_indices(mesh);
     s.drawn = true;
     const DrawData data = s.write_draw(mesh, view, options);
@@ -328,6 +334,34 @@ std::string Renderer::draw_uploaded(const MeshView& mesh, const View& view, cons
     glBindVertexArray(0);
     ++s.stats.frames;
     return {};
+}
+
+std::string Renderer::rehearse(const DrawOptions& options, const Target& target) {
+    State& s = *state_;
+    const View view = make_view({0, s.header.max_m + 1, 0}, {1, -1, 1}, {0, 1, 0}, 1, target.width(), target.height(),
+                                0.1, 10 * (s.diagonal_m + 1));
+    const auto low = static_cast<float>(s.header.min_m);
+    const MeshVertex corners[3] = {{0, 0, low}, {0, 1, low}, {1, 0, low}};
+    const std::uint32_t indices[3] = {0, 1, 2};
+    const TileRange range{.tile = 0, .first_index = 0, .index_count = 3, .triangles = 1};
+    MeshView mesh;
+    mesh.vertices = corners;
+    mesh.indices = indices;
+    mesh.tiles = {&range, 1};
+    mesh.dirty_end = 3;
+    if (s.options.vertices < 3 || s.options.indices < 3) return {};
+    const DrawStats before = s.stats;
+    std::string error = draw(mesh, view, options, target);
+    if (error.empty() && s.options.morph) rehearse_scatter(s.scatter, s.ring, s.mesh);
+    invalidate(); // what was drawn is nobody's mesh
+    s.stats = before;
+    return error;
+}
+
+void Renderer::leave_context() {
+    state_->terrain_array = VertexArray();
+    state_->empty_array = VertexArray();
+    glFinish(); // what another context reads then is there
 }
 
 } // namespace fjell::gl

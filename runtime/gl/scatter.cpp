@@ -107,6 +107,21 @@ std::string Scatter::create() {
     return error;
 }
 
+void rehearse_scatter(const Scatter& shaders, Ring& ring, const MeshBuffers& to) {
+    constexpr std::size_t bytes = sizeof(VertexSlotRecord);
+    ring.reserve(ring.aligned(bytes));
+    const RingSlice slice = ring.take(bytes);
+    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, record_binding, ring.buffer(), static_cast<GLintptr>(slice.offset),
+                      static_cast<GLsizeiptr>(bytes));
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, first_binding, to.vertices.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, second_binding, to.morph.get());
+    for (const Program* program : {&shaders.vertices, &shaders.triangles}) {
+        glUseProgram(program->get());
+        glProgramUniform1ui(program->get(), 0, 0); // of no records
+        glDispatchCompute(1, 1, 1);
+    }
+}
+
 std::uint64_t scatter(const Scatter& shaders, Ring& ring, const CutMesh& cut, const CutChanges& changes,
                       const MeshBuffers& to) {
     const std::uint32_t vertex_count = written(changes.vertex_bits, changes.vertex_words);

@@ -40,6 +40,9 @@ struct MeshBuffers {
     Buffer vertices, morph, indices;
 };
 
+// Has the driver compile both shaders: dispatches that write nothing.
+void rehearse_scatter(const Scatter& shaders, Ring& ring, const MeshBuffers& to);
+
 // Uploads the written slots; returns the bytes of their records. Pieces that outgrow a region of the ring go on in the
 // next one. Draws given before see the old mesh, draws given after it the new one.
 std::uint64_t scatter(const Scatter& shaders, Ring& ring, const CutMesh& cut, const CutChanges& changes,

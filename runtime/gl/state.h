@@ -81,6 +81,7 @@ struct Renderer::State {
     std::string make_program_of(const DrawOptions& now);
     std::string make_sky_program();
     void make_buffers();
+    void make_arrays();
     [[nodiscard]] std::size_t range_capacity() const;
     [[nodiscard]] std::size_t ring_bytes() const;
     [[nodiscard]] std::size_t draw_bytes(std::size_t ranges) const;

@@ -46,6 +46,10 @@ std::unique_ptr<Window> Window::create(const WindowOptions& options, std::string
     ++open_windows;
     std::unique_ptr<Window> result(new Window);
     result->window_ = window;
+    if (options.second) { // with the hints of the first, as contexts that share must be alike
+        glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+        result->second_.window_ = glfwCreateWindow(1, 1, "", nullptr, window);
+    }
     glfwMakeContextCurrent(window);
     glfwSwapInterval(options.vsync ? 1 : 0);
     attach_debug_log(*result->log_);
@@ -54,8 +58,18 @@ std::unique_ptr<Window> Window::create(const WindowOptions& options, std::string
 
 Window::~Window() {
     if (window_ == nullptr) return;
+    if (second_.window_ != nullptr) glfwDestroyWindow(second_.window_);
     glfwDestroyWindow(window_);
     if (--open_windows == 0) glfwTerminate();
+}
+
+bool SecondContext::make_current() {
+    glfwMakeContextCurrent(window_);
+    return glfwGetCurrentContext() == window_;
+}
+
+void SecondContext::release() {
+    glfwMakeContextCurrent(nullptr);
 }
 
 bool Window::should_close() const {

@@ -21,6 +21,20 @@ struct WindowOptions {
     bool debug = false;
     bool vsync = true;
     bool robust = false; // tells of a driver that has reset (glGetGraphicsResetStatus), where it can
+    bool second = false; // with a second context, Window::second(), where the driver gives one
+};
+
+// A context beside a window's, without a window: what is made in one is there in the other. Ownership: the window's,
+// which must outlive what is made in it. Thread: any, one at a time.
+class SecondContext {
+public:
+    // On the caller's thread; false: refused.
+    [[nodiscard]] bool make_current();
+    void release(); // on the thread that has it
+
+private:
+    friend class Window;
+    GLFWwindow* window_ = nullptr; // never shown
 };
 
 // One window at a time: GLFW is started with the first and stopped with the last.
@@ -32,6 +46,7 @@ public:
     Window& operator=(const Window&) = delete;
 
     [[nodiscard]] GLFWwindow* handle() const { return window_; } // for keys, mouse and user interface back ends
+    [[nodiscard]] SecondContext* second() { return second_.window_ != nullptr ? &second_ : nullptr; } // null: none
     [[nodiscard]] bool should_close() const;
     // Pixels; 0 x 0 while minimised.
     void framebuffer_size(std::uint32_t& width, std::uint32_t& height) const;
@@ -43,6 +58,7 @@ public:
 private:
     Window() = default;
     GLFWwindow* window_ = nullptr;
+    SecondContext second_;
     std::unique_ptr<DebugLog> log_ = std::make_unique<DebugLog>();
 };
 

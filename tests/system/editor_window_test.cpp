@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <csignal>
+#include <filesystem>
 #include <set>
 
 #include "support/editor_pack.h"
@@ -385,6 +386,42 @@ TEST_CASE("panels hide, fold and are resized by hand, and the next run looks as 
     editor.until("a tab again",
                  [](const json& s) { return s["interface"]["floating"].empty() && s["marks"].contains("panel.time"); });
     CHECK(next["messages"].empty());
+}
+
+TEST_CASE("a pack that is opened over another one compiles no shader on the frame's thread, and looks the same") {
+    if (no_windows()) return;
+    const TemporaryFolder home;
+    const std::string other = home / "other.fjell";
+    std::filesystem::copy_file(small_pack(), other);
+    EditorWindow editor(display(), home.path,
+                        {small_pack(),
+                         "--size",
+                         small_window,
+                         "--scale",
+                         half_scale,
+                         "--do",
+                         "wait",
+                         "--do",
+                         "screenshot " + home / "first.png" + " terrain",
+                         "--do",
+                         "dump " + home / "first.json",
+                         "--do",
+                         "open " + other,
+                         "--do",
+                         "wait",
+                         "--do",
+                         "screenshot " + home / "second.png" + " terrain",
+                         "--do",
+                         "dump " + home / "second.json",
+                         "--do",
+                         "quit discard"});
+    CHECK(editor.exit_code() == 0);
+    const json first = json::parse(slurp(home / "first.json")), second = json::parse(slurp(home / "second.json"));
+    CHECK(second["scene"]["path"] == other);
+    CHECK(second["terrain_draws"] > first["terrain_draws"]);
+    CHECK(first["programs"] > 0); // the first one is waited for: nothing else is there to be shown
+    CHECK(second["programs"] == first["programs"]);
+    CHECK(slurp(home / "second.png") == slurp(home / "first.png"));
 }
 
 TEST_CASE("an editor at rest draws nothing, and what moves in its panels alone draws no terrain") {

@@ -7,7 +7,8 @@
 // where the name says so. Colours in files and pictures are sRGB. Ownership: the renderer owns its buffers and
 // textures; the Pack's bytes are read only in create(), the mesh's spans and MapCommands' blocks only in upload() and
 // draw(). Mode::residency reads the terrain's page table, and is refused once that is destroyed. Thread: the context's;
-// where pages are loaded, also the one that does it. Memory, all at creation but for the mode residency's 1 byte a
+// where pages are loaded, also the one that does it. One may make it in a context and
+// thread of its own while another draws: leave_context(). Memory, all at creation but for the mode residency's 1 byte a
 // square of 64 x 64 samples, set_heights() and set_layers(): 12 bytes a vertex (28 with morph), 4 an index, the maps,
 // and three times ring_bytes, 132 bytes a range and 2 KB. Complexity of an upload: a MeshView's dirty vertices and all
 // its indices, or a CutMesh's written slots and nothing else, in the same few GL calls however they lie; of a draw: the
@@ -161,6 +162,13 @@ public:
     // uploaded all the same.
     [[nodiscard]] std::string draw_uploaded(const MeshView& mesh, const View& view, const DrawOptions& options,
                                             const Target& target);
+    // A draw of next to nothing with these options, which the target then shows: drivers compile for the machine at the
+    // first draw of a kind, in software for half a second. target: of any size, with the samples of pictures to come.
+    // The next upload is a whole one.
+    [[nodiscard]] std::string rehearse(const DrawOptions& options, const Target& target);
+    // In the context that has made this renderer, before it goes on in another one that shares objects with it, on
+    // whatever thread: frees what contexts do not share, and waits for the GPU.
+    void leave_context();
     [[nodiscard]] const DrawStats& stats() const;
 
 private:
