@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "pack/terrain_data.h"
 #include "support/cut_scene.h"
@@ -57,19 +58,21 @@ double largest_step_px(const Terrain& terrain, const View& view, const std::vect
 }
 
 struct Flight {
-    double largest_px = 0;
+    double largest_px = 0, largest_of_threshold = 0;
+    int threshold_steps = 0;
     std::uint32_t changes = 0, most_morphing = 0, morphing_frames = 0;
 };
 
 // Hundredths of a cell, low over the ground, 60 frames a second.
-Flight fly(const Terrain& terrain, CutSettings settings, std::uint32_t items, int frames, double step_cells = 0.01) {
-    Cut cut(terrain, ample_cut(terrain));
+Flight fly(const Terrain& terrain, const CutBudget& budget, CutSettings settings, std::uint32_t items, int frames,
+           double step_cells = 0.01) {
+    Cut cut(terrain, budget);
     const double cell = terrain.spacing_x_m(), x = terrain.x_m(data_of(terrain).tree.columns() - 1);
     Vec3 eye{0.3 * x, 0, 0.4 * x};
     eye.y = terrain.header().max_m + 3 * cell;
     const auto look = [&] { return make_view(eye, {0.8, -0.1, 0.6}, {0, 1, 0}, 0.8, 1280, 720, 1, 1e6); };
     View view = look();
-    (void)cut.rebuild({&view, 1}, settings);
+    double threshold_px = cut.rebuild({&view, 1}, settings).threshold_px;
     Flight flight;
     std::vector<double> before;
     settings.items = items;
@@ -82,9 +85,11 @@ Flight fly(const Terrain& terrain, CutSettings settings, std::uint32_t items, in
         flight.changes += report.activations + report.deactivations;
         flight.most_morphing = std::max(flight.most_morphing, report.morphing);
         flight.morphing_frames += report.morphing != 0;
+        flight.threshold_steps += std::exchange(threshold_px, report.threshold_px) != report.threshold_px;
         const std::vector<double> after = surface(terrain, cut);
-        if (!before.empty())
-            flight.largest_px = std::max(flight.largest_px, largest_step_px(terrain, view, before, after));
+        const double step_px = before.empty() ? 0 : largest_step_px(terrain, view, before, after);
+        flight.largest_px = std::max(flight.largest_px, step_px);
+        flight.largest_of_threshold = std::max(flight.largest_of_threshold, step_px / threshold_px);
         before = after;
     }
     return flight;
@@ -99,13 +104,14 @@ TEST_CASE("morphing by error, no sample jumps by more than a twentieth of a pixe
         CutSettings settings;
         settings.error_px = 1;
         settings.morph = Morph::error;
-        const Flight morphed = fly(pack.terrain, settings, unlimited_items, 700);
+        const Flight morphed = fly(pack.terrain, ample_cut(pack.terrain), settings, unlimited_items, 700);
         CAPTURE(round, morphed.changes);
         CHECK(morphed.changes > 20); // or nothing was tested
         CHECK(morphed.largest_px < 0.05);
         CHECK(morphed.most_morphing == 0);
         settings.morph = Morph::none;
-        CHECK(fly(pack.terrain, settings, unlimited_items, 700).largest_px > 0.25); // the measure sees pops
+        CHECK(fly(pack.terrain, ample_cut(pack.terrain), settings, unlimited_items, 700).largest_px >
+              0.25); // the measure sees pops
     }
 }
 
@@ -117,12 +123,35 @@ TEST_CASE("what is activated late morphs by time, and nothing jumps either") {
         settings.error_px = 1;
         settings.morph = morph;
         settings.morph_s = 10; // 1/600 of a displacement a frame
-        const Flight late = fly(pack.terrain, settings, 2, 900);
+        const Flight late = fly(pack.terrain, ample_cut(pack.terrain), settings, 2, 900);
         CAPTURE(static_cast<int>(morph), late.changes, late.morphing_frames);
         CHECK(late.changes > 20);
         CHECK(late.most_morphing > 0);
         CHECK(late.largest_px < 0.05);
     }
+}
+
+TEST_CASE("where vertices morph a capacity that is spent moves the mesh in many small steps, and in pops where not") {
+    Random random(306);
+    int governed = 0;
+    for (int round = 0; round < rounds(2, 8); ++round) {
+        const auto pack = rich_terrain(random, 65, 6);
+        CutSettings settings;
+        settings.error_px = 1;
+        CutBudget scarce = ample_cut(pack.terrain);
+        const View above = view_from_above(pack.terrain, 0.1);
+        Cut cut(pack.terrain, scarce);
+        scarce.vertices = cut.rebuild({&above, 1}, settings).vertices * pick(random, 20u, 60u) / 100 + 60;
+        const Flight popping = fly(pack.terrain, scarce, settings, unlimited_items, 600, 0.02);
+        settings.morph = Morph::error;
+        const Flight morphed = fly(pack.terrain, scarce, settings, unlimited_items, 600, 0.02);
+        CAPTURE(round, scarce.vertices, popping.threshold_steps, morphed.threshold_steps, popping.largest_of_threshold);
+        if (morphed.threshold_steps == 0) continue;
+        ++governed;
+        CHECK(popping.largest_of_threshold > 0.5);
+        CHECK(morphed.largest_of_threshold < 0.2); // a sixteenth of the way in a frame, of two levels
+    }
+    REQUIRE(governed > 0);
 }
 
 TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not before the edge it splits has arrived") {

@@ -9,7 +9,8 @@
 // Work is counted in items: one group evaluated, or one vertex activated or deactivated (which includes evaluating its
 // group again), each bounded by a constant. A limit in microseconds is checked before every group. When a frame's items
 // do not suffice, the mesh lags behind the view and the report says by how much. When a capacity does not suffice, the
-// effective threshold rises until it does; it falls again when there is room.
+// effective threshold rises until it does; it falls again when there is room. Where vertices morph it does so
+// gradually.
 //
 // Memory: one piece from the host, cut_bytes() of it, touched at creation; afterwards no allocation, lock, system call
 // or exception. Thread: one at a time; loading and unloading pages counts as use.

@@ -140,6 +140,8 @@ inline constexpr std::uint8_t hole_bit = 1, morphs_out_bit = 2;
 // What the governor remembers (update.cpp).
 struct Governor {
     double effective_px; // 0: not started
+    double aim_px;       // where it goes: at once, or frame by frame where vertices morph
+    std::uint32_t haste; // how often in a row it has arrived in vain
     double failed_px;    // a threshold at which a capacity did not suffice; 0: none known
     double failed_use;   // share of the scarcest capacity in use once that was resolved
     bool moved;          // the camera has since then

@@ -2,6 +2,7 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "cut/bulk.h"
@@ -192,18 +193,29 @@ double governor_most_px(const CutState& s) {
     return 1e7 / least_ratio;
 }
 
-// Returns the threshold of the next frame. use: share of the scarcest capacity; blocked: work waits for a capacity.
-// still: no eye has moved.
-double govern(Governor& g, double requested_px, double most_px, double use, bool blocked, bool at_rest, bool still) {
-    if (g.effective_px < requested_px) g.effective_px = requested_px;
-    if (!at_rest) return g.effective_px;
+// How far the threshold may move in a frame, as a factor. Where vertices morph, one frame in many of what they take
+// from the edge to their height: a tenth at once would move the screen by as much as vertices that do not morph. In a
+// hurry, when one rise after another was not enough, twice as far each time.
+constexpr int glide_frames = 16;
+double glide_factor(const CutState& s) {
+    if (s.settings.morph == Morph::none) return std::numeric_limits<double>::infinity();
+    const double band = 2 * std::log1p(static_cast<double>(s.terrain->header.nesting));
+    return std::exp(std::ldexp(band / glide_frames, static_cast<int>(s.governor.haste)));
+}
+
+// What the threshold should be, once it is where it should have been. use: share of the scarcest capacity; blocked:
+// work waits for a capacity. still: no eye has moved.
+double threshold_aim_px(Governor& g, double requested_px, double most_px, double use, bool blocked, bool still) {
     if (blocked) {
+        constexpr std::uint32_t most_haste = 4;
+        if (g.failed_px > 0 && g.failed_px < g.effective_px) g.haste = std::min(g.haste + 1, most_haste);
         g.failed_px = g.effective_px;
         g.failed_use = governor_full;
         g.moved = false;
         // Vertices whose spheres hold the eye are wanted at any threshold.
-        return g.effective_px = std::min(g.effective_px * governor_up, std::max(requested_px, most_px));
+        return std::min(g.effective_px * governor_up, std::max(requested_px, most_px));
     }
+    g.haste = 0;
     // Where the camera rests, use says what the failure left; where it moves, the law has to do.
     g.moved = g.moved || !still;
     if (!g.moved) g.failed_use = std::min(g.failed_use, use);
@@ -218,7 +230,21 @@ double govern(Governor& g, double requested_px, double most_px, double use, bool
         if (use > g.failed_use - (g.moved ? 0.05 : 0.15)) return g.effective_px;
         g.failed_px = 0;
     }
-    return g.effective_px = next;
+    return next;
+}
+
+// The threshold of the next frame.
+void govern(CutState& s, double use) {
+    Governor& g = s.governor;
+    const double requested_px = s.report.error_px_requested;
+    g.effective_px = std::max(g.effective_px, requested_px);
+    g.aim_px = std::max(g.aim_px, requested_px);
+    if (s.lagging) return;
+    const bool blocked = s.full_capacities != 0;
+    if (g.effective_px == g.aim_px || (blocked && g.aim_px < g.effective_px))
+        g.aim_px = threshold_aim_px(g, requested_px, governor_most_px(s), use, blocked, s.still);
+    const double factor = glide_factor(s);
+    g.effective_px = std::clamp(g.aim_px, g.effective_px / factor, g.effective_px * factor);
 }
 
 // What the mesh lacks of its threshold; 0: nothing.
@@ -267,8 +293,7 @@ void finish(CutState& s) {
     const double use = std::max({static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
                                  static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity,
                                  may_lack_pages(s) ? static_cast<double>(s.busy_pages) / s.page_count : 0.0});
-    (void)govern(s.governor, r.error_px_requested, governor_most_px(s), use, s.full_capacities != 0, !s.lagging,
-                 s.still);
+    govern(s, use);
     // What waits, and what pages hide that are wanted and not there, bounds the screen as a threshold would.
     r.error_px_effective = std::max({r.threshold_px, waiting_px(s, overlooking), s.terrain->missing_px});
     r.converged = r.converged && s.terrain->missing_px <= r.error_px_requested;
@@ -334,7 +359,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     s.item_limit = settings.items;
     CutReport& r = s.report;
     s.governor.effective_px = std::max(s.governor.effective_px, settings.error_px);
-    if (s.governor.cause == 0) s.governor.effective_px = settings.error_px;
+    if (s.governor.cause == 0) s.governor.effective_px = s.governor.aim_px = settings.error_px;
     r.threshold_px = s.governor.effective_px;
     set_views(s, views, s.governor.effective_px);
     if (run_bulk(s)) {
@@ -383,7 +408,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     CutReport& r = s.report;
     // A rebuild starts from scratch: with the requested threshold, or the lowest one above it that the capacities
     // allow.
-    s.governor = {settings.error_px, 0, governor_full, false, 0};
+    s.governor = {settings.error_px, settings.error_px, 0, 0, governor_full, false, 0};
     bool complete = true;
     finish_bulk(s);
     if (s.terrain->changes != s.seen_changes) reset(s);
@@ -402,7 +427,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         }
         s.governor.cause |= status == BulkStatus::no_triangles ? cut_budget_triangles : cut_budget_vertices;
         s.governor.failed_px = s.governor.effective_px;
-        s.governor.effective_px *= governor_up;
+        s.governor.aim_px = s.governor.effective_px *= governor_up;
         if (s.governor.effective_px < governor_most_px(s)) continue;
         // What is wanted at any threshold is too much: as far as it goes, then.
         reset(s);
