@@ -22,11 +22,6 @@ namespace fjell::baker {
 
 namespace {
 
-// "3/16" of a plan with 16.
-struct ShardRange {
-    int first, last;
-};
-
 // From K/N, or from K-L/N.
 ShardRange shard_range(const std::string& text, const ShardPlan& plan) {
     const auto number = [](std::string_view digits) {

@@ -81,17 +81,13 @@ int run_shell(const std::string& script) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : 130;
 }
 
-struct Share {
-    int first, last;
-};
-
 // Of `processes`, the one with this number takes these shards.
-Share share_of(const ShardPlan& plan, int processes, std::int64_t number) {
+ShardRange share_of(const ShardPlan& plan, int processes, std::int64_t number) {
     const auto until = [&](std::int64_t i) { return static_cast<int>(i * plan.shards / processes); };
     return {until(number) + 1, until(number + 1)};
 }
 
-std::string named(const Share& share) {
+std::string named(const ShardRange& share) {
     return share.first == share.last ? std::to_string(share.first) : fmt::format("{}-{}", share.first, share.last);
 }
 
@@ -99,7 +95,7 @@ void launch_local(const ShardPlan& plan, const LaunchOptions& o) {
     const int processes = std::min(o.at_once, plan.shards);
     for (const ShardStep& step : shard_steps(plan.rounds))
         parallel_for(processes, processes, [&](std::int64_t i) {
-            const Share share = share_of(plan, processes, i);
+            const ShardRange share = share_of(plan, processes, i);
             const auto missing = [&] {
                 int shard = share.first;
                 while (shard <= share.last && find_record(plan, step, shard)) ++shard;

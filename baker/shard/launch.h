@@ -11,6 +11,11 @@ namespace fjell::baker {
 
 enum class Launcher { local, slurm, mpi };
 
+// Shards from 1 on, both included.
+struct ShardRange {
+    int first, last;
+};
+
 struct LaunchOptions {
     Launcher with = Launcher::local;
     int at_once = 1;     // local: shards that run side by side; mpi: processes

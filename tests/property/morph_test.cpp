@@ -101,30 +101,31 @@ TEST_CASE("morphing by error, no sample jumps by more than a twentieth of a pixe
     Random random(301);
     for (int round = 0; round < rounds(1, 6); ++round) {
         const auto pack = rich_terrain(random, 65, 6);
+        const CutBudget ample = ample_cut(pack.terrain);
         CutSettings settings;
         settings.error_px = 1;
         settings.morph = Morph::error;
-        const Flight morphed = fly(pack.terrain, ample_cut(pack.terrain), settings, unlimited_items, 700);
+        const Flight morphed = fly(pack.terrain, ample, settings, unlimited_items, 700);
         CAPTURE(round, morphed.changes);
         CHECK(morphed.changes > 20); // or nothing was tested
         CHECK(morphed.largest_px < 0.05);
         CHECK(morphed.most_morphing == 0);
         settings.morph = Morph::none;
-        CHECK(fly(pack.terrain, ample_cut(pack.terrain), settings, unlimited_items, 700).largest_px >
-              0.25); // the measure sees pops
+        CHECK(fly(pack.terrain, ample, settings, unlimited_items, 700).largest_px > 0.25); // the measure sees pops
     }
 }
 
 TEST_CASE("what is activated late morphs by time, and nothing jumps either") {
     Random random(302);
-    for (const Morph morph : {Morph::error, Morph::time}) {
+    for (const auto& [morph, step_cells] :
+         {std::pair{Morph::error, 0.01}, {Morph::time, 0.01}, {Morph::error, -0.01}}) { // back: deactivations lag
         const auto pack = rich_terrain(random, 65, 6);
         CutSettings settings;
         settings.error_px = 1;
         settings.morph = morph;
         settings.morph_s = 10; // 1/600 of a displacement a frame
-        const Flight late = fly(pack.terrain, ample_cut(pack.terrain), settings, 2, 900);
-        CAPTURE(static_cast<int>(morph), late.changes, late.morphing_frames);
+        const Flight late = fly(pack.terrain, ample_cut(pack.terrain), settings, 2, 900, step_cells);
+        CAPTURE(static_cast<int>(morph), step_cells, late.changes, late.morphing_frames);
         CHECK(late.changes > 20);
         CHECK(late.most_morphing > 0);
         CHECK(late.largest_px < 0.05);
@@ -152,6 +153,29 @@ TEST_CASE("where vertices morph a capacity that is spent moves the mesh in many 
         CHECK(morphed.largest_of_threshold < 0.2); // a sixteenth of the way in a frame, of two levels
     }
     REQUIRE(governed > 0);
+}
+
+TEST_CASE("the narrowest nesting does not hold the governor up") {
+    Random random(307);
+    const auto pack = bake_and_load(random_dem(random, 65, 65, Shape::fractal), small_bake(6, 0.001));
+    const View view = view_from_above(pack.terrain, 0.1);
+    CutSettings settings;
+    settings.morph = Morph::error;
+    settings.error_px = 0.1;
+    CutBudget budget = ample_cut(pack.terrain);
+    Cut ample(pack.terrain, budget);
+    budget.vertices = ample.rebuild({&view, 1}, settings).vertices / 4;
+    settings.items = 1000; // no bulk pass, which finds its threshold at once
+    Cut cut(pack.terrain, budget);
+    CutReport report;
+    int frames = 0;
+    do {
+        settings.now_s = ++frames / 60.0;
+        report = cut.update({&view, 1}, settings);
+    } while (frames < 300 && (report.waiting != 0 || report.vertices < budget.vertices / 2));
+    CAPTURE(frames, report.threshold_px, report.blocked);
+    CHECK(report.waiting == 0);
+    CHECK(report.threshold_px > 1.5 * settings.error_px); // it had some way to go
 }
 
 TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not before the edge it splits has arrived") {

@@ -9,6 +9,7 @@
 #include "editor/scene/route_lines.h"
 #include "fjell/glm.h"
 #include "fjell/io/failure.h"
+#include "support/ground.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
@@ -19,14 +20,6 @@ using flight::ControlPoint;
 using flight::Pose;
 
 namespace {
-
-flight::Ground plain() {
-    flight::Ground ground;
-    ground.extent_x_m = 9000;
-    ground.extent_z_m = 7000;
-    ground.cell_m = 30;
-    return ground;
-}
 
 Pose random_pose(Random& random) {
     const double heading = uniform(random, -3, 3), pitch = uniform(random, -1.4, 1.4),

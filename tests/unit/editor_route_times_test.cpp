@@ -11,6 +11,7 @@
 #include "editor/route.h"
 #include "fjell/io/failure.h"
 #include "flight/path_timing.h"
+#include "support/ground.h"
 #include "support/program.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
@@ -22,14 +23,6 @@ using flight::ControlPoint;
 using flight::Pose;
 
 namespace {
-
-flight::Ground meadow() {
-    flight::Ground ground;
-    ground.extent_x_m = 9000;
-    ground.extent_z_m = 7000;
-    ground.cell_m = 30;
-    return ground;
-}
 
 Pose pose_there(Random& random, int i) {
     const double heading = 0.2 * i + uniform(random, -0.1, 0.1);
@@ -78,14 +71,14 @@ TEST_CASE("points with times keep them through opening, playing and saving, to t
         INFO("seed " << seed);
         Random random(static_cast<unsigned>(seed));
         Route route;
-        route.open(timed_file(random, folder / "a.json", pick(random, 2, 15)), meadow());
+        route.open(timed_file(random, folder / "a.json", pick(random, 2, 15)), plain());
         const auto read = std::get<flight::SplinePath>(flight::read_path(folder / "a.json").kind);
         CHECK(route.times_s() == read.times_s);
         CHECK(route.requested_seconds() == read.times_s.back());
         check_passes(route);
         route.save(folder / "b.json");
         CHECK(slurp(folder / "b.json").find("\"seconds\"") == std::string::npos);
-        route.replace(0, pose_there(random, 0), meadow());
+        route.replace(0, pose_there(random, 0), plain());
         CHECK(route.times_s() == read.times_s);
         check_passes(route);
         route.save(folder / "c.json");
@@ -100,7 +93,7 @@ TEST_CASE("edits give times to new points, take those of removed ones, and resto
         INFO("seed " << seed);
         Random random(static_cast<unsigned>(seed));
         Route route;
-        route.open(timed_file(random, folder / "a.json", pick(random, 3, 8)), meadow());
+        route.open(timed_file(random, folder / "a.json", pick(random, 3, 8)), plain());
         std::vector<double> model = route.times_s();
         for (int edit = 0; edit < 12; ++edit) {
             const std::vector<double> before = model;
@@ -110,7 +103,7 @@ TEST_CASE("edits give times to new points, take those of removed ones, and resto
             switch (pick(random, 0, 3)) {
             case 0:
                 (void)route.select(at);
-                route.add(pose_there(random, 30 + edit), meadow());
+                route.add(pose_there(random, 30 + edit), plain());
                 if (at + 1 < model.size())
                     model.insert(place(at + 1), (model[at] + model[at + 1]) / 2);
                 else
@@ -118,16 +111,16 @@ TEST_CASE("edits give times to new points, take those of removed ones, and resto
                 break;
             case 1:
                 if (n <= 3) continue;
-                route.remove(at, meadow());
+                route.remove(at, plain());
                 model.erase(place(at));
                 if (at == 0)
                     for (double& time_s : model) time_s -= before[1];
                 break;
-            case 2: route.move(at, static_cast<std::size_t>(pick(random, 0, n - 1)), meadow()); break;
+            case 2: route.move(at, static_cast<std::size_t>(pick(random, 0, n - 1)), plain()); break;
             default: {
                 const double seconds = uniform(random, 5, 90), by = seconds / model.back();
                 for (double& time_s : model) time_s *= by;
-                route.set_seconds(seconds, meadow());
+                route.set_seconds(seconds, plain());
                 CHECK(route.times_s().back() == seconds);
             }
             }
@@ -144,7 +137,7 @@ TEST_CASE("edits give times to new points, take those of removed ones, and resto
         }
         route.save(folder / "b.json");
         Route opened;
-        opened.open(folder / "b.json", meadow());
+        opened.open(folder / "b.json", plain());
         CHECK(opened.times_s() == route.times_s());
         CHECK(opened.points() == route.points());
     }
@@ -157,11 +150,11 @@ TEST_CASE("a duration of 0 drops the times of points, and restoring brings them 
         for (const bool edited : {false, true}) {
             INFO(units << (edited ? ", edited" : ", as read"));
             Route route;
-            route.open(timed_file(random, folder / "a.json", 5, units), meadow());
-            if (edited) route.replace(1, pose_there(random, 1), meadow());
+            route.open(timed_file(random, folder / "a.json", 5, units), plain());
+            if (edited) route.replace(1, pose_there(random, 1), plain());
             const std::vector<double> times_s = route.times_s();
             REQUIRE(times_s.size() == route.points().size());
-            route.set_seconds(0, meadow());
+            route.set_seconds(0, plain());
             CHECK(route.times_s().empty());
             check_passes(route);
             route.save(folder / "b.json");
@@ -176,9 +169,9 @@ TEST_CASE("a path with times in units of the terrain keeps its pace when its fir
     const TemporaryFolder folder;
     Random random(8);
     Route route;
-    route.open(timed_file(random, folder / "a.json", 4, "terrain"), meadow());
+    route.open(timed_file(random, folder / "a.json", 4, "terrain"), plain());
     const std::vector<Pose> before = route.poses();
-    route.replace(0, before.front(), meadow());
+    route.replace(0, before.front(), plain());
     CHECK_FALSE(route.as_read());
     REQUIRE(route.poses().size() == before.size());
     double worst_m = 0;
@@ -194,13 +187,13 @@ TEST_CASE("edits that times have no room for are refused, and the path stays") {
         {"time_s": 3600, "position": [1800, 500, 0], "direction": [1, 0, 0]}]})");
     Random random(1);
     Route route;
-    route.open(folder / "a.json", meadow());
+    route.open(folder / "a.json", plain());
     const std::vector<double> times_s = route.times_s();
     (void)route.select(0);
-    CHECK_THROWS_WITH(route.add(pose_there(random, 5), meadow()), Catch::Contains("less than 0.001 s apart"));
+    CHECK_THROWS_WITH(route.add(pose_there(random, 5), plain()), Catch::Contains("less than 0.001 s apart"));
     (void)route.select(2);
-    CHECK_THROWS_WITH(route.add(pose_there(random, 5), meadow()), Catch::Contains("longer than 3600 seconds"));
-    CHECK_THROWS_AS(route.set_seconds(60, meadow()), io::Failure);
+    CHECK_THROWS_WITH(route.add(pose_there(random, 5), plain()), Catch::Contains("longer than 3600 seconds"));
+    CHECK_THROWS_AS(route.set_seconds(60, plain()), io::Failure);
     CHECK(route.times_s() == times_s);
     CHECK_FALSE(route.unsaved());
 }

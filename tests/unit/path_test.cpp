@@ -8,21 +8,13 @@
 
 #include "fjell/io/failure.h"
 #include "flight/path.h"
+#include "support/ground.h"
 
 using namespace fjell;
 using namespace fjell::flight;
+using fjell::test::ridges;
 
 namespace {
-
-// Three ridges across; the extents differ, as do the metres of a cell along them.
-Ground ridges() {
-    Ground g;
-    g.extent_x_m = 40000;
-    g.extent_z_m = 20000;
-    g.cell_m = 50;
-    g.height_m = [](double x, double z) { return 800 + 700 * std::sin(x / 2000) + 100 * std::cos(z / 700); };
-    return g;
-}
 
 Ground flat(double height_m = 0) {
     Ground g = ridges();

@@ -10,6 +10,7 @@
 #include "fjell/io/failure.h"
 #include "flight/path.h"
 #include "flight/path_timing.h"
+#include "support/ground.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
 
@@ -17,21 +18,13 @@ using namespace fjell;
 using namespace fjell::flight;
 using fjell::test::pick;
 using fjell::test::Random;
+using fjell::test::ridges;
 using fjell::test::rounds;
 using fjell::test::uniform;
 
 namespace {
 
 constexpr int frames_a_second = 20; // of these tests: times are whole frames
-
-Ground hills() {
-    Ground g;
-    g.extent_x_m = 40000;
-    g.extent_z_m = 20000;
-    g.cell_m = 50;
-    g.height_m = [](double x, double z) { return 800 + 700 * std::sin(x / 2000) + 100 * std::cos(z / 700); };
-    return g;
-}
 
 // Gentle turns, legs of very different lengths and durations.
 CameraPath random_timed(Random& random, Units units, bool turns = true) {
@@ -97,7 +90,7 @@ TEST_CASE("a path with times passes every point at its time, in any units, over 
         const bool metres = seed % 2 == 0;
         const CameraPath path = random_timed(random, metres ? Units::metres : Units::terrain);
         const SplinePath& kind = timed_spline(path);
-        const Ground ground = hills();
+        const Ground ground = ridges();
         const auto frames = static_cast<std::size_t>(std::lround(path.seconds * frames_a_second)) + 1;
         const std::vector<Pose> poses = resample(path, ground, frames);
         const std::vector<double> share = shares(kind);
@@ -225,7 +218,7 @@ TEST_CASE("a path's times are written and read to the last bit, and a path witho
         CHECK(timed_spline(back).times_s == times_s);
         CHECK(back.seconds == path.seconds);
         CHECK(path_text(back) == text);
-        const std::vector<Pose> a = resample(path, hills(), 40), b = resample(back, hills(), 40);
+        const std::vector<Pose> a = resample(path, ridges(), 40), b = resample(back, ridges(), 40);
         for (std::size_t i = 0; i < a.size(); ++i) CHECK(length(a[i].position_m - b[i].position_m) == 0);
     }
     const CameraPath without = parse_path(on_a_line({0, 1, 3}, {"", "", ""}, R"("seconds": 8, )"), "p.json");

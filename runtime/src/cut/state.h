@@ -137,7 +137,7 @@ struct DirtyBits {
 // Of CutState::hole.
 inline constexpr std::uint8_t hole_bit = 1, morphs_out_bit = 2;
 
-// What the governor remembers (update.cpp).
+// What the governor remembers (governor.h).
 struct Governor {
     double effective_px; // 0: not started
     double aim_px;       // where it goes: at once, or frame by frame where vertices morph

@@ -2,11 +2,11 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "cut/bulk.h"
 #include "cut/change.h"
+#include "cut/governor.h"
 #include "cut/lag.h"
 #include "cut/morph.h"
 #include "cut/pages.h"
@@ -88,10 +88,6 @@ private:
     ViewExcess rise_[max_cut_views][max_cut_views], fall_[max_cut_views][max_cut_views]; // [now][before]
 };
 
-// A view's threshold over that of the settings. All views' rise alike when the effective threshold does.
-double threshold_ratio(const View& view, const CutSettings& settings) {
-    return view_error_px(view, settings.error_px) / settings.error_px;
-}
 // Exactly the requested one when the effective threshold is.
 double view_threshold_px(const View& view, const CutSettings& settings, double effective_px) {
     return view.error_px > 0 ? view.error_px * (effective_px / settings.error_px) : effective_px;
@@ -172,79 +168,6 @@ void list_ranges(CutState& s) {
             count = 1u << s.segment_log2;
         }
     }
-}
-
-// The governor: when a capacity does not suffice the effective threshold rises until it does, and falls again.
-//
-// It reacts to capacities only. Lack of time shows as lag instead, because changing the threshold makes work, exactly
-// when there is too much of it. It acts on a cut at rest: one that has done all it can at the present threshold.
-//
-// Steps are sized so that they do not have to be taken back. Up: by a tenth, which frees at most a fifth (the number of
-// vertices goes as the threshold to a power between -1 and -2), so that at least 0.8 of the scarcest capacity stay in
-// use. Down: only below that, and only as far as fills nine tenths by the same law. A terrain whose vertices all come
-// in one step can break any law, so a threshold that has failed is not tried again before use has dropped by a tenth.
-constexpr double governor_up = 1.1, governor_full = 0.8, governor_fill = 0.9;
-
-// Beyond this effective threshold only vertices whose spheres hold an eye are wanted: that of no view is below 1e7.
-double governor_most_px(const CutState& s) {
-    double least_ratio = 1;
-    for (std::uint32_t i = 0; i < s.view_count; ++i)
-        least_ratio = std::min(least_ratio, threshold_ratio(s.views[i], s.settings));
-    return 1e7 / least_ratio;
-}
-
-// How far the threshold may move in a frame, as a factor. Where vertices morph, one frame in many of what they take
-// from the edge to their height: a tenth at once would move the screen by as much as vertices that do not morph. In a
-// hurry, when one rise after another was not enough, twice as far each time.
-constexpr int glide_frames = 16;
-double glide_factor(const CutState& s) {
-    if (s.settings.morph == Morph::none) return std::numeric_limits<double>::infinity();
-    const double band = 2 * std::log1p(static_cast<double>(s.terrain->header.nesting));
-    return std::exp(std::ldexp(band / glide_frames, static_cast<int>(s.governor.haste)));
-}
-
-// What the threshold should be, once it is where it should have been. use: share of the scarcest capacity; blocked:
-// work waits for a capacity. still: no eye has moved.
-double threshold_aim_px(Governor& g, double requested_px, double most_px, double use, bool blocked, bool still) {
-    if (blocked) {
-        constexpr std::uint32_t most_haste = 4;
-        if (g.failed_px > 0 && g.failed_px < g.effective_px) g.haste = std::min(g.haste + 1, most_haste);
-        g.failed_px = g.effective_px;
-        g.failed_use = governor_full;
-        g.moved = false;
-        // Vertices whose spheres hold the eye are wanted at any threshold.
-        return std::min(g.effective_px * governor_up, std::max(requested_px, most_px));
-    }
-    g.haste = 0;
-    // Where the camera rests, use says what the failure left; where it moves, the law has to do.
-    g.moved = g.moved || !still;
-    if (!g.moved) g.failed_use = std::min(g.failed_use, use);
-    if (use >= governor_full) return g.effective_px;
-    if (g.effective_px <= requested_px) {
-        g.failed_px = 0;
-        return g.effective_px;
-    }
-    const double next = std::max(requested_px, g.effective_px * std::sqrt(std::max(use, 1e-4) / governor_fill));
-    // Not again where it has just failed, unless much less is in use than then.
-    if (g.failed_px > 0 && next < g.failed_px * std::sqrt(governor_up)) {
-        if (use > g.failed_use - (g.moved ? 0.05 : 0.15)) return g.effective_px;
-        g.failed_px = 0;
-    }
-    return next;
-}
-
-// The threshold of the next frame.
-void govern(CutState& s, double use) {
-    Governor& g = s.governor;
-    const double requested_px = s.report.error_px_requested;
-    g.effective_px = std::max(g.effective_px, requested_px);
-    g.aim_px = std::max(g.aim_px, requested_px);
-    if (s.lagging) return;
-    const bool blocked = s.full_capacities != 0;
-    if (g.effective_px == g.aim_px || (blocked && g.aim_px < g.effective_px))
-        g.aim_px = threshold_aim_px(g, requested_px, governor_most_px(s), use, blocked, s.still);
-    const double factor = glide_factor(s);
-    g.effective_px = std::clamp(g.aim_px, g.effective_px / factor, g.effective_px * factor);
 }
 
 // What the mesh lacks of its threshold; 0: nothing.
@@ -408,7 +331,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     CutReport& r = s.report;
     // A rebuild starts from scratch: with the requested threshold, or the lowest one above it that the capacities
     // allow.
-    s.governor = {settings.error_px, settings.error_px, 0, 0, governor_full, false, 0};
+    begin_governing(s, settings.error_px);
     bool complete = true;
     finish_bulk(s);
     if (s.terrain->changes != s.seen_changes) reset(s);
@@ -426,9 +349,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
             continue;
         }
         s.governor.cause |= status == BulkStatus::no_triangles ? cut_budget_triangles : cut_budget_vertices;
-        s.governor.failed_px = s.governor.effective_px;
-        s.governor.aim_px = s.governor.effective_px *= governor_up;
-        if (s.governor.effective_px < governor_most_px(s)) continue;
+        if (raise_threshold(s)) continue;
         // What is wanted at any threshold is too much: as far as it goes, then.
         reset(s);
         begin_at_roots(s);
