@@ -29,6 +29,8 @@ void keep_pages_at_hand(CutState& s);
     return s.page_count < s.terrain->slot_count;
 }
 
+// Parents that do not exist count as active, in a page's groups. Writes nothing else.
+void mark_absent_parents(CutState& s, std::uint32_t slot);
 // As if nothing were active, for one page.
 void clear_page(CutState& s, std::uint32_t slot);
 
