@@ -1,5 +1,5 @@
-// What the bulk pass does to rows of bits and of corners, against the plainest way to say the same, with vectors of every
-// length that this machine has.
+// What the bulk pass does to rows of bits and of corners, against the plainest way to say the same, with vectors of
+// every length that this machine has.
 #include <catch2/catch.hpp>
 
 #include <hwy/targets.h>
@@ -19,7 +19,8 @@ using namespace fjell::test;
 namespace {
 
 // Once with each kind of vectors, the best last, which stays.
-template <typename Check> void with_all_vectors(const Check& check) {
+template <typename Check>
+void with_all_vectors(const Check& check) {
     hwy::SetSupportedTargetsForTest(0);
     const std::int64_t here = hwy::SupportedTargets();
     for (std::int64_t left = here; left != 0; left &= left - 1) { // a lower bit is a better one
@@ -44,7 +45,8 @@ constexpr std::uint32_t row_corners = page_squares + 2;
 using Corners = std::array<std::uint32_t, row_corners>;
 Corners random_corners(Random& random, std::uint32_t vertices) {
     Corners corners;
-    for (std::uint32_t& slot : corners) slot = static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(vertices) - 1));
+    for (std::uint32_t& slot : corners)
+        slot = static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(vertices) - 1));
     return corners;
 }
 
@@ -95,7 +97,8 @@ TEST_CASE("fans around a row's vertices are those made one by one, in whatever r
             const std::uint32_t active = random_bits(random);
             Buffers fast, plain;
             fast.out.next = plain.out.next = static_cast<std::uint32_t>(pick(random, 0, 20));
-            fast.out.end = plain.out.end = static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(Buffers::slots)));
+            fast.out.end = plain.out.end =
+                static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(Buffers::slots)));
             std::uint32_t left = 0, left_plainly = 0;
             if (round % 2 == 0) {
                 const CentreRow row{slots.data(),

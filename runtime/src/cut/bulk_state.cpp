@@ -15,7 +15,7 @@ namespace fjell {
 
 namespace {
 
-// A page's groups, a plane of a step at a time. Those of a page that was cleared: what it writes nothing to is zero.
+// A page's groups, a plane of a step at a time. What it writes nothing to is zero.
 class Installer {
 public:
     Installer(CutState& state, std::uint32_t slot) : s(state), slot_(slot), page_(s.bulk.pages[slot]), taken_(state) {}
@@ -25,6 +25,7 @@ public:
         PageState& info = s.page_state[slot_];
         const int finest = info.shape == 0 ? std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
                   coarsest = info.shape == 0 ? s.terrain->tree.tile_log2 - 1 : info.z;
+        zero_groups(s, slot_);
         for (int z = coarsest; z >= finest; --z) step(z);
         mark_absent_parents(s, slot_);
         info.active = page_.wanted;
@@ -203,8 +204,12 @@ bool step_install(CutState& s) {
             if (page.page == no_index || !used) continue;
             if (b.beside) release(s, slot);
             clear_page_schedule(s.schedule, slot);
+            if (found_in(s, slot) != nullptr) { // its groups are all written, when their lines come anyway
+                forget_active(s, slot);
+                return true;
+            }
             clear_page(s, slot);
-            if (found_in(s, slot) == nullptr) note_idle(s, slot);
+            note_idle(s, slot);
             return true;
         }
         b.phase = BulkPhase::installing;

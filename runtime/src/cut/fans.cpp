@@ -108,8 +108,8 @@ HWY_INLINE std::uint32_t fan_row(FanOut& to, const Corners& at, const Row& row, 
         std::uint32_t* const indices = out.indices + std::size_t{out.next} * 3;
         hn::StoreU(low, Eight(), indices);
         hn::StoreU(hn::LowerHalf(Four(), high), Four(), indices + 8);
-        const auto named = hn::Or(hn::Add(hn::Set(Four(), out.next), hn::LoadU(Four(), fan.number)),
-                                  hn::LoadU(Four(), fan.none));
+        const auto named =
+            hn::Or(hn::Add(hn::Set(Four(), out.next), hn::LoadU(Four(), fan.number)), hn::LoadU(Four(), fan.none));
         hn::StoreU(named, Four(), out.triangle_of + std::size_t{v} * 4);
         out.next += fan.count;
     }

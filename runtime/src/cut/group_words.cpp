@@ -98,11 +98,10 @@ void write_all(GroupState* groups, std::uint32_t rows, std::uint32_t a_row, cons
             const auto of = [&](const std::uint32_t* words) {
                 return static_cast<std::uint16_t>(words[row] >> (group_lanes * word));
             };
-            groups[row * a_row + word] = {
-                of(from.active),
-                {of(from.parent[0]), of(from.parent[1])},
-                {of(from.child[0]), of(from.child[1]), of(from.child[2]), of(from.child[3])},
-                unqueued};
+            groups[row * a_row + word] = {of(from.active),
+                                          {of(from.parent[0]), of(from.parent[1])},
+                                          {of(from.child[0]), of(from.child[1]), of(from.child[2]), of(from.child[3])},
+                                          unqueued};
         }
 }
 

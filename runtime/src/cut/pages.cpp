@@ -233,14 +233,22 @@ void mark_absent_parents(CutState& s, std::uint32_t slot) {
     }
 }
 
-void clear_page(CutState& s, std::uint32_t slot) {
+void forget_active(CutState& s, std::uint32_t slot) {
     PageState& info = s.page_state[slot];
     info.active = 0;
     s.busy_pages -= info.parents != 0;
     info.parents = 0;
+}
+
+void zero_groups(CutState& s, std::uint32_t slot) {
     static_assert(unqueued == 0);
     std::memset(static_cast<void*>(s.groups + std::size_t{slot} * max_page_groups), 0,
-                s.shapes[info.shape].count * sizeof(GroupState));
+                s.shapes[s.page_state[slot].shape].count * sizeof(GroupState));
+}
+
+void clear_page(CutState& s, std::uint32_t slot) {
+    forget_active(s, slot);
+    zero_groups(s, slot);
     mark_absent_parents(s, slot);
 }
 

@@ -31,8 +31,10 @@ void keep_pages_at_hand(CutState& s);
 
 // Parents that do not exist count as active, in a page's groups. Writes nothing else.
 void mark_absent_parents(CutState& s, std::uint32_t slot);
-// As if nothing were active, for one page.
+// As if nothing were active, for one page: what is counted of it, and its groups, which are zero but for such parents.
 void clear_page(CutState& s, std::uint32_t slot);
+void forget_active(CutState& s, std::uint32_t slot);
+void zero_groups(CutState& s, std::uint32_t slot);
 
 // Deactivates what is still active in pages that are being evicted, as far as the items go.
 void evict_pages(CutState& s);
