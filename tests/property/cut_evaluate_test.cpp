@@ -1,10 +1,12 @@
 // invariant 8 on the live cut: vector and scalar decide alike, and what is done twice is done alike.
 #include <catch2/catch.hpp>
 
+#include <bit>
 #include <cstring>
 
 #include "cut/evaluate.h"
 #include "support/cut_scene.h"
+#include "support/rounds.h"
 
 using namespace fjell;
 using namespace fjell::test;
@@ -15,6 +17,35 @@ std::uint32_t bits_of(float value) {
     std::uint32_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
     return bits;
+}
+
+// But for its views' reaches.
+Criterion random_criterion(Random& random, double spacing, const ErrorScale& errors, const RadiusScale& radii) {
+    Criterion d{};
+    d.error_m = errors.metres;
+    d.radius_factor = radii.factor;
+    d.base_m = static_cast<float>(uniform(random, -4000, 4000));
+    d.quantum_m = static_cast<float>(spacing * 1e-3);
+    d.spacing_x_m = static_cast<float>(spacing);
+    d.spacing_z_m = static_cast<float>(spacing * uniform(random, 0.5, 2));
+    d.last_x = pick(random, 1, 100'000);
+    d.last_y = pick(random, 1, 100'000);
+    d.views = static_cast<std::uint32_t>(pick(random, 1, 8));
+    d.hysteresis = pick(random, 0, 1) == 1;
+    return d;
+}
+// Around a sample.
+void set_views(Random& random, double spacing, std::int32_t x0, std::int32_t y0, Criterion& d) {
+    const double threshold_px = random_threshold(random);
+    for (std::uint32_t v = 0; v < d.views; ++v) {
+        View view;
+        const double away = spacing * std::pow(10.0, uniform(random, -1, 5));
+        view.eye_m = {x0 * spacing + uniform(random, -1, 1) * away,
+                      static_cast<double>(d.base_m) + uniform(random, -1, 1) * away,
+                      y0 * static_cast<double>(d.spacing_z_m) + uniform(random, -1, 1) * away};
+        d.reach[v] = make_reach(view, threshold_px);
+        d.keep[v] = make_reach(view, threshold_px / (1 + uniform(random, 0, 2)));
+    }
 }
 
 std::string compare(const Criterion& decision, const LaneGroup& group) {
@@ -75,17 +106,7 @@ TEST_CASE("evaluate() is evaluate_scalar() bit for bit, whatever the group, the 
         for (VertexRecord& r : records)
             r = {static_cast<std::uint16_t>(pick(random, 0, 65535)), static_cast<std::uint8_t>(pick(random, 0, 255)),
                  static_cast<std::uint8_t>(pick(random, 0, 255))};
-        Criterion d{};
-        d.error_m = errors.metres;
-        d.radius_factor = radii.factor;
-        d.base_m = static_cast<float>(uniform(random, -4000, 4000));
-        d.quantum_m = static_cast<float>(spacing * 1e-3);
-        d.spacing_x_m = static_cast<float>(spacing);
-        d.spacing_z_m = static_cast<float>(spacing * uniform(random, 0.5, 2));
-        d.last_x = pick(random, 1, 100'000);
-        d.last_y = pick(random, 1, 100'000);
-        d.views = static_cast<std::uint32_t>(pick(random, 1, 8));
-        d.hysteresis = pick(random, 0, 1) == 1;
+        Criterion d = random_criterion(random, spacing, errors, radii);
         LaneGroup group{records,
                         pick(random, 0, d.last_x),
                         pick(random, 0, d.last_y),
@@ -98,16 +119,7 @@ TEST_CASE("evaluate() is evaluate_scalar() bit for bit, whatever the group, the 
         group.childless = static_cast<std::uint32_t>(pick(random, 0, 0xffff)) & ~group.inactive;
         if (round % 3 == 0) group.inactive &= 0xff, group.childless &= 0xff; // a half that nobody looks at
         (pick(random, 0, 1) ? group.dx : group.dy) = 2 << pick(random, 0, 12);
-        const double threshold_px = random_threshold(random);
-        for (std::uint32_t v = 0; v < d.views; ++v) {
-            View view;
-            const double away = spacing * std::pow(10.0, uniform(random, -1, 5));
-            view.eye_m = {group.x0 * spacing + uniform(random, -1, 1) * away,
-                          static_cast<double>(d.base_m) + uniform(random, -1, 1) * away,
-                          group.y0 * static_cast<double>(d.spacing_z_m) + uniform(random, -1, 1) * away};
-            d.reach[v] = make_reach(view, threshold_px);
-            d.keep[v] = make_reach(view, threshold_px / (1 + uniform(random, 0, 2)));
-        }
+        set_views(random, spacing, group.x0, group.y0, d);
         CAPTURE(round, d.views, d.hysteresis);
         const std::string wrong = compare(d, group);
         if (!wrong.empty()) REQUIRE(wrong == "");
@@ -119,6 +131,78 @@ TEST_CASE("evaluate() is evaluate_scalar() bit for bit, whatever the group, the 
         undecided += answers.wanted != 0 && answers.wanted != looked_at;
     }
     REQUIRE(std::min({wanted, unwanted, undecided}) > 1000);
+}
+
+TEST_CASE("evaluate_rows() is evaluate_scalar() for every group of the rows") {
+    Random random(132);
+    const RadiusScale radii = RadiusScale::make();
+    std::uint32_t alone = 0, mixed = 0;
+    for (int round = 0; round < rounds(1'500, 6'000); ++round) {
+        const double spacing = std::pow(10.0, uniform(random, -1, 3));
+        const ErrorScale errors = ErrorScale::make(static_cast<float>(spacing * 1e-3), 1.05f, 1);
+        Criterion d = random_criterion(random, spacing, errors, radii);
+        if (round % 2 == 0) d.views = 1, d.hysteresis = false; // most hosts have one
+        const auto stride = static_cast<std::uint32_t>(page_squares + pick(random, 0, 1)),
+                   count = static_cast<std::uint32_t>(pick(random, 1, page_squares));
+        std::vector<VertexRecord> records(std::size_t{stride} * count);
+        for (VertexRecord& r : records)
+            r = {static_cast<std::uint16_t>(pick(random, 0, 65535)), static_cast<std::uint8_t>(pick(random, 0, 255)),
+                 static_cast<std::uint8_t>(pick(random, 0, 255))};
+        std::uint32_t ready[page_squares], wanted[page_squares] = {};
+        std::uint16_t ticks[2 * page_squares];
+        for (std::uint16_t& of : ticks) of = static_cast<std::uint16_t>(pick(random, 0, 3) ? unscheduled : 40);
+        const std::vector<std::uint16_t> before(std::begin(ticks), std::end(ticks));
+        for (std::uint32_t& row : ready)
+            row = static_cast<std::uint32_t>(pick(random, 0, 0xffff)) << (pick(random, 0, 1) ? 16 : 0) &
+                  static_cast<std::uint32_t>(pick(random, 0, 2) ? ~0 : 0);
+        const PageRows rows{records.data(),
+                            stride,
+                            count,
+                            ready,
+                            pick(random, 0, d.last_x),
+                            pick(random, 0, d.last_y),
+                            pick(random, 0, 11),
+                            pick(random, 0, 1 << 20),
+                            static_cast<float>(spacing * uniform(random, 0.5, 100))};
+        set_views(random, spacing, rows.x0, rows.y0, d);
+        const auto ticks_a_metre = static_cast<float>(uniform(random, 0.01, 10) / spacing);
+        RowAnswers answers{wanted, ticks, 0, 0, 0};
+        evaluate_rows(d, rows, ticks_a_metre, answers);
+        std::uint32_t code = 0, groups = 0, all = 0;
+        for (std::uint32_t row = 0; row < count; ++row)
+            for (std::uint32_t n = 0; n < 2; ++n) {
+                const std::int32_t apart = 2 << rows.z, lane = static_cast<std::int32_t>(n * group_lanes);
+                const LaneGroup group{records.data() + row * stride + n * group_lanes,
+                                      rows.x0 + lane * apart,
+                                      rows.y0 + static_cast<std::int32_t>(row) * apart,
+                                      apart,
+                                      0,
+                                      rows.base,
+                                      rows.unit_m,
+                                      ready[row] >> lane & 0xffff,
+                                      0};
+                std::uint16_t least = before[2 * row + n];
+                if (group.inactive != 0) {
+                    LaneAnswers plain{};
+                    evaluate_scalar(d, group, plain);
+                    REQUIRE((wanted[row] >> lane & 0xffff) == plain.wanted);
+                    const float worth = std::min(plain.slack_m * ticks_a_metre, float{most_ticks});
+                    least = std::min(least, static_cast<std::uint16_t>(soon + static_cast<std::uint32_t>(worth)));
+                    code = std::max(code, plain.code);
+                    ++groups;
+                    mixed += plain.wanted != 0 && plain.wanted != group.inactive;
+                } else {
+                    REQUIRE((wanted[row] >> lane & 0xffff) == 0);
+                }
+                REQUIRE(ticks[2 * row + n] == least);
+            }
+        for (std::uint32_t row = 0; row < count; ++row) all += static_cast<std::uint32_t>(std::popcount(wanted[row]));
+        REQUIRE(answers.count == all);
+        REQUIRE(answers.groups == groups);
+        REQUIRE(answers.code == code);
+        alone += d.views == 1 && !d.hysteresis;
+    }
+    REQUIRE(std::min(alone, mixed) > 500);
 }
 
 // g++ 12 from -O2 on took the rounding out of float(x) where double(float(x)) was asked for: the pad was too small.

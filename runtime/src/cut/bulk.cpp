@@ -1,7 +1,7 @@
 #include "cut/bulk.h"
 
 #include <algorithm>
-#include <bit>
+#include <type_traits>
 #include <utility>
 
 #include "cut/bulk_decide.h"
@@ -65,9 +65,9 @@ bool find_ready(CutState& s, BulkSquares& at) {
     if (!centre_parents(s, at, parents) || !attach_squares(s, at)) return false;
     BulkPage& page = visit(s, at.slot);
     if (s.page_state[at.slot].status == PageStatus::evicting) return false;
+    std::uint32_t* const ready = page.active + at.row(VertexKind::centre, 0);
     std::uint32_t any = 0;
-    for (std::int32_t j = 0; j < at.n; ++j)
-        any |= page.active[at.row(VertexKind::centre, j)] = parents[0][j] & parents[1][j];
+    for (std::int32_t j = 0; j < at.n; ++j) any |= ready[j] = parents[0][j] & parents[1][j];
     return any != 0;
 }
 
@@ -185,6 +185,33 @@ void merge(CutState& s, const BulkUnit& unit) {
 
 } // namespace
 
+namespace {
+
+// Parents of the centres of 2 x 2 squares under each of half x half coarser ones, whose sides are in rows from `x` and
+// `y` on, the first one's at bit i. last: of the row of side_x south of them; east: a bit a row, of the column east of
+// their side_y. False: none is active.
+template <typename Count>
+bool spread_parents(Count half, int i, const std::uint32_t* x, const std::uint32_t* y, std::uint32_t last,
+                    const std::uint32_t* east, std::uint32_t (&parents)[2][page_squares]) {
+    const std::uint32_t lanes = (1u << half) - 1;
+    std::uint32_t xs[page_squares / 2 + 1], any = last >> i & lanes;
+    for (std::int32_t j = 0; j < half; ++j) any |= xs[j] = x[j] >> i & lanes;
+    xs[half] = last >> i & lanes;
+    std::uint32_t ys[page_squares / 2]; // one more than the squares
+    for (std::int32_t j = 0; j < half; ++j) any |= ys[j] = (y[j] >> i & lanes) | east[j] << half;
+    if (any == 0) return false;
+    for (std::int32_t j = 0; j <= half; ++j) xs[j] = doubled(xs[j]);
+    for (std::int32_t j = 0; j < half; ++j) ys[j] = spread_bits(ys[j] & lanes) | spread_bits(ys[j] >> 1) << 1;
+    for (std::int32_t j = 0; j < half; ++j) {
+        parents[0][2 * j] = xs[j];
+        parents[0][2 * j + 1] = xs[j + 1];
+        parents[1][2 * j] = parents[1][2 * j + 1] = ys[j];
+    }
+    return true;
+}
+
+} // namespace
+
 bool centre_parents(const CutState& s, const BulkSquares& at, std::uint32_t (&parents)[2][page_squares]) {
     if (at.z == s.terrain->tree.tile_log2 - 1) {
         parents[0][0] = parents[1][0] = 1;
@@ -195,44 +222,23 @@ bool centre_parents(const CutState& s, const BulkSquares& at, std::uint32_t (&pa
     const BulkPage* const page = found_in(s, up.slot);
     if (page == nullptr) return false;
     const std::int32_t half = at.n / 2, i = (at.i0 >> 1) - up.i0, j0 = (at.j0 >> 1) - up.j0;
-    const std::uint32_t lanes = (1u << half) - 1;
-    std::uint32_t x[page_squares / 2 + 1], y[page_squares / 2], any = 0;
-    for (std::int32_t j = 0; j <= half; ++j) {
-        const BulkPage* of = page;
-        std::int32_t row = j0 + j;
-        if (row == up.n && !ends_south(s, up)) { // the next page's
-            of = found_at(s, up.z, up.i0, up.j0 + up.n);
-            row = 0;
-        }
-        x[j] = row_bits(of, up.row(VertexKind::side_x, row)) >> i & lanes;
-        any |= x[j];
+    const std::uint32_t *const x = page->active + up.row(VertexKind::side_x, j0), *const y =
+                                                                                      page->active +
+                                                                                      up.row(VertexKind::side_y, j0);
+    const bool next_south = j0 + half == up.n && !ends_south(s, up);
+    const std::uint32_t last =
+        next_south ? row_bits(found_at(s, up.z, up.i0, up.j0 + up.n), up.row(VertexKind::side_x, 0)) : x[half];
+    std::uint32_t east[page_squares / 2] = {};
+    if (i + half != up.n) {
+        for (std::int32_t j = 0; j < half; ++j) east[j] = y[j] >> (i + half) & 1;
+    } else if (ends_east(s, up)) {
+        for (std::int32_t j = 0; j < half; ++j) east[j] = page->active[up.column()] >> (j0 + j) & 1;
+    } else if (const BulkPage* const next = found_at(s, up.z, up.i0 + up.n, up.j0); next != nullptr) {
+        for (std::int32_t j = 0; j < half; ++j) east[j] = next->active[up.row(VertexKind::side_y, j0 + j)] & 1;
     }
-    const bool last = i + half == up.n, rim = last && ends_east(s, up);
-    const BulkPage* const east = last && !rim ? found_at(s, up.z, up.i0 + up.n, up.j0) : nullptr;
-    std::uint32_t y_last[page_squares / 2];
-    for (std::int32_t j = 0; j < half; ++j) {
-        y[j] = page->active[up.row(VertexKind::side_y, j0 + j)] >> i;
-        if (last)
-            y_last[j] = rim ? page->active[up.column()] >> (j0 + j) & 1
-                            : row_bits(east, up.row(VertexKind::side_y, j0 + j)) & 1;
-        else
-            y_last[j] = y[j] >> half & 1;
-        y[j] &= lanes;
-        any |= y[j] | y_last[j];
-    }
-    if (any == 0) return false;
-    for (std::int32_t j = 0; j <= half; ++j)
-        if (x[j] != 0) x[j] = doubled(x[j]);
-    for (std::int32_t j = 0; j < half; ++j)
-        if ((y[j] | y_last[j]) != 0)
-            y[j] = static_cast<std::uint32_t>((doubled(y[j]) | std::uint64_t{y_last[j]} * 3 << (2 * half)) >> 1) &
-                   at.all();
-    for (std::int32_t j = 0; j < half; ++j) {
-        parents[0][2 * j] = x[j];
-        parents[0][2 * j + 1] = x[j + 1];
-        parents[1][2 * j] = parents[1][2 * j + 1] = y[j];
-    }
-    return true;
+    constexpr std::integral_constant<std::int32_t, page_squares / 2> full; // vectors, where the number is known
+    return half == full ? spread_parents(full, i, x, y, last, east, parents)
+                        : spread_parents(half, i, x, y, last, east, parents);
 }
 
 std::uint32_t unit_limit(const CutState& s) {

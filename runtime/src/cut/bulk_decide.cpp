@@ -1,7 +1,8 @@
 // What the bulk pass does to rows of a page: which of their vertices are wanted, and where they are written.
 //
-// Few vertices of a row are ready, so lanes are picked first, from as many rows as it takes, and then evaluated side by
-// side. All of it reads what coarser steps have found and writes to one page, so that units may run on any threads.
+// What is decided is evaluated row by row as it lies, because the answers are rows of bits again; what does not lie in
+// rows of 32, and what is written to its slots, is picked first, from as many rows as it takes. All of it reads what
+// coarser steps have found and writes to one page, so that units may run on any threads.
 #include "cut/bulk_decide.h"
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include "compiler.h"
 #include "cut/bulk.h"
 #include "cut/evaluate.h"
+#include "cut/group_words.h"
 #include "pack/record.h"
 
 namespace fjell {
@@ -40,8 +42,26 @@ public:
           words_log2_(info_.shape == 0 ? 0 : 1), records_(records_of(state, slot)) {}
 
     [[nodiscard]] const GroupShape& group(std::uint32_t row) const { return shape_.groups[row << words_log2_]; }
+    [[nodiscard]] VertexKind kind(std::uint32_t row) const { return group(row).kind; }
     [[nodiscard]] int z(std::uint32_t row) const { return info_.z + group(row).z; }
     [[nodiscard]] std::uint32_t words_log2() const { return words_log2_; }
+    // Its lanes lie side by side, and all 32 exist.
+    [[nodiscard]] bool is_whole(std::uint32_t row) const {
+        return words_log2_ != 0 && s.hz_places == nullptr && group(row).stride == 1;
+    }
+    // A run of whole rows of one kind; ready has a word for each.
+    [[nodiscard]] PageRows rows(std::uint32_t first, std::uint32_t count, const std::uint32_t* ready) const {
+        const GroupShape& of = group(first);
+        return {records_ + of.first,
+                page_squares + (of.kind == VertexKind::side_y ? 1 : 0),
+                count,
+                ready,
+                info_.x0 + (std::int32_t{of.x} << info_.z),
+                info_.y0 + (std::int32_t{of.y} << info_.z),
+                info_.z,
+                info_.base,
+                s.level_unit_m[2 * info_.z + (of.kind == VertexKind::centre ? 0 : 1)]};
+    }
 
     void pick(std::uint32_t row, std::uint32_t lanes, Picks& to) const {
         FJELL_ASSERT(to.has_room());
@@ -68,6 +88,7 @@ public:
     }
     [[nodiscard]] bool is_void_at(std::uint64_t picked) const { return is_void(records_[picked & 0xffff]); }
 
+    [[nodiscard]] bool may_be_offscreen() const { return info_.offscreen != 0; }
     // Of a row's lanes those that no view sees.
     [[nodiscard]] std::uint32_t offscreen(std::uint32_t row) const {
         if (info_.offscreen == 0) return 0;
@@ -101,7 +122,11 @@ public:
         : s(state), rows_(state, slot), page_(state.bulk.pages[slot]), unit_(unit),
           ticks_a_metre_(static_cast<float>(1 / tick_m(state.schedule, state.schedule.pages[slot]))) {}
 
-    // The row is what is wanted of `ready`, from now on; once all has been decided.
+    // The rows are what is wanted of `ready`, from now on; once all has been decided. Rows of one kind, a word each.
+    void add(std::uint32_t first, std::uint32_t count, const std::uint32_t* ready) {
+        if (rows_.is_whole(first)) return decide_whole(first, count, ready);
+        for (std::uint32_t n = 0; n < count; ++n) add(first + n, ready[n]);
+    }
     void add(std::uint32_t row, std::uint32_t ready) {
         page_.active[row] = 0;
         if (ready == 0) return;
@@ -128,6 +153,29 @@ private:
         if (!picks.has_room()) decide(picks, criterion);
         rows_.pick(row, ready, picks);
     }
+    void decide_whole(std::uint32_t first, std::uint32_t count, const std::uint32_t* ready) {
+        std::fill_n(page_.active + first, count, 0);
+        if (!rows_.may_be_offscreen()) return decide_whole(first, count, ready, s.criterion);
+        std::uint32_t seen[page_squares + 1], off[page_squares + 1], any_seen = 0, any_off = 0;
+        for (std::uint32_t n = 0; n < count; ++n) {
+            off[n] = ready[n] != 0 ? ready[n] & rows_.offscreen(first + n) : 0;
+            seen[n] = ready[n] & ~off[n];
+            any_seen |= seen[n];
+            any_off |= off[n];
+        }
+        if (any_seen != 0) decide_whole(first, count, seen, s.criterion);
+        if (any_off != 0) decide_whole(first, count, off, s.offscreen_criterion);
+    }
+    void decide_whole(std::uint32_t first, std::uint32_t count, const std::uint32_t* ready,
+                      const Criterion& criterion) {
+        RowAnswers answers{page_.active + first, page_.ticks + (first << rows_.words_log2()), 0, 0, 0};
+        evaluate_rows(criterion, rows_.rows(first, count, ready), ticks_a_metre_, answers);
+        if (answers.groups == 0) return;
+        unit_.grades = std::max(unit_.grades, grade_of(answers.code) + 1);
+        unit_.wanted += answers.count;
+        unit_.groups += answers.groups;
+    }
+
     void decide(Picks& picks, const Criterion& criterion) {
         if (picks.count == 0) return;
         std::uint16_t wanted[most_picks / group_lanes];
@@ -170,13 +218,17 @@ void decide_sides(const CutState& s, const BulkSquares& at, const BulkRows& part
         if (j != 0) return centres[j - 1];
         return north_ends ? at.all() : row_bits(north, at.row(VertexKind::centre, at.n - 1));
     };
-    for (std::int32_t j = part.first; j < part.end; ++j) page.add(at.row(VertexKind::side_x, j), centres[j] & above(j));
+    std::uint32_t ready[page_squares];
+    const auto count = static_cast<std::uint32_t>(part.end - part.first);
+    for (std::int32_t j = part.first; j < part.end; ++j) ready[j - part.first] = centres[j] & above(j);
+    page.add(at.row(VertexKind::side_x, part.first), count, ready);
     // The terrain's south and east rim: sides with one parent.
     if (part.end == at.n && ends_south(s, at)) page.add(at.row(VertexKind::side_x, at.n), centres[at.n - 1]);
     for (std::int32_t j = part.first; j < part.end; ++j) {
         const std::uint32_t left = west_ends ? 1 : row_bits(west, at.row(VertexKind::centre, j)) >> (at.n - 1) & 1;
-        page.add(at.row(VertexKind::side_y, j), centres[j] & (centres[j] << 1 | left));
+        ready[j - part.first] = centres[j] & (centres[j] << 1 | left);
     }
+    page.add(at.row(VertexKind::side_y, part.first), count, ready);
     if (part.end == at.n && ends_east(s, at)) {
         std::uint32_t east = 0;
         for (std::int32_t j = 0; j < at.n; ++j) east |= (centres[j] >> (at.n - 1) & 1) << j;
@@ -185,18 +237,19 @@ void decide_sides(const CutState& s, const BulkSquares& at, const BulkRows& part
 }
 
 // Every active vertex has split two triangles into two each, but on the terrain's rim one; on a tile's border they are
-// those of two tiles.
-void count_triangles(const CutState& s, const GroupShape& row, std::uint32_t active, BulkUnit& unit) {
+// those of two tiles. What is not its own tile's, of a row.
+void leave_triangles(const CutState& s, const GroupShape& row, std::uint32_t active, BulkUnit& unit) {
+    if (row.kind == VertexKind::centre) return;
     const PageState& page = s.page_state[unit.slot];
-    const auto all = static_cast<std::uint32_t>(std::popcount(active));
-    unit.own += 2 * all;
     if (row.kind == VertexKind::side_x) {
         const bool last = row.j0 == 1u << s.steps[page.z + row.z].page_log2, first = page.j0 + row.j0 == 0;
-        if (first || last) unit.own -= all;
-        if (first) unit.north += all;
-    } else if (row.kind == VertexKind::side_y && row.along_y) {
+        if (!first && !last) return;
+        const auto all = static_cast<std::uint32_t>(std::popcount(active));
         unit.own -= all;
-    } else if (row.kind == VertexKind::side_y && page.i0 == 0) {
+        if (first) unit.north += all;
+    } else if (row.along_y) {
+        unit.own -= static_cast<std::uint32_t>(std::popcount(active));
+    } else if (page.i0 == 0) {
         unit.own -= active & 1;
         unit.west += active & 1;
     }
@@ -267,13 +320,12 @@ void decide_unit(const CutState& s, BulkUnit& unit) {
     if (s.bulk.phase == BulkPhase::sides) {
         decide_sides(s, at, unit.rows, page);
     } else {
-        for (std::int32_t j = unit.rows.first; j < unit.rows.end; ++j) {
-            const std::uint32_t row = at.row(VertexKind::centre, j);
-            if (unit.waits)
-                page.postpone(row);
-            else
-                page.add(row, s.bulk.pages[unit.slot].active[row]); // what is ready, until now
-        }
+        const std::uint32_t first = at.row(VertexKind::centre, unit.rows.first);
+        const auto count = static_cast<std::uint32_t>(unit.rows.end - unit.rows.first);
+        std::uint32_t ready[page_squares];
+        std::copy_n(s.bulk.pages[unit.slot].active + first, count, ready); // what is ready, until now
+        for (std::uint32_t n = 0; unit.waits && n < count; ++n) page.postpone(first + n);
+        if (!unit.waits) page.add(first, count, ready);
     }
     page.finish();
 }
@@ -281,22 +333,16 @@ void decide_unit(const CutState& s, BulkUnit& unit) {
 void place_unit(CutState& s, BulkUnit& unit) {
     BulkPage& page = s.bulk.pages[unit.slot];
     const auto first = static_cast<std::uint32_t>(unit.rows.first), end = static_cast<std::uint32_t>(unit.rows.end);
-    const auto vertices = [&](std::uint32_t row) {
-        return static_cast<std::uint32_t>(std::popcount(page.active[row]));
-    };
-    std::uint32_t before = 0;
-    for (std::uint32_t row = 0; row < first; ++row) before += vertices(row);
+    const std::uint32_t before = count_bits(page.active, first);
+    unit.wanted = number_bits(page.active + first, end - first, before, page.first + first) - before;
+    unit.own += 2 * unit.wanted;
     Placer placer(s, unit.slot, page.number + before);
-    std::uint32_t number = before;
     for (std::uint32_t row = first; row < end; ++row) {
-        page.first[row] = static_cast<std::uint16_t>(number);
         if (page.active[row] == 0) continue;
         placer.add(row, page.active[row]);
-        count_triangles(s, placer.rows().group(row), page.active[row], unit);
-        number += vertices(row);
+        leave_triangles(s, placer.rows().group(row), page.active[row], unit);
     }
     placer.place();
-    unit.wanted = number - before;
 }
 
 } // namespace fjell

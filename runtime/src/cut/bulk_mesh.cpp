@@ -1,12 +1,11 @@
 // The bulk pass' triangles: page by page on the way down, when it is known which vertices are active.
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <cstring>
 
 #include "compiler.h"
 #include "cut/bulk_masks.h"
+#include "cut/fans.h"
 #include "cut/jobs.h"
 #include "cut/mesh.h"
 #include "cut/morph.h"
@@ -14,48 +13,6 @@
 namespace fjell {
 
 namespace {
-
-// Two corners of a triangle as they lie in memory: one word, so that one move writes both.
-static_assert(std::endian::native == std::endian::little);
-constexpr std::uint64_t two(std::uint64_t a, std::uint64_t c) {
-    return a | c << 32;
-}
-std::uint64_t two_at(const std::uint32_t* at) {
-    std::uint64_t both = 0;
-    std::memcpy(&both, at, sizeof both);
-    return both;
-}
-std::uint64_t swapped(std::uint64_t both) {
-    return both >> 32 | both << 32;
-}
-constexpr std::uint64_t lower = 0xffff'ffff;
-
-// Where the four triangles around a vertex go when only some of them are drawn. Words of two, again.
-struct Fan {
-    std::uint64_t number[2]; // in triangles after the first one's slot
-    std::uint64_t none[2];   // all ones: it is not drawn
-    std::uint32_t bytes[4];  // in indices after the first one's
-    std::uint32_t count;
-};
-constexpr std::array<Fan, 16> fans = [] {
-    std::array<Fan, 16> made{};
-    for (std::uint32_t drawn = 0; drawn < 16; ++drawn) {
-        Fan& fan = made[drawn];
-        std::uint32_t number[4] = {}, none[4] = {};
-        for (std::uint32_t d = 0; d < 4; ++d) {
-            const std::uint32_t is_drawn = drawn >> d & 1;
-            number[d] = fan.count;
-            fan.bytes[d] = 12 * fan.count;
-            none[d] = is_drawn - 1;
-            fan.count += is_drawn;
-        }
-        for (std::uint32_t n = 0; n < 2; ++n) {
-            fan.number[n] = two(number[2 * n], number[2 * n + 1]);
-            fan.none[n] = two(none[2 * n], none[2 * n + 1]);
-        }
-    }
-    return made;
-}();
 
 // Triangles of one page after the other.
 class Emitter {
@@ -214,7 +171,7 @@ private:
         at_ = at;
         grid_ = &down_.grids[at.z];
         masks_.gather(s, at);
-        if (masks_.any_side) masks_.gather_finer(s, at);
+        masks_.gather_finer(s, at);
     }
     // A unit of work: a quarter of a full page.
     void rows() {
@@ -279,42 +236,37 @@ private:
 
     // --- triangles
 
-    // Where triangles go: the next slots of the tile's last segment.
-    struct Out {
-        std::uint32_t *indices, *triangle_of;
-        std::uint32_t next, end;
-    };
-    // The triangles around a vertex: the one in direction d has those two other corners.
-    FJELL_NOINLINE void fan_one_by_one(std::uint32_t v, std::uint64_t west, std::uint64_t east, std::uint64_t north,
-                                       std::uint64_t south, std::uint32_t drawn) {
-        std::fill_n(s.triangle_of + std::size_t{v} * 4, 4, no_index);
-        const std::uint64_t corners[4] = {west, east, north, south};
-        for (std::uint32_t d = 0; d < 4; ++d)
-            if (drawn >> d & 1)
-                (void)triangle(
-                    {v, static_cast<std::uint32_t>(corners[d]), static_cast<std::uint32_t>(corners[d] >> 32)}, d);
-    }
-    void fan(Out& out, std::uint32_t v, std::uint64_t c0, std::uint64_t c1, std::uint64_t c2, std::uint64_t c3,
-             std::uint32_t drawn) {
-        if (out.next + 4 > out.end) {
-            out_ = out;
-            fan_one_by_one(v, c0, c1, c2, c3, drawn);
-            out = out_;
-            return;
+    // As many as the segment has room for four at a time; then one by one, into the next.
+    void fan_row(const CentreRow& row, std::uint32_t active) {
+        for (;;) {
+            active = fan_centres(out_, row, active);
+            if (active == 0) return;
+            const auto i = static_cast<std::size_t>(std::countr_zero(active));
+            const std::uint32_t v = row.slots[i], nw = row.norths[i], ne = row.norths[i + 1], sw = row.souths[i],
+                                se = row.souths[i + 1];
+            fan({{v, nw, sw}, {v, se, ne}, {v, ne, nw}, {v, sw, se}},
+                (static_cast<std::uint32_t>(row.sides_y >> i) & 3) | (row.north >> i & 1) << 2 |
+                    (row.south >> i & 1) << 3);
+            active &= active - 1;
         }
-        // All four are written, the next over one that is not drawn: no branch can be mispredicted.
-        const Fan& fan = fans[drawn];
-        auto* const triangles = reinterpret_cast<std::byte*>(out.indices + std::size_t{out.next} * 3);
-        const auto put = [&](std::uint32_t d, std::uint64_t corners) {
-            std::byte* const t = triangles + fan.bytes[d];
-            std::memcpy(t, &v, 4);
-            std::memcpy(t + 4, &corners, 8);
-        };
-        put(0, c0), put(1, c1), put(2, c2), put(3, c3);
-        const std::uint64_t next = two(out.next, out.next);
-        const std::uint64_t named[2] = {(next + fan.number[0]) | fan.none[0], (next + fan.number[1]) | fan.none[1]};
-        std::memcpy(out.triangle_of + std::size_t{v} * 4, named, sizeof named);
-        out.next += fan.count;
+    }
+    void fan_row(const SideRow& row, std::uint32_t active) {
+        for (;;) {
+            active = fan_sides(out_, row, active);
+            if (active == 0) return;
+            const auto i = static_cast<std::size_t>(std::countr_zero(active));
+            const std::uint32_t v = row.slots[i], west = row.ends[i], east = row.ends[i + 1], north = row.norths[i],
+                                south = row.souths[i];
+            fan({{v, north, west}, {v, east, north}, {v, west, south}, {v, south, east}},
+                static_cast<std::uint32_t>((row.up >> 2 * i & 3) | (row.down >> 2 * i & 3) << 2));
+            active &= active - 1;
+        }
+    }
+    // The triangles around a vertex, by direction.
+    FJELL_NOINLINE void fan(const MeshTriangle (&triangles)[4], std::uint32_t drawn) {
+        std::fill_n(s.triangle_of + std::size_t{triangles[0].right} * 4, 4, no_index);
+        for (std::uint32_t d = 0; d < 4; ++d)
+            if (drawn >> d & 1) (void)triangle(triangles[d], d);
     }
 
     void centre_row(std::int32_t j) {
@@ -322,17 +274,8 @@ private:
         const std::uint32_t* const up = g.corner[j];
         const std::uint32_t* const down = g.corner[j + 1];
         const std::uint32_t* const slots = g.centre[j + 1] + 1;
-        const std::uint64_t sides_y = ~masks_.side_y[j];
-        const std::uint32_t north = ~masks_.side_x[j], south = ~masks_.side_x[j + 1];
-        Out out = out_;
-        for (std::uint32_t left = masks_.centre[j + 1]; left != 0; left &= left - 1) {
-            const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
-            const std::uint64_t above = two_at(up + i), below = two_at(down + i); // west, then east
-            const std::uint32_t drawn =
-                (static_cast<std::uint32_t>(sides_y >> i) & 3) | (north >> i & 1) << 2 | (south >> i & 1) << 3;
-            fan(out, slots[i], two(above & lower, below), two(below >> 32, above >> 32), swapped(above), below, drawn);
-        }
-        out_ = out;
+        fan_row(CentreRow{slots, up, down, ~masks_.side_y[j], ~masks_.side_x[j], ~masks_.side_x[j + 1]},
+                masks_.centre[j + 1]);
         if (!morphs_) return;
         // Squares alternate which diagonal a centre splits (parent_bearing).
         const auto parity =
@@ -354,26 +297,9 @@ private:
         const auto two = [&](std::int32_t row) {
             const std::uint64_t of = masks_.finer_row(row);
             const std::uint64_t at_it = i == static_cast<std::int32_t>(page_squares) ? 0 : of >> 2 * i & 1;
-            return (i == 0 ? masks_.finer_west_of(row) : of >> (2 * i - 1) & 1) | at_it << 1;
+            return (i == 0 ? masks_.finer_west[row] : of >> (2 * i - 1) & 1) | at_it << 1;
         };
         return ~static_cast<std::uint32_t>(two(2 * j) | two(2 * j + 1) << 2) & 15;
-    }
-
-    // A row of sides: their slots, those to the west and, one on, to the east, and those to the north and south. up,
-    // down: two bits a side, of the triangles north and south of it that are drawn.
-    struct SideRow {
-        const std::uint32_t *slots, *ends, *norths, *souths;
-    };
-    void fan_row(std::uint32_t active, const SideRow& row, std::uint64_t up, std::uint64_t down) {
-        Out out = out_;
-        for (std::uint32_t left = active; left != 0; left &= left - 1) {
-            const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
-            const std::uint32_t drawn = static_cast<std::uint32_t>((up >> 2 * i & 3) | (down >> 2 * i & 3) << 2);
-            const std::uint64_t sides = two_at(row.ends + i), north = row.norths[i], south = row.souths[i];
-            fan(out, row.slots[i], two(north, sides), two(sides >> 32, north), two(sides & lower, south),
-                two(south, sides >> 32), drawn);
-        }
-        out_ = out;
     }
 
     void side_x_row(std::int32_t j, bool border) {
@@ -386,7 +312,7 @@ private:
         const std::uint32_t *const slots = g.side_x[j], *const ends = g.corner[j], *const norths = g.centre[j] + 1,
                                    *const souths = g.centre[j + 1] + 1;
         const std::uint64_t up = ~masks_.finer_row(2 * j - 1), down = ~masks_.finer_row(2 * j);
-        fan_row(masks_.side_x[j], {slots, ends, norths, souths}, up, down);
+        fan_row(SideRow{slots, ends, norths, souths, up, down}, masks_.side_x[j]);
         for (std::uint32_t left = morphs_ ? masks_.side_x[j] : 0; left != 0; left &= left - 1) {
             const auto i = std::countr_zero(left);
             flatten(slots[i], VertexKind::side_x, i, j, ends[i], ends[i + 1]);
@@ -401,11 +327,9 @@ private:
         const std::uint32_t *const slots = g.side_y[j], *const ends = g.centre[j + 1], *const norths = g.corner[j],
                                    *const souths = g.corner[j + 1];
         // Moved by a column, so that a side's own two come together.
-        const auto columns = [&](std::int32_t row) {
-            return ~(masks_.finer_row(row) << 1 | masks_.finer_west_of(row));
-        };
+        const auto columns = [&](std::int32_t row) { return ~(masks_.finer_row(row) << 1 | masks_.finer_west[row]); };
         const std::uint64_t up = columns(2 * j), down = columns(2 * j + 1);
-        fan_row(active, {slots, ends, norths, souths}, up, down);
+        fan_row(SideRow{slots, ends, norths, souths, up, down}, active);
         for (std::uint32_t left = morphs_ ? active : 0; left != 0; left &= left - 1) {
             const auto i = std::countr_zero(left);
             flatten(slots[i], VertexKind::side_y, i, j, norths[i], souths[i]);
@@ -450,7 +374,7 @@ private:
     BulkDescent& down_;
     const BulkSlots slots_;
     const bool morphs_;
-    Out out_{};
+    FanOut out_{};
     BulkSquares at_{}; // the page in work
     SlotGrid* grid_ = nullptr;
     BulkMasks masks_;

@@ -5,6 +5,7 @@
 
 #include "cut/bulk.h"
 #include "cut/bulk_masks.h"
+#include "cut/group_words.h"
 #include "cut/jobs.h"
 #include "cut/lag.h"
 #include "cut/mesh.h"
@@ -14,7 +15,7 @@ namespace fjell {
 
 namespace {
 
-// A page's groups.
+// A page's groups, a plane of a step at a time. What it writes nothing to is zero.
 class Installer {
 public:
     Installer(CutState& state, std::uint32_t slot) : s(state), slot_(slot), page_(s.bulk.pages[slot]), taken_(state) {}
@@ -24,98 +25,93 @@ public:
         PageState& info = s.page_state[slot_];
         const int finest = info.shape == 0 ? std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
                   coarsest = info.shape == 0 ? s.terrain->tree.tile_log2 - 1 : info.z;
-        std::uint32_t active = 0;
-        for (int z = coarsest; z >= finest; --z) active += step(z);
-        info.active = static_cast<std::uint16_t>(active);
+        zero_groups(s, slot_);
+        for (int z = coarsest; z >= finest; --z) step(z);
+        mark_absent_parents(s, slot_);
+        info.active = page_.wanted;
         return parents_ - (info.shape == 0 ? 2 : 0); // a root's do not exist
     }
 
 private:
-    std::uint32_t step(int z) {
-        const PageState& info = s.page_state[slot_];
-        const StepGroups& step = s.steps[z];
-        at_ = {&step,
-               slot_,
-               z,
-               (info.tile_x << step.log2) + info.i0,
-               (info.tile_y << step.log2) + info.j0,
-               1 << step.page_log2};
+    void step(int z) {
+        at_ = listed_squares(s, slot_, z);
+        n_ = static_cast<std::uint32_t>(at_.n);
         masks_.gather(s, at_);
-        if (masks_.any_side) masks_.gather_finer(s, at_);
-        const std::int32_t n = at_.n;
-        std::uint32_t parents[2][page_squares], active = 0;
-        if (centre_parents(s, at_, parents))
-            for (std::int32_t j = 0; j < n; ++j) active += centres(j, parents[0][j], parents[1][j]);
-        const std::uint32_t all = at_.all();
-        for (std::int32_t j = 0; j < n; ++j) {
-            const std::uint32_t c = masks_.centre[j + 1], left = masks_.west_centre(at_, j);
-            if ((masks_.centre[j] | c) != 0) active += sides_x(j, masks_.centre[j], c);
-            if ((c | left) != 0) active += sides_y(j, (c << 1 | left) & all, c);
-        }
-        if (masks_.owns_south && masks_.centre[n] != 0) active += sides_x(n, masks_.centre[n], 0);
-        if (masks_.owns_east) active += column();
-        return active;
+        masks_.gather_finer(s, at_);
+        centres();
+        // Children of sides: the finer centres of rows -1 to 2n - 1, those of even columns and those of odd ones.
+        split_rows(masks_.finer, 2 * n_ + 1, even_, odd_);
+        sides_x();
+        sides_y();
+        if (masks_.owns_east) column();
     }
 
-    // Lanes of one row, in one or two groups. What the rim says of parents that do not exist stays.
-    std::uint32_t put(std::uint32_t row, std::uint32_t parent0, std::uint32_t parent1,
-                      const std::uint32_t (&child)[4]) {
-        const std::uint32_t words_log2 = at_.step->words_log2, active = page_.active[row];
-        const std::uint32_t first = slot_ * max_page_groups + (row << words_log2);
-        for (std::uint32_t word = 0; word < 1u << words_log2; ++word) {
-            const auto part = [word](std::uint32_t bits) {
-                return static_cast<std::uint16_t>(bits >> (group_lanes * word));
-            };
-            GroupState& group = s.groups[first + word];
-            group.active = part(active);
-            group.parent[0] |= part(parent0);
-            group.parent[1] |= part(parent1);
-            for (std::size_t d = 0; d < 4; ++d) group.child[d] = part(child[d]);
-        }
-        parents_ += static_cast<std::uint32_t>(std::popcount(parent0 | std::uint64_t{parent1} << 32));
-        std::uint32_t number = page_.number + page_.first[row];
-        std::uint32_t* const slots = s.vertex_slot + std::size_t{first} * group_lanes;
+    // Rows of a plane from `first` on. What the rim says of parents that do not exist comes after them.
+    void put(std::uint32_t first, std::uint32_t rows, const std::uint32_t* parent0, const std::uint32_t* parent1) {
+        const std::uint32_t words_log2 = at_.step->words_log2, *const active = page_.active + first;
+        const std::uint32_t group = slot_ * max_page_groups + (first << words_log2);
+        write_groups(s.groups + group, rows, 1u << words_log2,
+                     {active, {parent0, parent1}, {child_[0], child_[1], child_[2], child_[3]}});
+        parents_ += count_bits(parent0, rows) + count_bits(parent1, rows);
+        std::uint32_t* slots = s.vertex_slot + std::size_t{group} * group_lanes;
         const BulkSlots taken = taken_;
-        for (std::uint32_t left = active; left != 0; left &= left - 1) slots[std::countr_zero(left)] = taken[number++];
-        return static_cast<std::uint32_t>(std::popcount(active));
+        for (std::uint32_t row = 0; row < rows; ++row, slots += group_lanes << words_log2) {
+            std::uint32_t number = page_.number + page_.first[first + row];
+            for (std::uint32_t left = active[row]; left != 0; left &= left - 1)
+                slots[std::countr_zero(left)] = taken[number++];
+        }
     }
 
-    std::uint32_t centres(std::int32_t j, std::uint32_t parent0, std::uint32_t parent1) {
-        if ((parent0 | parent1) == 0) return 0;
-        const auto y = static_cast<std::uint32_t>(masks_.side_y[j]),
-                   y_east = static_cast<std::uint32_t>(masks_.side_y[j] >> 1);
-        const std::uint32_t row = at_.row(VertexKind::centre, j), active = page_.active[row];
-        return put(row, parent0, parent1,
-                   {y & active, y_east & active, masks_.side_x[j] & active, masks_.side_x[j + 1] & active});
+    void centres() {
+        std::uint32_t parents[2][page_squares];
+        if (!centre_parents(s, at_, parents)) return;
+        const std::uint32_t first = at_.row(VertexKind::centre, 0);
+        for (std::uint32_t j = 0; j < n_; ++j) {
+            const std::uint32_t active = page_.active[first + j];
+            child_[0][j] = active & static_cast<std::uint32_t>(masks_.side_y[j]);
+            child_[1][j] = active & static_cast<std::uint32_t>(masks_.side_y[j] >> 1);
+            child_[2][j] = active & masks_.side_x[j];
+            child_[3][j] = active & masks_.side_x[j + 1];
+        }
+        put(first, n_, parents[0], parents[1]);
     }
-    std::uint32_t sides_x(std::int32_t j, std::uint32_t north, std::uint32_t south) {
-        const std::uint64_t up = masks_.finer_row(2 * j - 1), down = masks_.finer_row(2 * j);
-        return put(at_.row(VertexKind::side_x, j), north, south,
-                   {even_of(up), even_of(up >> 1), even_of(down), even_of(down >> 1)});
+    void sides_x() {
+        const std::uint32_t rows = n_ + (masks_.owns_south ? 1 : 0);
+        std::uint32_t south[page_squares + 1];
+        std::copy_n(masks_.centre + 1, n_, south);
+        south[n_] = 0;
+        for (std::uint32_t j = 0; j < rows; ++j) { // rows 2j - 1 and 2j
+            const bool below = j != n_;
+            child_[0][j] = even_[2 * j];
+            child_[1][j] = odd_[2 * j];
+            child_[2][j] = below ? even_[2 * j + 1] : 0;
+            child_[3][j] = below ? odd_[2 * j + 1] : 0;
+        }
+        put(at_.row(VertexKind::side_x, 0), rows, masks_.centre, south);
     }
-    std::uint32_t sides_y(std::int32_t j, std::uint32_t west, std::uint32_t east) {
-        const std::uint64_t up = masks_.finer_row(2 * j), down = masks_.finer_row(2 * j + 1), all = at_.all();
-        const auto shifted = [&](std::uint64_t row, std::int32_t j2) { return row << 1 | masks_.finer_west_of(j2); };
-        std::uint32_t child[4] = {even_of(shifted(up, 2 * j)), even_of(up), even_of(shifted(down, 2 * j + 1)),
-                                  even_of(down)};
-        for (std::uint32_t& of : child) of &= static_cast<std::uint32_t>(all);
-        return put(at_.row(VertexKind::side_y, j), west, east, child);
+    void sides_y() {
+        std::uint32_t west[page_squares];
+        const std::uint32_t all = at_.all();
+        for (std::uint32_t j = 0; j < n_; ++j) { // rows 2j and 2j + 1
+            west[j] = (masks_.centre[j + 1] << 1 | masks_.west_centre[j]) & all;
+            child_[0][j] = (odd_[2 * j + 1] << 1 | masks_.finer_west[2 * j]) & all;
+            child_[1][j] = even_[2 * j + 1];
+            child_[2][j] = (odd_[2 * j + 2] << 1 | masks_.finer_west[2 * j + 1]) & all;
+            child_[3][j] = even_[2 * j + 2];
+        }
+        put(at_.row(VertexKind::side_y, 0), n_, west, masks_.centre + 1);
     }
     // East of the last squares, where the terrain ends: its lanes go south.
-    std::uint32_t column() {
+    void column() {
         std::uint32_t west = 0, child[4] = {};
-        for (std::int32_t j = 0; j < at_.n; ++j) {
-            west |= (masks_.centre[j + 1] >> (at_.n - 1) & 1) << j;
-            for (std::int32_t south = 0; south < 2; ++south)
-                child[2 * south] |= static_cast<std::uint32_t>(masks_.finer_row(2 * j + south) >> (2 * at_.n - 1) & 1)
-                                    << j;
+        for (std::uint32_t j = 0; j < n_; ++j) {
+            west |= (masks_.centre[j + 1] >> (n_ - 1) & 1) << j;
+            for (std::uint32_t south = 0; south < 2; ++south)
+                child[2 * south] |= (odd_[2 * j + 1 + south] >> (n_ - 1) & 1) << j;
         }
-        return west == 0 ? 0 : put(at_.column(), west, 0, child);
-    }
-
-    [[nodiscard]] static std::uint32_t even_of(std::uint64_t v) {
-        if (v == 0) return 0; // as most are
-        return even_bits(static_cast<std::uint32_t>(v)) | even_bits(static_cast<std::uint32_t>(v >> 32)) << 16;
+        for (std::size_t d = 0; d < 4; ++d) child_[d][0] = child[d];
+        constexpr std::uint32_t none = 0;
+        put(at_.column(), 1, &west, &none);
     }
 
     CutState& s;
@@ -123,7 +119,10 @@ private:
     const BulkPage& page_;
     const BulkSlots taken_;
     BulkSquares at_{};
+    std::uint32_t n_ = 0; // squares a side
     BulkMasks masks_;
+    std::uint32_t even_[2 * page_squares + 1], odd_[2 * page_squares + 1];
+    std::uint32_t child_[4][page_squares + 1];
     std::uint32_t parents_ = 0;
 };
 
@@ -205,8 +204,12 @@ bool step_install(CutState& s) {
             if (page.page == no_index || !used) continue;
             if (b.beside) release(s, slot);
             clear_page_schedule(s.schedule, slot);
+            if (found_in(s, slot) != nullptr) { // its groups are all written, when their lines come anyway
+                forget_active(s, slot);
+                return true;
+            }
             clear_page(s, slot);
-            if (found_in(s, slot) == nullptr) note_idle(s, slot);
+            note_idle(s, slot);
             return true;
         }
         b.phase = BulkPhase::installing;

@@ -6,6 +6,9 @@
 
 #include <hwy/highway.h>
 
+#include <bit>
+
+#include "compiler.h"
 #include "cut/evaluate.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -171,6 +174,104 @@ void evaluate_picked_lanes(const Criterion& c, const PickedLanes& b, float ticks
     out.code = static_cast<std::uint32_t>(hn::GetLane(hn::MaxOfLanes(di, codes)));
 }
 
+// Their lines come while the first of them are worked on. Rows need not begin where lines do.
+HWY_INLINE void prefetch_rows(const PageRows& b) {
+    for (std::uint32_t row = 0; row < b.count; ++row) {
+        const std::uint32_t ready = b.ready[row];
+        if (ready == 0) continue;
+        const VertexRecord* const records = b.records + std::size_t{row} * b.stride;
+        FJELL_PREFETCH(records + ((ready & 0xffff) != 0 ? 0 : group_lanes));
+        FJELL_PREFETCH(records + group_lanes);
+        FJELL_PREFETCH(records + (ready >> group_lanes != 0 ? 2 * group_lanes - 1 : group_lanes - 1));
+    }
+}
+
+// The same for rows as they lie. Alone: of one view without hysteresis, whose margin is all there is.
+template <bool Alone>
+HWY_INLINE void evaluate_whole_rows(const Criterion& c, const PageRows& b, float ticks_a_metre, RowAnswers& out) {
+    const F d;
+    const I di;
+    const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
+    const auto far = hn::Set(d, 3.4e38f);
+    const Reach& only = c.reach[0];
+    alignas(64) float x_m[page_squares], x2[page_squares]; // and squares of what it is from the eye
+    for (std::uint32_t lane = 0; lane < page_squares; lane += lanes) {
+        const auto number = hn::Add(hn::LoadU(di, lane_numbers), hn::Set(di, static_cast<std::int32_t>(lane)));
+        const auto x = hn::Min(hn::Add(hn::Set(di, b.x0), hn::ShiftLeftSame(number, b.z + 1)), hn::Set(di, c.last_x));
+        const auto px = hn::Mul(hn::ConvertTo(d, x), hn::Set(d, c.spacing_x_m));
+        const auto dx = hn::Sub(px, hn::Set(d, only.eye_x));
+        hn::Store(px, d, x_m + lane);
+        hn::Store(hn::Mul(dx, dx), d, x2 + lane);
+    }
+    const auto q = hn::Set(d, only.q), pad = hn::Set(d, only.pad), eye_y = hn::Set(d, only.eye_y);
+    auto codes = hn::Zero(di);
+    std::uint32_t count = 0, groups = 0;
+    for (std::uint32_t row = 0; row < b.count; ++row) {
+        const std::uint32_t row_ready = b.ready[row];
+        if (row_ready == 0) continue;
+        const std::int32_t y = std::min(b.y0 + (static_cast<std::int32_t>(row) << (b.z + 1)), c.last_y);
+        const float z_m = static_cast<float>(y) * c.spacing_z_m, dz = z_m - only.eye_z;
+        const auto pz = hn::Set(d, z_m), z2 = hn::Set(d, dz * dz);
+        const auto* const records = reinterpret_cast<const std::int32_t*>(b.records + std::size_t{row} * b.stride);
+        std::uint32_t wanted = 0;
+        for (std::uint32_t group = 0; group < page_squares / group_lanes; ++group) {
+            const std::uint32_t first = group * group_lanes;
+            if ((row_ready >> first & 0xffff) == 0) continue;
+            ++groups;
+            auto least = far;
+            for (std::uint32_t lane = first; lane < first + group_lanes; lane += lanes) {
+                const std::uint32_t ready = row_ready >> lane & ((1u << lanes) - 1);
+                if (ready == 0) continue;
+                auto error_code = hn::Undefined(di);
+                auto py = hn::Undefined(d), error = py, radius = py, slack = py;
+                read_record(c, hn::LoadU(di, records + lane), b.base, b.unit_m, error_code, py, error, radius);
+                auto is_wanted = hn::Lt(pz, pz);
+                if constexpr (Alone) { // as decide() does
+                    const auto dy = hn::Sub(py, eye_y);
+                    const auto squared = hn::Add(hn::Add(hn::Load(d, x2 + lane), hn::Mul(dy, dy)), z2);
+                    const auto distance = hn::Sqrt(squared);
+                    const auto reach =
+                        hn::Add(hn::Mul(hn::Add(radius, hn::Mul(error, q)), hn::Set(d, reach_grow)), pad);
+                    is_wanted = hn::Lt(squared, hn::Mul(reach, reach));
+                    slack = hn::Sub(hn::Abs(hn::Sub(reach, distance)),
+                                    hn::Mul(hn::Add(reach, distance), hn::Set(d, slack_rounding)));
+                } else {
+                    auto reach_margin = hn::Undefined(d), keep_margin = reach_margin, span = reach_margin;
+                    auto is_kept = is_wanted;
+                    decide(c, hn::Load(d, x_m + lane), py, pz, error, radius, reach_margin, keep_margin, span,
+                           is_wanted, is_kept);
+                    const auto margin =
+                        c.hysteresis ? hn::IfThenElse(is_wanted, keep_margin, reach_margin) : reach_margin;
+                    slack = hn::Sub(hn::Abs(margin), hn::Mul(span, hn::Set(d, slack_rounding)));
+                }
+                wanted |= bits_of(d, is_wanted) << lane;
+                const auto counts = hn::Ne(
+                    hn::And(hn::LoadU(di, lane_bits), hn::Set(di, static_cast<std::int32_t>(ready))), hn::Zero(di));
+                least = hn::Min(least, hn::IfThenElse(hn::RebindMask(d, counts), slack, far));
+                codes = hn::Max(codes, hn::IfThenElseZero(counts, error_code));
+            }
+            const float slack_m = std::max(hn::GetLane(hn::MinOfLanes(d, least)), 0.0f);
+            const auto ticks = static_cast<std::uint32_t>(std::min(slack_m * ticks_a_metre, float{most_ticks}));
+            std::uint16_t& of = out.ticks[2 * row + group];
+            of = std::min(of, static_cast<std::uint16_t>(soon + ticks));
+        }
+        wanted &= row_ready;
+        out.wanted[row] |= wanted;
+        count += static_cast<std::uint32_t>(std::popcount(wanted));
+    }
+    out.count = count;
+    out.groups = groups;
+    out.code = static_cast<std::uint32_t>(hn::GetLane(hn::MaxOfLanes(di, codes)));
+}
+
+void evaluate_rows_lanes(const Criterion& c, const PageRows& b, float ticks_a_metre, RowAnswers& out) {
+    prefetch_rows(b);
+    if (c.views == 1 && !c.hysteresis)
+        evaluate_whole_rows<true>(c, b, ticks_a_metre, out);
+    else
+        evaluate_whole_rows<false>(c, b, ticks_a_metre, out);
+}
+
 void place_picked_lanes(const Criterion& c, const PickedLanes& b, MeshVertex* vertices, MorphVertex* morph) {
     const F d;
     const I di;
@@ -227,6 +328,7 @@ namespace fjell {
 
 HWY_EXPORT(evaluate_lanes);
 HWY_EXPORT(evaluate_picked_lanes);
+HWY_EXPORT(evaluate_rows_lanes);
 HWY_EXPORT(place_picked_lanes);
 HWY_EXPORT(worst_of_lanes);
 
@@ -274,6 +376,10 @@ void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& an
 
 void evaluate_picked(const Criterion& decision, const PickedLanes& lanes, float ticks_a_metre, PickedAnswers& answers) {
     HWY_DYNAMIC_DISPATCH(evaluate_picked_lanes)(decision, lanes, ticks_a_metre, answers);
+}
+
+void evaluate_rows(const Criterion& decision, const PageRows& rows, float ticks_a_metre, RowAnswers& answers) {
+    HWY_DYNAMIC_DISPATCH(evaluate_rows_lanes)(decision, rows, ticks_a_metre, answers);
 }
 
 void place_picked(const Criterion& decision, const PickedLanes& lanes, MeshVertex* vertices, MorphVertex* morph) {

@@ -55,6 +55,28 @@ void evaluate_picked(const Criterion& decision, const PickedLanes& lanes, float 
 // room for a multiple of group_lanes.
 void place_picked(const Criterion& decision, const PickedLanes& lanes, MeshVertex* vertices, MorphVertex* morph);
 
+// Rows of one plane of a full page, in planar order: lane n of row j stands 2n steps east and 2j steps south of the
+// first.
+struct PageRows {
+    const VertexRecord* records; // of the first row; all readable
+    std::uint32_t stride;        // records from row to row
+    std::uint32_t count;
+    const std::uint32_t* ready; // a bit a lane, a word a row: no other is looked at
+    std::int32_t x0, y0;        // where the first lane stands, in samples
+    int z;                      // log2 of the step
+    std::int32_t base;          // height scale steps
+    float unit_m;               // of the level's radii
+};
+struct RowAnswers {
+    std::uint32_t* wanted; // bits that are set, a word a row
+    std::uint16_t* ticks;  // two a row, one for each group: lowered to soon + those of its smallest slack
+    std::uint32_t code;    // the largest error code
+    std::uint32_t count;   // wanted vertices
+    std::uint32_t groups;  // that were looked at
+};
+// As evaluate_picked(): where it pays to look at a row as it lies.
+void evaluate_rows(const Criterion& decision, const PageRows& rows, float ticks_a_metre, RowAnswers& answers);
+
 // Of the lanes called inactive, the largest error on screen of what each would split, in any view: error_m * unit_px /
 // (distance - radius), and no less. unit_px: pixels of a metre at a metre's distance, a number a view.
 [[nodiscard]] float worst_px(const Criterion& decision, const LaneGroup& group, const float* unit_px);

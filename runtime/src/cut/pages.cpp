@@ -52,28 +52,6 @@ void empty_state(PageState& info) {
     info.page = no_index;
 }
 
-// Of a page whose groups are all zero.
-void mark_absent_parents(CutState& s, std::uint32_t slot) {
-    const PageState& info = s.page_state[slot];
-    const std::int32_t n = info.shape == 0 ? 1 << s.steps[info.z].log2 : page_squares;
-    const std::int32_t i0 = (info.tile_x << s.steps[info.z].log2) + info.i0,
-                       j0 = (info.tile_y << s.steps[info.z].log2) + info.j0;
-    const bool rim = !has_square(s, info.z, i0 - 1, j0) || !has_square(s, info.z, i0, j0 - 1) ||
-                     !has_square(s, info.z, i0 + n, j0) || !has_square(s, info.z, i0, j0 + n);
-    for (std::uint32_t k = 0; (rim || info.shape == 0) && k < s.shapes[info.shape].count; ++k) {
-        const std::uint32_t number = slot * max_page_groups + k;
-        GroupState& b = s.groups[number];
-        const GroupShape& shape = s.shapes[info.shape].groups[k];
-        if (!rim && shape.z + 1 != s.terrain->tree.tile_log2) continue; // but a tile's root has no parents anywhere
-        const Site first = site_of(s, number * group_lanes);
-        // A border has a lane in each page that holds it; only the owner's counts.
-        if (exists(s, first) && find_vertex(s, first) != number * group_lanes) continue;
-        const ParentMasks absent = absent_parents(s, first, shape);
-        b.parent[0] = absent.parent[0];
-        b.parent[1] = absent.parent[1];
-    }
-}
-
 // Every tile's page 0 is sure of a state.
 bool has_state_for(const CutState& s, bool root) {
     return free_pages(s) > (root || !may_lack_pages(s) ? 0 : s.tiles_waiting);
@@ -225,14 +203,52 @@ ParentMasks absent_parents(const CutState& s, const Site& first, const GroupShap
     return absent;
 }
 
-void clear_page(CutState& s, std::uint32_t slot) {
+void mark_absent_parents(CutState& s, std::uint32_t slot) {
+    const PageState& info = s.page_state[slot];
+    const std::int32_t n = info.shape == 0 ? 1 << s.steps[info.z].log2 : page_squares;
+    const std::int32_t i0 = (info.tile_x << s.steps[info.z].log2) + info.i0,
+                       j0 = (info.tile_y << s.steps[info.z].log2) + info.j0;
+    const bool west = has_square(s, info.z, i0 - 1, j0), north = has_square(s, info.z, i0, j0 - 1),
+               east = has_square(s, info.z, i0 + n, j0), south = has_square(s, info.z, i0, j0 + n);
+    if (west && north && east && south && info.shape != 0) return; // but a tile's root has no parents anywhere
+    const std::uint32_t first = slot * max_page_groups;
+    for (std::uint32_t k = 0; k < s.shapes[info.shape].count; ++k) {
+        const GroupShape& shape = s.shapes[info.shape].groups[k];
+        const auto lanes = static_cast<std::uint16_t>((1u << shape.lanes) - 1);
+        const int z = info.z + shape.z;
+        GroupState& group = s.groups[first + k];
+        switch (shape.kind) { // of a border that another page owns nothing is said
+        case VertexKind::centre:
+            if (z + 1 == s.terrain->tree.tile_log2) group.parent[0] |= 1, group.parent[1] |= 1;
+            break;
+        case VertexKind::side_x:
+            if (!north && shape.j0 == 0) group.parent[0] |= lanes;
+            if (!south && shape.j0 == 1u << s.steps[z].page_log2) group.parent[1] |= lanes;
+            break;
+        case VertexKind::side_y:
+            if (!east && shape.along_y) group.parent[1] |= lanes;
+            if (!west && !shape.along_y && shape.i0 == 0) group.parent[0] |= 1;
+            break;
+        }
+    }
+}
+
+void forget_active(CutState& s, std::uint32_t slot) {
     PageState& info = s.page_state[slot];
     info.active = 0;
     s.busy_pages -= info.parents != 0;
     info.parents = 0;
+}
+
+void zero_groups(CutState& s, std::uint32_t slot) {
     static_assert(unqueued == 0);
     std::memset(static_cast<void*>(s.groups + std::size_t{slot} * max_page_groups), 0,
-                s.shapes[info.shape].count * sizeof(GroupState));
+                s.shapes[s.page_state[slot].shape].count * sizeof(GroupState));
+}
+
+void clear_page(CutState& s, std::uint32_t slot) {
+    forget_active(s, slot);
+    zero_groups(s, slot);
     mark_absent_parents(s, slot);
 }
 

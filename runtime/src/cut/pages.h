@@ -29,8 +29,12 @@ void keep_pages_at_hand(CutState& s);
     return s.page_count < s.terrain->slot_count;
 }
 
-// As if nothing were active, for one page.
+// Parents that do not exist count as active, in a page's groups. Writes nothing else.
+void mark_absent_parents(CutState& s, std::uint32_t slot);
+// As if nothing were active, for one page: what is counted of it, and its groups, which are zero but for such parents.
 void clear_page(CutState& s, std::uint32_t slot);
+void forget_active(CutState& s, std::uint32_t slot);
+void zero_groups(CutState& s, std::uint32_t slot);
 
 // Deactivates what is still active in pages that are being evicted, as far as the items go.
 void evict_pages(CutState& s);

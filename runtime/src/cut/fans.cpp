@@ -1,0 +1,164 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "cut/fans.cpp"
+#include <hwy/foreach_target.h> // includes this file once a target
+
+#include <hwy/highway.h>
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+
+#include "cut/fans.h"
+#include "tree/order.h"
+
+// What the targets share.
+#ifndef FJELL_FANS_ONCE
+#define FJELL_FANS_ONCE
+namespace fjell {
+namespace {
+
+// Corners of a fan by name: the vertex, and the four around it. Of a centre those are the corners of its square.
+enum Corner : std::uint8_t { first, second, third, fourth, vertex };
+// Of the triangle in each direction the two corners beside the vertex.
+constexpr Corner centre_corners[4][2] = {{first, third}, {fourth, second}, {second, first}, {third, fourth}};
+// Of a side: west, east, north, south.
+constexpr Corner side_corners[4][2] = {{third, first}, {second, third}, {first, fourth}, {fourth, second}};
+
+struct Fan {
+    alignas(64) std::int32_t corner[16]; // of the twelve indices, packed
+    std::uint32_t number[4];             // of each triangle, after the first one's slot
+    std::uint32_t none[4];               // all ones: it is not drawn
+    std::uint32_t count;
+};
+using Fans = std::array<Fan, 16>;
+constexpr Fans make_fans(const Corner (&corners)[4][2]) {
+    Fans made{};
+    for (std::uint32_t drawn = 0; drawn < 16; ++drawn) {
+        Fan& fan = made[drawn];
+        for (std::uint32_t d = 0; d < 4; ++d) {
+            fan.number[d] = fan.count;
+            fan.none[d] = (drawn >> d & 1) - 1;
+            if ((drawn >> d & 1) == 0) continue;
+            std::int32_t* const at = fan.corner + 3 * std::size_t{fan.count++};
+            at[0] = vertex, at[1] = corners[d][0], at[2] = corners[d][1];
+        }
+    }
+    return made;
+}
+constexpr Fans centre_fans = make_fans(centre_corners), side_fans = make_fans(side_corners);
+
+// Where the corners are: the first two side by side, and the others too or not.
+struct CentreCorners {
+    const std::uint32_t *slots, *norths, *souths;
+    void copy(std::uint32_t i, std::uint32_t (&to)[5]) const {
+        to[first] = norths[i], to[second] = norths[i + 1], to[third] = souths[i], to[fourth] = souths[i + 1];
+        to[vertex] = slots[i];
+    }
+};
+struct SideCorners {
+    const std::uint32_t *slots, *ends, *norths, *souths;
+    void copy(std::uint32_t i, std::uint32_t (&to)[5]) const {
+        to[first] = ends[i], to[second] = ends[i + 1], to[third] = norths[i], to[fourth] = souths[i];
+        to[vertex] = slots[i];
+    }
+};
+
+inline std::uint32_t drawn_around(const CentreRow& row, std::uint32_t i) {
+    return (static_cast<std::uint32_t>(row.sides_y >> i) & 3) | (row.north >> i & 1) << 2 | (row.south >> i & 1) << 3;
+}
+inline std::uint32_t drawn_around(const SideRow& row, std::uint32_t i) {
+    return static_cast<std::uint32_t>((row.up >> 2 * i & 3) | (row.down >> 2 * i & 3) << 2);
+}
+
+} // namespace
+} // namespace fjell
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace fjell::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_MAX_BYTES >= 32 && !HWY_HAVE_SCALABLE
+using Eight = hn::FixedTag<std::uint32_t, 8>;
+using Four = hn::FixedTag<std::uint32_t, 4>;
+using Two = hn::FixedTag<std::uint32_t, 2>;
+
+HWY_INLINE auto around(const CentreCorners& at, std::uint32_t i) {
+    return hn::Combine(Four(), hn::LoadU(Two(), at.souths + i), hn::LoadU(Two(), at.norths + i));
+}
+HWY_INLINE auto around(const SideCorners& at, std::uint32_t i) {
+    const std::uint64_t others = at.norths[i] | std::uint64_t{at.souths[i]} << 32;
+    const auto third_and_fourth = hn::BitCast(Two(), hn::Set(hn::FixedTag<std::uint64_t, 1>(), others));
+    return hn::Combine(Four(), third_and_fourth, hn::LoadU(Two(), at.ends + i));
+}
+
+template <typename Corners, typename Row>
+HWY_INLINE std::uint32_t fan_row(FanOut& to, const Corners& at, const Row& row, const Fans& fans,
+                                 std::uint32_t active) {
+    FanOut out = to;
+    for (; active != 0 && out.next + 4 <= out.end; active &= active - 1) {
+        const auto i = static_cast<std::uint32_t>(std::countr_zero(active));
+        const std::uint32_t v = at.slots[i];
+        const Fan& fan = fans[drawn_around(row, i)];
+        const auto corners = hn::Combine(Eight(), hn::Set(Four(), v), around(at, i));
+        const auto low = hn::TableLookupLanes(corners, hn::SetTableIndices(Eight(), fan.corner));
+        const auto high = hn::TableLookupLanes(corners, hn::SetTableIndices(Eight(), fan.corner + 8));
+        std::uint32_t* const indices = out.indices + std::size_t{out.next} * 3;
+        hn::StoreU(low, Eight(), indices);
+        hn::StoreU(hn::LowerHalf(Four(), high), Four(), indices + 8);
+        const auto named =
+            hn::Or(hn::Add(hn::Set(Four(), out.next), hn::LoadU(Four(), fan.number)), hn::LoadU(Four(), fan.none));
+        hn::StoreU(named, Four(), out.triangle_of + std::size_t{v} * 4);
+        out.next += fan.count;
+    }
+    to.next = out.next;
+    return active;
+}
+#else
+template <typename Corners, typename Row>
+HWY_INLINE std::uint32_t fan_row(FanOut& to, const Corners& at, const Row& row, const Fans& fans,
+                                 std::uint32_t active) {
+    FanOut out = to;
+    for (; active != 0 && out.next + 4 <= out.end; active &= active - 1) {
+        const auto i = static_cast<std::uint32_t>(std::countr_zero(active));
+        std::uint32_t corner[5];
+        at.copy(i, corner);
+        const Fan& fan = fans[drawn_around(row, i)];
+        std::uint32_t* const indices = out.indices + std::size_t{out.next} * 3;
+        for (std::uint32_t n = 0; n < 12; ++n) indices[n] = corner[fan.corner[n]];
+        std::uint32_t* const named = out.triangle_of + std::size_t{corner[vertex]} * 4;
+        for (std::uint32_t d = 0; d < 4; ++d) named[d] = (out.next + fan.number[d]) | fan.none[d];
+        out.next += fan.count;
+    }
+    to.next = out.next;
+    return active;
+}
+#endif
+
+std::uint32_t fan_centre_row(FanOut& out, const CentreRow& row, std::uint32_t active) {
+    return fan_row(out, CentreCorners{row.slots, row.norths, row.souths}, row, centre_fans, active);
+}
+std::uint32_t fan_side_row(FanOut& out, const SideRow& row, std::uint32_t active) {
+    return fan_row(out, SideCorners{row.slots, row.ends, row.norths, row.souths}, row, side_fans, active);
+}
+
+} // namespace fjell::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace fjell {
+
+HWY_EXPORT(fan_centre_row);
+HWY_EXPORT(fan_side_row);
+
+std::uint32_t fan_centres(FanOut& out, const CentreRow& row, std::uint32_t active) {
+    return HWY_DYNAMIC_DISPATCH(fan_centre_row)(out, row, active);
+}
+std::uint32_t fan_sides(FanOut& out, const SideRow& row, std::uint32_t active) {
+    return HWY_DYNAMIC_DISPATCH(fan_side_row)(out, row, active);
+}
+
+} // namespace fjell
+#endif

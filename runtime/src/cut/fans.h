@@ -1,0 +1,38 @@
+// The triangles around rows of vertices, written one after the other: what emitting a mesh comes down to.
+//
+// A vertex has up to four, towards its four children; one is drawn where that child is not active. All four are
+// written, packed, the next over one that is not drawn, so that no branch can be mispredicted. Where the machine has
+// vectors of eight, a vertex and the corners around it are one, and a permutation of it for each of the 16 sets of
+// drawn triangles gives the twelve indices.
+#pragma once
+
+#include <cstdint>
+
+namespace fjell {
+
+// Where triangles go: slots from `next` on. Around a vertex there may be four, so the last before `end` stay empty.
+struct FanOut {
+    std::uint32_t *indices, *triangle_of; // CutState's
+    std::uint32_t next, end;
+};
+
+// Centres of a row of squares, by their numbers in the row: their slots, and those of the corners to the north and the
+// south (one more). Bits: that there is no triangle towards that side; sides_y has one more.
+struct CentreRow {
+    const std::uint32_t *slots, *norths, *souths;
+    std::uint64_t sides_y;
+    std::uint32_t north, south;
+};
+// A row of sides: their slots, those to the west and, one on, to the east, and those to the north and south. up, down:
+// two bits a side, that the triangles north and south of it, west then east, are drawn.
+struct SideRow {
+    const std::uint32_t *slots, *ends, *norths, *souths;
+    std::uint64_t up, down;
+};
+
+// The triangles around the vertices whose bits are set, from the lowest on, while there is room for four. Returns the
+// bits that are left. triangle_of says where each is, or no_index.
+[[nodiscard]] std::uint32_t fan_centres(FanOut& out, const CentreRow& row, std::uint32_t active);
+[[nodiscard]] std::uint32_t fan_sides(FanOut& out, const SideRow& row, std::uint32_t active);
+
+} // namespace fjell
