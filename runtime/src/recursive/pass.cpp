@@ -19,13 +19,42 @@
 
 #include "compiler.h"
 #include "recursive/emit.h"
-#include "recursive/kind.h"
 #include "recursive/locate.h"
 #include "view/wanted.h"
 
 namespace fjell {
 
 namespace {
+
+// A vertex as the recursion carries it, in one register, which compilers would make two of a struct: pack_xy of its
+// place below its slot.
+using Corner = std::uint64_t;
+constexpr Corner make_corner(std::uint32_t xy, std::uint32_t slot) {
+    return xy | std::uint64_t{slot} << 32;
+}
+constexpr std::uint32_t xy_of(Corner c) {
+    return static_cast<std::uint32_t>(c);
+}
+constexpr std::uint32_t slot_of(Corner c) {
+    return static_cast<std::uint32_t>(c >> 32);
+}
+
+// A triangle before it is entered. even: its vertex is a centre. hypotenuse, left, right: the triangle on the other
+// side of this edge comes earlier in the recursion (left: from the apex to the left end). inside: nothing is left to
+// ask but the distance.
+struct Kind {
+    bool even, hypotenuse, left, right, inside;
+};
+// Of the halves: the one at the left end comes first on even levels. The edge between them was seen by the first.
+constexpr Kind left_half(Kind k) {
+    return {!k.even, k.left, !k.even, k.hypotenuse, k.inside};
+}
+constexpr Kind right_half(Kind k) {
+    return {!k.even, k.right, k.hypotenuse, k.even, k.inside};
+}
+constexpr Kind inside(Kind k) {
+    return {k.even, k.hypotenuse, k.left, k.right, true};
+}
 
 // What may still have to be asked below a vertex: the frustum's planes that its sphere crosses and, in every sub-tree
 // alike, what is not as simple as the rest. Nothing left: only the distance decides.
